@@ -1,0 +1,5 @@
+"""``python -m imuwb``."""
+
+from imuwb.cli import main
+
+main()

@@ -1,0 +1,61 @@
+"""Builds the command line from the commands of the core and the analyses that are installed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, cast
+
+import typer
+
+from imuwb import __version__, registry
+from imuwb.cli import commands
+from imuwb.cli.options import command_function
+from imuwb.errors import UsageError
+
+if TYPE_CHECKING:
+    from imuwb.analysis import Analysis
+
+ANALYSES = "Analyses"
+
+
+def build(arguments: list[str]) -> typer.Typer:
+    """Return the command line for these arguments; a first argument that ends in .py is a plugin file."""
+    app = typer.Typer(
+        no_args_is_help=True, context_settings={"help_option_names": ["-h", "--help"]}, rich_markup_mode="rich",
+        pretty_exceptions_enable=False,
+    )  # fmt: skip
+    app.callback()(_root)
+    for name, command, panel in commands.COMMANDS:
+        app.command(name, rich_help_panel=panel)(command)
+    for name, point in registry.installed(registry.ANALYSES).items():
+        analysis = registry.load(point)
+        if analysis is not None:
+            _add(app, name, cast("Analysis", analysis), point.value)
+    if arguments and arguments[0].endswith(".py"):
+        path = Path(arguments[0])
+        _add(app, arguments[0], cast("Analysis", registry.load_file(path)), str(path))
+    return app
+
+
+def _version(wanted: bool) -> None:  # noqa: FBT001 - typer's callback has no keyword
+    if wanted:
+        typer.echo(__version__)
+        raise typer.Exit
+
+
+def _root(
+    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")] = False,  # noqa: FBT002 - a flag
+) -> None:
+    """A workbench for inertial logs: how noisy is this sensor, and how far does it drift?"""
+    del version
+
+
+def _add(app: typer.Typer, name: str, analysis: Analysis, origin: str) -> None:
+    missing = [part for part in ("Parameters", "run", "draw") if not hasattr(analysis, part)]
+    if missing:
+        message = f"{origin}: a plugin has Parameters, run and draw; this one lacks {', '.join(missing)}"
+        raise UsageError(message)
+    short = Path(name).stem if name.endswith(".py") else name
+    function = command_function(short, analysis)
+    text = (cast("Any", analysis).__doc__ or short).strip()
+    app.command(name, help=text, short_help=text.splitlines()[0], rich_help_panel=ANALYSES)(function)

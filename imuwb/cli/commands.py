@@ -1,0 +1,159 @@
+"""The commands that are no analysis: info, simulate, view, plugins, demo."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal, cast
+
+import typer
+
+from imuwb import registry
+from imuwb.cli.options import Common
+from imuwb.errors import ImuwbError, MissingDataError, UsageError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from imuwb.analysis import Analysis
+
+LOGS, RESULTS = "Logs", "Results"
+DEMO_LOG = "static.mcap"
+
+
+def info(  # noqa: PLR0913 - an option each
+    log: Annotated[Path, typer.Argument(help="Any log: MCAP, CSV, RTKLIB .pos.", metavar="LOG")],
+    *,
+    json: Annotated[bool, typer.Option("--json", help="As JSON on stdout.")] = False,
+    time_source: Annotated[Literal["header", "log", "publish"], typer.Option(help="Which stamp of a message counts.")] = "header",
+    rate: Annotated[float | None, typer.Option(help="Of text without a time column.", metavar="HZ")] = None,
+    columns: Annotated[str | None, typer.Option(help="Of text without a header: names in order, - for none.", metavar="NAMES")] = None,
+    units: Annotated[str | None, typer.Option(help="Such as gyro=deg/s,accel=g,time=ms.", metavar="UNITS")] = None,
+    frame: Annotated[Literal["FRD", "FLU"] | None, typer.Option(help="Body frame, where the log does not say.")] = None,
+) -> None:
+    """Streams, rates, gaps, clocks, units, frames and repairs of a log."""
+    from imuwb.cli.perform import read_log  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.cli.terminal import shower  # noqa: PLC0415
+    from imuwb.readers import summarize  # noqa: PLC0415
+    from imuwb.review.document import plain  # noqa: PLC0415
+    from imuwb.review.tables import streams_table  # noqa: PLC0415
+
+    content = read_log(log, Common(time_source=time_source, rate=rate, columns=columns, units=units, frame=frame))
+    if json:
+        import json as json_module  # noqa: PLC0415 - the option has its name
+
+        typer.echo(json_module.dumps(plain(summarize(content)), indent=1, ensure_ascii=False))
+        return
+    show = shower(data=True)
+    show(streams_table(content))
+    for note in content.notes:
+        show(note)
+
+
+def simulate(  # noqa: PLR0913 - an option each
+    kind: Annotated[Literal["static"], typer.Argument(help="What to simulate.", metavar="static")],
+    *,
+    output: Annotated[Path, typer.Option("--output", "-o", help="The log; its suffix, .mcap or .csv, is its format.", metavar="FILE")],
+    preset: Annotated[str | None, typer.Option(help="A published sensor (an unknown name lists them).")] = None,
+    error_model: Annotated[Path | None, typer.Option(help="An error model of your own.", metavar="MODEL.toml")] = None,
+    hours: Annotated[float, typer.Option(help="Duration in hours.")] = 1.0,
+    rate: Annotated[float, typer.Option(help="Samples a second, Hz.")] = 100.0,
+    seed: Annotated[int, typer.Option(help="The same seed gives the same log.", min=0)] = 0,
+    temperature: Annotated[float | None, typer.Option(help="Of the sensor, °C.")] = None,
+    quantize: Annotated[bool, typer.Option(help="Round to the model's lsb.")] = False,
+    bandwidth: Annotated[float | None, typer.Option(help="Low-pass the noise (Butterworth, second order), Hz.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Write over a file that exists.")] = False,
+) -> None:
+    """A log of known truth: a still IMU with the noise of a published sensor, or of a model of yours."""
+    from imuwb.cli.perform import check_place  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.cli.terminal import progress  # noqa: PLC0415
+    from imuwb.simulation import preset as published  # noqa: PLC0415
+    from imuwb.simulation import static  # noqa: PLC0415
+    from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
+    from imuwb.writers import SUFFIXES, write  # noqa: PLC0415
+
+    del kind
+    if (preset is None) == (error_model is None):
+        message = "simulate needs a sensor: either --preset NAME or --error-model MODEL.toml"
+        raise UsageError(message)
+    if output.suffix not in SUFFIXES:
+        message = f"--output {output}: a log is written as {' or '.join(SUFFIXES)}"
+        raise UsageError(message)
+    model = published(preset) if preset is not None else ImuErrorModel.read(cast("Path", error_model))
+    check_place(output, force=force)
+    with progress("simulating") as report:
+        log = static(model, hours * 3600, rate, seed, celsius=temperature, quantize=quantize, bandwidth=bandwidth, progress=report)
+    with progress(f"writing {output.name}") as report:
+        write(log, output, report)
+    typer.echo(f"wrote {output}", err=True)
+
+
+def view(recording: Annotated[Path, typer.Argument(help="A recording that imuwb wrote.", metavar="REC.rrd")]) -> None:
+    """Open a recording in the Rerun viewer, on this machine only."""
+    from imuwb.cli.perform import check_recording  # noqa: PLC0415 - help must not wait
+
+    check_recording(recording)
+    # CI tells the viewer to send no usage statistics; it has no option for that.
+    environment = {**os.environ, "CI": "true"}
+    command = [sys.executable, "-m", "rerun", str(recording), "--bind", "127.0.0.1"]
+    done = subprocess.run(command, env=environment, check=False)  # noqa: S603 - our own interpreter, a checked file
+    if done.returncode:
+        message = f"the viewer ended with code {done.returncode}; does this machine have a screen?"
+        raise ImuwbError(message)
+
+
+def plugins() -> None:
+    """The readers and analyses that are installed, and where they come from."""
+    from imuwb.analysis import Table  # noqa: PLC0415 - help must not wait for rich
+    from imuwb.cli.terminal import shower  # noqa: PLC0415
+
+    rows: list[tuple[str, ...]] = []
+    for kind, group in (("analysis", registry.ANALYSES), ("reader", registry.READERS)):
+        for name, point in registry.installed(group).items():
+            loaded = registry.load(point)
+            text = (getattr(loaded, "__doc__", None) or "").strip().splitlines()
+            origin = f"{point.dist.name} {point.dist.version}" if point.dist is not None else "unknown"
+            rows.append((kind, name, text[0] if text else "cannot be loaded", point.value, origin))
+    headings = ("kind", "name", "what it does", "module", "from")
+    shower(data=True)(Table("Plugins", headings, tuple(rows), "A single .py file is a plugin too: imuwb ./mine.py LOG"))
+
+
+def demo(
+    *,
+    output: Annotated[Path, typer.Option("--output", "-o", help="The recording.", metavar="FILE.rrd")] = Path("imuwb-demo.rrd"),
+    force: Annotated[bool, typer.Option("--force", help="Write over a recording that exists.")] = False,
+) -> None:
+    """Analyse the sample log, and leave a recording to look at."""
+    from imuwb.cli.options import make  # noqa: PLC0415 - help must not wait
+    from imuwb.cli.perform import perform  # noqa: PLC0415
+
+    log = samples() / DEMO_LOG
+    analysis = cast("Analysis", registry.load(registry.installed(registry.ANALYSES)["allan"]))
+    perform("allan", analysis, [log], make(analysis.Parameters, {}), Common(output=output, force=force))
+    typer.echo(f"look at it: imuwb view {output}", err=True)
+
+
+def samples() -> Path:
+    """Return the folder of sample logs: in the package, or beside it in a checkout.
+
+    Raises:
+        MissingDataError: neither is there.
+    """
+    package = Path(__file__).resolve().parent.parent
+    for folder in (package / "samples", package.parent / "samples"):
+        if (folder / DEMO_LOG).is_file():
+            return folder
+    message = f"the sample logs are not installed (looked for {package / 'samples' / DEMO_LOG})"
+    raise MissingDataError(message)
+
+
+#: (name, function, panel of the help)
+COMMANDS: tuple[tuple[str, Callable[..., None], str], ...] = (
+    ("info", info, LOGS),
+    ("simulate", simulate, LOGS),
+    ("view", view, RESULTS),
+    ("plugins", plugins, RESULTS),
+    ("demo", demo, RESULTS),
+)

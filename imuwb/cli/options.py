@@ -1,0 +1,108 @@
+"""Options: those that all analyses share, and those that a Parameters class declares."""
+
+from __future__ import annotations
+
+import inspect
+import typing
+from dataclasses import MISSING, dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
+
+import typer
+
+from imuwb.errors import UsageError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from imuwb.analysis import Analysis
+
+LOG_PANEL, OUTPUT_PANEL = "How the log is read", "Output"
+
+
+def _log(flag: str, text: str, metavar: str | None = None) -> Any:  # noqa: ANN401 - typer's own marker
+    return typer.Option(flag, help=text, rich_help_panel=LOG_PANEL, metavar=metavar)
+
+
+def _out(*flags: str, text: str, metavar: str | None = None) -> Any:  # noqa: ANN401 - typer's own marker
+    return typer.Option(*flags, help=text, rich_help_panel=OUTPUT_PANEL, metavar=metavar)
+
+
+@dataclass(frozen=True)
+class Common:
+    """What every analysis takes."""
+
+    imu: Annotated[str | None, _log("--imu", "Which IMU, by its name in `imuwb info`.", "NAME")] = None
+    start: Annotated[str | None, _log("--start", "From here on: seconds from the log's start, or ISO.", "TIME")] = None
+    end: Annotated[str | None, _log("--end", "Up to here.", "TIME")] = None
+    time_source: Annotated[Literal["header", "log", "publish"], _log("--time-source", "Which stamp of a message counts.")] = "header"
+    rate: Annotated[float | None, _log("--rate", "Of text without a time column.", "HZ")] = None
+    columns: Annotated[str | None, _log("--columns", "Of text without a header: names in order, - for none.", "NAMES")] = None
+    units: Annotated[str | None, _log("--units", "Such as gyro=deg/s,accel=g,time=ms.", "UNITS")] = None
+    frame: Annotated[Literal["FRD", "FLU"] | None, _log("--frame", "Body frame, where the log does not say.")] = None
+    output: Annotated[Path | None, _out("--output", "-o", text="The recording; default: the log's name with .rrd.", metavar="FILE.rrd")] = None
+    force: Annotated[bool, _out("--force", text="Write over files that exist.")] = False
+    json: Annotated[str | None, _out("--json", text="The result as JSON; - for stdout.", metavar="FILE")] = None
+    save_model: Annotated[Path | None, _out("--save-model", text="The error model that was found.", metavar="FILE.toml")] = None
+    live: Annotated[bool, _out("--live", text="Show it in a running viewer too.")] = False
+
+
+def command_function(name: str, analysis: Analysis) -> Callable[..., None]:
+    """Return a function whose signature holds the logs, the parameters of an analysis, and the common options."""
+    own = parameters_of(analysis.Parameters)
+    shared = [
+        inspect.Parameter(f.name, inspect.Parameter.KEYWORD_ONLY, default=f.default, annotation=hint)
+        for f, hint in zip(fields(Common), _hints(Common).values(), strict=True)
+        if f.name != "save_model" or hasattr(analysis, "error_model")
+    ]
+    clash = {p.name for p in own} & {p.name for p in shared}
+    if clash:
+        message = f"plugin {name}: its parameters {', '.join(sorted(clash))} are options of every analysis; rename them"
+        raise UsageError(message)
+    logs = inspect.Parameter(
+        "logs", inspect.Parameter.KEYWORD_ONLY,
+        annotation=Annotated[list[Path], typer.Argument(help="What to analyse: MCAP, CSV, RTKLIB .pos.", metavar="LOG...")],
+    )  # fmt: skip
+
+    def command(**values: Any) -> None:  # noqa: ANN401 - each option has its own type
+        from imuwb.cli.perform import perform  # noqa: PLC0415 - help must not wait for numpy and rerun
+
+        paths = values.pop("logs")
+        given = {p.name: values.pop(p.name) for p in own}
+        perform(name, analysis, paths, make(analysis.Parameters, given), Common(**values))
+
+    cast("Any", command).__signature__ = inspect.Signature([logs, *own, *shared])
+    command.__annotations__ = {p.name: p.annotation for p in (logs, *own, *shared)}
+    command.__name__ = name.replace("-", "_")
+    return command
+
+
+def parameters_of(kind: Any) -> list[inspect.Parameter]:  # noqa: ANN401 - a dataclass of the plugin's
+    """Return the fields of a Parameters class as options."""
+    options: list[inspect.Parameter] = []
+    for f, hint in zip(fields(kind), _hints(kind).values(), strict=True):
+        base, text = hint, ""
+        if typing.get_origin(hint) is Annotated:
+            base, *notes = typing.get_args(hint)
+            text = next((note for note in notes if isinstance(note, str)), "")
+        flag = f"--{f.name.replace('_', '-')}"
+        flags = f"{flag}/--no-{flag[2:]}" if base is bool else flag
+        default = inspect.Parameter.empty if f.default is MISSING else f.default
+        option = typer.Option(flags, help=text[:1].upper() + text[1:] + ("." if text and text[-1] not in ".)" else ""))
+        options.append(
+            inspect.Parameter(f.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[base, option])
+        )
+    return options
+
+
+def make(kind: Any, values: dict[str, Any]) -> Any:  # noqa: ANN401 - the plugin's own class
+    """Return the parameters, or say what is wrong with them."""
+    try:
+        return kind(**values)
+    except ValueError as error:
+        raise UsageError(str(error)) from error
+
+
+def _hints(kind: Any) -> dict[str, Any]:  # noqa: ANN401 - any dataclass
+    hints = typing.get_type_hints(kind, include_extras=True)
+    return {f.name: hints[f.name] for f in fields(kind)}

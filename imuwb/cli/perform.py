@@ -1,0 +1,119 @@
+"""One analysis from the log's path to the recording."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import typer
+
+from imuwb import __version__, readers
+from imuwb.cli.terminal import progress, shower
+from imuwb.errors import ImuwbError, UnreadableLogError, UsageError
+from imuwb.readers.batch import ReadOptions
+from imuwb.review import RecordingReview, document, overview
+from imuwb.writers import write_text
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from imuwb.analysis import Analysis
+    from imuwb.cli.options import Common
+    from imuwb.log import Log
+
+VIEWER = "rerun+http://127.0.0.1:9876/proxy"
+
+
+def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: object, common: Common) -> None:
+    """Read the logs, run the analysis, and write what it draws."""
+    fewest, most = cast("tuple[int, int | None]", getattr(analysis, "LOGS", (1, 1)))
+    if len(paths) < fewest or (most is not None and len(paths) > most):
+        wanted = str(fewest) if fewest == most else f"{fewest} to {most or 'any number'}"
+        message = f"{name} takes {wanted} log{'s' if wanted != '1' else ''}; {len(paths)} are given"
+        raise UsageError(message)
+    output = common.output or paths[0].with_name(f"{stem(paths[0])}.rrd")
+    if output.suffix != ".rrd":
+        message = f"--output {output}: a recording ends in .rrd"
+        raise UsageError(message)
+    to_stdout = common.json == "-"
+    documents = [Path(common.json)] if common.json and not to_stdout else []
+    models = [common.save_model] if common.save_model else []
+    for file in (output, *documents, *models):
+        check_place(file, force=common.force)
+    logs = [read_log(path, common) for path in paths]
+    result = analysis.run(logs, parameters)
+    review = RecordingReview(output, live=VIEWER if common.live else None, show=shower(data=not to_stdout))
+    try:
+        overview(logs, review)
+        review.tab(name.capitalize())
+        analysis.draw(result, review)
+        text = document(name, __version__, parameters, result, logs, review.notes)
+        review.close()
+    except BaseException:
+        review.discard()
+        raise
+    if to_stdout:
+        typer.echo(text)
+    for file in documents:
+        write_text(file, text + "\n")
+    for file in models:
+        write_text(file, cast("Any", analysis).error_model(result).to_toml())
+    for file in (output, *documents, *models):
+        typer.echo(f"wrote {file}", err=True)
+
+
+def read_log(path: Path, common: Common) -> Log:
+    """Read a log and cut it to what was asked for."""
+    options = ReadOptions(
+        time_source=common.time_source,
+        rate=common.rate,
+        columns=tuple(part.strip() for part in common.columns.split(",")) if common.columns else (),
+        units=units(common.units),
+        frame=common.frame,
+    )
+    with progress(f"reading {path.name}") as report:
+        log = readers.read(path, options, report)
+    return readers.select(log, common.imu, common.start, common.end)
+
+
+def units(text: str | None) -> dict[str, str]:
+    """Return {"gyro": "deg/s"} of ``gyro=deg/s,...``."""
+    pairs = [part.partition("=") for part in text.split(",")] if text else []
+    for quantity, mark, unit in pairs:
+        if not mark or not unit:
+            message = f"--units: {quantity!r} names no unit; write gyro=deg/s,accel=g,time=ms"
+            raise UsageError(message)
+    return {quantity.strip(): unit.strip() for quantity, _, unit in pairs}
+
+
+def stem(path: Path) -> str:
+    """Return a log's name without its suffixes: static for static.csv.gz."""
+    name = path.name
+    for suffix in (".gz", ".csv", ".txt", ".mcap", ".pos", ".bin", ".tlog", ".ulg", ".log"):
+        name = name.removesuffix(suffix)
+    return name or path.name
+
+
+def check_place(file: Path, *, force: bool) -> None:
+    """Say at once, before the work, when a file could not be written behind it."""
+    if file.exists() and not force:
+        message = f"{file} exists; --force writes over it, or choose another with --output"
+        raise UsageError(message)
+    parent = file.parent
+    if file.is_dir() or not parent.is_dir() or not os.access(parent, os.W_OK):
+        why = "it is a directory" if file.is_dir() else f"{parent} is no folder that can be written to"
+        message = f"{file}: cannot be written: {why}"
+        raise ImuwbError(message)
+
+
+def check_recording(path: Path) -> None:
+    """Raise UnreadableLogError unless ``path`` begins as a Rerun recording does."""
+    if not path.is_file():
+        message = f"{path}: no such file"
+        raise UnreadableLogError(message)
+    with path.open("rb") as file:
+        magic = file.read(3)
+    if magic != b"RRF":
+        message = f"{path}: no Rerun recording (it begins with {magic!r}); imuwb writes them with --output FILE.rrd"
+        raise UnreadableLogError(message)

@@ -1,0 +1,59 @@
+"""What a person sees in the terminal: tables and notes, and progress while it lasts."""
+
+from __future__ import annotations
+
+import re
+import sys
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+from rich.table import Table as RichTable
+
+from imuwb.analysis import Table
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+WIDE = 200  #: columns where the output is no terminal: files and pipes do not wrap
+
+
+def console(*, data: bool) -> Console:
+    """Return the console of stdout for data, of stderr for all else."""
+    stream = sys.stdout if data else sys.stderr
+    return Console(file=stream, width=None if stream.isatty() else WIDE, highlight=False)
+
+
+def shower(*, data: bool) -> Callable[[Table | str], None]:
+    """Return a function that prints tables, and notes (always on stderr)."""
+    out, err = console(data=data), console(data=False)
+
+    def show(what: Table | str) -> None:
+        if isinstance(what, str):
+            err.print(f"[yellow]note[/] {escape(what)}", soft_wrap=True)
+            return
+        table = RichTable(title=what.title, title_justify="left", title_style="bold", caption=what.caption or None,
+                          caption_justify="left")  # fmt: skip
+        for heading in what.headings:
+            table.add_column(heading)
+        for row in what.rows:
+            # A value and its unit stay on one line where they can.
+            table.add_row(*(re.sub(r"(?<=[\d\]]) (?=\S+$)", "\N{NO-BREAK SPACE}", escape(cell)) for cell in row))
+        out.print(table)
+
+    return show
+
+
+@contextmanager
+def progress(text: str) -> Iterator[Callable[[int, int], None]]:
+    """Show a bar on a terminal's stderr; the function it gives takes (done, all)."""
+    screen = Console(file=sys.stderr)
+    if not screen.is_terminal:
+        yield lambda done, total: None  # noqa: ARG005 - nobody looks
+        return
+    columns = TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn()
+    with Progress(*columns, console=screen, transient=True) as bar:
+        task = bar.add_task(text, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)

@@ -1,0 +1,156 @@
+"""The sampling distribution of overlapping Allan variances: exact second moments.
+
+The Allan variance at factor m is the mean of z² over 2 tau², z(k) = theta(k+2m) - 2 theta(k+m) +
+theta(k). For Gaussian noise the covariance of two such means is a double sum of squared covariances of
+z, and those follow from the generalised covariance of theta: a multiple of 1 at lag 0 only, |t|, t² ln|t|
+and |t|³ for quantization, white, flicker and random-walk noise. Greenhall and Riley (2003, "Uncertainty
+of stability variances based on finite differences") sum them for one m and tabulate approximations of
+the equivalent degrees of freedom; here the sums are done outright, also between different m, so a fit
+knows how its points hang together.
+
+One difference is meant: Greenhall and Riley take phase samples that are averages; the angle of a gyro is
+the plain sum of its samples. For white noise at m = 1 that is 2/3 of the number of terms, not 4/5.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import special
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+#: Power-law exponents alpha of the rate's density f^alpha, in the order of the tables here.
+EXPONENTS = (2, 0, -1, -2)  # quantization Q, white N, flicker B, random walk K
+NEAR = 24  #: lags summed one by one on each side of a corner
+RATIO = 1.12  #: beyond, each step is this much longer
+
+
+def _quantization(lag: Floats) -> Floats:
+    return (lag == 0).astype(np.float64)
+
+
+def _flicker_phase(lag: Floats) -> Floats:
+    """Return the generalised covariance of averaged flicker phase noise (exponent 1)."""
+    size = np.abs(lag)
+    near = np.minimum(size, 1000.0)
+    exact = special.xlogy((near + 1) ** 2, near + 1) + special.xlogy((near - 1) ** 2, np.abs(near - 1))
+    exact -= 2 * special.xlogy(near**2, near)
+    return -np.where(size < 1000, exact, 2 * np.log(np.maximum(size, 1.0)) + 3)  # noqa: PLR2004 - where the limit holds
+
+
+def _white(lag: Floats) -> Floats:
+    return -np.abs(lag) / 2
+
+
+def _flicker(lag: Floats) -> Floats:
+    return special.xlogy(lag**2, np.abs(lag)) / (2 * np.pi)
+
+
+def _random_walk(lag: Floats) -> Floats:
+    return np.abs(lag) ** 3 / 12
+
+
+_KERNELS: dict[int, Callable[[Floats], Floats]] = {
+    2: _quantization, 1: _flicker_phase, 0: _white, -1: _flicker, -2: _random_walk,
+}  # fmt: skip
+
+
+def _grid(m: int, q: int, n_m: int, n_q: int) -> tuple[Floats, Floats]:
+    """Return lags and the weights with which a sum over all lags is a sum over these."""
+    first, last = -(n_m - 1), n_q - 1
+    steps = [*range(NEAR + 1)]
+    while steps[-1] < last - first:
+        steps.append(int(np.ceil(steps[-1] * RATIO)))
+    offsets = np.array(steps)
+    corners = np.unique([a * m - b * q for a in range(3) for b in range(3)])
+    lags = (corners[:, None] + np.concatenate([-offsets[::-1], offsets])[None, :]).ravel()
+    lags = np.unique(np.clip(lags, first, last))
+    weights = np.zeros(lags.size)
+    gaps = np.diff(lags) / 2
+    weights[:-1] += gaps
+    weights[1:] += gaps
+    weights[0] += 0.5
+    weights[-1] += 0.5
+    # The number of pairs of terms at a lag.
+    weights *= np.minimum(n_m, n_q - lags) - np.maximum(0, -lags)
+    return lags.astype(np.float64), weights
+
+
+def _cross(kernel: Callable[[Floats], Floats], lags: Floats, m: int, q: int) -> Floats:
+    """Return the covariance of z at factor m and z at factor q, a lag later."""
+    total = np.zeros_like(lags)
+    # In units of the longer factor, so that t² ln|t| is small where its differences are.
+    unit = float(max(m, q)) if kernel is _flicker else 1.0
+    for a, wa in enumerate((1, -2, 1)):
+        for b, wb in enumerate((1, -2, 1)):
+            total += wa * wb * kernel((lags + (b * q - a * m)) / unit)
+    return total * unit**2 if kernel is _flicker else total
+
+
+@lru_cache(maxsize=4096)
+def equivalent_degrees_of_freedom(m: int, n: int, exponent: int) -> float:
+    """Return the degrees of freedom of the chi-square law of the Allan variance at factor m of n samples.
+
+    Args:
+        m: averaging factor, at most n/2.
+        n: number of samples (terms: n + 1 - 2 m).
+        exponent: alpha of the power law, 2 ... -2.
+    """
+    terms = n + 1 - 2 * m
+    lags, weights = _grid(m, m, terms, terms)
+    gamma = _cross(_KERNELS[exponent], lags, m, m)
+    variance = 2 * float(weights @ gamma**2) / terms**2
+    mean = float(_cross(_KERNELS[exponent], np.zeros(1), m, m)[0])
+    return 2 * mean**2 / variance
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Moments:
+    """Second moments of the Allan variances at k factors, per pair of processes Q, N, B, K of size 1."""
+
+    factor: NDArray[np.int64]  #: (k,)
+    squares: Floats  #: (k, k, 4, 4)
+    linear: Floats  #: (k, k, 4) for the cross terms with a ramp
+
+    def covariance(self, squared: Floats, ramp: float, dt: float) -> Floats:
+        """Return the covariance of the Allan variances.
+
+        Args:
+            squared: (4,) Q², N², B², K².
+            ramp: R.
+            dt: s.
+        """
+        # Units of theta²: 1, dt, dt², dt³ for the four kernels.
+        p = squared * dt ** np.arange(4)
+        total = np.einsum("ijtu,t,u->ij", self.squares, p, p)
+        if ramp:
+            mean = ramp * (self.factor * dt) ** 2  # of z
+            total += 4 * np.outer(mean, mean) * (self.linear @ p)
+        tau = self.factor * dt
+        return total / (4 * np.outer(tau, tau) ** 2)
+
+
+@lru_cache(maxsize=32)
+def moments(factor: tuple[int, ...], n: int) -> Moments:
+    """Return the second moments for these averaging factors of n samples."""
+    k = len(factor)
+    kernels = [_KERNELS[exponent] for exponent in EXPONENTS]
+    squares, linear = np.zeros((k, k, 4, 4)), np.zeros((k, k, 4))
+    for i, m in enumerate(factor):
+        for j in range(i, k):
+            q = factor[j]
+            n_m, n_q = n + 1 - 2 * m, n + 1 - 2 * q
+            lags, weights = _grid(m, q, n_m, n_q)
+            gamma = np.stack([_cross(kernel, lags, m, q) for kernel in kernels])
+            squares[i, j] = squares[j, i] = 2 * (gamma * weights) @ gamma.T / (n_m * n_q)
+            linear[i, j] = linear[j, i] = gamma @ weights / (n_m * n_q)
+    return Moments(np.array(factor), squares, linear)

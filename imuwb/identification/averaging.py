@@ -1,0 +1,58 @@
+"""Which averaging times to take: octaves, evenly on a log axis, all, or a list."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+MOST_WORK = 10**11  #: second differences; about a minute
+
+
+def averaging_factors(times: str | Sequence[float], n: int, dt: float) -> NDArray[np.int64]:
+    """Return rising averaging factors m (tau = m dt) for n samples; each at most n/2.
+
+    Args:
+        times: ``"octave"`` (m = 1, 2, 4, ...), ``"log:N"`` (about N of them), ``"all"``, or times in s,
+            as numbers or as a text with commas; each goes to the nearest multiple of dt.
+        n: number of samples.
+        dt: s.
+
+    Raises:
+        ValueError: none of these, or nothing is left between dt and half the record.
+    """
+    largest = n // 2
+    if largest < 1:
+        message = f"{n} samples have no Allan variance; it takes at least 2"
+        raise ValueError(message)
+    if not isinstance(times, str):
+        return _listed(times, largest, dt)
+    if times == "octave":
+        return 2 ** np.arange(int(np.log2(largest)) + 1)
+    if times == "all":
+        if n * n / 4 > MOST_WORK:
+            message = f"all {largest} averaging times of {n} samples would take minutes to hours; use log:1000"
+            raise ValueError(message)
+        return np.arange(1, largest + 1)
+    kind, _, number = times.partition(":")
+    if kind == "log" and number.isdigit() and int(number) > 1:
+        return np.unique(np.rint(np.geomspace(1, largest, int(number))).astype(np.int64))
+    try:
+        return _listed([float(part) for part in times.split(",")], largest, dt)
+    except ValueError as error:
+        message = f"averaging times {times!r}: {error}; write octave, log:90, all, or seconds such as 0.1,1,10"
+        raise ValueError(message) from error
+
+
+def _listed(times: Sequence[float], largest: int, dt: float) -> NDArray[np.int64]:
+    factors = np.unique(np.rint(np.asarray(times, dtype=np.float64) / dt).astype(np.int64))
+    inside = factors[(factors >= 1) & (factors <= largest)]
+    if not inside.size:
+        message = f"none lies between {dt:g} s (one sample) and {largest * dt:g} s (half the record)"
+        raise ValueError(message)
+    return inside

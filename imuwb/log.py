@@ -1,0 +1,213 @@
+"""The values that every reader makes and every analysis takes.
+
+Conventions, once for the whole of imuwb:
+
+* SI inside: rad/s, m/s², rad for latitude and longitude, m above WGS 84 for height; °C.
+* Body frame forward-right-down (FRD), navigation frame north-east-down (NED).
+* Time is int64 nanoseconds, strictly increasing in a stream: since the Unix epoch (UTC) where the
+  log knows it (``epoch="unix"``), since power-up (``"boot"``), else since the log's start (``"log"``).
+* measured = true + bias. A still accelerometer, level, reads -9.8 m/s² on z.
+
+All values are frozen and their arrays read-only: what a reader made, no analysis changes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+Floats: TypeAlias = NDArray[np.float64]
+Nanoseconds: TypeAlias = NDArray[np.int64]
+Epoch = Literal["unix", "boot", "log"]
+
+AXES = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
+SECOND = 1_000_000_000  # nanoseconds
+
+
+def _frozen(values: object, dtype: type, shape: tuple[int | None, ...], what: str) -> NDArray[np.generic]:
+    """Return ``values`` as a read-only array of that shape, all finite (None: any length)."""
+    array = np.ascontiguousarray(values, dtype=dtype).view()
+    if array.ndim != len(shape) or any(n not in (None, m) for n, m in zip(shape, array.shape, strict=True)):
+        message = f"{what} has shape {array.shape}; it must be {shape}"
+        raise ValueError(message)
+    if dtype is np.float64 and not np.isfinite(array).all():
+        message = f"{what} holds {np.count_nonzero(~np.isfinite(array))} values that are not finite"
+        raise ValueError(message)
+    array.flags.writeable = False
+    return array
+
+
+def _frozen_time(time: object, what: str) -> Nanoseconds:
+    array = _frozen(time, np.int64, (None,), f"{what} time")
+    steps = np.diff(array)
+    if array.size > 1 and steps.min() <= 0:
+        at = int(np.argmax(steps <= 0)) + 1
+        message = f"{what} time does not increase at row {at}: {array[at - 1]} then {array[at]} ns"
+        raise ValueError(message)
+    return array
+
+
+def _store(target: object, /, **fields: object) -> None:
+    for name, content in fields.items():
+        object.__setattr__(target, name, content)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Triad:
+    """Three orthogonal sensors on one clock."""
+
+    time: Nanoseconds  #: (n,) ns
+    value: Floats  #: (n, 3) rad/s or m/s², FRD
+
+    def __post_init__(self) -> None:
+        """Check and freeze the arrays."""
+        time = _frozen_time(self.time, "triad")
+        _store(self, time=time, value=_frozen(self.value, np.float64, (time.size, 3), "triad value"))
+
+    def __len__(self) -> int:
+        """Return the number of samples."""
+        return self.time.size
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Scalars:
+    """One quantity over time: a temperature (°C), a speed (m/s, forward positive)."""
+
+    name: str
+    time: Nanoseconds  #: (n,) ns
+    value: Floats  #: (n,)
+
+    def __post_init__(self) -> None:
+        """Check and freeze the arrays."""
+        time = _frozen_time(self.time, self.name)
+        _store(self, time=time, value=_frozen(self.value, np.float64, (time.size,), self.name))
+
+    def __len__(self) -> int:
+        """Return the number of samples."""
+        return self.time.size
+
+
+@dataclass(frozen=True, slots=True)
+class Repair:
+    """Something a reader mended, and how often."""
+
+    what: str
+    count: int
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Where a stream's numbers come from: what the file held before it became SI and FRD."""
+
+    units: str = "SI"
+    frame: str = "FRD"
+    epoch: Epoch = "log"
+    repairs: tuple[Repair, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ImuStream:
+    """An inertial measurement unit. Gyro and accelerometer triads need not share a clock."""
+
+    name: str
+    angular_rate: Triad | None  #: rad/s
+    specific_force: Triad | None  #: m/s²
+    temperature: Scalars | None = None  #: °C
+    origin: Origin = field(default_factory=Origin)
+
+    def axes(self) -> dict[str, tuple[Nanoseconds, Floats]]:
+        """Return {axis name: (time, values)} of what there is, ``gyro_x`` ... ``accel_z``."""
+        triads = {"gyro": self.angular_rate, "accel": self.specific_force}
+        return {
+            f"{sensor}_{axis}": (triad.time, triad.value[:, column])
+            for sensor, triad in triads.items()
+            if triad is not None
+            for column, axis in enumerate("xyz")
+        }
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class GnssStream:
+    """A GNSS receiver's fixes. ``fix_type`` counts as MAVLink does: 1 none, 3 3D, 5 float, 6 RTK fixed."""
+
+    name: str
+    time: Nanoseconds  #: (n,) ns
+    position: Floats  #: (n, 3) latitude rad, longitude rad, height m above WGS 84
+    velocity: Floats | None = None  #: (n, 3) m/s, NED
+    position_sigma: Floats | None = None  #: (n, 3) m, NED, as the receiver claims; 0 where it claims none
+    velocity_sigma: Floats | None = None  #: (n, 3) m/s, NED, likewise
+    fix_type: NDArray[np.int64] | None = None  #: (n,)
+    origin: Origin = field(default_factory=Origin)
+
+    def __post_init__(self) -> None:
+        """Check and freeze the arrays."""
+        time = _frozen_time(self.time, self.name)
+        _store(self, time=time)
+        for name in ("position", "velocity", "position_sigma", "velocity_sigma"):
+            array = getattr(self, name)
+            if array is not None:
+                _store(self, **{name: _frozen(array, np.float64, (time.size, 3), f"{self.name} {name}")})
+        if self.fix_type is not None:
+            _store(self, fix_type=_frozen(self.fix_type, np.int64, (time.size,), f"{self.name} fix type"))
+
+    def __len__(self) -> int:
+        """Return the number of fixes."""
+        return self.time.size
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Reference:
+    """A trajectory that is better than what is judged by it."""
+
+    name: str
+    time: Nanoseconds  #: (n,) ns
+    position: Floats  #: (n, 3) latitude rad, longitude rad, height m
+    velocity: Floats | None = None  #: (n, 3) m/s, NED
+    attitude: Floats | None = None  #: (n, 3) roll, pitch, heading of C_b_n, rad
+    origin: Origin = field(default_factory=Origin)
+
+    def __post_init__(self) -> None:
+        """Check and freeze the arrays."""
+        time = _frozen_time(self.time, self.name)
+        _store(self, time=time)
+        for name in ("position", "velocity", "attitude"):
+            array = getattr(self, name)
+            if array is not None:
+                _store(self, **{name: _frozen(array, np.float64, (time.size, 3), f"{self.name} {name}")})
+
+    def __len__(self) -> int:
+        """Return the number of epochs."""
+        return self.time.size
+
+
+@dataclass(frozen=True, slots=True)
+class Provenance:
+    """Which file a log was read from, by what."""
+
+    path: str
+    format: str
+    hash: str  #: "sha256:..." of the file's bytes
+    size: int  #: bytes
+    selection: str = ""  #: what was read of it, as text; empty: all
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Log:
+    """What one file holds, in one normal form: after reading, nobody can tell the format."""
+
+    provenance: Provenance
+    imus: tuple[ImuStream, ...] = ()
+    gnss: tuple[GnssStream, ...] = ()
+    speeds: tuple[Scalars, ...] = ()
+    references: tuple[Reference, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def with_notes(self, notes: Iterable[str]) -> Log:
+        """Return the same log with more notes."""
+        return replace(self, notes=(*self.notes, *notes))

@@ -1,0 +1,92 @@
+"""From a file to a Log. The leading bytes decide the format, never the suffix."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
+
+from imuwb import registry
+from imuwb.errors import UnreadableLogError
+from imuwb.log import Log, Provenance
+from imuwb.readers import source
+from imuwb.readers.assemble import assemble
+from imuwb.readers.batch import Batch, ReadOptions, Remark
+from imuwb.readers.select import select
+from imuwb.readers.summary import LogSummary, summarize
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from imuwb.readers.batch import Reader
+
+__all__ = ["Batch", "LogSummary", "ReadOptions", "Remark", "describe", "read", "select", "stream", "summarize"]
+
+
+def reader_of(path: str | Path) -> Reader:
+    """Return the reader whose format the file's leading bytes show.
+
+    Raises:
+        UnreadableLogError: no such file, an empty one, a directory, or no known format.
+    """
+    path = Path(path)
+    source.check(path)
+    head = source.head(path)
+    readers = [cast("Reader", registry.load(point)) for point in registry.installed(registry.READERS).values()]
+    # Text is what is left when no binary format knows its magic.
+    readers.sort(key=lambda reader: getattr(reader, "format", "") == "csv")
+    for reader in readers:
+        if reader is not None and reader.probe(head):  # pyright: ignore[reportUnnecessaryComparison]
+            return reader
+    known = ", ".join(sorted(reader.format for reader in readers if reader is not None))  # pyright: ignore[reportUnnecessaryComparison]
+    message = f"{path}: begins with {head[:8]!r}, which no known log format does (known: {known})"
+    raise UnreadableLogError(message)
+
+
+def stream(path: str | Path, options: ReadOptions | None = None) -> Iterator[Batch | Remark]:
+    """Yield a log piece by piece, as it stands in the file, with memory bounded by a piece."""
+    return reader_of(path).stream(Path(path), options or ReadOptions())
+
+
+def read(
+    path: str | Path,
+    options: ReadOptions | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Log:
+    """Return the whole log.
+
+    Args:
+        path: a file of any known format; the leading bytes decide which.
+        options: what the file does not say itself (rate, columns, units, which time stamp).
+        progress: called with (bytes read, bytes in the file) now and then.
+
+    Raises:
+        UnreadableLogError: the file cannot be read, or contradicts the units said of it.
+        UsageError: something must be said of the file first (its rate, its units).
+    """
+    path = Path(path)
+    reader = reader_of(path)
+    size = path.stat().st_size
+    with ThreadPoolExecutor(1) as pool:
+        hashed = pool.submit(source.fingerprint, path)
+        parts = _reporting(reader.stream(path, options or ReadOptions()), size, progress)
+        provenance = Provenance(str(path), reader.format, "", size)
+        log = assemble(parts, provenance)
+        return Log(
+            Provenance(str(path), reader.format, hashed.result(), size),
+            log.imus, log.gnss, log.speeds, log.references, log.notes,
+        )  # fmt: skip
+
+
+def describe(path: str | Path, options: ReadOptions | None = None) -> LogSummary:
+    """Return what a log holds: streams, rates, gaps, clocks, units, frames, repairs."""
+    return summarize(read(path, options))
+
+
+def _reporting(
+    parts: Iterator[Batch | Remark], size: int, progress: Callable[[int, int], None] | None
+) -> Iterator[Batch | Remark]:
+    for part in parts:
+        if progress is not None and isinstance(part, Batch):
+            progress(part.bytes_read, size)
+        yield part

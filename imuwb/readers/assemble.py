@@ -1,0 +1,171 @@
+"""Makes a Log of a reader's batches: joins them, mends time, and counts every repair."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.log import SECOND, GnssStream, ImuStream, Log, Origin, Provenance, Repair, Scalars, Triad
+from imuwb.readers.batch import Batch
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from imuwb.log import Floats, Nanoseconds
+    from imuwb.readers.batch import Kind, Remark
+
+CLOCK_STEP = SECOND  # a row that is older than its predecessor by more is a clock set back, not a late row
+
+
+@dataclass(frozen=True, slots=True)
+class _Rows:
+    """All rows of one stream that share their columns, mended."""
+
+    stream: str
+    kind: Kind
+    origin: Origin
+    time: Nanoseconds
+    columns: dict[str, Floats]
+
+
+def assemble(parts: Iterable[Batch | Remark], provenance: Provenance) -> Log:
+    """Return the log that ``parts`` make up.
+
+    Rows with a value that is not finite are left out; rows out of order by less than a second are
+    sorted; of repeated times the first row is kept; behind a clock set back by more, time goes on
+    by one nominal step. Each is a repair, counted in the stream's ``origin``.
+    """
+    groups: dict[tuple[str, Kind, tuple[str, ...]], list[Batch]] = defaultdict(list)
+    repairs: dict[str, list[Repair]] = defaultdict(list)
+    notes: list[str] = []
+    for part in parts:
+        if isinstance(part, Batch):
+            groups[part.stream, part.kind, tuple(part.columns)].append(part)
+        elif part.stream:
+            repairs[part.stream].append(Repair(part.text, part.count))
+        else:
+            notes.append(part.text)
+    rows: list[_Rows] = []
+    for (stream, kind, _), batches in groups.items():
+        joined = _join(batches, repairs[stream])
+        batches.clear()  # the pieces go as soon as they are joined: a log is held once, not twice
+        if joined.time.size:
+            rows.append(joined)
+        else:
+            lost = sum(repair.count for repair in joined.origin.repairs)
+            notes.append(f"{stream} ({kind}): none of its {lost} rows could be used")
+    temperatures = [_scalars(r, "temperature") for r in rows if r.kind == "temperature"]
+    imus, joined_notes = _imus([r for r in rows if r.kind == "imu"], temperatures)
+    return Log(
+        provenance,
+        imus=imus,
+        gnss=tuple(_gnss(r) for r in rows if r.kind == "gnss"),
+        speeds=tuple(_scalars(r, "speed") for r in rows if r.kind == "speed"),
+        notes=(*notes, *joined_notes),
+    )
+
+
+def _join(batches: list[Batch], noted: list[Repair]) -> _Rows:
+    first = batches[0]
+    time = np.concatenate([batch.time for batch in batches])
+    columns = {name: np.concatenate([batch.columns[name] for batch in batches]) for name in first.columns}
+    counts: dict[str, int] = {}
+
+    finite = np.ones(time.size, dtype=bool)
+    for values in columns.values():
+        finite &= np.isfinite(values) if values.ndim == 1 else np.isfinite(values).all(axis=1)
+    if not finite.all():
+        counts["rows with a value that is not a number left out"] = int(np.count_nonzero(~finite))
+        time, columns = _take(time, columns, finite)
+    if time.size > 1:
+        time, set_back = _continue_behind_steps(time)
+        if set_back:
+            counts["clock set back: time goes on behind it by one nominal step"] = set_back
+        late = int(np.count_nonzero(time < np.maximum.accumulate(time)))
+        if late:
+            counts["rows out of order sorted by time"] = late
+            time, columns = _take(time, columns, np.argsort(time, kind="stable"))
+        repeated = np.diff(time, prepend=time[0] - 1) == 0
+        if repeated.any():
+            counts["rows that repeat the time before left out"] = int(np.count_nonzero(repeated))
+            time, columns = _take(time, columns, ~repeated)
+    repairs = (*first.origin.repairs, *noted, *(Repair(what, count) for what, count in counts.items()))
+    noted.clear()
+    return _Rows(first.stream, first.kind, replace(first.origin, repairs=repairs), time, columns)
+
+
+def _take(
+    time: Nanoseconds, columns: dict[str, Floats], rows: np.ndarray[tuple[int], np.dtype[np.generic]]
+) -> tuple[Nanoseconds, dict[str, Floats]]:
+    return time[rows], {name: values[rows] for name, values in columns.items()}
+
+
+def _continue_behind_steps(time: Nanoseconds) -> tuple[Nanoseconds, int]:
+    """Return time without the steps back that are too large for a late row, and their number."""
+    steps = np.diff(time)
+    back = steps < -CLOCK_STEP
+    if not back.any():
+        return time, 0
+    nominal = int(np.median(steps[steps > 0])) if (steps > 0).any() else 1
+    # One row that is old among its neighbours steps back and forth again: that is a late row.
+    shift = np.where(back, nominal - steps, 0)
+    for at in np.flatnonzero(back[:-1] & (steps[1:] > CLOCK_STEP)):
+        if abs(steps[at] + steps[at + 1]) < CLOCK_STEP:
+            shift[at] = 0
+    return time + np.concatenate([[0], np.cumsum(shift)]), int(np.count_nonzero(shift))
+
+
+def _imus(rows: list[_Rows], temperatures: list[Scalars]) -> tuple[tuple[ImuStream, ...], list[str]]:
+    imus: dict[str, ImuStream] = {}
+    for r in rows:
+        imu = imus.get(r.stream, ImuStream(r.stream, None, None, origin=replace(r.origin, repairs=())))
+        repairs = imu.origin.repairs + tuple(x for x in r.origin.repairs if x not in imu.origin.repairs)
+        imu = replace(imu, origin=replace(imu.origin, repairs=repairs))
+        for quantity in ("angular_rate", "specific_force"):
+            if quantity in r.columns:
+                imu = replace(imu, **{quantity: Triad(r.time, r.columns[quantity])})
+        if "temperature" in r.columns:
+            imu = replace(imu, temperature=Scalars(r.stream, r.time, r.columns["temperature"]))
+        imus[r.stream] = imu
+    notes: list[str] = []
+    for temperature in temperatures:
+        name = _sibling(temperature.name, [n for n, imu in imus.items() if imu.temperature is None])
+        if name is None:
+            notes.append(f"{temperature.name}: temperature of no IMU in the log, left out")
+            continue
+        imus[name] = replace(imus[name], temperature=temperature)
+        notes.append(f"{temperature.name}: taken as the temperature of {name}")
+    return tuple(imus.values()), notes
+
+
+def _sibling(topic: str, imus: list[str]) -> str | None:
+    """Return the IMU whose name shares most of its path with a temperature topic."""
+    if len(imus) == 1:
+        return imus[0]
+
+    def shared(name: str) -> int:
+        parts = zip(topic.split("/")[:-1], name.split("/")[:-1], strict=False)
+        return sum(1 for a, b in parts if a == b and a)
+
+    return max(imus, key=shared) if imus and max(map(shared, imus)) else None
+
+
+def _gnss(r: _Rows) -> GnssStream:
+    fix = r.columns.get("fix_type")
+    return GnssStream(
+        r.stream,
+        r.time,
+        position=r.columns["position"],
+        velocity=r.columns.get("velocity"),
+        position_sigma=r.columns.get("position_sigma"),
+        velocity_sigma=r.columns.get("velocity_sigma"),
+        fix_type=None if fix is None else fix.astype(np.int64),
+        origin=r.origin,
+    )
+
+
+def _scalars(r: _Rows, column: str) -> Scalars:
+    return Scalars(r.stream, r.time, r.columns[column])

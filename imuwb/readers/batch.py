@@ -1,0 +1,74 @@
+"""What a reader yields: pieces of streams, already in SI and FRD, in the order of the file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal, Protocol
+
+from imuwb.log import Origin
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+Kind = Literal["imu", "gnss", "speed", "temperature", "reference"]
+TimeSource = Literal["header", "log", "publish"]
+
+
+@dataclass(frozen=True, slots=True)
+class ReadOptions:
+    """How a file is to be read where it does not say so itself."""
+
+    time_source: TimeSource = "header"  #: which of a message's stamps counts
+    rate: float | None = None  #: Hz, for text without a time column
+    columns: tuple[str, ...] = ()  #: names for a text file's columns, in order
+    units: Mapping[str, str] = field(default_factory=dict[str, str])  #: {"gyro": "deg/s", "time": "ms"}
+    frame: str | None = None  #: "FRD" or "FLU", for a file that does not say
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Batch:
+    """Consecutive rows of one stream.
+
+    ``columns`` by kind: imu ``angular_rate`` and ``specific_force`` (n, 3), ``temperature`` (n,);
+    gnss ``position``, ``velocity``, ``position_sigma``, ``velocity_sigma`` (n, 3), ``fix_type`` (n,);
+    speed ``speed`` (n,); temperature ``temperature`` (n,). Triads of one IMU on clocks of their own
+    come in batches of their own, under one stream name.
+    """
+
+    stream: str
+    kind: Kind
+    time: NDArray[np.int64]  #: (n,) ns, as found: order and repeats are mended later
+    columns: Mapping[str, NDArray[np.float64]]
+    origin: Origin = field(default_factory=Origin)
+    bytes_read: int = 0  #: how far into the file the reader is
+
+
+@dataclass(frozen=True, slots=True)
+class Remark:
+    """Something to tell about a file (or, with ``stream``, of a stream); ``count`` makes it a repair."""
+
+    text: str
+    stream: str = ""
+    count: int = 0
+
+
+class Reader(Protocol):
+    """One file format: a module, or any object, with these names."""
+
+    format: str
+
+    def probe(self, head: bytes) -> bool:
+        """Return whether a file that begins with ``head`` (64 KiB, unpacked) is of this format."""
+        ...
+
+    def stream(self, path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
+        """Yield the file piece by piece, with memory bounded by a piece.
+
+        Raises:
+            UnreadableLogError: not one message or row can be read.
+        """
+        ...

@@ -1,0 +1,122 @@
+"""RTKLIB solution files (.pos): latitude, longitude, height, sigmas and velocity of one receiver."""
+
+from __future__ import annotations
+
+import re
+from datetime import UTC, datetime, timedelta
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.errors import UnreadableLogError
+from imuwb.log import SECOND, Origin
+from imuwb.readers import source
+from imuwb.readers.batch import Batch, ReadOptions, Remark
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+format = "rtklib"  # noqa: A001 - the contract's name
+ROWS = 20_000  #: in a batch
+WEEK = 604_800
+GPS_EPOCH = datetime(1980, 1, 6, tzinfo=UTC)
+#: GPS time is ahead of UTC by this many seconds from these dates on (IERS Bulletin C).
+LEAP_SECONDS = ((2017, 1, 1, 18), (2015, 7, 1, 17), (2012, 7, 1, 16), (2009, 1, 1, 15), (2006, 1, 1, 14), (1999, 1, 1, 13))
+#: RTKLIB's quality flag as MAVLink's fix type: fixed, float, SBAS, DGPS, single, PPP.
+FIX_TYPE = {1: 6, 2: 5, 3: 4, 4: 4, 5: 3, 6: 8}
+_HEADER = re.compile(rb"^%\s+(GPST|UTC|JST)\s+latitude\(deg\)\s+longitude\(deg\)\s+height\(m\)", re.MULTILINE)
+
+
+def probe(head: bytes) -> bool:
+    """Return whether the file has RTKLIB's header of geodetic positions in degrees."""
+    return _HEADER.search(head) is not None
+
+
+def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
+    """Yield the fixes.
+
+    Raises:
+        UnreadableLogError: no line of numbers under the header.
+    """
+    del options  # the format says everything itself
+    names: list[str] = []
+    rows: list[list[float]] = []
+    times: list[int] = []
+    bad = done = read = 0
+    scale = "GPST"
+    with source.open_unpacked(path) as file:
+        for line in file:
+            read += len(line)
+            if line.startswith(b"%"):
+                if match := _HEADER.match(line):
+                    scale = match[1].decode()
+                    names = [re.sub(r"\(.*\)", "", name) for name in line[1:].decode("ascii", "replace").split()][1:]
+                continue
+            cells = line.split()
+            try:
+                times.append(_time(cells[0], cells[1], scale))
+                row = [float(cell) for cell in cells[2:]]
+                if len(row) < len(names):
+                    times.pop()
+                    bad += 1
+                    continue
+                rows.append(row[: len(names)])
+            except (ValueError, IndexError, OverflowError):
+                del times[len(rows) :]
+                bad += bool(cells)
+                continue
+            if len(rows) == ROWS:
+                yield _batch(np.array(times), np.array(rows), names, scale, read)
+                done += len(rows)
+                times, rows = [], []
+    if rows:
+        yield _batch(np.array(times), np.array(rows), names, scale, read)
+    if not done and not rows:
+        message = f"{path}: an RTKLIB file without a single solution"
+        raise UnreadableLogError(message)
+    if bad:
+        yield Remark("lines that are cut or no numbers left out", "gnss", bad)
+    if scale == "GPST":
+        yield Remark("GPS time made UTC by the leap seconds of its date")
+
+
+def _time(first: bytes, second: bytes, scale: str) -> int:
+    """Return ns since 1970 UTC of ``yyyy/mm/dd hh:mm:ss.sss`` or ``week seconds``."""
+    if b"/" in first:
+        year, month, day = map(int, first.split(b"/"))
+        hour, minute, rest = second.split(b":")
+        whole, _, fraction = rest.partition(b".")
+        when = datetime(year, month, day, int(hour), int(minute), tzinfo=UTC) + timedelta(seconds=int(whole))
+        nanoseconds = int(fraction.ljust(9, b"0")[:9] or b"0")
+    else:
+        seconds = float(second)
+        when = GPS_EPOCH + timedelta(seconds=int(first) * WEEK + int(seconds))
+        nanoseconds = round((seconds % 1) * SECOND)
+    if scale == "GPST":
+        ahead = next((s for y, m, d, s in LEAP_SECONDS if when >= datetime(y, m, d, tzinfo=UTC)), 0)
+        when -= timedelta(seconds=ahead)
+    elif scale == "JST":
+        when -= timedelta(hours=9)
+    since = when - datetime(1970, 1, 1, tzinfo=UTC)
+    return (since.days * 86400 + since.seconds) * SECOND + nanoseconds
+
+
+def _batch(
+    time: NDArray[np.int64], rows: NDArray[np.float64], names: list[str], scale: str, read: int
+) -> Batch:
+    at = {name: rows[:, i] for i, name in enumerate(names)}
+    columns = {
+        "position": np.stack([np.radians(at["latitude"]), np.radians(at["longitude"]), at["height"]], axis=1)
+    }
+    if "Q" in at:
+        columns["fix_type"] = np.array([float(FIX_TYPE.get(int(q), 0)) for q in at["Q"]])
+    if {"sdn", "sde", "sdu"} <= at.keys():
+        columns["position_sigma"] = np.stack([at["sdn"], at["sde"], at["sdu"]], axis=1)
+    if {"vn", "ve", "vu"} <= at.keys():
+        columns["velocity"] = np.stack([at["vn"], at["ve"], -at["vu"]], axis=1)
+    if {"sdvn", "sdve", "sdvu"} <= at.keys():
+        columns["velocity_sigma"] = np.stack([at["sdvn"], at["sdve"], at["sdvu"]], axis=1)
+    return Batch("gnss", "gnss", time, columns, Origin(f"deg, m, {scale}", "NEU", "unix"), read)

@@ -1,0 +1,110 @@
+"""Cuts a log to a span of time and to one IMU."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from imuwb.errors import MissingDataError, UsageError
+from imuwb.log import SECOND, GnssStream, ImuStream, Log, Reference, Scalars, Triad
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+Timed = TypeVar("Timed", Triad, Scalars, GnssStream, Reference)
+FAR = np.iinfo(np.int64).max
+
+
+def select(log: Log, imu: str | None = None, start: str | None = None, end: str | None = None) -> Log:
+    """Return the part of a log between two times, with one IMU if named.
+
+    Args:
+        log: what was read.
+        imu: an IMU's name; None keeps all.
+        start: seconds from the log's start (``"12.5"``) or an ISO time (``"2024-05-01T12:00:00"``,
+            UTC unless it says otherwise).
+        end: likewise.
+
+    Raises:
+        MissingDataError: no such IMU (the message lists those there are), or nothing in the span.
+        UsageError: ``start`` or ``end`` is neither seconds nor ISO, or ``end`` is not behind ``start``.
+    """
+    if imu is not None:
+        log = replace(log, imus=(_named(log, imu),))
+    if start is None and end is None:
+        return log
+    zero, epoch = _start(log)
+    first = -FAR if start is None else _instant(start, zero, epoch)
+    last = FAR if end is None else _instant(end, zero, epoch)
+    if last <= first:
+        message = f"--end {end} is not behind --start {start}"
+        raise UsageError(message)
+    cut = replace(
+        log,
+        imus=tuple(_cut_imu(x, first, last) for x in log.imus),
+        gnss=_kept(log.gnss, first, last),
+        speeds=_kept(log.speeds, first, last),
+        references=_kept(log.references, first, last),
+        provenance=replace(log.provenance, selection=f"{start or 'start'} to {end or 'end'}"),
+    )
+    if not any(len(t) for x in cut.imus for t in (x.angular_rate, x.specific_force) if t) and log.imus:
+        message = f"{log.provenance.path}: no IMU sample between {start or 'start'} and {end or 'end'}"
+        raise MissingDataError(message)
+    return cut
+
+
+def _named(log: Log, name: str) -> ImuStream:
+    for imu in log.imus:
+        if imu.name == name:
+            return imu
+    there = ", ".join(imu.name for imu in log.imus) or "none"
+    message = f"{log.provenance.path}: no IMU called {name!r}; there are: {there}"
+    raise MissingDataError(message)
+
+
+def _start(log: Log) -> tuple[int, str]:
+    triads = [t for imu in log.imus for t in (imu.angular_rate, imu.specific_force) if t is not None]
+    times = [x.time[0] for x in (*triads, *log.gnss, *log.speeds, *log.references) if len(x)]
+    streams = (*log.imus, *log.gnss)
+    return (int(min(times)) if times else 0), (streams[0].origin.epoch if streams else "log")
+
+
+def _instant(text: str, zero: int, epoch: str) -> int:
+    try:
+        return zero + round(float(text) * SECOND)
+    except ValueError:
+        pass
+    try:
+        when = datetime.fromisoformat(text)
+    except ValueError:
+        message = f"{text!r} is neither seconds from the log's start nor an ISO time such as 2024-05-01T12:00:00"
+        raise UsageError(message) from None
+    if epoch != "unix":
+        message = f"{text!r} is a date, but the log's clock starts at its own zero; give seconds"
+        raise UsageError(message)
+    when = when if when.tzinfo else when.replace(tzinfo=UTC)
+    since = when - datetime(1970, 1, 1, tzinfo=UTC)
+    return (since.days * 86400 + since.seconds) * SECOND + since.microseconds * 1000
+
+
+def _kept(streams: tuple[Timed, ...], first: int, last: int) -> tuple[Timed, ...]:
+    return tuple(kept for stream in streams if len(kept := _cut(stream, first, last)))
+
+
+def _cut(stream: Timed, first: int, last: int) -> Timed:
+    inside = slice(*np.searchsorted(stream.time, (first, last)))
+    names = (name for name in stream.__dataclass_fields__ if isinstance(getattr(stream, name), np.ndarray))
+    take: Callable[[str], object] = lambda name: getattr(stream, name)[inside]  # noqa: E731
+    return replace(stream, **{name: take(name) for name in names})
+
+
+def _cut_imu(imu: ImuStream, first: int, last: int) -> ImuStream:
+    return replace(
+        imu,
+        angular_rate=None if imu.angular_rate is None else _cut(imu.angular_rate, first, last),
+        specific_force=None if imu.specific_force is None else _cut(imu.specific_force, first, last),
+        temperature=None if imu.temperature is None else _cut(imu.temperature, first, last),
+    )

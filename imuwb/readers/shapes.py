@@ -1,0 +1,121 @@
+"""Recognises what a message measures by the names of its fields, whatever the encoding.
+
+``sensor_msgs/Imu``, a protobuf of one's own and a JSON object all have ``angular_velocity.x``; a
+message that nests one has it behind a prefix. A recipe says which fields make which column.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.log import SECOND
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Mapping
+
+    from numpy.typing import NDArray
+
+    from imuwb.readers.batch import Kind
+
+    Values = Mapping[str, NDArray[np.float64]]
+
+STAMPS = (
+    ("header.stamp.sec", "header.stamp.nanosec"),
+    ("header.stamp.secs", "header.stamp.nsecs"),
+    ("stamp.sec", "stamp.nanosec"),
+    ("timestamp.sec", "timestamp.nsec"),
+    ("timestamp.sec", "timestamp.nanosec"),
+    ("timestamp.seconds", "timestamp.nanos"),
+)
+FLU_TO_FRD = np.array([1.0, -1.0, -1.0])
+
+
+@dataclass(frozen=True, slots=True)
+class Recipe:
+    """How messages of one channel become a stream."""
+
+    kind: Kind
+    prefix: str  #: where in the message the measurement stands, "" at its root
+    stamp: tuple[str, str] | None  #: paths of seconds and nanoseconds
+    paths: tuple[str, ...]  #: of all numbers that are needed
+    columns: Callable[[Values, str, str], dict[str, NDArray[np.float64]]]  #: (values, prefix, frame) -> columns
+
+
+def recognise(paths: Collection[str], schema: str) -> tuple[Recipe, ...]:
+    """Return what can be read of a message with these fields: no, one or more streams."""
+    there = set(paths)
+    found: list[Recipe] = []
+    for path in paths:
+        for key, kind, required, optional, columns in _SHAPES:
+            if not path.endswith(key) or (path != key and not path.endswith(f".{key}")):
+                continue
+            prefix = path[: -len(key)]
+            if not all(prefix + name in there for name in required):
+                continue
+            if kind == "temperature" and not schema.endswith("Temperature"):
+                continue  # many messages have a temperature; only this one is of the air around a sensor
+            stamp = _stamp(there, prefix)
+            names = (*required, *(name for name in optional if prefix + name in there))
+            used = (*(stamp or ()), *(prefix + name for name in names))
+            found.append(Recipe(kind, prefix, stamp, used, columns))
+    return tuple(found)
+
+
+def stamps(values: Mapping[str, NDArray[np.generic]], recipe: Recipe) -> NDArray[np.int64] | None:
+    """Return the messages' own times in ns; None when they carry none."""
+    if recipe.stamp is None:
+        return None
+    seconds, nanoseconds = (values[path].astype(np.int64) for path in recipe.stamp)
+    time = seconds * SECOND + nanoseconds
+    return time if time.any() else None  # a stamp that was never set
+
+
+def _stamp(there: set[str], prefix: str) -> tuple[str, str] | None:
+    """Return the stamp nearest to the measurement: beside it, or in a message around it."""
+    parts = prefix.split(".")
+    for depth in range(len(parts), 0, -1):
+        around = ".".join(parts[: depth - 1]) + ("." if depth > 1 else "")
+        for seconds, nanoseconds in STAMPS:
+            if around + seconds in there and around + nanoseconds in there:
+                return around + seconds, around + nanoseconds
+    return None
+
+
+def _imu(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
+    signs = FLU_TO_FRD if frame == "FLU" else np.ones(3)
+    return {
+        column: np.stack([values[f"{prefix}{field}.{axis}"] for axis in "xyz"], axis=1) * signs
+        for column, field in (("angular_rate", "angular_velocity"), ("specific_force", "linear_acceleration"))
+    }
+
+
+def _gnss(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
+    del frame  # latitude and longitude have none
+    latitude = values[f"{prefix}latitude"]
+    height = values.get(f"{prefix}altitude", np.zeros_like(latitude))
+    columns = {"position": np.stack([np.radians(latitude), np.radians(values[f"{prefix}longitude"]), height], axis=1)}
+    covariance = values.get(f"{prefix}position_covariance")
+    if covariance is not None and covariance.ndim > 1 and covariance.shape[1] == 9:  # noqa: PLR2004 - 3 x 3
+        # East-north-up in the message. Not positive: unknown (all zero), or absent (-1).
+        columns["position_sigma"] = np.sqrt(np.maximum(covariance[:, [4, 0, 8]], 0.0))
+    status = values.get(f"{prefix}status.status")
+    if status is not None:  # -1 none, 0 fix, 1 with satellite, 2 with ground augmentation
+        columns["fix_type"] = np.select([status < 0, status > 0], [1.0, 4.0], 3.0)
+    return columns
+
+
+def _temperature(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
+    del frame
+    return {"temperature": values[f"{prefix}temperature"]}
+
+
+_TRIADS = tuple(f"{field}.{axis}" for field in ("angular_velocity", "linear_acceleration") for axis in "xyz")
+#: (key, kind, required fields, optional fields, recipe)
+_SHAPES: tuple[tuple[str, Kind, tuple[str, ...], tuple[str, ...], Callable[..., dict[str, NDArray[np.float64]]]], ...] = (
+    ("angular_velocity.x", "imu", _TRIADS, (), _imu),
+    ("latitude", "gnss", ("latitude", "longitude"), ("altitude", "position_covariance", "status.status"), _gnss),
+    ("temperature", "temperature", ("temperature",), (), _temperature),
+)  # fmt: skip

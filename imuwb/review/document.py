@@ -1,0 +1,52 @@
+"""Results as JSON: SI units, no NaN, provenance with every result."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import fields, is_dataclass
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from imuwb.log import Log
+
+SCHEMA = 1
+
+
+def plain(value: object) -> object:
+    """Return a value as JSON has it: dataclasses as objects, arrays as lists, what is not finite as null."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return {f.name: plain(getattr(value, f.name)) for f in fields(value)}
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in cast("dict[object, object]", value).items()}
+    if isinstance(value, list | tuple | set | frozenset):
+        return [plain(item) for item in cast("list[object]", value)]
+    return value if value is None or isinstance(value, str | int | bool) else str(value)
+
+
+def document(
+    analysis: str, version: str, parameters: object, result: object, logs: Sequence[Log], notes: Sequence[str]
+) -> str:
+    """Return the JSON text of a result."""
+    settings = cast("Mapping[str, object]", plain(parameters))
+    content = {
+        "imuwb": version,
+        "schema": SCHEMA,
+        "analysis": analysis,
+        "level": settings.get("level"),
+        "logs": [plain(log.provenance) for log in logs],
+        "params": settings,
+        "notes": list(notes),
+        "result": plain(result),
+    }
+    return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False)

@@ -1,0 +1,228 @@
+"""The review as a Rerun recording: tabs of figures, series, tables and notes, with their blueprint inside."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from imuwb.errors import ImuwbError
+from imuwb.review.envelope import envelope
+from imuwb.review.loglog import LogLog
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from imuwb.analysis import Figure, Floats, Series, Table
+
+EARTH_RADIUS = 6_371_000.0  #: m; a track is drawn on a plane, where a sphere is good enough
+ROWS = 65_536  #: of a chunk
+BACKGROUND = (22, 22, 26)
+
+
+@dataclass(slots=True)
+class _Tab:
+    """What one analysis put on its tab."""
+
+    name: str
+    path: str
+    figures: list[rrb.View] = field(default_factory=list[rrb.View])
+    series: list[rrb.View] = field(default_factory=list[rrb.View])
+    texts: list[rrb.View] = field(default_factory=list[rrb.View])
+    notes: list[str] = field(default_factory=list[str])
+    tracks: int = 0
+
+    def layout(self) -> rrb.Container | rrb.View | None:
+        rows: list[rrb.Container | rrb.View] = []
+        shares: list[float] = []
+        if self.figures:
+            rows.append(rrb.Horizontal(*self.figures) if len(self.figures) > 1 else self.figures[0])
+            shares.append(3.0)
+        rows.extend(self.series)
+        shares.extend([1.6] * len(self.series))
+        if self.texts:
+            rows.append(rrb.Horizontal(*self.texts) if len(self.texts) > 1 else self.texts[0])
+            shares.append(2.0)
+        if not rows:
+            return None
+        return rrb.Vertical(*rows, row_shares=shares, name=self.name)
+
+
+class RecordingReview:
+    """Shows results in a recording file, written beside its place and put there when it is whole."""
+
+    def __init__(
+        self, output: Path, *, live: str | None = None, show: Callable[[Table | str], None] | None = None
+    ) -> None:
+        """Open a recording.
+
+        Args:
+            output: the file to be; it appears when ``close`` is called.
+            live: address of a running viewer that sees it too, such as ``rerun+http://127.0.0.1:9876/proxy``.
+            show: called with each table and note, for the terminal.
+        """
+        self.output = output
+        self._partial = output.with_name(f".{output.name}.{os.getpid()}.partial")
+        self._show = show or (lambda _: None)
+        self._stream = rr.RecordingStream("imuwb", recording_id=None, send_properties=True)
+        try:
+            self._partial.touch()
+            sinks: list[rr.FileSink | rr.GrpcSink] = [rr.FileSink(str(self._partial))]
+            if live is not None:
+                sinks.append(rr.GrpcSink(live))
+            self._stream.set_sinks(*sinks)
+        except OSError as error:
+            message = f"{output}: cannot be written: {error.strerror}; choose another place with --output"
+            raise ImuwbError(message) from error
+        rr.set_log_time_enabled(False) if hasattr(rr, "set_log_time_enabled") else None
+        self._tabs: list[_Tab] = []
+        self._timeline: str | None = None
+        self.notes: list[str] = []
+        self.tab("Result")
+
+    @property
+    def recording(self) -> rr.RecordingStream:
+        """The recording itself."""
+        return self._stream
+
+    def tab(self, name: str) -> None:
+        """Put what follows on a tab of that name."""
+        path = "".join(c if c.isalnum() else "_" for c in name.lower())
+        self._tabs.append(_Tab(name, f"/{path}"))
+
+    @property
+    def _tab(self) -> _Tab:
+        return self._tabs[-1]
+
+    def figure(self, figure: Figure) -> None:
+        """Show a log-log figure."""
+        path = f"{self._tab.path}/figure_{len(self._tab.figures)}"
+        drawing = LogLog(figure)
+        drawing.draw(self._stream, path)
+        x, y = drawing.bounds()
+        self._tab.figures.append(
+            rrb.Spatial2DView(
+                origin=path, name=figure.title, visual_bounds=rrb.VisualBounds2D(x_range=x, y_range=y),
+                background=rrb.Background(color=BACKGROUND, kind="SolidColor"),
+            )
+        )  # fmt: skip
+
+    def series(self, series: Series) -> None:
+        """Show quantities over time, long ones as envelopes."""
+        path = f"{self._tab.path}/series_{len(self._tab.series)}"
+        time, values = envelope(series.time, series.values)
+        names = [f"{name} [{series.unit}]" for name in series.names]
+        self._stream.log(
+            path,
+            rr.SeriesLines(
+                names=names, colors=list(series.colors) or None, aggregation_policy=rr.components.AggregationPolicy.MinMax,
+                widths=[1.2] * len(names),
+            ),
+            static=True,
+        )  # fmt: skip
+        self._timeline = self._timeline or ("time" if series.epoch == "unix" else "time_since_start")
+        for start in range(0, time.size, ROWS):
+            rows = slice(start, start + ROWS)
+            stamp = time[rows]
+            index = (
+                rr.TimeColumn("time", timestamp=stamp.astype("datetime64[ns]"))
+                if series.epoch == "unix"
+                else rr.TimeColumn("time_since_start", duration=stamp.astype("timedelta64[ns]"))
+            )
+            scalars = rr.Scalars.columns(scalars=values[rows].ravel()).partition([values.shape[1]] * stamp.size)
+            self._stream.send_columns(path, [index], scalars)
+        whole = rr.TimeRange(start=rr.TimeRangeBoundary.infinite(), end=rr.TimeRangeBoundary.infinite())
+        self._tab.series.append(
+            rrb.TimeSeriesView(
+                origin=path, name=f"{series.title} [{series.unit}]", axis_x=rrb.TimeAxis(view_range=whole),
+                plot_legend=rrb.PlotLegend(corner="RightTop"),
+            )
+        )  # fmt: skip
+
+    def table(self, table: Table) -> None:
+        """Show a table."""
+        self._show(table)
+        cells = [table.headings, ["---"] * len(table.headings), *table.rows]
+        lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in cells]
+        self._text(table.title, f"## {table.title}\n\n" + "\n".join(lines) + (f"\n\n{table.caption}" if table.caption else ""))
+
+    def note(self, text: str) -> None:
+        """Say something a reader must know."""
+        self._show(text)
+        self.notes.append(text)
+        self._tab.notes.append(text)
+
+    def track(self, name: str, position: Floats, color: tuple[int, int, int]) -> None:
+        """Show a trajectory in local east and north, metres from its first point."""
+        path = f"{self._tab.path}/track"
+        start = position[0]
+        east = (position[:, 1] - start[1]) * math.cos(start[0]) * EARTH_RADIUS
+        north = (position[:, 0] - start[0]) * EARTH_RADIUS
+        points = np.stack([east, -north], axis=1)
+        if len(points) > 20_000:  # noqa: PLR2004 - a line on a screen has no more points
+            points = points[:: len(points) // 10_000]
+        self._stream.log(
+            f"{path}/{self._tab.tracks}_{name.strip('/').replace('/', '_')}",
+            rr.LineStrips2D([points], colors=[color], radii=rr.Radius.ui_points(1.5)),
+            static=True,
+        )
+        if not self._tab.tracks:
+            low, high = points.min(axis=0), points.max(axis=0)
+            span = max(float((high - low).max()), 1.0)
+            bar = 10 ** math.floor(math.log10(span / 3))
+            bar = next(b for b in (5 * bar, 2 * bar, bar) if b <= span / 2)
+            left, bottom = float(low[0]), float(high[1]) + span * 0.08
+            ruler = [(left, bottom), (left + bar, bottom)]
+            self._stream.log(f"{path}/scale", rr.LineStrips2D([ruler], colors=[(225, 225, 228)], radii=rr.Radius.ui_points(1.5)), static=True)
+            labels = [((left + bar / 2, bottom + span * 0.04), f"{bar:g} m, north up"), (tuple(points[0]), "start")]
+            self._stream.log(
+                f"{path}/texts",
+                rr.Points2D([p for p, _ in labels], labels=[t for _, t in labels], colors=[(225, 225, 228)] * 2,
+                            radii=rr.Radius.ui_points(2.0), show_labels=True),
+                static=True,
+            )  # fmt: skip
+            self._tab.figures.append(
+                rrb.Spatial2DView(origin=path, name=f"Track of {name}: east and north",
+                                  background=rrb.Background(color=BACKGROUND, kind="SolidColor"))
+            )  # fmt: skip
+        self._tab.tracks += 1
+
+    def close(self) -> Path:
+        """Write the blueprint and put the file in its place; the review cannot be used behind this."""
+        for tab in self._tabs:
+            if tab.notes:
+                self._text_on(tab, "Notes", "## Notes\n\n" + "\n".join(f"- {note}" for note in tab.notes))
+        views = [layout for tab in self._tabs if (layout := tab.layout()) is not None]
+        panel = rrb.TimePanel(state="collapsed", play_state="paused", timeline=self._timeline)
+        blueprint = rrb.Blueprint(
+            rrb.Tabs(*views), rrb.BlueprintPanel(state="collapsed"), rrb.SelectionPanel(state="collapsed"), panel
+        )
+        self._stream.send_blueprint(blueprint)
+        self._stream.flush()
+        self._stream.disconnect()
+        try:
+            self._partial.replace(self.output)
+        except OSError as error:
+            self.discard()
+            message = f"{self.output}: cannot be written: {error.strerror}"
+            raise ImuwbError(message) from error
+        return self.output
+
+    def discard(self) -> None:
+        """Leave nothing behind."""
+        self._stream.disconnect()
+        self._partial.unlink(missing_ok=True)
+
+    def _text(self, name: str, markdown: str) -> None:
+        self._text_on(self._tab, name, markdown)
+
+    def _text_on(self, tab: _Tab, name: str, markdown: str) -> None:
+        path = f"{tab.path}/text_{len(tab.texts)}"
+        self._stream.log(path, rr.TextDocument(markdown, media_type=rr.MediaType.MARKDOWN), static=True)
+        tab.texts.append(rrb.TextDocumentView(origin=path, name=name))

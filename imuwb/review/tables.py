@@ -1,0 +1,50 @@
+"""Tables that every review has."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING
+
+from imuwb.analysis import Table
+from imuwb.log import SECOND
+from imuwb.readers import summarize
+
+if TYPE_CHECKING:
+    from imuwb.log import Log
+    from imuwb.readers.summary import StreamSummary
+
+
+def streams_table(log: Log) -> Table:
+    """Return a table of a log's streams: counts, rates, times, gaps and repairs."""
+    summary = summarize(log)
+    rows = tuple(_row(stream) for stream in summary.streams)
+    caption = f"{summary.path} ({summary.format}, {summary.hash[:19]}…)"
+    headings = ("stream", "kind", "rows", "rate", "duration", "start", "gaps", "units in file", "frame in file", "repairs")
+    return Table("Streams", headings, rows, caption)
+
+
+def _row(stream: StreamSummary) -> tuple[str, ...]:
+    start = f"{stream.start_ns / SECOND:.3f} s on the {stream.epoch} clock"
+    if stream.epoch == "unix":
+        start = datetime.fromtimestamp(stream.start_ns / SECOND, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
+    longest = max((length for _, length in stream.gaps), default=0.0)
+    return (
+        stream.name,
+        stream.kind,
+        f"{stream.count:,}".replace(",", " "),
+        "—" if stream.rate_hz is None else f"{stream.rate_hz:.4g} Hz",
+        duration_text((stream.end_ns - stream.start_ns) / SECOND),
+        start,
+        f"{len(stream.gaps)}, longest {longest:.3g} s" if stream.gaps else "none",
+        stream.units,
+        stream.frame or "—",
+        "; ".join(f"{repair.what} ({repair.count})" for repair in stream.repairs) or "none",
+    )
+
+
+def duration_text(seconds: float) -> str:
+    """Return a duration as a person says it."""
+    if seconds < 600:  # noqa: PLR2004 - ten minutes
+        return f"{seconds:.4g} s"
+    hours, minutes = divmod(round(seconds / 60), 60)
+    return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min"

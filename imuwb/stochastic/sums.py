@@ -1,0 +1,119 @@
+"""What a process can say, and sums of processes, which can say what all their terms can."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
+
+import numpy as np
+
+from imuwb.stochastic import state_space
+
+if TYPE_CHECKING:
+    from imuwb.stochastic.state_space import StateSpace
+
+Floats = np.ndarray[tuple[int, ...], np.dtype[np.float64]]
+
+
+@runtime_checkable
+class Process(Protocol):
+    """A zero-mean random process on one sensor axis. A sample is its average over dt."""
+
+    def allan_variance(self, tau: Floats, dt: float) -> Floats:
+        """Return the Allan variance of samples of length dt at averaging times tau (s)."""
+        ...
+
+    def power_spectral_density(self, f: Floats, dt: float) -> Floats:
+        """Return the two-sided density of the sampled process at f in (0, 1/(2 dt)], Hz."""
+        ...
+
+    def sample(self, n: int, dt: float, rng: np.random.Generator) -> Floats:
+        """Return n consecutive samples."""
+        ...
+
+
+@runtime_checkable
+class Stationary(Process, Protocol):
+    """A process whose variance does not grow."""
+
+    def autocovariance(self, lag: Floats) -> Floats:
+        """Return the autocovariance of the continuous process at lag (s)."""
+        ...
+
+
+@runtime_checkable
+class FiniteOrder(Process, Protocol):
+    """A process that a Kalman filter can carry."""
+
+    def discretize(self, dt: float) -> StateSpace:
+        """Return the process in steps of dt."""
+        ...
+
+
+class Addable:
+    """Gives processes their ``+``."""
+
+    __slots__ = ()
+
+    def __add__(self, other: Process | Sum) -> Sum:
+        """Return the sum of two independent processes."""
+        return Sum((*_terms(self), *_terms(other)))
+
+
+@dataclass(frozen=True)
+class Sum(Addable):
+    """Independent processes that add."""
+
+    terms: tuple[Process, ...] = ()
+
+    def allan_variance(self, tau: Floats, dt: float) -> Floats:
+        """Return the sum of the terms' Allan variances."""
+        return sum((term.allan_variance(tau, dt) for term in self.terms), np.zeros_like(tau))
+
+    def power_spectral_density(self, f: Floats, dt: float) -> Floats:
+        """Return the sum of the terms' two-sided densities."""
+        return sum((term.power_spectral_density(f, dt) for term in self.terms), np.zeros_like(f))
+
+    def sample(self, n: int, dt: float, rng: np.random.Generator) -> Floats:
+        """Return n samples, the terms drawn one after the other."""
+        total = np.zeros(n)
+        for term in self.terms:
+            total += term.sample(n, dt, rng)
+        return total
+
+    def autocovariance(self, lag: Floats) -> Floats:
+        """Return the sum of the terms' autocovariances.
+
+        Raises:
+            TypeError: a term has none.
+        """
+        total = np.zeros_like(lag)
+        for term in self.terms:
+            if not isinstance(term, Stationary):
+                message = f"{term} is not stationary: it has no autocovariance"
+                raise TypeError(message)
+            total += term.autocovariance(lag)
+        return total
+
+    def discretize(self, dt: float) -> StateSpace:
+        """Return all terms as one state space.
+
+        Raises:
+            TypeError: a term is not of finite order (flicker: take its ``approximate``).
+        """
+        parts: list[StateSpace] = []
+        for term in self.terms:
+            if not isinstance(term, FiniteOrder):
+                message = f"{term} is of no finite order; use an approximation of it"
+                raise TypeError(message)
+            parts.append(term.discretize(dt))
+        return state_space.joined(tuple(parts))
+
+
+def _terms(value: object) -> tuple[Process, ...]:
+    if isinstance(value, Sum):
+        return value.terms
+    if isinstance(value, Process):
+        return (value,)
+    message = f"{value!r} is no process"
+    raise TypeError(message)

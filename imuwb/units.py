@@ -1,0 +1,157 @@
+"""Display units and SI: one table, both ways. Inside imuwb everything is SI.
+
+A unit is a name, what it measures, and the factor that takes a value in it to SI. Spectral and
+random-walk units look alike and are not: ``deg/√h`` is a white-noise density (N), ``deg/h`` a rate
+(B), ``deg/h^1.5`` a random-walk coefficient (K). The dimension keeps them apart.
+"""
+
+import math
+import re
+from dataclasses import dataclass
+
+from imuwb.errors import UsageError
+
+STANDARD_GRAVITY = 9.80665  # m/s², the "g" of data sheets (CGPM 1901), not the local gravity
+
+_DEG = math.pi / 180
+_H = 3600.0
+_ROOT_H = 60.0
+_G = STANDARD_GRAVITY
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A display unit: ``value_in_si = factor * value + offset``."""
+
+    name: str
+    dimension: str
+    factor: float
+    offset: float = 0.0
+
+    def to_si(self, value: float) -> float:
+        """Return ``value``, given in this unit, in SI."""
+        return value * self.factor + self.offset
+
+    def from_si(self, value: float) -> float:
+        """Return ``value``, given in SI, in this unit."""
+        return (value - self.offset) / self.factor
+
+
+#: dimension -> {unit: factor to SI}; the first unit of a dimension is the SI one.
+_TABLE: dict[str, dict[str, float]] = {
+    "time": {"s": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60, "h": _H},
+    "frequency": {"Hz": 1, "kHz": 1e3},
+    "length": {"m": 1, "cm": 1e-2, "mm": 1e-3, "km": 1e3},
+    "angle": {"rad": 1, "mrad": 1e-3, "deg": _DEG, "arcsec": _DEG / _H, "degE7": _DEG * 1e-7},
+    "speed": {"m/s": 1, "km/h": 1 / 3.6, "cm/s": 1e-2, "mm/s": 1e-3, "knot": 1852 / _H},
+    "angular_rate": {
+        "rad/s": 1, "mrad/s": 1e-3, "deg/s": _DEG, "mdeg/s": _DEG * 1e-3, "deg/h": _DEG / _H,
+        "rpm": math.pi / 30,
+    },
+    "specific_force": {
+        "m/s²": 1, "g": _G, "mg": _G * 1e-3, "µg": _G * 1e-6, "m/s/h": 1 / _H, "cm/s²": 1e-2,
+    },
+    # N: a white-noise density. rad/s/√Hz and rad/√s are the same thing.
+    "angular_rate_density": {
+        "rad/s/√Hz": 1, "rad/√s": 1, "deg/s/√Hz": _DEG, "deg/√s": _DEG, "mdeg/s/√Hz": _DEG * 1e-3,
+        "deg/√h": _DEG / _ROOT_H, "deg/h/√Hz": _DEG / _H,
+    },
+    "specific_force_density": {
+        "m/s²/√Hz": 1, "m/s/√s": 1, "m/s/√h": 1 / _ROOT_H, "g/√Hz": _G, "mg/√Hz": _G * 1e-3,
+        "µg/√Hz": _G * 1e-6,
+    },
+    # K: a rate random walk. 1/h^1.5 = 1/(3600·60) of 1/s^1.5.
+    "angular_rate_walk": {
+        "rad/s/√s": 1, "rad/s²/√Hz": 1, "deg/s/√s": _DEG, "deg/h/√h": _DEG / (_H * _ROOT_H),
+        "deg/h^1.5": _DEG / (_H * _ROOT_H),
+    },
+    "specific_force_walk": {
+        "m/s²/√s": 1, "m/s³/√Hz": 1, "m/s/h^1.5": 1 / (_H * _ROOT_H), "mg/√s": _G * 1e-3,
+    },
+    # R: a rate ramp.
+    "angular_acceleration": {"rad/s²": 1, "deg/s²": _DEG, "deg/h²": _DEG / _H**2},
+    "jerk": {"m/s³": 1, "m/s/h²": 1 / _H**2},
+    "dimensionless": {"1": 1, "%": 1e-2, "ppm": 1e-6},
+}  # fmt: skip
+
+UNITS: dict[str, Unit] = {
+    name: Unit(name, dimension, float(factor))
+    for dimension, row in _TABLE.items()
+    for name, factor in row.items()
+} | {
+    "°C": Unit("°C", "temperature", 1.0),
+    "K": Unit("K", "temperature", 1.0, -273.15),
+    "cdegC": Unit("cdegC", "temperature", 1e-2),
+}
+
+#: What people write, and the name it has in the table (matched after ``_canonical``).
+_ALIASES = {
+    "dps": "deg/s", "deg/sec": "deg/s", "degps": "deg/s", "°/s": "deg/s", "rad/sec": "rad/s",
+    "rads": "rad/s", "°/h": "deg/h", "deg/hr": "deg/h", "mps2": "m/s²", "ms2": "m/s²", "m/s/s": "m/s²",
+    "m/s2": "m/s²", "ms-2": "m/s²", "m/ss": "m/s²", "m/sec²": "m/s²", "gee": "g", "mgee": "mg", "ug": "µg",
+    "μg": "µg", "ug/√hz": "µg/√Hz", "μg/√hz": "µg/√Hz", "sec": "s", "seconds": "s", "msec": "ms",
+    "usec": "us", "µs": "us", "μs": "us", "nsec": "ns", "degc": "°C", "c": "°C", "celsius": "°C",
+    "degree": "deg", "degrees": "deg", "°": "deg", "mps": "m/s", "kmh": "km/h", "kph": "km/h",
+    "deg/√hr": "deg/√h", "°/√h": "deg/√h", "m/s/√hr": "m/s/√h", "degs": "deg/s", "": "1",
+}  # fmt: skip
+_FOLDED = {name.lower(): name for name in UNITS}  # no two units differ by case alone, but "K"
+
+
+def _canonical(text: str) -> str:
+    text = text.strip().replace(" ", "").replace("**", "^")
+    text = re.sub(r"sqrt\(?([A-Za-z]+)\)?", r"√\1", text)
+    return text.replace("^2", "²").replace("^3", "³").replace("^(3/2)", "^1.5").replace("·", "")
+
+
+def unit(name: str) -> Unit:
+    """Return the unit that ``name`` writes, in any common spelling.
+
+    Raises:
+        UsageError: no such unit; the message lists those of the table.
+    """
+    text = _canonical(name)
+    folded = text.lower()
+    found = text if text in UNITS else _FOLDED.get(folded) or _ALIASES.get(folded)
+    if found is None:
+        known = ", ".join(UNITS)
+        message = f"unknown unit {name!r}; write one of: {known}"
+        raise UsageError(message)
+    return UNITS[found]
+
+
+def to_si(value: float, name: str) -> float:
+    """Return ``value``, given in the unit ``name``, in SI."""
+    return unit(name).to_si(value)
+
+
+def from_si(value: float, name: str) -> float:
+    """Return ``value``, given in SI, in the unit ``name``."""
+    return unit(name).from_si(value)
+
+
+def si_unit(dimension: str) -> str:
+    """Return the SI unit of a dimension of the table (°C for temperature)."""
+    return "°C" if dimension == "temperature" else next(iter(_TABLE[dimension]))
+
+
+#: (sensor, coefficient) -> (SI unit, the unit that data sheets and the papers use).
+_COEFFICIENT_UNITS: dict[tuple[str, str], tuple[str, str]] = {
+    ("gyro", "Q"): ("rad", "arcsec"),
+    ("gyro", "N"): ("rad/s/√Hz", "deg/√h"),
+    ("gyro", "B"): ("rad/s", "deg/h"),
+    ("gyro", "K"): ("rad/s/√s", "deg/h^1.5"),
+    ("gyro", "R"): ("rad/s²", "deg/h²"),
+    ("gyro", "rate"): ("rad/s", "deg/s"),
+    ("accel", "Q"): ("m/s", "mm/s"),
+    ("accel", "N"): ("m/s²/√Hz", "m/s/√h"),
+    ("accel", "B"): ("m/s²", "m/s/h"),
+    ("accel", "K"): ("m/s²/√s", "m/s/h^1.5"),
+    ("accel", "R"): ("m/s³", "m/s/h²"),
+    ("accel", "rate"): ("m/s²", "mg"),
+}
+
+
+def coefficient_units(axis: str, coefficient: str) -> tuple[Unit, Unit]:
+    """Return (SI unit, display unit) of Q, N, B, K, R or ``rate`` on an axis such as ``gyro_x``."""
+    si, display = _COEFFICIENT_UNITS[axis.split("_", maxsplit=1)[0], coefficient]
+    return UNITS[si], UNITS[display]

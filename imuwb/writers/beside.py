@@ -1,0 +1,42 @@
+"""Files that appear whole or not at all: written beside their place, then renamed."""
+
+from __future__ import annotations
+
+import os
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from imuwb.errors import ImuwbError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+
+def partial(path: Path) -> Path:
+    """Return the name under which a file is written until it is whole."""
+    return path.with_name(f".{path.name}.{os.getpid()}.partial")
+
+
+@contextmanager
+def beside(path: Path) -> Iterator[Path]:
+    """Give a name to write to; behind the block the file stands at ``path``, or, on an error, nowhere.
+
+    Raises:
+        ImuwbError: the place cannot be written.
+    """
+    temporary = partial(path)
+    try:
+        yield temporary
+        temporary.replace(path)
+    except OSError as error:
+        message = f"{path}: cannot be written: {error.strerror or error}"
+        raise ImuwbError(message) from error
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file, whole or not at all."""
+    with beside(path) as temporary:
+        temporary.write_text(text, "utf-8")

@@ -1,0 +1,35 @@
+"""What can be asked of the Allan analysis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Options of ``imuwb allan``."""
+
+    averaging_times: Annotated[str, "octave, log:N (N of them), all, or seconds such as 0.1,1,10"] = "octave"
+    uncertainty: Annotated[
+        Literal["edf", "printed"], "edf: chi-square, by noise type; printed: the papers' 1/√(2(N/n-1))"
+    ] = "edf"
+    lines: Annotated[bool, "look for periodic lines and take them into the fit"] = True
+    level: Annotated[float, "of all intervals and limits"] = 0.95
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        if not 0.5 <= self.level < 1:  # noqa: PLR2004 - less than even odds is no confidence
+            message = f"level is {self.level}; it must be at least 0.5 and below 1"
+            raise ValueError(message)
+        text = self.averaging_times
+        kind, _, number = text.partition(":")
+        if text in ("octave", "all") or (kind == "log" and number.isdigit() and int(number) > 1):
+            return
+        try:
+            times = [float(part) for part in text.split(",")]
+        except ValueError:
+            times = []
+        if not times or min(times) <= 0:
+            message = f"averaging times are {text!r}; write octave, log:90, all, or positive seconds such as 0.1,1,10"
+            raise ValueError(message)

@@ -1,0 +1,78 @@
+"""What the Allan analysis finds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from imuwb.identification import Disturbance, Region
+    from imuwb.stochastic import Sum
+
+
+@dataclass(frozen=True, slots=True)
+class CoefficientResult:
+    """One coefficient in SI; ``value`` None where it is not identified, ``upper`` then is its limit."""
+
+    value: float | None
+    lower: float | None
+    upper: float | None
+    unit: str
+    at: float | None  #: s
+
+
+@dataclass(frozen=True, slots=True)
+class LineResult:
+    """A periodic line."""
+
+    frequency: float  #: Hz
+    amplitude: float
+    lower: float
+    upper: float
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class FitQuality:
+    """How well the sum explains the curve."""
+
+    from_averaging_time: float  #: s; shorter ones are left out of the fit
+    misfit: float  #: chi-square over degrees of freedom
+    probability: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class AxisResult:
+    """One axis, SI."""
+
+    averaging_time: NDArray[np.float64]
+    allan_deviation: NDArray[np.float64]
+    lower: NDArray[np.float64]
+    upper: NDArray[np.float64]
+    degrees_of_freedom: NDArray[np.float64]
+    noise_exponent: NDArray[np.int64]
+    fitted: NDArray[np.float64] | None
+    coefficients: dict[str, CoefficientResult]
+    regions: tuple[Region, ...]
+    correlation_time: dict[str, float] | None
+    lines: tuple[LineResult, ...]
+    fit: FitQuality | None
+    processes: Sum | None
+    why_no_fit: str | None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Result:
+    """All axes of one IMU."""
+
+    imu: str
+    source: str  #: path and hash of the log
+    rate_hz: dict[str, float]
+    duration: float  #: s
+    axes: dict[str, AxisResult]
+    disturbances: tuple[Disturbance, ...]
+    quiet: tuple[float, float]  #: s from the first sample
+    notes: tuple[str, ...]
