@@ -18,11 +18,11 @@ that help is quick; keep imports of numpy inside ``run`` and ``draw``, or in mod
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     import numpy as np
     import rerun as rr
@@ -109,9 +109,8 @@ class Series:
     time: NDArray[np.int64]  #: (n,) ns
     values: Floats  #: (n, k)
     names: tuple[str, ...]
-    colors: tuple[tuple[int, int, int], ...] = ()
-    epoch: str = "log"
-    bands: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
+    colors: tuple[tuple[int, ...], ...] = ()  #: RGB or RGBA
+    epoch: str = "log"  #: what time counts from: "unix", "boot" or "log"
 
 
 class Review(Protocol):

@@ -14,7 +14,7 @@ All values are frozen and their arrays read-only: what a reader made, no analysi
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,7 @@ AXES = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
 SECOND = 1_000_000_000  # nanoseconds
 
 
-def _frozen(values: object, dtype: type, shape: tuple[int | None, ...], what: str) -> NDArray[np.generic]:
+def _frozen(values: object, dtype: type, shape: tuple[int | None, ...], what: str) -> NDArray[Any]:
     """Return ``values`` as a read-only array of that shape, all finite (None: any length)."""
     array = np.ascontiguousarray(values, dtype=dtype).view()
     if array.ndim != len(shape) or any(n not in (None, m) for n, m in zip(shape, array.shape, strict=True)):

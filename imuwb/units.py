@@ -75,9 +75,7 @@ _TABLE: dict[str, dict[str, float]] = {
 }  # fmt: skip
 
 UNITS: dict[str, Unit] = {
-    name: Unit(name, dimension, float(factor))
-    for dimension, row in _TABLE.items()
-    for name, factor in row.items()
+    name: Unit(name, dimension, float(factor)) for dimension, row in _TABLE.items() for name, factor in row.items()
 } | {
     "°C": Unit("°C", "temperature", 1.0),
     "K": Unit("K", "temperature", 1.0, -273.15),

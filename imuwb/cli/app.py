@@ -44,7 +44,10 @@ def _version(wanted: bool) -> None:  # noqa: FBT001 - typer's callback has no ke
 
 
 def _root(
-    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")] = False,  # noqa: FBT002 - a flag
+    *,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
 ) -> None:
     """A workbench for inertial logs: how noisy is this sensor, and how far does it drift?"""
     del version

@@ -23,13 +23,17 @@ LOGS, RESULTS = "Logs", "Results"
 DEMO_LOG = "static.mcap"
 
 
-def info(  # noqa: PLR0913 - an option each
+def info(
     log: Annotated[Path, typer.Argument(help="Any log: MCAP, CSV, RTKLIB .pos.", metavar="LOG")],
     *,
     json: Annotated[bool, typer.Option("--json", help="As JSON on stdout.")] = False,
-    time_source: Annotated[Literal["header", "log", "publish"], typer.Option(help="Which stamp of a message counts.")] = "header",
+    time_source: Annotated[
+        Literal["header", "log", "publish"], typer.Option(help="Which stamp of a message counts.")
+    ] = "header",
     rate: Annotated[float | None, typer.Option(help="Of text without a time column.", metavar="HZ")] = None,
-    columns: Annotated[str | None, typer.Option(help="Of text without a header: names in order, - for none.", metavar="NAMES")] = None,
+    columns: Annotated[
+        str | None, typer.Option(help="Of text without a header: names in order, - for none.", metavar="NAMES")
+    ] = None,
     units: Annotated[str | None, typer.Option(help="Such as gyro=deg/s,accel=g,time=ms.", metavar="UNITS")] = None,
     frame: Annotated[Literal["FRD", "FLU"] | None, typer.Option(help="Body frame, where the log does not say.")] = None,
 ) -> None:
@@ -52,10 +56,12 @@ def info(  # noqa: PLR0913 - an option each
         show(note)
 
 
-def simulate(  # noqa: PLR0913 - an option each
+def simulate(
     kind: Annotated[Literal["static"], typer.Argument(help="What to simulate.", metavar="static")],
     *,
-    output: Annotated[Path, typer.Option("--output", "-o", help="The log; its suffix, .mcap or .csv, is its format.", metavar="FILE")],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="The log; its suffix, .mcap or .csv, is its format.", metavar="FILE")
+    ],
     preset: Annotated[str | None, typer.Option(help="A published sensor (an unknown name lists them).")] = None,
     error_model: Annotated[Path | None, typer.Option(help="An error model of your own.", metavar="MODEL.toml")] = None,
     hours: Annotated[float, typer.Option(help="Duration in hours.")] = 1.0,
@@ -84,7 +90,16 @@ def simulate(  # noqa: PLR0913 - an option each
     model = published(preset) if preset is not None else ImuErrorModel.read(cast("Path", error_model))
     check_place(output, force=force)
     with progress("simulating") as report:
-        log = static(model, hours * 3600, rate, seed, celsius=temperature, quantize=quantize, bandwidth=bandwidth, progress=report)
+        log = static(
+            model,
+            hours * 3600,
+            rate,
+            seed,
+            celsius=temperature,
+            quantize=quantize,
+            bandwidth=bandwidth,
+            progress=report,
+        )
     with progress(f"writing {output.name}") as report:
         write(log, output, report)
     typer.echo(f"wrote {output}", err=True)
@@ -122,7 +137,9 @@ def plugins() -> None:
 
 def demo(
     *,
-    output: Annotated[Path, typer.Option("--output", "-o", help="The recording.", metavar="FILE.rrd")] = Path("imuwb-demo.rrd"),
+    output: Annotated[Path, typer.Option("--output", "-o", help="The recording.", metavar="FILE.rrd")] = Path(
+        "imuwb-demo.rrd"
+    ),
     force: Annotated[bool, typer.Option("--force", help="Write over a recording that exists.")] = False,
 ) -> None:
     """Analyse the sample log, and leave a recording to look at."""

@@ -35,15 +35,24 @@ class Common:
     imu: Annotated[str | None, _log("--imu", "Which IMU, by its name in `imuwb info`.", "NAME")] = None
     start: Annotated[str | None, _log("--start", "From here on: seconds from the log's start, or ISO.", "TIME")] = None
     end: Annotated[str | None, _log("--end", "Up to here.", "TIME")] = None
-    time_source: Annotated[Literal["header", "log", "publish"], _log("--time-source", "Which stamp of a message counts.")] = "header"
+    time_source: Annotated[
+        Literal["header", "log", "publish"], _log("--time-source", "Which stamp of a message counts.")
+    ] = "header"
     rate: Annotated[float | None, _log("--rate", "Of text without a time column.", "HZ")] = None
-    columns: Annotated[str | None, _log("--columns", "Of text without a header: names in order, - for none.", "NAMES")] = None
+    columns: Annotated[
+        str | None, _log("--columns", "Of text without a header: names in order, - for none.", "NAMES")
+    ] = None
     units: Annotated[str | None, _log("--units", "Such as gyro=deg/s,accel=g,time=ms.", "UNITS")] = None
     frame: Annotated[Literal["FRD", "FLU"] | None, _log("--frame", "Body frame, where the log does not say.")] = None
-    output: Annotated[Path | None, _out("--output", "-o", text="The recording; default: the log's name with .rrd.", metavar="FILE.rrd")] = None
+    output: Annotated[
+        Path | None,
+        _out("--output", "-o", text="The recording; default: the log's name with .rrd.", metavar="FILE.rrd"),
+    ] = None
     force: Annotated[bool, _out("--force", text="Write over files that exist.")] = False
     json: Annotated[str | None, _out("--json", text="The result as JSON; - for stdout.", metavar="FILE")] = None
-    save_model: Annotated[Path | None, _out("--save-model", text="The error model that was found.", metavar="FILE.toml")] = None
+    save_model: Annotated[
+        Path | None, _out("--save-model", text="The error model that was found.", metavar="FILE.toml")
+    ] = None
     live: Annotated[bool, _out("--live", text="Show it in a running viewer too.")] = False
 
 
@@ -90,7 +99,9 @@ def parameters_of(kind: Any) -> list[inspect.Parameter]:  # noqa: ANN401 - a dat
         default = inspect.Parameter.empty if f.default is MISSING else f.default
         option = typer.Option(flags, help=text[:1].upper() + text[1:] + ("." if text and text[-1] not in ".)" else ""))
         options.append(
-            inspect.Parameter(f.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[base, option])
+            inspect.Parameter(
+                f.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[base, option]
+            )
         )
     return options
 

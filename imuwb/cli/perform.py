@@ -12,7 +12,9 @@ from imuwb import __version__, readers
 from imuwb.cli.terminal import progress, shower
 from imuwb.errors import ImuwbError, UnreadableLogError, UsageError
 from imuwb.readers.batch import ReadOptions
-from imuwb.review import RecordingReview, document, overview
+from imuwb.review.document import document
+from imuwb.review.overview import overview
+from imuwb.review.recording import RecordingReview
 from imuwb.writers import write_text
 
 if TYPE_CHECKING:

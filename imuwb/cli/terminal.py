@@ -12,10 +12,10 @@ from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table as RichTable
 
-from imuwb.analysis import Table
-
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Generator
+
+    from imuwb.analysis import Table
 
 WIDE = 200  #: columns where the output is no terminal: files and pipes do not wrap
 
@@ -34,7 +34,7 @@ def shower(*, data: bool) -> Callable[[Table | str], None]:
         if isinstance(what, str):
             err.print(f"[yellow]note[/] {escape(what)}", soft_wrap=True)
             return
-        table = RichTable(title=what.title, title_justify="left", title_style="bold", caption=what.caption or None,
+        table = RichTable(title=escape(what.title), title_justify="left", title_style="bold", caption=escape(what.caption) or None,
                           caption_justify="left")  # fmt: skip
         for heading in what.headings:
             table.add_column(heading)
@@ -47,7 +47,7 @@ def shower(*, data: bool) -> Callable[[Table | str], None]:
 
 
 @contextmanager
-def progress(text: str) -> Iterator[Callable[[int, int], None]]:
+def progress(text: str) -> Generator[Callable[[int, int], None]]:
     """Show a bar on a terminal's stderr; the function it gives takes (done, all)."""
     screen = Console(file=sys.stderr)
     if not screen.is_terminal:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
 import numba
@@ -70,7 +71,7 @@ def allan(
     """
     values = np.ascontiguousarray(values, dtype=np.float64)
     edges = [0, *breaks, values.size]
-    pieces = [values[a:b] for a, b in zip(edges[:-1], edges[1:], strict=True) if b - a > 1]
+    pieces = [values[a:b] for a, b in pairwise(edges) if b - a > 1]
     if not pieces:
         message = f"{values.size} samples hold no two that follow each other; the Allan variance needs them"
         raise ValueError(message)
@@ -83,11 +84,16 @@ def allan(
         squares += sums_of_squares(phase, factor)
         terms += np.maximum(phase.size - 2 * factor, 0)
     deviation = np.sqrt(squares / terms / 2) / factor
-    kinds = _noise_types(phases[pieces.index(longest)] if len(pieces) == 1 else _phase(longest, center), factor, deviation)
+    kinds = _noise_types(
+        phases[pieces.index(longest)] if len(pieces) == 1 else _phase(longest, center), factor, deviation
+    )
     # Gaps leave fewer terms; as if from a record that has that many.
     n_effective = terms + 2 * factor - 1
     edf = np.array(
-        [equivalent_degrees_of_freedom(int(m), int(n), int(a)) for m, n, a in zip(factor, n_effective, kinds, strict=True)]
+        [
+            equivalent_degrees_of_freedom(int(m), int(n), int(a))
+            for m, n, a in zip(factor, n_effective, kinds, strict=True)
+        ]
     )
     if uncertainty == "edf":
         tail = (1 - level) / 2
@@ -96,7 +102,7 @@ def allan(
         half = stats.norm.ppf((1 + level) / 2) / np.sqrt(2 * np.maximum(values.size / factor - 1, 0.5))
         lower, upper = np.maximum(deviation * (1 - half), 0.0), deviation * (1 + half)
     return AllanDeviation(
-        values.size, dt, level, factor, factor * dt, deviation, lower, upper, edf, kinds, terms
+        values.size, dt, level, factor, factor.astype(np.float64) * dt, deviation, lower, upper, edf, kinds, terms
     )
 
 
@@ -109,7 +115,7 @@ def _phase(values: Floats, center: float) -> Floats:
 
 
 @numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
-def _sum_of_squares(early, middle, late):  # pragma: no cover - compiled
+def _sum_of_squares(early: Floats, middle: Floats, late: Floats) -> float:  # pragma: no cover - compiled
     """Return the sum of (late - 2 middle + early)²; slices of one array, so the loop vectorises."""
     total = 0.0
     for k in range(late.size):
@@ -119,7 +125,7 @@ def _sum_of_squares(early, middle, late):  # pragma: no cover - compiled
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
-def _sums(phase, factors, block, out):  # pragma: no cover - compiled
+def _sums(phase: Floats, factors: NDArray[np.int64], block: int, out: Floats) -> None:  # pragma: no cover - compiled
     """Add the squares of all factors block by block, so that a block is fetched from memory once."""
     n = phase.size
     for begin in range(0, n, block):
@@ -146,7 +152,7 @@ def _noise_types(phase: Floats, factor: NDArray[np.int64], deviation: Floats) ->
     for i, m in enumerate(factor):
         found = noise_type.exponent(phase[::m])
         if found is None and i and deviation[i] > 0:
-            slope = np.log(deviation[i] / deviation[i - 1]) / np.log(factor[i] / factor[i - 1])
+            slope = np.log(deviation[i] / deviation[i - 1]) / np.log(m / factor[i - 1])
             # sigma ~ tau^(-(alpha+1)/2); held to the last sure type but for one step, as the tail is noisy
             found = int(np.clip(round(-2 * slope - 1), last - 1, last + 1).clip(-2, 2))
             kinds[i] = found
@@ -166,9 +172,7 @@ def allan_of_axes(
     """Return ``allan`` of several axes, {name: (values, dt, breaks)}, on all cores."""
     with ThreadPoolExecutor(2) as pool:
         futures = {
-            name: pool.submit(
-                allan, values, dt, averaging_times, level=level, uncertainty=uncertainty, breaks=breaks
-            )
+            name: pool.submit(allan, values, dt, averaging_times, level=level, uncertainty=uncertainty, breaks=breaks)
             for name, (values, dt, breaks) in series.items()
         }
         return {name: future.result() for name, future in futures.items()}

@@ -125,7 +125,7 @@ def _octaves(factor: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the indices of factors about an octave apart, the first and the longest among them."""
     chosen = [0]
     for i in range(1, factor.size):
-        if factor[i] >= 1.8 * factor[chosen[-1]]:  # noqa: PLR2004 - rounding lets octaves be a little closer
+        if factor[i] >= 1.8 * factor[chosen[-1]]:
             chosen.append(i)
     if len(chosen) < 3:  # noqa: PLR2004 - five coefficients from fewer points are none
         message = f"a fit needs at least 3 averaging times an octave apart; there are {len(chosen)}"

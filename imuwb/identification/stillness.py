@@ -83,7 +83,12 @@ def stillness(axes: Mapping[str, Floats], dt: float) -> Stillness:
     quiet, quiet_count = ndimage.label(~bad)
     if not quiet_count:
         return Stillness(tuple(found), 0.0, 0.0, moving=True)
-    longest = max(ndimage.find_objects(quiet), key=lambda span: span[0].stop - span[0].start)[0]
-    end = duration if longest.stop == length else longest.stop * size * dt
+    spans = [(int(span[0].start), int(span[0].stop)) for span in ndimage.find_objects(quiet)]
+    begin, stop = max(spans, key=_length)
+    end = duration if stop == length else stop * size * dt
     moving |= float(bad.mean()) > 0.5  # noqa: PLR2004 - most of it
-    return Stillness(tuple(found), longest.start * size * dt, end, moving=moving)
+    return Stillness(tuple(found), begin * size * dt, end, moving=moving)
+
+
+def _length(span: tuple[int, int]) -> int:
+    return span[1] - span[0]

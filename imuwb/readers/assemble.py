@@ -14,6 +14,8 @@ from imuwb.readers.batch import Batch
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from numpy.typing import NDArray
+
     from imuwb.log import Floats, Nanoseconds
     from imuwb.readers.batch import Kind, Remark
 
@@ -98,7 +100,7 @@ def _join(batches: list[Batch], noted: list[Repair]) -> _Rows:
 
 
 def _take(
-    time: Nanoseconds, columns: dict[str, Floats], rows: np.ndarray[tuple[int], np.dtype[np.generic]]
+    time: Nanoseconds, columns: dict[str, Floats], rows: NDArray[np.bool_] | NDArray[np.int64]
 ) -> tuple[Nanoseconds, dict[str, Floats]]:
     return time[rows], {name: values[rows] for name, values in columns.items()}
 

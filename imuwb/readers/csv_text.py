@@ -97,7 +97,7 @@ class _Clock:
 
     def time(self, block: pa.RecordBatch, first_row: int) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
         """Return the time of the rows that have one in ns, and which those are."""
-        if self.column is None or self.column.unit is None and not pa.types.is_timestamp(self.kind):
+        if self.column is None or (self.column.unit is None and not pa.types.is_timestamp(self.kind)):
             row = np.arange(first_row, first_row + block.num_rows)
             return np.rint(row * (SECOND / self.rate)).astype(np.int64), np.ones(row.size, dtype=bool)
         cells = cast("pa.Array[Any]", block.column(self.column.name))
@@ -108,7 +108,9 @@ class _Clock:
         scale = cast("Any", self.column.unit).factor
         if pa.types.is_decimal(self.kind):
             # The low word of the 128-bit integer below a decimal is the value times 10^9: exact, unlike a float.
-            words = np.frombuffer(cast("Any", cells.buffers()[1]), "<i8")[0::2][cells.offset : cells.offset + len(cells)]
+            words = np.frombuffer(cast("Any", cells.buffers()[1]), "<i8")[0::2][
+                cells.offset : cells.offset + len(cells)
+            ]
             return (words if scale == 1 else np.rint(words * scale).astype(np.int64)), there
         if pa.types.is_integer(self.kind):
             return np.asarray(cells) * round(scale * SECOND), there
@@ -127,7 +129,7 @@ def _with_sidecar(path: Path, options: ReadOptions) -> tuple[ReadOptions, Path |
             raise UsageError(message) from error
         unknown = set(said) - {"rate", "columns", "units", "frame"}
         if unknown:
-            message = f"{sidecar}: unknown key {sorted(unknown)[0]!r}; a sidecar has rate, columns, units and frame"
+            message = f"{sidecar}: unknown key {min(unknown)!r}; a sidecar has rate, columns, units and frame"
             raise UsageError(message)
         return replace(
             options,

@@ -76,7 +76,13 @@ def gather(buffer: NDArray[np.uint8], offsets: NDArray[np.int64], dtype: np.dtyp
 
 
 @numba.njit(cache=True, nogil=True)
-def _walk(buffer, start, opcode, content, length):  # pragma: no cover - compiled
+def _walk(
+    buffer: NDArray[np.uint8],
+    start: int,
+    opcode: NDArray[np.uint8],
+    content: NDArray[np.int64],
+    length: NDArray[np.int64],
+) -> tuple[int, int]:  # pragma: no cover - compiled
     """Fill the tables (when they have room) with the whole records from ``start``; return number, end."""
     count, at, size = 0, start, buffer.size
     while at + 9 <= size:
@@ -90,7 +96,7 @@ def _walk(buffer, start, opcode, content, length):  # pragma: no cover - compile
             content[count] = at + 9
             length[count] = n
         count += 1
-        at += 9 + np.int64(n)
+        at += 9 + int(n)
     return count, at
 
 
@@ -142,8 +148,7 @@ class Recording:
         want = BLOCK
         if len(rest) >= 9:  # noqa: PLR2004 - opcode and length
             want = max(BLOCK, 9 + int.from_bytes(rest[1:9], "little") - len(rest))
-        if want > left:
-            want = left  # a length no file can hold is a damaged record: the walk stops at it
+        want = min(want, left)  # a length no file can hold is a damaged record: the walk stops at it
         more = file.read(want)
         return rest + more if more else None
 
@@ -160,7 +165,8 @@ class Recording:
             unpacked = _unpack_front(rest[9:])
             if unpacked:
                 buffer = np.frombuffer(unpacked, np.uint8)
-                yield from self._records(buffer, *walk(buffer)[:3], offset, inside=True)
+                opcode, content, length, _ = walk(buffer)
+                yield from self._records(buffer, opcode, content, length, offset, inside=True)
 
     def _records(
         self, buffer: NDArray[np.uint8], opcode: NDArray[np.uint8], content: NDArray[np.int64],
@@ -187,10 +193,10 @@ class Recording:
                 self.remarks.append(Remark(f"chunk at byte {where} left out: {error}"))
                 continue
             records = np.frombuffer(unpacked, np.uint8)
-            *tables, end = walk(records)
+            opcodes, starts, sizes, end = walk(records)
             if end < records.size:
                 self.remarks.append(Remark(f"chunk at byte {where}: its last {records.size - end} bytes are no record"))
-            yield from self._records(records, *tables, where, inside=True)
+            yield from self._records(records, opcodes, starts, sizes, where, inside=True)
 
     def _declare(self, opcode: int, content: bytes) -> None:
         try:

@@ -17,14 +17,19 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
 format = "rtklib"  # noqa: A001 - the contract's name
 ROWS = 20_000  #: in a batch
 WEEK = 604_800
 GPS_EPOCH = datetime(1980, 1, 6, tzinfo=UTC)
 #: GPS time is ahead of UTC by this many seconds from these dates on (IERS Bulletin C).
-LEAP_SECONDS = ((2017, 1, 1, 18), (2015, 7, 1, 17), (2012, 7, 1, 16), (2009, 1, 1, 15), (2006, 1, 1, 14), (1999, 1, 1, 13))
+LEAP_SECONDS = (
+    (2017, 1, 1, 18),
+    (2015, 7, 1, 17),
+    (2012, 7, 1, 16),
+    (2009, 1, 1, 15),
+    (2006, 1, 1, 14),
+    (1999, 1, 1, 13),
+)
 #: RTKLIB's quality flag as MAVLink's fix type: fixed, float, SBAS, DGPS, single, PPP.
 FIX_TYPE = {1: 6, 2: 5, 3: 4, 4: 4, 5: 3, 6: 8}
 _HEADER = re.compile(rb"^%\s+(GPST|UTC|JST)\s+latitude\(deg\)\s+longitude\(deg\)\s+height\(m\)", re.MULTILINE)
@@ -43,37 +48,25 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     """
     del options  # the format says everything itself
     names: list[str] = []
-    rows: list[list[float]] = []
-    times: list[int] = []
+    rows: list[tuple[int, list[float]]] = []
     bad = done = read = 0
     scale = "GPST"
     with source.open_unpacked(path) as file:
         for line in file:
             read += len(line)
-            if line.startswith(b"%"):
-                if match := _HEADER.match(line):
-                    scale = match[1].decode()
-                    names = [re.sub(r"\(.*\)", "", name) for name in line[1:].decode("ascii", "replace").split()][1:]
-                continue
-            cells = line.split()
-            try:
-                times.append(_time(cells[0], cells[1], scale))
-                row = [float(cell) for cell in cells[2:]]
-                if len(row) < len(names):
-                    times.pop()
-                    bad += 1
-                    continue
-                rows.append(row[: len(names)])
-            except (ValueError, IndexError, OverflowError):
-                del times[len(rows) :]
-                bad += bool(cells)
-                continue
+            if match := _HEADER.match(line):
+                scale = match[1].decode()
+                names = [re.sub(r"\(.*\)", "", name) for name in line[1:].decode("ascii", "replace").split()][1:]
+            elif line.strip() and not line.startswith(b"%"):
+                row = _row(line.split(), len(names), scale)
+                bad += row is None
+                rows += [row] if row is not None else []
             if len(rows) == ROWS:
-                yield _batch(np.array(times), np.array(rows), names, scale, read)
+                yield _batch(rows, names, scale, read)
                 done += len(rows)
-                times, rows = [], []
+                rows = []
     if rows:
-        yield _batch(np.array(times), np.array(rows), names, scale, read)
+        yield _batch(rows, names, scale, read)
     if not done and not rows:
         message = f"{path}: an RTKLIB file without a single solution"
         raise UnreadableLogError(message)
@@ -81,6 +74,15 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
         yield Remark("lines that are cut or no numbers left out", "gnss", bad)
     if scale == "GPST":
         yield Remark("GPS time made UTC by the leap seconds of its date")
+
+
+def _row(cells: list[bytes], columns: int, scale: str) -> tuple[int, list[float]] | None:
+    """Return time and numbers of a line; None when it is cut or holds something else."""
+    try:
+        row = _time(cells[0], cells[1], scale), [float(cell) for cell in cells[2 : 2 + columns]]
+    except (ValueError, IndexError, OverflowError):
+        return None
+    return row if len(row[1]) == columns else None
 
 
 def _time(first: bytes, second: bytes, scale: str) -> int:
@@ -104,13 +106,10 @@ def _time(first: bytes, second: bytes, scale: str) -> int:
     return (since.days * 86400 + since.seconds) * SECOND + nanoseconds
 
 
-def _batch(
-    time: NDArray[np.int64], rows: NDArray[np.float64], names: list[str], scale: str, read: int
-) -> Batch:
+def _batch(table: list[tuple[int, list[float]]], names: list[str], scale: str, read: int) -> Batch:
+    time, rows = np.array([stamp for stamp, _ in table]), np.array([row for _, row in table])
     at = {name: rows[:, i] for i, name in enumerate(names)}
-    columns = {
-        "position": np.stack([np.radians(at["latitude"]), np.radians(at["longitude"]), at["height"]], axis=1)
-    }
+    columns = {"position": np.stack([np.radians(at["latitude"]), np.radians(at["longitude"]), at["height"]], axis=1)}
     if "Q" in at:
         columns["fix_type"] = np.array([float(FIX_TYPE.get(int(q), 0)) for q in at["Q"]])
     if {"sdn", "sde", "sdu"} <= at.keys():

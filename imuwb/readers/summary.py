@@ -84,7 +84,15 @@ def _streams(log: Log) -> Iterator[StreamSummary]:
             yield _stream(f"{imu.name} (gyro)", "imu", triads[0].time, imu.origin)
             yield _stream(f"{imu.name} (accelerometer)", "imu", triads[1].time, imu.origin)
         if imu.temperature is not None:
-            yield _stream(imu.temperature.name, "temperature", imu.temperature.time, imu.origin, units="°C", frame="", mended=False)
+            yield _stream(
+                imu.temperature.name,
+                "temperature",
+                imu.temperature.time,
+                imu.origin,
+                units="°C",
+                frame="",
+                mended=False,
+            )
     for gnss in log.gnss:
         epoch = gnss.origin.epoch
         yield _stream(gnss.name, "gnss", gnss.time, gnss.origin)

@@ -66,7 +66,9 @@ def columns(names: tuple[str, ...], said: dict[str, str]) -> tuple[Column, ...]:
     for column in found:
         other = seen.setdefault((column.quantity, column.axis), column)
         if other is not column and column.quantity != "time":
-            message = f"columns {other.name!r} and {column.name!r} both mean {column.quantity}; name them with --columns"
+            message = (
+                f"columns {other.name!r} and {column.name!r} both mean {column.quantity}; name them with --columns"
+            )
             raise UsageError(message)
     return tuple(seen.values())
 

@@ -15,7 +15,10 @@ if TYPE_CHECKING:
 
     Point = tuple[float, float]
 
-WIDTH, HEIGHT = 1000.0, 640.0  #: of the frame, in the view's own units
+WIDTH, HEIGHT = 1200.0, 560.0  #: of the frame, in the view's own units
+LABEL_DROP = 16.0  #: the viewer hangs a label below its point by about this much
+LEGEND_STEP = 32.0
+ASIDE = 26.0  #: between the labels of marks that would lie on each other
 GRID, SUBGRID, FRAME, INK = (105, 105, 112), (58, 58, 64), (150, 150, 156), (225, 225, 228)
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -46,7 +49,7 @@ class LogLog:
 
     def bounds(self) -> tuple[list[float], list[float]]:
         """Return the x and y range that shows the figure with its titles."""
-        return [-105.0, WIDTH + 25.0], [-62.0, HEIGHT + 78.0]
+        return [-90.0, WIDTH + 25.0], [-60.0, HEIGHT + 90.0]
 
     def _frame(self, recording: rr.RecordingStream, path: str) -> None:
         strips: list[list[Point]] = []
@@ -60,7 +63,7 @@ class LogLog:
                     strips.append([(x, 0.0), (x, HEIGHT)])
                     colors.append(GRID if digit == 1 else SUBGRID)
                     if digit == 1:
-                        ticks.append(((x, HEIGHT + 20), _power(decade)))
+                        ticks.append(((x, HEIGHT + 26), _power(decade)))
         for decade in range(math.floor(self.y0), math.ceil(self.y1) + 1):
             for digit in range(1, 10):
                 at = decade + math.log10(digit)
@@ -69,17 +72,17 @@ class LogLog:
                     strips.append([(0.0, y), (WIDTH, y)])
                     colors.append(GRID if digit == 1 else SUBGRID)
                     if digit == 1:
-                        ticks.append(((-30.0, y), _power(decade)))
+                        ticks.append(((-38.0, y), _power(decade)))
         strips.append([(0.0, 0.0), (WIDTH, 0.0), (WIDTH, HEIGHT), (0.0, HEIGHT), (0.0, 0.0)])
         colors.append(FRAME)
-        order = np.array([0.0] * len(strips))
-        del order
         recording.log(
-            f"{path}/grid", rr.LineStrips2D(strips, colors=colors, radii=rr.Radius.ui_points(0.5), draw_order=0.0), static=True
+            f"{path}/grid",
+            rr.LineStrips2D(strips, colors=colors, radii=rr.Radius.ui_points(0.5), draw_order=0.0),
+            static=True,
         )
         titles = [
-            ((WIDTH / 2, HEIGHT + 55), self.figure.x_title),
-            ((WIDTH / 2, -38.0), f"{self.figure.title}   —   {self.figure.y_title}"),
+            ((WIDTH / 2, HEIGHT + 62), self.figure.x_title),
+            ((WIDTH / 2, -22.0), self.figure.y_title),
         ]
         _texts(recording, f"{path}/texts", [*ticks, *titles], INK)
 
@@ -89,24 +92,32 @@ class LogLog:
         strips = [s for s in self._strips(curve.x, curve.y) if len(s) > 1]
         if strips:
             recording.log(
-                path, rr.LineStrips2D(strips, colors=[color] * len(strips), radii=rr.Radius.ui_points(thickness), draw_order=20.0), static=True
+                path,
+                rr.LineStrips2D(
+                    strips, colors=[color] * len(strips), radii=rr.Radius.ui_points(thickness), draw_order=20.0
+                ),
+                static=True,
             )
         if curve.lower is not None and curve.upper is not None:
             bars = [
                 [self.place(x, max(low, 10**self.y0)), self.place(x, min(high, 10**self.y1))]
                 for x, low, high in zip(curve.x, curve.lower, curve.upper, strict=True)
-                if np.isfinite(low) and np.isfinite(high) and 0 < high and low < 10**self.y1 and high > 10**self.y0
+                if np.isfinite(low) and np.isfinite(high) and high > 0 and low < 10**self.y1 and high > 10**self.y0
             ]
             if bars:
                 recording.log(
                     f"{path}/intervals",
-                    rr.LineStrips2D(bars, colors=[(*curve.color, 130)] * len(bars), radii=rr.Radius.ui_points(0.8), draw_order=10.0),
+                    rr.LineStrips2D(
+                        bars, colors=[(*curve.color, 130)] * len(bars), radii=rr.Radius.ui_points(0.8), draw_order=10.0
+                    ),
                     static=True,
                 )
         if curve.style == "line":
             points = [p for s in self._strips(curve.x, curve.y) for p in s]
             recording.log(
-                f"{path}/points", rr.Points2D(points, colors=[color] * len(points), radii=rr.Radius.ui_points(2.2), draw_order=25.0), static=True
+                f"{path}/points",
+                rr.Points2D(points, colors=[color] * len(points), radii=rr.Radius.ui_points(2.2), draw_order=25.0),
+                static=True,
             )
 
     def _strips(self, xs: Iterable[float], ys: Iterable[float]) -> list[list[Point]]:
@@ -135,7 +146,8 @@ class LogLog:
 
     def _legend(self, recording: rr.RecordingStream, path: str) -> None:
         named = [curve for curve in self.figure.curves if curve.label]
-        strips = [[(WIDTH - 190, 28.0 + 30 * i), (WIDTH - 150, 28.0 + 30 * i)] for i in range(len(named))]
+        heights = [28.0 + LEGEND_STEP * i for i in range(len(named))]
+        strips = [[(WIDTH - 180, y), (WIDTH - 135, y)] for y in heights]
         if not strips:
             return
         recording.log(
@@ -143,7 +155,9 @@ class LogLog:
             rr.LineStrips2D(strips, colors=[c.color for c in named], radii=rr.Radius.ui_points(1.6), draw_order=30.0),
             static=True,
         )
-        _texts(recording, f"{path}/texts", [((WIDTH - 85, 28.0 + 30 * i), c.label) for i, c in enumerate(named)], INK)
+        _texts(
+            recording, f"{path}/texts", [((WIDTH - 75, y), c.label) for y, c in zip(heights, named, strict=True)], INK
+        )
 
     def _marks(self, recording: rr.RecordingStream, path: str) -> None:
         marks = [mark for mark in self.figure.marks if self._inside(mark)]
@@ -152,9 +166,14 @@ class LogLog:
         places = [self.place(mark.x, mark.y) for mark in marks]
         colors = [mark.color for mark in marks]
         recording.log(
-            f"{path}/points", rr.Points2D(places, colors=colors, radii=rr.Radius.ui_points(4.5), draw_order=40.0), static=True
+            f"{path}/points",
+            rr.Points2D(places, colors=colors, radii=rr.Radius.ui_points(4.5), draw_order=40.0),
+            static=True,
         )
-        beside = [(x, y - 18) for x, y in places]
+        beside: list[Point] = []
+        for x, y in places:  # side by side where they would hide each other
+            crowd = sum(math.dist((x, y), other) < ASIDE for other in places[: len(beside)])
+            beside.append((x + ASIDE * crowd, y - ASIDE))
         _texts(recording, f"{path}/texts", list(zip(beside, [m.text for m in marks], strict=True)), INK)
 
     def _inside(self, mark: Mark) -> bool:
@@ -169,10 +188,13 @@ class LogLog:
 def _texts(
     recording: rr.RecordingStream, path: str, texts: list[tuple[Point, str]], color: tuple[int, int, int]
 ) -> None:
-    places, labels = zip(*texts, strict=True)
+    labels = [text for _, text in texts]
+    places = [(x, y - LABEL_DROP) for (x, y), _ in texts]
     recording.log(
         path,
-        rr.Points2D(list(places), labels=list(labels), colors=[color] * len(places), radii=rr.Radius.ui_points(0.0), show_labels=True),
+        rr.Points2D(
+            places, labels=labels, colors=[color] * len(places), radii=rr.Radius.ui_points(0.0), show_labels=True
+        ),
         static=True,
     )
 

@@ -12,11 +12,11 @@ from imuwb.review.tables import streams_table
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from imuwb.log import Log
+    from imuwb.log import ImuStream, Log, Triad
     from imuwb.review.recording import RecordingReview
 
-RATE_UNIT, FORCE_UNIT = "deg/s", "m/s²"
 TRACKS = ((242, 142, 43), (118, 183, 178), (176, 122, 161))
+STILL = 0.1  #: largest spread of an axis, as a share of the distance between axes, that is drawn about its median
 
 
 def overview(logs: Sequence[Log], review: RecordingReview) -> None:
@@ -24,19 +24,33 @@ def overview(logs: Sequence[Log], review: RecordingReview) -> None:
     for log in logs:
         review.tab("Overview" if len(logs) == 1 else f"Overview {log.provenance.path}")
         for imu in log.imus:
-            colors = tuple(AXIS_COLORS[axis] for axis in "xyz")
-            epoch = imu.origin.epoch
             if imu.angular_rate is not None:
-                values = np.degrees(imu.angular_rate.value)
-                review.series(Series(f"{imu.name} angular rate", RATE_UNIT, imu.angular_rate.time, values, ("gyro x", "gyro y", "gyro z"), colors, epoch))  # fmt: skip
+                review.series(_triad(imu, imu.angular_rate, "angular rate", "gyro", "deg/s", np.degrees(1.0)))
             if imu.specific_force is not None:
-                names = ("accel x", "accel y", "accel z")
-                review.series(Series(f"{imu.name} specific force", FORCE_UNIT, imu.specific_force.time, imu.specific_force.value, names, colors, epoch))  # fmt: skip
+                review.series(_triad(imu, imu.specific_force, "specific force", "accel", "m/s²", 1.0))
             if imu.temperature is not None:
-                t = imu.temperature
-                review.series(Series(f"{imu.name} temperature", "°C", t.time, t.value[:, None], ("temperature",), ((200, 200, 200),), epoch))  # fmt: skip
+                t, epoch = imu.temperature, imu.origin.epoch
+                title = f"{imu.name} temperature"
+                review.series(
+                    Series(title, "°C", t.time, t.value[:, None], ("temperature",), ((200, 200, 200),), epoch)
+                )
         for gnss, color in zip(log.gnss, TRACKS, strict=False):
             review.track(gnss.name, gnss.position, color)
         review.table(streams_table(log))
         for note in log.notes:
             review.note(note)
+
+
+def _triad(imu: ImuStream, triad: Triad, what: str, sensor: str, unit: str, scale: float) -> Series:
+    """Return three axes over time; those of a still sensor about their medians, which would dwarf the rest."""
+    values = triad.value * scale
+    middle = np.median(values, axis=0)
+    spread = np.quantile(np.abs(values - middle), 0.99, axis=0).max()
+    names = tuple(f"{sensor} {axis}" for axis in "xyz")
+    title = f"{imu.name} {what}"
+    if spread < STILL * np.ptp(middle):
+        values = values - middle
+        names = tuple(f"{name}, about {m:.3f}" for name, m in zip(names, middle, strict=True))
+        title += ", each axis about its median"
+    colors = tuple((*AXIS_COLORS[axis], 150) for axis in "xyz")
+    return Series(title, unit, triad.time, values, names, colors, imu.origin.epoch)

@@ -46,12 +46,18 @@ class _Tab:
             shares.append(3.0)
         rows.extend(self.series)
         shares.extend([1.6] * len(self.series))
-        if self.texts:
-            rows.append(rrb.Horizontal(*self.texts) if len(self.texts) > 1 else self.texts[0])
-            shares.append(2.0)
+        for at in range(0, len(self.texts), 2):  # two beside each other, the first table the widest
+            pair = self.texts[at : at + 2]
+            rows.append(rrb.Horizontal(*pair, column_shares=[1.7, 1.0]) if len(pair) > 1 else pair[0])
+            shares.append(1.5)
         if not rows:
             return None
         return rrb.Vertical(*rows, row_shares=shares, name=self.name)
+
+
+def _nobody(what: Table | str) -> None:
+    """Show nothing: there is no terminal."""
+    del what
 
 
 class RecordingReview:
@@ -69,7 +75,7 @@ class RecordingReview:
         """
         self.output = output
         self._partial = output.with_name(f".{output.name}.{os.getpid()}.partial")
-        self._show = show or (lambda _: None)
+        self._show = show or _nobody
         self._stream = rr.RecordingStream("imuwb", recording_id=None, send_properties=True)
         try:
             self._partial.touch()
@@ -80,7 +86,6 @@ class RecordingReview:
         except OSError as error:
             message = f"{output}: cannot be written: {error.strerror}; choose another place with --output"
             raise ImuwbError(message) from error
-        rr.set_log_time_enabled(False) if hasattr(rr, "set_log_time_enabled") else None
         self._tabs: list[_Tab] = []
         self._timeline: str | None = None
         self.notes: list[str] = []
@@ -150,7 +155,7 @@ class RecordingReview:
         self._show(table)
         cells = [table.headings, ["---"] * len(table.headings), *table.rows]
         lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in cells]
-        self._text(table.title, f"## {table.title}\n\n" + "\n".join(lines) + (f"\n\n{table.caption}" if table.caption else ""))
+        self._text(table.title, "\n".join(lines) + (f"\n\n{table.caption}" if table.caption else ""))
 
     def note(self, text: str) -> None:
         """Say something a reader must know."""
@@ -179,7 +184,11 @@ class RecordingReview:
             bar = next(b for b in (5 * bar, 2 * bar, bar) if b <= span / 2)
             left, bottom = float(low[0]), float(high[1]) + span * 0.08
             ruler = [(left, bottom), (left + bar, bottom)]
-            self._stream.log(f"{path}/scale", rr.LineStrips2D([ruler], colors=[(225, 225, 228)], radii=rr.Radius.ui_points(1.5)), static=True)
+            self._stream.log(
+                f"{path}/scale",
+                rr.LineStrips2D([ruler], colors=[(225, 225, 228)], radii=rr.Radius.ui_points(1.5)),
+                static=True,
+            )
             labels = [((left + bar / 2, bottom + span * 0.04), f"{bar:g} m, north up"), (tuple(points[0]), "start")]
             self._stream.log(
                 f"{path}/texts",
@@ -197,7 +206,8 @@ class RecordingReview:
         """Write the blueprint and put the file in its place; the review cannot be used behind this."""
         for tab in self._tabs:
             if tab.notes:
-                self._text_on(tab, "Notes", "## Notes\n\n" + "\n".join(f"- {note}" for note in tab.notes))
+                self._text_on(tab, "Notes", "\n".join(f"- {note}" for note in tab.notes))
+                tab.texts.insert(1, tab.texts.pop())  # beside the first table, where they are seen
         views = [layout for tab in self._tabs if (layout := tab.layout()) is not None]
         panel = rrb.TimePanel(state="collapsed", play_state="paused", timeline=self._timeline)
         blueprint = rrb.Blueprint(

@@ -19,7 +19,18 @@ def streams_table(log: Log) -> Table:
     summary = summarize(log)
     rows = tuple(_row(stream) for stream in summary.streams)
     caption = f"{summary.path} ({summary.format}, {summary.hash[:19]}…)"
-    headings = ("stream", "kind", "rows", "rate", "duration", "start", "gaps", "units in file", "frame in file", "repairs")
+    headings = (
+        "stream",
+        "kind",
+        "rows",
+        "rate",
+        "duration",
+        "start",
+        "gaps",
+        "units in file",
+        "frame in file",
+        "repairs",
+    )
     return Table("Streams", headings, rows, caption)
 
 

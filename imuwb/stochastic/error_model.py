@@ -230,11 +230,13 @@ def _sum_from_toml(axis: str, rows: object, where: str, intervals: dict[str, tup
             values[f.name] = _si(entry, si, f"{where}, {name}.{f.name}")
             if isinstance(entry, dict) and {"lower", "upper"} <= entry.keys():
                 ends = cast("dict[str, Any]", entry)
-                low, high = (_si({**ends, "value": ends[end]}, si, f"{where}, {name}.{f.name}") for end in ("lower", "upper"))
+                low, high = (
+                    _si({**ends, "value": ends[end]}, si, f"{where}, {name}.{f.name}") for end in ("lower", "upper")
+                )
                 intervals[f.name] = (low, high)
         unknown = set(row) - {"process", *(f.name for f in fields(kind))}
         if unknown:
-            message = f"{where}: {name} has no {sorted(unknown)[0]!r}; it has {', '.join(f.name for f in fields(kind))}"
+            message = f"{where}: {name} has no {min(unknown)!r}; it has {', '.join(f.name for f in fields(kind))}"
             raise UsageError(message)
         try:
             terms.append(kind(**values))

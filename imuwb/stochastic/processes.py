@@ -10,14 +10,19 @@ and go over into IEEE's formulas as dt goes to 0.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from scipy import fft, signal, special
 
 from imuwb.stochastic import state_space
 from imuwb.stochastic.state_space import FlickerApproximation, StateSpace
-from imuwb.stochastic.sums import Addable, Floats, Sum
+from imuwb.stochastic.sums import Addable, Sum
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from imuwb.log import Floats
 
 
 def _require(what: str, value: float, *, above: float | None = None) -> None:
@@ -225,7 +230,7 @@ class RateRamp(Addable):
     def sample(self, n: int, dt: float, rng: np.random.Generator) -> Floats:
         """Return n samples of the ramp, from 0 on."""
         del rng
-        return self.R * dt * (np.arange(n) + 0.5)
+        return self.R * dt * (np.arange(float(n)) + 0.5)
 
 
 @dataclass(frozen=True, slots=True)
@@ -268,7 +273,9 @@ class GaussMarkov(Addable):
         """Return one state with e^(-dt/Tc) (not 1 - dt/Tc), stationary from the start."""
         phi = np.exp(-dt / self.Tc)
         one = np.ones((1, 1))
-        return StateSpace(phi * one, -np.expm1(-2 * dt / self.Tc) * self.sigma**2 * one, np.ones(1), 0.0, self.sigma**2 * one)
+        return StateSpace(
+            phi * one, -np.expm1(-2 * dt / self.Tc) * self.sigma**2 * one, np.ones(1), 0.0, self.sigma**2 * one
+        )
 
     def sample(self, n: int, dt: float, rng: np.random.Generator) -> Floats:
         """Return n samples, each the exact average over dt."""
@@ -343,20 +350,19 @@ class Autoregressive(Addable):
         first = self._stationary().P0[0]
         most = int(steps.max(initial=0)) + 1
         # r(k) = -sum alpha r(k-j): the recursion of the series itself, started with its exact values.
-        values = list(first[: min(most, first.size)])
-        for k in range(len(values), most):
-            values.append(-float(np.dot(self.alpha, [values[abs(k - j)] for j in range(1, first.size + 1)])))
-        return np.array(values)[steps]
+        taps = [1.0, *self.alpha]
+        rest = signal.lfilter([1.0], taps, np.zeros(most), zi=signal.lfiltic([1.0], taps, first[::-1]))[0]
+        return np.concatenate([first, rest])[steps]
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return the Allan variance from the autocovariance: (4 V(m) - V(2m)) / (2 m²), V the variance of m added up."""
         self._at(dt)
         m = np.rint(tau / self.dt).astype(np.int64)
-        r = self.autocovariance(np.arange(2 * int(m.max())) * self.dt)
-        k = np.arange(r.size)
+        k = np.arange(2.0 * int(m.max()))
+        r = self.autocovariance(k * self.dt)
         lower, weighted = np.cumsum(r) - r[0], np.cumsum(k * r)
 
-        def added(size: Floats) -> Floats:
+        def added(size: NDArray[np.int64]) -> Floats:
             return size * r[0] + 2 * (size * lower[size - 1] - weighted[size - 1])
 
         return (4 * added(m) - added(2 * m)) / (2 * m.astype(np.float64) ** 2)

@@ -10,9 +10,8 @@ import numpy as np
 from imuwb.stochastic import state_space
 
 if TYPE_CHECKING:
+    from imuwb.log import Floats
     from imuwb.stochastic.state_space import StateSpace
-
-Floats = np.ndarray[tuple[int, ...], np.dtype[np.float64]]
 
 
 @runtime_checkable

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from imuwb.errors import ImuwbError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Generator
     from pathlib import Path
 
 
@@ -19,7 +19,7 @@ def partial(path: Path) -> Path:
 
 
 @contextmanager
-def beside(path: Path) -> Iterator[Path]:
+def beside(path: Path) -> Generator[Path]:
     """Give a name to write to; behind the block the file stands at ``path``, or, on an error, nowhere.
 
     Raises:

@@ -44,17 +44,14 @@ _STAMP = (
 )
 _VECTOR = "MSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n"
 _RULER = "=" * 80 + "\n"
+_IMU_FIELDS = (
+    f"{_HEADER}\ngeometry_msgs/Quaternion orientation\nfloat64[9] orientation_covariance\n"
+    "geometry_msgs/Vector3 angular_velocity\nfloat64[9] angular_velocity_covariance\n"
+    "geometry_msgs/Vector3 linear_acceleration\nfloat64[9] linear_acceleration_covariance\n"
+)
+_QUATERNION = "MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n"
 SCHEMAS = {
-    "sensor_msgs/msg/Imu": _RULER.join(
-        (
-            f"{_HEADER}\ngeometry_msgs/Quaternion orientation\nfloat64[9] orientation_covariance\n"
-            "geometry_msgs/Vector3 angular_velocity\nfloat64[9] angular_velocity_covariance\n"
-            "geometry_msgs/Vector3 linear_acceleration\nfloat64[9] linear_acceleration_covariance\n",
-            "MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n",
-            _VECTOR,
-            *_STAMP,
-        )
-    ),
+    "sensor_msgs/msg/Imu": _RULER.join((_IMU_FIELDS, _QUATERNION, _VECTOR, *_STAMP)),
     "sensor_msgs/msg/Temperature": _RULER.join((f"{_HEADER}\nfloat64 temperature\nfloat64 variance\n", *_STAMP)),
 }
 
@@ -181,7 +178,9 @@ def _write_chunk(file: BinaryIO, parts: list[NDArray[np.void]], index: _Index) -
         index.counts[channel] = index.counts.get(channel, 0) + part.size
     body = struct.pack("<QQQQI", first, last, place, length, 10 * len(offsets))
     body += b"".join(struct.pack("<HQ", channel, offset) for channel, offset in offsets.items())
-    body += struct.pack("<Q", file.tell() - place - length) + _text("zstd") + struct.pack("<QQ", len(packed), len(records))
+    body += (
+        struct.pack("<Q", file.tell() - place - length) + _text("zstd") + struct.pack("<QQ", len(packed), len(records))
+    )
     index.chunks.append(_record(CHUNK_INDEX, body))
     index.first, index.last = min(index.first, first), max(index.last, last)
 
@@ -192,7 +191,16 @@ def _write_summary(file: BinaryIO, declared: bytes, index: _Index, channels: int
     counts = b"".join(struct.pack("<HQ", channel, count) for channel, count in index.counts.items())
     first = index.first if index.chunks else 0
     totals = struct.pack(
-        "<QHIIIIQQI", sum(index.counts.values()), channels, channels, 0, 0, len(index.chunks), first, index.last, len(counts)
+        "<QHIIIIQQI",
+        sum(index.counts.values()),
+        channels,
+        channels,
+        0,
+        0,
+        len(index.chunks),
+        first,
+        index.last,
+        len(counts),
     )
     file.write(_record(STATISTICS, totals + counts))
     file.write(b"".join(index.chunks))
@@ -207,7 +215,9 @@ def _declarations(topics: list[tuple[str, str]]) -> bytes:
         body = struct.pack("<H", number) + _text(name) + _text("ros2msg") + struct.pack("<I", len(text)) + text
         records += _record(SCHEMA, body)
     for number, (topic, schema) in enumerate(topics, 1):
-        body = struct.pack("<HH", number, schemas.index(schema) + 1) + _text(topic) + _text("cdr") + struct.pack("<I", 0)
+        body = (
+            struct.pack("<HH", number, schemas.index(schema) + 1) + _text(topic) + _text("cdr") + struct.pack("<I", 0)
+        )
         records += _record(CHANNEL, body)
     return records
 

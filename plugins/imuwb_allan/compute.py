@@ -45,7 +45,9 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     if len(constant) == len(axes):
         message = f"{log.provenance.path}: every channel of {imu.name} is constant; there is no noise to analyse"
         raise MissingDataError(message)
-    notes += [note for sensor in ("gyro", "accel") if f"{sensor}_x" in clocks for note in clocks[f"{sensor}_x"].notes(sensor)]
+    notes += [
+        note for sensor in ("gyro", "accel") if f"{sensor}_x" in clocks for note in clocks[f"{sensor}_x"].notes(sensor)
+    ]
 
     def analyse(axis: str) -> AxisResult:
         return _axis(axis, axes[axis][1], clocks[axis], parameters)
@@ -176,9 +178,7 @@ def _nothing(axis: str, why: str) -> AxisResult:
     unknown = {
         letter: CoefficientResult(None, None, None, coefficient_units(axis, letter)[0].name, None) for letter in "QNBKR"
     }
-    return AxisResult(
-        none, none, none, none, none, np.empty(0, np.int64), None, unknown, (), None, (), None, None, why
-    )
+    return AxisResult(none, none, none, none, none, np.empty(0, np.int64), None, unknown, (), None, (), None, None, why)
 
 
 def _stillness_notes(still: Stillness) -> list[str]:
@@ -189,6 +189,8 @@ def _stillness_notes(still: Stillness) -> list[str]:
         return []
     worst = max(still.disturbances, key=lambda d: d.largest)
     return [
-        f"{len(still.disturbances)} shocks or movements, the largest at {worst.start:.0f} s "
-        f"({worst.largest:.0f} times the usual scatter, {', '.join(worst.axes)}); the longest part without: {quiet}"
+        (
+            f"{len(still.disturbances)} shocks or movements, the largest at {worst.start:.0f} s "
+            f"({worst.largest:.0f} times the usual scatter, {', '.join(worst.axes)}); the longest part without: {quiet}"
+        )
     ]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.analysis import AXIS_COLORS, Curve, Figure, Mark, Table
+from imuwb.stochastic import Sinusoid, Sum
 from imuwb.units import UNITS, coefficient_units
 
 if TYPE_CHECKING:
@@ -30,9 +31,7 @@ def draw(result: Result, review: Review) -> None:
         review.table(_lines(result))
     for note in result.notes:
         review.note(note)
-    for axis, found in result.axes.items():
-        if found.fit is not None and found.averaging_time.size:
-            _fit_notes(axis, found, review)
+    _fit_notes(result, review)
 
 
 def _figure(name: str, unit: Unit, axes: dict[str, AxisResult]) -> Figure:
@@ -42,15 +41,24 @@ def _figure(name: str, unit: Unit, axes: dict[str, AxisResult]) -> Figure:
         color = AXIS_COLORS[axis[-1]]
         tau, scale = found.averaging_time, 1 / unit.factor
         curves.append(
-            Curve(axis.replace("_", " "), tau, found.allan_deviation * scale, color, found.lower * scale, found.upper * scale)
+            Curve(
+                axis.replace("_", " "),
+                tau,
+                found.allan_deviation * scale,
+                color,
+                found.lower * scale,
+                found.upper * scale,
+            )
         )
         if found.fitted is None or found.processes is None:
             continue
         smooth = np.geomspace(tau[0], tau[-1], 200)
         whole = np.sqrt(found.processes.allan_variance(smooth, float(tau[0])))
         curves.append(Curve("", smooth, whole * scale, color, style="fit"))
-        for term in found.processes.terms:
-            alone = np.sqrt(term.allan_variance(smooth, float(tau[0])))
+        lines = Sum(tuple(term for term in found.processes.terms if isinstance(term, Sinusoid)))
+        others = [term for term in found.processes.terms if not isinstance(term, Sinusoid)]
+        for part in (*others, *([lines] if lines.terms else [])):
+            alone = np.sqrt(part.allan_variance(smooth, float(tau[0])))
             curves.append(Curve("", smooth, alone * scale, color, style="faint"))
         for letter, place in (("N", 1.0), ("K", 3.0), ("B", None)):
             c = found.coefficients[letter]
@@ -116,7 +124,12 @@ def _lines(result: Result) -> Table:
         for axis, found in result.axes.items()
         for line in found.lines
     )
-    return Table("Periodic lines", ("axis", "frequency", "amplitude"), rows, "Sinusoids in the spectrum; the fit has them as terms.")
+    return Table(
+        "Periodic lines",
+        ("axis", "frequency", "amplitude"),
+        rows,
+        "Sinusoids in the spectrum; the fit has them as terms.",
+    )
 
 
 def _amplitude(axis: str, value: float, lower: float, upper: float) -> str:
@@ -125,17 +138,21 @@ def _amplitude(axis: str, value: float, lower: float, upper: float) -> str:
     return f"{value:.3g} [{lower:.3g}, {upper:.3g}] {unit.name}"
 
 
-def _fit_notes(axis: str, found: AxisResult, review: Review) -> None:
-    fit = found.fit
-    if fit is None:
-        return
-    if fit.from_averaging_time > 1.5 * found.averaging_time[0]:
+def _fit_notes(result: Result, review: Review) -> None:
+    cut: dict[float, list[str]] = {}
+    for axis, found in result.axes.items():
+        fit = found.fit
+        if fit is None:
+            continue
+        if fit.from_averaging_time > 1.5 / result.rate_hz[axis.partition("_")[0]]:
+            cut.setdefault(fit.from_averaging_time, []).append(axis)
+        if fit.probability < 1e-3:  # noqa: PLR2004 - one in a thousand
+            review.note(
+                f"{axis}: the sum does not explain the curve (chi-square per degree of freedom {fit.misfit:.2g}); the "
+                f"intervals are widened by {fit.misfit**0.5:.2g}"
+            )
+    for shortest, axes in cut.items():
         review.note(
-            f"{axis}: averaging times below {fit.from_averaging_time:.3g} s follow no sum of these processes (the "
-            f"sensor's own filter, or lines); the fit begins there"
-        )
-    if fit.probability < 1e-3:  # noqa: PLR2004 - one in a thousand
-        review.note(
-            f"{axis}: the sum does not explain the curve (chi-square per degree of freedom {fit.misfit:.2g}); the "
-            f"intervals are widened by {fit.misfit**0.5:.2g}"
+            f"{', '.join(axes)}: averaging times below {shortest:.3g} s follow no sum of these processes (the sensor's "
+            f"own filter, or lines), so the fit begins there"
         )
