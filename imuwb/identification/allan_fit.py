@@ -39,7 +39,7 @@ ROUNDS = 6
 ACCEPTED = 1e-3  #: probability of a misfit as large; below it the sum does not explain the curve
 LEAST_EIGENVALUE = 1e-9  #: of a correlation matrix
 BEYOND_DOUBT = 8.0  #: sigmas; a term this large is not tried without
-SHARE = 0.5  #: of the Allan variance; a term with more rules its region
+SHARE = 0.6  #: of the Allan variance; a term with more rules its region
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,14 +178,7 @@ class _Problem:
 
     def whiten(self, squared: Floats, columns: Floats) -> Floats:
         """Return columns in which the errors, if these coefficients are true, are independent and of size 1."""
-        covariance = self.covariance(squared)
-        size = np.sqrt(np.diag(covariance))
-        # Far from the truth the points may hang together so closely that rounding shows: hold the least eigenvalue.
-        values, vectors = linalg.eigh(covariance / np.outer(size, size))
-        scaled = columns / (size if columns.ndim == 1 else size[:, None])
-        whitened = vectors.T @ scaled
-        root = np.sqrt(np.maximum(values, LEAST_EIGENVALUE))
-        return whitened / (root if columns.ndim == 1 else root[:, None])
+        return _whitener(self.covariance(squared)) @ columns
 
     def solve(self, active: Sequence[int]) -> tuple[Floats, Floats]:
         """Return the squares, none negative, of the active terms, and the covariance of those."""
@@ -214,6 +207,16 @@ class _Problem:
         inverse = np.asarray(linalg.pinvh((white / size).T @ (white / size)))
         estimate = inverse @ (white / size).T @ self.whiten(squared, self.variance)
         return float(estimate[-1] / size[-1]), float(np.sqrt(inverse[-1, -1]) / size[-1])
+
+
+def _whitener(covariance: Floats) -> Floats:
+    """Return W with W covariance W' = 1.
+
+    Far from the truth, points may hang together so closely that rounding shows: the least eigenvalue is held.
+    """
+    size = np.sqrt(np.diag(covariance))
+    values, vectors = linalg.eigh(covariance / np.outer(size, size))
+    return (vectors / np.sqrt(np.maximum(values, LEAST_EIGENVALUE))).T / size
 
 
 def _begin(problem: _Problem) -> tuple[int, list[int]]:
@@ -315,9 +318,9 @@ def _regions(problem: _Problem, squared: Floats, spread: Floats, level: float) -
             continue
         cov = spread[np.ix_(inside, inside)] / np.outer(y, y)
         design = np.stack([np.ones(inside.size), np.log(problem.tau[inside])], axis=1)
-        weighted = linalg.solve(cov, design, assume_a="pos")
-        inverse = np.linalg.inv(design.T @ weighted)
-        slope = float((inverse @ weighted.T @ np.log(y))[1]) / 2
+        whiten = _whitener(cov)
+        inverse = np.linalg.inv((whiten @ design).T @ (whiten @ design))
+        slope = float((inverse @ (whiten @ design).T @ (whiten @ np.log(y)))[1]) / 2
         half = float(z * np.sqrt(inverse[1, 1])) / 2
         tau = problem.tau[inside]
         found.append(Region(letter, float(tau[0]), float(tau[-1]), slope, slope - half, slope + half, nominal))

@@ -50,7 +50,11 @@ def averaging_factors(times: str | Sequence[float], n: int, dt: float) -> NDArra
 
 
 def _listed(times: Sequence[float], largest: int, dt: float) -> NDArray[np.int64]:
-    factors = np.unique(np.rint(np.asarray(times, dtype=np.float64) / dt).astype(np.int64))
+    seconds = np.asarray(times, dtype=np.float64)
+    if not np.isfinite(seconds).all():
+        message = "a time that is no number"
+        raise ValueError(message)
+    factors = np.unique(np.rint(np.clip(seconds / dt, 0, 2**53)).astype(np.int64))
     inside = factors[(factors >= 1) & (factors <= largest)]
     if not inside.size:
         message = f"none lies between {dt:g} s (one sample) and {largest * dt:g} s (half the record)"

@@ -13,6 +13,8 @@ Seeds: record r of process number p in the list below uses ``SeedSequence([p, r]
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from scipy import signal
 from study_report import Mean, Table, main, over_records
@@ -70,7 +72,7 @@ def ratios(number, first, count):
         return allan, np.empty((count, 0))
     f, one_sided = signal.welch(x, 1 / DT, "hann", SEGMENT, detrend="constant")
     density = one_sided[:, 1:-1] / 2 / process.power_spectral_density(f[1:-1], DT)
-    bands = [density[:, a - 1 : b - 1].mean(axis=1) for a, b in zip(BANDS[:-1], BANDS[1:], strict=True)]
+    bands = [density[:, a - 1 : b - 1].mean(axis=1) for a, b in itertools.pairwise(BANDS)]
     return allan, np.stack(bands, axis=1)
 
 
@@ -85,7 +87,7 @@ def study(records=2000, workers=2):
         if parts[0][1].size:
             density.append((name, total, *_means(np.concatenate([part[1] for part in parts]))))
     note = "Mean over the records ± its standard error; 1 is what is wanted. The rows' points are correlated."
-    f = [f"{a / SEGMENT:.4g}–{b / SEGMENT:.4g}" for a, b in zip(BANDS[:-1], BANDS[1:], strict=True)]
+    f = [f"{a / SEGMENT:.4g}–{b / SEGMENT:.4g}" for a, b in itertools.pairwise(BANDS)]
     heads = ("process", "records", *(f"m = {m}" for m in FACTORS)), ("process", "records", *(f"f dt = {x}" for x in f))
     return (
         _flicker(allan),
@@ -117,7 +119,9 @@ def _farthest(allan, density):
     rows = []
     spectra = {row[0]: row[2:] for row in density}
     for name, _, *means in allan:
-        far = [f"{max((m.off for m in part), key=abs):+.1f}" if part else "–" for part in (means, spectra.get(name, ()))]
+        far = [
+            f"{max((m.off for m in part), key=abs):+.1f}" if part else "–" for part in (means, spectra.get(name, ()))
+        ]
         rows.append((name, *far))
     points = len(allan) * len(FACTORS) + len(density) * (len(BANDS) - 1)
     note = f"In standard errors. Of {points} points that are right, the farthest is expected near 3."

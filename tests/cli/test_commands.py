@@ -1,0 +1,188 @@
+import json
+import os
+import time
+
+import numpy as np
+import pytest
+
+import imuwb as package
+from imuwb import read
+
+PLUGIN = '''
+"""Spread of an axis."""
+from dataclasses import dataclass
+from typing import Annotated, Literal
+import numpy as np
+from imuwb.analysis import Curve, Figure, Table
+
+@dataclass(frozen=True)
+class Parameters:
+    axis: Annotated[Literal["x", "y", "z"], "which one"] = "z"
+    times: Annotated[int, "factor, positive"] = 1
+
+    def __post_init__(self):
+        if self.times < 1:
+            raise ValueError(f"times is {self.times}; it must be positive")
+
+def run(logs, parameters):
+    values = logs[0].imus[0].specific_force.value[:, "xyz".index(parameters.axis)]
+    return {"spread": float(values.std()) * parameters.times, "none": float("nan")}
+
+def draw(result, review):
+    x = np.array([1.0, 10.0])
+    review.figure(Figure("Spread", "x [1]", "spread [m/s²]", (Curve("s", x, x * result["spread"], (76, 120, 168)),)))
+    review.table(Table("Spread", ("spread",), ((f"{result['spread']:.3g} m/s²",),)))
+    review.note("a note of the plugin")
+'''
+
+
+def test_help_lists_all_commands_and_is_quick(imuwb):
+    done = imuwb("--help")
+    assert done.code == 0
+    for name in ("info", "allan", "simulate", "view", "plugins", "demo"):
+        assert name in done.out
+
+
+def test_help_imports_nothing_heavy():
+    import subprocess
+    import sys
+
+    code = (
+        "import sys; from imuwb.cli.app import build; build(['--help']);"
+        "print([m for m in ('numpy', 'rerun', 'scipy', 'pyarrow', 'numba') if m in sys.modules])"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
+
+
+def test_version(imuwb):
+    assert imuwb("--version").out.strip() == package.__version__
+
+
+def test_completion_is_offered(imuwb):
+    assert "imuwb" in imuwb("--show-completion", "bash", _TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION="1").out
+
+
+def test_allan_leaves_a_recording_json_and_a_model(imuwb, static_mcap, tmp_path):
+    done = imuwb("allan", static_mcap, "--json", "out.json", "--save-model", "model.toml", "--averaging-times", "log:20")
+    assert done.code == 0
+    assert "deg/√h" in done.out
+    assert (tmp_path / "static.rrd").stat().st_size > 10_000
+    document = json.loads((tmp_path / "out.json").read_text("utf-8"))
+    assert set(document) == {"imuwb", "schema", "analysis", "level", "logs", "params", "notes", "result"}
+    assert (document["analysis"], document["schema"], document["level"]) == ("allan", 1, 0.95)
+    assert document["logs"][0]["hash"].startswith("sha256:")
+    assert list(document["result"]["axes"]) == ["gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"]
+    axis = document["result"]["axes"]["gyro_x"]
+    assert len(axis["averaging_time"]) == len(axis["allan_deviation"]) == len(axis["lower"]) == len(axis["upper"])
+    for letter in "QNBKR":
+        c = axis["coefficients"][letter]
+        assert set(c) == {"value", "lower", "upper", "unit", "at"}
+        assert c["upper"] > 0
+        assert c["value"] is None or c["lower"] < c["value"] < c["upper"]
+    assert axis["coefficients"]["N"]["unit"] == "rad/s/√Hz"
+    model = package.ImuErrorModel.read(tmp_path / "model.toml")
+    assert model.axes["gyro_x"].intervals["N"] == pytest.approx(
+        (axis["coefficients"]["N"]["lower"], axis["coefficients"]["N"]["upper"])
+    )
+    assert not [name for name in os.listdir(tmp_path) if "partial" in name]
+
+
+def test_json_on_stdout_is_json_alone(imuwb, static_mcap):
+    done = imuwb("allan", static_mcap, "--json", "-")
+    assert json.loads(done.out)["result"]["imu"] == "/imu/data"
+    assert "deg/√h" in done.err
+
+
+def test_existing_files_are_kept_without_force(imuwb, static_mcap, tmp_path):
+    (tmp_path / "static.rrd").write_bytes(b"mine")
+    done = imuwb("allan", static_mcap)
+    assert done.code == 2
+    assert "--force" in done.err
+    assert (tmp_path / "static.rrd").read_bytes() == b"mine"
+    assert imuwb("allan", static_mcap, "--force").code == 0
+    assert (tmp_path / "static.rrd").stat().st_size > 10_000
+
+
+def test_a_part_of_a_log(imuwb, static_mcap):
+    done = imuwb("allan", static_mcap, "--start", "10", "--end", "2024-01-01T00:00:50", "--json", "-")
+    assert json.loads(done.out)["result"]["duration"] == pytest.approx(40)
+
+
+def test_info_says_what_is_there(imuwb, static_mcap):
+    done = imuwb("info", static_mcap, "--json")
+    document = json.loads(done.out)
+    assert set(document) == {"path", "format", "hash", "streams", "notes"}
+    imu = document["streams"][0]
+    assert (imu["name"], imu["kind"], imu["count"], imu["epoch"]) == ("/imu/data", "imu", 3000, "unix")
+    assert imu["rate_hz"] == pytest.approx(50)
+    assert imu["end_ns"] - imu["start_ns"] == pytest.approx(59.98e9)
+    assert (imu["gaps"], imu["repairs"]) == ([], [])
+    assert "FLU" in imu["frame"]
+    assert "/imu/data" in imu["name"] in imuwb("info", static_mcap).out
+
+
+@pytest.mark.parametrize("suffix", [".mcap", ".csv"])
+def test_simulate_writes_what_it_simulates(imuwb, tmp_path, static_log, suffix):
+    arguments = ["--preset", "3dm-gx3-25", "--hours", 1 / 60, "--rate", 50, "--seed", 1]
+    assert imuwb("simulate", "static", *arguments, "-o", f"s{suffix}").code == 0
+    found, truth = read(tmp_path / f"s{suffix}").imus[0], static_log.imus[0]
+    for name in ("angular_rate", "specific_force", "temperature"):
+        assert np.array_equal(getattr(found, name).time, getattr(truth, name).time)
+        assert np.array_equal(getattr(found, name).value, getattr(truth, name).value)
+    assert imuwb("simulate", "static", *arguments, "-o", f"s{suffix}").code == 2
+
+
+def test_a_single_file_is_a_plugin(imuwb, static_mcap, tmp_path):
+    (tmp_path / "spread.py").write_text(PLUGIN, "utf-8")
+    done = imuwb("./spread.py", static_mcap, "--axis", "x", "--times", "2", "--json", "out.json")
+    assert done.code == 0, done.err
+    document = json.loads((tmp_path / "out.json").read_text("utf-8"))
+    assert document["analysis"] == "spread"
+    assert document["params"] == {"axis": "x", "times": 2}
+    assert document["result"]["none"] is None
+    assert "a note of the plugin" in document["notes"]
+    assert "m/s²" in done.out
+    assert "which one" in imuwb("./spread.py", "--help").out.lower()
+
+
+def test_plugin_parameters_are_checked_with_their_reason(imuwb, static_mcap, tmp_path):
+    (tmp_path / "spread.py").write_text(PLUGIN, "utf-8")
+    done = imuwb("./spread.py", static_mcap, "--times", "0")
+    assert (done.code, "must be positive" in done.err) == (2, True)
+    assert imuwb("./spread.py", static_mcap, "--axis", "w").code == 2
+    assert not (tmp_path / "static.rrd").exists()
+
+
+def test_plugins_are_listed(imuwb):
+    done = imuwb("plugins")
+    for name in ("allan", "mcap", "csv", "rtklib", "imuwb_allan"):
+        assert name in done.out
+
+
+def test_demo_runs_in_a_shell_and_leaves_a_recording(process, tmp_path):
+    done = process("demo")
+    assert done.code == 0, done.err
+    assert (tmp_path / "imuwb-demo.rrd").stat().st_size > 50_000
+
+
+def test_no_colour_is_honoured(imuwb, static_mcap):
+    assert "\x1b[" not in imuwb("info", static_mcap, NO_COLOR="1", FORCE_COLOR="").out
+
+
+def test_progress_is_for_terminals_only(imuwb, static_mcap):
+    assert "reading" not in imuwb("info", static_mcap).err
+
+
+def test_view_refuses_what_is_no_recording(imuwb, static_mcap):
+    done = imuwb("view", static_mcap)
+    assert (done.code, "no Rerun recording" in done.err) == (4, True)
+    assert imuwb("view", "gone.rrd").code == 4
+
+
+def test_live_without_a_viewer_fails_clearly(imuwb, static_mcap, tmp_path):
+    start = time.monotonic()
+    done = imuwb("allan", static_mcap, "--live")
+    assert done.code == 1
+    assert "viewer" in done.err
+    assert time.monotonic() - start < 60
+    assert not (tmp_path / "static.rrd").exists()

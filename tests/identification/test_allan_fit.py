@@ -1,0 +1,84 @@
+import numpy as np
+import pytest
+
+from imuwb.identification import allan, find_lines, fit_allan
+from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, Sinusoid, WhiteNoise
+
+DT = 0.01
+
+
+def fit(process, n=400_000, seed=0, lines=False):
+    values = process.sample(n, DT, np.random.default_rng(seed))
+    return fit_allan(allan(values, DT), find_lines(values, DT) if lines else ())
+
+
+def test_finds_what_is_there_and_limits_what_is_not():
+    found = fit(WhiteNoise(0.005) + FlickerNoise(0.002)).coefficients
+    assert found["N"].value == pytest.approx(0.005, rel=0.01)
+    assert found["B"].lower < 0.002 < found["B"].upper
+    for letter in "QKR":
+        assert found[letter].value is None
+        assert found[letter].lower is None
+        assert found[letter].upper > 0
+
+
+def test_all_five_terms_at_once():
+    truth = {"Q": 2e-4, "N": 0.005, "B": 0.004, "K": 1e-3, "R": 3e-5}
+    process = Quantization(2e-4) + WhiteNoise(0.005) + FlickerNoise(0.004) + RandomWalk(1e-3) + RateRamp(3e-5)
+    found = fit(process, n=1_000_000).coefficients
+    for letter in "QN":
+        assert found[letter].lower < truth[letter] < found[letter].upper
+    for letter in "BKR":  # long-time terms share few degrees of freedom: found, or limited above the truth
+        assert found[letter].upper > truth[letter] * 0.8
+
+
+def test_a_line_is_taken_into_the_sum():
+    values = (WhiteNoise(0.002) + Sinusoid(0.05, 0.56)).sample(600_000, DT, np.random.default_rng(2))
+    lines = find_lines(values, DT)
+    assert len(lines) == 1
+    assert lines[0].frequency == pytest.approx(0.56, abs=2e-3)
+    assert lines[0].lower < 0.05 < lines[0].upper
+    with_line, without = fit_allan(allan(values, DT), lines), fit_allan(allan(values, DT))
+    assert with_line.coefficients["N"].value == pytest.approx(0.002, rel=0.02)
+    assert with_line.misfit < without.misfit
+
+
+def test_white_noise_has_no_lines():
+    records = [WhiteNoise(1.0).sample(100_000, DT, np.random.default_rng(seed)) for seed in range(40)]
+    assert sum(bool(find_lines(values, DT)) for values in records) <= 2
+
+
+def test_slopes_of_pure_processes():
+    for process, letter, slope in ((WhiteNoise(1.0), "N", -0.5), (RandomWalk(1.0), "K", 0.5), (FlickerNoise(1.0), "B", 0.0)):
+        region = next(r for r in fit(process, seed=5).regions if r.letter == letter)
+        assert region.lower - 0.02 < slope < region.upper + 0.02
+        assert region.nominal == slope
+
+
+def test_correlation_time_is_the_centre_of_the_flat_region():
+    found = fit(WhiteNoise(0.005) + FlickerNoise(0.004))
+    flat = next(region for region in found.regions if region.letter == "B")
+    centre, matched = found.correlation_time
+    assert centre == pytest.approx((flat.start + flat.end) / 2)
+    assert matched == pytest.approx(centre / 1.8926)
+    assert found.coefficients["B"].at == centre
+
+
+def test_a_sensor_filter_moves_the_start_of_the_fit():
+    from scipy import signal
+
+    values = WhiteNoise(0.01).sample(400_000, DT, np.random.default_rng(7))
+    smooth = signal.sosfilt(signal.butter(2, 8, fs=1 / DT, output="sos"), values)
+    found = fit_allan(allan(smooth, DT))
+    assert found.shortest > 5 * DT
+    assert found.coefficients["N"].value == pytest.approx(0.01, rel=0.03)
+
+
+def test_a_constant_channel_is_refused():
+    with pytest.raises(ValueError, match="constant"):
+        fit_allan(allan(np.ones(1000), DT))
+
+
+def test_three_octaves_are_needed():
+    with pytest.raises(ValueError, match="at least 3"):
+        fit_allan(allan(np.arange(6.0) % 2, DT))

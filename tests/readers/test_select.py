@@ -1,0 +1,99 @@
+import numpy as np
+import pytest
+
+from imuwb.errors import MissingDataError, UsageError
+from imuwb.log import SECOND, GnssStream, ImuStream, Log, Origin, Provenance, Reference, Scalars, Triad
+from imuwb.readers import select
+
+ZERO = 1_714_564_800 * SECOND  # 2024-05-01T12:00:00Z
+
+
+def log_of(epoch="unix", names=("left", "right")):
+    time = ZERO + np.arange(10) * SECOND
+    triad = Triad(time, np.arange(30.0).reshape(10, 3))
+    imus = [ImuStream(n, triad, triad, Scalars("warm", time, np.arange(10.0)), Origin(epoch=epoch)) for n in names]
+    fix = GnssStream("fix", time, triad.value, fix_type=np.arange(10))
+    speed = Scalars("wheel", time, np.arange(10.0))
+    truth = Reference("truth", time, triad.value, attitude=triad.value)
+    return Log(Provenance("log.csv", "csv", "", 0), tuple(imus), (fix,), (speed,), (truth,))
+
+
+def seconds(stream):
+    return ((stream.time - ZERO) // SECOND).tolist()
+
+
+def test_nothing_said_keeps_everything():
+    log = log_of()
+    assert select(log) is log
+
+
+def test_an_imu_is_chosen_by_name():
+    assert [imu.name for imu in select(log_of(), imu="right").imus] == ["right"]
+
+
+def test_an_unknown_imu_lists_those_there_are():
+    with pytest.raises(MissingDataError, match=r"log\.csv: no IMU called 'middle'; there are: left, right"):
+        select(log_of(), imu="middle")
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "kept"),
+    [
+        ("2", "5", [2, 3, 4]),
+        ("2.5", None, [3, 4, 5, 6, 7, 8, 9]),
+        (None, "1.5", [0, 1]),
+        ("-5", "1", [0]),
+        ("2024-05-01T12:00:02", "2024-05-01T12:00:05", [2, 3, 4]),
+        ("2024-05-01T14:00:02+02:00", "2024-05-01T12:00:05Z", [2, 3, 4]),
+        ("2024-05-01 12:00:01.500", "4", [2, 3]),
+    ],
+)
+def test_a_span_is_half_open(start, end, kept):
+    log = select(log_of(), start=start, end=end)
+    for stream in (log.imus[1].angular_rate, log.imus[0].specific_force, log.gnss[0], log.speeds[0], log.references[0]):
+        assert seconds(stream) == kept
+
+
+def test_every_array_of_a_stream_is_cut_alike():
+    log = select(log_of(), start="2", end="4")
+    assert log.gnss[0].fix_type.tolist() == [2, 3]
+    assert log.gnss[0].position[:, 0].tolist() == [6, 9]
+    assert log.references[0].attitude[:, 0].tolist() == [6, 9]
+    assert log.imus[0].temperature.value.tolist() == [2, 3]
+    assert log.imus[0].origin.epoch == "unix"
+
+
+def test_the_span_stands_in_the_provenance():
+    assert select(log_of(), start="2").provenance.selection == "2 to end"
+    assert select(log_of(), end="2").provenance.selection == "start to 2"
+
+
+@pytest.mark.parametrize(("start", "end"), [("10", "20"), ("2.1", "2.9"), ("2025-01-01", None)])
+def test_a_span_without_a_sample_is_missing_data(start, end):
+    with pytest.raises(MissingDataError, match="no IMU sample between"):
+        select(log_of(), start=start, end=end)
+
+
+@pytest.mark.parametrize(("start", "end"), [("5", "2"), ("5", "5"), ("2024-05-01T12:00:05", "2024-05-01T12:00:01")])
+def test_an_end_that_is_not_behind_the_start_is_refused(start, end):
+    with pytest.raises(UsageError, match=rf"--end {end} is not behind --start {start}"):
+        select(log_of(), start=start, end=end)
+
+
+@pytest.mark.parametrize("text", ["noon", "", "12:00", "nan"])
+def test_what_is_neither_seconds_nor_iso_is_refused(text):
+    with pytest.raises(UsageError, match="neither seconds from the log's start nor an ISO time"):
+        select(log_of(), start=text)
+
+
+@pytest.mark.parametrize("epoch", ["log", "boot"])
+def test_a_date_needs_a_clock_that_knows_dates(epoch):
+    with pytest.raises(UsageError, match="give seconds"):
+        select(log_of(epoch), start="2024-05-01T12:00:00")
+
+
+def test_the_log_itself_is_not_changed():
+    log = log_of()
+    select(log, imu="left", start="2", end="3")
+    assert len(log.imus) == 2
+    assert len(log.imus[0].angular_rate) == 10

@@ -1,0 +1,100 @@
+import numpy as np
+import pytest
+
+from imuwb.log import GnssStream, ImuStream, Log, Provenance, Reference, Scalars, Triad
+
+TIME = np.arange(3, dtype=np.int64)
+BODY = np.arange(9.0).reshape(3, 3)
+
+
+def kinds():
+    return {
+        "triad": Triad,
+        "position": lambda time, value: GnssStream("fix", time, value),
+        "velocity": lambda time, value: GnssStream("fix", time, BODY, velocity=value),
+        "position_sigma": lambda time, value: GnssStream("fix", time, BODY, position_sigma=value),
+        "velocity_sigma": lambda time, value: GnssStream("fix", time, BODY, velocity_sigma=value),
+        "attitude": lambda time, value: Reference("truth", time, BODY, attitude=value),
+        "reference": lambda time, value: Reference("truth", time, value),
+        "scalars": lambda time, value: Scalars("warmth", time, value[:, 0]),
+    }
+
+
+@pytest.fixture(params=sorted(kinds()))
+def make(request):
+    return kinds()[request.param]
+
+
+def test_sound_arrays_are_kept(make):
+    assert len(make(TIME, BODY)) == 3
+    np.testing.assert_array_equal(Triad(TIME, BODY).value, BODY)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_values_that_are_not_finite_are_refused_and_counted(make, bad):
+    value = BODY.copy()
+    value[1, 0] = bad
+    with pytest.raises(ValueError, match=r"holds 1 values that are not finite"):
+        make(TIME, value)
+
+
+@pytest.mark.parametrize("time", [[0, 2, 1], [0, 1, 1]])
+def test_time_that_does_not_increase_is_refused_with_the_row(make, time):
+    with pytest.raises(ValueError, match=rf"time does not increase at row 2: {time[1]} then {time[2]} ns"):
+        make(time, BODY)
+
+
+def test_a_wrong_number_of_rows_is_refused_with_both_shapes(make):
+    with pytest.raises(ValueError, match=r"has shape \(2,.*\); it must be \(3,"):
+        make(TIME, BODY[:2])
+
+
+def test_a_wrong_number_of_columns_is_refused():
+    with pytest.raises(ValueError, match=r"triad value has shape \(3, 2\); it must be \(3, 3\)"):
+        Triad(TIME, BODY[:, :2])
+
+
+def test_fix_types_are_as_many_as_fixes():
+    with pytest.raises(ValueError, match=r"fix fix type has shape \(1,\)"):
+        GnssStream("fix", TIME, BODY, fix_type=np.ones(1, np.int64))
+
+
+def test_arrays_are_read_only():
+    fix = GnssStream("fix", TIME, BODY, BODY, BODY, BODY, TIME)
+    for array in (Triad(TIME, BODY).time, Triad(TIME, BODY).value, fix.velocity, fix.position_sigma, fix.fix_type):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+
+
+def test_the_callers_array_stays_writeable():
+    value = BODY.copy()
+    Triad(TIME, value)
+    value[0, 0] = 5.0
+    assert value[0, 0] == 5.0
+
+
+def test_values_are_frozen():
+    with pytest.raises(AttributeError):
+        Triad(TIME, BODY).time = TIME
+
+
+def test_empty_streams_are_allowed():
+    assert len(Triad(TIME[:0], BODY[:0])) == 0
+
+
+def test_axes_are_the_columns_of_both_triads():
+    imu = ImuStream("imu", Triad(TIME, BODY), Triad(TIME + 5, -BODY))
+    axes = imu.axes()
+    assert list(axes) == ["gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"]
+    np.testing.assert_array_equal(axes["accel_y"][1], -BODY[:, 1])
+    np.testing.assert_array_equal(axes["accel_y"][0], TIME + 5)
+
+
+def test_an_imu_without_gyro_has_three_axes():
+    assert list(ImuStream("imu", None, Triad(TIME, BODY)).axes()) == ["accel_x", "accel_y", "accel_z"]
+
+
+def test_notes_are_added_to_a_new_log():
+    log = Log(Provenance("a", "csv", "", 0), notes=("one",))
+    assert log.with_notes(["two"]).notes == ("one", "two")
+    assert log.notes == ("one",)
