@@ -180,18 +180,23 @@ class _Problem:
         """Return columns in which the errors, if these coefficients are true, are independent and of size 1."""
         return _whitener(self.covariance(squared)) @ columns
 
-    def solve(self, active: Sequence[int]) -> tuple[Floats, Floats]:
-        """Return the squares, none negative, of the active terms, and the covariance of those."""
+    def solve(self, active: Sequence[int], held: Floats | None = None) -> tuple[Floats, Floats]:
+        """Return the squares, none negative, of the active terms (0 elsewhere), and the covariance of those.
+
+        ``held``: (5,) squares of other terms that are in the sum, but not free.
+        """
         squared = np.zeros(5)
+        held = np.zeros(5) if held is None else held
+        variance = self.variance - self.design @ held
         weight = 1 / self.variance.clip(np.abs(self.variance).max() * 1e-12)
         scaled = self.design[:, active] * weight[:, None]
-        squared[list(active)] = optimize.nnls(scaled, self.variance * weight)[0]
+        squared[list(active)] = optimize.nnls(scaled, variance * weight)[0]
         columns = self.design[:, active]
         information = np.eye(len(active))
         for _ in range(ROUNDS):
-            white = self.whiten(squared, columns)
+            white = self.whiten(squared + held, columns)
             size = np.linalg.norm(white, axis=0)
-            fitted = optimize.nnls(white / size, self.whiten(squared, self.variance))[0] / size
+            fitted = optimize.nnls(white / size, self.whiten(squared + held, variance))[0] / size
             before = squared[list(active)]
             squared[list(active)] = fitted
             information = white.T @ white
@@ -199,14 +204,34 @@ class _Problem:
                 break
         return squared, np.asarray(linalg.pinvh(information))
 
-    def added(self, squared: Floats, active: Sequence[int], extra: int) -> tuple[float, float]:
-        """Return the free estimate of one more term's square, and its sigma if the term is absent."""
+    def added(self, squared: Floats, active: Sequence[int], extra: int) -> _Estimate:
+        """Return the free estimate of one more term's square, and how it scatters if ``squared`` is true."""
         columns = self.design[:, [*active, extra]]
-        white = self.whiten(squared, columns)
+        covariance = self.covariance(squared)
+        whitener = _whitener(covariance)
+        white = whitener @ columns
         size = np.linalg.norm(white, axis=0)
         inverse = np.asarray(linalg.pinvh((white / size).T @ (white / size)))
-        estimate = inverse @ (white / size).T @ self.whiten(squared, self.variance)
-        return float(estimate[-1] / size[-1]), float(np.sqrt(inverse[-1, -1]) / size[-1])
+        weights = (inverse @ (white / size).T @ whitener)[-1] / size[-1]
+        # Each Allan variance is about a scaled chi-square, whose third cumulant is 8 E³ / edf² = 2 var² / E.
+        expected = self.design @ squared
+        scatter = np.diag(covariance)
+        sigma = float(np.sqrt(inverse[-1, -1]) / size[-1])
+        third = np.divide(2 * weights**3 * scatter**2, expected, out=np.zeros_like(expected), where=expected > 0)
+        skewness = float(third.sum()) / sigma**3
+        return _Estimate(float(weights @ self.variance), sigma, skewness)
+
+
+@dataclass(frozen=True, slots=True)
+class _Estimate:
+    value: float
+    sigma: float
+    skewness: float
+
+    def quantile(self, probability: float) -> float:
+        """Return how far above the truth the estimate is found with this probability, in sigmas (Pearson III)."""
+        skewness = float(np.clip(self.skewness, 0.0, 4.0))
+        return float(stats.pearson3.ppf(probability, skewness))
 
 
 def _whitener(covariance: Floats) -> Floats:
@@ -215,6 +240,7 @@ def _whitener(covariance: Floats) -> Floats:
     Far from the truth, points may hang together so closely that rounding shows: the least eigenvalue is held.
     """
     size = np.sqrt(np.diag(covariance))
+    size = np.where(size > 0, size, size.max() or 1.0)  # a ramp alone does not scatter
     values, vectors = linalg.eigh(covariance / np.outer(size, size))
     return (vectors / np.sqrt(np.maximum(values, LEAST_EIGENVALUE))).T / size
 
@@ -243,7 +269,6 @@ def _begin(problem: _Problem) -> tuple[int, list[int]]:
 def _select(problem: _Problem, level: float) -> tuple[Floats, Floats, list[int]]:
     """Fit all terms, then leave out, one by one, those that chance explains."""
     active = list(range(5))
-    limit = stats.norm.ppf((1 + level) / 2)
     while True:
         squared, covariance = problem.solve(active)
         zero = [t for t in active if squared[t] == 0]
@@ -252,17 +277,17 @@ def _select(problem: _Problem, level: float) -> tuple[Floats, Floats, list[int]]
             continue
         if len(active) == 1:
             return squared, covariance, active
-        ratios: dict[int, float] = {}
+        ratios: dict[int, float] = {}  # of each term, to what chance makes of it in its absence
         for place, t in enumerate(active):
             rest = [u for u in active if u != t]
             ratios[t] = float(squared[t] / np.sqrt(covariance[place, place]))
             if ratios[t] > BEYOND_DOUBT:
                 continue
             without, _ = problem.solve(rest)
-            estimate, sigma = problem.added(without, rest, t)
-            ratios[t] = estimate / sigma
+            estimate = problem.added(without, rest, t)
+            ratios[t] = estimate.value / (estimate.sigma * estimate.quantile((1 + level) / 2))
         weakest = min(ratios, key=lambda t: ratios[t])
-        if ratios[weakest] > limit:
+        if ratios[weakest] > 1:
             return squared, covariance, active
         active.remove(weakest)
 
@@ -289,16 +314,25 @@ def _coefficients(
 def _upper_limit(
     problem: _Problem, squared: Floats, active: list[int], term: int, level: float, inflation: float
 ) -> float:
-    """Return the size a term may have and still, one time in 1/(1 - level), look as small as it does."""
-    z = stats.norm.ppf(level)
-    estimate, sigma = problem.added(squared, active, term)
-    limit = max(estimate, 0.0) + z * sigma * inflation**0.5
-    for _ in range(4):  # the larger the term, the larger its own scatter
-        with_term = squared.copy()
-        with_term[term] = limit
-        _, sigma = problem.added(with_term, active, term)
-        limit = max(estimate, 0.0) + z * sigma * inflation**0.5
-    return float(limit**0.5)
+    """Return the largest size a term may have and still, with probability 1 - level, be estimated as low as it is.
+
+    With the size, everything changes: the other terms that fit beside it, the weights, and the scatter.
+    """
+
+    def reach(size: float) -> float:
+        held = np.eye(5)[term] * size
+        others, _ = problem.solve(active, held)
+        estimate = problem.added(others + held, active, term)
+        return estimate.value + stats.norm.ppf(level) * estimate.sigma * inflation**0.5
+
+    here = problem.added(squared, active, term)
+    low = max(here.value, 0.0) + here.sigma * 1e-3
+    while reach(high := 1.5 * low) > high:
+        low = high
+    for _ in range(12):
+        middle = (low * high) ** 0.5
+        low, high = (middle, high) if reach(middle) > middle else (low, middle)
+    return float(high**0.5)
 
 
 def _regions(problem: _Problem, squared: Floats, spread: Floats, level: float) -> tuple[Region, ...]:

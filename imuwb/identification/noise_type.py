@@ -28,10 +28,11 @@ def exponent(phase: NDArray[np.float64]) -> int | None:
     series = phase[:MOST]
     for differences in range(MOST_DIFFERENCES + 1):
         deviation = series - series.mean()
-        power = float(deviation @ deviation)
+        # einsum, not @: threads of a linear-algebra library cost more here than they save
+        power = float(np.einsum("i,i", deviation, deviation))
         if power == 0:
             return None
-        r1 = float(deviation[1:] @ deviation[:-1]) / power
+        r1 = float(np.einsum("i,i", deviation[1:], deviation[:-1])) / power
         # A fractionally differenced process of order delta has r1 = delta / (1 - delta).
         delta = r1 / (1 + r1)
         if delta < 0.25 or differences == MOST_DIFFERENCES:  # noqa: PLR2004 - the paper's

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import os
+import socket
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
 
 import numpy as np
 import rerun as rr
@@ -55,6 +57,16 @@ class _Tab:
         return rrb.Vertical(*rows, row_shares=shares, name=self.name)
 
 
+def _require_viewer(address: str) -> None:
+    """Raise ImuwbError unless something listens there: the viewer's own library would wait without end."""
+    place = urlsplit(address)
+    try:
+        socket.create_connection((place.hostname or "127.0.0.1", place.port or 9876), timeout=2).close()
+    except OSError as error:
+        message = f"--live: no viewer listens at {place.hostname}:{place.port}; start one with: rerun --bind 127.0.0.1"
+        raise ImuwbError(message) from error
+
+
 def _nobody(what: Table | str) -> None:
     """Show nothing: there is no terminal."""
     del what
@@ -73,6 +85,8 @@ class RecordingReview:
             live: address of a running viewer that sees it too, such as ``rerun+http://127.0.0.1:9876/proxy``.
             show: called with each table and note, for the terminal.
         """
+        if live is not None:
+            _require_viewer(live)
         self.output = output
         self._partial = output.with_name(f".{output.name}.{os.getpid()}.partial")
         self._show = show or _nobody
