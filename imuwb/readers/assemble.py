@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from imuwb.log import Floats, Nanoseconds
     from imuwb.readers.batch import Kind, Remark
 
+FIRST, LAST = np.iinfo(np.int64).max, np.iinfo(np.int64).min  # of no rows
 CLOCK_STEP = SECOND  # a row that is older than its predecessor by more is a clock set back, not a late row
 
 
@@ -59,6 +60,12 @@ def assemble(parts: Iterable[Batch | Remark], provenance: Provenance) -> Log:
         else:
             lost = sum(repair.count for repair in joined.origin.repairs)
             notes.append(f"{stream} ({kind}): none of its {lost} rows could be used")
+    known = {(r.stream, r.kind) for r in rows if r.kind in ("imu", "gnss")}
+    for r in rows:  # a stream without an origin tells its repairs here
+        if (r.stream, r.kind) not in known:
+            notes.extend(f"{r.stream}: {repair.what} ({repair.count})" for repair in r.origin.repairs)
+    for stream, left in repairs.items():
+        notes.extend(f"{stream}: {repair.what} ({repair.count})" for repair in left)
     temperatures = [_scalars(r, "temperature") for r in rows if r.kind == "temperature"]
     imus, joined_notes = _imus([r for r in rows if r.kind == "imu"], temperatures)
     return Log(
@@ -82,6 +89,13 @@ def _join(batches: list[Batch], noted: list[Repair]) -> _Rows:
     if not finite.all():
         counts["rows with a value that is not a number left out"] = int(np.count_nonzero(~finite))
         time, columns = _take(time, columns, finite)
+    alone = _lone(time)
+    others = time[~alone]
+    # A lone row within the log's time is only late; one before or behind all others has a damaged stamp.
+    alone &= (time < others.min(initial=FIRST)) | (time > others.max(initial=LAST))
+    if alone.any():
+        counts["rows whose time lies far from that of both neighbours left out"] = int(np.count_nonzero(alone))
+        time, columns = _take(time, columns, ~alone)
     if time.size > 1:
         time, set_back = _continue_behind_steps(time)
         if set_back:
@@ -105,6 +119,16 @@ def _take(
     return time[rows], {name: values[rows] for name, values in columns.items()}
 
 
+def _lone(time: Nanoseconds) -> NDArray[np.bool_]:
+    """Return the rows that step far from their predecessor, and whose successor steps back to it."""
+    alone = np.zeros(time.size, dtype=bool)
+    if time.size > 2:  # noqa: PLR2004 - both neighbours
+        far = np.abs(np.diff(time)) > CLOCK_STEP
+        near = np.abs(time[2:] - time[:-2]) <= CLOCK_STEP
+        alone[1:-1] = far[:-1] & far[1:] & near
+    return alone
+
+
 def _continue_behind_steps(time: Nanoseconds) -> tuple[Nanoseconds, int]:
     """Return time without the steps back that are too large for a late row, and their number."""
     steps = np.diff(time)
@@ -112,11 +136,9 @@ def _continue_behind_steps(time: Nanoseconds) -> tuple[Nanoseconds, int]:
     if not back.any():
         return time, 0
     nominal = int(np.median(steps[steps > 0])) if (steps > 0).any() else 1
-    # One row that is old among its neighbours steps back and forth again: that is a late row.
     shift = np.where(back, nominal - steps, 0)
-    for at in np.flatnonzero(back[:-1] & (steps[1:] > CLOCK_STEP)):
-        if abs(steps[at] + steps[at + 1]) < CLOCK_STEP:
-            shift[at] = 0
+    late = np.flatnonzero(_lone(time))  # such a row steps back and forth again
+    shift[late - 1] = shift[late] = 0
     return time + np.concatenate([[0], np.cumsum(shift)]), int(np.count_nonzero(shift))
 
 

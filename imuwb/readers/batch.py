@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, Protocol
 
+from imuwb.errors import UsageError
 from imuwb.log import Origin
 
 if TYPE_CHECKING:
@@ -27,6 +28,15 @@ class ReadOptions:
     columns: tuple[str, ...] = ()  #: names for a text file's columns, in order
     units: Mapping[str, str] = field(default_factory=dict[str, str])  #: {"gyro": "deg/s", "time": "ms"}
     frame: str | None = None  #: "FRD" or "FLU", for a file that does not say
+
+    def __post_init__(self) -> None:
+        """Check what can be checked before the file is open."""
+        if self.rate is not None and not 0 < self.rate < float("inf"):
+            message = f"a rate of {self.rate} Hz: it must be positive"
+            raise UsageError(message)
+        if self.frame not in (None, "FRD", "FLU"):
+            message = f"frame {self.frame!r}: it is FRD (forward, right, down) or FLU (forward, left, up)"
+            raise UsageError(message)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

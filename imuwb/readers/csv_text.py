@@ -6,11 +6,11 @@ import re
 import tomllib
 from collections import Counter
 from dataclasses import dataclass, replace
+from datetime import datetime
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.compute as pc
 from pyarrow import csv
 
 from imuwb.errors import UnreadableLogError, UsageError
@@ -29,11 +29,14 @@ if TYPE_CHECKING:
     from imuwb.log import Epoch, Floats
     from imuwb.readers.batch import Kind
     from imuwb.readers.text_source import Layout
+    from imuwb.units import Unit
 
 format = "csv"  # noqa: A001 - the contract's name
 BLOCK = 4 << 20
 MOST_BAD = 0.5  #: with a larger share of unusable rows, the file is not what it is taken for
+LATEST = 2**63 - 1025  #: ns, the largest a float holds below the end of int64
 DIGITS = 9  #: behind the point of a decimal time
+_ZONE = re.compile(r"(Z|[+-]\d\d:?\d\d)$")
 _ISO = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d")
 
 
@@ -56,24 +59,35 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     if sidecar is not None:
         yield Remark(f"columns, units, rate and frame as {sidecar.name} says")
     layout = text_source.layout(path)
+    if layout.cut_first:
+        yield Remark("first line has fewer cells than the others: left out")
     used = _columns(path, layout, options)
     clock = _clock(path, layout, used, options)
     yield from (Remark(text) for text in clock.remarks)
     bad = Counter[str]()
-    rows = done = 0
+    rows = done = unusable = 0
+    found = False
     for block, bytes_read in _blocks(path, layout, used, clock, bad):
         time, timed = clock.time(block, rows)
         rows += block.num_rows
         values = {column: _floats(block.column(column.name))[timed] for column in used if column.quantity != "time"}
-        bad["rows without a time left out"] += int(np.count_nonzero(~timed))
+        bad["rows without a usable time left out"] += int(np.count_nonzero(~timed))
+        missing = [~np.isfinite(cells) for column, cells in values.items() if column.quantity in ("gyro", "accel")]
+        unusable += int(np.count_nonzero(np.any(missing, axis=0))) if missing else 0
         for kind, fields, there in _streams(values, options.frame or "FRD"):
             if not done and "specific_force" in fields:
                 _check_gravity(path, fields["specific_force"], used)
+            found = True
             chosen = fields if there is None else {name: array[there] for name, array in fields.items()}
             rows_time = time if there is None else time[there]
             yield Batch(kind, kind, rows_time, chosen, _origin(kind, used, options, clock.epoch), bytes_read)
         done += int(np.count_nonzero(timed))
-    if not done or sum(bad.values()) > MOST_BAD * (rows + bad[LINES]):
+    if not found and done:
+        names = ", ".join(column.name for column in used) or "none that is known"
+        yield Remark(
+            f"nothing in this file can be used (columns: {names}); a triad needs its x, y and z, a fix latitude and longitude"
+        )
+    if not done or unusable + bad[LINES] > MOST_BAD * (rows + bad[LINES]):
         faults = ", ".join(f"{count} {what}" for what, count in bad.items() if count) or "no row"
         message = f"{path}: hardly a row can be used ({faults}); is this a log of numbers, and are its columns as said?"
         raise UnreadableLogError(message)
@@ -82,7 +96,7 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
 
 
 LINES = "lines without the usual number of cells left out"
-CELLS = "cells that are no number: their rows left out"
+CELLS = "cells that are no number, taken as missing"
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,20 +115,29 @@ class _Clock:
             row = np.arange(first_row, first_row + block.num_rows)
             return np.rint(row * (SECOND / self.rate)).astype(np.int64), np.ones(row.size, dtype=bool)
         cells = cast("pa.Array[Any]", block.column(self.column.name))
-        there = np.asarray(cells.is_valid())
-        cells = cells.drop_null()
-        if pa.types.is_timestamp(self.kind):
-            return np.asarray(cells.cast(pa.int64())), there
-        scale = cast("Any", self.column.unit).factor
-        if pa.types.is_decimal(self.kind):
+        there = np.asarray(cells.is_valid()).copy()
+        time, inside = self._nanoseconds(cells.drop_null())
+        there[there] = inside
+        return time[inside], there
+
+    def _nanoseconds(self, cells: pa.Array[Any]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """Return cells as ns, and which of them are a time that int64 holds."""
+        if pa.types.is_timestamp(cells.type):
+            return np.asarray(cells.cast(pa.int64())), np.ones(len(cells), dtype=bool)
+        scale = cast("Any", self.column).unit.factor
+        if pa.types.is_decimal(cells.type):
             # The low word of the 128-bit integer below a decimal is the value times 10^9: exact, unlike a float.
-            words = np.frombuffer(cast("Any", cells.buffers()[1]), "<i8")[0::2][
-                cells.offset : cells.offset + len(cells)
-            ]
-            return (words if scale == 1 else np.rint(words * scale).astype(np.int64)), there
-        if pa.types.is_integer(self.kind):
-            return np.asarray(cells) * round(scale * SECOND), there
-        return np.rint(np.asarray(cells) * (scale * SECOND)).astype(np.int64), there
+            words = np.frombuffer(cast("Any", cells.buffers()[1]), "<i8").reshape(-1, 2)
+            low, high = words[cells.offset : cells.offset + len(cells)].T
+            time = low if scale == 1 else np.rint(low * scale).astype(np.int64)
+            return time, high == low >> 63
+        if pa.types.is_integer(cells.type):
+            ticks, each = np.asarray(cells), round(scale * SECOND)
+            inside = np.abs(ticks) <= LATEST // each
+            return np.where(inside, ticks, 0) * each, inside
+        numbers = np.asarray(cells) * (scale * SECOND)
+        inside = np.isfinite(numbers) & (np.abs(numbers) < LATEST)
+        return np.rint(np.where(inside, numbers, 0.0)).astype(np.int64), inside
 
 
 def _with_sidecar(path: Path, options: ReadOptions) -> tuple[ReadOptions, Path | None]:
@@ -170,7 +193,8 @@ def _with_unit(path: Path, column: Column, found: tuple[Column, ...], layout: La
     group = [other for other in found if other.quantity == column.quantity]
     hint = "deg/s or rad/s"
     if column.quantity == "accel":
-        norm = float(np.linalg.norm([float(layout.first[other.index]) for other in group]))
+        cells = [layout.first[other.index] for other in group]
+        norm = float(np.linalg.norm([float(cell) for cell in cells])) if all(map(text_source.is_number, cells)) else 0.0
         hint = f"its first row has |f| = {norm:.4g}, so likely {_likely(norm) or 'g or m/s²'}"
     named = ", ".join(other.name for other in group)
     message = f"{path}: nobody says the unit of {named} ({hint}); add --units {column.quantity}=UNIT"
@@ -188,7 +212,10 @@ def _likely(norm: float) -> str | None:
 def _check_gravity(path: Path, force: Floats, used: tuple[Column, ...]) -> None:
     """Refuse numbers that are a gravity in another unit than the one stated."""
     stated = next(column.unit for column in used if column.quantity == "accel")
-    norm = float(np.nanmedian(np.linalg.norm(force, axis=1)))
+    whole = force[np.isfinite(force).all(axis=1) & (np.abs(force) < 1e9).all(axis=1)]  # noqa: PLR2004 - damage apart
+    if not whole.size:
+        return
+    norm = float(np.median(np.linalg.norm(whole, axis=1)))
     if stated is None or STANDARD_GRAVITY / 2 < norm < 2 * STANDARD_GRAVITY:
         return
     likely = _likely(norm / stated.factor)
@@ -210,7 +237,7 @@ def _clock(path: Path, layout: Layout, used: tuple[Column, ...], options: ReadOp
     remarks = ("--rate not used: the file has a time column",) if options.rate else ()
     first = layout.first[column.index].strip().strip('"')
     if _ISO.match(first):
-        return _Clock(column, pa.timestamp("ns"), 0.0, "unix", remarks)
+        return _Clock(column, pa.timestamp("ns", "UTC" if _ZONE.search(first) else None), 0.0, "unix", remarks)
     if not text_source.is_number(first):
         message = f"{path}: {first!r} in time column {column.name!r} is neither a number nor an ISO time"
         raise UsageError(message)
@@ -251,7 +278,7 @@ def _blocks(
             rows += block.num_rows
     except (pa.ArrowInvalid, ValueError):
         bad.clear()
-        texts = dict.fromkeys(kinds, pa.string())
+        texts = dict.fromkeys(kinds, pa.binary())
         for block, bytes_read in _parse(path, layout, names, texts, bad):
             fresh = block.slice(min(rows, block.num_rows))
             rows -= block.num_rows - fresh.num_rows
@@ -270,6 +297,8 @@ def _parse(
 
     with text_source.Rows(path, layout) as rows:
         try:
+            if rows.is_empty():
+                return
             reader = csv.open_csv(
                 pa.PythonFile(rows, "r"),
                 csv.ReadOptions(column_names=names, block_size=BLOCK),
@@ -289,17 +318,30 @@ def _parse(
 
 
 def _numbers(cells: pa.Array[Any], kind: pa.DataType, bad: Counter[str]) -> pa.Array[Any]:
-    """Return text cells as numbers; those that are none as null."""
+    """Return cells of bytes as numbers or times; those that are none as null."""
     try:
-        return cells.cast(kind)
+        return cells.cast(pa.string()).cast(kind)
     except pa.ArrowInvalid:
-        texts = cells.to_pylist()
-        good = [text is not None and text_source.is_number(text) for text in texts]
-        bad[CELLS] += sum(text is not None and not ok for text, ok in zip(texts, good, strict=True))
-        numbers = pa.array([float(cast("str", t)) if ok else None for t, ok in zip(texts, good, strict=True)])
-        if pa.types.is_timestamp(kind):
-            return pa.nulls(len(cells), kind)
-        return pc.round(numbers, DIGITS).cast(kind, safe=False) if not pa.types.is_floating(kind) else numbers
+        pass
+    texts = [None if cell is None else cell.decode("utf-8", "replace").strip() for cell in cells.to_pylist()]
+    good = _is_time if pa.types.is_timestamp(kind) else text_source.is_number
+    kept = [text if text and good(text) else None for text in texts]
+    bad[CELLS] += sum(bool(text) and keep is None for text, keep in zip(texts, kept, strict=True))
+    # A whole-number column may turn out to have fractions, or more digits than a decimal has room for.
+    for wider in (kind, pa.decimal128(28, DIGITS), pa.float64()):
+        try:
+            return pa.array(kept, pa.string()).cast(wider)
+        except pa.ArrowInvalid:
+            continue
+    return pa.array([None if text is None else float(text) for text in kept], pa.float64())
+
+
+def _is_time(text: str) -> bool:
+    try:
+        datetime.fromisoformat(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _floats(cells: pa.Array[Any]) -> Floats:
@@ -310,7 +352,7 @@ def _streams(
     values: dict[Column, Floats], frame: str
 ) -> Iterator[tuple[Kind, dict[str, Floats], NDArray[np.bool_] | None]]:
     """Yield what the columns make up, in SI and FRD, and, for the slower streams, the rows that have them."""
-    si = {(c.quantity, c.axis): v * c.unit.factor + c.unit.offset for c, v in values.items() if c.unit is not None}
+    si = {(c.quantity, c.axis): _si(v, c.unit) for c, v in values.items() if c.unit is not None}
     signs = np.array([1.0, -1.0, -1.0]) if frame == "FLU" else np.ones(3)
     imu = {
         field: np.stack([si[quantity, axis] for axis in range(3)], axis=1) * signs
@@ -331,6 +373,11 @@ def _streams(
         if ("fix_type", 0) in si:
             gnss["fix_type"] = si["fix_type", 0]
         yield "gnss", gnss, np.isfinite(si["latitude", 0]) if imu else None
+
+
+def _si(values: Floats, unit: Unit) -> Floats:
+    scaled = values * unit.factor
+    return scaled + unit.offset if unit.offset else scaled  # adding nothing would still make +0 of -0
 
 
 def _origin(kind: Kind, used: tuple[Column, ...], options: ReadOptions, epoch: Epoch) -> Origin:

@@ -100,12 +100,15 @@ class _ObjectDecoder:
         return []
 
     def decode(self, messages: Messages, rows: Rows, paths: tuple[str, ...]) -> Iterator[Piece]:
-        table: list[list[object]] = []
+        table: list[list[float | list[float]]] = []
         kept: list[int] = []
         for row in rows:
             try:
                 message = self._unpack(_payload(messages, row))
-                table.append([_dig(message, path) for path in paths])
+                numbers = [_dig(message, path) for path in paths]
+                if table and [np.size(x) for x in numbers] != [np.size(x) for x in table[0]]:
+                    continue  # an array of another length than the first message's
+                table.append(numbers)
                 kept.append(int(row))
             except Exception:  # noqa: BLE001, S112 - whatever a damaged message raises, it is left out
                 continue
@@ -154,7 +157,7 @@ def _paths(message: Any, prefix: str = "", depth: int = 0) -> Iterator[str]:  # 
         yield prefix
 
 
-def _dig(message: object, path: str) -> object:
+def _dig(message: object, path: str) -> float | list[float]:
     for name in path.split("."):
         message = cast("dict[str, object]", message)[name] if isinstance(message, dict) else getattr(message, name)
     return (

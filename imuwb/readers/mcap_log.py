@@ -88,12 +88,16 @@ class _Topic:
         if self.decoder is None:
             return
         for recipe in self.recipes:
-            done = 0
-            for values, found in self.decoder.decode(messages, rows, recipe.paths):
-                done += found.size
-                yield self._batch(recipe, values, messages, found)
-            if done < rows.size:
-                self.odd["messages that do not fit their definition left out"] += rows.size - done
+            pieces = list(self.decoder.decode(messages, rows, recipe.paths))
+            found = np.concatenate([rows_of for _, rows_of in pieces]) if pieces else rows[:0]
+            if found.size < rows.size:
+                self.odd["messages that do not fit their definition left out"] += rows.size - found.size
+            if not found.size:
+                continue
+            # Groups of one layout come one behind the other; the file's order is the order of time.
+            order = np.argsort(found, kind="stable")
+            values = {path: np.concatenate([piece[path] for piece, _ in pieces])[order] for path in recipe.paths}
+            yield self._batch(recipe, values, messages, found[order])
 
     def remarks(self) -> Iterator[Remark]:
         if self.why:
@@ -126,9 +130,13 @@ class _Topic:
     ) -> NDArray[np.int64]:
         if self.options.time_source == "publish":
             return messages.publish_time[rows]
-        stamps = shapes.stamps(values, recipe) if self.options.time_source == "header" else None
-        if stamps is not None:
-            return stamps
-        if self.options.time_source == "header":
-            self.odd["messages without a stamp of their own: the recorder's time is used"] += rows.size
-        return messages.log_time[rows]
+        recorded = messages.log_time[rows]
+        if self.options.time_source == "log":
+            return recorded
+        stamps = shapes.stamps(values, recipe)
+        unset = np.ones(rows.size, dtype=bool) if stamps is None else stamps == 0
+        if stamps is not None and np.median(stamps) < UNIX:
+            unset[:] = not stamps.any()  # a simulation's clock may well begin at 0
+        if unset.any():
+            self.odd["messages without a stamp of their own: the recorder's time is used"] += int(unset.sum())
+        return recorded if stamps is None else np.where(unset, recorded, stamps)

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 MAGIC = b"\x89MCAP0\r\n"
 SCHEMA, CHANNEL, MESSAGE, CHUNK, DATA_END = 0x03, 0x04, 0x05, 0x06, 0x0F
 BLOCK = 8 << 20  #: bytes read at a time
+LATEST = np.uint64(2**63 - 1)  #: ns; a later time is damage
 LARGEST_CHUNK = 1 << 30  #: a chunk that claims to unpack to more is not unpacked
 
 _HEADER = np.dtype([("channel", "<u2"), ("sequence", "<u4"), ("log_time", "<u8"), ("publish_time", "<u8")])
@@ -179,8 +180,8 @@ class Recording:
         if plain.any():
             header = gather(buffer, content[plain], _HEADER)
             yield Messages(
-                buffer, header["channel"], header["log_time"].astype(np.int64),
-                header["publish_time"].astype(np.int64), content[plain] + _HEADER.itemsize,
+                buffer, header["channel"], np.minimum(header["log_time"], LATEST).astype(np.int64),
+                np.minimum(header["publish_time"], LATEST).astype(np.int64), content[plain] + _HEADER.itemsize,
                 length[plain] - _HEADER.itemsize, offset + int(content[plain][-1]),
             )  # fmt: skip
         if inside:

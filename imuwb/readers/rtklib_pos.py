@@ -23,13 +23,11 @@ WEEK = 604_800
 GPS_EPOCH = datetime(1980, 1, 6, tzinfo=UTC)
 #: GPS time is ahead of UTC by this many seconds from these dates on (IERS Bulletin C).
 LEAP_SECONDS = (
-    (2017, 1, 1, 18),
-    (2015, 7, 1, 17),
-    (2012, 7, 1, 16),
-    (2009, 1, 1, 15),
-    (2006, 1, 1, 14),
-    (1999, 1, 1, 13),
-)
+    (2017, 1, 18), (2015, 7, 17), (2012, 7, 16), (2009, 1, 15), (2006, 1, 14), (1999, 1, 13), (1997, 7, 12), (1996, 1, 11),
+    (1994, 7, 10), (1993, 7, 9), (1992, 7, 8), (1991, 1, 7), (1990, 1, 6), (1988, 1, 5), (1985, 7, 4), (1983, 7, 3),
+    (1982, 7, 2), (1981, 7, 1),
+)  # fmt: skip
+YEARS = range(1980, 2200)  #: what a GNSS receiver may say
 #: RTKLIB's quality flag as MAVLink's fix type: fixed, float, SBAS, DGPS, single, PPP.
 FIX_TYPE = {1: 6, 2: 5, 3: 4, 4: 4, 5: 3, 6: 8}
 _HEADER = re.compile(rb"^%\s+(GPST|UTC|JST)\s+latitude\(deg\)\s+longitude\(deg\)\s+height\(m\)", re.MULTILINE)
@@ -49,12 +47,16 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     del options  # the format says everything itself
     names: list[str] = []
     rows: list[tuple[int, list[float]]] = []
-    bad = done = read = 0
+    bad = done = 0
     scale = "GPST"
+    trouble: list[str] = []
     with source.open_unpacked(path) as file:
-        for line in file:
-            read += len(line)
+        for line in _lines(source.pieces(file, trouble)):
+            read = source.position(file)
             if match := _HEADER.match(line):
+                if rows:  # a second solution in the same file, perhaps with other columns
+                    yield _batch(rows, names, scale, read)
+                    done, rows = done + len(rows), []
                 scale = match[1].decode()
                 names = [re.sub(r"\(.*\)", "", name) for name in line[1:].decode("ascii", "replace").split()][1:]
             elif line.strip() and not line.startswith(b"%"):
@@ -66,7 +68,8 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
                 done += len(rows)
                 rows = []
     if rows:
-        yield _batch(rows, names, scale, read)
+        yield _batch(rows, names, scale, path.stat().st_size)
+    yield from (Remark(text) for text in trouble)
     if not done and not rows:
         message = f"{path}: an RTKLIB file without a single solution"
         raise UnreadableLogError(message)
@@ -76,13 +79,21 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
         yield Remark("GPS time made UTC by the leap seconds of its date")
 
 
+def _lines(pieces: Iterator[bytes]) -> Iterator[bytes]:
+    rest = b""
+    for piece in pieces:
+        *whole, rest = (rest + piece).split(b"\n")
+        yield from whole
+    yield rest
+
+
 def _row(cells: list[bytes], columns: int, scale: str) -> tuple[int, list[float]] | None:
     """Return time and numbers of a line; None when it is cut or holds something else."""
     try:
         row = _time(cells[0], cells[1], scale), [float(cell) for cell in cells[2 : 2 + columns]]
     except (ValueError, IndexError, OverflowError):
         return None
-    return row if len(row[1]) == columns else None
+    return row if len(row[1]) == columns and columns and np.isfinite(row[1]).all() else None
 
 
 def _time(first: bytes, second: bytes, scale: str) -> int:
@@ -98,10 +109,14 @@ def _time(first: bytes, second: bytes, scale: str) -> int:
         when = GPS_EPOCH + timedelta(seconds=int(first) * WEEK + int(seconds))
         nanoseconds = round((seconds % 1) * SECOND)
     if scale == "GPST":
-        ahead = next((s for y, m, d, s in LEAP_SECONDS if when >= datetime(y, m, d, tzinfo=UTC)), 0)
-        when -= timedelta(seconds=ahead)
+        # The dates are UTC's, so it is the time less the leap seconds that counts.
+        ahead = (s for y, m, s in LEAP_SECONDS if when - timedelta(seconds=s) >= datetime(y, m, 1, tzinfo=UTC))
+        when -= timedelta(seconds=next(ahead, 0))
     elif scale == "JST":
         when -= timedelta(hours=9)
+    if when.year not in YEARS:
+        message = f"year {when.year}"
+        raise ValueError(message)
     since = when - datetime(1970, 1, 1, tzinfo=UTC)
     return (since.days * 86400 + since.seconds) * SECOND + nanoseconds
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 Timed = TypeVar("Timed", Triad, Scalars, GnssStream, Reference)
 FAR = np.iinfo(np.int64).max
+LONGEST = 1e9  #: s, thirty years
 
 
 def select(log: Log, imu: str | None = None, start: str | None = None, end: str | None = None) -> Log:
@@ -50,9 +51,11 @@ def select(log: Log, imu: str | None = None, start: str | None = None, end: str 
         references=_kept(log.references, first, last),
         provenance=replace(log.provenance, selection=f"{start or 'start'} to {end or 'end'}"),
     )
-    if not any(len(t) for x in cut.imus for t in (x.angular_rate, x.specific_force) if t) and log.imus:
+    samples = sum(len(t) for x in cut.imus for t in (x.angular_rate, x.specific_force) if t is not None)
+    others = sum(len(x) for x in (*cut.gnss, *cut.speeds, *cut.references))
+    if not samples and (log.imus or not others):
         message = f"{log.provenance.path}: no IMU sample between {start or 'start'} and {end or 'end'}"
-        raise MissingDataError(message)
+        raise MissingDataError(message if log.imus else message.replace("IMU sample", "row"))
     return cut
 
 
@@ -74,9 +77,16 @@ def _start(log: Log) -> tuple[int, str]:
 
 def _instant(text: str, zero: int, epoch: str) -> int:
     try:
-        return zero + round(float(text) * SECOND)
+        seconds = float(text)
     except ValueError:
-        pass
+        return _date(text, epoch)
+    if not abs(seconds) < LONGEST:
+        message = f"{text!r} s from the log's start is no time in a log"
+        raise UsageError(message)
+    return zero + round(seconds * SECOND)
+
+
+def _date(text: str, epoch: str) -> int:
     try:
         when = datetime.fromisoformat(text)
     except ValueError:

@@ -7,7 +7,7 @@ message that nests one has it behind a prefix. A recipe says which fields make w
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,6 +30,7 @@ STAMPS = (
     ("timestamp.sec", "timestamp.nanosec"),
     ("timestamp.seconds", "timestamp.nanos"),
 )
+LATEST = 9.2e9  #: s; later, nanoseconds do not fit into int64
 FLU_TO_FRD = np.array([1.0, -1.0, -1.0])
 
 
@@ -64,13 +65,14 @@ def recognise(paths: Collection[str], schema: str) -> tuple[Recipe, ...]:
     return tuple(found)
 
 
-def stamps(values: Mapping[str, NDArray[np.generic]], recipe: Recipe) -> NDArray[np.int64] | None:
-    """Return the messages' own times in ns; None when they carry none."""
+def stamps(values: Mapping[str, NDArray[Any]], recipe: Recipe) -> NDArray[np.int64] | None:
+    """Return the messages' own times in ns, 0 where one is not set or cannot be; None when they carry none."""
     if recipe.stamp is None:
         return None
-    seconds, nanoseconds = (values[path].astype(np.int64) for path in recipe.stamp)
-    time = seconds * SECOND + nanoseconds
-    return time if time.any() else None  # a stamp that was never set
+    seconds, nanoseconds = (values[path] for path in recipe.stamp)
+    possible = (np.abs(seconds) < LATEST) & (nanoseconds >= 0) & (nanoseconds < SECOND)
+    whole, rest = (np.where(possible, part, 0).astype(np.int64) for part in (seconds, nanoseconds))
+    return whole * SECOND + rest
 
 
 def _stamp(there: set[str], prefix: str) -> tuple[str, str] | None:

@@ -10,9 +10,12 @@ from typing import TYPE_CHECKING, BinaryIO, cast
 from imuwb.errors import UnreadableLogError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from io import BufferedReader
     from pathlib import Path
 
 HEAD = 1 << 16
+PIECE = 1 << 16
 GZIP_MAGIC = b"\x1f\x8b"
 
 
@@ -33,6 +36,18 @@ def check(path: Path) -> None:
         raise UnreadableLogError(message) from error
 
 
+class _Unpacked(gzip.GzipFile):
+    """A gzip file that closes the file below it, and knows how far in that it is."""
+
+    def __init__(self, packed: BinaryIO) -> None:
+        super().__init__(fileobj=packed)
+        self.packed = packed
+
+    def close(self) -> None:
+        super().close()
+        self.packed.close()
+
+
 def open_unpacked(path: Path) -> BinaryIO:
     """Open a file for reading; a gzip file as what it holds."""
     try:
@@ -42,19 +57,35 @@ def open_unpacked(path: Path) -> BinaryIO:
         raise UnreadableLogError(message) from error
     magic = file.read(2)
     file.seek(0)
-    return cast("BinaryIO", gzip.GzipFile(fileobj=file)) if magic == GZIP_MAGIC else file
+    return cast("BinaryIO", _Unpacked(file)) if magic == GZIP_MAGIC else file
+
+
+def position(file: BinaryIO) -> int:
+    """Return how many of the file's bytes on the disk are read."""
+    return file.packed.tell() if isinstance(file, _Unpacked) else file.tell()
+
+
+def pieces(file: BinaryIO, trouble: list[str]) -> Iterator[bytes]:
+    """Yield what a file holds in small pieces; a gzip file that is cut, as far as it unpacks.
+
+    What is wrong with it is added to ``trouble``.
+    """
+    try:
+        while piece := cast("BufferedReader", file).read1(PIECE):
+            yield piece
+    except (OSError, EOFError, zlib.error) as error:
+        trouble.append(f"the packed file is cut or damaged ({error}): what unpacks is used")
 
 
 def head(path: Path) -> bytes:
     """Return the first 64 KiB, unpacked; what there is of a gzip file that is cut."""
+    found = b""
     with open_unpacked(path) as file:
-        pieces: list[bytes] = []
-        try:
-            while sum(map(len, pieces)) < HEAD and (piece := file.read(HEAD // 16)):
-                pieces.append(piece)
-        except (OSError, EOFError, zlib.error):
-            pass  # the reader meets the same fault, and says where
-        return b"".join(pieces)[:HEAD]
+        for piece in pieces(file, []):  # the reader meets the same trouble, and says so
+            found += piece
+            if len(found) >= HEAD:
+                break
+    return found[:HEAD]
 
 
 def fingerprint(path: Path) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import re
-import zlib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,13 +14,14 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 BLOCK = 1 << 20
+ROWS_COMPARED = 100  #: that a last line without its end is measured by
 COMMENT = (b"#", b"%", b"//")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(nan|inf)(inity)?", re.IGNORECASE)
 
 
 def is_number(text: str) -> bool:
     """Return whether a cell reads as a number (nan and inf are)."""
-    return bool(_NUMBER.fullmatch(text.strip()))
+    return bool(_NUMBER.fullmatch(text.strip().strip('"')))
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +73,8 @@ def _delimiter(rows: list[str]) -> str:
 
 
 def _cells(row: str, delimiter: str) -> list[str]:
-    return row.split() if delimiter == " " else row.strip().split(delimiter)
+    cells = row.split() if delimiter == " " else row.strip().split(delimiter)
+    return [cell.strip().strip('"') for cell in cells]
 
 
 class Rows(io.RawIOBase):
@@ -86,18 +87,30 @@ class Rows(io.RawIOBase):
     def __init__(self, path: Path, layout: Layout) -> None:
         """Open the file and stand before its first row."""
         super().__init__()
+        self.trouble: list[str] = []
+        self.bytes_read = 0
         self._file = source.open_unpacked(path)
         self._layout = layout
         self._tail = b""
         self._out = b""
         self._skip = layout.skip
-        self._before: tuple[int, int] | None = None  # cells, and length of the last one, of the last whole row
-        self.trouble: list[str] = []
-        self.bytes_read = 0
+        self._pieces = source.pieces(self._file, self.trouble)
+        self._least: tuple[int, int] | None = None  # cells, and the shortest last one, of the last whole rows
 
     def readable(self) -> bool:
         """Say yes, as the parser asks."""
         return True
+
+    def is_empty(self) -> bool:
+        """Return whether no row is left (the next rows are fetched to know)."""
+        while not self._out:
+            block = self._block()
+            if not block and not self._tail:
+                return True
+            self._out = self._whole_lines(block)
+            if not block:
+                return not self._out
+        return False
 
     def close(self) -> None:
         """Close the file below."""
@@ -107,26 +120,21 @@ class Rows(io.RawIOBase):
     def readinto(self, buffer: object) -> int:
         """Fill ``buffer`` with the next bytes; 0 at the end."""
         view = memoryview(buffer)  # pyright: ignore[reportArgumentType] - io's protocol has no narrower type
-        while not self._out:
-            block = self._block()
-            if not block and not self._tail:
-                return 0
-            self._out = self._whole_lines(block)
-            if not block:
-                break
+        if self.is_empty():
+            return 0
         size = min(len(view), len(self._out))
         view[:size] = self._out[:size]
         self._out = self._out[size:]
         return size
 
     def _block(self) -> bytes:
-        try:
-            block = self._file.read(BLOCK)
-        except (OSError, EOFError, zlib.error) as error:
-            self.trouble.append(f"the packed file is cut or damaged ({error}): what unpacks is used")
-            return b""
-        self.bytes_read += len(block)
-        return block
+        block = bytearray()
+        for piece in self._pieces:
+            block += piece
+            if len(block) >= BLOCK:
+                break
+        self.bytes_read = source.position(self._file)
+        return bytes(block)
 
     def _whole_lines(self, block: bytes) -> bytes:
         data = self._tail + block
@@ -147,16 +155,17 @@ class Rows(io.RawIOBase):
         if self._layout.delimiter == " ":
             data = re.sub(rb"[ \t]+", b",", re.sub(rb"(?m)^[ \t]+|[ \t]+(?=\r?$)", b"", data))
         if data.rstrip():
-            last = data.rstrip().rpartition(b"\n")[2].split(self._mark())
-            self._before = (len(last), len(last[-1].strip()))
+            rows = [row.split(self._mark()) for row in data.rstrip().rsplit(b"\n", ROWS_COMPARED)[1:]]
+            if rows:
+                self._least = (min(map(len, rows)), min(len(row[-1].strip()) for row in rows))
         return data
 
     def _mark(self) -> bytes:
         return b"," if self._layout.delimiter == " " else self._layout.delimiter.encode()
 
     def _is_cut(self, line: bytes) -> bool:
-        """Return whether a last line without its end lacks cells, or has a shorter last one than the row before."""
-        if not line.strip() or self._before is None:
+        """Return whether a last line without its end lacks cells, or has a shorter last one than all rows before."""
+        if not line.strip() or self._least is None:
             return False
         cells = line.split() if self._layout.delimiter == " " else line.strip().split(self._mark())
-        return (len(cells), len(cells[-1].strip())) < self._before
+        return (len(cells), len(cells[-1].strip())) < self._least

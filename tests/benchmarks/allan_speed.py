@@ -56,8 +56,8 @@ def main():
 
 def simulated():
     """Return (6, n) samples, drawn as ``imuwb.simulation.static`` draws them from seed 0."""
-    from imuwb.log import AXES  # noqa: PLC0415 - a part pays for its own imports only
-    from imuwb.simulation import preset  # noqa: PLC0415
+    from imuwb.log import AXES
+    from imuwb.simulation import preset
 
     axes, streams = preset("3dm-gx3-25").axes, np.random.SeedSequence(0).spawn(len(AXES))
     n = round(HOURS * 3600 * RATE)
@@ -67,7 +67,7 @@ def simulated():
 
 def times(n):
     """Return the ``log:N`` that gives 90 averaging times (short ones coincide), and the times in s."""
-    from imuwb.identification import averaging_factors  # noqa: PLC0415
+    from imuwb.identification import averaging_factors
 
     for number in range(POINTS, 3 * POINTS):
         factors = averaging_factors(f"log:{number}", n, 1 / RATE)
@@ -90,7 +90,7 @@ def cpu(work, runs=RUNS):
 def cold(samples):
     """The first call after installation: numba compiles."""
     begin = time.process_time()
-    from imuwb.identification import allan  # noqa: PLC0415
+    from imuwb.identification import allan
 
     imported = time.process_time()
     name, _ = times(samples.shape[1])
@@ -100,9 +100,9 @@ def cold(samples):
 
 def warm(samples):
     """Every later process: compiled code comes from the cache; what is cached in memory is cleared before each run."""
-    from imuwb.identification import allan, allan_of_axes, equivalent_degrees_of_freedom, fit_allan  # noqa: PLC0415
-    from imuwb.identification.allan import sums_of_squares  # noqa: PLC0415
-    from imuwb.identification.allan_statistics import moments  # noqa: PLC0415
+    from imuwb.identification import allan, allan_of_axes, equivalent_degrees_of_freedom, fit_allan
+    from imuwb.identification.allan import sums_of_squares
+    from imuwb.identification.allan_statistics import moments
 
     name, tau = times(samples.shape[1])
 
@@ -136,9 +136,9 @@ def warm(samples):
 
 def memory(samples):
     """Peak of what is allocated above the input, as tracemalloc counts numpy's arrays, and growth of the process."""
-    import resource  # noqa: PLC0415 - not on Windows, where this part fails
+    import resource
 
-    from imuwb.identification import allan, allan_of_axes  # noqa: PLC0415
+    from imuwb.identification import allan, allan_of_axes
 
     name, _ = times(samples.shape[1])
     allan(samples[0, :1000], 1 / RATE)
@@ -156,9 +156,9 @@ def memory(samples):
 
 def other(samples):
     """allantools.oadev on the same samples and times; and how far the deviations are apart."""
-    import allantools  # noqa: PLC0415
+    import allantools
 
-    from imuwb.identification import allan  # noqa: PLC0415
+    from imuwb.identification import allan
 
     name, tau = times(samples.shape[1])
     found = []

@@ -73,7 +73,7 @@ def test_text_in_a_number_column_costs_its_row(imuwb, csv_log, rows):
     done = imuwb("info", csv_log(lines), "--json")
     assert done.code == 0
     assert json.loads(done.out)["streams"][0]["count"] == 399
-    assert repairs(done)["cells that are no number: their rows left out"] == 1
+    assert repairs(done)["cells that are no number, taken as missing"] == 1
 
 
 def test_nan_costs_its_row(imuwb, csv_log, rows):

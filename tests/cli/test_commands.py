@@ -51,7 +51,9 @@ def test_help_imports_nothing_heavy():
         "import sys; from imuwb.cli.app import build; build(['--help']);"
         "print([m for m in ('numpy', 'rerun', 'scipy', 'pyarrow', 'numba') if m in sys.modules])"
     )
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
+    assert (
+        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
+    )
 
 
 def test_version(imuwb):
@@ -63,7 +65,9 @@ def test_completion_is_offered(imuwb):
 
 
 def test_allan_leaves_a_recording_json_and_a_model(imuwb, static_mcap, tmp_path):
-    done = imuwb("allan", static_mcap, "--json", "out.json", "--save-model", "model.toml", "--averaging-times", "log:20")
+    done = imuwb(
+        "allan", static_mcap, "--json", "out.json", "--save-model", "model.toml", "--averaging-times", "log:20"
+    )
     assert done.code == 0
     assert "deg/√h" in done.out
     assert (tmp_path / "static.rrd").stat().st_size > 10_000

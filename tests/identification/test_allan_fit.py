@@ -49,7 +49,11 @@ def test_white_noise_has_no_lines():
 
 
 def test_slopes_of_pure_processes():
-    for process, letter, slope in ((WhiteNoise(1.0), "N", -0.5), (RandomWalk(1.0), "K", 0.5), (FlickerNoise(1.0), "B", 0.0)):
+    for process, letter, slope in (
+        (WhiteNoise(1.0), "N", -0.5),
+        (RandomWalk(1.0), "K", 0.5),
+        (FlickerNoise(1.0), "B", 0.0),
+    ):
         region = next(r for r in fit(process, seed=5).regions if r.letter == letter)
         assert region.lower - 0.02 < slope < region.upper + 0.02
         assert region.nominal == slope

@@ -272,7 +272,7 @@ def test_lines_with_another_number_of_cells_are_left_out_and_counted(imu_of):
 def test_text_in_a_number_cell_costs_its_row(imu_of):
     imu = imu_of(timed("time_s", "0.0", "0.1") + "0.2,oops,2,3,0,0,-1\n" + f"0.3,{ROW}\n")
     assert imu.angular_rate.time.tolist() == [0, 100_000_000, 300_000_000]
-    assert repairs(imu)["cells that are no number: their rows left out"] == 1
+    assert repairs(imu)["cells that are no number, taken as missing"] == 1
 
 
 def test_text_far_behind_the_first_block_costs_its_row_alone(imu_of):
@@ -286,13 +286,13 @@ def test_text_far_behind_the_first_block_costs_its_row_alone(imu_of):
         250_001 * 10**6,
         299_999 * 10**6,
     ]
-    assert repairs(imu)["cells that are no number: their rows left out"] == 1
+    assert repairs(imu)["cells that are no number, taken as missing"] == 1
 
 
 def test_text_in_a_time_cell_costs_its_row(imu_of):
     imu = imu_of(timed("time_s", "0.0", "abc", "0.2", "0.3"))
     assert imu.angular_rate.time.tolist() == [0, 200_000_000, 300_000_000]
-    assert repairs(imu)["rows without a time left out"] == 1
+    assert repairs(imu)["rows without a usable time left out"] == 1
 
 
 @pytest.mark.parametrize("cell", ["nan", "NaN", "", "inf", "-inf"])
@@ -325,7 +325,7 @@ def test_a_free_fall_is_no_contradiction(imu_of):
         (f"time_s,{HEADER.replace('_dps', '')}\n0.0,{ROW}\n", {}, r"unit of gx, gy, gz .*--units gyro=UNIT"),
         (f"time_s,gx_dps,gy_dps,gz_dps,ax,ay,az\n0.0,1,2,3,0,0,-9.8\n", {}, r"likely m/s²\); add --units accel=UNIT"),  # noqa: F541
         (f"{HEADER}\n{ROW}\n", {}, r"no time column .*--rate HZ"),
-        (f"{HEADER}\n{ROW}\n", {"rate": -5.0}, r"--rate HZ"),
+        (f"{HEADER}\n{ROW}\n", {"rate": -5.0}, r"it must be positive"),
         (f"{ROW}\n{ROW}\n", {}, r"no header line; name its 6 columns, such as --columns"),
         (f"{ROW}\n{ROW}\n", {"columns": NAMES[:3]}, r"3 column names \(gx, gy, gz\), but the rows have 6 cells"),
         (timed("time", "0.0", "0.1"), {}, r"unit of time column 'time' .*--units time=s"),
@@ -390,8 +390,6 @@ def test_progress_ends_within_the_file(text_log):
 # Packed files
 
 
-@pytest.mark.filterwarnings("ignore:unclosed file:ResourceWarning")
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 class TestGzip:
     def test_a_gzip_file_is_read_as_what_it_holds(self, text_log):
         text = timed("time_s", "0.0", "0.1").encode()

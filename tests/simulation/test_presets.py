@@ -61,7 +61,9 @@ def test_hassaballa(tables):
     for axis in ORDER:
         gyro = axis.startswith("gyro")
         density = from_si(term(model, axis, WhiteNoise).N, "deg/s/√Hz" if gyro else "µg/√Hz")
-        assert density == pytest.approx(sheet["gyro"]["noise_density_deg_s_rthz"] if gyro else sheet["accel"]["noise_density_ug_rthz"])
+        assert density == pytest.approx(
+            sheet["gyro"]["noise_density_deg_s_rthz"] if gyro else sheet["accel"]["noise_density_ug_rthz"]
+        )
         steps = 1 / from_si(model.axes[axis].lsb, "deg/s" if gyro else "g")
         assert steps == pytest.approx(sheet["gyro"]["lsb_per_deg_s"] if gyro else sheet["accel"]["lsb_per_g"], rel=1e-5)
     arw = from_si(term(measured, "gyro_z", WhiteNoise).N, "deg/√s")

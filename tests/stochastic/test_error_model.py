@@ -3,8 +3,8 @@ import pytest
 
 from imuwb.errors import UsageError
 from imuwb.stochastic import (
-    AxisModel,
     Autoregressive,
+    AxisModel,
     Constant,
     GaussMarkov,
     ImuErrorModel,
@@ -41,8 +41,8 @@ def test_people_may_write_units():
     """
     model = ImuErrorModel.from_toml(text)
     white, flicker = model.axes["gyro_x"].processes.terms
-    assert white.N == pytest.approx(0.3 * np.pi / 180 / 60)
-    assert flicker.B == pytest.approx(10 * np.pi / 180 / 3600)
+    assert pytest.approx(0.3 * np.pi / 180 / 60) == white.N
+    assert pytest.approx(10 * np.pi / 180 / 3600) == flicker.B
     assert model.axes["gyro_x"].intervals["B"] == pytest.approx((8 * np.pi / 648000, 12 * np.pi / 648000))
     assert model.axes["accel_y"].processes == Sum((RandomWalk(0.001),))
 
@@ -71,7 +71,7 @@ def test_parameters_lie_between_set_points_and_are_held_beyond():
     points = tuple((t, Sum((WhiteNoise(n),))) for t, n in ((0.0, 1.0), (10.0, 3.0)))
     axis = AxisModel(Sum((WhiteNoise(9.0),)), thermal=points)
     for celsius, n in ((-5, 1.0), (0, 1.0), (2.5, 1.5), (10, 3.0), (40, 3.0)):
-        assert axis.at(celsius).terms[0].N == pytest.approx(n)
+        assert pytest.approx(n) == axis.at(celsius).terms[0].N
     assert axis.at(None) == axis.processes
 
 

@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy import integrate, linalg
@@ -37,9 +39,7 @@ def test_spectrum_and_allan_variance_are_one_statement(process):
             return 2 * process.power_spectral_density(np.array([f]), DT)[0] * transfer
 
         points = np.unique(np.concatenate([np.geomspace(1e-7, 0.5 / DT, 60), np.arange(1, m + 1) / (2 * m * DT)]))
-        total = sum(
-            integrate.quad(weighted, a, b, limit=200)[0] for a, b in zip(points[:-1], points[1:], strict=True)
-        )
+        total = sum(integrate.quad(weighted, a, b, limit=200)[0] for a, b in pairwise(points))
         expected = process.allan_variance(np.array([m * DT]), DT)[0]
         assert total == pytest.approx(expected, rel=2e-4)
 
@@ -117,7 +117,9 @@ def test_state_spaces_start_in_their_stationary_state(process):
     np.testing.assert_allclose(residual, 0, atol=1e-12 * max(1.0, np.abs(space.P0).max()))
 
 
-@pytest.mark.parametrize("process", [GaussMarkov(0.7, 2.0), Autoregressive((-0.5, 0.3), 0.2, DT), Sinusoid(1.0, 0.3)], ids=ids)
+@pytest.mark.parametrize(
+    "process", [GaussMarkov(0.7, 2.0), Autoregressive((-0.5, 0.3), 0.2, DT), Sinusoid(1.0, 0.3)], ids=ids
+)
 def test_state_spaces_have_the_autocovariance(process):
     space = process.discretize(DT)
     for lag in (0, 1, 7):
@@ -166,7 +168,9 @@ def test_an_ar_model_is_valid_at_its_own_step_only():
         Autoregressive((-0.5,), 1.0, 0.01).sample(10, 0.02, np.random.default_rng(0))
 
 
-@pytest.mark.parametrize("make", [lambda: WhiteNoise(-1.0), lambda: GaussMarkov(1.0, 0.0), lambda: FlickerNoise(float("nan"))])
+@pytest.mark.parametrize(
+    "make", [lambda: WhiteNoise(-1.0), lambda: GaussMarkov(1.0, 0.0), lambda: FlickerNoise(float("nan"))]
+)
 def test_impossible_parameters_are_refused(make):
     with pytest.raises(ValueError, match="must be"):
         make()
