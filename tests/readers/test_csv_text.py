@@ -1,4 +1,6 @@
+import gc
 import gzip
+import warnings
 from decimal import Decimal
 
 import numpy as np
@@ -7,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from imuwb.errors import UnreadableLogError, UsageError
-from imuwb.readers import ReadOptions, read, reader_of
+from imuwb.readers import ReadOptions, csv_text, read, reader_of
 
 DEG = np.pi / 180
 G = 9.80665
@@ -184,6 +186,14 @@ def test_windows_line_ends_a_byte_order_mark_and_blank_lines(imu_of):
     assert len(imu_of(text).angular_rate) == 2
 
 
+def test_every_cell_may_be_quoted(imu_of):
+    text = timed("time_s", "0.0", "0.1", "0.2").replace(",", '","').replace("\n", '"\n"')
+    imu = imu_of('"' + text.removesuffix('"'))
+    assert imu.angular_rate.time.tolist() == [0, 100_000_000, 200_000_000]
+    assert_one_row(imu, 2)
+    assert repairs(imu) == {}
+
+
 # Time
 
 
@@ -199,14 +209,38 @@ def test_windows_line_ends_a_byte_order_mark_and_blank_lines(imu_of):
         ("time_s", ("0.0", "0.010000000000001"), [0, 10_000_000]),
         ("time_ms", ("5", "15"), [5_000_000, 15_000_000]),
         ("time_ms", ("0.5", "15.25"), [500_000, 15_250_000]),
+        ("time_ms", ("0", "2.5", "5"), [0, 2_500_000, 5_000_000]),
         ("t [us]", ("5", "10000"), [5_000, 10_000_000]),
         ("t (ns)", ("1714564800123456789", "1714564800123456790"), [1_714_564_800_123_456_789, 1_714_564_800_123_456_790]),
         ("time", ("2024-05-01T12:00:00", "2024-05-01T12:00:00.5"), [1_714_564_800_000_000_000, 1_714_564_800_500_000_000]),
+        ("time", ("2024-05-01T12:00:00Z", "2024-05-01T12:00:00.5Z"), [1_714_564_800_000_000_000, 1_714_564_800_500_000_000]),
+        ("time", ("2024-05-01T14:00:00+02:00", "2024-05-01T12:00:01Z"), [1_714_564_800_000_000_000, 1_714_564_801_000_000_000]),
         ("time", ("2024-05-01 12:00:00.123456789", "2024-05-01 12:00:01"), [1_714_564_800_123_456_789, 1_714_564_801_000_000_000]),
     ],
 )  # fmt: skip
 def test_times_are_exact(imu_of, name, cells, expected):
     assert imu_of(timed(name, *cells)).angular_rate.time.tolist() == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "cells"),
+    [
+        ("time_s", ("0.0", "99999999999999")),
+        ("time_s", ("0.0", "-99999999999999")),
+        ("time_s", ("0.0", "1" * 40)),
+        ("time_s", ("0.0", "inf")),
+        ("time_s", ("0.0", "nan")),
+        ("time_s", ("0e0", "9.3e9")),
+        ("time_ms", ("0", "9223372036854775")),
+        ("time_ms", ("0", "9223372036854775.5")),
+        ("time_ms", ("0", "99999999999999999999")),
+        ("time_ms", ("0", "inf")),
+    ],
+)
+def test_times_that_no_clock_can_show_cost_their_row(imu_of, name, cells):
+    imu = imu_of(timed(name, *cells, "1"))
+    assert imu.angular_rate.time.tolist() == [0, 10**9 if name == "time_s" else 10**6]
+    assert repairs(imu)["rows without a usable time left out"] == 1
 
 
 @settings(max_examples=20, deadline=None)
@@ -263,6 +297,29 @@ def test_a_last_line_without_its_end_but_whole_is_used(imu_of):
     assert repairs(imu) == {}
 
 
+def test_a_whole_last_line_may_end_in_a_shorter_cell_than_the_one_before(imu_of):
+    downs = ("-1.25", "-1", "-1.25")
+    rows = [f"0.{i},1,2,3,0,0,{down}" for i, down in enumerate((*downs, "-1.2"))]
+    imu = imu_of(f"time_s,{HEADER}\n" + "\n".join(rows))
+    assert imu.specific_force.value[-1, 2] == -1.2 * G
+    assert repairs(imu) == {}
+
+
+def test_a_last_line_whose_last_cell_is_shorter_than_all_before_is_cut(imu_of):
+    rows = [f"0.{i},1,2,3,0,0,-1.25" for i in range(3)]
+    imu = imu_of(f"time_s,{HEADER}\n" + "\n".join([*rows, "0.3,1,2,3,0,0,-1."]))
+    assert len(imu.angular_rate) == 3
+    assert len(repairs(imu)) == 1
+
+
+@pytest.mark.parametrize("first", ["3,0.5,0.25,-1", "# by me\n0.25,-1", "-1"])
+def test_a_first_line_that_is_cut_is_left_out_and_told(text_log, first):
+    path = text_log(f"{first}\n" + f"{ROW}\n" * 5)
+    log = read(path, ReadOptions(columns=NAMES, units=UNITS, rate=10.0))
+    assert len(log.imus[0].angular_rate) == 5
+    assert log.notes == ("first line has fewer cells than the others: left out",)
+
+
 def test_lines_with_another_number_of_cells_are_left_out_and_counted(imu_of):
     imu = imu_of(timed("time_s", "0.0", "0.1") + "0.2,1\n0.3,1,2,3,4,5,6,7,8,9\n" + f"0.4,{ROW}\n0.5,{ROW}\n")
     assert len(imu.angular_rate) == 4
@@ -271,6 +328,20 @@ def test_lines_with_another_number_of_cells_are_left_out_and_counted(imu_of):
 
 def test_text_in_a_number_cell_costs_its_row(imu_of):
     imu = imu_of(timed("time_s", "0.0", "0.1") + "0.2,oops,2,3,0,0,-1\n" + f"0.3,{ROW}\n")
+    assert imu.angular_rate.time.tolist() == [0, 100_000_000, 300_000_000]
+    assert repairs(imu)["cells that are no number, taken as missing"] == 1
+
+
+def test_rows_full_of_text_cost_no_more_than_themselves(imu_of):
+    rows = [f"{i / 10},{'x,x,x,x,x,x' if i % 10 == 5 else ROW}\n" for i in range(100)]
+    imu = imu_of(f"time_s,{HEADER}\n{''.join(rows)}")
+    assert len(imu.angular_rate) == 90
+    assert repairs(imu)["cells that are no number, taken as missing"] == 60
+
+
+@pytest.mark.parametrize("bad", [b"0.2,\xff\xfe,2,3,0,0,-1\n", b"\xff0.2,1,2,3,0,0,-1\n"])
+def test_a_byte_that_is_no_text_costs_its_row(imu_of, bad):
+    imu = imu_of(timed("time_s", "0.0", "0.1").encode() + bad + f"0.3,{ROW}\n".encode())
     assert imu.angular_rate.time.tolist() == [0, 100_000_000, 300_000_000]
     assert repairs(imu)["cells that are no number, taken as missing"] == 1
 
@@ -293,6 +364,42 @@ def test_text_in_a_time_cell_costs_its_row(imu_of):
     imu = imu_of(timed("time_s", "0.0", "abc", "0.2", "0.3"))
     assert imu.angular_rate.time.tolist() == [0, 200_000_000, 300_000_000]
     assert repairs(imu)["rows without a usable time left out"] == 1
+
+
+@pytest.mark.parametrize("zone", ["", "Z", "+00:00"])
+@pytest.mark.parametrize("bad", ["oops", "2024-13-01T12:00:00", ""])
+def test_a_date_that_is_none_costs_its_row(imu_of, zone, bad):
+    good = [f"2024-05-01T12:00:0{i}{zone}" for i in range(3)]
+    imu = imu_of(timed("time", good[0], bad and bad + zone, *good[1:]))
+    assert (imu.angular_rate.time - 1_714_564_800 * 10**9).tolist() == [0, 10**9, 2 * 10**9]
+    assert repairs(imu)["rows without a usable time left out"] == 1
+
+
+def test_an_accelerometer_that_starts_blocks_later_is_read_from_there(imu_of, monkeypatch):
+    monkeypatch.setattr(csv_text, "BLOCK", 256)
+    rows = "".join(f"{i},1,2,3,{'nan,nan,nan' if i < 40 else '0,0,-1'}\n" for i in range(100))
+    imu = imu_of(f"time_ms,{HEADER}\n{rows}")
+    assert imu.specific_force.time[0] == 40_000_000
+    assert repairs(imu) == {"rows with a value that is not a number left out": 40}
+
+
+def test_an_accelerometer_without_a_number_is_refused(text_log):
+    rows = "".join(f"{i}.0,1,2,3,nan,nan,nan\n" for i in range(5))
+    with pytest.raises(UnreadableLogError, match="hardly a row can be used"):
+        read(text_log(f"time_s,{HEADER}\n{rows}"))
+
+
+@pytest.mark.parametrize("huge", ["1e155", "-1e200"])
+def test_a_huge_specific_force_is_read_as_it_stands(imu_of, huge):
+    imu = imu_of(f"time_s,{HEADER}\n0.0,1,2,3,{huge},0,-1\n0.1,{ROW}\n")
+    assert imu.specific_force.value[0, 0] == float(huge) * G
+
+
+def test_the_sign_of_zero_comes_back(imu_of):
+    imu = imu_of(f"time_s,{HEADER},temperature_c\n0.0,-0.0,0.0,-0,-0.0,0.0,-1,-0.0\n0.1,{ROW},1\n")
+    assert np.signbit(imu.angular_rate.value[0]).tolist() == [True, False, True]
+    assert np.signbit(imu.specific_force.value[0]).tolist() == [True, False, True]
+    assert np.signbit(imu.temperature.value).tolist() == [True, False]
 
 
 @pytest.mark.parametrize("cell", ["nan", "NaN", "", "inf", "-inf"])
@@ -324,6 +431,7 @@ def test_a_free_fall_is_no_contradiction(imu_of):
     [
         (f"time_s,{HEADER.replace('_dps', '')}\n0.0,{ROW}\n", {}, r"unit of gx, gy, gz .*--units gyro=UNIT"),
         (f"time_s,gx_dps,gy_dps,gz_dps,ax,ay,az\n0.0,1,2,3,0,0,-9.8\n", {}, r"likely m/s²\); add --units accel=UNIT"),  # noqa: F541
+        (f"time_s,gx_dps,gy_dps,gz_dps,ax,ay,az\n0.0,1,2,3,,0,-1\n0.1,{ROW}\n", {}, r"add --units accel=UNIT"),
         (f"{HEADER}\n{ROW}\n", {}, r"no time column .*--rate HZ"),
         (f"{HEADER}\n{ROW}\n", {"rate": -5.0}, r"it must be positive"),
         (f"{ROW}\n{ROW}\n", {}, r"no header line; name its 6 columns, such as --columns"),
@@ -337,6 +445,31 @@ def test_a_free_fall_is_no_contradiction(imu_of):
 def test_what_nobody_says_is_asked_for(text_log, text, options, says):
     with pytest.raises(UsageError, match=says):
         read(text_log(text), ReadOptions(**options))
+
+
+@pytest.mark.parametrize("rate", [float("nan"), float("inf"), 0, 0.0, -1.0])
+def test_a_rate_that_is_none_is_refused(rate):
+    with pytest.raises(UsageError, match="Hz: it must be positive"):
+        ReadOptions(rate=rate)
+
+
+@pytest.mark.parametrize("frame", ["XYZ", "frd", ""])
+def test_a_frame_nobody_knows_is_refused(frame):
+    with pytest.raises(UsageError, match=f"frame '{frame}': it is FRD"):
+        ReadOptions(frame=frame)
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "columns"),
+    [
+        ("time_s,gx_dps,gy_dps\n0.0,1,2\n0.1,1,2\n", {}, "time_s, gx_dps, gy_dps"),
+        ("foo,bar\n1,2\n1,2\n", {"rate": 10.0}, "none that is known"),
+    ],
+)
+def test_a_file_of_which_nothing_can_be_used_is_told(text_log, text, options, columns):
+    log = read(text_log(text), ReadOptions(**options))
+    assert (log.imus, log.gnss, len(log.notes)) == ((), (), 1)
+    assert log.notes[0].startswith(f"nothing in this file can be used (columns: {columns})")
 
 
 @pytest.mark.parametrize(
@@ -405,6 +538,22 @@ class TestGzip:
         assert 30_000 < len(imu.angular_rate) < 100_000
         np.testing.assert_array_equal(np.diff(imu.angular_rate.time), 1_000_000)
         assert any("packed file is cut" in what for what in repairs(imu))
+
+    def test_of_a_short_gzip_file_that_is_cut_most_rows_are_used(self, text_log):
+        packed = gzip.compress(timed("time_ms", *range(2000)).encode())
+        (imu,) = read(text_log(packed[:-200])).imus
+        assert 1500 < len(imu.angular_rate) < 2000
+        np.testing.assert_array_equal(np.diff(imu.angular_rate.time), 1_000_000)
+        assert any("packed file is cut" in what for what in repairs(imu))
+
+    def test_no_file_is_left_open(self, text_log):
+        path = text_log(gzip.compress(timed("time_s", "0.0", "0.1").encode()))
+        gc.collect()
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            read(path)
+            gc.collect()
+        assert caught == []
 
     def test_a_gzip_file_of_nothing_is_refused(self, text_log):
         with pytest.raises(UnreadableLogError):

@@ -72,6 +72,38 @@ def test_json(mcap, imus_of):
     assert_imu(imus_of(topic)[0])
 
 
+def own(i, x=1.0, stamp=None, **fields):
+    """Return a JSON IMU of second ``i``."""
+    return json.dumps(
+        {
+            "stamp": {"sec": T // 10**9 + i, "nanosec": 0, **(stamp or {})},
+            "angular_velocity": {"x": x, "y": 2.0, "z": 3.0},
+            "linear_acceleration": dict(zip("xyz", FORCE, strict=True)),
+            **fields,
+        },
+    ).encode()
+
+
+@pytest.mark.parametrize("odd", [[], [1, 2], None, "one", {}])
+def test_a_json_number_that_is_none_costs_its_message(mcap, imus_of, odd):
+    messages = [(T, own(i, odd if i == 1 else 1.0)) for i in range(3)]
+    (imu,) = imus_of(mcap.Topic(messages, "/imu", "Imu", "{}", "jsonschema", "json"))
+    assert (imu.angular_rate.time - T).tolist() == [0, 2 * 10**9]
+    assert repairs(imu) == {REPAIR_NO_FIT: 1}
+
+
+def test_a_json_array_of_another_length_costs_its_message(mcap):
+    fix = {"latitude": 45.0, "longitude": 90.0, "altitude": 1.0}
+    lengths = (9, 3, 9)
+    messages = [
+        (T + i, json.dumps({**fix, "position_covariance": [4.0] * length}).encode()) for i, length in enumerate(lengths)
+    ]
+    (gnss,) = read(mcap.write(mcap.Topic(messages, "/fix", "Fix", "{}", "jsonschema", "json"))).gnss
+    assert gnss.time.tolist() == [T, T + 2]
+    assert gnss.position_sigma.tolist() == [[2.0] * 3] * 2
+    assert repairs(gnss)[REPAIR_NO_FIT] == 1
+
+
 def test_json_that_is_none_is_left_out_and_counted(mcap, imus_of):
     good = {
         "angular_velocity": dict(zip("xyz", RATE, strict=True)),
@@ -135,6 +167,32 @@ def test_frame_ids_of_several_lengths_in_one_channel(mcap, ros, imus_of):
     (imu,) = imus_of(mcap.Topic(messages))
     assert imu.angular_rate.time.tolist() == [T + i for i in range(6)]
     assert imu.angular_rate.value[:, 0].tolist() == [0, 1, 2, 3, 4, 5]
+
+
+def test_frame_ids_of_several_lengths_do_not_move_slow_messages(mcap, ros, imus_of):
+    times = [T + i * 10**9 for i in range(20)]
+    messages = [(t, ros.imu(t, (i, 0, 0), FORCE, ("a", "ab")[i % 2])) for i, t in enumerate(times)]
+    (imu,) = imus_of(mcap.Topic(messages))
+    assert imu.angular_rate.time.tolist() == times
+    assert imu.angular_rate.value[:, 0].tolist() == list(range(20))
+    assert repairs(imu) == {}
+
+
+def two(i):
+    """Return a JSON message of second ``i`` that holds two IMUs."""
+    part = {
+        "angular_velocity": dict(zip("xyz", RATE, strict=True)),
+        "linear_acceleration": dict(zip("xyz", FORCE, strict=True)),
+    }
+    return json.dumps({"stamp": {"sec": T // 10**9 + i, "nanosec": 0}, "left": part, "right": part}).encode()
+
+
+def test_two_imus_of_one_message_share_the_repairs_as_notes(mcap):
+    messages = [(T, b"{oops" if i == 1 else two(i)) for i in range(3)]
+    log = read(mcap.write(mcap.Topic(messages, "/two", "Two", "{}", "jsonschema", "json")))
+    assert [imu.name for imu in log.imus] == ["/two.left", "/two.right"]
+    assert [len(imu.angular_rate) for imu in log.imus] == [2, 2]
+    assert any(note.startswith(f"/two: {REPAIR_NO_FIT}") for note in log.notes)
 
 
 def test_two_topics_are_two_imus(mcap, ros, imus_of):
@@ -201,6 +259,21 @@ def test_a_temperature_beside_an_imu(mcap, ros):
     assert "/imu/temperature: taken as the temperature of /imu/data" in log.notes
 
 
+def test_temperatures_that_are_no_numbers_are_told(mcap, ros):
+    warm = [
+        ros.encode([("i", T // 10**9), ("I", i), ("str", "imu"), ("d", t), ("d", 0.0)])
+        for i, t in enumerate((20.0, float("nan")))
+    ]
+    log = read(
+        mcap.write(
+            mcap.Topic([(T, ros.imu(T, RATE, FORCE))], "/imu/data"),
+            mcap.Topic([(T, w) for w in warm], "/imu/temperature", "sensor_msgs/msg/Temperature", ros.temperature_2),
+        ),
+    )
+    assert log.imus[0].temperature.value.tolist() == [20.0]
+    assert "/imu/temperature: rows with a value that is not a number left out (1)" in log.notes
+
+
 # Time
 
 
@@ -222,6 +295,44 @@ def test_stamps_that_count_from_power_up_are_not_unix(mcap, ros, imus_of):
     (imu,) = imus_of(mcap.Topic([(T, ros.imu(10**9 * i, RATE, FORCE)) for i in (1, 2)]))
     assert imu.angular_rate.time.tolist() == [10**9, 2 * 10**9]
     assert imu.origin.epoch == "log"
+
+
+@pytest.mark.parametrize("at", [0, 4, 9])
+def test_one_stamp_of_zero_takes_the_recorders_time(mcap, ros, imus_of, at):
+    stamps = [T + i * 10**8 for i in range(10)]
+    messages = [(t + 7, ros.imu(0 if i == at else t, RATE, FORCE)) for i, t in enumerate(stamps)]
+    (imu,) = imus_of(mcap.Topic(messages))
+    assert (imu.angular_rate.time - stamps).tolist() == [7 if i == at else 0 for i in range(10)]
+    assert repairs(imu) == {REPAIR_NO_STAMP: 1}
+
+
+def test_a_simulations_clock_may_begin_at_zero(mcap, ros, imus_of):
+    (imu,) = imus_of(mcap.Topic([(T + i, ros.imu(i * 10**8, RATE, FORCE)) for i in range(10)]))
+    assert imu.angular_rate.time.tolist() == [i * 10**8 for i in range(10)]
+    assert imu.origin.epoch == "log"
+    assert repairs(imu) == {}
+
+
+@pytest.mark.parametrize("damaged", [2**63, 2**63 + 5, 2**64 - 1])
+def test_a_log_time_no_clock_can_show_costs_its_message(mcap, ros, imus_of, damaged):
+    messages = [(T + i * 10**8, ros.imu(T, (i, 0, 0), FORCE)) for i in range(10)]
+    messages[4] = damaged, messages[4][1]
+    (imu,) = imus_of(mcap.Topic(messages), time_source="log")
+    others = [i for i in range(10) if i != 4]
+    assert imu.angular_rate.time.tolist() == [T + i * 10**8 for i in others]
+    assert imu.angular_rate.value[:, 0].tolist() == others
+    assert sum(repairs(imu).values()) == 1
+
+
+@pytest.mark.parametrize(
+    "stamp",
+    [{"sec": 2**60}, {"sec": float("nan")}, {"sec": float("inf")}, {"nanosec": float("nan")}, {"nanosec": 10**9}],
+)
+def test_a_json_stamp_that_is_none_takes_the_recorders_time(mcap, imus_of, stamp):
+    messages = [(T + i * 10**9 + 7, own(i, stamp=stamp if i == 1 else None)) for i in range(3)]
+    (imu,) = imus_of(mcap.Topic(messages, "/imu", "Imu", "{}", "jsonschema", "json"))
+    assert (imu.angular_rate.time - T).tolist() == [0, 10**9 + 7, 2 * 10**9]
+    assert repairs(imu) == {REPAIR_NO_STAMP: 1}
 
 
 # What is not read is told

@@ -1,3 +1,5 @@
+import gzip
+
 import numpy as np
 import pytest
 
@@ -48,11 +50,35 @@ def test_every_time_scale_becomes_utc(fix_of, scale, stamp):
 
 
 @pytest.mark.parametrize(
-    ("date", "ahead"), [("2016/06/01", 17), ("2014/06/01", 16), ("2010/06/01", 15), ("2008/06/01", 14)]
+    ("date", "ahead"),
+    [
+        ("2016/06/01", 17),
+        ("2014/06/01", 16),
+        ("2010/06/01", 15),
+        ("2008/06/01", 14),
+        ("1993/06/30", 8),
+        ("1993/07/01", 9),
+        ("1993/12/01", 9),
+        ("1981/08/01", 1),
+        ("1981/06/01", 0),
+    ],
 )
 def test_leap_seconds_are_those_of_the_date(fix_of, date, ahead):
     gps, utc = (fix_of(pos(f"{date} 12:00:30.000", scale=scale)).time[0] for scale in ("GPST", "UTC"))
     assert utc - gps == ahead * 10**9
+
+
+@pytest.mark.parametrize(
+    ("gps", "utc"),
+    [
+        ("2016/12/31 23:59:50.000", "2016/12/31 23:59:33.000"),
+        ("2017/01/01 00:00:05.000", "2016/12/31 23:59:48.000"),
+        ("2017/01/01 00:00:16.500", "2016/12/31 23:59:59.500"),
+        ("2017/01/01 00:00:18.000", "2017/01/01 00:00:00.000"),
+    ],
+)
+def test_a_leap_second_counts_from_utcs_midnight(fix_of, gps, utc):
+    assert fix_of(pos(gps)).time.tolist() == fix_of(pos(utc, scale="UTC")).time.tolist()
 
 
 def test_quality_flags_become_fix_types(fix_of):
@@ -81,6 +107,39 @@ def test_lines_that_are_cut_or_no_numbers_are_left_out_and_counted(fix_of):
     fix = fix_of(text)
     assert len(fix) == 3
     assert [(r.what, r.count) for r in fix.origin.repairs] == [("lines that are cut or no numbers left out", 3)]
+
+
+@pytest.mark.parametrize("flag", ["nan", "inf", "x"])
+def test_a_flag_that_is_no_number_costs_its_row(fix_of, flag):
+    fix = fix_of(pos(*(f"2024/05/01 12:00:0{i}.000" for i in range(3)), flags=[1, flag, 2]))
+    assert fix.fix_type.tolist() == [6, 5]
+    assert [r.count for r in fix.origin.repairs] == [1]
+
+
+@pytest.mark.parametrize("scale", ["GPST", "UTC", "JST"])
+def test_dates_no_receiver_says_cost_their_row(fix_of, scale):
+    dates = ("1/1/1 00:00:00", "9999/12/31 23:59:59.9", "2024/05/01 12:00:00", "99999999 5", "2312 nan")
+    fix = fix_of(pos(*dates, scale=scale))
+    assert len(fix) == 1
+    assert [r.count for r in fix.origin.repairs] == [4]
+
+
+def test_a_second_header_may_have_other_columns(text_log):
+    second = (
+        "%  UTC latitude(deg) longitude(deg) height(m) Q vn(m/s) ve(m/s) vu(m/s) sdvn sdve sdvu\n"
+        "2024/05/01 12:00:01.000 47 8 400 1 1.0 2.0 3.0 0.1 0.2 0.3\n"
+    )
+    fixes = read(text_log(pos("2024/05/01 12:00:18.000") + second, "log.pos")).gnss
+    assert [(fix.time - NOON).tolist() for fix in fixes] == [[0], [10**9]]
+    assert fixes[0].velocity is None
+    assert fixes[1].velocity.tolist() == [[1.0, 2.0, -3.0]]
+
+
+def test_of_a_gzip_file_that_is_cut_what_unpacks_is_used(text_log):
+    stamps = (f"2024/05/01 12:{i // 60:02d}:{i % 60:02d}.000" for i in range(600))
+    log = read(text_log(gzip.compress(pos(*stamps).encode())[:-200], "log.pos.gz"))
+    assert 300 < len(log.gnss[0]) < 600
+    assert any("packed file is cut" in note for note in log.notes)
 
 
 def test_a_header_without_a_solution_is_refused(text_log):

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -74,6 +76,13 @@ def test_a_span_without_a_sample_is_missing_data(start, end):
         select(log_of(), start=start, end=end)
 
 
+def test_a_span_without_a_fix_is_missing_data():
+    log = replace(log_of(), imus=(), speeds=(), references=())
+    assert len(select(log, start="2", end="5").gnss[0]) == 3
+    with pytest.raises(MissingDataError, match=r"log\.csv: no row between 20 and 30"):
+        select(log, start="20", end="30")
+
+
 @pytest.mark.parametrize(("start", "end"), [("5", "2"), ("5", "5"), ("2024-05-01T12:00:05", "2024-05-01T12:00:01")])
 def test_an_end_that_is_not_behind_the_start_is_refused(start, end):
     with pytest.raises(UsageError, match=rf"--end {end} is not behind --start {start}"):
@@ -84,6 +93,13 @@ def test_an_end_that_is_not_behind_the_start_is_refused(start, end):
 def test_what_is_neither_seconds_nor_iso_is_refused(text):
     with pytest.raises(UsageError, match="neither seconds from the log's start nor an ISO time"):
         select(log_of(), start=text)
+
+
+@pytest.mark.parametrize("text", ["inf", "-inf", "nan", "1e300", "-1e300", "1e9"])
+@pytest.mark.parametrize("end", ["start", "end"])
+def test_seconds_that_no_log_lasts_are_refused(end, text):
+    with pytest.raises(UsageError, match=f"'{text}' s from the log's start is no time in a log"):
+        select(log_of(), **{end: text})
 
 
 @pytest.mark.parametrize("epoch", ["log", "boot"])
