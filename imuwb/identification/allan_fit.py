@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 #: averaging time at which IEEE reads a coefficient off its own line (B: off the flat part)
 READ_OUT = {"Q": 3**0.5, "N": 1.0, "B": None, "K": 3.0, "R": 2**0.5}
+FARTHEST = 1e4  #: times the limit without the term's own scatter
 SHARE = 0.6  #: of the Allan variance; a term with more rules its region
 
 
@@ -162,9 +163,12 @@ def _upper_limit(
         return max(estimate.value, 0.0) + stats.norm.ppf(level) * estimate.sigma * inflation**0.5
 
     here = problem.added(squared, active, term)
+    plain = max(here.value, 0.0) + stats.norm.ppf(level) * here.sigma * inflation**0.5
     low = max(here.value, 0.0) + here.sigma * 1e-3
     while reach(high := 1.5 * low) > high:
         low = high
+        if low > FARTHEST * plain:  # so few degrees of freedom, or so bad a fit, that every size is possible
+            return float(plain**0.5)
     for _ in range(8):  # to a part in 600
         middle = (low * high) ** 0.5
         low, high = (middle, high) if reach(middle) > middle else (low, middle)

@@ -38,6 +38,9 @@ def reader_of(path: str | Path) -> Reader:
     for reader in readers:
         if reader is not None and reader.probe(head):  # pyright: ignore[reportUnnecessaryComparison]
             return reader
+    if not head:
+        message = f"{path}: a gzip file of which nothing unpacks; it is cut or damaged"
+        raise UnreadableLogError(message)
     known = ", ".join(sorted(reader.format for reader in readers if reader is not None))  # pyright: ignore[reportUnnecessaryComparison]
     message = f"{path}: begins with {head[:8]!r}, which no known log format does (known: {known})"
     raise UnreadableLogError(message)

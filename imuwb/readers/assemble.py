@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from imuwb.readers.batch import Kind, Remark
 
 FIRST, LAST = np.iinfo(np.int64).max, np.iinfo(np.int64).min  # of no rows
+FEW = 12  # rows; of fewer, nobody can tell which stamp is damaged
+LATEST = 2**62  # ns from the epoch: the year 2116; differences of such times fit into int64
+END_STEP = 86_400 * SECOND  # of a first or last row, that is then a damaged stamp
 CLOCK_STEP = SECOND  # a row that is older than its predecessor by more is a clock set back, not a late row
 
 
@@ -89,6 +92,10 @@ def _join(batches: list[Batch], noted: list[Repair]) -> _Rows:
     if not finite.all():
         counts["rows with a value that is not a number left out"] = int(np.count_nonzero(~finite))
         time, columns = _take(time, columns, finite)
+    possible = np.abs(time) < LATEST
+    if not possible.all():
+        counts["rows whose time cannot be left out"] = int(np.count_nonzero(~possible))
+        time, columns = _take(time, columns, possible)
     alone = _lone(time)
     others = time[~alone]
     # A lone row within the log's time is only late; one before or behind all others has a damaged stamp.
@@ -126,6 +133,9 @@ def _lone(time: Nanoseconds) -> NDArray[np.bool_]:
         far = np.abs(np.diff(time)) > CLOCK_STEP
         near = np.abs(time[2:] - time[:-2]) <= CLOCK_STEP
         alone[1:-1] = far[:-1] & far[1:] & near
+        for end, step, rest in ((0, time[1] - time[0], time[1:]), (-1, time[-1] - time[-2], time[:-1])):
+            far_off = abs(step) > max(END_STEP, 10 * abs(int(rest[-1] - rest[0])))
+            alone[end] |= far_off and time.size >= FEW
     return alone
 
 

@@ -106,7 +106,7 @@ class _ObjectDecoder:
             try:
                 message = self._unpack(_payload(messages, row))
                 numbers = [_dig(message, path) for path in paths]
-                if table and [np.size(x) for x in numbers] != [np.size(x) for x in table[0]]:
+                if table and [np.shape(x) for x in numbers] != [np.shape(x) for x in table[0]]:
                     continue  # an array of another length than the first message's
                 table.append(numbers)
                 kept.append(int(row))
@@ -160,8 +160,6 @@ def _paths(message: Any, prefix: str = "", depth: int = 0) -> Iterator[str]:  # 
 def _dig(message: object, path: str) -> float | list[float]:
     for name in path.split("."):
         message = cast("dict[str, object]", message)[name] if isinstance(message, dict) else getattr(message, name)
-    return (
-        [float(x) for x in cast("list[float]", message)]
-        if hasattr(message, "__len__")
-        else float(cast("float", message))
-    )
+    if path.endswith("covariance"):
+        return [float(x) for x in cast("list[float]", message)]
+    return float(cast("float", message))

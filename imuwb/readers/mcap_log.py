@@ -58,6 +58,8 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
         message = f"{path}: no message can be read: {what}"
         raise UnreadableLogError(message)
     yield from recording.remarks
+    if recording.damaged:
+        yield Remark(f"{recording.damaged} messages whose recorded time cannot be left out")
     for number, lost in undeclared.items():
         yield Remark(f"{lost} messages of channel {number}, which is not declared, left out")
     for topic in topics.values():
@@ -135,7 +137,7 @@ class _Topic:
             return recorded
         stamps = shapes.stamps(values, recipe)
         unset = np.ones(rows.size, dtype=bool) if stamps is None else stamps == 0
-        if stamps is not None and np.median(stamps) < UNIX:
+        if stamps is not None and stamps.max() < UNIX:
             unset[:] = not stamps.any()  # a simulation's clock may well begin at 0
         if unset.any():
             self.odd["messages without a stamp of their own: the recorder's time is used"] += int(unset.sum())

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 MAGIC = b"\x89MCAP0\r\n"
 SCHEMA, CHANNEL, MESSAGE, CHUNK, DATA_END = 0x03, 0x04, 0x05, 0x06, 0x0F
 BLOCK = 8 << 20  #: bytes read at a time
-LATEST = np.uint64(2**63 - 1)  #: ns; a later time is damage
+LATEST = np.uint64(2**62)  #: ns; a later time (after 2116) is damage
 LARGEST_CHUNK = 1 << 30  #: a chunk that claims to unpack to more is not unpacked
 
 _HEADER = np.dtype([("channel", "<u2"), ("sequence", "<u4"), ("log_time", "<u8"), ("publish_time", "<u8")])
@@ -122,6 +122,7 @@ class Recording:
         self.schemas: dict[int, Schema] = {}
         self.channels: dict[int, Channel] = {}
         self.remarks: list[Remark] = []  #: what was wrong with the container
+        self.damaged = 0  #: messages left out because their time cannot be
 
     def messages(self) -> Iterator[Messages]:
         """Yield the messages of each chunk, or of each block of an unchunked file."""
@@ -177,11 +178,15 @@ class Recording:
         for i in np.flatnonzero((opcode == SCHEMA) | (opcode == CHANNEL)):
             self._declare(int(opcode[i]), bytes(raw[content[i] : content[i] + length[i]]))
         plain = (opcode == MESSAGE) & (length >= _HEADER.itemsize)
+        header = gather(buffer, content[plain], _HEADER)
+        possible = np.maximum(header["log_time"], header["publish_time"]) < LATEST
+        self.damaged += int(np.count_nonzero(~possible))
+        plain[plain] = possible
         if plain.any():
-            header = gather(buffer, content[plain], _HEADER)
+            header = header[possible]
             yield Messages(
-                buffer, header["channel"], np.minimum(header["log_time"], LATEST).astype(np.int64),
-                np.minimum(header["publish_time"], LATEST).astype(np.int64), content[plain] + _HEADER.itemsize,
+                buffer, header["channel"], header["log_time"].astype(np.int64),
+                header["publish_time"].astype(np.int64), content[plain] + _HEADER.itemsize,
                 length[plain] - _HEADER.itemsize, offset + int(content[plain][-1]),
             )  # fmt: skip
         if inside:

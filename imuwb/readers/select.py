@@ -45,7 +45,7 @@ def select(log: Log, imu: str | None = None, start: str | None = None, end: str 
         raise UsageError(message)
     cut = replace(
         log,
-        imus=tuple(_cut_imu(x, first, last) for x in log.imus),
+        imus=tuple(x for x in (_cut_imu(x, first, last) for x in log.imus) if x.axes()),
         gnss=_kept(log.gnss, first, last),
         speeds=_kept(log.speeds, first, last),
         references=_kept(log.references, first, last),
@@ -112,9 +112,6 @@ def _cut(stream: Timed, first: int, last: int) -> Timed:
 
 
 def _cut_imu(imu: ImuStream, first: int, last: int) -> ImuStream:
-    return replace(
-        imu,
-        angular_rate=None if imu.angular_rate is None else _cut(imu.angular_rate, first, last),
-        specific_force=None if imu.specific_force is None else _cut(imu.specific_force, first, last),
-        temperature=None if imu.temperature is None else _cut(imu.temperature, first, last),
-    )
+    parts = ("angular_rate", "specific_force", "temperature")
+    kept = {name: _cut(part, first, last) for name in parts if (part := getattr(imu, name)) is not None}
+    return replace(imu, **{name: kept[name] if name in kept and len(kept[name]) else None for name in parts})

@@ -155,7 +155,8 @@ class Rows(io.RawIOBase):
         if self._layout.delimiter == " ":
             data = re.sub(rb"[ \t]+", b",", re.sub(rb"(?m)^[ \t]+|[ \t]+(?=\r?$)", b"", data))
         if data.rstrip():
-            rows = [row.split(self._mark()) for row in data.rstrip().rsplit(b"\n", ROWS_COMPARED)[1:]]
+            parts = data.rstrip().rsplit(b"\n", ROWS_COMPARED)  # the first is all that lies before, if there is more
+            rows = [row.split(self._mark()) for row in parts[len(parts) > ROWS_COMPARED :]]
             if rows:
                 self._least = (min(map(len, rows)), min(len(row[-1].strip()) for row in rows))
         return data

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from imuwb.errors import UnreadableLogError, UsageError
-from imuwb.readers import ReadOptions, csv_text, read, reader_of
+from imuwb.readers import ReadOptions, read, reader_of, text_cells
 
 DEG = np.pi / 180
 G = 9.80665
@@ -376,7 +376,7 @@ def test_a_date_that_is_none_costs_its_row(imu_of, zone, bad):
 
 
 def test_an_accelerometer_that_starts_blocks_later_is_read_from_there(imu_of, monkeypatch):
-    monkeypatch.setattr(csv_text, "BLOCK", 256)
+    monkeypatch.setattr(text_cells, "BLOCK", 256)
     rows = "".join(f"{i},1,2,3,{'nan,nan,nan' if i < 40 else '0,0,-1'}\n" for i in range(100))
     imu = imu_of(f"time_ms,{HEADER}\n{rows}")
     assert imu.specific_force.time[0] == 40_000_000

@@ -1,0 +1,113 @@
+"""The time of a text log's rows: from a column of numbers or ISO dates, or from a rate."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+import pyarrow as pa
+
+from imuwb.errors import UsageError
+from imuwb.log import SECOND
+from imuwb.readers import text_source
+from imuwb.units import unit
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from imuwb.log import Epoch
+    from imuwb.readers.batch import ReadOptions
+    from imuwb.readers.text_columns import Column
+    from imuwb.readers.text_source import Layout
+
+LATEST = 2**63 - 1025  #: ns, the largest a float holds below the end of int64
+DIGITS = {"s": 9, "ms": 6, "us": 3, "ns": 0}  #: behind the point, down to 1 ns
+_ISO = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d")
+_ZONE = re.compile(r"(Z|[+-]\d\d(:?\d\d)?)$")
+
+
+@dataclass(frozen=True, slots=True)
+class Clock:
+    """How a row's time is found."""
+
+    column: Column | None  #: None: from the rate
+    kind: pa.DataType  #: that the column is parsed as
+    rate: float  #: Hz
+    epoch: Epoch
+    remarks: tuple[str, ...] = ()
+
+    def time(self, block: pa.RecordBatch, first_row: int) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """Return the time in ns of the rows that have one, and which those are."""
+        if self.column is None:
+            row = np.arange(first_row, first_row + block.num_rows)
+            return np.rint(row * (SECOND / self.rate)).astype(np.int64), np.ones(row.size, dtype=bool)
+        cells = cast("pa.Array[Any]", block.column(self.column.name))
+        there = np.asarray(cells.is_valid()).copy()
+        time, inside = self._nanoseconds(cells.drop_null())
+        there[there] = inside
+        return time[inside], there
+
+    def _nanoseconds(self, cells: pa.Array[Any]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """Return cells as ns, and which of them are a time that int64 holds."""
+        if pa.types.is_timestamp(cells.type):
+            return np.asarray(cells.cast(pa.int64())), np.ones(len(cells), dtype=bool)
+        if pa.types.is_decimal(cells.type):
+            # Below a decimal lies a 128-bit integer, here in ns: exact, where a float has 200 ns steps in Unix time.
+            words = np.frombuffer(cast("Any", cells.buffers()[1]), "<i8").reshape(-1, 2)
+            low, high = words[cells.offset : cells.offset + len(cells)].T
+            return low, high == low >> 63
+        with np.errstate(over="ignore"):
+            numbers = np.asarray(cells) * (cast("Any", self.column).unit.factor * SECOND)
+        inside = np.isfinite(numbers) & (np.abs(numbers) < LATEST)
+        return np.rint(np.where(inside, numbers, 0.0)).astype(np.int64), inside
+
+
+def clock_of(path: Path, layout: Layout, used: tuple[Column, ...], options: ReadOptions) -> Clock:
+    """Return how the rows of a log are timed.
+
+    Raises:
+        UsageError: neither a time column nor a rate, or a time column in a unit that nobody says.
+    """
+    column = next((column for column in used if column.quantity == "time"), None)
+    if column is None:
+        if not options.rate:
+            message = f"{path}: no time column (columns: {', '.join(c.name for c in used)}); say the rate: --rate HZ"
+            raise UsageError(message)
+        return Clock(None, pa.null(), options.rate, "log")
+    remarks = ("--rate not used: the file has a time column",) if options.rate else ()
+    first = layout.first[column.index].strip().strip('"')
+    if _ISO.match(first):
+        return Clock(column, pa.timestamp("ns", "UTC" if _ZONE.search(first) else None), 0.0, "unix", remarks)
+    if not text_source.is_number(first):
+        message = f"{path}: {first!r} in time column {column.name!r} is neither a number nor an ISO time"
+        raise UsageError(message)
+    value = float(first)
+    if column.unit is None:
+        column = replace(column, unit=unit(_unit_by_size(path, column, value, first)))
+        remarks = (
+            *remarks,
+            f"time column {column.name!r} taken as {cast('Any', column.unit).name} since 1970, as its size tells",
+        )
+    named = cast("Any", column.unit)
+    epoch: Epoch = "unix" if 5e8 < value * named.factor < 3e9 else "log"  # noqa: PLR2004 - seconds: 1985 to 2065
+    whole = named.name in DIGITS and "e" not in first.lower()
+    behind = len(first.partition(".")[2])
+    kind = pa.decimal128(28, DIGITS[named.name]) if whole and behind <= DIGITS[named.name] else pa.float64()
+    return Clock(column, kind, 0.0, epoch, remarks)
+
+
+def _unit_by_size(path: Path, column: Column, value: float, first: str) -> str:
+    """Return the unit in which ``value`` is a time of our days since 1970."""
+    since_1970 = {"s": 1e9, "ms": 1e12, "us": 1e15, "ns": 1e18}
+    for name, size in since_1970.items():
+        if 0.5 < value / size < 3:  # noqa: PLR2004 - 1985 to 2065
+            return name
+    message = (
+        f"{path}: nobody says the unit of time column {column.name!r} (its first value is {first}); "
+        "add --units time=s (or ms, us, ns)"
+    )
+    raise UsageError(message)

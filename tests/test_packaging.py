@@ -1,0 +1,51 @@
+"""What pyproject lists, what lies in the folders, and what is installed are the same."""
+
+import tomllib
+from importlib.metadata import entry_points
+from pathlib import Path
+
+from imuwb.analysis import Analysis
+from imuwb.simulation import preset_names
+
+ROOT = Path(__file__).resolve().parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+
+
+def test_plugin_folders_are_packages_are_entry_points():
+    folders = {p.parent.name for p in (ROOT / "plugins").glob("*/__init__.py")}
+    listed = {Path(p).name for p in PROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]} - {"imuwb"}
+    analyses = set(PROJECT["project"]["entry-points"]["imuwb.analyses"].values())
+    linted = set(PROJECT["tool"]["importlinter"]["root_packages"]) - {"imuwb"}
+    assert folders == listed == analyses == linted
+    assert analyses <= {point.value for point in entry_points(group="imuwb.analyses")}
+
+
+def test_every_reader_is_an_entry_point_and_keeps_the_contract():
+    modules = set(PROJECT["project"]["entry-points"]["imuwb.readers"].values())
+    for module in modules:
+        reader = __import__(module, fromlist=["format"])
+        assert isinstance(reader.format, str)
+        assert callable(reader.probe)
+        assert callable(reader.stream)
+        assert not reader.probe(b"\x00\x01\x02")
+
+
+def test_every_analysis_keeps_the_contract():
+    names = [name for name in Analysis.__dict__ if not name.startswith("_")]
+    for point in entry_points(group="imuwb.analyses"):
+        analysis = point.load()
+        for name in (*names, "Parameters"):
+            assert hasattr(analysis, name), (point.name, name)
+
+
+def test_samples_are_small_and_named_with_their_command():
+    files = [p for p in (ROOT / "samples").iterdir() if p.suffix != ".md"]
+    assert sum(p.stat().st_size for p in files) <= 10e6
+    table = (ROOT / "samples" / "README.md").read_text("utf-8")
+    for file in files:
+        assert f"`{file.name}`" in table
+        assert f"-o samples/{file.name}" in table
+
+
+def test_presets_ship_with_the_package():
+    assert "3dm-gx3-25" in preset_names()

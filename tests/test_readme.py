@@ -1,0 +1,43 @@
+"""README is executed: its Python blocks, and its plugin on a real command line."""
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+from imuwb.cli import main
+
+ROOT = Path(__file__).resolve().parents[1]
+BLOCKS = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
+
+
+@pytest.mark.parametrize("block", [b for b in BLOCKS if "jerk" not in b])
+def test_python_blocks_run(block, monkeypatch, capsys):
+    monkeypatch.chdir(ROOT)
+    exec(compile(block, "README.md", "exec"), {"__name__": "readme"})  # noqa: S102 - our own README
+    assert capsys.readouterr().out
+
+
+def test_the_plugin_runs_and_is_as_short_as_it_says(monkeypatch, tmp_path, capsys):
+    plugin = next(b for b in BLOCKS if "jerk" in b)
+    assert len([line for line in plugin.splitlines() if line.strip()]) <= 27
+    monkeypatch.chdir(tmp_path)
+    Path("jerk.py").write_text(plugin, "utf-8")
+    arguments = ["imuwb", "./jerk.py", str(ROOT / "samples" / "static.mcap"), "--axis", "x", "-o", "jerk.rrd"]
+    monkeypatch.setattr(sys, "argv", arguments)
+    with pytest.raises(SystemExit, match="0"):
+        main()
+    assert "m/s³" in capsys.readouterr().out
+    assert Path("jerk.rrd").stat().st_size > 50_000
+
+
+def test_the_plugin_runs_on_a_real_log(shared, monkeypatch, tmp_path, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("jerk.py").write_text(next(b for b in BLOCKS if "jerk" in b), "utf-8")
+    log = shared / "mcap" / "husky_test1_ros2cdr_zstd.mcap"
+    monkeypatch.setattr(sys, "argv", ["imuwb", "./jerk.py", str(log), "-o", "husky.rrd"])
+    with pytest.raises(SystemExit, match="0"):
+        main()
+    assert "m/s³" in capsys.readouterr().out
+    assert Path("husky.rrd").exists()
