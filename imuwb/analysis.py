@@ -5,7 +5,7 @@ An analysis is a module (or any object) with
 * ``Parameters``: a frozen dataclass. Each field is an option of the command line; its annotation
   gives the type and, as ``Annotated[float, "what it means"]``, the help. ``__post_init__`` raises
   ValueError with the reason when a value cannot be.
-* ``run(logs, parameters) -> result``: pure; the result is a frozen dataclass. It raises
+* ``run(logs, parameters) -> result``: pure; the result is a frozen dataclass (or a dict), and becomes JSON. It raises
   MissingDataError when a log has not what it needs.
 * ``draw(result, review)``: shows the result; computes nothing.
 * optionally ``LOGS = (fewest, most)`` (default one log; most may be None), and

@@ -13,14 +13,13 @@ All values are frozen and their arrays read-only: what a reader made, no analysi
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from dataclasses import dataclass, field
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from imuwb.errors import MissingDataError
 
 Floats: TypeAlias = NDArray[np.float64]
 Nanoseconds: TypeAlias = NDArray[np.int64]
@@ -207,7 +206,27 @@ class Log:
     speeds: tuple[Scalars, ...] = ()
     references: tuple[Reference, ...] = ()
     notes: tuple[str, ...] = ()
+    zero: int | None = None  #: ns; what seconds "from the log's start" count from, also in a part of it
 
-    def with_notes(self, notes: Iterable[str]) -> Log:
-        """Return the same log with more notes."""
-        return replace(self, notes=(*self.notes, *notes))
+    def __post_init__(self) -> None:
+        """Begin where the earliest stream does, unless told."""
+        if self.zero is None:
+            triads = [t for imu in self.imus for t in (imu.angular_rate, imu.specific_force) if t is not None]
+            timed = (*triads, *self.gnss, *self.speeds, *self.references)
+            _store(self, zero=min((int(x.time[0]) for x in timed if len(x)), default=0))
+
+    def imu(self) -> ImuStream:
+        """Return the IMU, or the first of several.
+
+        Raises:
+            MissingDataError: there is none; the message says what there is.
+        """
+        if self.imus:
+            return self.imus[0]
+        there = ", ".join(stream.name for stream in (*self.gnss, *self.references)) or "nothing that is read"
+        message = f"{self.provenance.path}: no IMU in this log (it has {there}), and the analysis needs one"
+        raise MissingDataError(message)
+
+    def seconds(self, time: Nanoseconds) -> Floats:
+        """Return times of a stream in s from the log's start."""
+        return (time - (self.zero or 0)) / SECOND

@@ -1,4 +1,4 @@
-"""Finds readers, conditioners and analyses: by entry point, or in one Python file.
+"""Finds readers and analyses: by entry point, or in one Python file.
 
 imuwb's own are registered as a stranger's are. One that fails to import is a warning that names
 it; two of one name are an error that names both.

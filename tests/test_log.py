@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from imuwb.log import GnssStream, ImuStream, Log, Provenance, Reference, Scalars, Triad
+from imuwb.log import GnssStream, ImuStream, Reference, Scalars, Triad
 
 TIME = np.arange(3, dtype=np.int64)
 BODY = np.arange(9.0).reshape(3, 3)
@@ -92,9 +92,3 @@ def test_axes_are_the_columns_of_both_triads():
 
 def test_an_imu_without_gyro_has_three_axes():
     assert list(ImuStream("imu", None, Triad(TIME, BODY)).axes()) == ["accel_x", "accel_y", "accel_z"]
-
-
-def test_notes_are_added_to_a_new_log():
-    log = Log(Provenance("a", "csv", "", 0), notes=("one",))
-    assert log.with_notes(["two"]).notes == ("one", "two")
-    assert log.notes == ("one",)

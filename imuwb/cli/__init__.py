@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 import warnings
@@ -12,6 +13,10 @@ from imuwb.errors import ImuwbError
 def main() -> None:
     """Run the command line; every error is a message on stderr and an exit code, never a traceback."""
     warnings.showwarning = _warn
+    for stream in (sys.stdout, sys.stderr):
+        # Units have letters that a pipe's or an old console's encoding may lack.
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(encoding=stream.encoding if stream.isatty() else "utf-8", errors="replace")
     try:
         from imuwb.cli.app import build  # noqa: PLC0415 - what fails on import is reported like the rest
 

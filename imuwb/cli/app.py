@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
@@ -57,6 +58,9 @@ def _add(app: typer.Typer, name: str, analysis: Analysis, origin: str) -> None:
     missing = [part for part in ("Parameters", "run", "draw") if not hasattr(analysis, part)]
     if missing:
         message = f"{origin}: a plugin has Parameters, run and draw; this one lacks {', '.join(missing)}"
+        raise UsageError(message)
+    if not is_dataclass(analysis.Parameters):
+        message = f"{origin}: Parameters must be a dataclass; it is {analysis.Parameters!r}"
         raise UsageError(message)
     short = Path(name).stem if name.endswith(".py") else name
     function = command_function(short, analysis)

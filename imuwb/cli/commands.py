@@ -52,6 +52,8 @@ def info(
         return
     show = shower(data=True)
     show(streams_table(content))
+    if not (content.imus or content.gnss or content.references or content.speeds):
+        show("nothing in this log is of a kind that imuwb reads")
     for note in content.notes:
         show(note)
 

@@ -96,7 +96,9 @@ def parameters_of(kind: Any) -> list[inspect.Parameter]:  # noqa: ANN401 - a dat
             text = next((note for note in notes if isinstance(note, str)), "")
         flag = f"--{f.name.replace('_', '-')}"
         flags = f"{flag}/--no-{flag[2:]}" if base is bool else flag
-        default = inspect.Parameter.empty if f.default is MISSING else f.default
+        default = f.default
+        if default is MISSING:
+            default = f.default_factory() if f.default_factory is not MISSING else inspect.Parameter.empty
         option = typer.Option(flags, help=text[:1].upper() + text[1:] + ("." if text and text[-1] not in ".)" else ""))
         options.append(
             inspect.Parameter(

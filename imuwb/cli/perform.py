@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import traceback
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -18,7 +20,7 @@ from imuwb.review.recording import RecordingReview
 from imuwb.writers import write_text
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Generator, Sequence
 
     from imuwb.analysis import Analysis
     from imuwb.cli.options import Common
@@ -41,15 +43,17 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: ob
     to_stdout = common.json == "-"
     documents = [Path(common.json)] if common.json and not to_stdout else []
     models = [common.save_model] if common.save_model else []
-    for file in (output, *documents, *models):
-        check_place(file, force=common.force)
+    check_places([output, *documents, *models], paths, force=common.force)
     logs = [read_log(path, common) for path in paths]
-    result = analysis.run(logs, parameters)
+    with blaming(name, analysis):
+        result = analysis.run(logs, parameters)
     review = RecordingReview(output, live=VIEWER if common.live else None, show=shower(data=not to_stdout))
     try:
         overview(logs, review)
         review.tab(name.capitalize())
-        analysis.draw(result, review)
+        with blaming(name, analysis):
+            analysis.draw(result, review)
+            model = cast("Any", analysis).error_model(result).to_toml() if models else ""
         text = document(name, __version__, parameters, result, logs, review.notes)
         review.close()
     except BaseException:
@@ -60,7 +64,7 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: ob
     for file in documents:
         write_text(file, text + "\n")
     for file in models:
-        write_text(file, cast("Any", analysis).error_model(result).to_toml())
+        write_text(file, model)
     for file in (output, *documents, *models):
         typer.echo(f"wrote {file}", err=True)
 
@@ -95,6 +99,34 @@ def stem(path: Path) -> str:
     for suffix in (".gz", ".csv", ".txt", ".mcap", ".pos", ".bin", ".tlog", ".ulg", ".log"):
         name = name.removesuffix(suffix)
     return name or path.name
+
+
+@contextmanager
+def blaming(name: str, analysis: Analysis) -> Generator[None]:
+    """Name the plugin, and the line in it, when something goes wrong that is no error of ours or of the log's."""
+    try:
+        yield
+    except ImuwbError:
+        raise
+    except Exception as error:
+        if os.environ.get("IMUWB_TRACEBACK"):
+            raise
+        home = str(Path(getattr(analysis, "__file__", "") or "").parent)
+        inside = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename.startswith(home)]
+        where = f"{inside[-1].filename}, line {inside[-1].lineno}" if inside and home else "outside its own code"
+        message = f"analysis {name} failed: {type(error).__name__}: {error} ({where}; IMUWB_TRACEBACK=1 shows more)"
+        raise ImuwbError(message) from error
+
+
+def check_places(files: Sequence[Path], logs: Sequence[Path], *, force: bool) -> None:
+    """Check all outputs: none twice, none a log that is read."""
+    taken = {log.resolve() for log in logs}
+    for file in files:
+        if file.resolve() in taken:
+            message = f"{file} would be written over a log or another output; give each output a name of its own"
+            raise UsageError(message)
+        taken.add(file.resolve())
+        check_place(file, force=force)
 
 
 def check_place(file: Path, *, force: bool) -> None:

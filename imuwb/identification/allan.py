@@ -70,7 +70,10 @@ def allan(
         ValueError: fewer than 2 samples, or no averaging time within the record.
     """
     values = np.ascontiguousarray(values, dtype=np.float64)
-    edges = [0, *breaks, values.size]
+    if not (dt > 0 and np.isfinite(dt)) or not np.isfinite(values).all():
+        message = f"dt is {dt} and {np.count_nonzero(~np.isfinite(values))} samples are not finite; dt must be positive, all samples finite"
+        raise ValueError(message)
+    edges = [0, *sorted(breaks), values.size]
     pieces = [values[a:b] for a, b in pairwise(edges) if b - a > 1]
     if not pieces:
         message = f"{values.size} samples hold no two that follow each other; the Allan variance needs them"
@@ -84,9 +87,7 @@ def allan(
         squares += sums_of_squares(phase, factor)
         terms += np.maximum(phase.size - 2 * factor, 0)
     deviation = np.sqrt(squares / terms / 2) / factor
-    kinds = _noise_types(
-        phases[pieces.index(longest)] if len(pieces) == 1 else _phase(longest, center), factor, deviation
-    )
+    kinds = _noise_types(max(phases, key=len), factor, deviation)
     # Gaps leave fewer terms; as if from a record that has that many.
     n_effective = terms + 2 * factor - 1
     edf = np.array(
@@ -169,7 +170,7 @@ def allan_of_axes(
     level: float = 0.95,
     uncertainty: Uncertainty = "edf",
 ) -> dict[str, AllanDeviation]:
-    """Return ``allan`` of several axes, {name: (values, dt, breaks)}, on all cores."""
+    """Return ``allan`` of several axes, {name: (values, dt, breaks)}, on two threads."""
     with ThreadPoolExecutor(2) as pool:
         futures = {
             name: pool.submit(allan, values, dt, averaging_times, level=level, uncertainty=uncertainty, breaks=breaks)

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 #: averaging time at which IEEE reads a coefficient off its own line (B: off the flat part)
 READ_OUT = {"Q": 3**0.5, "N": 1.0, "B": None, "K": 3.0, "R": 2**0.5}
 FARTHEST = 1e4  #: times the limit without the term's own scatter
+GAUSS_MARKOV_PEAK = 1.8926  #: Tc, where the Allan deviation of such a process is largest
 SHARE = 0.6  #: of the Allan variance; a term with more rules its region
 
 
@@ -61,6 +62,22 @@ class Region:
     nominal: float
 
 
+@dataclass(frozen=True, slots=True)
+class CorrelationTime:
+    """Tc of the bias instability, s: where the flat region lies."""
+
+    flat_centre: float  #: as the papers read it (Quinchia, table 5), on the log axis
+    lower: float  #: the flat region's begin
+    upper: float  #: and end
+    peak_matched: float  #: of the Gauss-Markov process whose peak, at 1.893 Tc, is that centre
+
+    @staticmethod
+    def of(flat: Region) -> CorrelationTime:
+        """Return the reading of a flat region."""
+        centre = (flat.start * flat.end) ** 0.5
+        return CorrelationTime(centre, flat.start, flat.end, centre / GAUSS_MARKOV_PEAK)
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class AllanFit:
     """A sum of processes fitted to an Allan curve."""
@@ -70,7 +87,7 @@ class AllanFit:
     lines: tuple[Sinusoid, ...]
     processes: Sum
     regions: tuple[Region, ...]
-    correlation_time: tuple[float, float] | None  #: s: centre of the flat region as the papers read it; peak-matched
+    correlation_time: CorrelationTime | None  #: of the bias instability
     shortest: float  #: s, the averaging time from which on the sum explains the curve
     misfit: float  #: chi-square over its degrees of freedom, from there on
     probability: float  #: of a misfit as large by chance
@@ -98,21 +115,24 @@ def fit_allan(curve: AllanDeviation, lines: Sequence[Line] = ()) -> AllanFit:
     spread = problem.covariance(squared)
     freedom = max(residual.size - len(active), 1)
     chi2, _ = problem.misfit(squared)
-    probability = float(stats.chi2.sf(chi2, freedom))
+    probability = min(float(stats.chi2.sf(chi2, freedom)), problem.strangeness(squared))
     # A sum that does not explain the curve has wider intervals than its statistics say (Birge).
     inflation = max(chi2 / freedom, 1.0) if probability < ACCEPTED else 1.0
     coefficients = _coefficients(problem, squared, covariance * inflation, active, curve.level, inflation)
     terms = [PROCESSES[x](c.value) for x, c in coefficients.items() if c.value is not None]
-    sinusoids = tuple(Sinusoid(line.amplitude, line.frequency) for line in lines)
+    sinusoids = tuple(line.process(curve.dt) for line in lines)
     regions = _regions(problem, squared, spread * inflation, curve.level)
     flat = next((r for r in regions if r.letter == "B"), None)
-    centre = None if flat is None else (flat.start + flat.end) / 2
-    if centre is not None:
+    if flat is not None:
         b = coefficients["B"]
-        coefficients["B"] = Coefficient(b.value, b.lower, b.upper, centre)
+        coefficients["B"] = Coefficient(b.value, b.lower, b.upper, (flat.start * flat.end) ** 0.5)
+    # A flat part that ends with the record has no centre: flicker has no correlation time, and a slow
+    # Gauss-Markov process shows its own only behind the record's end.
+    ends = flat is not None and flat.end < problem.tau[-1]
+    tc = CorrelationTime.of(flat) if flat is not None and ends else None
     return AllanFit(
         curve.level, coefficients, sinusoids, Sum((*terms, *sinusoids)), regions,
-        None if centre is None else (centre, centre / 1.8926), float(problem.tau[0]), chi2 / freedom, probability,
+        tc, float(problem.tau[0]), chi2 / freedom, probability,
     )  # fmt: skip
 
 
@@ -176,9 +196,9 @@ def _upper_limit(
 
 
 def _regions(problem: Problem, squared: Floats, spread: Floats, level: float) -> tuple[Region, ...]:
-    """Return where each term makes more than half of the Allan variance, with a freely fitted slope."""
+    """Return where each term makes most (60 %) of the Allan variance, and the slope of a free line there, lines taken off."""
     parts = problem.design * squared
-    share = parts / parts.sum(axis=1, keepdims=True)
+    share = parts / (parts.sum(axis=1) + problem.by_lines)[:, None]
     z = stats.norm.ppf((1 + level) / 2)
     found: list[Region] = []
     for t, (letter, nominal) in enumerate(zip(LETTERS, (-1.0, -0.5, 0.0, 0.5, 1.0), strict=True)):

@@ -9,7 +9,7 @@ import numpy as np
 from scipy import linalg, optimize, stats
 
 from imuwb.identification.allan_statistics import Moments, moments
-from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, Sinusoid, WhiteNoise
+from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, WhiteNoise
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,6 +35,7 @@ class Problem:
     tau: Floats  #: (k,)
     variance: Floats  #: (k,) less what the lines make
     design: Floats  #: (k, 5)
+    by_lines: Floats  #: (k,) what the lines make
     of_lines: Floats  #: (k, k) covariance from the lines' own uncertainty
     moments: Moments
 
@@ -51,19 +52,27 @@ class Problem:
             raise ValueError(message)
         units = [PROCESSES[letter](1.0) for letter in LETTERS]
         design = np.stack([unit.allan_variance(tau, curve.dt) for unit in units], axis=1)
-        of_lines = np.zeros((tau.size, tau.size))
+        of_lines, by_lines = np.zeros((tau.size, tau.size)), np.zeros(tau.size)
         for line in lines:
-            shape = Sinusoid(1.0, line.frequency).allan_variance(tau, curve.dt)
-            variance = variance - line.amplitude**2 * shape
-            of_lines += np.outer(shape, shape) * line.power_sigma**2
-        return Problem(curve.dt, tau, variance, design, of_lines, moments(tuple(int(m) for m in factor), n))
+            part = line.process(curve.dt).allan_variance(tau, curve.dt)
+            variance, by_lines = variance - part, by_lines + part
+            of_lines += np.outer(part, part) * (line.power_sigma / line.amplitude**2) ** 2
+        return Problem(curve.dt, tau, variance, design, by_lines, of_lines, moments(tuple(int(m) for m in factor), n))
 
     def since(self, first: int) -> Problem:
         """Return the problem without its ``first`` shortest averaging times."""
         rest = slice(first, None)
         m = self.moments
         kept = Moments(m.factor[rest], m.squares[rest, rest], m.linear[rest, rest])
-        return Problem(self.dt, self.tau[rest], self.variance[rest], self.design[rest], self.of_lines[rest, rest], kept)
+        return Problem(
+            self.dt,
+            self.tau[rest],
+            self.variance[rest],
+            self.design[rest],
+            self.by_lines[rest],
+            self.of_lines[rest, rest],
+            kept,
+        )
 
     def covariance(self, squared: Floats) -> Floats:
         """Return the covariance of the variances if these coefficients are true."""
@@ -78,6 +87,18 @@ class Problem:
         whiten = whitener(self.covariance(squared))
         chi2 = float(np.sum((whiten @ (self.variance - self.design @ squared)) ** 2))
         return chi2, chi2 - 2 * float(np.linalg.slogdet(whiten)[1])
+
+    def strangeness(self, squared: Floats) -> float:
+        """Return the probability that chance puts any point as far, up or down, from what the sum makes there.
+
+        The residual alone does not tell: a variance of a hundredth of the expected one is less than one
+        standard deviation away where there are few degrees of freedom. Its chi-square law tells.
+        """
+        expected = self.design @ squared + self.by_lines
+        freedom = 2 * expected**2 / np.diag(self.covariance(squared)).clip(1e-300)
+        ratio = (self.variance + self.by_lines) / expected * freedom
+        tails = 2 * np.minimum(stats.chi2.cdf(ratio, freedom), stats.chi2.sf(ratio, freedom))
+        return float(min(tails.min() * tails.size, 1.0))
 
     def solve(self, active: Sequence[int], held: Floats | None = None, rounds: int = ROUNDS) -> tuple[Floats, Floats]:
         """Return the squares, none negative, of the active terms (0 elsewhere), and the covariance of those.

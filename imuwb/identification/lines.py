@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import ndimage, signal, stats
 
+from imuwb.stochastic import Sinusoid
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -24,19 +26,24 @@ class Line:
     """A sinusoid in the data."""
 
     frequency: float  #: Hz
-    amplitude: float  #: peak, in the samples' unit
+    amplitude: float  #: peak, of the samples, which are averages over dt
     lower: float
     upper: float
     power_sigma: float  #: standard error of amplitude²
 
+    def process(self, dt: float) -> Sinusoid:
+        """Return the continuous sinusoid whose averages over dt these samples are."""
+        return Sinusoid(self.amplitude / float(np.sinc(self.frequency * dt)), self.frequency)
 
-def find_lines(values: Floats, dt: float, level: float = 0.99) -> tuple[Line, ...]:
+
+def find_lines(values: Floats, dt: float, level: float = 0.95, false_alarm: float = 0.01) -> tuple[Line, ...]:
     """Return the lines of a record, the strongest first, at most 12.
 
     Args:
         values: (n,) evenly spaced samples.
         dt: s.
-        level: probability that a record without lines shows none at all.
+        level: of the amplitudes' intervals.
+        false_alarm: probability that a record without lines shows one all the same.
     """
     size = min(LONGEST_SEGMENT, 1 << max(values.size // LEAST_SEGMENTS, 1).bit_length() - 1)
     if size < 4 * FLOOR_BINS:
@@ -49,7 +56,7 @@ def find_lines(values: Floats, dt: float, level: float = 0.99) -> tuple[Line, ..
     inside = np.arange(4, f.size - 2)  # below lies the drift, above the edge
     ratio = np.zeros(f.size)
     ratio[inside] = density[inside] / np.maximum(floor[inside], 1e-300)
-    limit = stats.chi2.isf((1 - level) / inside.size, freedom) / freedom
+    limit = stats.chi2.isf(false_alarm / inside.size, freedom) / freedom
     # The floor itself scatters, and falls within its window: ask for clearly more.
     high = ratio > max(1.3 * limit, limit + 0.5)
     labels, count = ndimage.label(ndimage.binary_dilation(high, iterations=1))

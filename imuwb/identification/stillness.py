@@ -20,12 +20,13 @@ SCATTER = 3.0  #: times the median standard deviation of a block
 JUMP = 8.0  #: standard errors between a block's mean and the running median of the means
 WINDOW = 61  #: blocks of that running median
 FEWEST_BLOCKS = 10
+FEWEST_SAMPLES = 4  #: of a block that is judged
 JOIN = 5  #: blocks between two disturbances that are one
 
 
 @dataclass(frozen=True, slots=True)
 class Disturbance:
-    """A span that is not still; times in s from the first sample."""
+    """A span that is not still; times in s, on the clock that was given."""
 
     start: float
     end: float
@@ -38,56 +39,78 @@ class Stillness:
     """What disturbs a record, and its longest part without."""
 
     disturbances: tuple[Disturbance, ...]
-    quiet_start: float  #: s
+    quiet_start: float  #: s, likewise
     quiet_end: float  #: s
     moving: bool  #: most of the record is not still: it is no static record at all
 
 
-def stillness(axes: Mapping[str, Floats], dt: float) -> Stillness:
+def stillness(axes: Mapping[str, tuple[Floats, Floats]]) -> Stillness:
     """Return the disturbances of a record of several axes.
 
     A block of a second is disturbed when its standard deviation is three times the record's usual one,
     or its mean stands eight standard errors (and a usual deviation) off the running median.
+
+    Args:
+        axes: name -> (time in s, values); the axes need not share a clock, and may have gaps.
     """
-    size = max(round(BLOCK / dt), 4)
-    duration = min(values.size for values in axes.values()) * dt
-    scores: dict[str, Floats] = {}
-    moving = False
-    for axis, values in axes.items():
-        count = values.size // size
-        if count < FEWEST_BLOCKS:
-            return Stillness((), 0.0, duration, moving=False)
-        blocks = values[: count * size].reshape(count, size)
-        deviation, mean = blocks.std(axis=1), blocks.mean(axis=1)
-        usual = float(np.median(deviation))
-        if usual == 0:
-            continue
-        # A still sensor's blocks scatter alike: its quietest tenth is near its median.
-        moving |= bool(np.quantile(deviation, 0.1) < usual / SCATTER)
-        drift = np.abs(mean - ndimage.median_filter(mean, min(WINDOW, count | 1), mode="nearest"))
-        wobble = max(float(np.median(drift)) * 1.4826, usual / np.sqrt(size))
-        scores[axis] = np.maximum(deviation / (usual * SCATTER), np.minimum(drift / (wobble * JUMP), drift / usual))
-    if not scores:
-        return Stillness((), 0.0, duration, moving=False)
-    length = min(score.size for score in scores.values())
-    worst = np.max([score[:length] for score in scores.values()], axis=0)
+    begin = min(float(time[0]) for time, _ in axes.values())
+    finish = max(float(time[-1]) for time, _ in axes.values())
+    count = int((finish - begin) / BLOCK)
+    if count < FEWEST_BLOCKS:
+        return Stillness((), begin, finish, moving=False)
+    edges = begin + BLOCK * np.arange(count + 1)
+    scored = {axis: _scores(np.searchsorted(time, edges), values) for axis, (time, values) in axes.items()}
+    scores = {axis: score for axis, (score, _) in scored.items()}
+    moving = any(restless for _, restless in scored.values())
+    worst = np.max(list(scores.values()), axis=0)
     bad = ndimage.binary_closing(worst > 1, iterations=JOIN) | (worst > 1)
-    labels, number = ndimage.label(bad)
-    found: list[Disturbance] = []
-    for span in ndimage.find_objects(labels)[:number]:
-        inside = span[0]
-        guilty = tuple(axis for axis, score in scores.items() if score[:length][inside].max() > 1)
-        found.append(
-            Disturbance(inside.start * size * dt, inside.stop * size * dt, guilty, float(worst[inside].max() * SCATTER))
+    found = tuple(
+        Disturbance(
+            float(edges[start]), float(edges[stop]),
+            tuple(axis for axis, score in scores.items() if score[start:stop].max() > 1),
+            float(worst[start:stop].max() * SCATTER),
         )
-    quiet, quiet_count = ndimage.label(~bad)
-    if not quiet_count:
-        return Stillness(tuple(found), 0.0, 0.0, moving=True)
-    spans = [(int(span[0].start), int(span[0].stop)) for span in ndimage.find_objects(quiet)]
-    begin, stop = max(spans, key=_length)
-    end = duration if stop == length else stop * size * dt
+        for start, stop in _spans(bad)
+    )  # fmt: skip
+    quiet = _spans(~bad)
+    if not quiet:
+        return Stillness(found, begin, begin, moving=True)
+    first, last = max(quiet, key=_length)
     moving |= float(bad.mean()) > 0.5  # noqa: PLR2004 - most of it
-    return Stillness(tuple(found), begin * size * dt, end, moving=moving)
+    return Stillness(found, float(edges[first]), finish if last == count else float(edges[last]), moving=moving)
+
+
+def _scores(rows: NDArray[np.int64], values: Floats) -> tuple[Floats, bool]:
+    """Return each block's disturbance, above 1 where it is one, and whether the axis never rests.
+
+    Args:
+        rows: first row of each block, and the end of the last.
+        values: of the axis.
+    """
+    sizes = np.diff(rows)
+    score = np.zeros(sizes.size)
+    full = sizes >= FEWEST_SAMPLES
+    if not full.any():
+        return score, False
+    sums, squares = (
+        np.add.reduceat(np.append(part, 0.0), rows[:-1]) for part in (values - values[0], (values - values[0]) ** 2)
+    )
+    mean = sums[full] / sizes[full]
+    deviation = np.sqrt(np.maximum(squares[full] / sizes[full] - mean**2, 0.0))
+    usual = float(np.median(deviation))
+    if usual == 0:
+        return score, False
+    drift = np.abs(mean - ndimage.median_filter(mean, min(WINDOW, mean.size | 1), mode="nearest"))
+    wobble = max(float(np.median(drift)) * 1.4826, usual / np.sqrt(float(np.median(sizes[full]))))
+    score[full] = np.maximum(deviation / (usual * SCATTER), np.minimum(drift / (wobble * JUMP), drift / usual))
+    # A still sensor's blocks scatter alike: its quietest tenth is near its median.
+    return score, bool(np.quantile(deviation, 0.1) < usual / SCATTER)
+
+
+def _spans(inside: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return (first, end) of each run of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]])))
+    return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def _length(span: tuple[int, int]) -> int:

@@ -77,7 +77,7 @@ def read(
         log = assemble(parts, provenance)
         return Log(
             Provenance(str(path), reader.format, hashed.result(), size),
-            log.imus, log.gnss, log.speeds, log.references, log.notes,
+            log.imus, log.gnss, log.speeds, log.references, log.notes, log.zero,
         )  # fmt: skip
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.log import SECOND, GnssStream, ImuStream, Log, Origin, Provenance, Repair, Scalars, Triad
+from imuwb.log import SECOND, GnssStream, ImuStream, Log, Origin, Provenance, Reference, Repair, Scalars, Triad
 from imuwb.readers.batch import Batch
 
 if TYPE_CHECKING:
@@ -19,6 +19,14 @@ if TYPE_CHECKING:
     from imuwb.log import Floats, Nanoseconds
     from imuwb.readers.batch import Kind, Remark
 
+#: kind -> the columns it may have
+_COLUMNS = {
+    "imu": ("angular_rate", "specific_force", "temperature"),
+    "gnss": ("position", "velocity", "position_sigma", "velocity_sigma", "fix_type"),
+    "reference": ("position", "velocity", "attitude"),
+    "speed": ("speed",),
+    "temperature": ("temperature",),
+}
 FIRST, LAST = np.iinfo(np.int64).max, np.iinfo(np.int64).min  # of no rows
 FEW = 12  # rows; of fewer, nobody can tell which stamp is damaged
 LATEST = 2**62  # ns from the epoch: the year 2116; differences of such times fit into int64
@@ -49,7 +57,8 @@ def assemble(parts: Iterable[Batch | Remark], provenance: Provenance) -> Log:
     notes: list[str] = []
     for part in parts:
         if isinstance(part, Batch):
-            groups[part.stream, part.kind, tuple(part.columns)].append(part)
+            for piece in _pieces(part):
+                groups[piece.stream, piece.kind, tuple(piece.columns)].append(piece)
         elif part.stream:
             repairs[part.stream].append(Repair(part.text, part.count))
         else:
@@ -75,9 +84,21 @@ def assemble(parts: Iterable[Batch | Remark], provenance: Provenance) -> Log:
         provenance,
         imus=imus,
         gnss=tuple(_gnss(r) for r in rows if r.kind == "gnss"),
+        references=tuple(_reference(r) for r in rows if r.kind == "reference"),
         speeds=tuple(_scalars(r, "speed") for r in rows if r.kind == "speed"),
         notes=(*notes, *joined_notes),
     )
+
+
+def _pieces(batch: Batch) -> tuple[Batch, ...]:
+    """Return a batch as it is joined: an IMU's temperature apart, which some rows may lack."""
+    if batch.kind not in _COLUMNS or not set(batch.columns) <= set(_COLUMNS[batch.kind]):
+        message = f"{batch.stream}: a reader made a batch of {batch.kind} with {', '.join(batch.columns)}"
+        raise ValueError(message)
+    if batch.kind != "imu" or "temperature" not in batch.columns or len(batch.columns) == 1:
+        return (batch,)
+    motion = {name: values for name, values in batch.columns.items() if name != "temperature"}
+    return replace(batch, columns=motion), replace(batch, columns={"temperature": batch.columns["temperature"]})
 
 
 def _join(batches: list[Batch], noted: list[Repair]) -> _Rows:
@@ -199,6 +220,11 @@ def _gnss(r: _Rows) -> GnssStream:
         fix_type=None if fix is None else fix.astype(np.int64),
         origin=r.origin,
     )
+
+
+def _reference(r: _Rows) -> Reference:
+    parts = {name: r.columns.get(name) for name in ("velocity", "attitude")}
+    return Reference(r.stream, r.time, r.columns["position"], **parts, origin=r.origin)
 
 
 def _scalars(r: _Rows, column: str) -> Scalars:

@@ -49,7 +49,7 @@ class Batch:
 
     ``columns`` by kind: imu ``angular_rate`` and ``specific_force`` (n, 3), ``temperature`` (n,);
     gnss ``position``, ``velocity``, ``position_sigma``, ``velocity_sigma`` (n, 3), ``fix_type`` (n,);
-    speed ``speed`` (n,); temperature ``temperature`` (n,). Triads of one IMU on clocks of their own
+    reference ``position``, ``velocity``, ``attitude`` (n, 3); speed ``speed`` (n,); temperature ``temperature`` (n,). Triads of one IMU on clocks of their own
     come in batches of their own, under one stream name.
     """
 

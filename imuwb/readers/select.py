@@ -37,7 +37,7 @@ def select(log: Log, imu: str | None = None, start: str | None = None, end: str 
         log = replace(log, imus=(_named(log, imu),))
     if start is None and end is None:
         return log
-    zero, epoch = _start(log)
+    zero, epoch = log.zero or 0, _epoch(log)
     first = -FAR if start is None else _instant(start, zero, epoch)
     last = FAR if end is None else _instant(end, zero, epoch)
     if last <= first:
@@ -68,11 +68,15 @@ def _named(log: Log, name: str) -> ImuStream:
     raise MissingDataError(message)
 
 
-def _start(log: Log) -> tuple[int, str]:
-    triads = [t for imu in log.imus for t in (imu.angular_rate, imu.specific_force) if t is not None]
-    times = [x.time[0] for x in (*triads, *log.gnss, *log.speeds, *log.references) if len(x)]
-    streams = (*log.imus, *log.gnss)
-    return (int(min(times)) if times else 0), (streams[0].origin.epoch if streams else "log")
+def _epoch(log: Log) -> str:
+    epochs = {stream.origin.epoch for stream in (*log.imus, *log.gnss, *log.references)}
+    if len(epochs) > 1:
+        message = (
+            f"{log.provenance.path}: its streams run on different clocks ({', '.join(sorted(epochs))}), so one span of "
+            "time cannot cut them all; leave --start and --end away"
+        )
+        raise UsageError(message)
+    return epochs.pop() if epochs else "log"
 
 
 def _instant(text: str, zero: int, epoch: str) -> int:

@@ -30,6 +30,7 @@ STAMPS = (
     ("timestamp.sec", "timestamp.nanosec"),
     ("timestamp.seconds", "timestamp.nanos"),
 )
+ABSENT = -1.0  #: first element of a covariance in ROS: there is no such measurement
 LATEST = 9.2e9  #: s; later, nanoseconds do not fit into int64
 FLU_TO_FRD = np.array([1.0, -1.0, -1.0])
 
@@ -88,10 +89,13 @@ def _stamp(there: set[str], prefix: str) -> tuple[str, str] | None:
 
 def _imu(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
     signs = FLU_TO_FRD if frame == "FLU" else np.ones(3)
-    return {
-        column: np.stack([values[f"{prefix}{field}.{axis}"] for axis in "xyz"], axis=1) * signs
-        for column, field in (("angular_rate", "angular_velocity"), ("specific_force", "linear_acceleration"))
-    }
+    columns: dict[str, NDArray[np.float64]] = {}
+    for column, field in (("angular_rate", "angular_velocity"), ("specific_force", "linear_acceleration")):
+        covariance = values.get(f"{prefix}{field}_covariance")
+        if covariance is not None and covariance.ndim > 1 and (covariance[:, 0] == ABSENT).all():
+            continue  # the message says that it has no such measurement
+        columns[column] = np.stack([values[f"{prefix}{field}.{axis}"] for axis in "xyz"], axis=1) * signs
+    return columns
 
 
 def _gnss(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
@@ -115,9 +119,10 @@ def _temperature(values: Values, prefix: str, frame: str) -> dict[str, NDArray[n
 
 
 _TRIADS = tuple(f"{field}.{axis}" for field in ("angular_velocity", "linear_acceleration") for axis in "xyz")
+_COVARIANCES = ("angular_velocity_covariance", "linear_acceleration_covariance")
 #: (key, kind, required fields, optional fields, recipe)
 _SHAPES: tuple[tuple[str, Kind, tuple[str, ...], tuple[str, ...], Callable[..., dict[str, NDArray[np.float64]]]], ...] = (
-    ("angular_velocity.x", "imu", _TRIADS, (), _imu),
+    ("angular_velocity.x", "imu", _TRIADS, _COVARIANCES, _imu),
     ("latitude", "gnss", ("latitude", "longitude"), ("altitude", "position_covariance", "status.status"), _gnss),
     ("temperature", "temperature", ("temperature",), (), _temperature),
 )  # fmt: skip

@@ -7,15 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.log import SECOND, Epoch, Log, Repair
+from imuwb.sampling import sampling
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from imuwb.log import Nanoseconds, Origin
+    from imuwb.log import Epoch, Log, Nanoseconds, Origin, Repair
     from imuwb.readers.batch import Kind
-
-GAP = 1.5  # nominal steps: from here on at least one sample is missing
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,27 +42,6 @@ class LogSummary:
     hash: str
     streams: tuple[StreamSummary, ...]
     notes: tuple[str, ...]
-
-
-def sampling_interval(time: Nanoseconds) -> float:
-    """Return the mean time between samples in s, gaps left out; nan for fewer than two samples.
-
-    The mean, because stamps rounded to milliseconds make a median that is off by per cents.
-    """
-    if time.size < 2:  # noqa: PLR2004 - a step needs two rows
-        return float("nan")
-    steps = np.diff(time)
-    usual = steps[steps <= GAP * np.median(steps)]
-    return float(usual.mean()) / SECOND
-
-
-def gaps(time: Nanoseconds) -> tuple[tuple[float, float], ...]:
-    """Return (start, length) in s of every step longer than 1.5 usual ones; start from the first row."""
-    if time.size < 3:  # noqa: PLR2004 - a gap is a step unlike the others
-        return ()
-    steps = np.diff(time)
-    at = np.flatnonzero(steps > GAP * np.median(steps))
-    return tuple((float(time[i] - time[0]) / SECOND, float(steps[i]) / SECOND) for i in at)
 
 
 def summarize(log: Log) -> LogSummary:
@@ -100,14 +77,9 @@ def _streams(log: Log) -> Iterator[StreamSummary]:
         yield _stream(reference.name, "reference", reference.time, reference.origin)
     for speed in log.speeds:
         yield StreamSummary(
-            speed.name, "speed", len(speed), _rate(speed.time), int(speed.time[0]), int(speed.time[-1]), epoch,
-            gaps(speed.time), (), "m/s", "",
+            speed.name, "speed", len(speed), sampling(speed.time).rate, int(speed.time[0]), int(speed.time[-1]), epoch,
+            sampling(speed.time).gaps, (), "m/s", "",
         )  # fmt: skip
-
-
-def _rate(time: Nanoseconds) -> float | None:
-    interval = sampling_interval(time)
-    return None if np.isnan(interval) else 1 / interval
 
 
 def _stream(
@@ -115,7 +87,7 @@ def _stream(
     mended: bool = True,
 ) -> StreamSummary:  # fmt: skip
     return StreamSummary(
-        name, kind, time.size, _rate(time), int(time[0]), int(time[-1]), origin.epoch, gaps(time),
+        name, kind, time.size, sampling(time).rate, int(time[0]), int(time[-1]), origin.epoch, sampling(time).gaps,
         origin.repairs if mended else (), origin.units if units is None else units,
         origin.frame if frame is None else frame,
     )  # fmt: skip

@@ -20,7 +20,9 @@ SCHEMA = 1
 def plain(value: object) -> object:  # noqa: PLR0911 - a kind of value each
     """Return a value as JSON has it: dataclasses as objects, arrays as lists, what is not finite as null."""
     if is_dataclass(value) and not isinstance(value, type):
-        return {f.name: plain(getattr(value, f.name)) for f in fields(value)}
+        content = {f.name: plain(getattr(value, f.name)) for f in fields(value)}
+        kind = getattr(type(value), "name", None)  # a process: its parameters alone do not say which
+        return {"process": kind, **content} if isinstance(kind, str) else content
     if isinstance(value, np.ndarray):
         return plain(value.tolist())
     if isinstance(value, np.generic):

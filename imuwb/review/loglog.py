@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 WIDTH, HEIGHT = 1200.0, 560.0  #: of the frame, in the view's own units
 LABEL_DROP = 16.0  #: the viewer hangs a label below its point by about this much
 LEGEND_STEP = 32.0
-ASIDE = 26.0  #: between the labels of marks that would lie on each other
+ABOVE = 26.0  #: of a mark's label above its point
+THICKNESS = {"line": 1.6, "fit": 0.9, "faint": 0.5}
+ASIDE = 42.0  #: between the labels of marks that would lie on each other
 GRID, SUBGRID, FRAME, INK = (105, 105, 112), (58, 58, 64), (150, 150, 156), (225, 225, 228)
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -87,7 +89,7 @@ class LogLog:
         _texts(recording, f"{path}/texts", [*ticks, *titles], INK)
 
     def _curve(self, recording: rr.RecordingStream, path: str, curve: Curve) -> None:
-        thickness, alpha = {"line": (1.6, 255), "fit": (0.9, 220), "faint": (0.5, 110)}[curve.style]
+        thickness, alpha = THICKNESS[curve.style], {"line": 255, "fit": 220, "faint": 110}[curve.style]
         color = (*curve.color, alpha)
         strips = [s for s in self._strips(curve.x, curve.y) if len(s) > 1]
         if strips:
@@ -145,14 +147,19 @@ class LogLog:
         return [strip for strip in strips if strip]
 
     def _legend(self, recording: rr.RecordingStream, path: str) -> None:
-        named = [curve for curve in self.figure.curves if curve.label]
+        named = sorted((c for c in self.figure.curves if c.label), key=lambda curve: curve.style != "line")
         heights = [28.0 + LEGEND_STEP * i for i in range(len(named))]
-        strips = [[(WIDTH - 180, y), (WIDTH - 135, y)] for y in heights]
+        strips = [[(WIDTH - 190, y), (WIDTH - 145, y)] for y in heights]
         if not strips:
             return
         recording.log(
             f"{path}/lines",
-            rr.LineStrips2D(strips, colors=[c.color for c in named], radii=rr.Radius.ui_points(1.6), draw_order=30.0),
+            rr.LineStrips2D(
+                strips,
+                colors=[c.color if c.style == "line" else INK for c in named],  # a style is of all colours
+                radii=rr.Radius.ui_points([THICKNESS[c.style] for c in named]),
+                draw_order=30.0,
+            ),
             static=True,
         )
         _texts(
@@ -173,7 +180,7 @@ class LogLog:
         beside: list[Point] = []
         for x, y in places:  # side by side where they would hide each other
             crowd = sum(math.dist((x, y), other) < ASIDE for other in places[: len(beside)])
-            beside.append((x + ASIDE * crowd, y - ASIDE))
+            beside.append((x + ASIDE * crowd, y - ABOVE))
         _texts(recording, f"{path}/texts", list(zip(beside, [m.text for m in marks], strict=True)), INK)
 
     def _inside(self, mark: Mark) -> bool:

@@ -34,7 +34,7 @@ def static(
     bandwidth: float | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Log:
-    """Return the log of a level, still IMU (specific force -9.80665 m/s² on z, no earth rate).
+    """Return the log of a level, still IMU: gravity on z as the model's scale factors show it, noise, no earth rate.
 
     Args:
         model: the sensor.
@@ -50,13 +50,15 @@ def static(
     Raises:
         UsageError: a duration, rate or bandwidth that cannot be, or an axis that states no ``lsb``.
     """
-    n = round(duration * rate)
-    if not 0 < rate <= 1e6 or not 2 <= n <= LONGEST:  # noqa: PLR2004 - a rate needs two samples
-        message = f"{duration} s at {rate} Hz are {n} samples; there must be 2 to {LONGEST}, at up to 1 MHz"
+    samples = duration * rate
+    if not 0 < rate <= 1e6 or not 2 <= samples <= LONGEST:  # noqa: PLR2004 - a rate needs two samples
+        message = f"{duration} s at {rate} Hz are {samples} samples; there must be 2 to {LONGEST}, at up to 1 MHz"
         raise UsageError(message)
+    n = round(samples)
     time = START + np.rint(np.arange(n) * (SECOND / rate)).astype(np.int64)
     values = np.zeros((2, n, 3))
-    values[1, :, 2] = -STANDARD_GRAVITY
+    for i, axis in enumerate(AXES):
+        values[i // 3, :, i % 3] = _at_rest(model.axes.get(axis), i)
     streams = np.random.SeedSequence(seed).spawn(len(AXES))
     for i, (axis, stream) in enumerate(zip(AXES, streams, strict=True)):
         if axis in model.axes:
@@ -75,6 +77,20 @@ def static(
     recipe = f"{model.to_toml()}|{duration}|{rate}|{seed}|{celsius}|{quantize}|{bandwidth}"
     digest = hashlib.sha256(recipe.encode()).hexdigest()
     return Log(Provenance(f"simulation of {model.name}", "simulation", f"sha256:{digest}", 0), imus=(imu,))
+
+
+def _at_rest(model: AxisModel | None, i: int) -> float:
+    """Return what axis i of a level, still IMU reads without noise: gravity, as its deterministic terms show it."""
+    force = np.array([0.0, 0.0, -STANDARD_GRAVITY])
+    place = i % 3
+    true = force[place] if i >= 3 else 0.0  # noqa: PLR2004 - accelerometers behind gyros
+    if model is None:
+        return float(true)
+    others = [k for k in range(3) if k != place]
+    crossed = sum(c * force[k] for c, k in zip(model.cross_coupling, others, strict=True)) if i >= 3 else 0.0  # noqa: PLR2004
+    bent = model.scale_factor_nonlinear * abs(true) / model.range if model.range else 0.0
+    leaked = float(np.dot(model.g_sensitivity, force)) if i < 3 else 0.0  # noqa: PLR2004
+    return float((1 + model.scale_factor + bent) * true + crossed + leaked)
 
 
 def _axis(

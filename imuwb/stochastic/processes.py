@@ -9,8 +9,8 @@ and go over into IEEE's formulas as dt goes to 0.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from scipy import fft, signal, special
@@ -23,6 +23,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from imuwb.log import Floats
+
+
+def _as_floats(process: Any) -> None:  # noqa: ANN401 - any of the processes
+    """Make whole numbers floats, so that 1 and 1.0 are the same process in every respect."""
+    for f in fields(process):
+        if isinstance(value := getattr(process, f.name), int):
+            object.__setattr__(process, f.name, float(value))
 
 
 def _require(what: str, value: float, *, above: float | None = None) -> None:
@@ -41,6 +48,7 @@ class WhiteNoise(Addable):
 
     def __post_init__(self) -> None:
         """Check N."""
+        _as_floats(self)
         _require("N", self.N)
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
@@ -71,6 +79,7 @@ class Quantization(Addable):
 
     def __post_init__(self) -> None:
         """Check Q."""
+        _as_floats(self)
         _require("Q", self.Q)
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
@@ -101,6 +110,7 @@ class FlickerNoise(Addable):
 
     def __post_init__(self) -> None:
         """Check B."""
+        _as_floats(self)
         _require("B", self.B)
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
@@ -173,6 +183,7 @@ class RandomWalk(Addable):
 
     def __post_init__(self) -> None:
         """Check K."""
+        _as_floats(self)
         _require("K", self.K)
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
@@ -209,6 +220,7 @@ class RateRamp(Addable):
 
     def __post_init__(self) -> None:
         """Check R."""
+        _as_floats(self)
         _require("|R|", abs(self.R))
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
@@ -243,6 +255,7 @@ class GaussMarkov(Addable):
 
     def __post_init__(self) -> None:
         """Check sigma and Tc."""
+        _as_floats(self)
         _require("sigma", self.sigma)
         _require("Tc", self.Tc, above=0.0)
 
@@ -260,10 +273,17 @@ class GaussMarkov(Addable):
         a = dt / self.Tc
         phi = np.exp(-a)
         # The averages are ARMA(1, 1): autocovariance v0 at lag 0, g phi^(k-1) behind.
-        v0 = 2 * self.sigma**2 * (a + np.expm1(-a)) / a**2
         g = self.sigma**2 * (np.expm1(-a) / a) ** 2
-        z = np.exp(-2j * np.pi * f * dt)
-        return dt * (v0 + 2 * g * np.real(z / (1 - phi * z)))
+        # v0 - g is of order a: where a is small, by its series (-expm1(-a)/a = 1 - a/2 + a²/6).
+        small = a < 1e-2  # noqa: PLR2004 - where both agree to 1e-9
+        exact = 2 * (a + np.expm1(-a)) / a**2 - (np.expm1(-a) / a) ** 2
+        rest = self.sigma**2 * (2 * a / 3 - a**2 / 2 + 7 * a**3 / 30 - a**4 / 12 if small else exact)
+        # With v0 = rest + g the sum over lags is rest + g (1 + 2 Re(z/(1 - phi z))), z = e^(-iw).
+        w = 2 * np.pi * f * dt
+        loss = -np.expm1(-a)  # 1 - phi
+        distance = loss**2 + 4 * phi * np.sin(w / 2) ** 2  # |1 - phi z|²
+        # 1 + 2 Re(z/(1 - phi z)) = (1 - phi) (1 - phi + 2 cos w) / |1 - phi z|², where nothing cancels
+        return dt * (rest + g * loss * (loss + 2 * np.cos(w)) / distance)
 
     def autocovariance(self, lag: Floats) -> Floats:
         """Return s² e^(-|lag|/Tc)."""
@@ -313,6 +333,7 @@ class Autoregressive(Addable):
 
     def __post_init__(self) -> None:
         """Check that the set is stable."""
+        _as_floats(self)
         _require("beta0", self.beta0)
         _require("dt", self.dt, above=0.0)
         object.__setattr__(self, "alpha", tuple(float(a) for a in self.alpha))
@@ -396,6 +417,7 @@ class Sinusoid(Addable):
 
     def __post_init__(self) -> None:
         """Check amplitude and frequency."""
+        _as_floats(self)
         _require("amplitude", self.amplitude)
         _require("frequency", self.frequency, above=0.0)
 
@@ -436,6 +458,7 @@ class Constant(Addable):
 
     def __post_init__(self) -> None:
         """Check sigma."""
+        _as_floats(self)
         _require("sigma", self.sigma)
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:

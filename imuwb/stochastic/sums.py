@@ -42,10 +42,17 @@ class Stationary(Process, Protocol):
 
 @runtime_checkable
 class FiniteOrder(Process, Protocol):
-    """A process that a Kalman filter can carry."""
+    """A process that a Kalman filter can carry.
+
+    A ``Sum`` has the method whatever its terms are: ask ``Sum.is_finite_order`` (and ``is_stationary``).
+    """
 
     def discretize(self, dt: float) -> StateSpace:
-        """Return the process in steps of dt."""
+        """Return the process at instants dt apart.
+
+        The output is the value *at* an instant, where a sample is the average up to the next; the two
+        differ by less than dt/Tc of the process, and for a filter, whose dt is short, not at all.
+        """
         ...
 
 
@@ -57,6 +64,10 @@ class Addable:
     def __add__(self, other: Process | Sum) -> Sum:
         """Return the sum of two independent processes."""
         return Sum((*_terms(self), *_terms(other)))
+
+    def __radd__(self, other: object) -> Sum:
+        """Let ``sum()`` begin at 0."""
+        return Sum((*(() if other == 0 else _terms(other)), *_terms(self)))
 
 
 @dataclass(frozen=True)
@@ -93,6 +104,16 @@ class Sum(Addable):
                 raise TypeError(message)
             total += term.autocovariance(lag)
         return total
+
+    @property
+    def is_stationary(self) -> bool:
+        """Whether every term has an autocovariance."""
+        return all(isinstance(term, Stationary) for term in self.terms)
+
+    @property
+    def is_finite_order(self) -> bool:
+        """Whether every term has a state space."""
+        return all(isinstance(term, FiniteOrder) for term in self.terms)
 
     def discretize(self, dt: float) -> StateSpace:
         """Return all terms as one state space.

@@ -26,8 +26,9 @@ def write_csv(log: Log, path: Path, progress: Callable[[int, int], None] | None 
     Raises:
         MissingDataError: not exactly one IMU, or triads on two clocks; one table has room for one clock.
     """
-    if len(log.imus) != 1:
-        message = f"a CSV file holds one IMU; this log has {len(log.imus)}"
+    others = len(log.gnss) + len(log.speeds) + len(log.references)
+    if len(log.imus) != 1 or others:
+        message = f"a CSV file holds one IMU; this log has {len(log.imus)}, and {others} other streams"
         raise MissingDataError(message)
     imu = log.imus[0]
     table = _table(imu)

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from imuwb.identification import Disturbance, Region
+    from imuwb.identification import CorrelationTime, Disturbance, Region
     from imuwb.stochastic import Sum
 
 
@@ -57,7 +57,7 @@ class AxisResult:
     fitted: NDArray[np.float64] | None
     coefficients: dict[str, CoefficientResult]
     regions: tuple[Region, ...]
-    correlation_time: dict[str, float] | None
+    correlation_time: CorrelationTime | None
     lines: tuple[LineResult, ...]
     fit: FitQuality | None
     processes: Sum | None
@@ -70,9 +70,11 @@ class Result:
 
     imu: str
     source: str  #: path and hash of the log
+    level: float  #: of all intervals and limits
     rate_hz: dict[str, float]
     duration: float  #: s
     axes: dict[str, AxisResult]
+    moving: bool  #: most of the record is not still
     disturbances: tuple[Disturbance, ...]
-    quiet: tuple[float, float]  #: s from the first sample
+    quiet: tuple[float, float]  #: s from the log's start
     notes: tuple[str, ...]

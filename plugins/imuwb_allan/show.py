@@ -20,23 +20,24 @@ _SLOPES = {"Q": "-1", "N": "-1/2", "B": "0", "K": "+1/2", "R": "+1"}
 
 
 def draw(result: Result, review: Review) -> None:
-    """Show the result."""
+    """Show the result, what a reader must know first."""
+    for note in result.notes:
+        review.note(note)
+    _fit_notes(result, review)
     for sensor, (name, unit) in _FIGURES.items():
         axes = {axis: found for axis, found in result.axes.items() if axis.startswith(sensor)}
         if any(found.averaging_time.size for found in axes.values()):
-            review.figure(_figure(name, UNITS[unit], axes))
+            review.figure(_figure(name, UNITS[unit], axes, 1 / result.rate_hz[sensor], result.level))
     review.table(_coefficients(result))
     review.table(_slopes(result))
     if any(found.lines for found in result.axes.values()):
         review.table(_lines(result))
-    for note in result.notes:
-        review.note(note)
-    _fit_notes(result, review)
 
 
-def _figure(name: str, unit: Unit, axes: dict[str, AxisResult]) -> Figure:
+def _figure(name: str, unit: Unit, axes: dict[str, AxisResult], dt: float, level: float) -> Figure:
     curves: list[Curve] = []
     marks: list[Mark] = []
+    named = False
     for axis, found in axes.items():
         color = AXIS_COLORS[axis[-1]]
         tau, scale = found.averaging_time, 1 / unit.factor
@@ -52,22 +53,28 @@ def _figure(name: str, unit: Unit, axes: dict[str, AxisResult]) -> Figure:
         )
         if found.fitted is None or found.processes is None:
             continue
-        smooth = np.geomspace(tau[0], tau[-1], 200)
-        whole = np.sqrt(found.processes.allan_variance(smooth, float(tau[0])))
-        curves.append(Curve("", smooth, whole * scale, color, style="fit"))
+        begin = found.fit.from_averaging_time if found.fit else tau[0]
+        smooth = np.geomspace(begin, max(tau[-1], 1.01 * begin), 200)
+        whole = np.sqrt(found.processes.allan_variance(smooth, dt))
+        curves.append(Curve("" if named else "fitted sum", smooth, whole * scale, color, style="fit"))
         lines = Sum(tuple(term for term in found.processes.terms if isinstance(term, Sinusoid)))
         others = [term for term in found.processes.terms if not isinstance(term, Sinusoid)]
         for part in (*others, *([lines] if lines.terms else [])):
-            alone = np.sqrt(part.allan_variance(smooth, float(tau[0])))
-            curves.append(Curve("", smooth, alone * scale, color, style="faint"))
+            alone = np.sqrt(part.allan_variance(smooth, dt))
+            curves.append(Curve("" if named else "its terms", smooth, alone * scale, color, style="faint"))
+            named = True
         for letter, place in (("N", 1.0), ("K", 3.0), ("B", None)):
             c = found.coefficients[letter]
             at = place if place is not None else c.at
             if c.value is not None and at is not None and tau[0] <= at <= tau[-1]:
                 height = {"N": c.value, "K": c.value, "B": 0.6643 * c.value}[letter]
-                marks.append(Mark(at, height * scale, letter, color))
+                marks.append(Mark(at, height * scale, f"{letter} {axis[-1]}", color))
     return Figure(
-        f"{name}: Allan deviation", "averaging time [s]", f"Allan deviation [{unit.name}]", tuple(curves), tuple(marks)
+        f"{name}: Allan deviation",
+        "averaging time [s]",
+        f"Allan deviation [{unit.name}], {100 * level:g} % intervals",
+        tuple(curves),
+        tuple(marks),
     )
 
 
@@ -80,11 +87,12 @@ def _coefficients(result: Result) -> Table:
         "axis", "Q quantization", "N random walk", "B bias instability", "K rate random walk", "R rate ramp", "Tc of B",
     )  # fmt: skip
     caption = (
-        "Value [interval]; < is an upper limit of a term that is not identified. Q is read at √3 s, N at 1 s, K at 3 s, "
-        "R at √2 s on the term's own line; B is the flat level / 0.664. Tc: centre of the flat region, in brackets matched "
-        "to a Gauss-Markov peak."
+        f"Value [{100 * result.level:g} % interval]; < is a {100 * result.level:g} % upper limit of a term that is not identified. Q is read at √3 s, N at 1 s, K at 3 s, "
+        "R at √2 s on the term's own line; B is the flat level / 0.664. Tc: centre [begin, end] of the flat region where it ends within the record; "
+        "matched to a Gauss-Markov peak it is / 1.89."
     )
-    return Table(f"Noise coefficients of {result.imu}", headings, rows, caption)
+    moving = " (NOT a static record: see the notes)" if result.moving else ""
+    return Table(f"Noise coefficients of {result.imu}{moving}", headings, rows, caption)
 
 
 def _cell(axis: str, letter: str, c: CoefficientResult) -> str:
@@ -99,14 +107,19 @@ def _cell(axis: str, letter: str, c: CoefficientResult) -> str:
 
 
 def _correlation(found: AxisResult) -> str:
-    times = found.correlation_time
-    return "—" if times is None else f"{times['flat_centre']:.3g} s ({times['peak_matched']:.3g} s)"
+    tc = found.correlation_time
+    return "—" if tc is None else f"{_seconds(tc.flat_centre)} [{_seconds(tc.lower)}, {_seconds(tc.upper)}] s"
+
+
+def _seconds(value: float) -> str:
+    """Return seconds with three digits, and without a power of ten."""
+    return f"{value:.0f}" if value >= 100 else f"{value:.3g}"  # noqa: PLR2004 - three digits
 
 
 def _slopes(result: Result) -> Table:
     rows = tuple(
         (
-            axis, region.letter, f"{region.start:.3g} to {region.end:.3g} s",
+            axis, region.letter, f"{_seconds(region.start)} to {_seconds(region.end)} s",
             f"{region.slope:+.3f} [{region.lower:+.3f}, {region.upper:+.3f}]", _SLOPES[region.letter],
             f"{region.slope - region.nominal:+.3f}" + ("" if region.lower <= region.nominal <= region.upper else " (differs)"),
         )
@@ -114,7 +127,7 @@ def _slopes(result: Result) -> Table:
         for region in found.regions
     )  # fmt: skip
     headings = ("axis", "term", "rules from", "free slope", "nominal", "deviation")
-    caption = "The slope that a line of its own has where one term makes more than half of the Allan variance."
+    caption = "The slope that a line of its own has where one term makes more than 60 % of the Allan variance; lines are taken off."
     return Table("Slopes by region", headings, rows, caption)
 
 

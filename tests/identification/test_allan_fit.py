@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -59,13 +61,37 @@ def test_slopes_of_pure_processes():
         assert region.nominal == slope
 
 
-def test_correlation_time_is_the_centre_of_the_flat_region():
-    found = fit(WhiteNoise(0.005) + FlickerNoise(0.004))
+def test_correlation_time_is_the_centre_of_a_flat_region_that_ends():
+    found = fit(WhiteNoise(0.005) + FlickerNoise(0.004) + RandomWalk(2e-4), n=2_000_000)
     flat = next(region for region in found.regions if region.letter == "B")
-    centre, matched = found.correlation_time
-    assert centre == pytest.approx((flat.start + flat.end) / 2)
-    assert matched == pytest.approx(centre / 1.8926)
-    assert found.coefficients["B"].at == centre
+    tc = found.correlation_time
+    assert (tc.lower, tc.upper) == (flat.start, flat.end)
+    assert tc.flat_centre == pytest.approx((flat.start * flat.end) ** 0.5) == found.coefficients["B"].at
+    assert tc.peak_matched == pytest.approx(tc.flat_centre / 1.8926)
+
+
+def test_flicker_that_lasts_to_the_end_of_the_record_has_no_correlation_time():
+    assert fit(WhiteNoise(0.005) + FlickerNoise(0.004)).correlation_time is None
+
+
+@pytest.mark.parametrize("frequency", [5.0, 20.0, 40.0])
+def test_a_fast_line_is_taken_off_as_it_was_sampled(frequency):
+    values = (WhiteNoise(1e-3) + Sinusoid(0.05 / np.sinc(frequency * DT), frequency)).sample(
+        1_000_000, DT, np.random.default_rng(0)
+    )
+    found = fit_allan(allan(values, DT), find_lines(values, DT))
+    assert found.shortest == DT
+    assert found.coefficients["N"].value == pytest.approx(1e-3, rel=0.01)
+    assert found.lines[0].amplitude == pytest.approx(0.05 / np.sinc(frequency * DT), rel=0.02)
+
+
+def test_a_point_far_below_the_fit_is_not_explained():
+    # With some twenty degrees of freedom, a twentieth of the expected variance is only three standard deviations away.
+    curve = allan(WhiteNoise(1.0).sample(20_000, DT, np.random.default_rng(0)), DT)
+    deviation = curve.deviation.copy()
+    deviation[-4] /= 20**0.5
+    assert fit_allan(curve).probability > 1e-2
+    assert fit_allan(replace(curve, deviation=deviation)).probability < 1e-3
 
 
 def test_a_sensor_filter_moves_the_start_of_the_fit():

@@ -60,6 +60,14 @@ def test_degrees_of_freedom_are_those_of_samples(m, n, exponent, process):
     assert equivalent_degrees_of_freedom(m, n, exponent) == pytest.approx(edf, rel=4 * error)
 
 
+@pytest.mark.parametrize("exponent", [2, 1, 0, -1, -2])
+@pytest.mark.parametrize("m", [1, 3])
+def test_short_averaging_times_of_long_records_scale_with_the_length(m, exponent):
+    # Where rounding would show: a million lags at which the covariance is all but 0.
+    short, long = (equivalent_degrees_of_freedom(m, n, exponent) for n in (2000, 2_000_000))
+    assert long == pytest.approx(1000 * short, rel=5e-3)
+
+
 def test_long_records_agree_with_short_ones_scaled():
     # For white, flicker and random-walk noise only n/m matters once m is large.
     for exponent in (0, -1, -2):

@@ -1,6 +1,10 @@
 import numpy as np
 
-from imuwb.identification import stillness
+from imuwb.identification import stillness as judged
+
+
+def stillness(axes, dt, begin=0.0):
+    return judged({name: (begin + dt * np.arange(values.size), values) for name, values in axes.items()})
 
 
 def still(n=60_000, seed=0):
@@ -11,7 +15,7 @@ def test_a_still_record_has_no_disturbance():
     for seed in range(20):
         found = stillness({"a": still(seed=seed), "b": still(seed=seed + 100)}, 0.01)
         assert found.disturbances == ()
-        assert (found.quiet_start, found.quiet_end, found.moving) == (0.0, 600.0, False)
+        assert (found.quiet_start, found.quiet_end, found.moving) == (0.0, 599.99, False)
 
 
 def test_a_shock_is_found_with_its_axis_and_the_longer_quiet_part():
@@ -23,7 +27,7 @@ def test_a_shock_is_found_with_its_axis_and_the_longer_quiet_part():
     assert shock.start <= 200 < shock.end <= 202
     assert shock.axes == ("a",)
     assert found.quiet_start >= 200.5
-    assert found.quiet_end == 600.0
+    assert found.quiet_end == 599.99
 
 
 def test_a_moving_record_is_no_static_record():
@@ -36,3 +40,17 @@ def test_a_moving_record_is_no_static_record():
 def test_slow_drift_is_no_motion():
     drift = np.cumsum(still(seed=4)) * 0.003
     assert stillness({"a": still() + drift}, 0.01).disturbances == ()
+
+
+def test_axes_may_have_clocks_gaps_and_a_start_of_their_own():
+    fast, slow = still(120_000), still(30_000, seed=1)
+    fast_time, slow_time = 50 + np.arange(120_000) / 200, 50 + np.arange(30_000) / 50
+    fast_time[60_000:] += 1000  # a gap behind 300 s
+    slow_time[15_000:] += 1000
+    slow[(slow_time > 1400) & (slow_time < 1401)] += 30
+    found = judged({"fast": (fast_time, fast), "slow": (slow_time, slow)})
+    assert len(found.disturbances) == 1
+    assert found.disturbances[0].axes == ("slow",)
+    assert found.disturbances[0].start == 1400
+    assert found.quiet_start == 50
+    assert found.quiet_end == 1400

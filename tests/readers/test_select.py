@@ -14,9 +14,10 @@ def log_of(epoch="unix", names=("left", "right")):
     time = ZERO + np.arange(10) * SECOND
     triad = Triad(time, np.arange(30.0).reshape(10, 3))
     imus = [ImuStream(n, triad, triad, Scalars("warm", time, np.arange(10.0)), Origin(epoch=epoch)) for n in names]
-    fix = GnssStream("fix", time, triad.value, fix_type=np.arange(10))
+    origin = Origin(epoch=epoch)
+    fix = GnssStream("fix", time, triad.value, fix_type=np.arange(10), origin=origin)
     speed = Scalars("wheel", time, np.arange(10.0))
-    truth = Reference("truth", time, triad.value, attitude=triad.value)
+    truth = Reference("truth", time, triad.value, attitude=triad.value, origin=origin)
     return Log(Provenance("log.csv", "csv", "", 0), tuple(imus), (fix,), (speed,), (truth,))
 
 

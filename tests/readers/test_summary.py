@@ -3,7 +3,7 @@ import pytest
 
 from imuwb.log import SECOND, GnssStream, ImuStream, Log, Origin, Provenance, Reference, Repair, Scalars, Triad
 from imuwb.readers import describe, summarize
-from imuwb.readers.summary import gaps, sampling_interval
+from imuwb.sampling import sampling
 
 FILE = Provenance("log.csv", "csv", "sha256:0", 9)
 MENDED = (Repair("mended", 2),)
@@ -27,36 +27,36 @@ def log_of(imu=(), **streams):
 
 @pytest.mark.parametrize("count", [0, 1])
 def test_fewer_than_two_samples_have_no_interval(count):
-    assert np.isnan(sampling_interval(every(1.0, count).time))
+    assert np.isnan(sampling(every(1.0, count).time).interval)
 
 
 def test_the_interval_is_that_of_even_steps():
-    assert sampling_interval(every(0.005, 2).time) == 0.005
-    assert sampling_interval(every(0.005, 100).time) == pytest.approx(0.005, rel=1e-12)
+    assert sampling(every(0.005, 2).time).interval == 0.005
+    assert sampling(every(0.005, 100).time).interval == pytest.approx(0.005, rel=1e-12)
 
 
 def test_stamps_rounded_to_milliseconds_keep_their_mean_interval():
     time = np.rint(np.arange(3001) / 0.3).astype(np.int64) * 10**6  # 300 Hz: steps of 3 and 4 ms
     assert set(np.diff(time)) == {3_000_000, 4_000_000}
-    assert sampling_interval(time) == pytest.approx(1 / 300, rel=1e-9)
+    assert sampling(time).interval == pytest.approx(1 / 300, rel=1e-9)
 
 
 def test_gaps_do_not_count_for_the_interval():
-    assert sampling_interval(triad(0.0, 0.1, 0.2, 5.0, 5.1, 5.2, 9.0).time) == pytest.approx(0.1)
+    assert sampling(triad(0.0, 0.1, 0.2, 5.0, 5.1, 5.2, 9.0).time).interval == pytest.approx(0.1)
 
 
 @pytest.mark.parametrize("seconds", [(), (0.0,), (0.0, 5.0), (0.0, 0.1, 0.2), (0.0, 0.1, 0.25)])
 def test_no_gaps(seconds):
-    assert gaps(triad(*seconds).time) == ()
+    assert sampling(triad(*seconds).time).gaps == ()
 
 
 def test_gaps_are_told_from_the_first_row_on():
-    assert gaps(triad(100.0, 100.5, 101.0, 102.0, 102.5, 110.0, 110.5).time) == ((1.0, 1.0), (2.5, 7.5))
+    assert sampling(triad(100.0, 100.5, 101.0, 102.0, 102.5, 110.0, 110.5).time).gaps == ((1.0, 1.0), (2.5, 7.5))
 
 
 def test_one_sample_missing_is_a_gap():
     time = np.delete(np.arange(100) * 10**7, 50)
-    assert gaps(time) == ((0.49, 0.02),)
+    assert sampling(time).gaps == ((0.49, 0.02),)
 
 
 # Streams

@@ -53,7 +53,25 @@ def test_temperature_chooses_the_noise():
     assert set(cold.temperature.value) == {-30.0}
 
 
-@pytest.mark.parametrize("wrong", [{"duration": -1}, {"rate": 0}, {"duration": 1e12}, {"bandwidth": 60.0}])
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"duration": -1},
+        {"rate": 0},
+        {"duration": 1e12},
+        {"duration": float("nan")},
+        {"rate": float("inf")},
+        {"bandwidth": 60.0},
+    ],
+)
 def test_what_cannot_be_is_refused(wrong):
     with pytest.raises(UsageError):
         static(model(), **{"duration": 10, "rate": 100, "seed": 1, **wrong})
+
+
+def test_deterministic_terms_show_in_gravity():
+    accel = AxisModel(scale_factor=0.01, cross_coupling=(0.0, 0.002))
+    gyro = AxisModel(g_sensitivity=(0.0, 0.0, 1e-3))
+    imu = static(ImuErrorModel("test", {"accel_z": accel, "accel_x": accel, "gyro_y": gyro}), 1, 100, 0).imus[0]
+    assert imu.specific_force.value[0] == pytest.approx([-9.80665 * 0.002, 0, -9.80665 * 1.01])
+    assert imu.angular_rate.value[0] == pytest.approx([0, -9.80665e-3, 0])

@@ -97,6 +97,23 @@ def test_a_sum_is_the_sum_of_its_terms():
     assert WhiteNoise(1.0) + whole == Sum((WhiteNoise(1.0), *whole.terms))
 
 
+def test_a_sum_knows_what_its_terms_can():
+    assert (WhiteNoise(1) + RandomWalk(1)).is_finite_order
+    assert not (WhiteNoise(1) + FlickerNoise(1)).is_finite_order
+    assert Sum((GaussMarkov(1, 1),)).is_stationary
+    assert not (GaussMarkov(1, 1) + RandomWalk(1)).is_stationary
+    assert sum([WhiteNoise(1.0), RandomWalk(2.0)]) == WhiteNoise(1) + RandomWalk(2)
+
+
+@pytest.mark.parametrize("a", [1e-10, 1e-6, 1e-3, 9e-3, 1.1e-2, 0.5, 3.0])
+def test_gauss_markov_density_is_the_sum_of_its_aliases(a):
+    process = GaussMarkov(1.0, 1 / a)
+    f = np.array([1e-3, 0.1, 0.3, 0.5])
+    folded = f[:, None] + np.arange(-20_000, 20_001)
+    aliases = 2 * process.Tc / (1 + (2 * np.pi * folded * process.Tc) ** 2) * np.sinc(folded) ** 2
+    np.testing.assert_allclose(process.power_spectral_density(f, 1.0), aliases.sum(axis=1), rtol=1e-8)
+
+
 def test_a_sum_says_what_its_terms_cannot():
     with pytest.raises(TypeError, match="not stationary"):
         (WhiteNoise(1.0) + RandomWalk(1.0)).autocovariance(np.zeros(1))

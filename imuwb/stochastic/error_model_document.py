@@ -1,0 +1,250 @@
+"""An error model as a TOML document that people read, edit and keep under version control.
+
+A parameter is a number in SI, a text with its unit (``"2.42 deg/√h"``), or a table with its interval.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any, cast
+
+import tomli_w
+
+from imuwb.errors import UsageError
+from imuwb.log import AXES
+from imuwb.stochastic.error_model import AxisModel, ImuErrorModel
+from imuwb.stochastic.processes import PROCESSES
+from imuwb.stochastic.sums import Sum
+from imuwb.units import UNITS, coefficient_units, si_unit, unit
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from imuwb.units import Unit
+
+SCHEMA = 1
+#: parameter of a process -> coefficient whose unit it has ("rate": that of the sensor itself)
+_PARAMETER = {"N": "N", "B": "B", "K": "K", "R": "R", "Q": "Q", "sigma": "rate", "beta0": "rate", "amplitude": "rate"}
+_PLAIN = {"Tc": "s", "frequency": "Hz", "dt": "s"}
+#: deterministic term of an axis -> dimension of its unit; "sensor": that of the axis
+_TERMS = {
+    "scale_factor": "dimensionless", "scale_factor_nonlinear": "dimensionless", "bandwidth": "frequency",
+    "group_delay": "time", "lsb": "sensor", "range": "sensor",
+}  # fmt: skip
+_VECTORS = {"cross_coupling": 2, "g_sensitivity": 3}
+
+
+def _unit_of(axis: str, name: str) -> Unit:
+    """Return the SI unit of a process's parameter or of a deterministic term."""
+    if name in _PLAIN:
+        return UNITS[_PLAIN[name]]
+    dimension = _TERMS.get(name)
+    if dimension is not None and dimension != "sensor":
+        return UNITS[si_unit(dimension)]
+    return coefficient_units(axis, _PARAMETER.get(name, "rate"))[0]
+
+
+# Writing
+
+
+def write(model: ImuErrorModel) -> str:
+    """Return a model as text."""
+    document: dict[str, object] = {"schema": SCHEMA, "name": model.name}
+    if model.provenance:
+        document["provenance"] = dict(model.provenance)
+    document |= {axis: _axis_table(axis, model.axes[axis]) for axis in AXES if axis in model.axes}
+    return tomli_w.dumps(document)
+
+
+def _axis_table(axis: str, model: AxisModel) -> dict[str, object]:
+    table: dict[str, object] = {
+        name: f"{value!r} {_unit_of(axis, name).name}" for name in _TERMS if (value := getattr(model, name))
+    }
+    table |= {name: list(getattr(model, name)) for name in _VECTORS if any(getattr(model, name))}
+    table["processes"] = _process_rows(axis, model.processes, model.intervals)
+    if model.limits:
+        table["not_identified"] = {
+            name: {"upper": limit, "unit": _unit_of(axis, name).name} for name, limit in model.limits.items()
+        }
+    if model.thermal:
+        table["thermal"] = [{"celsius": t, "processes": _process_rows(axis, s, {})} for t, s in model.thermal]
+    return table
+
+
+def _process_rows(axis: str, processes: Sum, intervals: Mapping[str, tuple[float, float]]) -> list[dict[str, object]]:
+    rows: list[dict[str, object]] = []
+    for i, term in enumerate(cast("tuple[Any, ...]", processes.terms)):
+        row: dict[str, object] = {"process": term.name}
+        for f in fields(term):
+            value = getattr(term, f.name)
+            if f.name == "alpha":
+                row["alpha"] = list(value)
+                continue
+            entry: dict[str, object] = {"value": value, "unit": _unit_of(axis, f.name).name}
+            if (ends := intervals.get(f"{i}.{f.name}")) is not None:
+                entry["lower"], entry["upper"] = ends
+            row[f.name] = entry
+        rows.append(row)
+    return rows
+
+
+# Reading: everything is taken out of a table by a getter that says what it must be.
+
+
+def read(text: str, where: str) -> ImuErrorModel:
+    """Return the model that a text describes.
+
+    Raises:
+        UsageError: the text is none; the message says what and where.
+    """
+    try:
+        document: dict[str, object] = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        message = f"{where}: not TOML: {error}"
+        raise UsageError(message) from error
+    schema = document.pop("schema", SCHEMA)
+    if schema != SCHEMA:
+        message = f"{where}: written for schema {schema}; this imuwb reads schema {SCHEMA}"
+        raise UsageError(message)
+    name = str(document.pop("name", "unnamed"))
+    provenance = {k: str(v) for k, v in _table(document.pop("provenance", {}), f"{where}, provenance").items()}
+    for axis in document:
+        if axis not in AXES:
+            message = f"{where}: unknown key {axis!r}; a model has name, provenance and the axes {', '.join(AXES)}"
+            raise UsageError(message)
+    axes = {
+        axis: _axis(axis, _table(content, f"{where}, {axis}"), f"{where}, {axis}") for axis, content in document.items()
+    }
+    return ImuErrorModel(name, axes, provenance)
+
+
+def _axis(axis: str, table: dict[str, object], where: str) -> AxisModel:
+    intervals: dict[str, tuple[float, float]] = {}
+    limits: dict[str, float] = {}
+    thermal: list[tuple[float, Sum]] = []
+    terms: dict[str, Any] = {}
+    processes = Sum()
+    for key, content in table.items():
+        place = f"{where}.{key}"
+        if key == "processes":
+            processes = _sum(axis, content, place, intervals)
+        elif key == "not_identified":
+            limits = _limits(axis, content, place)
+        elif key == "thermal":
+            for row in _list(content, place):
+                point = _table(row, place)
+                celsius = _number(point.get("celsius"), f"{place}.celsius")
+                thermal.append((celsius, _sum(axis, point.get("processes", []), f"{place} at {celsius} °C", {})))
+        elif key in _TERMS:
+            terms[key] = _si(content, _unit_of(axis, key), place)
+        elif key in _VECTORS:
+            numbers = tuple(_number(x, place) for x in _list(content, place))
+            if len(numbers) != _VECTORS[key]:
+                _refuse(place, content, f"{_VECTORS[key]} numbers")
+            terms[key] = numbers
+        else:
+            known = ", ".join((*_TERMS, *_VECTORS, "processes", "not_identified", "thermal"))
+            _refuse(where, key, f"one of {known}")
+    return _made(
+        AxisModel, where, processes=processes, intervals=intervals, limits=limits, thermal=tuple(thermal), **terms
+    )
+
+
+def _limits(axis: str, content: object, where: str) -> dict[str, float]:
+    limits: dict[str, float] = {}
+    for name, entry in _table(content, where).items():
+        if name not in _PARAMETER:
+            _refuse(f"{where}.{name}", name, f"one of {', '.join(_PARAMETER)}")
+        limit = _table(entry, f"{where}.{name}")
+        limits[name] = _si({**limit, "value": limit.get("upper")}, _unit_of(axis, name), f"{where}.{name}.upper")
+    return limits
+
+
+def _sum(axis: str, content: object, where: str, intervals: dict[str, tuple[float, float]]) -> Sum:
+    terms: list[Any] = []
+    for i, entry in enumerate(_list(content, where)):
+        row = _table(entry, f"{where}[{i}]")
+        name = row.pop("process", None)
+        if not isinstance(name, str) or name not in PROCESSES:
+            _refuse(f"{where}[{i}].process", name, f"one of {', '.join(PROCESSES)}")
+        kind = PROCESSES[cast("str", name)]
+        wanted = [f.name for f in fields(kind)]
+        if set(row) != set(wanted):
+            odd = min(set(row) ^ set(wanted))
+            _refuse(
+                f"{where}[{i}]",
+                odd,
+                f"left out: {name} has {', '.join(wanted)}" if odd in row else f"there: {name} needs {odd}",
+            )
+        values: dict[str, Any] = {}
+        for parameter in wanted:
+            place = f"{where}[{i}], {name}.{parameter}"
+            if parameter == "alpha":
+                values["alpha"] = tuple(_number(a, place) for a in _list(row["alpha"], place))
+                continue
+            si = _unit_of(axis, parameter)
+            values[parameter] = _si(row[parameter], si, place)
+            interval = _interval(row[parameter], si, place)
+            if interval is not None:
+                intervals[f"{i}.{parameter}"] = interval
+        terms.append(_made(kind, f"{where}[{i}]", **values))
+    return Sum(tuple(terms))
+
+
+def _interval(entry: object, si: Unit, where: str) -> tuple[float, float] | None:
+    if not isinstance(entry, dict) or not {"lower", "upper"} & entry.keys():
+        return None
+    table = cast("dict[str, object]", entry)
+    lower, upper = (_si({**table, "value": table.get(end)}, si, f"{where}.{end}") for end in ("lower", "upper"))
+    return lower, upper
+
+
+def _si(entry: object, si: Unit, where: str) -> float:
+    """Return a parameter in SI, given as a number, a text with its unit, or a table."""
+    name = si.name
+    if isinstance(entry, str):
+        text, _, written = entry.strip().partition(" ")
+        try:
+            entry, name = float(text), written or si.name
+        except ValueError:
+            _refuse(where, entry, "a number and its unit")
+    elif isinstance(entry, dict):
+        table = cast("dict[str, object]", entry)
+        entry, name = table.get("value"), str(table.get("unit") or si.name)
+    given = unit(name)
+    if given.dimension != si.dimension:
+        _refuse(where, name, f"a unit of {si.dimension.replace('_', ' ')}, such as {si.name}")
+    return given.to_si(_number(entry, where))
+
+
+def _number(content: object, where: str) -> float:
+    if isinstance(content, bool) or not isinstance(content, int | float) or not math.isfinite(content):
+        _refuse(where, content, "a number, a text with a unit, or a table with a value")
+    return float(cast("float", content))
+
+
+def _table(content: object, where: str) -> dict[str, object]:
+    if not isinstance(content, dict):
+        _refuse(where, content, "a table")
+    return dict(cast("dict[str, object]", content))
+
+
+def _list(content: object, where: str) -> list[object]:
+    if not isinstance(content, list):
+        _refuse(where, content, "a list")
+    return cast("list[object]", content)
+
+
+def _made(kind: Any, where: str, **values: object) -> Any:  # noqa: ANN401 - whatever it makes
+    try:
+        return kind(**values)
+    except ValueError as error:
+        message = f"{where}: {error}"
+        raise UsageError(message) from error
+
+
+def _refuse(where: str, content: object, rule: str) -> None:
+    message = f"{where}: {content!r}; it must be {rule}"
+    raise UsageError(message)

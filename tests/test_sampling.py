@@ -1,0 +1,42 @@
+import numpy as np
+import pytest
+
+from imuwb.sampling import sampling
+
+MS = 1_000_000
+
+
+@pytest.mark.parametrize("rate", [30.0, 100.0, 199.9, 700.0, 800.0, 900.0, 1000.0])
+def test_stamps_cut_to_milliseconds_have_their_rate_and_no_gap(rate):
+    time = np.unique((np.arange(20_000) * 1000 / rate).astype(np.int64)) * MS
+    found = sampling(time)
+    assert found.rate == pytest.approx(rate, rel=2e-3)
+    assert found.gaps == ()
+
+
+@pytest.mark.parametrize("share", [0.01, 0.05, 0.2])
+def test_missing_samples_are_gaps_and_no_slower_rate(share):
+    kept = np.random.default_rng(1).random(20_000) > share
+    found = sampling((np.arange(20_000, dtype=np.int64) * 10 * MS)[kept])
+    assert found.rate == pytest.approx(100, rel=1e-6)
+    assert found.missing == pytest.approx(0.01 * (~kept).sum(), rel=0.01)
+
+
+def test_a_gap_in_rounded_stamps_is_found():
+    time = (np.arange(20_000) * 1000 / 700).astype(np.int64) * MS
+    found = sampling(np.concatenate([time[:9000], time[9100:]]))
+    assert len(found.gaps) == 1
+    assert found.gaps[0][1] == pytest.approx(0.144, abs=2e-3)
+    assert found.breaks == (9000,)
+    assert found.rate == pytest.approx(700, rel=2e-3)
+
+
+def test_jitter_is_the_scatter_of_the_steps():
+    rng = np.random.default_rng(0)
+    time = np.sort((np.arange(5000) * 10 + rng.normal(0, 1, 5000)) * MS).astype(np.int64)
+    assert sampling(time).jitter == pytest.approx(0.1 * 2**0.5, rel=0.05)
+    assert sampling(np.arange(100) * MS).jitter == 0
+
+
+def test_fewer_than_two_samples_have_no_rate():
+    assert sampling(np.zeros(1, np.int64)).rate is None
