@@ -21,12 +21,14 @@ if TYPE_CHECKING:
 
 LOGS, RESULTS = "Logs", "Results"
 DEMO_LOG = "static.mcap"
+LARGE = 256 << 20  #: bytes; from here on an index, where there is one, tells what a log holds
 
 
 def info(
     log: Annotated[Path, typer.Argument(help="Any log: MCAP, CSV, RTKLIB .pos.", metavar="LOG")],
     *,
     json: Annotated[bool, typer.Option("--json", help="As JSON on stdout.")] = False,
+    scan: Annotated[bool, typer.Option("--scan", help="Read every message of a large log too, not its index.")] = False,
     time_source: Annotated[
         Literal["header", "log", "publish"], typer.Option(help="Which stamp of a message counts.")
     ] = "header",
@@ -38,23 +40,23 @@ def info(
     frame: Annotated[Literal["FRD", "FLU"] | None, typer.Option(help="Body frame, where the log does not say.")] = None,
 ) -> None:
     """Streams, rates, gaps, clocks, units, frames and repairs of a log."""
-    from imuwb.cli.perform import read_log  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb import readers  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.cli.perform import read_log  # noqa: PLC0415
     from imuwb.cli.terminal import shower  # noqa: PLC0415
-    from imuwb.readers import summarize  # noqa: PLC0415
     from imuwb.review.document import plain  # noqa: PLC0415
     from imuwb.review.tables import streams_table  # noqa: PLC0415
 
-    content = read_log(log, Common(time_source=time_source, rate=rate, columns=columns, units=units, frame=frame))
+    common = Common(time_source=time_source, rate=rate, columns=columns, units=units, frame=frame)
+    large = log.is_file() and log.stat().st_size > LARGE
+    summary = readers.describe(log) if large and not scan else readers.summarize(read_log(log, common))
     if json:
         import json as json_module  # noqa: PLC0415 - the option has its name
 
-        typer.echo(json_module.dumps(plain(summarize(content)), indent=1, ensure_ascii=False))
+        typer.echo(json_module.dumps(plain(summary), indent=1, ensure_ascii=False))
         return
     show = shower(data=True)
-    show(streams_table(content))
-    if not (content.imus or content.gnss or content.references or content.speeds):
-        show("nothing in this log is of a kind that imuwb reads")
-    for note in content.notes:
+    show(streams_table(summary))
+    for note in (*summary.notes, *(() if summary.streams else ("nothing in this log is of a kind that imuwb reads",))):
         show(note)
 
 

@@ -82,8 +82,14 @@ def read(
 
 
 def describe(path: str | Path, options: ReadOptions | None = None) -> LogSummary:
-    """Return what a log holds: streams, rates, gaps, clocks, units, frames, repairs."""
-    return summarize(read(path, options))
+    """Return what a log holds, as cheaply as its format allows.
+
+    From an index where the file has one (then without gaps and repairs, and a note says so); else the log
+    is read. ``summarize(read(path))`` always reads.
+    """
+    cheap = getattr(reader_of(path), "describe", None)
+    found = cast("LogSummary | None", cheap(Path(path))) if cheap is not None else None
+    return found if found is not None else summarize(read(path, options))
 
 
 def _reporting(

@@ -71,7 +71,11 @@ class Remark:
 
 
 class Reader(Protocol):
-    """One file format: a module, or any object, with these names."""
+    """One file format: a module, or any object, with these names.
+
+    It may also have ``describe(path) -> LogSummary | None``: what the file says of itself at no cost, such
+    as in an index; None where it says nothing.
+    """
 
     format: str
 

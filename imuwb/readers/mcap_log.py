@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from imuwb.readers.mcap_records import Channel, Messages, Schema
     from imuwb.readers.shapes import Recipe
+    from imuwb.readers.summary import LogSummary
 
 format = "mcap"  # noqa: A001 - the contract's name
 PATIENCE = 100  #: messages after which a channel that shows no field of ours is not looked at again
@@ -30,6 +31,13 @@ UNIX = 10**17  #: ns; a stamp behind March 1973 counts from the Unix epoch
 def probe(head: bytes) -> bool:
     """Return whether the file begins with MCAP's magic."""
     return head.startswith(mcap_records.MAGIC)
+
+
+def describe(path: Path) -> LogSummary | None:
+    """Return what the file's index says, without reading its messages; None where it has none."""
+    from imuwb.readers import mcap_index  # noqa: PLC0415 - seldom needed
+
+    return mcap_index.describe(path)
 
 
 def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.analysis import AXIS_COLORS, Series
+from imuwb.readers import summarize
 from imuwb.review.tables import streams_table
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ def overview(logs: Sequence[Log], review: RecordingReview) -> None:
                 )
         for gnss, color in zip(log.gnss, TRACKS, strict=False):
             review.track(gnss.name, gnss.position, color)
-        review.table(streams_table(log))
+        review.table(streams_table(summarize(log)))
         for note in log.notes:
             review.note(note)
 

@@ -7,18 +7,15 @@ from typing import TYPE_CHECKING
 
 from imuwb.analysis import Table
 from imuwb.log import SECOND
-from imuwb.readers import summarize
 
 if TYPE_CHECKING:
-    from imuwb.log import Log
-    from imuwb.readers.summary import StreamSummary
+    from imuwb.readers.summary import LogSummary, StreamSummary
 
 
-def streams_table(log: Log) -> Table:
+def streams_table(summary: LogSummary) -> Table:
     """Return a table of a log's streams: counts, rates, times, gaps and repairs."""
-    summary = summarize(log)
     rows = tuple(_row(stream) for stream in summary.streams)
-    caption = f"{summary.path} ({summary.format}, {summary.hash[:19]}…)"
+    caption = f"{summary.path} ({summary.format}{', ' if summary.hash else ''}{summary.hash[:19]}{'…' if summary.hash else ''})"
     headings = (
         "stream",
         "kind",

@@ -1,0 +1,72 @@
+"""What an MCAP file says of itself at its end: streams, counts and times, without reading the messages."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from mcap.exceptions import McapError
+from mcap.reader import make_reader
+
+from imuwb.readers import shapes
+from imuwb.readers.mcap_decoders import CannotDecodeError, decoder_of
+from imuwb.readers.mcap_records import Channel, Messages, Schema
+from imuwb.readers.summary import LogSummary, StreamSummary
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from mcap.reader import McapReader
+    from mcap.summary import Summary
+
+UNIX = 10**17  #: ns
+
+
+def describe(path: Path) -> LogSummary | None:
+    """Return what the index says; None where the file has none.
+
+    Times are the recorder's, to a chunk; gaps and repairs are known only when the messages are read.
+    """
+    with path.open("rb") as file:
+        try:
+            reader = make_reader(file)
+            summary = reader.get_summary()
+            if summary is None or summary.statistics is None or not summary.chunk_indexes:
+                return None
+            streams = tuple(_streams(reader, summary))
+        except (McapError, ValueError, OSError, EOFError):
+            return None  # reading the messages says what is wrong, and uses what is whole
+    note = (
+        "from the file's index: times are the recorder's, and gaps and repairs have not been looked for (--scan does)"
+    )
+    return LogSummary(str(path), "mcap", "", streams, (note,))
+
+
+def _streams(reader: McapReader, summary: Summary) -> Iterator[StreamSummary]:
+    for number, count in (summary.statistics.channel_message_counts if summary.statistics else {}).items():
+        channel, schema = summary.channels[number], summary.schemas.get(summary.channels[number].schema_id)
+        ours = None if schema is None else Schema(schema.name, schema.encoding, schema.data)
+        try:
+            decoder = decoder_of(Channel(channel.topic, channel.message_encoding, channel.schema_id), ours)
+        except CannotDecodeError:
+            continue
+        first = next((m.data for _, _, m in reader.iter_messages(topics=[channel.topic])), b"")
+        fields = decoder.fields(_alone(first), np.zeros(1, np.int64))
+        chunks = [chunk for chunk in summary.chunk_indexes if number in chunk.message_index_offsets]
+        if not chunks or not count:
+            continue
+        start, end = min(c.message_start_time for c in chunks), max(c.message_end_time for c in chunks)
+        rate = (count - 1) / (end - start) * 1e9 if end > start else None
+        for recipe in shapes.recognise(fields, ours.name if ours else ""):
+            units, frame = {"imu": ("rad/s, m/s²", "FLU (REP 145)"), "gnss": ("deg, m", "ENU")}.get(
+                recipe.kind, ("°C", "")
+            )
+            epoch = "unix" if start > UNIX else "log"
+            yield StreamSummary(channel.topic, recipe.kind, count, rate, start, end, epoch, (), (), units, frame)
+
+
+def _alone(payload: bytes) -> Messages:
+    """Return one payload as a buffer of messages."""
+    one = np.zeros(1, np.int64)
+    return Messages(np.frombuffer(payload, np.uint8), one.astype(np.uint16), one, one, one, one + len(payload), 0)
