@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, cast
 import typer
 
 from imuwb import registry
-from imuwb.cli.options import Common
+from imuwb.cli.common import Common
 from imuwb.errors import ImuwbError, MissingDataError, UsageError
 
 if TYPE_CHECKING:

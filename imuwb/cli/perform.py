@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Generator, Sequence
 
     from imuwb.analysis import Analysis
-    from imuwb.cli.options import Common
+    from imuwb.cli.common import Common
     from imuwb.log import Log
 
 VIEWER = "rerun+http://127.0.0.1:9876/proxy"

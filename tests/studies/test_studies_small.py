@@ -41,11 +41,11 @@ def pooled(module, shares):
 
 def test_intervals_hold_the_truth(load):
     module = load("coverage_table4")
-    _, present, absent, curve = module.study(records=6, hours=1.0, workers=1)
+    _, present, absent, curve = module.study(records=4, hours=1.0, workers=1)
     # accel z's K is near the limit of what an hour shows; a null counts as not covered
     sure = [row for row in present.rows if row[:2] != ("accel_z", "K")]
     covered = pooled(module, [row[4] for row in sure])
-    assert covered.of == 6 * 14
+    assert covered.of == 4 * 14
     assert at_least(covered, 0.95)
     for axis, letter, _, identified, *_, mean, _rms in sure:
         if letter in "NB":
@@ -60,7 +60,7 @@ def test_intervals_hold_the_truth(load):
 
 def test_printed_intervals_cover_less_than_edf_at_long_times(load):
     module = load("coverage_table4")
-    curve = module.study(records=16, hours=0.1, workers=1)[3]
+    curve = module.study(records=10, hours=0.1, workers=1)[3]
     edf, printed = (pooled(module, curve.column(kind)[-2:]) for kind in ("edf", "printed"))
     assert edf.count > printed.count
     assert at_least(edf, 0.93)
@@ -81,7 +81,7 @@ def test_samples_follow_their_processes(load):
 
 def test_limits_are_not_exceeded(load):
     module = load("limits")
-    _, k, others = module.study(records=20, minutes=10.0, workers=1)
+    _, k, others = module.study(records=12, minutes=10.0, workers=1)
     none, least, *_ = k.rows
     assert at_most(none[2], 0.05)
     assert none[4].value == 1

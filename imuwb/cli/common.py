@@ -1,0 +1,47 @@
+"""The options that all analyses share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path  # noqa: TC003 - typer reads the annotations as the program runs
+from typing import Annotated, Any, Literal
+
+import typer
+
+LOG_PANEL, OUTPUT_PANEL = "How the log is read", "Output"
+
+
+def _log(flag: str, text: str, metavar: str | None = None) -> Any:  # noqa: ANN401 - typer's own marker
+    return typer.Option(flag, help=text, rich_help_panel=LOG_PANEL, metavar=metavar)
+
+
+def _out(*flags: str, text: str, metavar: str | None = None) -> Any:  # noqa: ANN401 - typer's own marker
+    return typer.Option(*flags, help=text, rich_help_panel=OUTPUT_PANEL, metavar=metavar)
+
+
+@dataclass(frozen=True)
+class Common:
+    """What every analysis takes."""
+
+    imu: Annotated[str | None, _log("--imu", "Which IMU, by its name in `imuwb info`.", "NAME")] = None
+    start: Annotated[str | None, _log("--start", "From here on: seconds from the log's start, or ISO.", "TIME")] = None
+    end: Annotated[str | None, _log("--end", "Up to here.", "TIME")] = None
+    time_source: Annotated[
+        Literal["header", "log", "publish"], _log("--time-source", "Which stamp of a message counts.")
+    ] = "header"
+    rate: Annotated[float | None, _log("--rate", "Of text without a time column.", "HZ")] = None
+    columns: Annotated[
+        str | None, _log("--columns", "Of text without a header: names in order, - for none.", "NAMES")
+    ] = None
+    units: Annotated[str | None, _log("--units", "Such as gyro=deg/s,accel=g,time=ms.", "UNITS")] = None
+    frame: Annotated[Literal["FRD", "FLU"] | None, _log("--frame", "Body frame, where the log does not say.")] = None
+    output: Annotated[
+        Path | None,
+        _out("--output", "-o", text="The recording; default: the log's name with .rrd.", metavar="FILE.rrd"),
+    ] = None
+    force: Annotated[bool, _out("--force", text="Write over files that exist.")] = False
+    json: Annotated[str | None, _out("--json", text="The result as JSON; - for stdout.", metavar="FILE")] = None
+    save_model: Annotated[
+        Path | None, _out("--save-model", text="The error model that was found.", metavar="FILE.toml")
+    ] = None
+    live: Annotated[bool, _out("--live", text="Show it in a running viewer too.")] = False
