@@ -203,15 +203,19 @@ class RecordingReview:
                 rr.LineStrips2D([ruler], colors=[(225, 225, 228)], radii=rr.Radius.ui_points(1.5)),
                 static=True,
             )
-            labels = [((left + bar / 2, bottom + span * 0.04), f"{bar:g} m, north up"), (tuple(points[0]), "start")]
+            labels = [((left + bar / 2, bottom + span * 0.04), f"{bar:g} m"), (tuple(points[0]), "start")]
             self._stream.log(
                 f"{path}/texts",
                 rr.Points2D([p for p, _ in labels], labels=[t for _, t in labels], colors=[(225, 225, 228)] * 2,
                             radii=rr.Radius.ui_points(2.0), show_labels=True),
                 static=True,
             )  # fmt: skip
+            air = span * 0.15  # for the labels, which hang over
+            bounds = rrb.VisualBounds2D(
+                x_range=[float(low[0]) - air, float(high[0]) + air], y_range=[float(low[1]) - air, bottom + air]
+            )
             self._tab.figures.append(
-                rrb.Spatial2DView(origin=path, name=f"Track of {name}: east and north",
+                rrb.Spatial2DView(origin=path, name=f"Track of {name}: east to the right, north up", visual_bounds=bounds,
                                   background=rrb.Background(color=BACKGROUND, kind="SolidColor"))
             )  # fmt: skip
         self._tab.tracks += 1
