@@ -74,9 +74,9 @@ def load_file(path: Path) -> ModuleType:
     try:
         specification.loader.exec_module(module)
     except SyntaxError as error:
-        message = f"{error.filename}, line {error.lineno}: {error.msg}; the plugin is not valid Python"
+        message = f"{path}, line {error.lineno or '?'}: {error.msg}; the plugin is not valid Python"
         raise UsageError(message) from error
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         message = f"{path}: the plugin fails on import: {type(error).__name__}: {error}"
         raise UsageError(message) from error
     return module

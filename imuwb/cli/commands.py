@@ -47,7 +47,8 @@ def info(
     from imuwb.review.tables import streams_table  # noqa: PLC0415
 
     common = Common(time_source=time_source, rate=rate, columns=columns, units=units, frame=frame)
-    large = log.is_file() and log.stat().st_size > LARGE
+    readers.source.check(log)
+    large = log.stat().st_size > LARGE
     summary = readers.describe(log) if large and not scan else readers.summarize(read_log(log, common))
     if json:
         import json as json_module  # noqa: PLC0415 - the option has its name

@@ -135,6 +135,9 @@ def check_place(file: Path, *, force: bool) -> None:
         message = f"{file} exists; --force writes over it, or choose another with --output"
         raise UsageError(message)
     parent = file.parent
+    if file.exists() and not file.is_file() and not file.is_dir():
+        message = f"{file}: neither a file nor a place for one; it is left alone"
+        raise ImuwbError(message)
     if file.is_dir() or not parent.is_dir() or not os.access(parent, os.W_OK):
         why = "it is a directory" if file.is_dir() else f"{parent} is no folder that can be written to"
         message = f"{file}: cannot be written: {why}"

@@ -105,6 +105,9 @@ class Problem:
 
         ``held``: (5,) squares of other terms that are in the sum, but not free.
         """
+        if not active:  # the library's solver does not survive a matrix without columns
+            message = "a fit needs at least one term"
+            raise ValueError(message)
         squared = np.zeros(5)
         held = np.zeros(5) if held is None else held
         variance = self.variance - self.design @ held

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+MOST_TIMES = 10_000  #: of log:N
 MOST_WORK = 10**11  #: second differences; about a minute
 
 
@@ -40,7 +41,7 @@ def averaging_factors(times: str | Sequence[float], n: int, dt: float) -> NDArra
             raise ValueError(message)
         return np.arange(1, largest + 1)
     kind, _, number = times.partition(":")
-    if kind == "log" and number.isdigit() and int(number) > 1:
+    if kind == "log" and number.isdecimal() and 1 < int(number) <= MOST_TIMES:
         return np.unique(np.rint(np.geomspace(1, largest, int(number))).astype(np.int64))
     try:
         return _listed([float(part) for part in times.split(",")], largest, dt)

@@ -30,7 +30,12 @@ def begin(problem: Problem) -> int:
     misfits: list[float] = []
     for first in range(max(problem.tau.size - FEWEST_POINTS, 1)):
         part = problem.since(first)
-        squared, _, active = select(part, 0.95)
+        try:
+            squared, _, active = select(part, 0.95)
+        except ValueError:  # nothing is left so far out; an earlier begin may do
+            if not first:
+                raise
+            break
         chi2, _ = part.misfit(squared)
         pays = not first or misfits[0] - chi2 > MUCH * (first + 1)
         if pays and stats.chi2.sf(chi2, max(part.tau.size - len(active), 1)) > ACCEPTED:
@@ -80,6 +85,9 @@ def _without_weak(problem: Problem, active: list[int], kept: set[int], level: fl
     while len(active) > 1:
         squared, covariance = problem.solve(active)
         zero = [t for t in active if squared[t] == 0]
+        if len(zero) == len(active):
+            message = "nothing of the curve is left for these processes behind its lines"
+            raise ValueError(message)
         if zero:
             active = [t for t in active if t not in zero]
             continue

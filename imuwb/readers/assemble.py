@@ -28,6 +28,7 @@ _COLUMNS = {
     "temperature": ("temperature",),
 }
 FIRST, LAST = np.iinfo(np.int64).max, np.iinfo(np.int64).min  # of no rows
+MOST_STEPS = 10  # back, of a clock that is set now and then
 FEW = 12  # rows; of fewer, nobody can tell which stamp is damaged
 LATEST = 2**62  # ns from the epoch: the year 2116; differences of such times fit into int64
 END_STEP = 86_400 * SECOND  # of a first or last row, that is then a damaged stamp
@@ -125,7 +126,11 @@ def _join(batches: list[Batch], noted: list[Repair]) -> _Rows:
         counts["rows whose time lies far from that of both neighbours left out"] = int(np.count_nonzero(alone))
         time, columns = _take(time, columns, ~alone)
     if time.size > 1:
-        time, set_back = _continue_behind_steps(time)
+        continued, set_back = _continue_behind_steps(time)
+        if set_back <= max(MOST_STEPS, time.size // 100):
+            time = continued
+        else:  # no clock is set back as often as this: the rows are in no order at all
+            set_back = 0
         if set_back:
             counts["clock set back: time goes on behind it by one nominal step"] = set_back
         late = int(np.count_nonzero(time < np.maximum.accumulate(time)))

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 Kind = Literal["imu", "gnss", "speed", "temperature", "reference"]
-SLOWEST = 1e-6  #: Hz
+SLOWEST, FASTEST = 1e-6, 1e8  #: Hz
 TimeSource = Literal["header", "log", "publish"]
 
 
@@ -32,8 +32,8 @@ class ReadOptions:
 
     def __post_init__(self) -> None:
         """Check what can be checked before the file is open."""
-        if self.rate is not None and not SLOWEST <= self.rate < float("inf"):
-            message = f"a rate of {self.rate} Hz: it must be positive, and at least {SLOWEST} Hz"
+        if self.rate is not None and not SLOWEST <= self.rate <= FASTEST:
+            message = f"a rate of {self.rate} Hz: it must be positive: {SLOWEST:g} to {FASTEST:g} Hz"
             raise UsageError(message)
         if self.time_source not in ("header", "log", "publish"):
             message = f"time source {self.time_source!r}: it is header, log or publish"

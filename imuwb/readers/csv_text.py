@@ -56,6 +56,10 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     if layout.cut_first:
         yield Remark("first line has fewer cells than the others: left out")
     used = _columns(path, layout, options)
+    for column in used:
+        named = columns((column.name,), {})
+        if named and named[0].unit is not None and column.unit is not None and named[0].unit != column.unit:
+            yield Remark(f"column {column.name!r} is taken in {column.unit.name}, as said, not in {named[0].unit.name}")
     clock = clock_of(path, layout, used, options)
     yield from (Remark(text) for text in clock.remarks)
     bad = Counter[str]()

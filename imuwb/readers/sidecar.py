@@ -44,7 +44,7 @@ def with_sidecar(path: Path, options: ReadOptions) -> tuple[ReadOptions, Path | 
 def _checked(sidecar: Path) -> dict[str, Any]:
     try:
         said = tomllib.loads(sidecar.read_text("utf-8"))
-    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         message = f"{sidecar}: the log's sidecar is not TOML: {error}"
         raise UsageError(message) from error
     for key, value in said.items():

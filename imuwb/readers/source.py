@@ -28,7 +28,10 @@ def check(path: Path) -> None:
         if not path.exists():
             message = f"{path}: no such file"
             raise UnreadableLogError(message)
-        if path.is_file() and path.stat().st_size == 0:
+        if not path.is_file():
+            message = f"{path}: a device or a pipe, not a file; a log is read more than once"
+            raise UnreadableLogError(message)
+        if path.stat().st_size == 0:
             message = f"{path}: the file is empty"
             raise UnreadableLogError(message)
     except OSError as error:

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 BLOCK = 1 << 20
+#: every byte that is no ASCII as a question mark: no number has one, and the parser stumbles over them
+_ASCII = bytes(range(128)) + b"?" * 128
 ROWS_COMPARED = 100  #: that a last line without its end is measured by
 COMMENT = (b"#", b"%", b"//")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(nan|inf)(inity)?", re.IGNORECASE)
@@ -147,6 +149,7 @@ class Rows(io.RawIOBase):
             if self._is_cut(data[cut:]):
                 self.trouble.append(f"last line cut ({data[cut:][:40].decode('utf-8', 'replace')!r}): left out")
                 data = data[:cut]
+        data = data.translate(_ASCII)
         while self._skip and data:
             _, _, data = data.partition(b"\n")
             self._skip -= 1

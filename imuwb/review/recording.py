@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import socket
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -16,6 +15,7 @@ import rerun.blueprint as rrb
 from imuwb.errors import ImuwbError
 from imuwb.review.envelope import envelope
 from imuwb.review.loglog import LogLog
+from imuwb.writers.beside import partial
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -87,8 +87,8 @@ class RecordingReview:
         """
         if live is not None:
             _require_viewer(live)
-        self.output = output
-        self._partial = output.with_name(f".{output.name}.{os.getpid()}.partial")
+        self.output = output.resolve()
+        self._partial = partial(self.output)
         self._show = show or _nobody
         self._stream = rr.RecordingStream("imuwb", recording_id=None, send_properties=True)
         try:

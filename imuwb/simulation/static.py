@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 START = 1_704_067_200 * SECOND  #: 2024-01-01T00:00:00Z, so that the same seed gives the same bytes
 LONGEST = 2**31  #: samples
+ABSOLUTE_ZERO, HOTTEST = -273.15, 1000.0  #: °C
 ROOM_TEMPERATURE = 25.0  #: °C
 
 
@@ -51,8 +52,11 @@ def static(
         UsageError: a duration, rate or bandwidth that cannot be, or an axis that states no ``lsb``.
     """
     samples = duration * rate
-    if not 0 < rate <= 1e6 or not 2 <= samples <= LONGEST:  # noqa: PLR2004 - a rate needs two samples
-        message = f"{duration} s at {rate} Hz are {samples} samples; there must be 2 to {LONGEST}, at up to 1 MHz"
+    if not 1e-3 <= rate <= 1e6 or not 2 <= samples <= LONGEST:  # noqa: PLR2004 - a rate needs two samples
+        message = f"{duration} s at {rate} Hz are {samples} samples; there must be 2 to {LONGEST}, at 0.001 Hz to 1 MHz"
+        raise UsageError(message)
+    if celsius is not None and not ABSOLUTE_ZERO < celsius < HOTTEST:
+        message = f"a temperature of {celsius} °C: no sensor is at it"
         raise UsageError(message)
     n = round(samples)
     time = START + np.rint(np.arange(n) * (SECOND / rate)).astype(np.int64)
@@ -68,6 +72,9 @@ def static(
                 values[i // 3, :, i % 3] = _quantized(values[i // 3, :, i % 3], model.axes[axis], axis)
         if progress is not None:
             progress(i + 1, len(AXES))
+    if not np.isfinite(values).all():
+        message = f"{model.name}: its figures are so large that the samples overflow"
+        raise UsageError(message)
     seconds = np.arange(0, n, max(1, round(rate)))
     temperature = Scalars(
         "/imu/temperature", time[seconds], np.full(seconds.size, ROOM_TEMPERATURE if celsius is None else celsius)
@@ -96,12 +103,15 @@ def _at_rest(model: AxisModel | None, i: int) -> float:
 def _axis(
     model: AxisModel, n: int, rate: float, rng: np.random.Generator, celsius: float | None, bandwidth: float | None
 ) -> Floats:
-    noise = model.at(celsius).sample(n, 1 / rate, rng)
+    try:
+        noise = model.at(celsius).sample(n, 1 / rate, rng)
+    except (ValueError, OverflowError) as error:  # an AR set of another rate, or one that is not stable in between
+        raise UsageError(str(error)) from error
     cutoff = bandwidth if bandwidth is not None else model.bandwidth
     if cutoff is None:
         return noise
-    if not 0 < cutoff < rate / 2:
-        message = f"a bandwidth of {cutoff} Hz must lie between 0 and half the rate ({rate / 2} Hz)"
+    if not 1e-6 * rate < cutoff < rate / 2:
+        message = f"a bandwidth of {cutoff} Hz must lie between a millionth and half of the rate ({rate / 2} Hz)"
         raise UsageError(message)
     sections = signal.butter(2, cutoff, fs=rate, output="sos")
     settled = signal.sosfilt_zi(sections) * noise[0]

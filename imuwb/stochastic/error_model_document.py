@@ -5,7 +5,6 @@ A parameter is a number in SI, a text with its unit (``"2.42 deg/√h"``), or a 
 
 from __future__ import annotations
 
-import math
 import tomllib
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any, cast
@@ -25,6 +24,7 @@ if TYPE_CHECKING:
     from imuwb.units import Unit
 
 SCHEMA = 1
+LARGEST = 1e100  #: in SI; no figure of a sensor, and its square is still a number
 #: parameter of a process -> coefficient whose unit it has ("rate": that of the sensor itself)
 _PARAMETER = {"N": "N", "B": "B", "K": "K", "R": "R", "Q": "Q", "sigma": "rate", "beta0": "rate", "amplitude": "rate"}
 _PLAIN = {"Tc": "s", "frequency": "Hz", "dt": "s"}
@@ -101,7 +101,7 @@ def read(text: str, where: str) -> ImuErrorModel:
     """
     try:
         document: dict[str, object] = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         message = f"{where}: not TOML: {error}"
         raise UsageError(message) from error
     schema = document.pop("schema", SCHEMA)
@@ -212,6 +212,8 @@ def _si(entry: object, si: Unit, where: str) -> float:
             _refuse(where, entry, "a number and its unit")
     elif isinstance(entry, dict):
         table = cast("dict[str, object]", entry)
+        if odd := set(table) - {"value", "unit", "lower", "upper"}:
+            _refuse(where, min(odd), "value, unit, lower or upper")
         entry, name = table.get("value"), str(table.get("unit") or si.name)
     given = unit(name)
     if given.dimension != si.dimension:
@@ -220,7 +222,7 @@ def _si(entry: object, si: Unit, where: str) -> float:
 
 
 def _number(content: object, where: str) -> float:
-    if isinstance(content, bool) or not isinstance(content, int | float) or not math.isfinite(content):
+    if isinstance(content, bool) or not isinstance(content, int | float) or not abs(content) < LARGEST:
         _refuse(where, content, "a number, a text with a unit, or a table with a value")
     return float(cast("float", content))
 

@@ -25,6 +25,7 @@ def beside(path: Path) -> Generator[Path]:
     Raises:
         ImuwbError: the place cannot be written.
     """
+    path = path.resolve()  # a link stays a link, to the new file
     temporary = partial(path)
     try:
         yield temporary

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 FEWEST = 100  #: samples; fewer have no curve worth the name
+LARGEST = 1e12  #: rad/s or m/s²
 JITTER = 0.2  #: of the sampling interval
 
 
@@ -122,6 +123,10 @@ def _clock_notes(sensor: str, clock: Sampling) -> list[str]:
 def _axis(axis: str, values: Floats, clock: Sampling, parameters: Parameters) -> AxisResult:
     if np.ptp(values) == 0:
         return _nothing(axis, "the channel is constant: stuck, or not connected")
+    if (most := float(np.abs(values).max())) > LARGEST:
+        return _nothing(
+            axis, f"it holds a value of {most:.3g}, which no sensor puts out; leave its time out with --start and --end"
+        )
     try:
         curve = allan(
             values, clock.interval, parameters.averaging_times, level=parameters.level,

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
+MOST_TIMES = 10_000  #: of log:N
+
 
 @dataclass(frozen=True)
 class Parameters:
@@ -24,7 +26,7 @@ class Parameters:
             raise ValueError(message)
         text = self.averaging_times
         kind, _, number = text.partition(":")
-        if text in ("octave", "all") or (kind == "log" and number.isdigit() and int(number) > 1):
+        if text in ("octave", "all") or (kind == "log" and number.isdecimal() and 1 < int(number) <= MOST_TIMES):
             return
         try:
             times = [float(part) for part in text.split(",")]

@@ -5,6 +5,7 @@ import json
 import os
 import sys
 
+import numpy as np
 import pytest
 
 PNG = bytes.fromhex("89504e470d0a1a0a0000000d49484452000000010000000108060000001f15c489")
@@ -197,3 +198,60 @@ def test_a_cut_gzip_file_is_used_as_far_as_it_unpacks(imuwb, csv_log, rows, tmp_
     assert done.code == 0
     assert 500 < json.loads(done.out)["streams"][0]["count"] < 4000
     assert any("packed" in what for what in repairs(done))
+
+
+def test_a_curve_of_which_nothing_is_left_has_no_fit_and_no_crash(imuwb, shared, tmp_path):
+    whole = (shared / "mcap" / "husky_test1_json.mcap").read_bytes()
+    (tmp_path / "cut.mcap").write_bytes(whole[:582_492])
+    done = imuwb("allan", "cut.mcap")
+    assert done.code == 0
+    assert "without its end mark" in done.err
+
+
+def test_a_pipe_is_no_log_and_no_output(imuwb, tmp_path, static_mcap):
+    if not hasattr(os, "mkfifo"):
+        pytest.skip("this system has no named pipes")
+    os.mkfifo(tmp_path / "pipe")
+    done = imuwb("info", "pipe")
+    assert (done.code, "not a file" in done.err) == (4, True)
+    done = imuwb("allan", static_mcap, "--json", "pipe", "--force")
+    assert (done.code, "left alone" in done.err) == (1, True)
+
+
+def test_a_linked_output_stays_a_link(imuwb, tmp_path, static_mcap):
+    (tmp_path / "target.json").write_text("old")
+    (tmp_path / "link.json").symlink_to("target.json")
+    assert imuwb("allan", static_mcap, "--json", "link.json", "--force").code == 0
+    assert (tmp_path / "link.json").is_symlink()
+    assert json.loads((tmp_path / "target.json").read_text("utf-8"))["analysis"] == "allan"
+
+
+def test_damaged_bytes_in_a_line_of_another_length(imuwb, csv_log, rows, tmp_path):
+    data = csv_log(rows()).read_bytes() + b"1,2,3,\xac\n"
+    (tmp_path / "bad.csv").write_bytes(data)
+    done = imuwb("info", "bad.csv", "--json")
+    assert done.code == 0
+    assert repairs(done)["lines without the usual number of cells left out"] == 1
+
+
+def test_rows_in_no_order_are_sorted_not_stretched(imuwb, csv_log, rows):
+    lines = [f"{20 * i}{line[line.index(',') :]}" for i, line in enumerate(rows())]
+    np.random.default_rng(0).shuffle(lines)
+    stream = json.loads(imuwb("info", csv_log(lines), "--json").out)["streams"][0]
+    assert (stream["count"], stream["rate_hz"]) == (400, pytest.approx(0.05))
+
+
+def test_one_impossible_value_costs_its_axis(imuwb, csv_log, rows):
+    lines = rows()
+    lines[7] = ",".join(["0.07", "1e300", *lines[7].split(",")[2:]])
+    document = json.loads(imuwb("allan", csv_log(lines), "--json", "-").out)
+    assert any("gyro_x" in note and "1e+300" in note for note in document["notes"])
+    assert document["result"]["axes"]["gyro_y"]["coefficients"]["N"]["value"] > 0
+
+
+def test_an_ar_model_of_another_rate_is_wrong_usage(imuwb, tmp_path):
+    (tmp_path / "m.toml").write_text(
+        '[gyro_x]\nprocesses = [{process = "autoregressive", alpha = [0.5], beta0 = 1, dt = 0.02}]\n'
+    )
+    done = imuwb("simulate", "static", "--error-model", "m.toml", "--hours", "0.01", "-o", "x.csv")
+    assert (done.code, "resample" in done.err) == (2, True)
