@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 Uncertainty = Literal["edf", "printed"]
+BLOCK = 1024  #: samples of the sum that stay in the fastest cache while all factors use them
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -142,7 +143,7 @@ def _sums(phase: Floats, factors: NDArray[np.int64], block: int, out: Floats) ->
 def sums_of_squares(phase: Floats, factors: NDArray[np.int64]) -> Floats:
     """Return sum (phase(k+2m) - 2 phase(k+m) + phase(k))² for every factor m; 0 where none fits."""
     out = np.zeros(factors.size)
-    _sums(phase, np.ascontiguousarray(factors, dtype=np.int64), 4096, out)
+    _sums(phase, np.ascontiguousarray(factors, dtype=np.int64), BLOCK, out)
     return out
 
 
