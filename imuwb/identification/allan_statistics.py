@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 EXPONENTS = (2, 0, -1, -2)  # quantization Q, white N, flicker B, random walk K
 NEAR = 24  #: lags summed one by one on each side of a corner
 FAR = 30  #: times m + q; from here on the series for flicker is good to 1e-6
-RATIO = 1.15  #: beyond, each step is this much longer
+RATIO = 1.12  #: beyond, each step is this much longer
 
 
 def _quantization(lag: Floats) -> Floats:
