@@ -108,12 +108,20 @@ def allan(
     )
 
 
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _integrate(values: Floats, center: float, out: Floats) -> None:  # pragma: no cover - compiled
+    total = 0.0
+    out[0] = 0.0
+    for k in range(values.size):
+        total += values[k] - center
+        out[k + 1] = total
+
+
 def _phase(values: Floats, center: float) -> Floats:
     """Return the running sum of the samples less ``center``, from 0 on: theta/dt."""
     phase = np.empty(values.size + 1)
-    phase[0] = 0.0
-    np.subtract(values, center, out=phase[1:])
-    return np.cumsum(phase, out=phase)
+    _integrate(values, center, phase)
+    return phase
 
 
 @numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
