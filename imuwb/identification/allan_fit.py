@@ -3,8 +3,7 @@
 The Allan variance is linear in Q², N², B², K² and R². The points of a curve are correlated, strongly at
 long averaging times, and their covariance follows from the sum itself; so the squares are estimated
 by non-negative generalised least squares, the covariance taken from the fit and the fit repeated.
-Reading straight lines off parts of the curve, the usual way, biases N by a tenth and K by a factor of
-two where regions overlap.
+Reading straight lines off parts of the curve, the usual way, is biased where regions overlap.
 
 A term stays in the sum when it is larger than chance makes it in its absence (one-sided, half of
 1 - level). One that does not is no zero: it has an upper limit.

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 #: Power-law exponents alpha of the rate's density f^alpha, in the order of the tables here.
 EXPONENTS = (2, 0, -1, -2)  # quantization Q, white N, flicker B, random walk K
 NEAR = 24  #: lags summed one by one on each side of a corner
-FAR = 30  #: times m + q; from here on the series for flicker is good to 1e-6
+FAR = 30  #: times m + q; from here on flicker is taken from its series
 RATIO = 1.12  #: beyond, each step is this much longer
 
 

@@ -51,7 +51,7 @@ class FiniteOrder(Process, Protocol):
         """Return the process at instants dt apart.
 
         The output is the value *at* an instant, where a sample is the average up to the next; the two
-        differ by less than dt/Tc of the process, and for a filter, whose dt is short, not at all.
+        differ the more, the longer dt is against the process's correlation time.
         """
         ...
 
