@@ -4,9 +4,9 @@
 spectrum, it can be sampled, and it can be given to a filter.
 """
 
+from imuwb.stochastic.autoregressive import Autoregressive
 from imuwb.stochastic.error_model import AxisModel, ImuErrorModel
 from imuwb.stochastic.processes import (
-    Autoregressive,
     Constant,
     FlickerNoise,
     GaussMarkov,

@@ -9,34 +9,20 @@ and go over into IEEE's formulas as dt goes to 0.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, ClassVar
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from scipy import fft, signal, special
 
 from imuwb.stochastic import state_space
+from imuwb.stochastic.autoregressive import Autoregressive
+from imuwb.stochastic.checks import as_floats, require
 from imuwb.stochastic.state_space import FlickerApproximation, StateSpace
 from imuwb.stochastic.sums import Addable, Sum
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from imuwb.log import Floats
-
-
-def _as_floats(process: Any) -> None:  # noqa: ANN401 - any of the processes
-    """Make whole numbers floats, so that 1 and 1.0 are the same process in every respect."""
-    for f in fields(process):
-        if isinstance(value := getattr(process, f.name), int):
-            object.__setattr__(process, f.name, float(value))
-
-
-def _require(what: str, value: float, *, above: float | None = None) -> None:
-    """Raise ValueError unless ``value`` is finite and not negative (or greater than ``above``)."""
-    if not np.isfinite(value) or value < 0 or (above is not None and value <= above):
-        message = f"{what} is {value}; it must be {'positive' if above is not None else 'zero or more'}"
-        raise ValueError(message)
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +34,8 @@ class WhiteNoise(Addable):
 
     def __post_init__(self) -> None:
         """Check N."""
-        _as_floats(self)
-        _require("N", self.N)
+        as_floats(self)
+        require("N", self.N)
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return N²/tau (IEEE 952, C.6)."""
@@ -79,8 +65,8 @@ class Quantization(Addable):
 
     def __post_init__(self) -> None:
         """Check Q."""
-        _as_floats(self)
-        _require("Q", self.Q)
+        as_floats(self)
+        require("Q", self.Q)
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return 3 Q²/tau² (IEEE 952, C.18)."""
@@ -110,8 +96,8 @@ class FlickerNoise(Addable):
 
     def __post_init__(self) -> None:
         """Check B."""
-        _as_floats(self)
-        _require("B", self.B)
+        as_floats(self)
+        require("B", self.B)
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return (2 ln 2/pi) B² at every tau, which averaged samples have exactly."""
@@ -183,8 +169,8 @@ class RandomWalk(Addable):
 
     def __post_init__(self) -> None:
         """Check K."""
-        _as_floats(self)
-        _require("K", self.K)
+        as_floats(self)
+        require("K", self.K)
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return K² tau/3 (IEEE 952, C.12)."""
@@ -220,8 +206,8 @@ class RateRamp(Addable):
 
     def __post_init__(self) -> None:
         """Check R."""
-        _as_floats(self)
-        _require("|R|", abs(self.R))
+        as_floats(self)
+        require("|R|", abs(self.R))
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return R² tau²/2 (IEEE 952, C.22)."""
@@ -255,9 +241,9 @@ class GaussMarkov(Addable):
 
     def __post_init__(self) -> None:
         """Check sigma and Tc."""
-        _as_floats(self)
-        _require("sigma", self.sigma)
-        _require("Tc", self.Tc, above=0.0)
+        as_floats(self)
+        require("sigma", self.sigma)
+        require("Tc", self.Tc, above=0.0)
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return 2 s² T²/tau² (tau/T - 3/2 + 2 e^(-tau/T) - e^(-2 tau/T)/2); it peaks at 0.6174 s, 1.893 T."""
@@ -319,95 +305,6 @@ class GaussMarkov(Addable):
 
 
 @dataclass(frozen=True, slots=True)
-class Autoregressive(Addable):
-    """x(n) = -sum alpha_k x(n-k) + beta0 w(n) (Quinchia, eq. 9); valid at its own step only.
-
-    Raises:
-        ValueError: a pole on or outside the unit circle; the message names it.
-    """
-
-    alpha: tuple[float, ...]
-    beta0: float  #: unit
-    dt: float  #: s, the step it was found at
-    name: ClassVar[str] = "autoregressive"
-
-    def __post_init__(self) -> None:
-        """Check that the set is stable."""
-        _as_floats(self)
-        _require("beta0", self.beta0)
-        _require("dt", self.dt, above=0.0)
-        object.__setattr__(self, "alpha", tuple(float(a) for a in self.alpha))
-        poles = np.roots([1.0, *self.alpha])
-        worst = max(np.abs(poles), default=0.0)
-        if worst >= 1:
-            message = f"this AR set is not stable: it has a pole of magnitude {worst:.6g} (it must be below 1)"
-            raise ValueError(message)
-
-    def _at(self, dt: float) -> None:
-        if abs(dt - self.dt) > 1e-6 * self.dt:
-            message = f"this AR model is valid at its own step of {self.dt} s, not at {dt} s; resample it"
-            raise ValueError(message)
-
-    def _stationary(self) -> StateSpace:
-        from scipy.linalg import solve_discrete_lyapunov  # noqa: PLC0415 - slow to import, seldom needed
-
-        p = len(self.alpha)
-        a = np.eye(p, k=-1)
-        a[0] = -np.array(self.alpha)
-        q = np.zeros((p, p))
-        q[0, 0] = self.beta0**2
-        return StateSpace(a, q, np.eye(p)[0], 0.0, solve_discrete_lyapunov(a, q))
-
-    def discretize(self, dt: float) -> StateSpace:
-        """Return the companion form, newest value first; at its own step only."""
-        self._at(dt)
-        return self._stationary() if self.alpha else state_space.white(self.beta0**2)
-
-    def autocovariance(self, lag: Floats) -> Floats:
-        """Return the autocovariance at lags that are multiples of its step."""
-        steps = np.rint(np.abs(lag) / self.dt).astype(np.int64)
-        if not self.alpha:
-            return np.where(steps == 0, self.beta0**2, 0.0)
-        first = self._stationary().P0[0]
-        most = int(steps.max(initial=0)) + 1
-        # r(k) = -sum alpha r(k-j): the recursion of the series itself, started with its exact values.
-        taps = [1.0, *self.alpha]
-        rest = signal.lfilter([1.0], taps, np.zeros(most), zi=signal.lfiltic([1.0], taps, first[::-1]))[0]
-        return np.concatenate([first, rest])[steps]
-
-    def allan_variance(self, tau: Floats, dt: float) -> Floats:
-        """Return the Allan variance from the autocovariance: (4 V(m) - V(2m)) / (2 m²), V the variance of m added up."""
-        self._at(dt)
-        m = np.rint(tau / self.dt).astype(np.int64)
-        k = np.arange(2.0 * int(m.max()))
-        r = self.autocovariance(k * self.dt)
-        lower, weighted = np.cumsum(r) - r[0], np.cumsum(k * r)
-
-        def added(size: NDArray[np.int64]) -> Floats:
-            return size * r[0] + 2 * (size * lower[size - 1] - weighted[size - 1])
-
-        return (4 * added(m) - added(2 * m)) / (2 * m.astype(np.float64) ** 2)
-
-    def power_spectral_density(self, f: Floats, dt: float) -> Floats:
-        """Return beta0² dt / |1 + sum alpha z^-k|²."""
-        self._at(dt)
-        z = np.exp(-2j * np.pi * f[..., None] * dt * np.arange(1, len(self.alpha) + 1))
-        return self.beta0**2 * dt / np.abs(1 + z @ np.array(self.alpha)) ** 2
-
-    def sample(self, n: int, dt: float, rng: np.random.Generator) -> Floats:
-        """Return n samples, stationary from the first."""
-        self._at(dt)
-        noise = self.beta0 * rng.standard_normal(n)
-        if not self.alpha:
-            return noise
-        past = np.linalg.cholesky(self._stationary().P0 + 1e-300 * np.eye(len(self.alpha))) @ rng.standard_normal(
-            len(self.alpha)
-        )
-        taps = [1.0, *self.alpha]
-        return signal.lfilter([1.0], taps, noise, zi=signal.lfiltic([1.0], taps, past))[0]
-
-
-@dataclass(frozen=True, slots=True)
 class Sinusoid(Addable):
     """A line: amplitude · sin(2 pi f t + phase), the phase drawn evenly."""
 
@@ -417,9 +314,9 @@ class Sinusoid(Addable):
 
     def __post_init__(self) -> None:
         """Check amplitude and frequency."""
-        _as_floats(self)
-        _require("amplitude", self.amplitude)
-        _require("frequency", self.frequency, above=0.0)
+        as_floats(self)
+        require("amplitude", self.amplitude)
+        require("frequency", self.frequency, above=0.0)
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return A² (sin² x / x)², x = pi f tau (IEEE 952, C.25)."""
@@ -458,8 +355,8 @@ class Constant(Addable):
 
     def __post_init__(self) -> None:
         """Check sigma."""
-        _as_floats(self)
-        _require("sigma", self.sigma)
+        as_floats(self)
+        require("sigma", self.sigma)
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return 0: differences do not see a constant."""

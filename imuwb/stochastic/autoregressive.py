@@ -1,0 +1,108 @@
+"""Autoregressive processes, which know their own step only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from scipy import signal
+
+from imuwb.stochastic import state_space
+from imuwb.stochastic.checks import as_floats, require
+from imuwb.stochastic.state_space import StateSpace
+from imuwb.stochastic.sums import Addable
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from imuwb.log import Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Autoregressive(Addable):
+    """x(n) = -sum alpha_k x(n-k) + beta0 w(n) (Quinchia, eq. 9); valid at its own step only.
+
+    Raises:
+        ValueError: a pole on or outside the unit circle; the message names it.
+    """
+
+    alpha: tuple[float, ...]
+    beta0: float  #: unit
+    dt: float  #: s, the step it was found at
+    name: ClassVar[str] = "autoregressive"
+
+    def __post_init__(self) -> None:
+        """Check that the set is stable."""
+        as_floats(self)
+        require("beta0", self.beta0)
+        require("dt", self.dt, above=0.0)
+        object.__setattr__(self, "alpha", tuple(float(a) for a in self.alpha))
+        poles = np.roots([1.0, *self.alpha])
+        worst = max(np.abs(poles), default=0.0)
+        if worst >= 1:
+            message = f"this AR set is not stable: it has a pole of magnitude {worst:.6g} (it must be below 1)"
+            raise ValueError(message)
+
+    def _at(self, dt: float) -> None:
+        if abs(dt - self.dt) > 1e-6 * self.dt:
+            message = f"this AR model is valid at its own step of {self.dt} s, not at {dt} s; resample it"
+            raise ValueError(message)
+
+    def _stationary(self) -> StateSpace:
+        from scipy.linalg import solve_discrete_lyapunov  # noqa: PLC0415 - slow to import, seldom needed
+
+        p = len(self.alpha)
+        a = np.eye(p, k=-1)
+        a[0] = -np.array(self.alpha)
+        q = np.zeros((p, p))
+        q[0, 0] = self.beta0**2
+        return StateSpace(a, q, np.eye(p)[0], 0.0, solve_discrete_lyapunov(a, q))
+
+    def discretize(self, dt: float) -> StateSpace:
+        """Return the companion form, newest value first; at its own step only."""
+        self._at(dt)
+        return self._stationary() if self.alpha else state_space.white(self.beta0**2)
+
+    def autocovariance(self, lag: Floats) -> Floats:
+        """Return the autocovariance at lags that are multiples of its step."""
+        steps = np.rint(np.abs(lag) / self.dt).astype(np.int64)
+        if not self.alpha:
+            return np.where(steps == 0, self.beta0**2, 0.0)
+        first = self._stationary().P0[0]
+        most = int(steps.max(initial=0)) + 1
+        # r(k) = -sum alpha r(k-j): the recursion of the series itself, started with its exact values.
+        taps = [1.0, *self.alpha]
+        rest = signal.lfilter([1.0], taps, np.zeros(most), zi=signal.lfiltic([1.0], taps, first[::-1]))[0]
+        return np.concatenate([first, rest])[steps]
+
+    def allan_variance(self, tau: Floats, dt: float) -> Floats:
+        """Return the Allan variance from the autocovariance: (4 V(m) - V(2m)) / (2 m²), V the variance of m added up."""
+        self._at(dt)
+        m = np.rint(tau / self.dt).astype(np.int64)
+        k = np.arange(2.0 * int(m.max()))
+        r = self.autocovariance(k * self.dt)
+        lower, weighted = np.cumsum(r) - r[0], np.cumsum(k * r)
+
+        def added(size: NDArray[np.int64]) -> Floats:
+            return size * r[0] + 2 * (size * lower[size - 1] - weighted[size - 1])
+
+        return (4 * added(m) - added(2 * m)) / (2 * m.astype(np.float64) ** 2)
+
+    def power_spectral_density(self, f: Floats, dt: float) -> Floats:
+        """Return beta0² dt / |1 + sum alpha z^-k|²."""
+        self._at(dt)
+        z = np.exp(-2j * np.pi * f[..., None] * dt * np.arange(1, len(self.alpha) + 1))
+        return self.beta0**2 * dt / np.abs(1 + z @ np.array(self.alpha)) ** 2
+
+    def sample(self, n: int, dt: float, rng: np.random.Generator) -> Floats:
+        """Return n samples, stationary from the first."""
+        self._at(dt)
+        noise = self.beta0 * rng.standard_normal(n)
+        if not self.alpha:
+            return noise
+        past = np.linalg.cholesky(self._stationary().P0 + 1e-300 * np.eye(len(self.alpha))) @ rng.standard_normal(
+            len(self.alpha)
+        )
+        taps = [1.0, *self.alpha]
+        return signal.lfilter([1.0], taps, noise, zi=signal.lfiltic([1.0], taps, past))[0]
