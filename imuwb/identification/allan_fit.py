@@ -18,6 +18,7 @@ import numpy as np
 from scipy import stats
 
 from imuwb.identification.allan_problem import LETTERS, PROCESSES, Problem, whitener
+from imuwb.identification.coefficient import READ_OUT, Coefficient
 from imuwb.identification.term_selection import ACCEPTED, begin, select
 from imuwb.stochastic import Sinusoid, Sum
 
@@ -31,21 +32,9 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: averaging time at which IEEE reads a coefficient off its own line (B: off the flat part)
-READ_OUT = {"Q": 3**0.5, "N": 1.0, "B": None, "K": 3.0, "R": 2**0.5}
 FARTHEST = 1e4  #: times the limit without the term's own scatter
 GAUSS_MARKOV_PEAK = 1.8926  #: Tc, where the Allan deviation of such a process is largest
 SHARE = 0.6  #: of the Allan variance; a term with more rules its region
-
-
-@dataclass(frozen=True, slots=True)
-class Coefficient:
-    """One coefficient in SI. ``value`` None: not identified, ``upper`` its limit."""
-
-    value: float | None
-    lower: float | None
-    upper: float
-    at: float | None  #: s, where it is read off; None for B without a flat region
 
 
 @dataclass(frozen=True, slots=True)

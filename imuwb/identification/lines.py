@@ -30,6 +30,7 @@ class Line:
     lower: float
     upper: float
     power_sigma: float  #: standard error of amplitude²
+    resolution: float  #: Hz, of the spectrum it was found in
 
     def process(self, dt: float) -> Sinusoid:
         """Return the continuous sinusoid whose averages over dt these samples are."""
@@ -75,4 +76,4 @@ def _line(f: Floats, density: Floats, floor: Floats, bins: NDArray[np.int64], fr
     noise = float(np.sqrt((floor[wide] ** 2 + 2 * floor[wide] * excess).sum() * 2 / freedom)) * 2 * step
     z = stats.norm.ppf((1 + level) / 2)
     lower, upper = np.sqrt(max(power - z * noise, 0.0)), np.sqrt(power + z * noise)
-    return Line(frequency, float(np.sqrt(power)), float(lower), float(upper), noise)
+    return Line(frequency, float(np.sqrt(power)), float(lower), float(upper), noise, float(step))

@@ -1,0 +1,165 @@
+"""The record in cosines: coefficients that are independent under white noise and random walk, nearly so under all.
+
+The discrete cosine transform (type II) of a record has, at j half periods, a coefficient whose variance is
+the two-sided density of the sampled process at f = j/(2 T). For white noise and for a random walk,
+averaged over dt as a sensor does, that is exact and the coefficients are independent, though a random walk is
+not stationary: cosines do not mind where a record begins and ends, which a Fourier series does. Flicker
+and Gauss-Markov noise couple the lowest coefficients; their covariance there is known in closed form.
+So a likelihood of the whole record costs one transform.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import fft, special
+
+from imuwb.stochastic import FlickerNoise, GaussMarkov, Quantization
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from imuwb.stochastic import Process
+
+    Floats = NDArray[np.float64]
+
+LOW = 48  #: coefficients that are taken one by one, with all their covariances
+WIDTH = 1.04  #: of a bin, last frequency over first
+POINTS = 8  #: of a wide bin at which a density is averaged
+FEWEST = 256  #: samples
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class CosineSpectrum:
+    """A record's cosine coefficients: the lowest one by one, the others' mean squares in narrow bins."""
+
+    n: int  #: samples
+    dt: float  #: s
+    ramp: float  #: unit/s, taken off beforehand
+    index: NDArray[np.int64]  #: (l,) half periods of the lowest coefficients, from 1 on
+    low: Floats  #: (l,) coefficients, scaled so that their variance is the two-sided density
+    first: NDArray[np.int64]  #: (k,) half periods at which a bin begins
+    last: NDArray[np.int64]  #: (k,) and ends, inclusive
+    power: Floats  #: (k,) mean square in a bin
+    count: NDArray[np.int64]  #: (k,) coefficients in a bin that are no line's
+
+    @property
+    def frequency(self) -> Floats:
+        """Return each bin's centre, Hz."""
+        return np.sqrt(self.first * self.last.astype(np.float64)) / (2 * self.n * self.dt)
+
+    def density(self, process: Process) -> Floats:
+        """Return a process's two-sided density averaged over each bin, (k,)."""
+        width = (self.last - self.first + 1).astype(np.float64)
+        points = np.where(width[:, None] <= POINTS, np.arange(POINTS), (np.arange(POINTS) + 0.5) / POINTS * width[:, None] - 0.5)
+        inside = points < width[:, None]
+        at = (self.first[:, None] + np.minimum(points, width[:, None] - 1)) / (2 * self.n * self.dt)
+        values = process.power_spectral_density(at.ravel(), self.dt).reshape(at.shape)
+        return (values * inside).sum(axis=1) / inside.sum(axis=1)
+
+    def covariance(self, process: Process) -> Floats:
+        """Return the covariance of the lowest coefficients under a process, (l, l)."""
+        if isinstance(process, FlickerNoise):
+            return process.B**2 * _flicker(self.index, self.n * self.dt)
+        if isinstance(process, GaussMarkov):
+            return process.sigma**2 * _gauss_markov(self.index, self.n * self.dt, process.Tc)
+        f = self.index / (2 * self.n * self.dt)
+        diagonal = np.diag(process.power_spectral_density(f, self.dt))
+        if isinstance(process, Quantization):
+            # The steps before the first and behind the last sample, which no cosine cancels.
+            edge = np.sqrt(2 / self.n) * np.cos(np.pi * self.index / (2 * self.n))
+            sign = np.where(self.index % 2 == 0, 1.0, -1.0)
+            diagonal += process.Q**2 / self.dt * (np.outer(edge, edge) + np.outer(edge * sign, edge * sign))
+        return diagonal
+
+    def trend(self) -> Floats:
+        """Return the lowest coefficients of a ramp of 1 unit/s, (l,)."""
+        t = np.pi * self.index / (2 * self.n)
+        # sum of k cos(pi j (k + 1/2)/n): -1/(2 sin²) for odd j, with cos t; 0 for even j
+        odd = -np.cos(t) / (2 * np.sin(t) ** 2)
+        return np.where(self.index % 2 == 1, odd, 0.0) * np.sqrt(2 / self.n) * self.dt**1.5
+
+
+def cosine_spectrum(values: Floats, dt: float, lines: Sequence[tuple[float, float]] = ()) -> CosineSpectrum:
+    """Return the cosine coefficients of an evenly spaced record without gaps.
+
+    Args:
+        values: (n,) samples.
+        dt: s.
+        lines: (frequency, half width) in Hz of what is to be left out.
+
+    Raises:
+        ValueError: fewer than 256 samples.
+    """
+    n = values.size
+    if n < FEWEST:
+        message = f"{n} samples are too few for a likelihood; it takes {FEWEST}"
+        raise ValueError(message)
+    centered = np.arange(n) - (n - 1) / 2
+    slope = float(centered @ values) / (n * (n**2 - 1) / 12)
+    level = float(values.mean())
+    powers = fft.dct(values - level - slope * centered, type=2, norm="ortho", overwrite_x=True) * np.sqrt(dt)
+    kept = np.ones(n, dtype=bool)
+    for frequency, half in lines:
+        begin, end = ((frequency + side * half) * 2 * n * dt for side in (-1, 1))
+        kept[max(int(begin), 0) : max(int(np.ceil(end)) + 1, 0)] = False
+    index = np.arange(1, LOW + 1)
+    index = index[kept[index]]
+    low = powers[index].copy()
+    np.square(powers, out=powers)
+    powers[~kept] = 0.0
+    edges = _edges(n)
+    sums, counts = np.add.reduceat(powers, edges[:-1]), np.add.reduceat(kept, edges[:-1], dtype=np.int64)
+    full = counts > 0
+    first, last = edges[:-1][full], edges[1:][full] - 1
+    if edges[-1] == n:  # reduceat's last piece runs to the end, as this one does
+        last[-1] = n - 1
+    return CosineSpectrum(n, dt, slope / dt, index, low, first, last, sums[full] / counts[full], counts[full])
+
+
+def _edges(n: int) -> NDArray[np.int64]:
+    steps = np.geomspace(LOW + 1, n, max(round(np.log(n / (LOW + 1)) / np.log(WIDTH)), 1) + 1)
+    return np.unique(np.rint(steps).astype(np.int64))
+
+
+def _cin(x: Floats) -> Floats:
+    """Return the integral of (1 - cos t)/t from 0 to x."""
+    return np.euler_gamma + np.log(x) - special.sici(x)[1]
+
+
+def _pairs(index: NDArray[np.int64]) -> tuple[Floats, Floats, NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return pi i and pi j of all pairs, where they are equal, and where a record's symmetry uncouples them."""
+    a = np.pi * index.astype(np.float64)
+    same = np.eye(index.size, dtype=bool)
+    apart = (index[:, None] + index[None, :]) % 2 == 1
+    return a[:, None] + 0 * a, a[None, :] + 0 * a[:, None], same, apart
+
+
+def _flicker(index: NDArray[np.int64], duration: float) -> Floats:
+    """Return the covariance under flicker of B = 1, from its generalised autocovariance -ln|t|/pi."""
+    a, b, same, apart = _pairs(index)
+    si = special.sici(a)[0]
+    diagonal = si / a - (1 - np.cos(a)) / a**2
+    other = -2 * (_cin(a) - _cin(b)) / np.where(same, 1.0, a**2 - b**2)
+    return 2 * duration / np.pi * np.where(same, diagonal, np.where(apart, 0.0, other))
+
+
+def _gauss_markov(index: NDArray[np.int64], duration: float, correlation_time: float) -> Floats:
+    """Return the covariance under a Gauss-Markov process of sigma 1, from its autocovariance e^(-|t|/Tc)."""
+    a, b, same, apart = _pairs(index)
+    x = duration / correlation_time
+    end = np.exp(-x) * np.cos(a)  # cos(pi j) = +-1; the same for a pair that is coupled
+
+    def sine(w: Floats) -> Floats:  # integral of e^(-x t) sin(w t) over the record
+        return w * (1 - end) / (x**2 + w**2)
+
+    # (1 - t) cos(w t) against e^(-x t), with z = x - i w: 1/z - (1 - e^-z)/z²
+    z = x - 1j * a
+    cosine = (1 / z - (1 - end) / z**2).real
+    diagonal = cosine - sine(a) / a
+    other = (-2 * a * sine(a) + 2 * b * sine(b)) / np.where(same, 1.0, a**2 - b**2)
+    return 2 * duration * np.where(same, diagonal, np.where(apart, 0.0, other))

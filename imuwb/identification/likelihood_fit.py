@@ -1,0 +1,193 @@
+"""The sum Q, N, B, K, R that makes a record likeliest, with intervals from its likelihood.
+
+What the Allan variance condenses to some twenty correlated figures, the likelihood of the cosine
+coefficients keeps: its errors are near the Cramer-Rao bound. A term's value is its likeliest size. One
+that is likeliest to be absent has none, and an upper limit; one whose interval begins at 0 may be absent.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import stats
+
+from imuwb.identification.coefficient import READ_OUT, Coefficient
+from imuwb.identification.cosine_spectrum import cosine_spectrum
+from imuwb.identification.likelihood_problem import LikelihoodProblem
+from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, Sum, WhiteNoise
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from imuwb.identification.likelihood_problem import Solution
+    from imuwb.identification.lines import Line
+    from imuwb.stochastic import Process
+
+    Floats = NDArray[np.float64]
+
+TERMS: dict[str, Callable[[float], Process]] = {
+    "Q": Quantization, "N": WhiteNoise, "B": FlickerNoise, "K": RandomWalk,
+}  # fmt: skip
+RAMP_EVIDENCE = 10.8  #: fall of the deviance for which a ramp is taken into the sum; chance makes it in about 1 %
+ACCEPTED = 1e-3  #: probability of a misfit as large; below it the sum does not explain the spectrum
+MUCH = 15.0  #: chi-square that leaving out another group of bins must be worth
+GROUP = 2**0.5  #: last frequency over first, of the bins that are judged together
+FEWEST_GROUPS = 8
+SURE = 300.0  #: degrees of freedom of a term; beyond, its interval is that of a scaled chi-square
+LINE_BINS = 6.0  #: of the line search, left out on both sides of a line
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LikelihoodFit:
+    """A sum of processes fitted to a record by likelihood."""
+
+    level: float
+    coefficients: dict[str, Coefficient]  #: Q, N, B, K, R
+    processes: Sum  #: the terms that have a value
+    deviance: float  #: -2 log likelihood, but for a constant of the record
+    highest: float  #: Hz, up to which the sum explains the spectrum
+    misfit: float  #: chi-square over its degrees of freedom, up to there
+    probability: float  #: of a misfit as large by chance
+
+    @property
+    def identified(self) -> Sum:
+        """Return the terms whose interval does not begin at 0."""
+        sure = [x for x in TERMS if (c := self.coefficients[x]).value is not None and (c.lower or 0.0) > 0]
+        ramp = [term for term in self.processes.terms if isinstance(term, RateRamp)]
+        return Sum((*(TERMS[x](self.coefficients[x].value or 0.0) for x in sure), *ramp))
+
+
+def fit_likelihood(values: Floats, dt: float, lines: Sequence[Line] = (), *, level: float = 0.95) -> LikelihoodFit:
+    """Fit the sum to an evenly spaced record without gaps.
+
+    Args:
+        values: (n,) samples.
+        dt: s.
+        lines: sinusoids found in the spectrum; their frequencies are left out.
+        level: of the intervals and limits.
+
+    Raises:
+        ValueError: fewer than 256 samples, or a constant channel.
+    """
+    if np.ptp(values) == 0:
+        message = "the channel is constant"
+        raise ValueError(message)
+    problem = LikelihoodProblem.of(
+        cosine_spectrum(values, dt, [(line.frequency, LINE_BINS * line.resolution) for line in lines]),
+        [make(1.0) for make in TERMS.values()],
+    )
+    problem, misfit, freedom = _explained(problem)
+    probability = float(stats.chi2.sf(misfit, freedom))
+    everything = list(range(len(TERMS)))
+    steady, sloping = (problem.solve(everything, ramp=ramp) for ramp in (False, True))
+    # Restricted likelihoods with and without a ramp do not compare; the plain ones do.
+    ramped = steady.deviance - (sloping.deviance + 2 * np.log(sloping.ramp_sigma)) > RAMP_EVIDENCE
+    best = sloping if ramped else steady
+    # A sum that does not explain the spectrum has wider intervals than its statistics say (Birge).
+    inflation = max(misfit / freedom, 1.0) if probability < ACCEPTED else 1.0
+    profile = _Profile(problem, best, ramped=ramped, inflation=inflation)
+    coefficients = {
+        letter: replace(profile.coefficient(t, level), at=READ_OUT[letter]) for t, letter in enumerate(TERMS)
+    }
+    coefficients["R"] = _ramp(sloping, level, inflation, ramped=ramped)
+    terms: list[Process] = [TERMS[x](c.value) for x in TERMS if (c := coefficients[x]).value]
+    if ramped:
+        terms.append(RateRamp(sloping.ramp))
+    return LikelihoodFit(
+        level, coefficients, Sum(tuple(terms)), best.deviance, float(problem.frequency[-1]), misfit / freedom, probability
+    )
+
+
+
+
+def _ramp(sloping: Solution, level: float, inflation: float, *, ramped: bool) -> Coefficient:
+    size, sigma = abs(sloping.ramp), sloping.ramp_sigma * inflation**0.5
+    z = stats.norm.ppf((1 + level) / 2)
+    if not ramped:
+        return Coefficient(None, None, float(size + stats.norm.ppf(level) * sigma), READ_OUT["R"])
+    return Coefficient(float(size), float(max(size - z * sigma, 0.0)), float(size + z * sigma), READ_OUT["R"])
+
+
+def _explained(problem: LikelihoodProblem) -> tuple[LikelihoodProblem, float, float]:
+    """Return the problem up to the frequency to which the sum explains it, chi-square and its degrees of freedom.
+
+    A sensor's own filter, or its resonances, bend the spectrum's upper end, where the bins are sure; no sum of
+    these processes follows. A cut must take away far more misfit than the bins it leaves out would have by chance.
+    """
+    top = float(problem.frequency[-1])
+    groups = int(np.log(top / problem.frequency[0]) / np.log(GROUP))
+    found: list[tuple[LikelihoodProblem, float, float]] = []
+    for cut in range(max(groups - FEWEST_GROUPS, 1)):
+        part = problem.below(top / GROUP**cut * (1 + 1e-12))
+        solution = part.solve(range(len(TERMS)))
+        misfit, freedom = _misfit(part, solution)
+        found.append((part, misfit, freedom))
+        pays = not cut or found[0][1] - misfit > MUCH * (cut + 1)
+        if pays and stats.chi2.sf(misfit, freedom) > ACCEPTED:
+            return found[-1]
+    gains = [found[0][1] - misfit - MUCH * (cut + 1) for cut, (_, misfit, _) in enumerate(found)]
+    return found[int(np.argmax(gains)) if max(gains) > 0 else 0]
+
+
+def _misfit(problem: LikelihoodProblem, solution: Solution) -> tuple[float, float]:
+    """Return chi-square of the mean power, group by group of bins, and its degrees of freedom."""
+    density = problem.design @ solution.squared
+    group = (np.log(problem.frequency[-1] / problem.frequency) / np.log(GROUP)).astype(np.int64)
+    count = np.bincount(group, problem.count)
+    excess = np.bincount(group, problem.count * (problem.power / density - 1))
+    chi2 = float(np.sum(excess**2 / (2 * count.clip(1))))
+    return chi2, float(max(count.size - np.count_nonzero(solution.squared), 1))
+
+
+class _Profile:
+    """How much less likely the record gets as one term's size leaves its likeliest, the others following."""
+
+    def __init__(self, problem: LikelihoodProblem, best: Solution, *, ramped: bool, inflation: float) -> None:
+        self._problem, self._best, self._ramped, self._inflation = problem, best, ramped, inflation
+
+    def coefficient(self, term: int, level: float) -> Coefficient:
+        """Return the size of a term with its interval, or its limit."""
+        value = float(self._best.squared[term])
+        if value == 0:
+            return Coefficient(None, None, self._end(term, float(stats.norm.ppf(level)) ** 2, upward=True) ** 0.5, None)
+        free = np.flatnonzero(self._best.squared > 0)
+        covariance = np.linalg.pinv(self._best.information[np.ix_(free, free)], hermitian=True)
+        place = int(np.flatnonzero(free == term)[0])
+        freedom = 2 * value**2 / (float(covariance[place, place]) * self._inflation)
+        if freedom > SURE:
+            tail = (1 - level) / 2
+            lower, upper = (value * freedom / float(stats.chi2.ppf(q, freedom)) for q in (1 - tail, tail))
+        else:
+            reach = float(stats.chi2.ppf(level, 1))
+            lower, upper = (self._end(term, reach, upward=upward) for upward in (False, True))
+        return Coefficient(value**0.5, lower**0.5, upper**0.5, None)
+
+    def _loss(self, term: int, size: float) -> float:
+        best = self._best
+        others = [t for t in range(best.squared.size) if t != term]
+        held = np.eye(best.squared.size)[term] * size
+        there = self._problem.solve(others, ramp=self._ramped, start=best.squared, held=held)
+        return (there.deviance - best.deviance) / self._inflation
+
+    def _end(self, term: int, reach: float, *, upward: bool) -> float:
+        """Return the square at which the likelihood has fallen by ``reach``; 0 where it never does downward."""
+        best = self._best
+        value = float(best.squared[term])
+        if not upward and self._loss(term, 0.0) < reach:
+            return 0.0
+        sigma = float(best.information[term, term]) ** -0.5
+        inner, outer = value, value
+        while True:  # outward until the end lies between
+            outer = outer / 2 if not upward else max(2 * outer, value + sigma)
+            if self._loss(term, outer) > reach:
+                break
+            inner = outer
+        inner = max(inner, 1e-3 * outer)
+        for _ in range(7):  # to a hundredth of a factor of two
+            middle = (inner * outer) ** 0.5
+            inner, outer = (middle, outer) if self._loss(term, middle) < reach else (inner, middle)
+        return (inner * outer) ** 0.5

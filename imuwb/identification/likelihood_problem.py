@@ -1,0 +1,166 @@
+"""The likelihood of a sum of processes, given a record's cosine coefficients.
+
+The coefficients are Gaussian with a covariance linear in the squares of the processes' sizes: the lowest ones
+jointly, those of a bin independently and with one density (Whittle). Squares are found by Fisher
+scoring, none negative; a ramp is estimated along with them (restricted likelihood: what the ramp takes
+of the lowest coefficients is not counted as scatter).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import linalg, optimize
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from imuwb.identification.cosine_spectrum import CosineSpectrum
+    from imuwb.stochastic import Process
+
+    Floats = NDArray[np.float64]
+
+ROUNDS = 60
+CLOSE = 1e-7  #: relative change of the deviance at which scoring ends
+LEAST_SHARE = 1e-14  #: of a density; nothing is smaller
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Solution:
+    """The likeliest squares of some terms."""
+
+    squared: Floats  #: (t,) of all terms, 0 where one is left out
+    deviance: float  #: -2 log likelihood
+    information: Floats  #: (t, t) Fisher's, of the squares
+    ramp: float  #: unit/s; 0 where it is left out
+    ramp_sigma: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LikelihoodProblem:
+    """Cosine coefficients, and what t processes of size 1 make of them."""
+
+    low: Floats  #: (l,)
+    trend: Floats  #: (l,) of a ramp of 1
+    parts: Floats  #: (t, l, l) covariances
+    frequency: Floats  #: (k,) Hz
+    power: Floats  #: (k,)
+    count: Floats  #: (k,)
+    design: Floats  #: (k, t) densities
+    ramp: float  #: taken off beforehand
+
+    @staticmethod
+    def of(spectrum: CosineSpectrum, processes: Sequence[Process]) -> LikelihoodProblem:
+        """Return the problem of a spectrum and the processes that may be in it, each of size 1."""
+        return LikelihoodProblem(
+            spectrum.low, spectrum.trend(), np.stack([spectrum.covariance(p) for p in processes]), spectrum.frequency,
+            spectrum.power, spectrum.count.astype(np.float64), np.stack([spectrum.density(p) for p in processes], axis=1),
+            spectrum.ramp,
+        )  # fmt: skip
+
+    def below(self, frequency: float) -> LikelihoodProblem:
+        """Return the problem without the bins above a frequency, Hz."""
+        kept = self.frequency <= frequency
+        return replace(
+            self, frequency=self.frequency[kept], power=self.power[kept], count=self.count[kept], design=self.design[kept]
+        )
+
+    def solve(
+        self, active: Sequence[int], *, ramp: bool = True, start: Floats | None = None, held: Floats | None = None
+    ) -> Solution:
+        """Return the likeliest squares of the active terms.
+
+        Args:
+            active: indices of the free terms.
+            ramp: estimate a ramp too.
+            start: (t,) where to begin.
+            held: (t,) squares of terms that are in the sum, but not free.
+        """
+        free = list(active)
+        held = np.zeros(self.design.shape[1]) if held is None else held
+        squared = (self._start(free) if start is None else np.where(np.isin(np.arange(held.size), free), start, 0.0)) + held
+        now = self._score(squared, ramp=ramp)
+        for _ in range(ROUNDS):
+            rows = np.ix_(free, free)
+            target = now.target[free] - now.information[np.ix_(free, range(held.size))] @ held
+            wanted = held.copy()
+            wanted[free] += _nonnegative(now.information[rows], target)
+            step, new = 1.0, self._score(wanted, ramp=ramp)
+            while not new.deviance <= now.deviance + 1e-9 * abs(now.deviance) and step > 1e-3:  # noqa: PLR2004 - a thousandth
+                step /= 2
+                new = self._score(squared + step * (wanted - squared), ramp=ramp)
+            squared = squared + step * (wanted - squared)
+            done = abs(now.deviance - new.deviance) <= CLOSE * self.low.size
+            now = new
+            if done:
+                break
+        return Solution(squared, now.deviance, now.information, now.ramp + self.ramp * ramp, now.ramp_sigma)
+
+    def _start(self, free: list[int]) -> Floats:
+        weight = np.sqrt(self.count) / self.power.clip(self.power.max() * LEAST_SHARE)
+        columns = self.design[:, free] * weight[:, None]
+        size = np.linalg.norm(columns, axis=0)
+        squared = np.zeros(self.design.shape[1])
+        squared[free] = optimize.nnls(columns / size, self.power * weight)[0] / size
+        if not squared.any():
+            squared[free] = self.power.mean() / self.design[:, free].mean(axis=0) / len(free)
+        return squared
+
+    def _score(self, squared: Floats, *, ramp: bool) -> _Score:
+        density = self.design @ squared
+        density = density.clip(max(float(density.max()), 1e-300) * LEAST_SHARE)
+        relative = self.design / density[:, None]
+        deviance = float(self.count @ (np.log(density) + self.power / density))
+        information = (relative * self.count[:, None]).T @ relative / 2
+        target = relative.T @ (self.count * self.power / density) / 2
+        covariance = np.einsum("t,tij->ij", squared, self.parts)
+        scale = np.sqrt(np.diag(covariance)).clip(1e-150)
+        try:
+            factor = linalg.cholesky(covariance / np.outer(scale, scale) + LEAST_SHARE * np.eye(scale.size), lower=True)
+        except linalg.LinAlgError:
+            return _Score(np.inf, information, target, 0.0, 0.0)
+        lower = linalg.solve_triangular(factor, np.diag(1 / scale), lower=True)  # whitens
+        data, trend = lower @ self.low, lower @ self.trend
+        deviance += 2 * float(np.log(np.diag(factor)).sum() + np.log(scale).sum())
+        white = lower @ self.parts @ lower.T
+        slope = sigma = 0.0
+        # Without the ramp in the sum, what was taken off beforehand is put back.
+        data = data if ramp else data + self.ramp * trend
+        strength = float(trend @ trend)
+        if ramp and strength > 0:
+            along = trend / np.sqrt(strength)
+            slope, sigma = float(data @ trend) / strength, 1 / np.sqrt(strength)
+            data = data - along * (along @ data)
+            deviance += float(np.log(strength))
+            across = np.eye(along.size) - np.outer(along, along)
+            white = across @ white @ across
+        deviance += float(data @ data)
+        information = information + np.einsum("tij,uji->tu", white, white) / 2
+        target = target + np.einsum("i,tij,j->t", data, white, data) / 2
+        return _Score(deviance, information, target, slope, sigma)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Score:
+    """Deviance, Fisher information I, and target b: the squares p with I p = b are the next step."""
+
+    deviance: float
+    information: Floats
+    target: Floats
+    ramp: float
+    ramp_sigma: float
+
+
+def _nonnegative(information: Floats, target: Floats) -> Floats:
+    """Return the p >= 0 that makes p'Ip/2 - p'b least."""
+    size = np.sqrt(np.diag(information)).clip(1e-150)
+    scaled = information / np.outer(size, size)
+    values, vectors = linalg.eigh(scaled)
+    kept = values > values[-1] * 1e-13
+    root = (vectors[:, kept] * np.sqrt(values[kept])).T
+    right = (vectors[:, kept] / np.sqrt(values[kept])).T @ (target / size)
+    return optimize.nnls(root, right)[0] / size
