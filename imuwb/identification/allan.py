@@ -14,6 +14,7 @@ from scipy import stats
 from imuwb.identification import noise_type
 from imuwb.identification.allan_statistics import equivalent_degrees_of_freedom
 from imuwb.identification.averaging import averaging_factors
+from imuwb.identification.gapped import bridged
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
 
 Uncertainty = Literal["edf", "printed"]
 BLOCK = 1024  #: samples of the sum that stay in the fastest cache while all factors use them
+BRIDGE = 0.5  #: share of the second differences; where gaps leave less, pairs of samples bridge them
+BRIDGE_LOSS = 0.6  #: of degrees of freedom then; seen in ``tests/studies/missing_samples.md``
+THINNEST = 16  #: points of the sum in an averaging time that the fast mode keeps at least
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -51,6 +55,8 @@ def allan(
     level: float = 0.95,
     uncertainty: Uncertainty = "edf",
     breaks: Sequence[int] = (),
+    time: NDArray[np.int64] | None = None,
+    fast: bool = False,
 ) -> AllanDeviation:
     """Return the overlapping Allan deviation of a rate (or specific force) series.
 
@@ -66,6 +72,10 @@ def allan(
             found at each averaging time; ``"printed"``: +-z/√(2(n/m - 1)), the papers' formula
             (Quinchia, eq. 15; Hassaballa, eq. 10).
         breaks: indices at which samples are missing before; no second difference spans one.
+        time: (n,) ns; where gaps leave too few second differences, averaging times are bridged by the
+            pairs of samples there are (``gapped.bridged``). Without it, they end with the longest part.
+        fast: thin the sum out at long averaging times, to 16 to 32 points in one; the averaging times
+            are rounded to that. ``FAST_ERROR`` bounds the difference.
 
     Raises:
         ValueError: fewer than 2 samples, or no averaging time within the record.
@@ -79,33 +89,69 @@ def allan(
     if not pieces:
         message = f"{values.size} samples hold no two that follow each other; the Allan variance needs them"
         raise ValueError(message)
-    longest = max(pieces, key=len)
-    factor = averaging_factors(averaging_times, longest.size, dt)
+    place = _places(time, dt) if time is not None and breaks else None
+    factor = averaging_factors(averaging_times, max(map(len, pieces)) if place is None else int(place[-1]) + 1, dt)
+    if fast:
+        factor = np.unique(factor // _strides(factor) * _strides(factor))
     center = float(values.mean())
     phases = [_phase(piece, center) for piece in pieces]
     squares, terms = np.zeros(factor.size), np.zeros(factor.size, dtype=np.int64)
     for phase in phases:
-        squares += sums_of_squares(phase, factor)
-        terms += np.maximum(phase.size - 2 * factor, 0)
-    deviation = np.sqrt(squares / terms / 2) / factor
+        squares += thinned_sums_of_squares(phase, factor) if fast else sums_of_squares(phase, factor)
+        terms += np.maximum(phase.size - 2 * factor, 0)  # thinned sums know as much as whole ones
+    counted = _thinned_terms(phases, factor) if fast else terms
+    variance = np.divide(squares, 2.0 * counted * factor**2.0, out=np.zeros(factor.size), where=counted > 0)
+    loss = np.ones(factor.size)
+    if place is not None:
+        factor, variance, terms, loss = _with_bridges(values, place, factor, variance, terms)
+    deviation = np.sqrt(variance)
     kinds = _noise_types(max(phases, key=len), factor, deviation)
     # Gaps leave fewer terms; as if from a record that has that many.
     n_effective = terms + 2 * factor - 1
-    edf = np.array(
+    edf = loss * np.array(
         [
             equivalent_degrees_of_freedom(int(m), int(n), int(a))
             for m, n, a in zip(factor, n_effective, kinds, strict=True)
         ]
     )
-    if uncertainty == "edf":
-        tail = (1 - level) / 2
-        lower, upper = (deviation * np.sqrt(edf / stats.chi2.ppf(q, edf)) for q in (1 - tail, tail))
-    else:
-        half = stats.norm.ppf((1 + level) / 2) / np.sqrt(2 * np.maximum(values.size / factor - 1, 0.5))
-        lower, upper = np.maximum(deviation * (1 - half), 0.0), deviation * (1 + half)
+    lower, upper = _interval(deviation, edf, values.size / factor, level, uncertainty)
     return AllanDeviation(
         values.size, dt, level, factor, factor.astype(np.float64) * dt, deviation, lower, upper, edf, kinds, terms
     )
+
+
+def _interval(
+    deviation: Floats, edf: Floats, clusters: Floats, level: float, uncertainty: Uncertainty
+) -> tuple[Floats, Floats]:
+    if uncertainty == "edf":
+        tail = (1 - level) / 2
+        lower, upper = (deviation * np.sqrt(edf / stats.chi2.ppf(q, edf)) for q in (1 - tail, tail))
+        return lower, upper
+    half = stats.norm.ppf((1 + level) / 2) / np.sqrt(2 * np.maximum(clusters - 1, 0.5))
+    return np.maximum(deviation * (1 - half), 0.0), deviation * (1 + half)
+
+
+def _places(time: NDArray[np.int64], dt: float) -> NDArray[np.int64]:
+    """Return each sample's place on an even grid; stamps that scatter never swap two or put two in one."""
+    steps = np.maximum(np.rint(np.diff(time) / (dt * 1e9)), 1).astype(np.int64)
+    return np.concatenate([[0], np.cumsum(steps)])
+
+
+def _with_bridges(
+    values: Floats, place: NDArray[np.int64], factor: NDArray[np.int64], variance: Floats, terms: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], Floats, NDArray[np.int64], Floats]:
+    """Return factors, variances, terms and the loss of degrees of freedom, bridged where gaps leave less than half."""
+    whole = int(place[-1]) + 2 - 2 * factor
+    thin = terms < BRIDGE * whole
+    loss = np.ones(factor.size)
+    if thin.any():
+        bridges, share = bridged(values, place, factor[thin])
+        variance, terms = variance.copy(), terms.copy()
+        variance[thin], terms[thin], loss[thin] = bridges, np.rint(whole[thin] * share), BRIDGE_LOSS
+    known = np.isfinite(variance) & (variance > 0) & (terms > 0)
+    if not known.any():  # a constant channel
+        known = terms > 0
+    return factor[known], np.nan_to_num(variance[known]), terms[known], loss[known]
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
@@ -122,6 +168,11 @@ def _phase(values: Floats, center: float) -> Floats:
     phase = np.empty(values.size + 1)
     _integrate(values, center, phase)
     return phase
+
+
+def integrated(values: Floats) -> Floats:
+    """Return the running sum of the samples less their mean, from 0 on."""
+    return _phase(np.ascontiguousarray(values, dtype=np.float64), float(values.mean()))
 
 
 @numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
@@ -155,6 +206,30 @@ def sums_of_squares(phase: Floats, factors: NDArray[np.int64]) -> Floats:
     return out
 
 
+def _strides(factors: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return powers of two by which the phase may be thinned out and leave 16 to 32 points in an averaging time."""
+    return 2 ** np.maximum(np.log2(factors / THINNEST).astype(np.int64), 0)
+
+
+def _thinned_terms(phases: Sequence[Floats], factors: NDArray[np.int64]) -> NDArray[np.int64]:
+    strides = _strides(factors)
+    return sum(
+        (np.maximum((phase.size - 1 - 2 * factors) // strides + 1, 0) for phase in phases), np.zeros(factors.size, np.int64)
+    )
+
+
+def thinned_sums_of_squares(phase: Floats, factors: NDArray[np.int64]) -> Floats:
+    """Return ``sums_of_squares`` of every ``_strides``-th second difference."""
+    out = np.zeros(factors.size)
+    strides = _strides(factors)
+    stride = 1
+    while stride <= strides.max(initial=1):
+        chosen = strides == stride
+        out[chosen] = sums_of_squares(phase, factors[chosen] // stride)
+        stride, phase = 2 * stride, phase[::2].copy()
+    return out
+
+
 def _noise_types(phase: Floats, factor: NDArray[np.int64], deviation: Floats) -> NDArray[np.int64]:
     """Return the exponent at each factor; where too few points are left, that of the curve's slope there."""
     kinds = np.zeros(factor.size, dtype=np.int64)
@@ -178,11 +253,12 @@ def allan_of_axes(
     *,
     level: float = 0.95,
     uncertainty: Uncertainty = "edf",
+    fast: bool = False,
 ) -> dict[str, AllanDeviation]:
     """Return ``allan`` of several axes, {name: (values, dt, breaks)}, on two threads."""
     with ThreadPoolExecutor(2) as pool:
         futures = {
-            name: pool.submit(allan, values, dt, averaging_times, level=level, uncertainty=uncertainty, breaks=breaks)
+            name: pool.submit(allan, values, dt, averaging_times, level=level, uncertainty=uncertainty, breaks=breaks, fast=fast)
             for name, (values, dt, breaks) in series.items()
         }
         return {name: future.result() for name, future in futures.items()}

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from scipy import stats
+
+FEWEST_DEGREES = 3.0  #: of freedom of a square, for an interval that does not begin at 0
 #: averaging time at which IEEE reads a coefficient off its own line (B: off the flat part)
 READ_OUT = {"Q": 3**0.5, "N": 1.0, "B": None, "K": 3.0, "R": 2**0.5}
 
@@ -16,3 +19,17 @@ class Coefficient:
     lower: float | None
     upper: float
     at: float | None  #: s, where it is read off; None for B without a flat region
+
+
+def interval(square: float, sigma: float, level: float) -> tuple[float, float]:
+    """Return the ends of a coefficient whose square was estimated with this standard error.
+
+    A positive quadratic estimate is about a scaled chi-square, skewed where few degrees of freedom are left; with
+    fewer than three it says nothing of how near 0 the term may be.
+    """
+    freedom = 2 * square**2 / sigma**2
+    if freedom < FEWEST_DEGREES:
+        return 0.0, float(square + stats.norm.ppf((1 + level) / 2) * sigma) ** 0.5
+    tail = (1 - level) / 2
+    lower, upper = (square * freedom / float(stats.chi2.ppf(q, freedom)) for q in (1 - tail, tail))
+    return lower**0.5, upper**0.5

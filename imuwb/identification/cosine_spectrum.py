@@ -100,7 +100,7 @@ def cosine_spectrum(values: Floats, dt: float, lines: Sequence[tuple[float, floa
         message = f"{n} samples are too few for a likelihood; it takes {FEWEST}"
         raise ValueError(message)
     centered = np.arange(n) - (n - 1) / 2
-    slope = float(centered @ values) / (n * (n**2 - 1) / 12)
+    slope = float(np.einsum("i,i", centered, values)) / (n * (n**2 - 1) / 12)
     level = float(values.mean())
     powers = fft.dct(values - level - slope * centered, type=2, norm="ortho", overwrite_x=True) * np.sqrt(dt)
     kept = np.ones(n, dtype=bool)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import stats
 
-from imuwb.identification.coefficient import READ_OUT, Coefficient
+from imuwb.identification.coefficient import READ_OUT, Coefficient, interval
 from imuwb.identification.cosine_spectrum import cosine_spectrum
 from imuwb.identification.likelihood_problem import LikelihoodProblem
 from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, Sum, WhiteNoise
@@ -80,7 +80,7 @@ def fit_likelihood(values: Floats, dt: float, lines: Sequence[Line] = (), *, lev
         cosine_spectrum(values, dt, [(line.frequency, LINE_BINS * line.resolution) for line in lines]),
         [make(1.0) for make in TERMS.values()],
     )
-    problem, misfit, freedom = _explained(problem)
+    problem, misfit, freedom = explained(problem)
     probability = float(stats.chi2.sf(misfit, freedom))
     everything = list(range(len(TERMS)))
     steady, sloping = (problem.solve(everything, ramp=ramp) for ramp in (False, True))
@@ -89,10 +89,7 @@ def fit_likelihood(values: Floats, dt: float, lines: Sequence[Line] = (), *, lev
     best = sloping if ramped else steady
     # A sum that does not explain the spectrum has wider intervals than its statistics say (Birge).
     inflation = max(misfit / freedom, 1.0) if probability < ACCEPTED else 1.0
-    profile = _Profile(problem, best, ramped=ramped, inflation=inflation)
-    coefficients = {
-        letter: replace(profile.coefficient(t, level), at=READ_OUT[letter]) for t, letter in enumerate(TERMS)
-    }
+    coefficients = profiled(problem, best, level, ramped=ramped, inflation=inflation)
     coefficients["R"] = _ramp(sloping, level, inflation, ramped=ramped)
     terms: list[Process] = [TERMS[x](c.value) for x in TERMS if (c := coefficients[x]).value]
     if ramped:
@@ -112,7 +109,7 @@ def _ramp(sloping: Solution, level: float, inflation: float, *, ramped: bool) ->
     return Coefficient(float(size), float(max(size - z * sigma, 0.0)), float(size + z * sigma), READ_OUT["R"])
 
 
-def _explained(problem: LikelihoodProblem) -> tuple[LikelihoodProblem, float, float]:
+def explained(problem: LikelihoodProblem) -> tuple[LikelihoodProblem, float, float]:
     """Return the problem up to the frequency to which the sum explains it, chi-square and its degrees of freedom.
 
     A sensor's own filter, or its resonances, bend the spectrum's upper end, where the bins are sure; no sum of
@@ -143,6 +140,14 @@ def _misfit(problem: LikelihoodProblem, solution: Solution) -> tuple[float, floa
     return chi2, float(max(count.size - np.count_nonzero(solution.squared), 1))
 
 
+def profiled(
+    problem: LikelihoodProblem, best: Solution, level: float, *, ramped: bool, inflation: float
+) -> dict[str, Coefficient]:
+    """Return Q, N, B and K with their intervals, or their limits."""
+    profile = _Profile(problem, best, ramped=ramped, inflation=inflation)
+    return {letter: replace(profile.coefficient(t, level), at=READ_OUT[letter]) for t, letter in enumerate(TERMS)}
+
+
 class _Profile:
     """How much less likely the record gets as one term's size leaves its likeliest, the others following."""
 
@@ -159,11 +164,9 @@ class _Profile:
         place = int(np.flatnonzero(free == term)[0])
         freedom = 2 * value**2 / (float(covariance[place, place]) * self._inflation)
         if freedom > SURE:
-            tail = (1 - level) / 2
-            lower, upper = (value * freedom / float(stats.chi2.ppf(q, freedom)) for q in (1 - tail, tail))
-        else:
-            reach = float(stats.chi2.ppf(level, 1))
-            lower, upper = (self._end(term, reach, upward=upward) for upward in (False, True))
+            return Coefficient(value**0.5, *interval(value, (2 / freedom) ** 0.5 * value, level), None)
+        reach = float(stats.chi2.ppf(level, 1))
+        lower, upper = (self._end(term, reach, upward=upward) for upward in (False, True))
         return Coefficient(value**0.5, lower**0.5, upper**0.5, None)
 
     def _loss(self, term: int, size: float) -> float:

@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import linalg, optimize
+from scipy import optimize
+from scipy.linalg import lapack
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 ROUNDS = 60
-CLOSE = 1e-7  #: relative change of the deviance at which scoring ends
+CLOSE = 1e-4  #: change of the deviance at which scoring ends
 LEAST_SHARE = 1e-14  #: of a density; nothing is smaller
 
 
@@ -94,11 +95,15 @@ class LikelihoodProblem:
                 step /= 2
                 new = self._score(squared + step * (wanted - squared), ramp=ramp)
             squared = squared + step * (wanted - squared)
-            done = abs(now.deviance - new.deviance) <= CLOSE * self.low.size
+            done = abs(now.deviance - new.deviance) <= CLOSE
             now = new
             if done:
                 break
         return Solution(squared, now.deviance, now.information, now.ramp + self.ramp * ramp, now.ramp_sigma)
+
+    def deviance(self, squared: Floats, *, ramp: bool = False) -> float:
+        """Return -2 log likelihood of these squares."""
+        return self._score(squared, ramp=ramp).deviance
 
     def _start(self, free: list[int]) -> Floats:
         weight = np.sqrt(self.count) / self.power.clip(self.power.max() * LEAST_SHARE)
@@ -117,15 +122,23 @@ class LikelihoodProblem:
         deviance = float(self.count @ (np.log(density) + self.power / density))
         information = (relative * self.count[:, None]).T @ relative / 2
         target = relative.T @ (self.count * self.power / density) / 2
+        if not self.low.size:
+            return _Score(deviance, information, target, 0.0, 0.0)
+        return self._score_low(squared, _Score(deviance, information, target, 0.0, 0.0), ramp=ramp)
+
+    def _score_low(self, squared: Floats, bins: _Score, *, ramp: bool) -> _Score:
+        """Add what the lowest coefficients say to what the bins do."""
+        deviance, information, target = bins.deviance, bins.information, bins.target
         covariance = np.einsum("t,tij->ij", squared, self.parts)
-        scale = np.sqrt(np.diag(covariance)).clip(1e-150)
-        try:
-            factor = linalg.cholesky(covariance / np.outer(scale, scale) + LEAST_SHARE * np.eye(scale.size), lower=True)
-        except linalg.LinAlgError:
+        scale = np.sqrt(covariance.diagonal()).clip(1e-150)
+        relative = covariance / (scale[:, None] * scale)
+        relative.flat[:: scale.size + 1] += LEAST_SHARE
+        factor, failed = lapack.dpotrf(relative, lower=True, clean=True)
+        if failed:
             return _Score(np.inf, information, target, 0.0, 0.0)
-        lower = linalg.solve_triangular(factor, np.diag(1 / scale), lower=True)  # whitens
+        lower = lapack.dtrtri(factor, lower=True)[0] / scale  # whitens
         data, trend = lower @ self.low, lower @ self.trend
-        deviance += 2 * float(np.log(np.diag(factor)).sum() + np.log(scale).sum())
+        deviance += 2 * float(np.log(factor.diagonal()).sum() + np.log(scale).sum())
         white = lower @ self.parts @ lower.T
         slope = sigma = 0.0
         # Without the ramp in the sum, what was taken off beforehand is put back.
@@ -157,9 +170,8 @@ class _Score:
 
 def _nonnegative(information: Floats, target: Floats) -> Floats:
     """Return the p >= 0 that makes p'Ip/2 - p'b least."""
-    size = np.sqrt(np.diag(information)).clip(1e-150)
-    scaled = information / np.outer(size, size)
-    values, vectors = linalg.eigh(scaled)
+    size = np.sqrt(information.diagonal()).clip(1e-150)
+    values, vectors = np.linalg.eigh(information / (size[:, None] * size))
     kept = values > values[-1] * 1e-13
     root = (vectors[:, kept] * np.sqrt(values[kept])).T
     right = (vectors[:, kept] / np.sqrt(values[kept])).T @ (target / size)

@@ -1,0 +1,238 @@
+"""The sum Q, N, B, K from the variance of wavelet coefficients, scale by scale (GMWM).
+
+S. Guerrier and others (2013), "Wavelet-variance-based estimation for composite stochastic processes". Daubechies' wavelet of four
+taps is blind to a straight line, so a ramp is no matter here; with Haar's, half the Allan variance, this would be
+the Allan fit over again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numba
+import numpy as np
+from scipy import fft, linalg, optimize, special, stats
+
+from imuwb.identification.coefficient import READ_OUT, Coefficient, interval
+from imuwb.identification.likelihood_fit import ACCEPTED, TERMS
+from imuwb.stochastic import Sum
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from imuwb.stochastic import Process
+
+    Floats = NDArray[np.float64]
+
+_R3 = 3**0.5
+#: of the maximal-overlap transform: scaled so that the gain at 0 is 1
+SMOOTH = np.array([1 + _R3, 3 + _R3, 3 - _R3, 1 - _R3]) / 8
+DETAIL = SMOOTH[::-1] * np.array([1.0, -1.0, 1.0, -1.0])
+OVERSAMPLED = 8  #: coefficients kept in the time of a wavelet; more tell nothing new
+FEWEST = 4  #: independent coefficients of a scale
+SELF_SIMILAR = 9  #: level from which on a scale is twice the last one also for flicker
+GRID = 48  #: frequencies an octave
+ROUNDS = 8
+MUCH = 15.0  #: chi-square that leaving out the shortest scale must be worth
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class WaveletVariance:
+    """Mean squares of a record's wavelet coefficients. unit²."""
+
+    n: int
+    dt: float
+    scale: Floats  #: (j,) s, 2^j dt for level j = 1, 2, ...
+    variance: Floats  #: (j,)
+    terms: NDArray[np.int64]  #: (j,) coefficients, were none left out
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class WaveletFit:
+    """The sum fitted to wavelet variances."""
+
+    coefficients: dict[str, Coefficient]  #: Q, N, B, K
+    processes: Sum
+    shortest: float  #: s, scale from which on the sum explains the variances
+    misfit: float
+    probability: float
+
+
+def wavelet_variance(values: Floats, dt: float) -> WaveletVariance:
+    """Return the wavelet variances of an evenly spaced record without gaps; boundary coefficients are left out.
+
+    Raises:
+        ValueError: fewer than 64 samples.
+    """
+    if values.size < 64:  # noqa: PLR2004 - four scales
+        message = f"{values.size} samples are too few for wavelet variances; it takes 64"
+        raise ValueError(message)
+    smooth = values - values.mean()
+    variances: list[float] = []
+    terms: list[int] = []
+    stride, level = 1, 1
+    while True:
+        step = 2 ** (level - 1) // stride
+        left = values.size - (2**level - 1) * 3
+        if left < FEWEST * 2**level:
+            break
+        smooth, power = _level(smooth, step, SMOOTH, DETAIL)
+        variances.append(power)
+        terms.append(left)
+        level += 1
+        if 2 ** (level - 1) // stride > OVERSAMPLED // 2:
+            smooth, stride = smooth[::2].copy(), 2 * stride
+    levels = np.arange(1, len(variances) + 1)
+    return WaveletVariance(values.size, dt, 2.0**levels * dt, np.array(variances), np.array(terms))
+
+
+@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
+def _level(values: Floats, step: int, smooth: Floats, detail: Floats) -> tuple[Floats, float]:  # pragma: no cover
+    """Return the smoothed series, and the mean square of the details."""
+    count = values.size - 3 * step
+    out = np.empty(count)
+    power = 0.0
+    for i in range(count):
+        a, b, c, d = values[i], values[i + step], values[i + 2 * step], values[i + 3 * step]
+        out[i] = smooth[3] * a + smooth[2] * b + smooth[1] * c + smooth[0] * d
+        w = detail[3] * a + detail[2] * b + detail[1] * c + detail[0] * d
+        power += w * w
+    return out, power / count
+
+
+@lru_cache(maxsize=4)
+def _expectations(levels: int) -> Floats:
+    """Return the wavelet variances of Q, N, B and K of size 1 in units of dt, (levels, 4), from the filters themselves."""
+    found = np.zeros((levels, 4))
+    smooth = np.ones(1)
+    for j in range(levels):
+        spread = np.zeros(3 * 2**j + 1)
+        spread[:: 2**j] = DETAIL
+        wavelet = np.convolve(smooth, spread) if j < 5 else fft_convolve(smooth, DETAIL, 2**j)  # noqa: PLR2004 - either way
+        walk = np.cumsum(wavelet)
+        found[j, 0] = float(np.sum(np.diff(wavelet, prepend=0.0, append=0.0) ** 2))
+        found[j, 1] = float(wavelet @ wavelet)
+        # the increments of an averaged walk have variance 2/3 and covariance 1/6
+        found[j, 3] = float(2 / 3 * walk @ walk + 1 / 3 * walk[1:] @ walk[:-1])
+        found[j, 2] = _flicker(wavelet) if j < SELF_SIMILAR else found[j - 1, 2]
+        smooth = fft_convolve(smooth, SMOOTH, 2**j)
+    return found
+
+
+def fft_convolve(series: Floats, taps: Floats, step: int) -> Floats:
+    """Return the convolution with taps that stand ``step`` apart."""
+    out = np.zeros(series.size + (taps.size - 1) * step)
+    for k, tap in enumerate(taps):
+        out[k * step : k * step + series.size] += tap * series
+    return out
+
+
+def _flicker(wavelet: Floats) -> float:
+    """Return the variance that averaged flicker of B = 1 has behind a filter that stops constants."""
+    size = fft.next_fast_len(2 * wavelet.size, real=True)
+    correlation = fft.irfft(np.abs(fft.rfft(wavelet, size)) ** 2, size)[: wavelet.size]
+    lag = np.arange(wavelet.size, dtype=np.float64)
+    covariance = -(
+        special.xlogy((lag + 1) ** 2, lag + 1) + special.xlogy((lag - 1) ** 2, np.abs(lag - 1)) - 2 * special.xlogy(lag**2, lag)
+    ) / (2 * np.pi)
+    return float(correlation[0] * covariance[0] + 2 * correlation[1:] @ covariance[1:])
+
+
+@lru_cache(maxsize=4)
+def _responses(levels: int) -> tuple[Floats, Floats, Floats]:
+    """Return frequencies (of the sampling rate), their widths, and each level's squared gain there, (levels, k)."""
+    edges = np.geomspace(2.0 ** -(levels + 4), 0.5, (levels + 3) * GRID + 1)
+    f = np.sqrt(edges[1:] * edges[:-1])
+    smooth = np.ones(f.size)
+    rows: list[Floats] = []
+    for j in range(levels):
+        c, s = np.cos(np.pi * f * 2**j) ** 2, np.sin(np.pi * f * 2**j) ** 2
+        rows.append(smooth * s**2 * (1 + 2 * c))
+        smooth = smooth * c**2 * (1 + 2 * s)
+    return f, np.diff(edges), np.array(rows)
+
+
+def fit_wavelet_variance(found: WaveletVariance, *, level: float = 0.95) -> WaveletFit:
+    """Fit the sum of quantization, white, flicker and random-walk noise by generalised least squares.
+
+    Raises:
+        ValueError: fewer than five scales, or a variance of 0 (a constant channel).
+    """
+    levels = found.scale.size
+    if levels < 5 or not found.variance.all():  # noqa: PLR2004 - four terms need more
+        message = "too few scales, or a wavelet variance of 0 (a constant channel)"
+        raise ValueError(message)
+    dt = found.dt
+    design = _expectations(levels) * np.array([1 / dt**2, 1 / dt, 1.0, dt])
+    f, width, gains = _responses(levels)
+    parts = np.stack([make(1.0).power_spectral_density(f / dt, dt) / dt for make in TERMS.values()], axis=1)
+
+    def covariance(squared: Floats, rows: slice) -> Floats:
+        seen = gains[rows] * (parts @ squared)
+        terms = found.terms[rows].astype(np.float64)
+        # twice over, for the negative frequencies
+        return 4 * (seen * width) @ seen.T / np.minimum.outer(terms, terms)
+
+    best: tuple[int, Floats, Floats, float, int] | None = None
+    first_misfit = 0.0
+    for first in range(levels - 5):
+        rows = slice(first, None)
+        squared = _solve(found.variance[rows], design[rows], lambda p, rows=rows: covariance(p, rows))
+        spread = covariance(squared, rows)
+        residual = found.variance[rows] - design[rows] @ squared
+        chi2 = float(residual @ linalg.solve(spread, residual, assume_a="sym"))
+        freedom = max(residual.size - int(np.count_nonzero(squared)), 1)
+        first_misfit = first_misfit if first else chi2
+        gain = first_misfit - chi2 - MUCH * (first + 1) * bool(first)
+        if best is None or gain > best[3]:
+            best = (first, squared, spread, gain, freedom)
+        if float(stats.chi2.sf(chi2, freedom)) > ACCEPTED and (not first or gain > 0):
+            best = (first, squared, spread, gain, freedom)
+            break
+    if best is None:
+        message = "too few scales for a fit"
+        raise ValueError(message)
+    first, squared, spread, gain, freedom = best
+    chi2 = first_misfit - gain - MUCH * (first + 1) * bool(first)
+    probability = float(stats.chi2.sf(chi2, freedom))
+    inflation = max(chi2 / freedom, 1.0) if probability < ACCEPTED else 1.0
+    rows = slice(first, None)
+    coefficients = _coefficients(found.variance[rows], design[rows], squared, spread * inflation, level)
+    terms: list[Process] = [TERMS[x](c.value) for x in TERMS if (c := coefficients[x]).value]
+    return WaveletFit(coefficients, Sum(tuple(terms)), float(found.scale[first]), chi2 / freedom, probability)
+
+
+def _solve(variance: Floats, design: Floats, covariance: object) -> Floats:
+    weight = 1 / variance
+    columns = design * weight[:, None]
+    size = np.linalg.norm(columns, axis=0)
+    squared = optimize.nnls(columns / size, np.ones(variance.size))[0] / size
+    for _ in range(ROUNDS):
+        root = linalg.cholesky(covariance(squared), lower=True)  # type: ignore[operator]
+        white = linalg.solve_triangular(root, design, lower=True)
+        size = np.linalg.norm(white, axis=0)
+        squared = optimize.nnls(white / size, linalg.solve_triangular(root, variance, lower=True))[0] / size
+    return squared
+
+
+def _coefficients(variance: Floats, design: Floats, squared: Floats, spread: Floats, level: float) -> dict[str, Coefficient]:
+    """Return intervals by a scaled chi-square, one-sided limits where a term is 0."""
+    root = linalg.cholesky(spread, lower=True)
+    white = linalg.solve_triangular(root, design, lower=True)
+    data = linalg.solve_triangular(root, variance, lower=True)
+    active = np.flatnonzero(squared > 0)
+    found: dict[str, Coefficient] = {}
+    for t, letter in enumerate(TERMS):
+        columns = white[:, np.union1d(active, [t])]
+        place = int(np.flatnonzero(np.union1d(active, [t]) == t)[0])
+        inverse = np.linalg.pinv(columns.T @ columns, hermitian=True)
+        sigma = float(inverse[place, place]) ** 0.5
+        if squared[t] > 0:
+            found[letter] = Coefficient(float(squared[t]) ** 0.5, *interval(float(squared[t]), sigma, level), READ_OUT[letter])
+            continue
+        free = float((inverse @ columns.T @ data)[place])
+        limit = max(free, 0.0) + float(stats.norm.ppf(level)) * sigma
+        found[letter] = Coefficient(None, None, limit**0.5, READ_OUT[letter])
+    return found
