@@ -11,18 +11,31 @@ An analysis is a module (or any object) with
 * optionally ``LOGS = (fewest, most)`` (default one log; most may be None), and
   ``error_model(result) -> ImuErrorModel``.
 
+* optionally ``findings(result) -> tuple of Finding``: what it says of each axis in common terms, which
+  recipes lay beside what other analyses say;
+* optionally ``study(cases, parameters) -> result`` and ``draw_study(result, review)``, for ``--study``.
+
 It is registered under the entry-point group ``imuwb.analyses``, or is a single file:
 ``imuwb ./mine.py LOG``. Its docstring's first line is its help. This module imports nothing heavy, so
 that help is quick; keep imports of numpy inside ``run`` and ``draw``, or in modules they import.
+
+A conditioner changes the samples before an analysis sees them (``--through NAME:key=value,...``). It is a module with
+
+* ``Parameters``, as above;
+* ``condition(log, parameters) -> (log, found)``: the log with its change, which it names in ``Log.conditioning``:
+  whether it is causal, and how late; ValueError says why a parameter cannot be with this log;
+* optionally ``draw(found, review)``.
+
+It is registered under ``imuwb.conditioners``.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     import numpy as np
     import rerun as rr
@@ -58,7 +71,7 @@ class Analysis(Protocol):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Curve:
-    """A line in a log-log figure; points that are not positive and finite are left out."""
+    """A line in a figure; what is not finite, or not positive on a logarithmic axis, is left out."""
 
     label: str  #: in the legend; empty: none
     x: Floats
@@ -66,7 +79,7 @@ class Curve:
     color: tuple[int, int, int]
     lower: Floats | None = None  #: ends of the interval at each point
     upper: Floats | None = None
-    style: str = "line"  #: "line", "fit" (thin), or "faint"
+    style: str = "line"  #: "line" (with points), "curve" (without), "points", "fit" (thin), or "faint"
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,15 +92,29 @@ class Mark:
     color: tuple[int, int, int]
 
 
+@dataclass(frozen=True, slots=True)
+class Vertical:
+    """A dashed line across a figure, with a text."""
+
+    x: float
+    text: str
+    color: tuple[int, int, int] = (200, 200, 205)
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Figure:
-    """A log-log figure. Axis titles carry the unit."""
+    """A figure, log-log unless it says otherwise. Axis titles carry the unit."""
 
     title: str
     x_title: str
     y_title: str
     curves: tuple[Curve, ...]
     marks: tuple[Mark, ...] = ()
+    x_scale: Literal["log", "linear"] = "log"
+    y_scale: Literal["log", "linear"] = "log"
+    verticals: tuple[Vertical, ...] = ()
+    x_limits: tuple[float, float] | None = None  #: None: what holds all curves
+    y_limits: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,15 +140,67 @@ class Series:
     epoch: str = "log"  #: what time counts from: "unix", "boot" or "log"
 
 
+class AnyCoefficient(Protocol):
+    """A coefficient in SI as any estimator gives it: ``value`` None where it is not identified."""
+
+    @property
+    def value(self) -> float | None:
+        """Return the estimate."""
+        ...
+
+    @property
+    def lower(self) -> float | None:
+        """Return the lower end of its interval."""
+        ...
+
+    @property
+    def upper(self) -> float | None:
+        """Return the upper end of its interval, or the limit."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What an analysis says of one axis, in terms that all share."""
+
+    axis: str
+    source: str  #: the estimator's name
+    coefficients: Mapping[str, AnyCoefficient]  #: of Q, N, B, K, R, those it speaks of
+    remarks: tuple[str, ...] = ()  #: one line each, for a person to act on
+    headline: bool = False  #: this estimator's figures go into the model
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Case:
+    """One setting of a study, and the log as it is there."""
+
+    settings: Mapping[str, str]  #: such as {"rate": "100", "bandwidth": "42"}
+    log: Log
+
+
+class Conditioner(Protocol):
+    """What a module must have to be a conditioner."""
+
+    Parameters: Any
+
+    def condition(self, log: Log, parameters: Any) -> tuple[Log, Any]:  # noqa: ANN401 - each has its own types
+        """Return the changed log, and what can be drawn of the change."""
+        ...
+
+
 class Review(Protocol):
     """Where an analysis shows its result: one call puts it into the recording and, for text, the terminal."""
+
+    def tab(self, name: str) -> None:
+        """Put what follows on a tab of that name."""
+        ...
 
     def series(self, series: Series) -> None:
         """Show quantities over time; long ones as envelopes of their extremes."""
         ...
 
     def figure(self, figure: Figure) -> None:
-        """Show a log-log figure."""
+        """Show a figure."""
         ...
 
     def table(self, table: Table) -> None:

@@ -196,6 +196,17 @@ class Provenance:
     selection: str = ""  #: what was read of it, as text; empty: all
 
 
+@dataclass(frozen=True, slots=True)
+class Conditioning:
+    """What was done to a log's samples after it was read."""
+
+    name: str  #: of the conditioner
+    parameters: str  #: as one writes them behind its name
+    causal: bool  #: whether no sample knows of later ones, but for the delay
+    delay: float  #: s, by which what is seen in a sample is late, or a sample comes late
+    note: str = ""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Log:
     """What one file holds, in one normal form: after reading, nobody can tell the format."""
@@ -207,6 +218,7 @@ class Log:
     references: tuple[Reference, ...] = ()
     notes: tuple[str, ...] = ()
     zero: int | None = None  #: ns; what seconds "from the log's start" count from, also in a part of it
+    conditioning: tuple[Conditioning, ...] = ()  #: in order
 
     def __post_init__(self) -> None:
         """Begin where the earliest stream does, unless told."""
@@ -226,6 +238,11 @@ class Log:
         there = ", ".join(stream.name for stream in (*self.gnss, *self.references)) or "nothing that is read"
         message = f"{self.provenance.path}: no IMU in this log (it has {there}), and the analysis needs one"
         raise MissingDataError(message)
+
+    @property
+    def causal(self) -> bool:
+        """Whether no sample was made of later ones."""
+        return all(step.causal for step in self.conditioning)
 
     def seconds(self, time: Nanoseconds) -> Floats:
         """Return times of a stream in s from the log's start."""

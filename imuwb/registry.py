@@ -1,4 +1,4 @@
-"""Finds readers and analyses: by entry point, or in one Python file.
+"""Finds readers, conditioners and analyses: by entry point, or in one Python file.
 
 imuwb's own are registered as a stranger's are. One that fails to import is a warning that names
 it; two of one name are an error that names both.
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 READERS = "imuwb.readers"
 ANALYSES = "imuwb.analyses"
+CONDITIONERS = "imuwb.conditioners"
 
 
 class PluginWarning(UserWarning):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path  # noqa: TC003 - typer reads the annotations as the program runs
 from typing import Annotated, Any, Literal
 
@@ -35,6 +35,10 @@ class Common:
     ] = None
     units: Annotated[str | None, _log("--units", "Such as gyro=deg/s,accel=g,time=ms.", "UNITS")] = None
     frame: Annotated[Literal["FRD", "FLU"] | None, _log("--frame", "Body frame, where the log does not say.")] = None
+    through: Annotated[
+        list[str],
+        _log("--through", "Condition the samples first; repeatable, in order. `imuwb plugins` lists them.", "NAME:key=value,..."),
+    ] = field(default_factory=list[str])
     output: Annotated[
         Path | None,
         _out("--output", "-o", text="The recording; default: the log's name with .rrd.", metavar="FILE.rrd"),
@@ -44,4 +48,8 @@ class Common:
     save_model: Annotated[
         Path | None, _out("--save-model", text="The error model that was found.", metavar="FILE.toml")
     ] = None
+    study: Annotated[
+        list[str],
+        _out("--study", text="Repeat for values of a conditioner; several make a grid.", metavar="NAME.key=1,2,3|1..3"),
+    ] = field(default_factory=list[str])
     live: Annotated[bool, _out("--live", text="Show it in a running viewer too.")] = False

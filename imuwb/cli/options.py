@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import typing
-from dataclasses import MISSING, fields
+from dataclasses import MISSING, Field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
@@ -18,14 +18,17 @@ if TYPE_CHECKING:
 
     from imuwb.analysis import Analysis
 
+#: a common option -> what an analysis must have for it
+NEEDED = {"save_model": "error_model", "study": "study"}
+
 
 def command_function(name: str, analysis: Analysis) -> Callable[..., None]:
     """Return a function whose signature holds the logs, the parameters of an analysis, and the common options."""
     own = parameters_of(analysis.Parameters)
     shared = [
-        inspect.Parameter(f.name, inspect.Parameter.KEYWORD_ONLY, default=f.default, annotation=hint)
-        for f, hint in zip(fields(Common), _hints(Common).values(), strict=True)
-        if f.name != "save_model" or hasattr(analysis, "error_model")
+        inspect.Parameter(f.name, inspect.Parameter.KEYWORD_ONLY, default=default_of(f), annotation=hint)
+        for f, hint in zip(fields(Common), hints(Common).values(), strict=True)
+        if hasattr(analysis, NEEDED.get(f.name, "run"))
     ]
     clash = {p.name for p in own} & {p.name for p in shared}
     if clash:
@@ -52,23 +55,27 @@ def command_function(name: str, analysis: Analysis) -> Callable[..., None]:
 def parameters_of(kind: Any) -> list[inspect.Parameter]:  # noqa: ANN401 - a dataclass of the plugin's
     """Return the fields of a Parameters class as options."""
     options: list[inspect.Parameter] = []
-    for f, hint in zip(fields(kind), _hints(kind).values(), strict=True):
+    for f, hint in zip(fields(kind), hints(kind).values(), strict=True):
         base, text = hint, ""
         if typing.get_origin(hint) is Annotated:
             base, *notes = typing.get_args(hint)
             text = next((note for note in notes if isinstance(note, str)), "")
         flag = f"--{f.name.replace('_', '-')}"
         flags = f"{flag}/--no-{flag[2:]}" if base is bool else flag
-        default = f.default
-        if default is MISSING:
-            default = f.default_factory() if f.default_factory is not MISSING else inspect.Parameter.empty
         option = typer.Option(flags, help=text[:1].upper() + text[1:] + ("." if text and text[-1] not in ".)" else ""))
         options.append(
             inspect.Parameter(
-                f.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[base, option]
+                f.name, inspect.Parameter.KEYWORD_ONLY, default=default_of(f), annotation=Annotated[base, option]
             )
         )
     return options
+
+
+def default_of(f: Field[Any]) -> Any:  # noqa: ANN401 - of any type
+    """Return a field's default; ``inspect.Parameter.empty`` where it has none."""
+    if f.default is not MISSING:
+        return f.default
+    return f.default_factory() if f.default_factory is not MISSING else inspect.Parameter.empty
 
 
 def make(kind: Any, values: dict[str, Any]) -> Any:  # noqa: ANN401 - the plugin's own class
@@ -79,6 +86,7 @@ def make(kind: Any, values: dict[str, Any]) -> Any:  # noqa: ANN401 - the plugin
         raise UsageError(str(error)) from error
 
 
-def _hints(kind: Any) -> dict[str, Any]:  # noqa: ANN401 - any dataclass
-    hints = typing.get_type_hints(kind, include_extras=True)
-    return {f.name: hints[f.name] for f in fields(kind)}
+def hints(kind: Any) -> dict[str, Any]:  # noqa: ANN401 - any dataclass
+    """Return the annotations of a dataclass's fields, in order."""
+    hints = typing.get_typehints(kind, include_extras=True)
+    return {f.name: found[f.name] for f in fields(kind)}

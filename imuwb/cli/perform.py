@@ -12,6 +12,7 @@ import typer
 
 from imuwb import __version__, readers
 from imuwb.cli.terminal import progress, shower
+from imuwb.cli.through import cases, conditioned, grid, step
 from imuwb.errors import ImuwbError, UnreadableLogError, UsageError
 from imuwb.readers.batch import ReadOptions
 from imuwb.review.document import document
@@ -40,21 +41,34 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: ob
     if output.suffix != ".rrd":
         message = f"--output {output}: a recording ends in .rrd"
         raise UsageError(message)
+    for text in common.through:
+        step(text)
+    grid(common.study)
     to_stdout = common.json == "-"
     documents = [Path(common.json)] if common.json and not to_stdout else []
-    models = [common.save_model] if common.save_model else []
+    models = [model] if (model := model_place(analysis, paths, common)) is not None else []
     check_places([output, *documents, *models], paths, force=common.force)
-    logs = [read_log(path, common) for path in paths]
+    read = [conditioned(read_log(path, common), common.through) for path in paths]
+    logs = [log for log, _ in read]
     with blaming(name, analysis):
         result = analysis.run(logs, parameters)
+        studied = cast("Any", analysis).study(cases(logs, common.study), parameters) if common.study else None
     review = RecordingReview(output, live=VIEWER if common.live else None, show=shower(data=not to_stdout))
     try:
         overview(logs, review)
+        if read[0][1]:
+            review.tab("Conditioning")
+            review.note(conditioning_note(logs[0]))
+            for one, found in read[0][1]:
+                one.draw(found, review)
         review.tab(name.capitalize())
         with blaming(name, analysis):
             analysis.draw(result, review)
+            if common.study:
+                review.tab("Study")
+                cast("Any", analysis).draw_study(studied, review)
             model = cast("Any", analysis).error_model(result).to_toml() if models else ""
-        text = document(name, __version__, parameters, result, logs, review.notes)
+        text = document(name, __version__, parameters, result, logs, review.notes, studied)
         review.close()
     except BaseException:
         review.discard()
@@ -67,6 +81,24 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: ob
         write_text(file, model)
     for file in (output, *documents, *models):
         typer.echo(f"wrote {file}", err=True)
+
+
+def model_place(analysis: Analysis, paths: Sequence[Path], common: Common) -> Path | None:
+    """Return where the error model goes: where it was asked for, or beside the log for an analysis that always leaves one."""
+    if common.save_model is not None or not getattr(analysis, "LEAVES_MODEL", False):
+        return common.save_model
+    beside = common.output or paths[0]
+    return beside.with_name(f"{stem(beside)}.error-model.toml")
+
+
+def conditioning_note(log: Log) -> str:
+    """Return what was done to the samples, in words."""
+    steps = [
+        f"{c.name} ({c.parameters}): {'causal' if c.causal else 'not causal, it knows what comes'}"
+        f"{f', {c.delay:.4g} s late' if c.delay else ''}{f'; {c.note}' if c.note else ''}"
+        for c in log.conditioning
+    ]
+    return "the samples went through " + "; then ".join(steps)
 
 
 def read_log(path: Path, common: Common) -> Log:
@@ -96,7 +128,7 @@ def units(text: str | None) -> dict[str, str]:
 def stem(path: Path) -> str:
     """Return a log's name without its suffixes: static for static.csv.gz."""
     name = path.name
-    for suffix in (".gz", ".csv", ".txt", ".mcap", ".pos", ".bin", ".tlog", ".ulg", ".log"):
+    for suffix in (".rrd", ".gz", ".csv", ".txt", ".mcap", ".pos", ".bin", ".tlog", ".ulg", ".log"):
         name = name.removesuffix(suffix)
     return name or path.name
 

@@ -1,26 +1,59 @@
 """Noise identification: arrays in, frozen results out. No module here knows a file or a viewer."""
 
 from imuwb.identification.allan import AllanDeviation, allan, allan_of_axes
-from imuwb.identification.allan_fit import AllanFit, Coefficient, CorrelationTime, Region, fit_allan
+from imuwb.identification.allan_fit import AllanFit, CorrelationTime, Region, fit_allan
 from imuwb.identification.allan_statistics import equivalent_degrees_of_freedom
+from imuwb.identification.autocorrelation import Autocorrelation, GaussMarkovFit, autocorrelation
+from imuwb.identification.autoregressive import AutoregressiveFit, fit_autoregressive
 from imuwb.identification.averaging import averaging_factors
+from imuwb.identification.burg import Burg, burg
+from imuwb.identification.coefficient import Coefficient
+from imuwb.identification.deviations import deviation
+from imuwb.identification.likelihood_fit import LikelihoodFit, fit_likelihood
 from imuwb.identification.lines import Line, find_lines
+from imuwb.identification.model_choice import Candidate, ModelChoice, choose_model
+from imuwb.identification.spectrum import PowerSpectrum, SpectralFit, fit_spectrum, power_spectrum
+from imuwb.identification.stationarity import Stationarity, stationarity
 from imuwb.identification.stillness import Disturbance, Stillness, stillness
+from imuwb.identification.wavelet_variance import WaveletFit, WaveletVariance, fit_wavelet_variance, wavelet_variance
 
 __all__ = [
     "AllanDeviation",
     "AllanFit",
+    "Autocorrelation",
+    "AutoregressiveFit",
+    "Burg",
+    "Candidate",
     "Coefficient",
     "CorrelationTime",
     "Disturbance",
+    "GaussMarkovFit",
+    "LikelihoodFit",
     "Line",
+    "ModelChoice",
+    "PowerSpectrum",
     "Region",
+    "SpectralFit",
+    "Stationarity",
     "Stillness",
+    "WaveletFit",
+    "WaveletVariance",
     "allan",
     "allan_of_axes",
+    "autocorrelation",
     "averaging_factors",
+    "burg",
+    "choose_model",
+    "deviation",
     "equivalent_degrees_of_freedom",
     "find_lines",
     "fit_allan",
+    "fit_autoregressive",
+    "fit_likelihood",
+    "fit_spectrum",
+    "fit_wavelet_variance",
+    "power_spectrum",
+    "stationarity",
     "stillness",
+    "wavelet_variance",
 ]

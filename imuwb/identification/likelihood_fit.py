@@ -85,12 +85,13 @@ def fit_likelihood(values: Floats, dt: float, lines: Sequence[Line] = (), *, lev
     everything = list(range(len(TERMS)))
     steady, sloping = (problem.solve(everything, ramp=ramp) for ramp in (False, True))
     # Restricted likelihoods with and without a ramp do not compare; the plain ones do.
-    ramped = steady.deviance - (sloping.deviance + 2 * np.log(sloping.ramp_sigma)) > RAMP_EVIDENCE
+    known = sloping.ramp_sigma > 0  # not so where a line hides all of the lowest coefficients
+    ramped = known and steady.deviance - (sloping.deviance + 2 * np.log(sloping.ramp_sigma)) > RAMP_EVIDENCE
     best = sloping if ramped else steady
     # A sum that does not explain the spectrum has wider intervals than its statistics say (Birge).
     inflation = max(misfit / freedom, 1.0) if probability < ACCEPTED else 1.0
-    coefficients = profiled(problem, best, level, ramped=ramped, inflation=inflation)
-    coefficients["R"] = _ramp(sloping, level, inflation, ramped=ramped)
+    coefficients = profiled(problem, best, level, ramped=bool(ramped), inflation=inflation)
+    coefficients["R"] = _ramp(sloping, level, inflation, ramped=bool(ramped))
     terms: list[Process] = [TERMS[x](c.value) for x in TERMS if (c := coefficients[x]).value]
     if ramped:
         terms.append(RateRamp(sloping.ramp))
@@ -104,6 +105,8 @@ def fit_likelihood(values: Floats, dt: float, lines: Sequence[Line] = (), *, lev
 def _ramp(sloping: Solution, level: float, inflation: float, *, ramped: bool) -> Coefficient:
     size, sigma = abs(sloping.ramp), sloping.ramp_sigma * inflation**0.5
     z = stats.norm.ppf((1 + level) / 2)
+    if sigma == 0:
+        return Coefficient(None, None, float("inf"), READ_OUT["R"])
     if not ramped:
         return Coefficient(None, None, float(size + stats.norm.ppf(level) * sigma), READ_OUT["R"])
     return Coefficient(float(size), float(max(size - z * sigma, 0.0)), float(size + z * sigma), READ_OUT["R"])
@@ -144,7 +147,7 @@ def profiled(
     problem: LikelihoodProblem, best: Solution, level: float, *, ramped: bool, inflation: float
 ) -> dict[str, Coefficient]:
     """Return Q, N, B and K with their intervals, or their limits."""
-    profile = _Profile(problem, best, ramped=ramped, inflation=inflation)
+    profile = _Profile(problem, best, ramped=bool(ramped), inflation=inflation)
     return {letter: replace(profile.coefficient(t, level), at=READ_OUT[letter]) for t, letter in enumerate(TERMS)}
 
 

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import ndimage, signal, stats
+from scipy import ndimage, stats
 
+from imuwb.identification.welch import welch
 from imuwb.stochastic import Sinusoid
 
 if TYPE_CHECKING:
@@ -49,9 +50,8 @@ def find_lines(values: Floats, dt: float, level: float = 0.95, false_alarm: floa
     size = min(LONGEST_SEGMENT, 1 << max(values.size // LEAST_SEGMENTS, 1).bit_length() - 1)
     if size < 4 * FLOOR_BINS:
         return ()
-    f, density = signal.welch(values, 1 / dt, "hann", size, detrend="linear")
-    # Half-overlapping Hann segments: each counts for 1/(1 + 2/36) of an independent one (Welch 1967).
-    segments = (2 * values.size // size - 1) / (1 + 2 * (1 / 6) ** 2)
+    density, segments = welch(values, dt, size)
+    f = np.arange(density.size) / (size * dt)
     freedom = 2 * segments
     floor = ndimage.median_filter(density, FLOOR_BINS, mode="nearest") / (stats.chi2.ppf(0.5, freedom) / freedom)
     inside = np.arange(4, f.size - 2)  # below lies the drift, above the edge

@@ -10,11 +10,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import fft, special, stats
+from scipy import special, stats
 
 from imuwb.identification.coefficient import Coefficient
 from imuwb.identification.likelihood_fit import ACCEPTED, GROUP, TERMS, explained, profiled
 from imuwb.identification.likelihood_problem import LikelihoodProblem
+from imuwb.identification.welch import welch
 from imuwb.stochastic import Sum
 
 if TYPE_CHECKING:
@@ -28,9 +29,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 LONGEST = 1 << 20  #: samples of a segment, as Quinchia's
-OVERLAP = 2  #: segments that hold a sample
-#: Of the powers of neighbouring Hann-windowed segments that half overlap (Welch 1967), and of frequencies a bin and two apart.
-NEIGHBOURS = 2 * (1 / 6) ** 2
+#: Correlation of a Hann window's powers at frequencies a bin, and two, apart.
 APART_1, APART_2 = (2 / 3) ** 2, (1 / 6) ** 2
 WIDTH = 1.08  #: of an averaged band, last frequency over first
 FIRST = 3  #: bins from 0 on that the window spreads the drift over
@@ -102,23 +101,13 @@ def power_spectrum(values: Floats, dt: float, segment: int = LONGEST, *, level: 
     if size < 64:  # noqa: PLR2004 - fewer have no spectrum worth the name
         message = f"a segment of {size} samples; a spectrum needs at least 64"
         raise ValueError(message)
-    window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(size) / size)
-    line = np.arange(size) - (size - 1) / 2
-    starts = range(0, n - size + 1, size // OVERLAP)
-    total = np.zeros(size // 2 + 1)
-    for start in starts:
-        piece = values[start : start + size] - values[start : start + size].mean()
-        piece -= (float(np.einsum("i,i", line, piece)) * 12 / (size * (size**2 - 1.0))) * line
-        piece *= window
-        total += np.abs(fft.rfft(piece)) ** 2
-    count = len(starts)
-    total *= 2 * dt / (count * float(np.einsum("i,i", window, window)))
+    total, count = welch(values, dt, size)
     edges = np.unique(np.rint(np.geomspace(FIRST, total.size - 1, max(round(np.log((total.size - 1) / FIRST) / np.log(WIDTH)), 1) + 1)).astype(np.int64))  # fmt: skip
     width = np.diff(edges).astype(np.float64)
     density = np.add.reduceat(total[: edges[-1]], edges[:-1]) / width
     frequency = np.add.reduceat(np.arange(edges[-1], dtype=np.float64), edges[:-1]) / width / (size * dt)
     across = 1 + 2 * APART_1 * (width - 1) / width + 2 * APART_2 * (width - 2).clip(0) / width
-    freedom = 2 * count / (1 + NEIGHBOURS * (count - 1) / count) * width / across
+    freedom = 2 * count * width / across
     tail = (1 - level) / 2
     lower, upper = (density * freedom / stats.chi2.ppf(q, freedom) for q in (1 - tail, tail))
     return PowerSpectrum(n, dt, size, level, frequency, density, lower, upper, freedom)

@@ -37,7 +37,13 @@ def plain(value: object) -> object:  # noqa: PLR0911 - a kind of value each
 
 
 def document(
-    analysis: str, version: str, parameters: object, result: object, logs: Sequence[Log], notes: Sequence[str]
+    analysis: str,
+    version: str,
+    parameters: object,
+    result: object,
+    logs: Sequence[Log],
+    notes: Sequence[str],
+    study: object = None,
 ) -> str:
     """Return the JSON text of a result."""
     settings = cast("Mapping[str, object]", plain(parameters))
@@ -46,9 +52,18 @@ def document(
         "schema": SCHEMA,
         "analysis": analysis,
         "level": settings.get("level"),
-        "logs": [plain(log.provenance) for log in logs],
+        "logs": [_log(log) for log in logs],
         "params": settings,
         "notes": list(notes),
         "result": plain(result),
     }
+    if study is not None:
+        content["study"] = plain(study)
     return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False)
+
+
+def _log(log: Log) -> dict[str, object]:
+    content = cast("dict[str, object]", plain(log.provenance))
+    if log.conditioning:
+        content |= {"conditioning": plain(log.conditioning), "causal": log.causal}
+    return content

@@ -14,7 +14,7 @@ import rerun.blueprint as rrb
 
 from imuwb.errors import ImuwbError
 from imuwb.review.envelope import envelope
-from imuwb.review.loglog import LogLog
+from imuwb.review.chart import Chart
 from imuwb.writers.beside import partial
 
 if TYPE_CHECKING:
@@ -120,9 +120,9 @@ class RecordingReview:
         return self._tabs[-1]
 
     def figure(self, figure: Figure) -> None:
-        """Show a log-log figure."""
+        """Show a figure."""
         path = f"{self._tab.path}/figure_{len(self._tab.figures)}"
-        drawing = LogLog(figure)
+        drawing = Chart(figure)
         drawing.draw(self._stream, path)
         x, y = drawing.bounds()
         self._tab.figures.append(

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.identification import allan, find_lines, fit_allan, stillness
+from imuwb.identification import allan, deviation, find_lines, fit_allan, stillness
 from imuwb.sampling import Sampling, sampling
 from imuwb.stochastic import AxisModel, ImuErrorModel, Sum
 from imuwb.units import coefficient_units
-from imuwb_allan.result import AxisResult, CoefficientResult, FitQuality, LineResult, Result
+from imuwb_allan.estimates import estimates
+from imuwb_allan.result import AxisResult, CoefficientResult, FitQuality, LineResult, OtherDeviation, Result
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from imuwb.identification import AllanDeviation, AllanFit, Line, Stillness
-    from imuwb.log import Log
+    from imuwb.log import Log, Nanoseconds
     from imuwb_allan.parameters import Parameters
 
     Floats = NDArray[np.float64]
@@ -51,7 +52,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     wanted = replace(parameters, lines=parameters.lines and not still.moving)
 
     def analyse(axis: str) -> AxisResult:
-        return _axis(axis, axes[axis][1], clocks[axis.partition("_")[0]], wanted)
+        return _axis(axis, *axes[axis], clocks[axis.partition("_")[0]], wanted)
 
     with ThreadPoolExecutor(2) as pool:
         results = dict(zip(axes, pool.map(analyse, axes), strict=True))
@@ -109,8 +110,8 @@ def _clock_notes(sensor: str, clock: Sampling) -> list[str]:
     found: list[str] = []
     if clock.breaks:
         found.append(
-            f"{sensor}: {len(clock.breaks)} gaps, {clock.missing:.3g} s in all: no difference spans one, so averaging "
-            f"times end at half the longest part without"
+            f"{sensor}: {len(clock.breaks)} gaps, {clock.missing:.3g} s in all: where they leave too few differences, averaging "
+            f"times are bridged by pairs of samples; likelihood, wavelet variances and lines need a record without"
         )
     if clock.jitter > JITTER:
         found.append(
@@ -120,29 +121,42 @@ def _clock_notes(sensor: str, clock: Sampling) -> list[str]:
     return found
 
 
-def _axis(axis: str, values: Floats, clock: Sampling, parameters: Parameters) -> AxisResult:
+def _axis(axis: str, time: Nanoseconds, values: Floats, clock: Sampling, parameters: Parameters) -> AxisResult:
     if np.ptp(values) == 0:
         return _nothing(axis, "the channel is constant: stuck, or not connected")
     if (most := float(np.abs(values).max())) > LARGEST:
         return _nothing(
             axis, f"it holds a value of {most:.3g}, which no sensor puts out; leave its time out with --start and --end"
         )
+    values = np.ascontiguousarray(values)
     try:
         curve = allan(
             values, clock.interval, parameters.averaging_times, level=parameters.level,
-            uncertainty=parameters.uncertainty, breaks=clock.breaks,
+            uncertainty=parameters.uncertainty, breaks=clock.breaks, time=time, fast=parameters.fast,
         )  # fmt: skip
     except ValueError as error:
         message = f"{axis}: {error}"
         raise UsageError(message) from error
     octaves = curve
-    if parameters.averaging_times != "octave":
-        octaves = allan(values, clock.interval, "octave", level=parameters.level, breaks=clock.breaks)
+    if parameters.averaging_times != "octave" or parameters.fast:
+        octaves = allan(values, clock.interval, "octave", level=parameters.level, breaks=clock.breaks, time=time)
     lines = find_lines(values, clock.interval, parameters.level) if parameters.lines and not clock.breaks else ()
     try:
-        return _fitted(axis, curve, fit_allan(octaves, lines), lines)
+        found = _fitted(axis, curve, fit_allan(octaves, lines), lines)
     except ValueError as error:
-        return _unfitted(axis, curve, str(error))
+        found = _unfitted(axis, curve, str(error))
+    if clock.breaks:
+        return found
+    other = _other(values, clock.interval, parameters)
+    beside = estimates(axis, values, clock.interval, lines, found.coefficients, parameters) if parameters.estimators else None
+    return replace(found, other=other, estimates=beside)
+
+
+def _other(values: Floats, dt: float, parameters: Parameters) -> OtherDeviation | None:
+    if parameters.deviation == "allan":
+        return None
+    curve = deviation(values, dt, parameters.deviation, parameters.averaging_times, level=parameters.level)
+    return OtherDeviation(parameters.deviation, curve.averaging_time, curve.deviation, curve.lower, curve.upper)
 
 
 def _fitted(axis: str, curve: AllanDeviation, fit: AllanFit, lines: Sequence[Line]) -> AxisResult:

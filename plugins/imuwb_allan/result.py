@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from imuwb.identification import CorrelationTime, Disturbance, Region
+    from imuwb.identification import CorrelationTime, Disturbance, ModelChoice, Region, Stationarity
     from imuwb.stochastic import Sum
 
 
@@ -45,6 +45,33 @@ class FitQuality:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class OtherDeviation:
+    """A relative of the Allan deviation."""
+
+    kind: str
+    averaging_time: NDArray[np.float64]
+    deviation: NDArray[np.float64]
+    lower: NDArray[np.float64]
+    upper: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Estimates:
+    """What other estimators say of the same record."""
+
+    headline: str  #: the estimator of the least error, "likelihood", where the record allows it
+    by: dict[str, dict[str, CoefficientResult]]  #: estimator -> coefficients
+    processes: Sum | None  #: the headline's terms whose intervals do not begin at 0
+    highest: float | None  #: Hz, up to which the likelihood's sum explains the spectrum
+    agree: bool  #: wherever two estimators give a coefficient, their intervals meet
+    disagreements: tuple[str, ...]
+    stationarity: Stationarity | None
+    choice: ModelChoice | None
+    mean: float  #: of the samples
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
 class AxisResult:
     """One axis, SI."""
 
@@ -62,6 +89,8 @@ class AxisResult:
     fit: FitQuality | None
     processes: Sum | None
     why_no_fit: str | None
+    other: OtherDeviation | None = None
+    estimates: Estimates | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)

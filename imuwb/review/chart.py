@@ -1,4 +1,4 @@
-"""A log-log figure as line strips and labels in a 2D view, which zooms and needs no plotting library."""
+"""A figure as line strips and labels in a 2D view, which zooms and needs no plotting library."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import rerun as rr
+
+from imuwb.review.scale import Scale
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -19,33 +21,35 @@ WIDTH, HEIGHT = 1200.0, 560.0  #: of the frame, in the view's own units
 LABEL_DROP = 16.0  #: the viewer hangs a label below its point by about this much
 LEGEND_STEP = 32.0
 ABOVE = 26.0  #: of a mark's label above its point
-THICKNESS = {"line": 1.6, "fit": 0.9, "faint": 0.5}
+THICKNESS = {"line": 1.6, "curve": 1.2, "points": 1.6, "fit": 0.9, "faint": 0.5}
+ALPHA = {"line": 255, "curve": 255, "points": 255, "fit": 220, "faint": 110}
+DASH = 7.0  #: of a vertical line
+EDGE = 1e-9
 ASIDE = 42.0  #: between the labels of marks that would lie on each other
 GRID, SUBGRID, FRAME, INK = (105, 105, 112), (58, 58, 64), (150, 150, 156), (225, 225, 228)
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-class LogLog:
-    """The frame of a figure: which decades it shows, and where a point of it lies."""
+class Chart:
+    """The frame of a figure: what it shows, and where a point of it lies."""
 
     def __init__(self, figure: Figure) -> None:
-        """Choose whole or third decades that hold all curves and intervals."""
+        """Choose axes that hold all curves and intervals; faint ones may be cut off."""
         self.figure = figure
         solid = [curve for curve in figure.curves if curve.style != "faint"] or list(figure.curves)
-        self.x0, self.x1 = _limits(_positive(curve.x for curve in solid))
-        self.y0, self.y1 = _limits(_positive(part for curve in solid for part in (curve.y, curve.lower, curve.upper)))
+        self.x = Scale.around(figure.x_scale, (curve.x for curve in solid), figure.x_limits)
+        heights = (part for curve in solid for part in (curve.y, curve.lower, curve.upper))
+        self.y = Scale.around(figure.y_scale, heights, figure.y_limits)
 
     def place(self, x: float, y: float) -> Point:
         """Return where a point lies in the view; y grows downward there."""
-        across = (math.log10(x) - self.x0) / (self.x1 - self.x0)
-        up = (math.log10(y) - self.y0) / (self.y1 - self.y0)
-        return WIDTH * across, HEIGHT * (1 - up)
+        return WIDTH * self.x.position(x), HEIGHT * (1 - self.y.position(y))
 
     def draw(self, recording: rr.RecordingStream, path: str) -> None:
         """Log the figure below an entity path."""
         self._frame(recording, path)
         for i, curve in enumerate(self.figure.curves):
             self._curve(recording, f"{path}/curves/{i:02d}_{_word(curve.label)}", curve)
+        self._verticals(recording, f"{path}/verticals")
         self._legend(recording, f"{path}/legend")
         self._marks(recording, f"{path}/marks")
 
@@ -57,24 +61,18 @@ class LogLog:
         strips: list[list[Point]] = []
         colors: list[tuple[int, int, int]] = []
         ticks: list[tuple[Point, str]] = []
-        for decade in range(math.floor(self.x0), math.ceil(self.x1) + 1):
-            for digit in range(1, 10):
-                at = decade + math.log10(digit)
-                if self.x0 - 1e-9 <= at <= self.x1 + 1e-9:
-                    x = WIDTH * (at - self.x0) / (self.x1 - self.x0)
-                    strips.append([(x, 0.0), (x, HEIGHT)])
-                    colors.append(GRID if digit == 1 else SUBGRID)
-                    if digit == 1:
-                        ticks.append(((x, HEIGHT + 26), _power(decade)))
-        for decade in range(math.floor(self.y0), math.ceil(self.y1) + 1):
-            for digit in range(1, 10):
-                at = decade + math.log10(digit)
-                if self.y0 - 1e-9 <= at <= self.y1 + 1e-9:
-                    y = HEIGHT * (1 - (at - self.y0) / (self.y1 - self.y0))
-                    strips.append([(0.0, y), (WIDTH, y)])
-                    colors.append(GRID if digit == 1 else SUBGRID)
-                    if digit == 1:
-                        ticks.append(((-38.0, y), _power(decade)))
+        for tick in self.x.ticks():
+            x = WIDTH * tick.at
+            strips.append([(x, 0.0), (x, HEIGHT)])
+            colors.append(GRID if tick.label else SUBGRID)
+            if tick.label:
+                ticks.append(((x, HEIGHT + 26), tick.label))
+        for tick in self.y.ticks():
+            y = HEIGHT * (1 - tick.at)
+            strips.append([(0.0, y), (WIDTH, y)])
+            colors.append(GRID if tick.label else SUBGRID)
+            if tick.label:
+                ticks.append(((-42.0, y), tick.label))
         strips.append([(0.0, 0.0), (WIDTH, 0.0), (WIDTH, HEIGHT), (0.0, HEIGHT), (0.0, 0.0)])
         colors.append(FRAME)
         recording.log(
@@ -89,10 +87,10 @@ class LogLog:
         _texts(recording, f"{path}/texts", [*ticks, *titles], INK)
 
     def _curve(self, recording: rr.RecordingStream, path: str, curve: Curve) -> None:
-        thickness, alpha = THICKNESS[curve.style], {"line": 255, "fit": 220, "faint": 110}[curve.style]
-        color = (*curve.color, alpha)
+        thickness = THICKNESS[curve.style]
+        color = (*curve.color, ALPHA[curve.style])
         strips = [s for s in self._strips(curve.x, curve.y) if len(s) > 1]
-        if strips:
+        if strips and curve.style != "points":
             recording.log(
                 path,
                 rr.LineStrips2D(
@@ -102,9 +100,9 @@ class LogLog:
             )
         if curve.lower is not None and curve.upper is not None:
             bars = [
-                [self.place(x, max(low, 10**self.y0)), self.place(x, min(high, 10**self.y1))]
+                [self.place(x, self._within(low)), self.place(x, self._within(high))]
                 for x, low, high in zip(curve.x, curve.lower, curve.upper, strict=True)
-                if np.isfinite(low) and np.isfinite(high) and high > 0 and low < 10**self.y1 and high > 10**self.y0
+                if self.x.shows(x) and math.isfinite(low) and math.isfinite(high) and self._meets(low, high)
             ]
             if bars:
                 recording.log(
@@ -114,7 +112,7 @@ class LogLog:
                     ),
                     static=True,
                 )
-        if curve.style == "line":
+        if curve.style in ("line", "points"):
             points = [p for s in self._strips(curve.x, curve.y) for p in s]
             recording.log(
                 f"{path}/points",
@@ -122,32 +120,57 @@ class LogLog:
                 static=True,
             )
 
+    def _within(self, y: float) -> float:
+        """Return a height held within the frame."""
+        ends = (10**self.y.low, 10**self.y.high) if self.y.kind == "log" else (self.y.low, self.y.high)
+        return min(max(y, ends[0]), ends[1])
+
+    def _meets(self, low: float, high: float) -> bool:
+        """Return whether a bar crosses the frame; on a log axis one may begin at 0."""
+        if not self.y.shows(high) or self.y.position(high) < 0:
+            return False
+        return not self.y.shows(low) or self.y.position(low) <= 1
+
     def _strips(self, xs: Iterable[float], ys: Iterable[float]) -> list[list[Point]]:
         """Return the curve within the frame, parted where it leaves it."""
         strips: list[list[Point]] = [[]]
         last: Point | None = None
         for x, y in zip(xs, ys, strict=True):
-            if not (x > 0 and y > 0 and math.isfinite(x) and math.isfinite(y)):
+            if not (self.x.shows(x) and self.y.shows(y)) or not -EDGE <= self.x.position(x) <= 1 + EDGE:
                 last = None
                 strips.append([])
                 continue
-            now = (math.log10(x), math.log10(y))
+            now = (self.x.position(x), self.y.position(y))
             if last is not None:
-                piece = _clip(last, now, self.y0, self.y1)
+                piece = _clip(last, now)
                 if piece is None:
                     strips.append([])
                 else:
-                    begin, end = ((self.place(10**a, 10**b)) for a, b in piece)
+                    begin, end = ((WIDTH * across, HEIGHT * (1 - up)) for across, up in piece)
                     if not strips[-1] or math.dist(strips[-1][-1], begin) > 1e-6:  # noqa: PLR2004 - the same point
-                        strips.append([begin])
+                        strips[-1:] = [strips[-1], [begin]] if strips[-1] else [[begin]]
                     strips[-1].append(end)
-            elif self.y0 <= now[1] <= self.y1:
-                strips[-1].append(self.place(x, y))
+            elif 0 <= now[1] <= 1:
+                strips[-1].append((WIDTH * now[0], HEIGHT * (1 - now[1])))
             last = now
         return [strip for strip in strips if strip]
 
+    def _verticals(self, recording: rr.RecordingStream, path: str) -> None:
+        shown = [v for v in self.figure.verticals if self.x.shows(v.x) and 0 <= self.x.position(v.x) <= 1]
+        if not shown:
+            return
+        at = [WIDTH * self.x.position(v.x) for v in shown]
+        dashes = [[(x, y), (x, y + DASH)] for x in at for y in np.arange(0.0, HEIGHT, 2 * DASH)]
+        colors = [v.color for v in shown for _ in np.arange(0.0, HEIGHT, 2 * DASH)]
+        recording.log(
+            f"{path}/lines", rr.LineStrips2D(dashes, colors=colors, radii=rr.Radius.ui_points(0.8), draw_order=15.0), static=True
+        )
+        # Neighbours' labels stand at different heights.
+        heights = [HEIGHT - 24.0 - LEGEND_STEP * (i % 4) for i in range(len(shown))]
+        _texts(recording, f"{path}/texts", list(zip(zip(at, heights, strict=True), [v.text for v in shown], strict=True)), INK)
+
     def _legend(self, recording: rr.RecordingStream, path: str) -> None:
-        named = sorted((c for c in self.figure.curves if c.label), key=lambda curve: curve.style != "line")
+        named = sorted((c for c in self.figure.curves if c.label), key=lambda curve: curve.style in ("fit", "faint"))
         heights = [28.0 + LEGEND_STEP * i for i in range(len(named))]
         strips = [[(WIDTH - 190, y), (WIDTH - 145, y)] for y in heights]
         if not strips:
@@ -156,7 +179,7 @@ class LogLog:
             f"{path}/lines",
             rr.LineStrips2D(
                 strips,
-                colors=[c.color if c.style == "line" else INK for c in named],  # a style is of all colours
+                colors=[INK if c.style in ("fit", "faint") else c.color for c in named],  # a style is of all colours
                 radii=rr.Radius.ui_points([THICKNESS[c.style] for c in named]),
                 draw_order=30.0,
             ),
@@ -184,12 +207,9 @@ class LogLog:
         _texts(recording, f"{path}/texts", list(zip(beside, [m.text for m in marks], strict=True)), INK)
 
     def _inside(self, mark: Mark) -> bool:
-        return (
-            mark.x > 0
-            and mark.y > 0
-            and self.x0 <= math.log10(mark.x) <= self.x1
-            and self.y0 <= math.log10(mark.y) <= self.y1
-        )
+        if not (self.x.shows(mark.x) and self.y.shows(mark.y)):
+            return False
+        return 0 <= self.x.position(mark.x) <= 1 and 0 <= self.y.position(mark.y) <= 1
 
 
 def _texts(
@@ -206,37 +226,16 @@ def _texts(
     )
 
 
-def _positive(parts: Iterable[object]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    arrays = [np.asarray(part, dtype=np.float64) for part in parts if part is not None]
-    values = np.concatenate(arrays) if arrays else np.ones(1)
-    values = values[np.isfinite(values) & (values > 0)]
-    return values if values.size else np.ones(1)
-
-
-def _limits(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> tuple[float, float]:
-    """Return the exponents between which the values lie, at least a decade apart, with some air."""
-    low, high = float(np.log10(values.min())), float(np.log10(values.max()))
-    low, high = math.floor(low * 3 - 0.2) / 3, math.ceil(high * 3 + 0.2) / 3
-    if high - low < 1:
-        middle = (low + high) / 2
-        low, high = middle - 0.5, middle + 0.5
-    return low, high
-
-
-def _clip(a: Point, b: Point, low: float, high: float) -> tuple[Point, Point] | None:
-    """Return the part of a straight line (on log axes) whose y lies between two limits."""
-    if max(a[1], b[1]) < low or min(a[1], b[1]) > high:
+def _clip(a: Point, b: Point) -> tuple[Point, Point] | None:
+    """Return the part of a straight line whose height lies between 0 and 1."""
+    if max(a[1], b[1]) < 0 or min(a[1], b[1]) > 1:
         return None
 
     def at(y: float) -> Point:
         return a[0] + (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1]), y
 
-    ends = [p if low <= p[1] <= high else at(min(max(p[1], low), high)) for p in (a, b)]
+    ends = [p if 0 <= p[1] <= 1 else at(min(max(p[1], 0.0), 1.0)) for p in (a, b)]
     return ends[0], ends[1]
-
-
-def _power(exponent: int) -> str:
-    return f"10{str(exponent).translate(_SUPERSCRIPTS)}"
 
 
 def _word(text: str) -> str:

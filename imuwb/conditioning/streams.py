@@ -1,0 +1,70 @@
+"""From arrays to streams: a conditioner's change applied to each triad, between its gaps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.errors import MissingDataError
+from imuwb.log import Triad
+from imuwb.sampling import sampling
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from imuwb.log import Conditioning, Floats, ImuStream, Log
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """What becomes of evenly spaced samples (n, 3)."""
+
+    apply: Callable[[Floats], Floats]  #: (n, 3) -> (n - first - last, 3), or every ``step``-th of those
+    shortest: int = 1  #: samples of a part between gaps; shorter parts are dropped
+    first: int = 0  #: samples that are left out at the begin of a part
+    last: int = 0  #: and at its end
+    step: int = 1
+
+
+def condition_streams(log: Log, made: Conditioning, design: Callable[[str, float], Change]) -> Log:
+    """Return the log with every IMU's triads changed, and that said in its provenance.
+
+    Args:
+        log: what was read.
+        made: what this is.
+        design: the change for a sensor, ``"gyro"`` or ``"accel"``, at its rate in Hz; ValueError where there is none.
+
+    Raises:
+        MissingDataError: no part between gaps is long enough.
+    """
+    imus = tuple(_imu(log, imu, design) for imu in log.imus)
+    return replace(log, imus=imus, conditioning=(*log.conditioning, made))
+
+
+def _imu(log: Log, imu: ImuStream, design: Callable[[str, float], Change]) -> ImuStream:
+    triads = {"gyro": imu.angular_rate, "accel": imu.specific_force}
+    changed = {sensor: None if t is None else _triad(log, f"{imu.name} {sensor}", t, sensor, design) for sensor, t in triads.items()}
+    return replace(imu, angular_rate=changed["gyro"], specific_force=changed["accel"])
+
+
+def _triad(log: Log, name: str, triad: Triad, sensor: str, design: Callable[[str, float], Change]) -> Triad:
+    clock = sampling(triad.time)
+    if clock.rate is None:
+        message = f"{log.provenance.path}: {name} has {len(triad)} samples; conditioning needs more"
+        raise MissingDataError(message)
+    change = design(sensor, clock.rate)
+    times, values = [], []
+    for begin, end in pairwise([0, *clock.breaks, len(triad)]):
+        if end - begin >= max(change.shortest, change.first + change.last + 1):
+            times.append(triad.time[begin + change.first : end - change.last : change.step])
+            values.append(change.apply(triad.value[begin:end]))
+    if not times:
+        message = (
+            f"{log.provenance.path}: {name}: no part between gaps has the {max(change.shortest, change.first + change.last + 1)} samples "
+            "that this conditioner needs"
+        )
+        raise MissingDataError(message)
+    return Triad(np.concatenate(times), np.concatenate(values))
