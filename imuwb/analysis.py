@@ -31,6 +31,7 @@ It is registered under ``imuwb.conditioners``.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol
 
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from imuwb.log import Log
+    from imuwb.units import Unit
 
     Floats = NDArray[np.float64]
 
@@ -224,3 +226,18 @@ class Review(Protocol):
 def quantity(value: float | None, unit: str, digits: int = 3) -> str:
     """Return a value with its unit, with that many significant digits; a dash for None."""
     return "—" if value is None else f"{value:.{digits}g} {unit}"
+
+
+def estimate_text(coefficient: AnyCoefficient, unit: Unit) -> str:
+    """Return a coefficient with its interval in a display unit: as many digits as the interval is worth; < is a limit."""
+    c = coefficient
+    if c.value is None:
+        if c.upper is None or not math.isfinite(c.upper):
+            return "—"
+        return f"< {unit.from_si(c.upper):.3g} {unit.name}"
+    low, high = (unit.from_si(end) for end in (c.lower or 0.0, c.upper or 0.0))
+    value = unit.from_si(c.value)
+    digits = 3
+    if high > low and value > 0:
+        digits = min(max(math.floor(2 - math.floor(math.log10((high - low) / value))), 3), 6)
+    return f"{value:.{digits}g} [{low:.{digits}g}, {high:.{digits}g}] {unit.name}"

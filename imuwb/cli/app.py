@@ -12,6 +12,7 @@ from imuwb import __version__, registry
 from imuwb.cli import commands
 from imuwb.cli.options import command_function
 from imuwb.errors import UsageError
+from imuwb.recipes import noise
 
 if TYPE_CHECKING:
     from imuwb.analysis import Analysis
@@ -28,6 +29,7 @@ def build(arguments: list[str]) -> typer.Typer:
     app.callback()(_root)
     for name, command, panel in commands.COMMANDS:
         app.command(name, rich_help_panel=panel)(command)
+    _add(app, "noise", cast("Analysis", noise), noise.__name__)
     for name, point in registry.installed(registry.ANALYSES).items():
         analysis = registry.load(point)
         if analysis is not None:

@@ -37,7 +37,11 @@ class Common:
     frame: Annotated[Literal["FRD", "FLU"] | None, _log("--frame", "Body frame, where the log does not say.")] = None
     through: Annotated[
         list[str],
-        _log("--through", "Condition the samples first; repeatable, in order. `imuwb plugins` lists them.", "NAME:key=value,..."),
+        _log(
+            "--through",
+            "Condition the samples first; repeatable, in order. `imuwb plugins` lists them.",
+            "NAME:key=value,...",
+        ),
     ] = field(default_factory=list[str])
     output: Annotated[
         Path | None,

@@ -88,5 +88,5 @@ def make(kind: Any, values: dict[str, Any]) -> Any:  # noqa: ANN401 - the plugin
 
 def hints(kind: Any) -> dict[str, Any]:  # noqa: ANN401 - any dataclass
     """Return the annotations of a dataclass's fields, in order."""
-    hints = typing.get_typehints(kind, include_extras=True)
+    found = typing.get_type_hints(kind, include_extras=True)
     return {f.name: found[f.name] for f in fields(kind)}

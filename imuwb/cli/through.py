@@ -147,7 +147,10 @@ def grid(texts: Sequence[str]) -> list[dict[str, str]]:
             message = f"--study {text}: write NAME.key=1,2,3 or NAME.key=1..8, or rate=..., bandwidth=... (Hz)"
             raise UsageError(message)
         axes.append((name.strip(), _values(text, values)))
-    cases = [dict(zip([n for n, _ in axes], combination, strict=True)) for combination in itertools.product(*(v for _, v in axes))]
+    cases = [
+        dict(zip([n for n, _ in axes], combination, strict=True))
+        for combination in itertools.product(*(v for _, v in axes))
+    ]
     if len(cases) > MOST_CASES:
         message = f"--study: {len(cases)} combinations; at most {MOST_CASES} are run"
         raise UsageError(message)

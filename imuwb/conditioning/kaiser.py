@@ -48,7 +48,9 @@ class KaiserFilter:
         return full[: lags + 1] / full[0]
 
 
-def design_kaiser(rate: float, f_pass: float, f_stop: float, a_stop: float = 100.0, a_pass: float = 0.0001) -> KaiserFilter:
+def design_kaiser(
+    rate: float, f_pass: float, f_stop: float, a_stop: float = 100.0, a_pass: float = 0.0001
+) -> KaiserFilter:
     """Return the shortest odd low-pass that Kaiser's formulas give.
 
     Args:
@@ -81,10 +83,15 @@ def design_kaiser(rate: float, f_pass: float, f_stop: float, a_stop: float = 100
     while True:
         taps = signal.firwin(size, cutoff, window=("kaiser", beta), fs=rate)
         edges = np.array([f_pass, f_stop])
-        gain = np.append(np.abs(fft.rfft(taps, GRID * size)), np.abs(signal.freqz(taps, worN=2 * np.pi * edges / rate)[1]))
+        gain = np.append(
+            np.abs(fft.rfft(taps, GRID * size)), np.abs(signal.freqz(taps, worN=2 * np.pi * edges / rate)[1])
+        )
         f = np.append(np.arange(gain.size - 2) * rate / (GRID * size), edges)
         inside = gain[f <= f_pass]
-        kept = gain[f >= f_stop].max(initial=0.0) <= MARGIN * 10 ** (-a_stop / 20) and inside.max() <= inside.min() * ripple
+        kept = (
+            gain[f >= f_stop].max(initial=0.0) <= MARGIN * 10 ** (-a_stop / 20)
+            and inside.max() <= inside.min() * ripple
+        )
         if kept or size > LONGEST:
             return KaiserFilter(taps, rate, cutoff, f_pass, f_stop, beta)
         size += 2
@@ -99,4 +106,6 @@ def filtered(values: Floats, taps: Floats) -> Floats:
     """
     if values.ndim == 1:
         return signal.oaconvolve(values, taps, mode="valid")
-    return np.stack([signal.oaconvolve(column, taps, mode="valid") for column in np.ascontiguousarray(values.T)], axis=1)
+    return np.stack(
+        [signal.oaconvolve(column, taps, mode="valid") for column in np.ascontiguousarray(values.T)], axis=1
+    )

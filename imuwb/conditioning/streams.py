@@ -46,7 +46,10 @@ def condition_streams(log: Log, made: Conditioning, design: Callable[[str, float
 
 def _imu(log: Log, imu: ImuStream, design: Callable[[str, float], Change]) -> ImuStream:
     triads = {"gyro": imu.angular_rate, "accel": imu.specific_force}
-    changed = {sensor: None if t is None else _triad(log, f"{imu.name} {sensor}", t, sensor, design) for sensor, t in triads.items()}
+    changed = {
+        sensor: None if t is None else _triad(log, f"{imu.name} {sensor}", t, sensor, design)
+        for sensor, t in triads.items()
+    }
     return replace(imu, angular_rate=changed["gyro"], specific_force=changed["accel"])
 
 

@@ -148,7 +148,9 @@ def _shortest(level: int, wavelet: str) -> int:
 
 def _parted(values: Floats, wavelet: str, level: int) -> list[Floats]:
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # a window may be just long enough: edges reach into it, as they must
+        warnings.simplefilter(
+            "ignore", UserWarning
+        )  # a window may be just long enough: edges reach into it, as they must
         return list(pywt.wavedec(values, wavelet, level=level, axis=-1))
 
 

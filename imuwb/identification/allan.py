@@ -214,7 +214,8 @@ def _strides(factors: NDArray[np.int64]) -> NDArray[np.int64]:
 def _thinned_terms(phases: Sequence[Floats], factors: NDArray[np.int64]) -> NDArray[np.int64]:
     strides = _strides(factors)
     return sum(
-        (np.maximum((phase.size - 1 - 2 * factors) // strides + 1, 0) for phase in phases), np.zeros(factors.size, np.int64)
+        (np.maximum((phase.size - 1 - 2 * factors) // strides + 1, 0) for phase in phases),
+        np.zeros(factors.size, np.int64),
     )
 
 
@@ -258,7 +259,9 @@ def allan_of_axes(
     """Return ``allan`` of several axes, {name: (values, dt, breaks)}, on two threads."""
     with ThreadPoolExecutor(2) as pool:
         futures = {
-            name: pool.submit(allan, values, dt, averaging_times, level=level, uncertainty=uncertainty, breaks=breaks, fast=fast)
+            name: pool.submit(
+                allan, values, dt, averaging_times, level=level, uncertainty=uncertainty, breaks=breaks, fast=fast
+            )
             for name, (values, dt, breaks) in series.items()
         }
         return {name: future.result() for name, future in futures.items()}

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 TENABLE = 0.01  #: probability of a misfit as large; below it, first order does not explain the record
 GROUP = 2**0.5  #: last frequency over first, of what is judged together
 SHORTEST = 1e-5  #: sampling intervals; a process of such a Tc is white
+UNKNOWN = 30.0  #: of a logarithm; wider intervals say nothing
 SHOWN = 2000  #: lags that are kept
 
 
@@ -85,7 +86,9 @@ def autocorrelation(values: Floats, dt: float, longest: float | None = None, *, 
         falls_to = float((k - (np.exp(-1) - every[k]) / (every[k - 1] - every[k])) * dt)
     kept = np.arange(most + 1)
     if most > SHOWN:
-        kept = np.unique(np.rint(np.concatenate([np.arange(SHOWN // 4), np.geomspace(SHOWN // 4, most, SHOWN)])).astype(np.int64))
+        kept = np.unique(
+            np.rint(np.concatenate([np.arange(SHOWN // 4), np.geomspace(SHOWN // 4, most, SHOWN)])).astype(np.int64)
+        )
     band = float(stats.norm.ppf((1 + level) / 2)) / n**0.5
     try:
         fitted = fit_gauss_markov(cosine_spectrum(centered, dt), level)
@@ -126,7 +129,8 @@ def fit_gauss_markov(spectrum: CosineSpectrum, level: float = 0.95) -> GaussMark
     slopes = np.stack([np.ones(f.size), slope])
     inverse = np.linalg.pinv((slopes * count) @ slopes.T / 2)
     z = float(stats.norm.ppf((1 + level) / 2))
-    half_square, half_time = z * np.sqrt(np.diag(inverse))
+    # Far beyond the record's length a correlation time is not known at all.
+    half_square, half_time = (z * np.sqrt(np.diag(inverse))).clip(0, UNKNOWN)
     group = (np.log(f[-1] / f) / np.log(GROUP)).astype(np.int64)
     total = np.bincount(group, count)
     excess = np.bincount(group, count * (power / (shape * square) - 1))

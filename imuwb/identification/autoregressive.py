@@ -34,7 +34,9 @@ class Order:
     order: int
     alpha: Floats  #: (p,)
     alpha_sigma: Floats  #: (p,) Bartlett's: true whatever the series is
-    alpha_sigma_if_ar: Floats  #: (p,) true only if the series is autoregressive of this order: √((1 - alpha²)/n) for order 1
+    alpha_sigma_if_ar: (
+        Floats  #: (p,) true only if the series is autoregressive of this order: √((1 - alpha²)/n) for order 1
+    )
     significant: NDArray[np.bool_]  #: (p,) at ``level``
     beta0: float  #: unit
     aicc: float
@@ -78,7 +80,13 @@ class AutoregressiveFit:
 
 
 def fit_autoregressive(
-    values: Floats, dt: float, orders: int = 20, *, level: float = 0.99, test: Sequence[int] = (1, 3), breaks: Sequence[int] = ()
+    values: Floats,
+    dt: float,
+    orders: int = 20,
+    *,
+    level: float = 0.99,
+    test: Sequence[int] = (1, 3),
+    breaks: Sequence[int] = (),
 ) -> AutoregressiveFit:
     """Fit autoregressive models of all orders up to ``orders``.
 
@@ -179,4 +187,8 @@ def _reading(first: Order) -> str:
     if abs(alpha) < WHITE:
         return "alpha is near 0: the series is as good as white noise"
     kind = "each value resembles the last" if alpha < 0 else "each value opposes the last"
-    return f"alpha is {alpha:.4g}: {kind}, between white noise (0) and a random walk (-1)" if alpha < 0 else f"alpha is {alpha:.4g}: {kind}"
+    return (
+        f"alpha is {alpha:.4g}: {kind}, between white noise (0) and a random walk (-1)"
+        if alpha < 0
+        else f"alpha is {alpha:.4g}: {kind}"
+    )

@@ -55,7 +55,9 @@ class CosineSpectrum:
     def density(self, process: Process) -> Floats:
         """Return a process's two-sided density averaged over each bin, (k,)."""
         width = (self.last - self.first + 1).astype(np.float64)
-        points = np.where(width[:, None] <= POINTS, np.arange(POINTS), (np.arange(POINTS) + 0.5) / POINTS * width[:, None] - 0.5)
+        points = np.where(
+            width[:, None] <= POINTS, np.arange(POINTS), (np.arange(POINTS) + 0.5) / POINTS * width[:, None] - 0.5
+        )
         inside = points < width[:, None]
         at = (self.first[:, None] + np.minimum(points, width[:, None] - 1)) / (2 * self.n * self.dt)
         values = process.power_spectral_density(at.ravel(), self.dt).reshape(at.shape)

@@ -27,11 +27,22 @@ Kind = Literal["allan", "modified", "hadamard", "total"]
 SCALED = 16  #: averaging factor at which degrees of freedom are computed; they depend on n/m beyond it
 MOST_CLUSTERS = 256  #: n/m from which on degrees of freedom grow in proportion
 #: alpha -> (b, c): degrees of freedom b T/tau - c of the total deviation, and its bias factor a in 1 - a tau/T (SP 1065, table 9)
-_TOTAL = {2: (1.5, 0.0, 0.0), 1: (1.5, 0.0, 0.0), 0: (1.5, 0.0, 0.0), -1: (1.17, 0.22, 1 / (3 * np.log(2))), -2: (0.93, 0.36, 0.75)}
+_TOTAL = {
+    2: (1.5, 0.0, 0.0),
+    1: (1.5, 0.0, 0.0),
+    0: (1.5, 0.0, 0.0),
+    -1: (1.17, 0.22, 1 / (3 * np.log(2))),
+    -2: (0.93, 0.36, 0.75),
+}
 
 
 def deviation(
-    values: Floats, dt: float, kind: Kind = "allan", averaging_times: str | Sequence[float] = "octave", *, level: float = 0.95
+    values: Floats,
+    dt: float,
+    kind: Kind = "allan",
+    averaging_times: str | Sequence[float] = "octave",
+    *,
+    level: float = 0.95,
 ) -> AllanDeviation:
     """Return a deviation of an evenly spaced record without gaps, with intervals by degrees of freedom.
 
@@ -68,7 +79,9 @@ def deviation(
         squares = _modified(phase, factor) if modified else _hadamard(phase, factor)
         scale = 2.0 * factor.astype(np.float64) ** 4 if modified else 6.0 * factor.astype(np.float64) ** 2
         variance = squares / (scale * terms)
-        freedom = np.array([_freedom(kind, int(m), values.size, int(alpha)) for m, alpha in zip(factor, noise, strict=True)])
+        freedom = np.array(
+            [_freedom(kind, int(m), values.size, int(alpha)) for m, alpha in zip(factor, noise, strict=True)]
+        )
     sigma = np.sqrt(variance)
     tail = (1 - level) / 2
     lower, upper = (sigma * np.sqrt(freedom / stats.chi2.ppf(q, freedom)) for q in (1 - tail, tail))
@@ -87,14 +100,18 @@ def _third(a: Floats, b: Floats, c: Floats, d: Floats) -> float:  # pragma: no c
 
 def _hadamard(phase: Floats, factors: NDArray[np.int64]) -> Floats:
     n = phase.size
-    return np.array([_third(phase[: n - 3 * m], phase[m : n - 2 * m], phase[2 * m : n - m], phase[3 * m :]) for m in factors])
+    return np.array(
+        [_third(phase[: n - 3 * m], phase[m : n - 2 * m], phase[2 * m : n - m], phase[3 * m :]) for m in factors]
+    )
 
 
 def _modified(phase: Floats, factors: NDArray[np.int64]) -> Floats:
     # The sum of m second differences in a row is a third difference of the phase's running sum.
     added = integrated(phase)
     n = added.size
-    return np.array([_third(added[: n - 3 * m], added[m : n - 2 * m], added[2 * m : n - m], added[3 * m :]) for m in factors])
+    return np.array(
+        [_third(added[: n - 3 * m], added[m : n - 2 * m], added[2 * m : n - m], added[3 * m :]) for m in factors]
+    )
 
 
 def _total(phase: Floats, factors: NDArray[np.int64]) -> Floats:

@@ -96,10 +96,14 @@ def fit_likelihood(values: Floats, dt: float, lines: Sequence[Line] = (), *, lev
     if ramped:
         terms.append(RateRamp(sloping.ramp))
     return LikelihoodFit(
-        level, coefficients, Sum(tuple(terms)), best.deviance, float(problem.frequency[-1]), misfit / freedom, probability
+        level,
+        coefficients,
+        Sum(tuple(terms)),
+        best.deviance,
+        float(problem.frequency[-1]),
+        misfit / freedom,
+        probability,
     )
-
-
 
 
 def _ramp(sloping: Solution, level: float, inflation: float, *, ramped: bool) -> Coefficient:

@@ -67,7 +67,11 @@ class LikelihoodProblem:
         """Return the problem without the bins above a frequency, Hz."""
         kept = self.frequency <= frequency
         return replace(
-            self, frequency=self.frequency[kept], power=self.power[kept], count=self.count[kept], design=self.design[kept]
+            self,
+            frequency=self.frequency[kept],
+            power=self.power[kept],
+            count=self.count[kept],
+            design=self.design[kept],
         )
 
     def solve(
@@ -83,7 +87,9 @@ class LikelihoodProblem:
         """
         free = list(active)
         held = np.zeros(self.design.shape[1]) if held is None else held
-        squared = (self._start(free) if start is None else np.where(np.isin(np.arange(held.size), free), start, 0.0)) + held
+        squared = (
+            self._start(free) if start is None else np.where(np.isin(np.arange(held.size), free), start, 0.0)
+        ) + held
         now = self._score(squared, ramp=ramp)
         for _ in range(ROUNDS):
             rows = np.ix_(free, free)

@@ -102,7 +102,9 @@ def choose_model(
         a, b = first.fit(text, fitted.times), second.fit(text, fitted.times)
         out = first.deviance(b.processes, b.squared) + second.deviance(a.processes, a.squared)
         k = len(text) + text.count("M")
-        found.append(_candidate(" + ".join(text).replace("M", "GM"), fitted.sum(), k, fitted.deviance, whole.count, out))
+        found.append(
+            _candidate(" + ".join(text).replace("M", "GM"), fitted.sum(), k, fitted.deviance, whole.count, out)
+        )
     for model in models:
         one = np.ones(1)
         deviance = whole.deviance([model], one)
@@ -112,7 +114,9 @@ def choose_model(
     ranked = sorted(found, key=lambda c: c.bic)
     tested = [c.out_of_sample for c in ranked if c.out_of_sample is not None]
     best = ranked[0]
-    clear = len(ranked) > 1 and ranked[1].bic - best.bic > CLEAR and best.out_of_sample in (None, min(tested, default=None))
+    clear = (
+        len(ranked) > 1 and ranked[1].bic - best.bic > CLEAR and best.out_of_sample in (None, min(tested, default=None))
+    )
     return ModelChoice(tuple(ranked), float(whole.problem([TERMS["N"](1.0)]).frequency[-1]), clear)
 
 
@@ -133,7 +137,9 @@ class _Fitted:
         for process, square in zip(self.processes, self.squared, strict=True):
             size = float(square) ** 0.5
             if size > 0:
-                terms.append(GaussMarkov(size, process.Tc) if isinstance(process, GaussMarkov) else kinds[type(process)](size))
+                terms.append(
+                    GaussMarkov(size, process.Tc) if isinstance(process, GaussMarkov) else kinds[type(process)](size)
+                )
         return Sum(tuple(terms))
 
 

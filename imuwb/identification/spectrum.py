@@ -127,7 +127,9 @@ def fit_spectrum(spectrum: PowerSpectrum, lines: Sequence[Line] = ()) -> Spectra
     edge = WIDTH**0.5
     for line in lines:
         reach = 6 * line.resolution
-        kept &= (spectrum.frequency * edge < line.frequency - reach) | (spectrum.frequency / edge > line.frequency + reach)
+        kept &= (spectrum.frequency * edge < line.frequency - reach) | (
+            spectrum.frequency / edge > line.frequency + reach
+        )
     if kept.sum() < 8 or not spectrum.density[kept].all():  # noqa: PLR2004 - four terms need more
         message = "the spectrum is 0 somewhere, or holds too few bands to fit"
         raise ValueError(message)
@@ -145,7 +147,13 @@ def fit_spectrum(spectrum: PowerSpectrum, lines: Sequence[Line] = ()) -> Spectra
     terms: list[Process] = [TERMS[x](c.value) for x in TERMS if (c := coefficients[x]).value]
     regions = _regions(problem, best.squared, spectrum.level, inflation)
     return SpectralFit(
-        spectrum.level, coefficients, Sum(tuple(terms)), regions, float(problem.frequency[-1]), misfit / freedom, probability
+        spectrum.level,
+        coefficients,
+        Sum(tuple(terms)),
+        regions,
+        float(problem.frequency[-1]),
+        misfit / freedom,
+        probability,
     )
 
 
@@ -171,4 +179,3 @@ def _regions(problem: LikelihoodProblem, squared: Floats, level: float, inflatio
         half = z * float(np.sqrt(inverse[1, 1] * inflation))
         found.append(SpectralRegion(letter, float(f[0]), float(f[-1]), slope, slope - half, slope + half, nominal))
     return tuple(found)
-

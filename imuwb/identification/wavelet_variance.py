@@ -135,7 +135,9 @@ def _flicker(wavelet: Floats) -> float:
     correlation = fft.irfft(np.abs(fft.rfft(wavelet, size)) ** 2, size)[: wavelet.size]
     lag = np.arange(wavelet.size, dtype=np.float64)
     covariance = -(
-        special.xlogy((lag + 1) ** 2, lag + 1) + special.xlogy((lag - 1) ** 2, np.abs(lag - 1)) - 2 * special.xlogy(lag**2, lag)
+        special.xlogy((lag + 1) ** 2, lag + 1)
+        + special.xlogy((lag - 1) ** 2, np.abs(lag - 1))
+        - 2 * special.xlogy(lag**2, lag)
     ) / (2 * np.pi)
     return float(correlation[0] * covariance[0] + 2 * correlation[1:] @ covariance[1:])
 
@@ -217,7 +219,9 @@ def _solve(variance: Floats, design: Floats, covariance: object) -> Floats:
     return squared
 
 
-def _coefficients(variance: Floats, design: Floats, squared: Floats, spread: Floats, level: float) -> dict[str, Coefficient]:
+def _coefficients(
+    variance: Floats, design: Floats, squared: Floats, spread: Floats, level: float
+) -> dict[str, Coefficient]:
     """Return intervals by a scaled chi-square, one-sided limits where a term is 0."""
     root = linalg.cholesky(spread, lower=True)
     white = linalg.solve_triangular(root, design, lower=True)
@@ -230,7 +234,9 @@ def _coefficients(variance: Floats, design: Floats, squared: Floats, spread: Flo
         inverse = np.linalg.pinv(columns.T @ columns, hermitian=True)
         sigma = float(inverse[place, place]) ** 0.5
         if squared[t] > 0:
-            found[letter] = Coefficient(float(squared[t]) ** 0.5, *interval(float(squared[t]), sigma, level), READ_OUT[letter])
+            found[letter] = Coefficient(
+                float(squared[t]) ** 0.5, *interval(float(squared[t]), sigma, level), READ_OUT[letter]
+            )
             continue
         free = float((inverse @ columns.T @ data)[place])
         limit = max(free, 0.0) + float(stats.norm.ppf(level)) * sigma

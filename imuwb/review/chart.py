@@ -163,11 +163,18 @@ class Chart:
         dashes = [[(x, y), (x, y + DASH)] for x in at for y in np.arange(0.0, HEIGHT, 2 * DASH)]
         colors = [v.color for v in shown for _ in np.arange(0.0, HEIGHT, 2 * DASH)]
         recording.log(
-            f"{path}/lines", rr.LineStrips2D(dashes, colors=colors, radii=rr.Radius.ui_points(0.8), draw_order=15.0), static=True
+            f"{path}/lines",
+            rr.LineStrips2D(dashes, colors=colors, radii=rr.Radius.ui_points(0.8), draw_order=15.0),
+            static=True,
         )
         # Neighbours' labels stand at different heights.
         heights = [HEIGHT - 24.0 - LEGEND_STEP * (i % 4) for i in range(len(shown))]
-        _texts(recording, f"{path}/texts", list(zip(zip(at, heights, strict=True), [v.text for v in shown], strict=True)), INK)
+        _texts(
+            recording,
+            f"{path}/texts",
+            list(zip(zip(at, heights, strict=True), [v.text for v in shown], strict=True)),
+            INK,
+        )
 
     def _legend(self, recording: rr.RecordingStream, path: str) -> None:
         named = sorted((c for c in self.figure.curves if c.label), key=lambda curve: curve.style in ("fit", "faint"))

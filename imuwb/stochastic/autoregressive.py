@@ -64,6 +64,33 @@ class Autoregressive(Addable):
         self._at(dt)
         return self._stationary() if self.alpha else state_space.white(self.beta0**2)
 
+    def every(self, factor: int) -> StateSpace:
+        """Return the process seen at every ``factor``-th sample, exactly: A^m, and the noise of m steps added up.
+
+        It has the same states; of the form of an autoregressive process it is no more (``resampled`` is).
+        """
+        if not self.alpha:
+            return state_space.white(self.beta0**2)
+        step = self._stationary()
+        power = np.linalg.matrix_power(step.A, factor)
+        # What the powers leave of the stationary covariance is the noise that came in.
+        return StateSpace(power, step.P0 - power @ step.P0 @ power.T, step.c, 0.0, step.P0)
+
+    def resampled(self, factor: int) -> Autoregressive:
+        """Return the autoregressive process of the same order whose autocovariance at ``factor`` times its step is this one's.
+
+        The samples left are no autoregressive process of that order (but for order 1); this is the one that
+        agrees with them up to lag p (Yule and Walker).
+        """
+        if not self.alpha or factor == 1:
+            return Autoregressive(self.alpha, self.beta0, self.dt * factor)
+        from scipy.linalg import solve_toeplitz  # noqa: PLC0415 - slow to import, seldom needed
+
+        p = len(self.alpha)
+        r = self.autocovariance(np.arange(p + 1) * factor * self.dt)
+        alpha = -solve_toeplitz(r[:p], r[1:])
+        return Autoregressive(tuple(alpha), float(r[0] + alpha @ r[1:]) ** 0.5, self.dt * factor)
+
     def autocovariance(self, lag: Floats) -> Floats:
         """Return the autocovariance at lags that are multiples of its step."""
         steps = np.rint(np.abs(lag) / self.dt).astype(np.int64)

@@ -13,12 +13,12 @@ from imuwb_allan.parameters import Parameters
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from imuwb.analysis import Review
+    from imuwb.analysis import Finding, Review
     from imuwb.log import Log
     from imuwb.stochastic import ImuErrorModel
     from imuwb_allan.result import Result
 
-__all__ = ["Parameters", "draw", "error_model", "run"]
+__all__ = ["Parameters", "draw", "error_model", "findings", "run"]
 
 
 def run(logs: Sequence[Log], parameters: Parameters) -> Result:
@@ -40,3 +40,10 @@ def error_model(result: Result) -> ImuErrorModel:
     from imuwb_allan import compute  # noqa: PLC0415 - as above
 
     return compute.error_model(result)
+
+
+def findings(result: Result) -> tuple[Finding, ...]:
+    """Return what each estimator says of each axis, and remarks to act on."""
+    from imuwb_allan import remarks  # noqa: PLC0415 - as above
+
+    return remarks.findings(result)

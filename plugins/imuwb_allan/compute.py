@@ -12,7 +12,7 @@ import numpy as np
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification import allan, deviation, find_lines, fit_allan, stillness
 from imuwb.sampling import Sampling, sampling
-from imuwb.stochastic import AxisModel, ImuErrorModel, Sum
+from imuwb.stochastic import AxisModel, GaussMarkov, ImuErrorModel, Sinusoid, Sum
 from imuwb.units import coefficient_units
 from imuwb_allan.estimates import estimates
 from imuwb_allan.result import AxisResult, CoefficientResult, FitQuality, LineResult, OtherDeviation, Result
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from imuwb.identification import AllanDeviation, AllanFit, Line, Stillness
+    from imuwb.identification import AllanDeviation, AllanFit, Line, ModelChoice, Stillness
     from imuwb.log import Log, Nanoseconds
     from imuwb_allan.parameters import Parameters
 
@@ -86,16 +86,28 @@ def error_model(result: Result) -> ImuErrorModel:
 
 
 def _model(found: AxisResult) -> AxisModel:
-    processes = found.processes or Sum()
-    ends = {letter: (c.lower or 0.0, c.upper or 0.0) for letter, c in found.coefficients.items() if c.value is not None}
-    limits = {x: c.upper for x, c in found.coefficients.items() if c.value is None and c.upper is not None}
+    processes, coefficients = found.processes or Sum(), found.coefficients
+    estimates = found.estimates
+    if estimates is not None and estimates.processes is not None:
+        processes, coefficients = estimates.processes, estimates.by[estimates.headline]
+    if estimates is not None and estimates.choice is not None and _prefers_gauss_markov(estimates.choice):
+        lines = [term for term in processes.terms if isinstance(term, Sinusoid)]
+        processes = Sum((*estimates.choice.best.processes.terms, *lines))
+    sure = {letter: c for letter, c in coefficients.items() if c.value is not None and c.lower}
     intervals = {
-        f"{i}.{letter}": ends[letter]
+        f"{i}.{letter}": (c.lower or 0.0, c.upper or 0.0)
         for i, term in enumerate(processes.terms)
-        for letter in ends
+        for letter, c in sure.items()
         if hasattr(term, letter)
     }
+    limits = {
+        x: c.upper for x, c in coefficients.items() if x not in sure and c.upper is not None and math.isfinite(c.upper)
+    }
     return AxisModel(processes, intervals, limits)
+
+
+def _prefers_gauss_markov(choice: ModelChoice) -> bool:
+    return choice.clear and any(isinstance(term, GaussMarkov) for term in choice.best.processes.terms)
 
 
 def _choice_notes(log: Log) -> list[str]:
@@ -148,7 +160,11 @@ def _axis(axis: str, time: Nanoseconds, values: Floats, clock: Sampling, paramet
     if clock.breaks:
         return found
     other = _other(values, clock.interval, parameters)
-    beside = estimates(axis, values, clock.interval, lines, found.coefficients, parameters) if parameters.estimators else None
+    beside = (
+        estimates(axis, values, clock.interval, lines, found.coefficients, parameters)
+        if parameters.estimators
+        else None
+    )
     return replace(found, other=other, estimates=beside)
 
 

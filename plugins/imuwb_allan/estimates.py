@@ -28,7 +28,12 @@ AR_ORDERS = (1, 3)  #: of the papers
 
 
 def estimates(
-    axis: str, values: Floats, dt: float, lines: Sequence[Line], by_allan: Mapping[str, AnyCoefficient], parameters: Parameters
+    axis: str,
+    values: Floats,
+    dt: float,
+    lines: Sequence[Line],
+    by_allan: Mapping[str, AnyCoefficient],
+    parameters: Parameters,
 ) -> Estimates:
     """Return the estimates of an evenly spaced record without gaps, beside those of the Allan fit."""
     notes: list[str] = []
@@ -43,7 +48,9 @@ def estimates(
     except ValueError as error:
         notes.append(f"no likelihood: {error}")
     try:
-        by["wavelet"] = _results(axis, fit_wavelet_variance(wavelet_variance(values, dt), level=parameters.level).coefficients)
+        by["wavelet"] = _results(
+            axis, fit_wavelet_variance(wavelet_variance(values, dt), level=parameters.level).coefficients
+        )
     except ValueError as error:
         notes.append(f"no wavelet variance: {error}")
     differences = tuple(_differences(by))
@@ -77,7 +84,9 @@ def _choice(
 
 def _results(axis: str, coefficients: Mapping[str, AnyCoefficient]) -> dict[str, CoefficientResult]:
     return {
-        letter: CoefficientResult(c.value, c.lower, c.upper, coefficient_units(axis, letter)[0].name, getattr(c, "at", None))
+        letter: CoefficientResult(
+            c.value, c.lower, c.upper, coefficient_units(axis, letter)[0].name, getattr(c, "at", None)
+        )
         for letter, c in coefficients.items()
     }
 

@@ -17,11 +17,15 @@ class Parameters:
         Literal["edf", "printed"], "edf: chi-square, by noise type; printed: the papers' 1/√(2(N/n-1))"
     ] = "edf"
     lines: Annotated[bool, "look for periodic lines and take them into the fit"] = True
-    fast: Annotated[bool, "thin the sums out at long averaging times; off by at most 6 % of an interval's half width"] = False
+    fast: Annotated[
+        bool, "thin the sums out at long averaging times; off by at most 6 % of an interval's half width"
+    ] = False
     deviation: Annotated[
         Literal["allan", "modified", "hadamard", "total"], "another deviation, drawn beside the Allan deviation"
     ] = "allan"
-    estimators: Annotated[bool, "fit the sum by likelihood and by wavelet variance too, and test whether the noise stays the same"] = True
+    estimators: Annotated[
+        bool, "fit the sum by likelihood and by wavelet variance too, and test whether the noise stays the same"
+    ] = True
     choose: Annotated[bool, "compare sums of processes, also with Gauss-Markov and autoregressive terms"] = False
     level: Annotated[float, "of all intervals and limits"] = 0.95
 

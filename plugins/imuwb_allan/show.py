@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import AXIS_COLORS, Curve, Figure, Mark, Table
+from imuwb.analysis import AXIS_COLORS, Curve, Figure, Mark, Table, estimate_text
 from imuwb.stochastic import Sinusoid, Sum
 from imuwb.units import UNITS, coefficient_units
 
 if TYPE_CHECKING:
     from imuwb.analysis import Review
     from imuwb.units import Unit
-    from imuwb_allan.result import AxisResult, CoefficientResult, Result
+    from imuwb_allan.result import AxisResult, Result
 
 _FIGURES = {"gyro": ("Gyroscopes", "deg/h"), "accel": ("Accelerometers", "m/s²")}
 _SLOPES = {"Q": "-1", "N": "-1/2", "B": "0", "K": "+1/2", "R": "+1"}
@@ -32,6 +32,13 @@ def draw(result: Result, review: Review) -> None:
     review.table(_slopes(result))
     if any(found.lines for found in result.axes.values()):
         review.table(_lines(result))
+    if any(found.estimates for found in result.axes.values()):
+        review.table(_estimators(result))
+        review.table(_choices(result))
+        _parts(result, review)
+    for found in (f for f in result.axes.values() if f.other is not None):
+        review.figure(_other(result))
+        break
 
 
 def _figure(name: str, unit: Unit, axes: dict[str, AxisResult], dt: float, level: float) -> Figure:
@@ -80,7 +87,11 @@ def _figure(name: str, unit: Unit, axes: dict[str, AxisResult], dt: float, level
 
 def _coefficients(result: Result) -> Table:
     rows = tuple(
-        (axis, *(_cell(axis, letter, found.coefficients[letter]) for letter in "QNBKR"), _correlation(found))
+        (
+            axis,
+            *(estimate_text(found.coefficients[letter], coefficient_units(axis, letter)[1]) for letter in "QNBKR"),
+            _correlation(found),
+        )
         for axis, found in result.axes.items()
     )
     headings = (
@@ -95,15 +106,121 @@ def _coefficients(result: Result) -> Table:
     return Table(f"Noise coefficients of {result.imu}{moving}", headings, rows, caption)
 
 
-def _cell(axis: str, letter: str, c: CoefficientResult) -> str:
-    unit = coefficient_units(axis, letter)[1]
-    if c.value is None:
-        return "—" if c.upper is None else f"< {unit.from_si(c.upper):.3g} {unit.name}"
-    low, high = (unit.from_si(end) for end in (c.lower or 0.0, c.upper or 0.0))
-    value = unit.from_si(c.value)
-    # As many digits as the interval is worth: two of its width.
-    digits = int(np.clip(2 - np.floor(np.log10((high - low) / value)), 3, 6)) if high > low else 3
-    return f"{value:.{digits}g} [{low:.{digits}g}, {high:.{digits}g}] {unit.name}"
+_NAMES = {"allan": "Allan variances", "likelihood": "likelihood of the spectrum", "wavelet": "wavelet variances (D4)"}
+
+
+def _estimators(result: Result) -> Table:
+    rows: list[tuple[str, ...]] = []
+    for axis, found in result.axes.items():
+        if found.estimates is None:
+            continue
+        for name, coefficients in found.estimates.by.items():
+            cells = (
+                estimate_text(coefficients[x], coefficient_units(axis, x)[1]) if x in coefficients else "—"
+                for x in "QNBKR"
+            )
+            headline = " (headline)" if name == found.estimates.headline else ""
+            rows.append((axis, _NAMES[name] + headline, *cells))
+        rows.append(
+            (
+                axis,
+                "they agree" if found.estimates.agree else f"they DIFFER in {'; '.join(found.estimates.disagreements)}",
+                *[""] * 5,
+            )
+        )
+    caption = (
+        "One sum, three estimators. The headline has the least error; its value is the likeliest size, and an interval that begins at 0 says "
+        "that the term may be absent. The Allan fit gives a value only to what chance does not explain."
+    )
+    return Table("Estimators side by side", ("axis", "estimator", "Q", "N", "B", "K", "R"), tuple(rows), caption)
+
+
+def _choices(result: Result) -> Table:
+    rows: list[tuple[str, ...]] = []
+    for axis, found in result.axes.items():
+        e = found.estimates
+        if e is None:
+            continue
+        steady = e.stationarity
+        if steady is None:
+            rows.append((axis, "stationary?", "too short to tell", "", ""))
+        else:
+            word = "yes" if steady.stationary else "NO"
+            where = (
+                f"part {steady.worst_part + 1} of {steady.start.size}, from {steady.start[steady.worst_part]:.0f} s, has {steady.worst_ratio:.3g} times "
+                f"the usual deviation at {_seconds(steady.worst_time)} s"
+            )
+            rows.append((axis, "stationary?", word, f"p = {steady.smallest:.2g}", "" if steady.stationary else where))
+        for i, c in enumerate(e.choice.candidates[:CANDIDATES] if e.choice else ()):
+            best = e.choice.best if e.choice else c
+            out = (
+                ""
+                if c.out_of_sample is None or best.out_of_sample is None
+                else f"{c.out_of_sample - best.out_of_sample:+.1f}"
+            )
+            mark = " (clearly best)" if i == 0 and e.choice and e.choice.clear else ""
+            rows.append(
+                (
+                    axis,
+                    c.name + mark,
+                    f"BIC {c.bic - best.bic:+.1f}",
+                    f"AIC {c.aic - best.aic:+.1f}",
+                    f"out of sample {out}" if out else "",
+                )
+            )
+    caption = (
+        "Stationary: whether the parts' Allan deviations differ by more than chance (1 %, all averaging times together). Sums: differences to the best; "
+        "out of sample is the deviance of each half under the other half's fit. 10 is called clear."
+    )
+    return Table(
+        "Stationarity, and which sum explains the record", ("axis", "question or sum", "", "", ""), tuple(rows), caption
+    )
+
+
+CANDIDATES = 4  #: sums that are listed
+
+
+def _parts(result: Result, review: Review) -> None:
+    """Show the parts' deviations of the axes that do not stay the same (dynamic Allan deviation)."""
+    for axis, found in result.axes.items():
+        steady = found.estimates.stationarity if found.estimates else None
+        if steady is None or steady.stationary:
+            continue
+        unit = UNITS[_FIGURES[axis.partition("_")[0]][1]]
+        shades = np.linspace(0.25, 1.0, steady.start.size)
+        curves = tuple(
+            Curve(
+                f"from {start:.0f} s" if i in (0, steady.worst_part, steady.start.size - 1) else "", steady.averaging_time,
+                deviation / unit.factor, tuple(int(c * shade) for c in AXIS_COLORS[axis[-1]]), style="curve",  # type: ignore[arg-type]
+            )
+            for i, (start, deviation, shade) in enumerate(zip(steady.start, steady.deviation, shades, strict=True))
+        )  # fmt: skip
+        title = f"{axis.replace('_', ' ')}: Allan deviation of {steady.start.size} parts, dark to light in time"
+        review.figure(Figure(title, "averaging time [s]", f"Allan deviation [{unit.name}]", curves))
+        return  # one is enough to see; the table names the others
+
+
+def _other(result: Result) -> Figure:
+    curves: list[Curve] = []
+    unit = UNITS["deg/h"]
+    for axis, found in result.axes.items():
+        if found.other is None or not axis.startswith("gyro"):
+            continue
+        o, scale = found.other, 1 / unit.factor
+        curves.append(
+            Curve(
+                axis.replace("_", " "),
+                o.averaging_time,
+                o.deviation * scale,
+                AXIS_COLORS[axis[-1]],
+                o.lower * scale,
+                o.upper * scale,
+            )
+        )
+    kind = next(found.other.kind for found in result.axes.values() if found.other is not None)
+    return Figure(
+        f"Gyroscopes: {kind} deviation", "averaging time [s]", f"{kind} deviation [{unit.name}]", tuple(curves)
+    )
 
 
 def _correlation(found: AxisResult) -> str:

@@ -13,7 +13,9 @@ if TYPE_CHECKING:
 class Parameters:
     """What can be asked."""
 
-    seconds: Annotated[float | None, "take the mean of so many seconds at the begin (causal); else of the whole record"] = None
+    seconds: Annotated[
+        float | None, "take the mean of so many seconds at the begin (causal); else of the whole record"
+    ] = None
     sensors: Annotated[Literal["both", "gyro", "accel"], "whose bias; an accelerometer's mean holds gravity"] = "both"
 
     def __post_init__(self) -> None:
@@ -44,7 +46,9 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, dict[str, list[flo
         return Triad(triad.time, triad.value - mean)
 
     imus = tuple(
-        replace(imu, angular_rate=without("gyro", imu.angular_rate), specific_force=without("accel", imu.specific_force))
+        replace(
+            imu, angular_rate=without("gyro", imu.angular_rate), specific_force=without("accel", imu.specific_force)
+        )
         for imu in log.imus
     )
     text = f"seconds={'all' if parameters.seconds is None else f'{parameters.seconds:g}'},sensors={parameters.sensors}"

@@ -66,7 +66,9 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, Applied]:
         level = _level(values, name, rate, parameters, list(triads).index(name))
         series = np.ascontiguousarray(values)
         if parameters.causal:
-            done = denoise_causally(series, level, parameters.wavelet, parameters.threshold, parameters.shrinkage, parameters.hop)
+            done = denoise_causally(
+                series, level, parameters.wavelet, parameters.threshold, parameters.shrinkage, parameters.hop
+            )
         else:
             done = denoise(series, level, parameters.wavelet, parameters.threshold, parameters.shrinkage)
         chosen.setdefault(name, AxisChoice(level, band_limit(rate, level), done.thresholds))
@@ -103,7 +105,9 @@ def draw(found: Applied, review: Review) -> None:
     for name, choice in found.axes.items():
         unit = coefficient_units(name, "rate")[1]
         limits = ", ".join(f"{unit.from_si(t):.3g}" for t in choice.thresholds) or "—"
-        rows.append((name, str(choice.level), f"{choice.band:.3g} Hz", f"{limits} {unit.name}" if choice.thresholds else limits))
+        rows.append(
+            (name, str(choice.level), f"{choice.band:.3g} Hz", f"{limits} {unit.name}" if choice.thresholds else limits)
+        )
     kind = "in a window that slides behind (causal)" if found.causal else "of the whole record (not causal)"
     review.table(Table(
         f"Wavelet denoising, {found.wavelet}, {found.rule}, {kind}", ("axis", "level", "keeps all below", "thresholds, finest level first"),

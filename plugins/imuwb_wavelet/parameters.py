@@ -13,10 +13,14 @@ DEEPEST = 30
 class Parameters:
     """Options of ``--through wavelet:...``."""
 
-    levels: Annotated[str, "of decomposition: one for all axes, six as 7/7/7/7/6/6 (gyro x, y, z, accel x, y, z), or auto"] = "auto"
+    levels: Annotated[
+        str, "of decomposition: one for all axes, six as 7/7/7/7/6/6 (gyro x, y, z, accel x, y, z), or auto"
+    ] = "auto"
     motion_band: Annotated[str, "with auto: Hz that motion reaches, or measured (on a record that moves)"] = "5"
     wavelet: Annotated[str, "any discrete one of PyWavelets"] = "db4"
-    threshold: Annotated[Literal["sure", "universal", "bayes", "all", "none"], "rule; all keeps no detail, none keeps all"] = "sure"
+    threshold: Annotated[
+        Literal["sure", "universal", "bayes", "all", "none"], "rule; all keeps no detail, none keeps all"
+    ] = "sure"
     shrinkage: Annotated[Literal["soft", "hard"], "of what is above the threshold"] = "soft"
     causal: Annotated[bool, "in a window that slides behind, instead of the whole record at once"] = False
     hop: Annotated[int, "with causal: samples between windows"] = 8

@@ -1,0 +1,1 @@
+"""What runs several analyses: recipes of their names, which lay side by side what they find."""

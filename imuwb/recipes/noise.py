@@ -1,0 +1,143 @@
+"""Noise of a still IMU: all noise analyses together, one recording, one error model.
+
+Allan deviation, likelihood, wavelet variance, spectrum, autocorrelation and autoregressive models of one log, laid side by
+side, with a verdict for each axis. Several logs of one sensor are compared: which coefficients differ, and how much the bias
+changes from one turn-on to the next. --study repeats it through conditioners.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any, cast
+
+from imuwb import registry
+from imuwb.errors import UsageError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from imuwb.analysis import Analysis, Case, Finding, Review
+    from imuwb.log import Log
+    from imuwb.recipes.denoising import Denoising
+    from imuwb.recipes.repeatability import Repeatability
+    from imuwb.recipes.settings import Study
+    from imuwb.stochastic import ImuErrorModel
+
+LOGS = (1, None)
+LEAVES_MODEL = True
+#: analyses and the options they get, in the order of their tabs
+INGREDIENTS: dict[str, dict[str, Any]] = {
+    "allan": {"choose": True},
+    "psd": {},
+    "autocorrelation": {},
+    "autoregressive": {},
+}
+TITLES = {"allan": "Allan", "psd": "Spectrum", "autocorrelation": "Correlation", "autoregressive": "Autoregression"}
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Options of ``imuwb noise``."""
+
+    choose: Annotated[bool, "compare sums of processes (the slowest part)"] = True
+    denoise: Annotated[int, "levels of wavelet denoising on the denoising tab; 0: none"] = 6
+    level: Annotated[float, "of all intervals and limits"] = 0.95
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        if not 0.5 <= self.level < 1:  # noqa: PLR2004 - less than even odds is no confidence
+            message = f"level is {self.level}; it must be at least 0.5 and below 1"
+            raise ValueError(message)
+        if not 0 <= self.denoise <= 20:  # noqa: PLR2004 - deeper than any log
+            message = f"denoise is {self.denoise} levels; it must be 0 to 20"
+            raise ValueError(message)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Result:
+    """What all analyses found."""
+
+    axes: dict[str, dict[str, Any]]  #: axis -> estimators, headline, verdict
+    parts: tuple[dict[str, Any], ...]  #: of each log: analysis -> its own result
+    denoising: Denoising | None
+    repeatability: Repeatability | None
+    findings: tuple[tuple[Finding, ...], ...]  #: of each log
+
+
+def run(logs: Sequence[Log], parameters: Parameters) -> Result:
+    """Return what all analyses find; of several logs, the Allan analysis of each and their comparison."""
+    from imuwb.recipes import denoising, repeatability, summary  # noqa: PLC0415 - help must not wait for numpy
+
+    names = list(INGREDIENTS) if len(logs) == 1 else ["allan"]
+    parts: list[dict[str, Any]] = []
+    found: list[tuple[Finding, ...]] = []
+    for log in logs:
+        results = {name: _ingredient(name).run([log], _parameters(name, parameters)) for name in names}
+        parts.append(results)
+        found.append(
+            tuple(f for name, result in results.items() for f in cast("Any", _ingredient(name)).findings(result))
+        )
+    together = repeatability.compare(logs, found, parameters.level) if len(logs) > 1 else None
+    quiet = denoising.denoising(logs[0], parameters.denoise) if len(logs) == 1 and parameters.denoise else None
+    return Result(summary.axes(found[0]), tuple(parts), quiet, together, tuple(found))
+
+
+def draw(result: Result, review: Review) -> None:
+    """Show the summary, then each analysis on its own tab."""
+    from imuwb.recipes import denoising, repeatability, summary  # noqa: PLC0415 - as above
+
+    if result.repeatability is not None:
+        repeatability.draw(result.repeatability, review)
+    else:
+        summary.draw(result.axes, result.findings[0], review)
+    for i, part in enumerate(result.parts):
+        for name, content in part.items():
+            review.tab(TITLES[name] if len(result.parts) == 1 else f"{TITLES[name]} {i + 1}")
+            _ingredient(name).draw(content, review)
+    if result.denoising is not None:
+        review.tab("Denoising")
+        denoising.draw(result.denoising, review)
+
+
+def error_model(result: Result) -> ImuErrorModel:
+    """Return the headline's sums; of several logs their mean, with the turn-on bias."""
+    from imuwb.recipes import model  # noqa: PLC0415 - as above
+
+    models = [cast("Any", _ingredient("allan")).error_model(part["allan"]) for part in result.parts]
+    return model.combined(models, result.repeatability)
+
+
+def study(cases: Iterable[Case], parameters: Parameters) -> Study:
+    """Return the Allan deviation and the coefficients in each setting."""
+    from imuwb.recipes import settings  # noqa: PLC0415 - as above
+
+    return settings.study(cases, parameters.level)
+
+
+def draw_study(result: Study, review: Review) -> None:
+    """Show the settings over each other."""
+    from imuwb.recipes import settings  # noqa: PLC0415 - as above
+
+    settings.draw(result, review)
+
+
+def _ingredient(name: str) -> Analysis:
+    points = registry.installed(registry.ANALYSES)
+    analysis = registry.load(points[name]) if name in points else None
+    if analysis is None:
+        message = f"noise needs the analysis {name}, which is not installed; `imuwb plugins` lists those that are"
+        raise UsageError(message)
+    return cast("Analysis", analysis)
+
+
+def _parameters(name: str, parameters: Parameters) -> object:
+    kind = _ingredient(name).Parameters
+    options: Mapping[str, Any] = INGREDIENTS[name]
+    made = kind(**options)
+    if name in ("allan", "psd", "autocorrelation"):
+        made = replace(made, level=parameters.level)
+    if name == "allan":
+        made = replace(made, choose=parameters.choose)
+    if name == "autocorrelation":
+        made = replace(made, denoise=parameters.denoise)
+    return made

@@ -1,0 +1,110 @@
+"""From a log to autoregressive models."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.analysis import Finding
+from imuwb.errors import MissingDataError, UsageError
+from imuwb.identification import fit_autoregressive
+from imuwb.identification.suitable import unsuitable
+from imuwb.sampling import Sampling, sampling
+from imuwb.stochastic import AxisModel, ImuErrorModel, Sum
+from imuwb.units import coefficient_units
+from imuwb_autoregressive.result import AxisResult, Result
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from imuwb.identification import AutoregressiveFit
+    from imuwb.log import Floats, Log
+    from imuwb.stochastic import Autoregressive
+    from imuwb_autoregressive.parameters import Parameters
+
+CONVENTION = "x(n) = -sum alpha_k x(n-k) + beta0 w(n); libraries that print phi mean -alpha"
+ROUNDING = 1e-3  #: of a rate, that it may miss a whole fraction by
+
+
+def run(logs: Sequence[Log], parameters: Parameters) -> Result:
+    """Return the models of the log's (first) IMU."""
+    log = logs[0]
+    imu = log.imu()
+    axes = imu.axes()
+    clocks = {sensor: sampling(axes[f"{sensor}_x"][0]) for sensor in ("gyro", "accel") if f"{sensor}_x" in axes}
+
+    def analyse(axis: str) -> AxisResult:
+        return _axis(axis, axes[axis][1], clocks[axis.partition("_")[0]], parameters)
+
+    with ThreadPoolExecutor(2) as pool:
+        results = dict(zip(axes, pool.map(analyse, axes), strict=True))
+    if all(r.why_none for r in results.values()):
+        message = f"{log.provenance.path}: {imu.name}: no axis has a model: {next(iter(results.values())).why_none}"
+        raise MissingDataError(message)
+    notes = [f"{axis}: {r.why_none}" for axis, r in results.items() if r.why_none]
+    source = f"{log.provenance.path} {log.provenance.hash}"
+    return Result(imu.name, source, parameters.level, CONVENTION, bool(log.conditioning), results, tuple(notes))
+
+
+def _axis(axis: str, values: Floats, clock: Sampling, parameters: Parameters) -> AxisResult:
+    unit = coefficient_units(axis, "rate")[0].name
+    series = np.ascontiguousarray(values)
+    why = unsuitable(series, 4 * parameters.orders + 16)
+    if why is None:
+        try:
+            fit = fit_autoregressive(
+                series, clock.interval, parameters.orders, level=parameters.level, breaks=clock.breaks
+            )
+        except ValueError as error:
+            why = str(error)
+        else:
+            model, why = _model(fit, parameters)
+            poles = tuple(complex(p) for p in np.roots([1.0, *model.alpha])) if model is not None else ()
+            return AxisResult(
+                fit.orders, fit.chosen, fit.whiteness, fit.reading, model, poles, clock.interval, unit, why
+            )
+    return AxisResult((), None, (), "", None, (), clock.interval, unit, why)
+
+
+def _model(fit: AutoregressiveFit, parameters: Parameters) -> tuple[Autoregressive | None, str | None]:
+    try:
+        model = fit.process(parameters.order or fit.chosen)
+    except ValueError as error:
+        return None, f"the model of order {parameters.order or fit.chosen} is refused: {error}"
+    if parameters.resample is None:
+        return model, None
+    factor = 1 / (parameters.resample * fit.dt)
+    if round(factor) < 1 or abs(factor / round(factor) - 1) > ROUNDING:
+        message = f"--resample {parameters.resample:g}: it must be the log's rate, {1 / fit.dt:.6g} Hz, divided by a whole number"
+        raise UsageError(message)
+    return model.resampled(round(factor)), None
+
+
+def findings(result: Result) -> tuple[Finding, ...]:
+    """Return what the models say."""
+    return tuple(Finding(axis, "autoregressive", {}, tuple(_remarks(found))) for axis, found in result.axes.items())
+
+
+def _remarks(found: AxisResult) -> list[str]:
+    if not found.orders:
+        return []
+    first = found.orders[0]
+    said = [f"AR(1): alpha {first.alpha[0]:.4g} ± {first.alpha_sigma[0]:.1g}, {found.reading.partition(': ')[2]}"]
+    tenable = [w.order for w in found.whiteness if w.probability > 0.01]  # noqa: PLR2004 - 99 %
+    said.append(
+        f"AR({tenable[0]}) is tenable"
+        if tenable
+        else f"no AR model up to order {found.orders[-1].order} leaves white innovations"
+    )
+    return said
+
+
+def error_model(result: Result) -> ImuErrorModel:
+    """Return the saved models of all axes."""
+    axes = {axis: AxisModel(Sum((found.model,))) for axis, found in result.axes.items() if found.model is not None}
+    if not axes:
+        message = f"{result.imu}: no axis has a stable model, so there is no error model to save"
+        raise MissingDataError(message)
+    return ImuErrorModel(result.imu, axes, {"log": result.source})

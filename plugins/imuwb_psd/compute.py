@@ -1,0 +1,137 @@
+"""From a log to densities and fitted sums."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.analysis import Finding
+from imuwb.errors import MissingDataError
+from imuwb.identification import find_lines, fit_spectrum, power_spectrum
+from imuwb.identification.suitable import longest_part, unsuitable
+from imuwb.sampling import Sampling, sampling
+from imuwb.units import coefficient_units
+from imuwb_psd.result import AxisResult, CoefficientResult, LineResult, Result
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from imuwb.identification import Line, PowerSpectrum, SpectralFit
+    from imuwb.log import Floats, Log
+    from imuwb_psd.parameters import Parameters
+
+FEWEST = 256  #: samples
+HARMONIC = 0.01  #: of a multiple, by which a harmonic may miss it
+APART = 0.1  #: of the white level, by which the spectrum must leave it
+BEYOND_CHANCE = 4.0  #: standard errors, likewise
+
+
+def run(logs: Sequence[Log], parameters: Parameters) -> Result:
+    """Return the spectra of the log's (first) IMU."""
+    log = logs[0]
+    imu = log.imu()
+    axes = imu.axes()
+    clocks = {sensor: sampling(axes[f"{sensor}_x"][0]) for sensor in ("gyro", "accel") if f"{sensor}_x" in axes}
+
+    def analyse(axis: str) -> AxisResult:
+        clock = clocks[axis.partition("_")[0]]
+        return _axis(axis, axes[axis][1], clock, parameters)
+
+    with ThreadPoolExecutor(2) as pool:
+        results = dict(zip(axes, pool.map(analyse, axes), strict=True))
+    if all(r.why_none for r in results.values()):
+        message = f"{log.provenance.path}: {imu.name}: no axis has a spectrum: {next(iter(results.values())).why_none}"
+        raise MissingDataError(message)
+    notes = [
+        f"{sensor}: {len(clock.breaks)} gaps; the spectrum is of the longest part without"
+        for sensor, clock in clocks.items()
+        if clock.breaks
+    ]
+    notes += [f"{axis}: {r.why_none}" for axis, r in results.items() if r.why_none]
+    sizes = {sensor: _size(axes[f"{sensor}_x"][1], clock, parameters) for sensor, clock in clocks.items()}
+    return Result(
+        imu.name, parameters.level, {s: 1 / c.interval for s, c in clocks.items()}, sizes, results, tuple(notes)
+    )
+
+
+def _size(values: Floats, clock: Sampling, parameters: Parameters) -> int:
+    part = longest_part(values, clock.breaks)
+    return min(parameters.segment, part.stop - part.start)
+
+
+def _axis(axis: str, values: Floats, clock: Sampling, parameters: Parameters) -> AxisResult:
+    series = np.ascontiguousarray(values[longest_part(values, clock.breaks)])
+    why = unsuitable(series, FEWEST)
+    none = np.empty(0)
+    unknown = {x: CoefficientResult(None, None, None, coefficient_units(axis, x)[0].name) for x in "QNBK"}
+    if why is not None:
+        return AxisResult(none, none, none, none, 1, unknown, (), (), None, None, 1.0, None, None, why)
+    spectrum = power_spectrum(series, clock.interval, parameters.segment, level=parameters.level)
+    lines = find_lines(series, clock.interval, parameters.level) if parameters.lines else ()
+    named = tuple(_named(axis, line, lines) for line in lines)
+    try:
+        fit = fit_spectrum(spectrum, lines)
+    except ValueError as error:
+        return AxisResult(
+            spectrum.frequency, spectrum.density, spectrum.lower, spectrum.upper, spectrum.sides, unknown, (), named, None, None, 1.0,
+            None, None, f"no fit: {error}",
+        )  # fmt: skip
+    found = {x: CoefficientResult(c.value, c.lower, c.upper, unknown[x].unit) for x, c in fit.coefficients.items()}
+    white_to, excess = _white_to(spectrum, fit)
+    return AxisResult(
+        spectrum.frequency, spectrum.density, spectrum.lower, spectrum.upper, spectrum.sides, found, fit.regions, named,
+        fit.processes, white_to, excess, fit.highest, fit.probability, None,
+    )  # fmt: skip
+
+
+def _named(axis: str, line: Line, lines: Sequence[Line]) -> LineResult:
+    """Name a line, as a harmonic where it is one of a stronger line."""
+    unit = coefficient_units(axis, "rate")[0].name
+    name = f"line at {line.frequency:.4g} Hz"
+    for base in lines:
+        ratio = line.frequency / base.frequency
+        if base.amplitude > line.amplitude and round(ratio) >= 2 and abs(ratio - round(ratio)) < HARMONIC * ratio:  # noqa: PLR2004 - a harmonic
+            name = f"{round(ratio)} × {base.frequency:.4g} Hz"
+            break
+    return LineResult(line.frequency, line.amplitude, line.lower, line.upper, unit, name)
+
+
+def _white_to(spectrum: PowerSpectrum, fit: SpectralFit) -> tuple[float | None, float]:
+    """Return the frequency from which on the spectrum stays off its white level, and by what factor; None where it does not."""
+    white = fit.coefficients["N"].value
+    if white is None:
+        return None, 1.0
+    expected = fit.density(spectrum.frequency, spectrum.dt)
+    ratio = spectrum.density / expected
+    off = (np.abs(np.log(ratio)) > APART) & (
+        np.abs(ratio - 1) > BEYOND_CHANCE * np.sqrt(2 / spectrum.degrees_of_freedom)
+    )
+    beyond = spectrum.frequency > fit.highest
+    if not (off & beyond).any():
+        return None, 1.0
+    first = int(np.argmax(off & beyond))
+    return float(spectrum.frequency[first]), float(np.exp(np.mean(np.log(ratio[first:]))))
+
+
+def findings(result: Result) -> tuple[Finding, ...]:
+    """Return the coefficients, and what is not white or not noise."""
+    return tuple(
+        Finding(axis, "psd", found.coefficients, tuple(_remarks(found))) for axis, found in result.axes.items()
+    )
+
+
+def _remarks(found: AxisResult) -> list[str]:
+    said: list[str] = []
+    if found.white_to is not None:
+        how = "falls below" if found.excess < 1 else "rises above"
+        said.append(
+            f"not white above {found.white_to:.3g} Hz: the spectrum {how} its white level (by {10 * np.log10(found.excess):+.1f} dB)"
+        )
+    strongest = found.lines[:3]
+    if strongest:
+        names = ", ".join(line.name.removeprefix("line at ") for line in strongest)
+        more = f" and {len(found.lines) - 3} more" if len(found.lines) > 3 else ""  # noqa: PLR2004 - those not named
+        said.append(f"line{'s' if len(found.lines) > 1 else ''} at {names}{more}")
+    return said
