@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import traceback
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -12,7 +13,7 @@ import typer
 
 from imuwb import __version__, readers
 from imuwb.cli.terminal import progress, shower
-from imuwb.cli.through import cases, conditioned, grid, step
+from imuwb.cli.through import Step, cases, conditioned, grid, step
 from imuwb.errors import ImuwbError, UnreadableLogError, UsageError
 from imuwb.readers.batch import ReadOptions
 from imuwb.review.document import document
@@ -31,74 +32,101 @@ VIEWER = "rerun+http://127.0.0.1:9876/proxy"
 
 
 def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: object, common: Common) -> None:
-    """Read the logs, run the analysis, and write what it draws."""
-    fewest, most = cast("tuple[int, int | None]", getattr(analysis, "LOGS", (1, 1)))
-    if len(paths) < fewest or (most is not None and len(paths) > most):
-        wanted = str(fewest) if fewest == most else f"{fewest} to {most or 'any number'}"
-        message = f"{name} takes {wanted} log{'s' if wanted != '1' else ''}; {len(paths)} are given"
-        raise UsageError(message)
-    output = common.output or paths[0].with_name(f"{stem(paths[0])}.rrd")
-    if output.suffix != ".rrd":
-        message = f"--output {output}: a recording ends in .rrd"
-        raise UsageError(message)
+    """Read the logs, condition them, run the analysis, and write what it draws."""
+    check_count(name, analysis, paths)
     for text in common.through:
         step(text)
     grid(common.study)
-    to_stdout = common.json == "-"
-    documents = [Path(common.json)] if common.json and not to_stdout else []
-    models = [model] if (model := model_place(analysis, paths, common)) is not None else []
-    check_places([output, *documents, *models], paths, force=common.force)
+    places = Places.of(analysis, paths, common)
+    check_places(places.all(), paths, force=common.force)
     read = [conditioned(read_log(path, common), common.through) for path in paths]
     logs = [log for log, _ in read]
-    with blaming(name, analysis):
-        result = analysis.run(logs, parameters)
-        studied = cast("Any", analysis).study(cases(logs, common.study), parameters) if common.study else None
-    review = RecordingReview(output, live=VIEWER if common.live else None, show=shower(data=not to_stdout))
+    plugin = cast("Any", analysis)
+    with blaming(name, analysis), progress(f"{name}: computing") as report:
+        report(0, 0)
+        result = plugin.run(logs, parameters)
+        studied = plugin.study(cases(logs, common.study), parameters) if common.study else None
+    review = RecordingReview(
+        places.recording, live=VIEWER if common.live else None, show=shower(data=not places.to_stdout)
+    )
     try:
         overview(logs, review)
-        if read[0][1]:
-            review.tab("Conditioning")
-            review.note(conditioning_note(logs[0]))
-            for one, found in read[0][1]:
-                one.draw(found, review)
+        draw_conditioning(logs[0], read[0][1], review)
         review.tab(name.capitalize())
         with blaming(name, analysis):
-            analysis.draw(result, review)
+            plugin.draw(result, review)
             if common.study:
                 review.tab("Study")
-                cast("Any", analysis).draw_study(studied, review)
-            model = cast("Any", analysis).error_model(result).to_toml() if models else ""
+                plugin.draw_study(studied, review)
+            model = plugin.error_model(result).to_toml() if places.model is not None else ""
         text = document(name, __version__, parameters, result, logs, review.notes, studied)
         review.close()
     except BaseException:
         review.discard()
         raise
-    if to_stdout:
+    if places.to_stdout:
         typer.echo(text)
-    for file in documents:
-        write_text(file, text + "\n")
-    for file in models:
-        write_text(file, model)
-    for file in (output, *documents, *models):
+    if places.document is not None:
+        write_text(places.document, text + "\n")
+    if places.model is not None:
+        write_text(places.model, model)
+    for file in places.all():
         typer.echo(f"wrote {file}", err=True)
 
 
-def model_place(analysis: Analysis, paths: Sequence[Path], common: Common) -> Path | None:
-    """Return where the error model goes: where it was asked for, or beside the log for an analysis that always leaves one."""
-    if common.save_model is not None or not getattr(analysis, "LEAVES_MODEL", False):
-        return common.save_model
-    beside = common.output or paths[0]
-    return beside.with_name(f"{stem(beside)}.error-model.toml")
+def check_count(name: str, analysis: Analysis, paths: Sequence[Path]) -> None:
+    """Raise UsageError unless the analysis takes so many logs."""
+    fewest, most = cast("tuple[int, int | None]", getattr(analysis, "LOGS", (1, 1)))
+    if len(paths) < fewest or (most is not None and len(paths) > most):
+        wanted = str(fewest) if fewest == most else f"{fewest} to {most or 'any number'}"
+        message = f"{name} takes {wanted} log{'s' if wanted != '1' else ''}; {len(paths)} are given"
+        raise UsageError(message)
 
 
-def conditioning_note(log: Log) -> str:
-    """Return what was done to the samples, in words."""
-    steps = [
+@dataclass(frozen=True, slots=True)
+class Places:
+    """Where the outputs go."""
+
+    recording: Path
+    document: Path | None
+    model: Path | None
+    to_stdout: bool  #: the document
+
+    @staticmethod
+    def of(analysis: Analysis, paths: Sequence[Path], common: Common) -> Places:
+        """Return where they were asked for, or their places beside the (first) log.
+
+        Raises:
+            UsageError: a recording that does not end in .rrd.
+        """
+        output = common.output or paths[0].with_name(f"{stem(paths[0])}.rrd")
+        if output.suffix != ".rrd":
+            message = f"--output {output}: a recording ends in .rrd"
+            raise UsageError(message)
+        model = common.save_model
+        if model is None and getattr(analysis, "LEAVES_MODEL", False):
+            model = output.with_name(f"{stem(output)}.error-model.toml")
+        to_stdout = common.json == "-"
+        return Places(output, Path(common.json) if common.json and not to_stdout else None, model, to_stdout)
+
+    def all(self) -> list[Path]:
+        """Return all files that will be written."""
+        return [file for file in (self.recording, self.document, self.model) if file is not None]
+
+
+def draw_conditioning(log: Log, steps: list[tuple[Step, Any]], review: RecordingReview) -> None:
+    """Say and show, on a tab of its own, what was done to the samples."""
+    if not steps:
+        return
+    review.tab("Conditioning")
+    said = [
         f"{c.name} ({c.parameters}): {'causal' if c.causal else 'not causal, it knows what comes'}"
         f"{f', {c.delay:.4g} s late' if c.delay else ''}{f'; {c.note}' if c.note else ''}"
         for c in log.conditioning
     ]
-    return "the samples went through " + "; then ".join(steps)
+    review.note("the samples went through " + "; then ".join(said))
+    for one, found in steps:
+        one.draw(found, review)
 
 
 def read_log(path: Path, common: Common) -> Log:

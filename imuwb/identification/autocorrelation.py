@@ -94,7 +94,7 @@ def autocorrelation(values: Floats, dt: float, longest: float | None = None, *, 
         fitted = fit_gauss_markov(cosine_spectrum(centered, dt), level)
     except ValueError:
         fitted = None
-    return Autocorrelation(kept * dt, every[kept], band, level, variance, falls_to, fitted)
+    return Autocorrelation(kept.astype(np.float64) * dt, every[kept], band, level, variance, falls_to, fitted)
 
 
 def fit_gauss_markov(spectrum: CosineSpectrum, level: float = 0.95) -> GaussMarkovFit:
@@ -103,7 +103,7 @@ def fit_gauss_markov(spectrum: CosineSpectrum, level: float = 0.95) -> GaussMark
     The likelihood weighs every frequency by what it tells; an exponential laid through the first lags of a
     correlation, whose errors hang together, does not. White noise is such a process of a Tc far below dt.
     """
-    index = np.concatenate([spectrum.index, (spectrum.first + spectrum.last) / 2])
+    index: Floats = np.concatenate([spectrum.index.astype(np.float64), (spectrum.first + spectrum.last) / 2])
     power = np.concatenate([(spectrum.low + spectrum.ramp * spectrum.trend()) ** 2, spectrum.power])
     count = np.concatenate([np.ones(spectrum.low.size), spectrum.count])
     f = index / (2 * spectrum.n * spectrum.dt)

@@ -85,7 +85,9 @@ def deviation(
     sigma = np.sqrt(variance)
     tail = (1 - level) / 2
     lower, upper = (sigma * np.sqrt(freedom / stats.chi2.ppf(q, freedom)) for q in (1 - tail, tail))
-    return AllanDeviation(values.size, dt, level, factor, factor * dt, sigma, lower, upper, freedom, noise, terms)
+    return AllanDeviation(
+        values.size, dt, level, factor, factor.astype(np.float64) * dt, sigma, lower, upper, freedom, noise, terms
+    )
 
 
 @numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import special, stats
 
-from imuwb.identification.coefficient import Coefficient
 from imuwb.identification.likelihood_fit import ACCEPTED, GROUP, TERMS, explained, profiled
 from imuwb.identification.likelihood_problem import LikelihoodProblem
 from imuwb.identification.welch import welch
@@ -23,6 +22,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from imuwb.identification.coefficient import Coefficient
     from imuwb.identification.lines import Line
     from imuwb.stochastic import Process
 

@@ -74,6 +74,6 @@ def stationarity(values: Floats, dt: float, parts: int = 12) -> Stationarity:
     part = int(np.argmax(np.abs(np.log(ratio))))
     tau = curves[0].averaging_time[sure]
     return Stationarity(
-        np.arange(parts) * size * dt, size * dt, tau, deviation[:, sure], probability, smallest > REFUSED, smallest,
+        np.arange(float(parts)) * (size * dt), size * dt, tau, deviation[:, sure], probability, smallest > REFUSED, smallest,
         part, float(tau[at]), float(ratio[part] ** 0.5),
     )  # fmt: skip

@@ -84,7 +84,7 @@ def wavelet_variance(values: Floats, dt: float) -> WaveletVariance:
         level += 1
         if 2 ** (level - 1) // stride > OVERSAMPLED // 2:
             smooth, stride = smooth[::2].copy(), 2 * stride
-    levels = np.arange(1, len(variances) + 1)
+    levels = np.arange(1.0, len(variances) + 1)
     return WaveletVariance(values.size, dt, 2.0**levels * dt, np.array(variances), np.array(terms))
 
 
@@ -160,63 +160,85 @@ def fit_wavelet_variance(found: WaveletVariance, *, level: float = 0.95) -> Wave
     """Fit the sum of quantization, white, flicker and random-walk noise by generalised least squares.
 
     Raises:
-        ValueError: fewer than five scales, or a variance of 0 (a constant channel).
+        ValueError: fewer than six scales, or a variance of 0 (a constant channel).
     """
     levels = found.scale.size
-    if levels < 5 or not found.variance.all():  # noqa: PLR2004 - four terms need more
+    if levels <= len(TERMS) + 1 or not found.variance.all():
         message = "too few scales, or a wavelet variance of 0 (a constant channel)"
         raise ValueError(message)
-    dt = found.dt
-    design = _expectations(levels) * np.array([1 / dt**2, 1 / dt, 1.0, dt])
-    f, width, gains = _responses(levels)
-    parts = np.stack([make(1.0).power_spectral_density(f / dt, dt) / dt for make in TERMS.values()], axis=1)
-
-    def covariance(squared: Floats, rows: slice) -> Floats:
-        seen = gains[rows] * (parts @ squared)
-        terms = found.terms[rows].astype(np.float64)
-        # twice over, for the negative frequencies
-        return 4 * (seen * width) @ seen.T / np.minimum.outer(terms, terms)
-
-    best: tuple[int, Floats, Floats, float, int] | None = None
-    first_misfit = 0.0
-    for first in range(levels - 5):
-        rows = slice(first, None)
-        squared = _solve(found.variance[rows], design[rows], lambda p, rows=rows: covariance(p, rows))
-        spread = covariance(squared, rows)
-        residual = found.variance[rows] - design[rows] @ squared
-        chi2 = float(residual @ linalg.solve(spread, residual, assume_a="sym"))
-        freedom = max(residual.size - int(np.count_nonzero(squared)), 1)
-        first_misfit = first_misfit if first else chi2
-        gain = first_misfit - chi2 - MUCH * (first + 1) * bool(first)
-        if best is None or gain > best[3]:
-            best = (first, squared, spread, gain, freedom)
-        if float(stats.chi2.sf(chi2, freedom)) > ACCEPTED and (not first or gain > 0):
-            best = (first, squared, spread, gain, freedom)
+    whole = _Scales.of(found)
+    fits = [whole.fit()]
+    # A sensor's own filter bends the shortest scales: they are left out where that pays, until the rest is explained.
+    for first in range(1, levels - len(TERMS) - 1):
+        if fits[-1].probability > ACCEPTED:
             break
-    if best is None:
-        message = "too few scales for a fit"
-        raise ValueError(message)
-    first, squared, spread, gain, freedom = best
-    chi2 = first_misfit - gain - MUCH * (first + 1) * bool(first)
-    probability = float(stats.chi2.sf(chi2, freedom))
-    inflation = max(chi2 / freedom, 1.0) if probability < ACCEPTED else 1.0
-    rows = slice(first, None)
-    coefficients = _coefficients(found.variance[rows], design[rows], squared, spread * inflation, level)
+        fits.append(whole.since(first).fit())
+    gains = [fits[0].chi2 - fit.chi2 - MUCH * (first + 1) * (first > 0) for first, fit in enumerate(fits)]
+    first = int(np.argmax(gains))
+    fit, scales = fits[first], whole.since(first)
+    inflation = max(fit.chi2 / fit.freedom, 1.0) if fit.probability < ACCEPTED else 1.0
+    spread = scales.covariance(fit.squared) * inflation
+    coefficients = _coefficients(scales.variance, scales.design, fit.squared, spread, level)
     terms: list[Process] = [TERMS[x](c.value) for x in TERMS if (c := coefficients[x]).value]
-    return WaveletFit(coefficients, Sum(tuple(terms)), float(found.scale[first]), chi2 / freedom, probability)
+    return WaveletFit(
+        coefficients, Sum(tuple(terms)), float(found.scale[first]), fit.chi2 / fit.freedom, fit.probability
+    )
 
 
-def _solve(variance: Floats, design: Floats, covariance: object) -> Floats:
-    weight = 1 / variance
-    columns = design * weight[:, None]
-    size = np.linalg.norm(columns, axis=0)
-    squared = optimize.nnls(columns / size, np.ones(variance.size))[0] / size
-    for _ in range(ROUNDS):
-        root = linalg.cholesky(covariance(squared), lower=True)  # type: ignore[operator]
-        white = linalg.solve_triangular(root, design, lower=True)
-        size = np.linalg.norm(white, axis=0)
-        squared = optimize.nnls(white / size, linalg.solve_triangular(root, variance, lower=True))[0] / size
-    return squared
+@dataclass(frozen=True, eq=False, slots=True)
+class _Fit:
+    squared: Floats  #: (4,)
+    chi2: float
+    freedom: int
+    probability: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Scales:
+    """Wavelet variances to be explained, and how they scatter together."""
+
+    variance: Floats  #: (j,)
+    terms: Floats  #: (j,)
+    design: Floats  #: (j, 4) of processes of size 1
+    gains: Floats  #: (j, k) squared, by frequency
+    width: Floats  #: (k,) of the frequencies, of the rate
+    parts: Floats  #: (k, 4) densities of processes of size 1
+
+    @staticmethod
+    def of(found: WaveletVariance) -> _Scales:
+        dt = found.dt
+        f, width, gains = _responses(found.scale.size)
+        parts = np.stack([make(1.0).power_spectral_density(f / dt, dt) / dt for make in TERMS.values()], axis=1)
+        design = _expectations(found.scale.size) * np.array([1 / dt**2, 1 / dt, 1.0, dt])
+        return _Scales(found.variance, found.terms.astype(np.float64), design, gains, width, parts)
+
+    def since(self, first: int) -> _Scales:
+        """Return all but the first scales."""
+        rest = slice(first, None)
+        return _Scales(
+            self.variance[rest], self.terms[rest], self.design[rest], self.gains[rest], self.width, self.parts
+        )
+
+    def covariance(self, squared: Floats) -> Floats:
+        """Return the covariance of the variances if these squares are true: twice the product of spectra, added up."""
+        seen = self.gains * (self.parts @ squared)
+        # twice over, for the negative frequencies
+        return 4 * (seen * self.width) @ seen.T / np.minimum.outer(self.terms, self.terms)
+
+    def fit(self) -> _Fit:
+        """Return the squares, none negative, the covariance taken from the fit and the fit repeated."""
+        columns = self.design / self.variance[:, None]
+        size = np.linalg.norm(columns, axis=0)
+        squared = optimize.nnls(columns / size, np.ones(self.variance.size))[0] / size
+        for _ in range(ROUNDS):
+            root = linalg.cholesky(self.covariance(squared), lower=True)
+            white = linalg.solve_triangular(root, self.design, lower=True)
+            size = np.linalg.norm(white, axis=0)
+            squared = optimize.nnls(white / size, linalg.solve_triangular(root, self.variance, lower=True))[0] / size
+        residual = self.variance - self.design @ squared
+        chi2 = float(residual @ linalg.solve(self.covariance(squared), residual, assume_a="sym"))
+        freedom = max(residual.size - int(np.count_nonzero(squared)), 1)
+        return _Fit(squared, chi2, freedom, float(stats.chi2.sf(chi2, freedom)))
 
 
 def _coefficients(

@@ -37,7 +37,7 @@ def draw(found: dict[str, dict[str, Any]], findings: Sequence[Finding], review: 
     lines: list[tuple[str, ...]] = []
     for axis, content in found.items():
         for source, coefficients in content["estimators"].items():
-            name = _NAMES.get(source, source) + (" (headline)" if source == content["headline"] else "")
+            name = str(_NAMES.get(source, source)) + (" (headline)" if source == content["headline"] else "")
             cells = (
                 estimate_text(coefficients[x], coefficient_units(axis, x)[1]) if x in coefficients else "—"
                 for x in LETTERS

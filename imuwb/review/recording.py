@@ -13,8 +13,8 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from imuwb.errors import ImuwbError
-from imuwb.review.envelope import envelope
 from imuwb.review.chart import Chart
+from imuwb.review.envelope import envelope
 from imuwb.writers.beside import partial
 
 if TYPE_CHECKING:

@@ -87,7 +87,7 @@ class Autoregressive(Addable):
         from scipy.linalg import solve_toeplitz  # noqa: PLC0415 - slow to import, seldom needed
 
         p = len(self.alpha)
-        r = self.autocovariance(np.arange(p + 1) * factor * self.dt)
+        r = self.autocovariance(np.arange(p + 1.0) * (factor * self.dt))
         alpha = -solve_toeplitz(r[:p], r[1:])
         return Autoregressive(tuple(alpha), float(r[0] + alpha @ r[1:]) ** 0.5, self.dt * factor)
 

@@ -36,9 +36,8 @@ def draw(result: Result, review: Review) -> None:
         review.table(_estimators(result))
         review.table(_choices(result))
         _parts(result, review)
-    for found in (f for f in result.axes.values() if f.other is not None):
+    if any(found.other for found in result.axes.values()):
         review.figure(_other(result))
-        break
 
 
 def _figure(name: str, unit: Unit, axes: dict[str, AxisResult], dt: float, level: float) -> Figure:

@@ -49,7 +49,7 @@ def _poles(axes: dict[str, AxisResult]) -> Figure:
     turn = np.linspace(0, 2 * np.pi, 361)
     curves = [Curve("unit circle", np.cos(turn), np.sin(turn), CIRCLE, style="fit")]
     for axis, found in axes.items():
-        poles = np.array(found.poles)
+        poles = np.array(found.poles, dtype=np.complex128)
         curves.append(Curve(axis.replace("_", " "), poles.real, poles.imag, AXIS_COLORS[axis[-1]], style="points"))
     return Figure(
         "Poles of the models that are saved: stable inside the circle", "real part [1]", "imaginary part [1]", tuple(curves),

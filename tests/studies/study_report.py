@@ -85,6 +85,11 @@ def _cell(value: object) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
+def verdict(reached: bool) -> str:  # noqa: FBT001 - one thing, said or not
+    """Return what a summary says of a figure."""
+    return "reached" if reached else "NOT reached"
+
+
 def over_records(work: Callable[..., object], jobs: Iterable[tuple[object, ...]], workers: int) -> list[object]:
     """Return ``work(*job)`` of every job, in order; in this process when there is one worker."""
     if workers == 1:
