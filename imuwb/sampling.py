@@ -49,6 +49,9 @@ def sampling(time: NDArray[np.int64]) -> Sampling:
     if time.size < 2:  # noqa: PLR2004 - a step needs two rows
         return Sampling(float("nan"), (), (), 0.0)
     steps = np.diff(time)
+    if steps.max() <= GAP * steps.min():  # no step can be a gap, however stamps are rounded
+        mean = float(time[-1] - time[0]) / steps.size
+        return Sampling(mean / SECOND, (), (), float(steps.std()) / mean)
     interval, rounding = _interval(time, steps)
     long = steps > GAP * interval + rounding
     breaks = np.flatnonzero(long) + 1

@@ -8,8 +8,9 @@ from imuwb.identification.autoregressive import AutoregressiveFit, fit_autoregre
 from imuwb.identification.averaging import averaging_factors
 from imuwb.identification.burg import Burg, burg
 from imuwb.identification.coefficient import Coefficient
+from imuwb.identification.cosine_spectrum import CosineSpectrum, cosine_spectrum
 from imuwb.identification.deviations import deviation
-from imuwb.identification.likelihood_fit import LikelihoodFit, fit_likelihood
+from imuwb.identification.likelihood_fit import LikelihoodFit, fit_cosine_spectrum, fit_likelihood, spectrum_without
 from imuwb.identification.lines import Line, find_lines
 from imuwb.identification.model_choice import Candidate, ModelChoice, choose_model
 from imuwb.identification.spectrum import PowerSpectrum, SpectralFit, fit_spectrum, power_spectrum
@@ -26,6 +27,7 @@ __all__ = [
     "Candidate",
     "Coefficient",
     "CorrelationTime",
+    "CosineSpectrum",
     "Disturbance",
     "GaussMarkovFit",
     "LikelihoodFit",
@@ -44,15 +46,18 @@ __all__ = [
     "averaging_factors",
     "burg",
     "choose_model",
+    "cosine_spectrum",
     "deviation",
     "equivalent_degrees_of_freedom",
     "find_lines",
     "fit_allan",
     "fit_autoregressive",
+    "fit_cosine_spectrum",
     "fit_likelihood",
     "fit_spectrum",
     "fit_wavelet_variance",
     "power_spectrum",
+    "spectrum_without",
     "stationarity",
     "stillness",
     "wavelet_variance",

@@ -9,8 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numba
 import numpy as np
-from scipy import fft, linalg, signal, stats
+from scipy import fft, linalg, stats
 
 from imuwb.identification.burg import burg
 from imuwb.stochastic import Autoregressive
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 WHITE_LAGS = 20  #: of the innovations' autocorrelation
+BLOCK = 1024  #: samples that stay in the fastest cache while all lags use them
 GRID = 4096  #: samples of a segment of the innovations' spectrum
 RANDOM_WALK, WHITE = 0.99, 0.02  #: |alpha_1| from, and up to, which an order 1 model is said to be one
 
@@ -103,7 +105,8 @@ def fit_autoregressive(
     """
     models = burg(values, orders, breaks)
     n, highest = models.n, len(models.alpha) - 1
-    innovations = signal.lfilter([1.0, *models.alpha[highest]], [1.0], values - models.mean)[highest:]
+    centered = values - models.mean
+    innovations = _errors(centered, np.ascontiguousarray(models.alpha[highest]))
     density = _density(innovations, models.alpha[highest])
     covariances = fft.irfft(density)[: highest + 1]
     z = float(stats.norm.ppf((1 + level) / 2))
@@ -122,7 +125,7 @@ def fit_autoregressive(
         ))  # fmt: skip
     chosen = min(found, key=lambda order: order.bic).order
     tested = sorted({p for p in (*test, chosen) if 1 <= p <= highest})
-    whiteness = tuple(_whiteness(values - models.mean, models.alpha[p], p) for p in tested)
+    whiteness = tuple(_whiteness(centered, models.alpha[p], p) for p in tested)
     return AutoregressiveFit(dt, n, models.mean, level, tuple(found), chosen, whiteness, _reading(found[0]))
 
 
@@ -170,14 +173,42 @@ def _ideal(alpha: Sequence[Floats], variance: Floats, n: int) -> Floats:
 
 
 def _whiteness(centered: Floats, alpha: Floats, order: int) -> Whiteness:
-    errors = signal.lfilter([1.0, *alpha], [1.0], centered)[order:]
-    power = float(np.einsum("i,i", errors, errors))
+    products = _products(_errors(centered, np.ascontiguousarray(alpha)), WHITE_LAGS)
+    r = products[1:] / products[0]
     lags = np.arange(1, WHITE_LAGS + 1)
-    r = np.array([float(np.einsum("i,i", errors[k:], errors[:-k])) for k in lags]) / power
-    n = errors.size
+    n = centered.size - order
     statistic = float(n * (n + 2) * np.sum(r**2 / (n - lags)))
     freedom = max(WHITE_LAGS - order, 1)
     return Whiteness(order, statistic, float(stats.chi2.sf(statistic, freedom)), float(np.abs(r).max()))
+
+
+@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
+def _errors(values: Floats, alpha: Floats) -> Floats:  # pragma: no cover - compiled
+    """Return x(n) + sum alpha_k x(n-k) wherever all of it is there."""
+    p = alpha.size
+    out = values[p:].copy()
+    for low in range(0, out.size, BLOCK):
+        part = out[low : low + BLOCK]
+        for k in range(p):
+            before = values[p - 1 - k + low : p - 1 - k + low + part.size]
+            for i in range(part.size):
+                part[i] += alpha[k] * before[i]
+    return out
+
+
+@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
+def _products(values: Floats, lags: int) -> Floats:  # pragma: no cover - compiled
+    """Return sum x(i) x(i+k) for k = 0 ... lags."""
+    out = np.zeros(lags + 1)
+    for low in range(0, values.size, BLOCK):
+        for k in range(lags + 1):
+            early = values[low : min(low + BLOCK, values.size - k)]
+            late = values[low + k : low + k + early.size]
+            total = 0.0
+            for i in range(early.size):
+                total += early[i] * late[i]
+            out[k] += total
+    return out
 
 
 def _reading(first: Order) -> str:

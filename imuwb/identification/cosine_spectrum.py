@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numba
 import numpy as np
 from scipy import fft, special
 
@@ -101,26 +102,62 @@ def cosine_spectrum(values: Floats, dt: float, lines: Sequence[tuple[float, floa
     if n < FEWEST:
         message = f"{n} samples are too few for a likelihood; it takes {FEWEST}"
         raise ValueError(message)
-    centered = np.arange(n) - (n - 1) / 2
-    slope = float(np.einsum("i,i", centered, values)) / (n * (n**2 - 1) / 12)
-    level = float(values.mean())
-    powers = fft.dct(values - level - slope * centered, type=2, norm="ortho", overwrite_x=True) * np.sqrt(dt)
-    kept = np.ones(n, dtype=bool)
-    for frequency, half in lines:
-        begin, end = ((frequency + side * half) * 2 * n * dt for side in (-1, 1))
-        kept[max(int(begin), 0) : max(int(np.ceil(end)) + 1, 0)] = False
+    level, slope = _straight_line(values)
+    rest = np.empty(n)
+    _without_line(values, level, slope, rest)
+    coefficients = fft.dct(rest, type=2, norm="ortho", overwrite_x=True)
+    spans = np.array([[max((f - half) * 2 * n * dt, 0.0), (f + half) * 2 * n * dt] for f, half in lines]).reshape(-1, 2)
     index = np.arange(1, LOW + 1)
-    index = index[kept[index]]
-    low = powers[index].copy()
-    np.square(powers, out=powers)
-    powers[~kept] = 0.0
+    index = index[~((index >= spans[:, :1]) & (index <= spans[:, 1:])).any(axis=0)]
     edges = _edges(n)
-    sums, counts = np.add.reduceat(powers, edges[:-1]), np.add.reduceat(kept, edges[:-1], dtype=np.int64)
-    full = counts > 0
-    first, last = edges[:-1][full], edges[1:][full] - 1
-    if edges[-1] == n:  # reduceat's last piece runs to the end, as this one does
-        last[-1] = n - 1
-    return CosineSpectrum(n, dt, slope / dt, index, low, first, last, sums[full] / counts[full], counts[full])
+    power, count = _binned(
+        coefficients, edges, np.floor(spans[:, 0]).astype(np.int64), np.ceil(spans[:, 1]).astype(np.int64)
+    )
+    full = count > 0
+    return CosineSpectrum(
+        n, dt, slope / dt, index, coefficients[index] * np.sqrt(dt), edges[:-1][full], edges[1:][full] - 1,
+        power[full] / count[full] * dt, count[full],
+    )  # fmt: skip
+
+
+@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
+def _straight_line(values: Floats) -> tuple[float, float]:  # pragma: no cover - compiled
+    """Return the mean, and the slope per sample, of the least-squares line."""
+    n = values.size
+    middle = (n - 1) / 2.0
+    total = moment = 0.0
+    for k in range(n):
+        x = values[k] - values[0]
+        total += x
+        moment += (k - middle) * x
+    return values[0] + total / n, moment / (n * (float(n) * n - 1.0) / 12.0)
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _without_line(values: Floats, level: float, slope: float, out: Floats) -> None:  # pragma: no cover - compiled
+    middle = (values.size - 1) / 2.0
+    for k in range(values.size):
+        out[k] = values[k] - level - slope * (k - middle)
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _binned(
+    coefficients: Floats, edges: NDArray[np.int64], first: NDArray[np.int64], last: NDArray[np.int64]
+) -> tuple[Floats, NDArray[np.int64]]:  # pragma: no cover - compiled
+    """Return the sums of squares between edges, and how many went in: none of first ... last, which are lines."""
+    sums, counts = np.zeros(edges.size - 1), np.zeros(edges.size - 1, np.int64)
+    for i in range(edges.size - 1):
+        total, count = 0.0, 0
+        for j in range(edges[i], edges[i + 1]):
+            inside = False
+            for line in range(first.size):
+                if first[line] <= j <= last[line]:
+                    inside = True
+            if not inside:
+                total += coefficients[j] ** 2
+                count += 1
+        sums[i], counts[i] = total, count
+    return sums, counts
 
 
 def _edges(n: int) -> NDArray[np.int64]:

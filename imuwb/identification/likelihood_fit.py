@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from imuwb.identification.cosine_spectrum import CosineSpectrum
     from imuwb.identification.likelihood_problem import Solution
     from imuwb.identification.lines import Line
     from imuwb.stochastic import Process
@@ -61,6 +62,11 @@ class LikelihoodFit:
         return Sum((*(TERMS[x](self.coefficients[x].value or 0.0) for x in sure), *ramp))
 
 
+def spectrum_without(values: Floats, dt: float, lines: Sequence[Line] = ()) -> CosineSpectrum:
+    """Return a record's cosine coefficients, those near lines left out."""
+    return cosine_spectrum(values, dt, [(line.frequency, LINE_BINS * line.resolution) for line in lines])
+
+
 def fit_likelihood(values: Floats, dt: float, lines: Sequence[Line] = (), *, level: float = 0.95) -> LikelihoodFit:
     """Fit the sum to an evenly spaced record without gaps.
 
@@ -76,10 +82,12 @@ def fit_likelihood(values: Floats, dt: float, lines: Sequence[Line] = (), *, lev
     if np.ptp(values) == 0:
         message = "the channel is constant"
         raise ValueError(message)
-    problem = LikelihoodProblem.of(
-        cosine_spectrum(values, dt, [(line.frequency, LINE_BINS * line.resolution) for line in lines]),
-        [make(1.0) for make in TERMS.values()],
-    )
+    return fit_cosine_spectrum(spectrum_without(values, dt, lines), level=level)
+
+
+def fit_cosine_spectrum(spectrum: CosineSpectrum, *, level: float = 0.95) -> LikelihoodFit:
+    """Fit the sum to a record's cosine coefficients."""
+    problem = LikelihoodProblem.of(spectrum, [make(1.0) for make in TERMS.values()])
     problem, misfit, freedom = explained(problem)
     probability = float(stats.chi2.sf(misfit, freedom))
     everything = list(range(len(TERMS)))

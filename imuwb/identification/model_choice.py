@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.identification.cosine_spectrum import FEWEST, cosine_spectrum
-from imuwb.identification.likelihood_fit import LINE_BINS, TERMS
+from imuwb.identification.cosine_spectrum import FEWEST
+from imuwb.identification.likelihood_fit import TERMS, spectrum_without
 from imuwb.identification.likelihood_problem import LikelihoodProblem
 from imuwb.stochastic import GaussMarkov, Sum
 
@@ -71,6 +71,7 @@ def choose_model(
     highest: float | None = None,
     sums: Sequence[str] = SUMS,
     models: Sequence[Autoregressive] = (),
+    spectrum: CosineSpectrum | None = None,
 ) -> ModelChoice:
     """Compare sums of processes on an evenly spaced record without gaps.
 
@@ -81,6 +82,7 @@ def choose_model(
         highest: Hz; what lies above (a sensor's own filter) is left out.
         sums: texts of the letters Q, N, B, K, and M for a Gauss-Markov process.
         models: autoregressive models of this record, compared as they are.
+        spectrum: of the record, where it is at hand.
 
     Raises:
         ValueError: fewer than 512 samples, an unknown letter.
@@ -88,11 +90,11 @@ def choose_model(
     if values.size < 2 * FEWEST:
         message = f"{values.size} samples are too few to compare sums; it takes {2 * FEWEST}"
         raise ValueError(message)
-    apart = [(line.frequency, LINE_BINS * line.resolution) for line in lines]
     half = values.size // 2
-    whole, first, second = (
-        _Record(cosine_spectrum(part, dt, apart), highest) for part in (values, values[:half], values[half : 2 * half])
+    first, second = (
+        _Record(spectrum_without(part, dt, lines), highest) for part in (values[:half], values[half : 2 * half])
     )
+    whole = _Record(spectrum_without(values, dt, lines) if spectrum is None else spectrum, highest)
     without, everything = (whole.fit(text).deviance for text in ("NBK", "QNBK"))
     if without - everything < QUANTIZED:
         sums = [text for text in sums if "Q" not in text]

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 from imuwb.identification import (
     burg,
     choose_model,
-    fit_likelihood,
+    fit_cosine_spectrum,
     fit_wavelet_variance,
+    spectrum_without,
     stationarity,
     wavelet_variance,
 )
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from imuwb.analysis import AnyCoefficient
-    from imuwb.identification import Line, ModelChoice, Stationarity
+    from imuwb.identification import CosineSpectrum, Line, ModelChoice, Stationarity
     from imuwb.log import Floats
     from imuwb_allan.parameters import Parameters
 
@@ -40,8 +41,10 @@ def estimates(
     by = {"allan": _results(axis, by_allan)}
     processes: Sum | None = None
     highest: float | None = None
+    spectrum: CosineSpectrum | None = None
     try:
-        likely = fit_likelihood(values, dt, lines, level=parameters.level)
+        spectrum = spectrum_without(values, dt, lines)
+        likely = fit_cosine_spectrum(spectrum, level=parameters.level)
         by["likelihood"] = _results(axis, likely.coefficients)
         sinusoids: list[Sinusoid] = [line.process(dt) for line in lines]
         processes, highest = Sum((*likely.identified.terms, *sinusoids)), likely.highest
@@ -56,7 +59,7 @@ def estimates(
     differences = tuple(_differences(by))
     return Estimates(
         "likelihood" if "likelihood" in by else "allan", by, processes, highest, not differences, differences,
-        _steady(values, dt, notes), _choice(values, dt, lines, highest, parameters, notes), float(values.mean()), tuple(notes),
+        _steady(values, dt, notes), _choice(values, dt, lines, highest, spectrum, parameters, notes), float(values.mean()), tuple(notes),
     )  # fmt: skip
 
 
@@ -69,14 +72,20 @@ def _steady(values: Floats, dt: float, notes: list[str]) -> Stationarity | None:
 
 
 def _choice(
-    values: Floats, dt: float, lines: Sequence[Line], highest: float | None, parameters: Parameters, notes: list[str]
+    values: Floats,
+    dt: float,
+    lines: Sequence[Line],
+    highest: float | None,
+    spectrum: CosineSpectrum | None,
+    parameters: Parameters,
+    notes: list[str],
 ) -> ModelChoice | None:
     if not parameters.choose:
         return None
     try:
         models = burg(values, max(AR_ORDERS))
         regressions = [Autoregressive(tuple(models.alpha[p]), float(models.variance[p]) ** 0.5, dt) for p in AR_ORDERS]
-        return choose_model(values, dt, lines, highest=highest, models=regressions)
+        return choose_model(values, dt, lines, highest=highest, models=regressions, spectrum=spectrum)
     except ValueError as error:
         notes.append(f"no choice of a sum: {error}")
         return None

@@ -101,9 +101,7 @@ def _summary(every):
     ]
     share = _pooled(every, "likelihood")
     rows.append(("covered, all together", "93 to 97 %", share, verdict(TOGETHER[0] <= share.value <= TOGETHER[1])))
-    rows += [
-        (f"covered, {row[1]}", "92 to 98 %", row[6], verdict(EACH[0] <= row[6].value <= EACH[1])) for row in mine
-    ]
+    rows += [(f"covered, {row[1]}", "92 to 98 %", row[6], verdict(EACH[0] <= row[6].value <= EACH[1])) for row in mine]
     return Table("What was wanted of the likelihood", ("figure", "wanted", "reached", "verdict"), tuple(rows))
 
 

@@ -1,0 +1,135 @@
+"""Is the Allan variance of a record with samples missing biased, and are its degrees of freedom right?
+
+60,000 samples at 100 Hz of white noise, flicker and a random walk, each of which rules about a third of the averaging times:
+whole; with 5 and 20 % of the samples taken out at random; and with three gaps of a minute each at random places. Each is
+``allan(values, dt, breaks=..., time=...)`` at octaves; the same seed is the same noise. Gaps are no part of the noise, so
+wanted is a bias of 0, within chance, at every octave.
+
+Where gaps leave less than half of the second differences, an averaging time is bridged by the pairs of samples there are, and
+``BRIDGE_LOSS`` of ``imuwb.identification.allan`` takes a share of the degrees of freedom. What that share should be
+is printed twice: so that the scatter is as expected from the degrees of freedom, and from the scatter of the whole
+records, which no noise type goes into.
+
+Command: ``python tests/studies/missing_samples.py`` (400 records: about 5 minutes in one process).
+Seeds: record r uses ``SeedSequence(r).spawn(2)``, for the noise and for what is missing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from study_report import Mean, Share, Table, main, over_records, verdict
+
+from imuwb.identification import allan
+from imuwb.identification.allan import BRIDGE, BRIDGE_LOSS
+from imuwb.stochastic import FlickerNoise, RandomWalk, WhiteNoise
+
+QUESTION = "Allan variances of records with samples missing"
+RATE, SAMPLES = 100.0, 60_000
+NOISE = WhiteNoise(1.0) + FlickerNoise(1.5) + RandomWalk(0.55)
+GAPS, GAP = 3, 6000  #: samples
+KINDS = ("whole", "5 % missing", "20 % missing", "three long gaps")
+FEW = 5.0  #: degrees of freedom; below, a scatter is ill described by them
+
+
+def kept(kind, n, rng):
+    """Return the places of the samples that are there."""
+    there = np.ones(n, dtype=bool)
+    if kind.endswith("missing"):
+        there[rng.permutation(n)[: round(n * float(kind.split()[0]) / 100)]] = False
+    if kind.endswith("gaps"):
+        gap = GAP * n // SAMPLES
+        for begin in rng.integers(0, n - gap, GAPS):
+            there[begin : begin + gap] = False
+    return np.flatnonzero(there)
+
+
+def record(seed, n):
+    """Return {kind: {m: (variance over the true one, degrees of freedom, true one in the interval, bridged)}}."""
+    noise, missing = (np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(2))
+    x = NOISE.sample(n, 1 / RATE, noise)
+    found = {}
+    for kind in KINDS:
+        place = kept(kind, n, missing)
+        breaks = np.flatnonzero(np.diff(place) > 1) + 1
+        curve = allan(x[place], 1 / RATE, breaks=breaks.tolist(), time=place * round(1e9 / RATE))
+        true = NOISE.allan_variance(curve.averaging_time, 1 / RATE)
+        held = (curve.lower**2 <= true) & (true <= curve.upper**2)
+        parts = np.diff([0, *breaks, place.size])
+        whole = place[-1] - place[0] + 2 - 2 * curve.factor
+        thin = np.maximum(parts[:, None] + 1 - 2 * curve.factor, 0).sum(axis=0) < BRIDGE * whole
+        rows = zip(curve.deviation**2 / true, curve.degrees_of_freedom, curve.terms, held, thin, strict=True)
+        found[kind] = dict(zip(curve.factor.tolist(), rows, strict=True))
+    return found
+
+
+def study(records=400, n=SAMPLES, workers=1):
+    """Return the tables: a summary, and a table of each kind of record."""
+    found = over_records(record, [(seed, n) for seed in range(records)], workers)
+    tables = {kind: _table(found, kind) for kind in KINDS}
+    return (_summary(tables), *tables.values())
+
+
+def _columns(found, kind, m):
+    """Return arrays of ratio, degrees of freedom, terms, held, bridged; one of each record that has this factor."""
+    cells = [one[kind][m] for one in found if m in one[kind]]
+    return tuple(np.array(column) for column in zip(*cells, strict=True))
+
+
+def _table(found, kind):
+    rows = []
+    for m in sorted({m for one in found for m in one[kind]}):
+        ratio, edf, terms, held, thin = _columns(found, kind, m)
+        if ratio.size < max(len(found) // 2, 2):
+            continue
+        spread = float(ratio.var(ddof=1))
+        share = Share(int(thin.sum()), ratio.size)
+        # Of records that are bridged only; those that are not lose nothing.
+        loss = whole_loss = "–"
+        if share.value > 0.9:
+            loss = BRIDGE_LOSS * 2 / spread / float(edf.mean())
+            base, _, base_terms, *_ = _columns(found, "whole", m)
+            whole_loss = float(base.var(ddof=1)) / spread * float(base_terms.mean() / terms.mean())
+        rows.append((
+            m, f"{m / RATE:g}", ratio.size, f"{100 * share.value:.0f} %",
+            Mean(float(ratio.mean()), float(np.sqrt(spread / ratio.size))), float(edf.mean()),
+            float(np.sqrt(spread / np.mean(2 / edf))), loss, whole_loss, Share(int(held.sum()), ratio.size),
+        ))  # fmt: skip
+    note = "" if kind != KINDS[0] else (
+        "Mean: of the variance over the true one, with its standard error; wanted 1. Scatter: its standard deviation over that "
+        "expected from the degrees of freedom; wanted 1. Loss: the factor on the degrees of freedom for which the scatter would "
+        "be as expected, and that which the scatter of whole records gives, counting the terms that are left."
+    )  # fmt: skip
+    return Table(
+        kind[0].upper() + kind[1:],
+        (
+            "m", "tau, s", "records", "bridged", "mean", "degrees of freedom", "scatter", "loss by degrees of freedom",
+            "loss by whole records", "true value in the 95 % interval",
+        ),
+        tuple(rows), note,
+    )  # fmt: skip
+
+
+def _summary(tables):
+    rows = []
+    for kind, table in tables.items():
+        means = [mean for mean, count in zip(table.column("mean"), table.column("records"), strict=True) if count]
+        off = max(abs(mean.off) for mean in means)
+        rows.append((f"{kind}: largest bias, standard errors", "below 4", f"{off:.1f}", verdict(off < 4)))
+    for heading in ("loss by degrees of freedom", "loss by whole records"):
+        losses = {
+            kind: [
+                loss
+                for loss, freedom in zip(table.column(heading), table.column("degrees of freedom"), strict=True)
+                if loss != "–" and freedom >= FEW
+            ]
+            for kind, table in tables.items()
+        }
+        for kind, found in losses.items():
+            if found:
+                reached = f"{np.median(found):.2f} ({min(found):.2f}–{max(found):.2f})"
+                rows.append((f"{kind}: {heading}, median (least–largest)", f"{BRIDGE_LOSS:g} is set", reached, "–"))
+    return Table("What was wanted", ("figure", "wanted", "reached", "verdict"), tuple(rows))
+
+
+if __name__ == "__main__":
+    main(__file__, QUESTION, study, 400, lambda n: f"seeds 0..{n - 1}, n = {n} records of {SAMPLES} samples")
