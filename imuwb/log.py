@@ -247,3 +247,9 @@ class Log:
     def seconds(self, time: Nanoseconds) -> Floats:
         """Return times of a stream in s from the log's start."""
         return (time - (self.zero or 0)) / SECOND
+
+
+def source_of(log: Log) -> str:
+    """Return where a log's samples come from, for the provenance of what is made of them: path, hash, conditioning."""
+    steps = "".join(f" through {step.name}:{step.parameters}" for step in log.conditioning)
+    return f"{log.provenance.path} {log.provenance.hash}{steps}"

@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, cast
+from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 
 import typer
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from imuwb.analysis import Analysis
 
 LOGS, RESULTS = "Logs", "Results"
+KINDS = (("analysis", registry.ANALYSES), ("conditioner", registry.CONDITIONERS), ("reader", registry.READERS))
 DEMO_LOG = "static.mcap"
 LARGE = 256 << 20  #: bytes; from here on an index, where there is one, tells what a log holds
 
@@ -125,17 +127,20 @@ def view(recording: Annotated[Path, typer.Argument(help="A recording that imuwb 
 
 
 def plugins() -> None:
-    """The readers and analyses that are installed, and where they come from."""
+    """The analyses, conditioners (with their parameters) and readers that are installed, and where they come from."""
     from imuwb.analysis import Table  # noqa: PLC0415 - help must not wait for rich
     from imuwb.cli.terminal import shower  # noqa: PLC0415
 
     rows: list[tuple[str, ...]] = []
-    for kind, group in (("analysis", registry.ANALYSES), ("reader", registry.READERS)):
+    for kind, group in KINDS:
         for name, point in registry.installed(group).items():
             loaded = registry.load(point)
-            text = (getattr(loaded, "__doc__", None) or "").strip().splitlines()
+            lines = (getattr(loaded, "__doc__", None) or "").strip().splitlines()
+            text = lines[0] if lines else "cannot be loaded"
+            if kind == "conditioner" and loaded is not None:
+                text += f" ({', '.join(f.name for f in fields(cast('Any', loaded).Parameters))})"
             origin = f"{point.dist.name} {point.dist.version}" if point.dist is not None else "unknown"
-            rows.append((kind, name, text[0] if text else "cannot be loaded", point.value, origin))
+            rows.append((kind, name, text, point.value, origin))
     headings = ("kind", "name", "what it does", "module", "from")
     shower(data=True)(Table("Plugins", headings, tuple(rows), "A single .py file is a plugin too: imuwb ./mine.py LOG"))
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-LOW = 48  #: coefficients that are taken one by one, with all their covariances
+LOW = 32  #: coefficients that are taken one by one, with all their covariances
 WIDTH = 1.04  #: of a bin, last frequency over first
 POINTS = 8  #: of a wide bin at which a density is averaged
 FEWEST = 256  #: samples

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from imuwb.review.recording import RecordingReview
 
 TRACKS = ((242, 142, 43), (118, 183, 178), (176, 122, 161))
+LOOKED_AT = 100_000  #: samples, for the middle and the spread of what is drawn
 STILL = 0.1  #: largest spread of an axis, as a share of the distance between axes, that is drawn about its median
 
 
@@ -45,8 +46,9 @@ def overview(logs: Sequence[Log], review: RecordingReview) -> None:
 def _triad(imu: ImuStream, triad: Triad, what: str, sensor: str, unit: str, scale: float) -> Series:
     """Return three axes over time; those of a still sensor about their medians, which would dwarf the rest."""
     values = triad.value * scale
-    middle = np.median(values, axis=0)
-    spread = np.quantile(np.abs(values - middle), 0.99, axis=0).max()
+    some = values[:: max(len(values) // LOOKED_AT, 1)]
+    middle = np.median(some, axis=0)
+    spread = np.quantile(np.abs(some - middle), 0.99, axis=0).max()
     names = tuple(f"{sensor} {axis}" for axis in "xyz")
     title = f"{imu.name} {what}"
     if spread < STILL * np.ptp(middle):

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from imuwb import __version__
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification import allan, deviation, find_lines, fit_allan, stillness
+from imuwb.log import source_of
 from imuwb.sampling import Sampling, sampling
 from imuwb.stochastic import AxisModel, GaussMarkov, ImuErrorModel, Sinusoid, Sum
 from imuwb.units import coefficient_units
@@ -59,7 +61,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     spans = [(log.seconds(time[[0, -1]])) for time, _ in axes.values()]
     return Result(
         imu.name,
-        f"{log.provenance.path} {log.provenance.hash}",
+        source_of(log),
         parameters.level,
         {sensor: 1 / clock.interval for sensor, clock in clocks.items()},
         float(max(end for _, end in spans) - min(start for start, _ in spans)),
@@ -82,7 +84,8 @@ def error_model(result: Result) -> ImuErrorModel:
     if not axes:
         message = f"{result.imu}: no axis could be fitted, so there is no error model to save"
         raise MissingDataError(message)
-    return ImuErrorModel(result.imu, axes, {"log": result.source})
+    provenance = {"log": result.source, "analysis": f"imuwb {__version__} allan, {100 * result.level:g} % intervals"}
+    return ImuErrorModel(result.imu, axes, provenance)
 
 
 def _model(found: AxisResult) -> AxisModel:

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from imuwb import __version__
 from imuwb.analysis import Finding
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification import fit_autoregressive
 from imuwb.identification.suitable import unsuitable
+from imuwb.log import source_of
 from imuwb.sampling import Sampling, sampling
 from imuwb.stochastic import AxisModel, ImuErrorModel, Sum
 from imuwb.units import coefficient_units
@@ -44,8 +46,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
         message = f"{log.provenance.path}: {imu.name}: no axis has a model: {next(iter(results.values())).why_none}"
         raise MissingDataError(message)
     notes = [f"{axis}: {r.why_none}" for axis, r in results.items() if r.why_none]
-    source = f"{log.provenance.path} {log.provenance.hash}"
-    return Result(imu.name, source, parameters.level, CONVENTION, bool(log.conditioning), results, tuple(notes))
+    return Result(imu.name, source_of(log), parameters.level, CONVENTION, bool(log.conditioning), results, tuple(notes))
 
 
 def _axis(axis: str, values: Floats, clock: Sampling, parameters: Parameters) -> AxisResult:
@@ -107,4 +108,5 @@ def error_model(result: Result) -> ImuErrorModel:
     if not axes:
         message = f"{result.imu}: no axis has a stable model, so there is no error model to save"
         raise MissingDataError(message)
-    return ImuErrorModel(result.imu, axes, {"log": result.source})
+    provenance = {"log": result.source, "analysis": f"imuwb {__version__} autoregressive"}
+    return ImuErrorModel(result.imu, axes, provenance)

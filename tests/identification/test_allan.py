@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from imuwb.identification import allan, averaging_factors
+from imuwb.identification import allan, allan_of_axes, averaging_factors, equivalent_degrees_of_freedom
 from imuwb.identification.allan import sums_of_squares
+from imuwb.stochastic import FlickerNoise, RandomWalk, WhiteNoise
 
 
 def slow_allan_variance(values, dt, m):
@@ -88,8 +89,6 @@ def test_phase_dat_deviation_and_intervals(shared):
     np.testing.assert_allclose(curve.deviation, table[:, 5], rtol=5e-5)
     from scipy import stats
 
-    from imuwb.identification import equivalent_degrees_of_freedom
-
     for m, alpha, low, sigma, high in table[:, [0, 3, 4, 5, 6]]:
         edf = equivalent_degrees_of_freedom(int(m), phase.size - 1, int(alpha))
         tail = (1 - 0.683) / 2
@@ -115,3 +114,113 @@ def test_two_samples_are_too_few_and_one_is_none():
     assert allan(np.array([1.0, 2.0]), 1.0).deviation == pytest.approx([np.sqrt(0.5)])
     with pytest.raises(ValueError, match="no two that follow"):
         allan(np.array([1.0]), 1.0)
+
+
+def thinned(process, n, seed, share=0.05):
+    rng = np.random.default_rng(seed)
+    values = process.sample(n, 0.01, rng)
+    place = np.flatnonzero(rng.random(n) >= share)
+    return values[place], place * 10**7, (np.flatnonzero(np.diff(place) > 1) + 1).tolist()
+
+
+@pytest.mark.parametrize("process", [WhiteNoise(1.0), FlickerNoise(1.0), RandomWalk(1.0)], ids=repr)
+def test_gaps_at_random_are_bridged_without_bias(process):
+    factor = 2 ** np.arange(7)
+    draws = []
+    for seed in range(40):
+        values, time, breaks = thinned(process, 4096, seed)
+        draws.append(allan(values, 0.01, list(factor * 0.01), breaks=breaks, time=time).deviation ** 2)
+    error = np.std(draws, axis=0) / 40**0.5
+    expected = process.allan_variance(factor * 0.01, 0.01)
+    assert (np.abs(np.mean(draws, axis=0) - expected) < 4 * error).all()
+
+
+def test_intervals_of_bridged_averaging_times_hold_the_truth():
+    inside = []
+    for seed in range(60):
+        values, time, breaks = thinned(WhiteNoise(1.0), 4096, seed)
+        curve = allan(values, 0.01, [0.08, 0.16, 0.32, 0.64], breaks=breaks, time=time)
+        expected = np.sqrt(WhiteNoise(1.0).allan_variance(curve.averaging_time, 0.01))
+        inside.append((curve.lower < expected) & (expected < curve.upper))
+    assert np.mean(inside) > 0.93
+
+
+def test_without_stamps_averaging_times_end_with_the_longest_part():
+    values, time, breaks = thinned(WhiteNoise(1.0), 4096, 0)
+    longest = np.diff([0, *breaks, values.size]).max()
+    assert allan(values, 0.01, breaks=breaks).factor[-1] <= longest / 2
+    assert allan(values, 0.01, breaks=breaks, time=time).factor[-1] > 5 * longest
+
+
+def test_averaging_times_with_terms_enough_are_not_bridged():
+    rng = np.random.default_rng(4)
+    values = rng.standard_normal(6000)
+    time = (np.arange(6000) + 1000 * (np.arange(6000) >= 3000)) * 10**7
+    with_stamps, without = (allan(values, 0.01, breaks=[3000], time=t) for t in (time, None))
+    short = without.averaging_time <= 2.0
+    np.testing.assert_array_equal(with_stamps.deviation[: short.sum()], without.deviation[short])
+    np.testing.assert_array_equal(with_stamps.lower[: short.sum()], without.lower[short])
+
+
+def test_stamps_that_scatter_move_no_sample():
+    values, time, breaks = thinned(WhiteNoise(1.0), 4096, 1)
+    jitter = np.random.default_rng(0).integers(-2_000_000, 2_000_000, time.size)
+    plain, scattered = (allan(values, 0.01, breaks=breaks, time=t) for t in (time, time + jitter))
+    np.testing.assert_array_equal(plain.deviation, scattered.deviation)
+
+
+def test_a_constant_channel_with_gaps_has_a_deviation_of_0():
+    time = np.delete(np.arange(200), [50, 51, 120]) * 10**7
+    curve = allan(np.full(197, 9.81), 0.01, breaks=[50, 118], time=time)
+    assert curve.factor.size
+    assert not curve.deviation.any()
+
+
+def test_fast_is_exact_as_long_as_nothing_is_thinned_out():
+    values = np.random.default_rng(5).standard_normal(5000)
+    whole, fast = (allan(values, 1.0, [1, 7, 16, 31], fast=fast) for fast in (False, True))
+    assert fast.factor.tolist() == [1, 7, 16, 31]
+    np.testing.assert_array_equal(whole.deviation, fast.deviation)
+    np.testing.assert_array_equal(whole.upper, fast.upper)
+
+
+def test_fast_keeps_every_second_fourth_eighth_difference():
+    values = np.random.default_rng(6).standard_normal(5000)
+    phase = np.concatenate([[0], np.cumsum(values - values.mean())])
+    curve = allan(values, 1.0, [32, 100, 333, 1000], fast=True)
+    assert curve.factor.tolist() == [32, 100, 320, 992]
+    for m, stride, deviation in zip(curve.factor, (2, 4, 16, 32), curve.deviation, strict=True):
+        z = (phase[2 * m :] - 2 * phase[m:-m] + phase[: -2 * m])[::stride]
+        assert deviation == pytest.approx(np.sqrt(np.mean(z**2) / 2) / m, rel=1e-9)
+
+
+@pytest.mark.parametrize("process", [WhiteNoise(1.0), FlickerNoise(1.0), RandomWalk(0.1)], ids=repr)
+def test_fast_differs_by_little_of_what_chance_does(process):
+    ratios = []
+    for seed in range(30):
+        values = process.sample(2**14, 1.0, np.random.default_rng(seed))
+        whole, fast = allan(values, 1.0), allan(values, 1.0, fast=True)
+        assert whole.factor.tolist() == fast.factor.tolist()
+        assert fast.terms.tolist() == whole.terms.tolist()
+        ratios.append(fast.deviation / whole.deviation - 1)
+    alpha = {WhiteNoise: 0, FlickerNoise: -1, RandomWalk: -2}[type(process)]
+    chance = 1 / np.sqrt([2 * equivalent_degrees_of_freedom(int(m), 2**14, alpha) for m in whole.factor])
+    assert (np.sqrt(np.mean(np.square(ratios), axis=0)) < 0.25 * chance).all()
+    assert (np.abs(np.mean(ratios, axis=0)) < 0.1 * chance).all()
+
+
+def test_fast_spans_no_gap_either():
+    rng = np.random.default_rng(3)
+    first, second = rng.standard_normal(700), rng.standard_normal(300) + 1000
+    curve = allan(np.concatenate([first, second]), 1.0, [4, 64], breaks=[700], fast=True)
+    assert curve.deviation[1] == pytest.approx(1 / 8, rel=0.3)
+    assert curve.deviation[0] == pytest.approx(1 / 2, rel=0.1)
+
+
+def test_axes_are_each_what_allan_says():
+    rng = np.random.default_rng(0)
+    series = {name: (rng.standard_normal(3000), 0.1, breaks) for name, breaks in (("x", ()), ("y", (1000,)), ("z", ()))}
+    found = allan_of_axes(series, "octave", fast=True)
+    assert list(found) == ["x", "y", "z"]
+    for name, (values, dt, breaks) in series.items():
+        np.testing.assert_array_equal(found[name].deviation, allan(values, dt, breaks=breaks, fast=True).deviation)

@@ -76,7 +76,7 @@ def test_deviances_differ_as_the_exact_ones_of_the_record_do():
 
     problem = problem_of(values)
     reference = exact(TRUTH) - problem.deviance(TRUTH)
-    for factors in ((0, 1.1, 1, 1), (0, 1, 1.6, 1), (0, 1, 0.6, 1), (0, 1, 1, 5), (0, 1, 1, 0), (0, 1, 0, 4)):
+    for factors in ((0, 1.1, 1, 1), (0, 1, 1.6, 1), (0, 1, 0.6, 1), (0, 1, 1, 40), (0, 1, 0, 4)):
         squared = TRUTH * factors
         change = exact(squared) - exact(TRUTH)
         assert abs(change) > 0.1

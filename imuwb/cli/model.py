@@ -1,0 +1,160 @@
+"""imuwb model: show, compare, export and check error models."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from imuwb.errors import ImuwbError, UsageError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from imuwb.analysis import Table
+    from imuwb.stochastic import ImuErrorModel
+
+FAILED = 1  #: exit code of a check that a model does not pass
+
+app = typer.Typer(no_args_is_help=True, help="Error models: show, compare, export, check.")
+
+_Model = Annotated[Path, typer.Argument(help="An error model.", metavar="MODEL.toml")]
+_Output = Annotated[
+    Path | None,
+    typer.Option("--output", "-o", help="The recording; default: the model's name with .rrd.", metavar="FILE.rrd"),
+]
+_Force = Annotated[bool, typer.Option("--force", help="Write over files that exist.")]
+
+
+@app.command()
+def show(
+    model: _Model,
+    *,
+    rate: Annotated[float, typer.Option(help="Of the samples whose curves are drawn, Hz.")] = 100.0,
+    hours: Annotated[float, typer.Option(help="How far the Allan deviation is drawn.")] = 10.0,
+    output: _Output = None,
+    force: _Force = False,
+) -> None:
+    """Its figures, and its Allan deviation and spectrum drawn."""
+    _review([model], rate, hours, output, force=force)
+
+
+@app.command()
+def compare(
+    models: Annotated[list[Path], typer.Argument(help="Two or more.", metavar="MODEL.toml...")],
+    *,
+    rate: Annotated[float, typer.Option(help="Of the samples whose curves are drawn, Hz.")] = 100.0,
+    hours: Annotated[float, typer.Option(help="How far the Allan deviation is drawn.")] = 10.0,
+    output: _Output = None,
+    force: _Force = False,
+) -> None:
+    """Two or more beside each other."""
+    if len(models) < 2:  # noqa: PLR2004 - one has nothing to be compared with
+        message = f"compare takes two models or more; {len(models)} is given (imuwb model show draws one)"
+        raise UsageError(message)
+    _review(models, rate, hours, output, force=force)
+
+
+@app.command()
+def export(
+    model: _Model,
+    *,
+    to: Annotated[str, typer.Option(help="kalibr, ros, kf-gins, px4 or json.", metavar="TOOL")],
+    rate: Annotated[float, typer.Option(help="Of the sensor's samples, Hz, where the tool asks for it.")] = 100.0,
+    horizon: Annotated[
+        float, typer.Option(help="Seconds over which a bias instability must hold, where a tool has but random walks.")
+    ] = 60.0,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="The file; default: stdout.", metavar="FILE")
+    ] = None,
+    force: _Force = False,
+) -> None:
+    """As another tool takes it, in that tool's units."""
+    from imuwb.cli.perform import check_place  # noqa: PLC0415 - help must not wait
+    from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
+    from imuwb.stochastic.exports import export as exported  # noqa: PLC0415
+    from imuwb.writers import write_text  # noqa: PLC0415
+
+    text = exported(ImuErrorModel.read(model), to, rate=rate, horizon=horizon)
+    if output is None:
+        typer.echo(text, nl=False)
+        return
+    check_place(output, force=force)
+    write_text(output, text)
+    typer.echo(f"wrote {output}", err=True)
+
+
+@app.command()
+def check(
+    model: _Model,
+    *,
+    against: Annotated[
+        Path,
+        typer.Option(
+            help='Limits, such as [gyro] N = "0.3 deg/√h", or another model, whose upper ends are the limits.',
+            metavar="FILE.toml",
+        ),
+    ],
+    factor: Annotated[float, typer.Option(help="By which the limits are multiplied.")] = 1.0,
+    json: Annotated[bool, typer.Option("--json", help="As JSON on stdout.")] = False,
+) -> None:
+    """Against a data sheet or a previous sensor; exit code 1 where a limit is exceeded or cannot be told to be kept."""
+    from imuwb.cli.terminal import shower  # noqa: PLC0415 - help must not wait
+    from imuwb.review.document import plain  # noqa: PLC0415
+    from imuwb.review.models import verdicts_table  # noqa: PLC0415
+    from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
+    from imuwb.stochastic.model_check import check as checked  # noqa: PLC0415
+    from imuwb.stochastic.model_check import limits  # noqa: PLC0415
+
+    if not factor > 0:
+        message = f"--factor {factor}: it must be positive"
+        raise UsageError(message)
+    verdicts = checked(ImuErrorModel.read(model), limits(against, factor))
+    kept = all(v.outcome == "within" for v in verdicts)
+    if json:
+        import json as json_module  # noqa: PLC0415 - the option has its name
+
+        content = {"model": str(model), "against": str(against), "passed": kept, "limits": plain(verdicts)}
+        typer.echo(json_module.dumps(content, indent=1, ensure_ascii=False))
+    else:
+        shower(data=True)(verdicts_table(verdicts, model.name, against.name))
+    if not kept:
+        failed = [f"{v.limit.axis} {v.limit.letter} ({v.outcome})" for v in verdicts if v.outcome != "within"]
+        message = f"{model}: not within {against}: {', '.join(failed)}"
+        raise ImuwbError(message)
+
+
+def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | None, *, force: bool) -> None:
+    from imuwb.cli.perform import check_places  # noqa: PLC0415 - help must not wait
+    from imuwb.cli.terminal import shower  # noqa: PLC0415
+    from imuwb.review.models import draw_models  # noqa: PLC0415
+    from imuwb.review.recording import RecordingReview  # noqa: PLC0415
+    from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
+
+    if not (rate > 0 and hours > 0):
+        message = f"--rate {rate} --hours {hours}: both must be positive"
+        raise UsageError(message)
+    place = output or paths[0].with_name(f"{paths[0].name.removesuffix('.toml')}.rrd")
+    if place.suffix != ".rrd":
+        message = f"--output {place}: a recording ends in .rrd"
+        raise UsageError(message)
+    models: dict[str, ImuErrorModel] = {path.name: ImuErrorModel.read(path) for path in paths}
+    if len(models) < len(paths):
+        models = {str(path): ImuErrorModel.read(path) for path in paths}
+    check_places([place], paths, force=force)
+
+    show_table = shower(data=True)
+
+    def only_tables(what: Table | str) -> None:
+        show_table(what)
+
+    review = RecordingReview(place, show=only_tables)
+    try:
+        review.tab("Model" if len(models) == 1 else "Models")
+        draw_models(models, rate, hours * 3600, review)
+        review.close()
+    except BaseException:
+        review.discard()
+        raise
+    typer.echo(f"wrote {place}", err=True)

@@ -1,0 +1,291 @@
+"""An error model as other tools take it, in the units that each one's own documentation states.
+
+Where a tool takes one figure for three axes, it gets the largest, so that no axis is trusted too much; the spread is said in a
+comment. What a tool has no place for (bias instability in most) is said as well, never bent into another figure in silence.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, cast
+
+from imuwb.errors import MissingDataError, UsageError
+from imuwb.stochastic.processes import Constant, FlickerNoise, GaussMarkov, RandomWalk, WhiteNoise
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from imuwb.stochastic.error_model import AxisModel, ImuErrorModel
+
+SENSORS = ("gyro", "accel")
+UNEVEN = 1.5  #: largest over smallest axis, from which on that is said
+
+
+@dataclass(frozen=True, slots=True)
+class Sensor:
+    """What exports need of three axes, SI; None where no axis has it."""
+
+    name: str
+    white: tuple[float | None, ...]  #: N
+    walk: tuple[float | None, ...]  #: K; of a Gauss-Markov process its short-term walk, sigma √(2/Tc)
+    sigma: tuple[float | None, ...]  #: of the Gauss-Markov process
+    time: tuple[float | None, ...]  #: its Tc, s
+    flicker: tuple[float | None, ...]  #: B
+    constant: tuple[float | None, ...]  #: turn-on bias
+
+    @staticmethod
+    def of(model: ImuErrorModel, name: str) -> Sensor:
+        """Return the three axes of ``gyro`` or ``accel``."""
+        axes = [model.axes.get(f"{name}_{axis}") for axis in "xyz"]
+        return Sensor(name, *(tuple(None if a is None else take(a) for a in axes) for take in (_white, _walk, _sigma, _time, _flicker, _constant)))  # fmt: skip
+
+    def largest(self, what: str, values: tuple[float | None, ...], notes: list[str]) -> float:
+        """Return the largest of three, and note where they differ much.
+
+        Raises:
+            MissingDataError: no axis has it.
+        """
+        there = [v for v in values if v]
+        if not there:
+            message = f"the model has no {what} of the {self.name}: this export cannot be written without (never as 0)"
+            raise MissingDataError(message)
+        if len(there) < len(values):
+            notes.append(f"{self.name} {what}: {len(values) - len(there)} of 3 axes have none")
+        if max(there) > UNEVEN * min(there):
+            notes.append(
+                f"{self.name} {what}: the largest of three axes, {max(there) / min(there):.2g} times the smallest"
+            )
+        return max(there)
+
+
+def _first(model: AxisModel, kind: type, name: str) -> float | None:
+    return next((getattr(term, name) for term in model.processes.terms if isinstance(term, kind)), None)
+
+
+def _white(model: AxisModel) -> float | None:
+    return _first(model, WhiteNoise, "N")
+
+
+def _walk(model: AxisModel) -> float | None:
+    squares = [term.K**2 for term in model.processes.terms if isinstance(term, RandomWalk)]
+    squares += [2 * term.sigma**2 / term.Tc for term in model.processes.terms if isinstance(term, GaussMarkov)]
+    return math.sqrt(sum(squares)) if squares else None
+
+
+def _sigma(model: AxisModel) -> float | None:
+    return _first(model, GaussMarkov, "sigma")
+
+
+def _time(model: AxisModel) -> float | None:
+    return _first(model, GaussMarkov, "Tc")
+
+
+def _flicker(model: AxisModel) -> float | None:
+    return _first(model, FlickerNoise, "B")
+
+
+def _constant(model: AxisModel) -> float | None:
+    return _first(model, Constant, "sigma")
+
+
+def _walk_or_stated(sensor: Sensor, notes: list[str], horizon: float) -> float:
+    """Return K; where there is none but flicker, the walk that reaches the flicker's flat level at a horizon (said)."""
+    if any(sensor.walk):
+        if any(sensor.sigma):
+            notes.append(
+                f"{sensor.name}: a Gauss-Markov bias is written as the walk it is at first, sigma √(2/Tc); it is too wild beyond Tc"
+            )
+        return sensor.largest("K (random walk)", sensor.walk, notes)
+    if any(sensor.flicker):
+        b = sensor.largest("B (bias instability)", sensor.flicker, notes)
+        level = math.sqrt(2 * math.log(2) / math.pi) * b
+        notes.append(
+            f"{sensor.name}: no random walk was identified; the figure is the walk whose Allan deviation reaches the flat level of B at "
+            f"{horizon:g} s (--horizon), √3 · 0.664 B / √horizon"
+        )
+        return math.sqrt(3 / horizon) * level
+    return sensor.largest("K (random walk)", sensor.walk, notes)
+
+
+def _bias(sensor: Sensor, notes: list[str]) -> tuple[list[float], float]:
+    """Return sigma of each axis's Gauss-Markov bias and its correlation time; from flicker where there is none (said)."""
+    if all(sensor.sigma) and all(sensor.time):
+        times = [t for t in sensor.time if t]
+        longest = max(times)
+        if longest > UNEVEN * min(times):
+            notes.append(
+                f"{sensor.name}: correlation times differ, {min(times):.3g} to {longest:.3g} s; the longest is written, with each axis's own sigma"
+            )
+        return [s for s in sensor.sigma if s], longest
+    if all(sensor.flicker):
+        notes.append(
+            f"{sensor.name}: sigma is 1.076 B, the Gauss-Markov process whose Allan peak is the flat level; set the correlation time to your horizon"
+        )
+        return [math.sqrt(2 * math.log(2) / math.pi) / 0.6174 * b for b in sensor.flicker if b], math.nan
+    message = f"the model has no Gauss-Markov process and no bias instability on all three axes of the {sensor.name}; KF-GINS needs one (never 0)"
+    raise MissingDataError(message)
+
+
+def kalibr(model: ImuErrorModel, rate: float, horizon: float) -> str:
+    """Kalibr, imu.yaml: continuous densities, rad/s/√Hz, m/s²/√Hz and their random walks (wiki: IMU Noise Model)."""
+    notes: list[str] = []
+    gyro, accel = (Sensor.of(model, name) for name in SENSORS)
+    rows = [
+        f"accelerometer_noise_density: {accel.largest('N (white noise)', accel.white, notes):.10g}  # m/s^2/sqrt(Hz)",
+        f"accelerometer_random_walk: {_walk_or_stated(accel, notes, horizon):.10g}  # m/s^3/sqrt(Hz)",
+        f"gyroscope_noise_density: {gyro.largest('N (white noise)', gyro.white, notes):.10g}  # rad/s/sqrt(Hz)",
+        f"gyroscope_random_walk: {_walk_or_stated(gyro, notes, horizon):.10g}  # rad/s^2/sqrt(Hz)",
+        "rostopic: /imu0  # yours",
+        f"update_rate: {rate:g}  # Hz",
+    ]
+    head = "Kalibr imu.yaml; units as in its wiki, IMU Noise Model: https://github.com/ethz-asl/kalibr/wiki/IMU-Noise-Model"
+    return _text(head, model, notes, rows)
+
+
+def ros(model: ImuErrorModel, rate: float, horizon: float) -> str:
+    """ROS sensor_msgs/Imu: covariance matrices of a sample, row-major about x, y, z, (rad/s)² and (m/s²)²."""
+    del horizon
+    notes = [
+        f"variance of a sample at {rate:g} Hz, N² times the rate; a sensor of a bandwidth below half the rate has less"
+    ]
+    rows: list[str] = []
+    for name, key in (("gyro", "angular_velocity_covariance"), ("accel", "linear_acceleration_covariance")):
+        sensor = Sensor.of(model, name)
+        sensor.largest("N (white noise)", sensor.white, notes)
+        diagonal = [(n or 0.0) ** 2 * rate for n in sensor.white]
+        if not all(diagonal):
+            message = f"the model lacks N on an axis of the {name}; a covariance of 0 would mean that it is unknown"
+            raise MissingDataError(message)
+        matrix = [diagonal[i] if i == j else 0.0 for i in range(3) for j in range(3)]
+        rows.append(f"{key}: [{', '.join(f'{v:.10g}' for v in matrix)}]")
+    rows.append("orientation_covariance: [-1, 0, 0, 0, 0, 0, 0, 0, 0]  # no orientation")
+    head = "ROS sensor_msgs/Imu covariances, per axis in the message's frame: https://docs.ros.org/en/jazzy/p/sensor_msgs/msg/Imu.html"
+    return _text(head, model, notes, rows)
+
+
+def kf_gins(model: ImuErrorModel, rate: float, horizon: float) -> str:
+    """KF-GINS, kf-gins.yaml, imunoise: deg/√h, m/s/√h, deg/h, mGal, ppm, h (comments of its own kf-gins.yaml)."""
+    del rate
+    notes = [
+        "gsstd, asstd (scale factors, ppm) are no noise: fill in your own; KF-GINS takes initbgstd and initbastd from gbstd and abstd unless you set them"
+    ]
+    gyro, accel = (Sensor.of(model, name) for name in SENSORS)
+    for sensor in (gyro, accel):
+        sensor.largest("N (white noise)", sensor.white, notes)
+    (gyro_sigma, gyro_time), (accel_sigma, accel_time) = _bias(gyro, notes), _bias(accel, notes)
+    known = [t for t in (gyro_time, accel_time) if not math.isnan(t)]
+    time = max(known) if known else horizon
+    if len(known) == 2 and max(known) > UNEVEN * min(known):  # noqa: PLR2004 - both
+        notes.append(f"KF-GINS has one correlation time for all: the longest, {time:.3g} s, is written")
+
+    def row(values: list[float]) -> str:
+        return f"[{', '.join(f'{v:.8g}' for v in values)}]"
+
+    degrees = 180 / math.pi
+    rows = [
+        "imunoise:",
+        f"  arw: {row([(n or 0.0) * degrees * 60 for n in gyro.white])}  # deg/sqrt(hr)",
+        f"  vrw: {row([(n or 0.0) * 60 for n in accel.white])}  # m/s/sqrt(hr)",
+        f"  gbstd: {row([s * degrees * 3600 for s in gyro_sigma])}  # deg/hr",
+        f"  abstd: {row([s * 1e5 for s in accel_sigma])}  # mGal",
+        "  gsstd: [0.0, 0.0, 0.0]  # ppm",
+        "  asstd: [0.0, 0.0, 0.0]  # ppm",
+        f"  corrtime: {time / 3600:.8g}  # hr",
+    ]
+    head = "KF-GINS imunoise, axes forward-right-down; units as in https://github.com/i2Nav-WHU/KF-GINS, dataset/kf-gins.yaml"
+    return _text(head, model, notes, rows)
+
+
+def _plain(term: Any) -> dict[str, object]:  # noqa: ANN401 - any process
+    return {"process": term.name, **{f.name: getattr(term, f.name) for f in fields(term)}}
+
+
+#: PX4's parameter -> (sensor, what, unit, lowest, highest)
+_PX4 = {
+    "EKF2_GYR_NOISE": ("gyro", "white", "rad/s", 0.0001, 0.1), "EKF2_ACC_NOISE": ("accel", "white", "m/s^2", 0.01, 1.0),
+    "EKF2_GYR_B_NOISE": ("gyro", "walk", "rad/s^2", 0.0, 0.01), "EKF2_ACC_B_NOISE": ("accel", "walk", "m/s^3", 0.0, 0.01),
+}  # fmt: skip
+PX4_STEP = 0.01  #: s, of its filter: EKF2_PREDICT_US, 10000 as delivered
+
+
+def px4(model: ImuErrorModel, rate: float, horizon: float) -> str:
+    """PX4 EKF2: rad/s, m/s², rad/s², m/s³ at the filter's step of 10 ms: N/√dt and K/√dt (module.yaml; covariance.cpp)."""
+    del rate
+    notes = [
+        f"a density is no such parameter: the filter squares it times its step ({PX4_STEP:g} s, EKF2_PREDICT_US), so N/√dt and K/√dt are written",
+        "figures of a bench are a lower bound: a vehicle vibrates, and the gyro and accelerometer figures also limit how fast biases may be learned",
+    ]
+    sensors = {name: Sensor.of(model, name) for name in SENSORS}
+    rows: list[str] = []
+    for key, (name, what, unit, low, high) in _PX4.items():
+        sensor = sensors[name]
+        size = (
+            sensor.largest("N (white noise)", sensor.white, notes)
+            if what == "white"
+            else _walk_or_stated(sensor, notes, horizon)
+        )
+        value = size / math.sqrt(PX4_STEP)
+        held = min(max(value, low), high)
+        if held != value:
+            notes.append(
+                f"{key}: {value:.3g} {unit} lies outside what PX4 allows, {low:g} to {high:g}; {held:g} is written"
+            )
+        rows.append(f"{key}\t{held:.6g}\t# {unit}")
+    head = "PX4 EKF2 parameters; units and limits as in PX4-Autopilot, src/modules/ekf2/module.yaml"
+    return _text(head, model, notes, rows)
+
+
+def as_json(model: ImuErrorModel, rate: float, horizon: float) -> str:
+    """JSON, SI: the model as it is."""
+    del rate, horizon
+    axes = {
+        axis: {
+            "processes": [_plain(term) for term in cast("tuple[Any, ...]", a.processes.terms)],
+            "intervals": {key: list(ends) for key, ends in a.intervals.items()},
+            "limits": dict(a.limits),
+        }
+        for axis, a in model.axes.items()
+    }
+    return (
+        json.dumps(
+            {"name": model.name, "provenance": dict(model.provenance), "units": "SI", "axes": axes},
+            indent=1,
+            ensure_ascii=False,
+        )
+        + "\n"
+    )
+
+
+FORMATS: dict[str, Callable[[ImuErrorModel, float, float], str]] = {
+    "kalibr": kalibr, "ros": ros, "kf-gins": kf_gins, "px4": px4, "json": as_json,
+}  # fmt: skip
+
+
+def export(model: ImuErrorModel, tool: str, *, rate: float = 100.0, horizon: float = 60.0) -> str:
+    """Return the model as a tool takes it.
+
+    Args:
+        model: to write.
+        tool: ``"kalibr"``, ``"ros"``, ``"kf-gins"``, ``"px4"`` or ``"json"``.
+        rate: Hz, of the sensor's samples, where the tool asks for it.
+        horizon: s, over which a bias instability is to be kept in check, where a tool has but random walks.
+
+    Raises:
+        UsageError: no such tool, or a rate or horizon that is not positive.
+        MissingDataError: the model lacks what the tool must have.
+    """
+    if tool not in FORMATS:
+        message = f"--to {tool}: there are {', '.join(FORMATS)}"
+        raise UsageError(message)
+    if not (0 < rate < math.inf and 0 < horizon < math.inf):
+        message = f"rate {rate} Hz, horizon {horizon} s: both must be positive"
+        raise UsageError(message)
+    return FORMATS[tool](model, rate, horizon)
+
+
+def _text(head: str, model: ImuErrorModel, notes: list[str], rows: list[str]) -> str:
+    source = "; ".join(f"{k}: {v}" for k, v in model.provenance.items())
+    comments = [head, f"model {model.name}" + (f", {source}" if source else ""), *dict.fromkeys(notes)]
+    return "\n".join([*(f"# {' '.join(comment.split())}" for comment in comments), *rows]) + "\n"

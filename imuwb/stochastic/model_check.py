@@ -1,0 +1,119 @@
+"""An error model held against a data sheet, or against another sensor."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, cast
+
+from imuwb.errors import UsageError
+from imuwb.log import AXES
+from imuwb.stochastic.error_model import ImuErrorModel
+from imuwb.units import coefficient_units, unit
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from imuwb.stochastic.error_model import AxisModel
+
+LETTERS = ("Q", "N", "B", "K", "R")
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """The largest size that a coefficient of an axis may have. SI."""
+
+    axis: str
+    letter: str
+    at_most: float
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """One limit, and what the model says of it. SI."""
+
+    limit: Limit
+    value: float | None
+    lower: float | None
+    upper: float | None
+    outcome: str  #: "within", "beyond", "not sure": the limit lies inside the interval, or "not known"
+
+
+def coefficient(model: AxisModel, letter: str) -> tuple[float | None, float | None, float | None]:
+    """Return a coefficient's value and interval in a model: (None, None, limit) where it was looked for and not found."""
+    for i, term in enumerate(model.processes.terms):
+        if hasattr(term, letter):
+            value = abs(cast("float", getattr(term, letter)))
+            lower, upper = model.intervals.get(f"{i}.{letter}", (value, value))
+            return value, lower, upper
+    return None, None, model.limits.get(letter)
+
+
+def limits(path: Path, factor: float = 1.0) -> tuple[Limit, ...]:
+    """Return the limits of a file: a list of limits, or an error model, whose upper ends times ``factor`` are the limits.
+
+    A list of limits has a table for each axis, or for ``gyro`` and ``accel``: ``[gyro] N = "0.3 deg/√h"``.
+
+    Raises:
+        UsageError: the file cannot be read, or is neither.
+    """
+    try:
+        document: dict[str, Any] = tomllib.loads(path.read_text("utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        message = f"{path}: cannot be read as limits: {error}"
+        raise UsageError(message) from error
+    if any(isinstance(document.get(axis), dict) and "processes" in document[axis] for axis in AXES):
+        model = ImuErrorModel.read(path)
+        found = [(axis, x, coefficient(a, x)[2]) for axis, a in model.axes.items() for x in LETTERS]
+        return tuple(Limit(axis, x, upper * factor) for axis, x, upper in found if upper is not None)
+    made: list[Limit] = []
+    for name, table in document.items():
+        axes = [axis for axis in AXES if axis == name or axis.startswith(f"{name}_")]
+        if not axes or not isinstance(table, dict):
+            message = f'{path}: {name!r}; limits have tables gyro, accel or {", ".join(AXES)}, such as [gyro] N = "0.3 deg/√h"'
+            raise UsageError(message)
+        for letter, text in cast("Mapping[str, object]", table).items():
+            made += [Limit(axis, letter, _si(path, axis, letter, text) * factor) for axis in axes]
+    if not made:
+        message = f'{path}: it holds no limits; write [gyro] N = "0.3 deg/√h"'
+        raise UsageError(message)
+    return tuple(made)
+
+
+def _si(path: Path, axis: str, letter: str, text: object) -> float:
+    if letter not in LETTERS:
+        message = f"{path}: {letter!r}; there are limits of {', '.join(LETTERS)}"
+        raise UsageError(message)
+    number, _, name = str(text).strip().partition(" ")
+    si = coefficient_units(axis, letter)[0]
+    given = unit(name) if name else si
+    try:
+        value = given.to_si(float(number))
+    except ValueError as error:
+        message = f'{path}: {letter} = {text!r}; it must be a number and its unit, such as "0.3 deg/√h"'
+        raise UsageError(message) from error
+    if given.dimension != si.dimension or not 0 < value < math.inf:
+        message = f"{path}: {letter} = {text!r}; it must be positive, in a unit such as {coefficient_units(axis, letter)[1].name}"
+        raise UsageError(message)
+    return value
+
+
+def check(model: ImuErrorModel, wanted: tuple[Limit, ...]) -> tuple[Verdict, ...]:
+    """Return a verdict for each limit: within where the interval lies below, beyond where it lies above."""
+    found: list[Verdict] = []
+    for limit in wanted:
+        value, lower, upper = (
+            (None, None, None) if limit.axis not in model.axes else coefficient(model.axes[limit.axis], limit.letter)
+        )
+        if upper is None:
+            outcome = "not known"
+        elif upper <= limit.at_most:
+            outcome = "within"
+        elif lower is not None and lower > limit.at_most:
+            outcome = "beyond"
+        else:
+            outcome = "not sure"
+        found.append(Verdict(limit, value, lower, upper, outcome))
+    return tuple(found)
