@@ -127,6 +127,7 @@ class Table:
     headings: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     caption: str = ""
+    wide: bool = False  #: has a row of the recording's tab to itself
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -35,6 +35,9 @@ TERMS: dict[str, Callable[[float], Process]] = {
 }  # fmt: skip
 RAMP_EVIDENCE = 10.8  #: fall of the deviance for which a ramp is taken into the sum; chance makes it in about 1 %
 ACCEPTED = 1e-3  #: probability of a misfit as large; below it the sum does not explain the spectrum
+TOLERATED = (
+    0.02  #: of a density, by which a real sensor may miss the sum where it is fitted; intervals are widened by it
+)
 MUCH = 15.0  #: chi-square that leaving out another group of bins must be worth
 GROUP = 2**0.5  #: last frequency over first, of the bins that are judged together
 FEWEST_GROUPS = 8
@@ -139,19 +142,22 @@ def explained(problem: LikelihoodProblem) -> tuple[LikelihoodProblem, float, flo
         misfit, freedom = _misfit(part, solution)
         found.append((part, misfit, freedom))
         pays = not cut or found[0][1] - misfit > MUCH * (cut + 1)
-        if pays and stats.chi2.sf(misfit, freedom) > ACCEPTED:
+        if pays and stats.chi2.sf(_misfit(part, solution, TOLERATED)[0], freedom) > ACCEPTED:
             return found[-1]
     gains = [found[0][1] - misfit - MUCH * (cut + 1) for cut, (_, misfit, _) in enumerate(found)]
     return found[int(np.argmax(gains)) if max(gains) > 0 else 0]
 
 
-def _misfit(problem: LikelihoodProblem, solution: Solution) -> tuple[float, float]:
-    """Return chi-square of the mean power, group by group of bins, and its degrees of freedom."""
+def _misfit(problem: LikelihoodProblem, solution: Solution, tolerated: float = 0.0) -> tuple[float, float]:
+    """Return chi-square of the mean power, group by group of bins, and its degrees of freedom.
+
+    ``tolerated`` is a relative error of the sum that is not held against it.
+    """
     density = problem.design @ solution.squared
     group = (np.log(problem.frequency[-1] / problem.frequency) / np.log(GROUP)).astype(np.int64)
     count = np.bincount(group, problem.count)
     excess = np.bincount(group, problem.count * (problem.power / density - 1))
-    chi2 = float(np.sum(excess**2 / (2 * count.clip(1))))
+    chi2 = float(np.sum(excess**2 / (2 * count.clip(1) + (tolerated * count) ** 2)))
     return chi2, float(max(count.size - np.count_nonzero(solution.squared), 1))
 
 

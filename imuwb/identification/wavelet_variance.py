@@ -20,8 +20,11 @@ from imuwb.identification.likelihood_fit import ACCEPTED, TERMS
 from imuwb.stochastic import Sum
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
+    from imuwb.identification.lines import Line
     from imuwb.stochastic import Process
 
     Floats = NDArray[np.float64]
@@ -35,6 +38,7 @@ FEWEST = 4  #: independent coefficients of a scale
 SELF_SIMILAR = 9  #: level from which on a scale is twice the last one also for flicker
 GRID = 48  #: frequencies an octave
 ROUNDS = 8
+LEAST = 1e-12  #: of the largest variance, for a weight
 MUCH = 15.0  #: chi-square that leaving out the shortest scale must be worth
 
 
@@ -147,17 +151,27 @@ def _responses(levels: int) -> tuple[Floats, Floats, Floats]:
     """Return frequencies (of the sampling rate), their widths, and each level's squared gain there, (levels, k)."""
     edges = np.geomspace(2.0 ** -(levels + 4), 0.5, (levels + 3) * GRID + 1)
     f = np.sqrt(edges[1:] * edges[:-1])
+    return f, np.diff(edges), _gains(f, levels)
+
+
+def _gains(f: Floats, levels: int) -> Floats:
+    """Return each level's squared gain at frequencies of the sampling rate, (levels, k)."""
     smooth = np.ones(f.size)
     rows: list[Floats] = []
     for j in range(levels):
         c, s = np.cos(np.pi * f * 2**j) ** 2, np.sin(np.pi * f * 2**j) ** 2
         rows.append(smooth * s**2 * (1 + 2 * c))
         smooth = smooth * c**2 * (1 + 2 * s)
-    return f, np.diff(edges), np.array(rows)
+    return np.array(rows)
 
 
-def fit_wavelet_variance(found: WaveletVariance, *, level: float = 0.95) -> WaveletFit:
+def fit_wavelet_variance(found: WaveletVariance, lines: Sequence[Line] = (), *, level: float = 0.95) -> WaveletFit:
     """Fit the sum of quantization, white, flicker and random-walk noise by generalised least squares.
+
+    Args:
+        found: from ``wavelet_variance``.
+        lines: sinusoids found in the spectrum, held as found.
+        level: of the intervals.
 
     Raises:
         ValueError: fewer than six scales, or a variance of 0 (a constant channel).
@@ -166,7 +180,7 @@ def fit_wavelet_variance(found: WaveletVariance, *, level: float = 0.95) -> Wave
     if levels <= len(TERMS) + 1 or not found.variance.all():
         message = "too few scales, or a wavelet variance of 0 (a constant channel)"
         raise ValueError(message)
-    whole = _Scales.of(found)
+    whole = _Scales.of(found, lines)
     fits = [whole.fit()]
     # A sensor's own filter bends the shortest scales: they are left out where that pays, until the rest is explained.
     for first in range(1, levels - len(TERMS) - 1):
@@ -197,39 +211,52 @@ class _Fit:
 class _Scales:
     """Wavelet variances to be explained, and how they scatter together."""
 
-    variance: Floats  #: (j,)
+    variance: Floats  #: (j,) less what lines make
     terms: Floats  #: (j,)
+    of_lines: Floats  #: (j, j) covariance from the lines' own uncertainty
     design: Floats  #: (j, 4) of processes of size 1
     gains: Floats  #: (j, k) squared, by frequency
     width: Floats  #: (k,) of the frequencies, of the rate
     parts: Floats  #: (k, 4) densities of processes of size 1
 
     @staticmethod
-    def of(found: WaveletVariance) -> _Scales:
+    def of(found: WaveletVariance, lines: Sequence[Line]) -> _Scales:
         dt = found.dt
+        variance, of_lines = found.variance.copy(), np.zeros((found.scale.size, found.scale.size))
+        for line in lines:
+            part = line.amplitude**2 / 2 * _gains(np.array([line.frequency * dt]), found.scale.size)[:, 0]
+            variance -= part
+            of_lines += np.outer(part, part) * (line.power_sigma / line.amplitude**2) ** 2
         f, width, gains = _responses(found.scale.size)
         parts = np.stack([make(1.0).power_spectral_density(f / dt, dt) / dt for make in TERMS.values()], axis=1)
         design = _expectations(found.scale.size) * np.array([1 / dt**2, 1 / dt, 1.0, dt])
-        return _Scales(found.variance, found.terms.astype(np.float64), design, gains, width, parts)
+        return _Scales(variance, found.terms.astype(np.float64), of_lines, design, gains, width, parts)
 
     def since(self, first: int) -> _Scales:
         """Return all but the first scales."""
         rest = slice(first, None)
         return _Scales(
-            self.variance[rest], self.terms[rest], self.design[rest], self.gains[rest], self.width, self.parts
+            self.variance[rest],
+            self.terms[rest],
+            self.of_lines[rest, rest],
+            self.design[rest],
+            self.gains[rest],
+            self.width,
+            self.parts,
         )
 
     def covariance(self, squared: Floats) -> Floats:
         """Return the covariance of the variances if these squares are true: twice the product of spectra, added up."""
         seen = self.gains * (self.parts @ squared)
         # twice over, for the negative frequencies
-        return 4 * (seen * self.width) @ seen.T / np.minimum.outer(self.terms, self.terms)
+        return 4 * (seen * self.width) @ seen.T / np.minimum.outer(self.terms, self.terms) + self.of_lines
 
     def fit(self) -> _Fit:
         """Return the squares, none negative, the covariance taken from the fit and the fit repeated."""
-        columns = self.design / self.variance[:, None]
+        weight = 1 / np.abs(self.variance).clip(float(np.abs(self.variance).max()) * LEAST)
+        columns = self.design * weight[:, None]
         size = np.linalg.norm(columns, axis=0)
-        squared = optimize.nnls(columns / size, np.ones(self.variance.size))[0] / size
+        squared = optimize.nnls(columns / size, self.variance * weight)[0] / size
         for _ in range(ROUNDS):
             root = linalg.cholesky(self.covariance(squared), lower=True)
             white = linalg.solve_triangular(root, self.design, lower=True)

@@ -86,6 +86,7 @@ def draw(result: Result, review: Review) -> None:
     """Show the summary, then each analysis on its own tab."""
     from imuwb.recipes import denoising, repeatability, summary  # noqa: PLC0415 - as above
 
+    review.tab("Summary")
     if result.repeatability is not None:
         repeatability.draw(result.repeatability, review)
     else:

@@ -152,7 +152,9 @@ def draw(found: Repeatability, review: Review) -> None:
             rows.append((axis, letter, *cells, mean, test))
     caption = "Test: chi-square of the logarithms against their weighted mean; where fewer than two logs show a term, there is none."
     review.table(
-        Table("Repeatability", ("axis", "term", *found.names, "weighted mean", "equal?"), tuple(rows), caption)
+        Table(
+            "Repeatability", ("axis", "term", *found.names, "weighted mean", "equal?"), tuple(rows), caption, wide=True
+        )
     )
     turns: list[tuple[str, ...]] = []
     for axis, t in found.turn_on.items():

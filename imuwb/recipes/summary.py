@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from imuwb.analysis import Finding, Review
 
 LETTERS = "QNBK"
+SUSPICIOUS = "SUSPICIOUS"  #: what a remark begins with that puts the figures in doubt
 _NAMES = {"allan": "Allan", "likelihood": "likelihood", "wavelet": "wavelet variance", "psd": "PSD"}
 
 
@@ -31,9 +32,16 @@ def axes(findings: Sequence[Finding]) -> dict[str, dict[str, Any]]:
 
 def draw(found: dict[str, dict[str, Any]], findings: Sequence[Finding], review: Review) -> None:
     """Show the verdicts, and what the estimators give (Quinchia, tables 3 and 4 beside each other)."""
-    del findings
-    rows = tuple((axis, "; ".join(content["verdict"])) for axis, content in found.items())
-    review.table(Table("Verdicts", ("axis", "in a line"), rows, "SUSPICIOUS: look before you trust the figures."))
+    rows: list[tuple[str, ...]] = []
+    also: list[tuple[str, ...]] = []
+    for axis in found:
+        acting = [r for f in findings if f.axis == axis and f.coefficients for r in f.remarks]
+        urgent = [r for r in acting if r.startswith(SUSPICIOUS)]
+        rest = [r for r in acting[1:] if r not in urgent]
+        rows.append((axis, acting[0] if acting else "—", "; ".join([*urgent, *rest]) or "nothing to act on"))
+        also += [(axis, f.source, r) for f in findings if f.axis == axis and not f.coefficients for r in f.remarks]
+    caption = f"{SUSPICIOUS}: look before you trust the figures."
+    review.table(Table("Verdicts", ("axis", "what rules", "what to know"), tuple(rows), caption, wide=True))
     lines: list[tuple[str, ...]] = []
     for axis, content in found.items():
         for source, coefficients in content["estimators"].items():
@@ -45,4 +53,5 @@ def draw(found: dict[str, dict[str, Any]], findings: Sequence[Finding], review: 
             lines.append((axis, name, *cells))
     headings = ("axis", "estimator", "Q quantization", "N random walk", "B bias instability", "K rate random walk")
     caption = "Value [interval]; < is an upper limit. The headline goes into the error model: those of its terms whose interval does not begin at 0."
-    review.table(Table("Noise by estimator", headings, tuple(lines), caption))
+    review.table(Table("Noise by estimator", headings, tuple(lines), caption, wide=True))
+    review.table(Table("Also seen", ("axis", "by", "remark"), tuple(also)))

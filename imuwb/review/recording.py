@@ -37,17 +37,21 @@ class _Tab:
     figures: list[rrb.View] = field(default_factory=list[rrb.View])
     series: list[rrb.View] = field(default_factory=list[rrb.View])
     texts: list[rrb.View] = field(default_factory=list[rrb.View])
+    wide: list[rrb.View] = field(default_factory=list[rrb.View])
     notes: list[str] = field(default_factory=list[str])
     tracks: int = 0
 
     def layout(self) -> rrb.Container | rrb.View | None:
         rows: list[rrb.Container | rrb.View] = []
         shares: list[float] = []
-        if self.figures:
-            rows.append(rrb.Horizontal(*self.figures) if len(self.figures) > 1 else self.figures[0])
+        for at in range(0, len(self.figures), 2):
+            pair = self.figures[at : at + 2]
+            rows.append(rrb.Horizontal(*pair) if len(pair) > 1 else pair[0])
             shares.append(3.0)
         rows.extend(self.series)
         shares.extend([1.6] * len(self.series))
+        rows.extend(self.wide)
+        shares.extend([1.5] * len(self.wide))
         for at in range(0, len(self.texts), 2):  # two beside each other, the first table the widest
             pair = self.texts[at : at + 2]
             rows.append(rrb.Horizontal(*pair, column_shares=[1.7, 1.0]) if len(pair) > 1 else pair[0])
@@ -168,8 +172,13 @@ class RecordingReview:
         """Show a table."""
         self._show(table)
         cells = [table.headings, ["---"] * len(table.headings), *table.rows]
-        lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in cells]
-        self._text(table.title, "\n".join(lines) + (f"\n\n{table.caption}" if table.caption else ""))
+        lines = ["| " + " | ".join(_literal(cell) for cell in row) + " |" for row in cells]
+        self._text_on(
+            self._tab,
+            table.title,
+            "\n".join(lines) + (f"\n\n{table.caption}" if table.caption else ""),
+            wide=table.wide,
+        )
 
     def note(self, text: str) -> None:
         """Say something a reader must know."""
@@ -247,10 +256,12 @@ class RecordingReview:
         self._stream.disconnect()
         self._partial.unlink(missing_ok=True)
 
-    def _text(self, name: str, markdown: str) -> None:
-        self._text_on(self._tab, name, markdown)
-
-    def _text_on(self, tab: _Tab, name: str, markdown: str) -> None:
-        path = f"{tab.path}/text_{len(tab.texts)}"
+    def _text_on(self, tab: _Tab, name: str, markdown: str, *, wide: bool = False) -> None:
+        path = f"{tab.path}/text_{len(tab.texts) + len(tab.wide)}"
         self._stream.log(path, rr.TextDocument(markdown, media_type=rr.MediaType.MARKDOWN), static=True)
-        tab.texts.append(rrb.TextDocumentView(origin=path, name=name))
+        (tab.wide if wide else tab.texts).append(rrb.TextDocumentView(origin=path, name=name))
+
+
+def _literal(cell: str) -> str:
+    """Return a cell whose signs are not taken for markup."""
+    return cell if set(cell) <= {"-"} else cell.replace("|", "\\|").replace("*", "\\*").replace("_", "\\_")

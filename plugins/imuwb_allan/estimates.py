@@ -52,7 +52,7 @@ def estimates(
         notes.append(f"no likelihood: {error}")
     try:
         by["wavelet"] = _results(
-            axis, fit_wavelet_variance(wavelet_variance(values, dt), level=parameters.level).coefficients
+            axis, fit_wavelet_variance(wavelet_variance(values, dt), lines, level=parameters.level).coefficients
         )
     except ValueError as error:
         notes.append(f"no wavelet variance: {error}")

@@ -17,7 +17,7 @@ _WORDS: dict[type, str] = {
     Quantization: "quantization", WhiteNoise: "white noise", FlickerNoise: "bias instability", RandomWalk: "random walk",
     RateRamp: "ramp", Sinusoid: "lines",
 }  # fmt: skip
-HALF = 0.5  #: of the Allan variance; a process with more rules there
+MUCH = 0.2  #: of a logarithm, about a fifth: change of the deviation that puts figures in doubt
 DECISIVE = 3.0  #: times the limit of K, whose walk a longer record would show
 LONGER = 1.5  #: times the record; a wish for less is none
 
@@ -66,8 +66,10 @@ def _beside(found: AxisResult) -> list[str]:
     said: list[str] = []
     if estimates.stationarity is not None and not estimates.stationarity.stationary:
         s = estimates.stationarity
+        word = "SUSPICIOUS: not stationary" if abs(np.log(s.worst_ratio)) > MUCH else "not quite stationary"
         said.append(
-            f"SUSPICIOUS: not stationary: from {s.start[s.worst_part]:.0f} s on, {s.worst_ratio:.2g} times the usual deviation at {s.worst_time:.3g} s"
+            f"{word}: the part from {s.start[s.worst_part]:.0f} s on has {s.worst_ratio:.2g} times the usual deviation at "
+            f"{s.worst_time:.3g} s"
         )
     if not estimates.agree:
         said.append(f"estimators differ in {', '.join(estimates.disagreements)}")

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from imuwb_autocorrelation.result import AxisResult, Result
 
 _SENSORS = {"gyro": "Gyroscopes", "accel": "Accelerometers"}
+UNKNOWN = 100.0  #: an interval of a correlation time wider than this says nothing
 BAND = (200, 200, 205)
 
 
@@ -43,7 +44,7 @@ def _figure(name: str, axes: dict[str, AxisResult], level: float) -> Figure:
     first = next(iter(axes.values()))
     for sign in (1.0, -1.0):
         edge = np.full(2, sign * (first.band or 0.0))
-        label = f"white noise stays within, {100 * level:g} %" if sign > 0 else ""
+        label = f"white, {100 * level:g} %" if sign > 0 else ""
         curves.append(Curve(label, first.lag[[1, -1]], edge, BAND, style="fit"))
     return Figure(f"{name}: autocorrelation", "lag [s]", "autocorrelation [1]", tuple(curves), y_scale="linear")
 
@@ -59,9 +60,7 @@ def _denoised(name: str, axes: dict[str, AxisResult], result: Result) -> Figure:
         fitted = r.denoised.gauss_markov
         if fitted is not None:
             model = np.exp(-r.denoised.lag[1:] / fitted.Tc)
-            curves.append(
-                Curve("" if named else "first-order Gauss-Markov", r.denoised.lag[1:], model, color, style="faint")
-            )
+            curves.append(Curve("" if named else "Gauss-Markov", r.denoised.lag[1:], model, color, style="faint"))
             named = True
     return Figure(
         f"{name}: after wavelet denoising, {result.denoise} levels",
@@ -121,6 +120,8 @@ def _lag(value: float | None) -> str:
 def _gauss_markov(axis: str, fitted: GaussMarkovFit | None) -> tuple[str, str]:
     if fitted is None:
         return "—", "—"
+    if fitted.Tc_interval[1] > UNKNOWN * fitted.Tc_interval[0]:
+        return "not known", "longer than the record"
     unit = coefficient_units(axis, "rate")[1]
     sigma, low, high = (unit.from_si(x) for x in (fitted.sigma, *fitted.sigma_interval))
     return (

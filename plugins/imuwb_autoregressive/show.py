@@ -24,35 +24,37 @@ def draw(result: Result, review: Review) -> None:
     for note in result.notes:
         review.note(note)
     axes = {axis: found for axis, found in result.axes.items() if found.orders}
-    review.figure(_orders(axes))
-    review.figure(_poles({axis: found for axis, found in axes.items() if found.poles}))
+    for sensor, name in (("gyro", "Gyroscopes"), ("accel", "Accelerometers")):
+        some = {axis: found for axis, found in axes.items() if axis.startswith(sensor)}
+        if some:
+            review.figure(_orders(name, some))
+            review.figure(_poles(name, {axis: found for axis, found in some.items() if found.poles}))
     review.table(_coefficients(result, axes))
     review.table(_verdicts(axes))
 
 
-def _orders(axes: dict[str, AxisResult]) -> Figure:
+def _orders(name: str, axes: dict[str, AxisResult]) -> Figure:
     curves = [
         Curve(
             axis.replace("_", " "), np.array([float(o.order) for o in found.orders]),
             np.array([o.beta0 for o in found.orders]) / found.orders[0].beta0, AXIS_COLORS[axis[-1]],
-            style="line" if axis.startswith("gyro") else "curve",
         )
         for axis, found in axes.items()
     ]  # fmt: skip
     return Figure(
-        "Standard deviation of the innovations by order", "order [1]", "beta0 / beta0 of order 1 [1]", tuple(curves),
+        f"{name}: standard deviation of the innovations by order", "order [1]", "beta0 / beta0 of order 1 [1]", tuple(curves),
         x_scale="linear", y_scale="linear",
     )  # fmt: skip
 
 
-def _poles(axes: dict[str, AxisResult]) -> Figure:
+def _poles(name: str, axes: dict[str, AxisResult]) -> Figure:
     turn = np.linspace(0, 2 * np.pi, 361)
     curves = [Curve("unit circle", np.cos(turn), np.sin(turn), CIRCLE, style="fit")]
     for axis, found in axes.items():
         poles = np.array(found.poles, dtype=np.complex128)
         curves.append(Curve(axis.replace("_", " "), poles.real, poles.imag, AXIS_COLORS[axis[-1]], style="points"))
     return Figure(
-        "Poles of the models that are saved: stable inside the circle", "real part [1]", "imaginary part [1]", tuple(curves),
+        f"{name}: poles of the models that are saved, stable inside the circle", "real part [1]", "imaginary part [1]", tuple(curves),
         x_scale="linear", y_scale="linear", x_limits=(-POLES[0], POLES[0]), y_limits=(-POLES[1], POLES[1]),
     )  # fmt: skip
 

@@ -16,10 +16,20 @@ Seeds: record r uses ``SeedSequence(r).spawn(6)``, a stream for each axis in the
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from study_report import Share, Table, main, over_records, verdict
 
-from imuwb.identification import allan, choose_model, fit_allan, fit_likelihood, fit_spectrum, power_spectrum
+from imuwb.identification import (
+    CorrelationTime,
+    allan,
+    choose_model,
+    fit_allan,
+    fit_likelihood,
+    fit_spectrum,
+    power_spectrum,
+)
 from imuwb.log import AXES
 from imuwb.simulation import preset
 from imuwb.stochastic import GaussMarkov
@@ -30,6 +40,7 @@ FLICKER, MARKOV, RATE, HOURS = "3dm-gx3-25", "3dm-gx3-25-gm", 100.0, 7.0
 LETTERS = ("N", "B", "K")
 GYROS = tuple(axis for axis in AXES if axis.startswith("gyro"))
 AGREE = 0.93
+PEAK = 1.8926  #: Tc, where the Allan deviation of a Gauss-Markov process is highest
 
 
 def truth(axis):
@@ -53,13 +64,46 @@ def record(seed, axis, hours):
 
 
 def markov(seed, axis, hours):
-    """Return the first sum's name, whether it is clear, sigma and Tc of N + GM, and the papers' readings of Tc."""
+    """Return the choice, without its processes but for the Gauss-Markov term of N + GM, and readings of Tc."""
     x = samples(MARKOV, axis, seed, hours)
     choice = choose_model(x, 1 / RATE)
     sums = next(c.processes for c in choice.candidates if c.name == "N + GM")
-    term = next((t for t in sums.terms if isinstance(t, GaussMarkov)), None)
-    read = fit_allan(allan(x, 1 / RATE)).correlation_time
-    return choice.best.name, choice.clear, term, read
+    curve = allan(x, 1 / RATE)
+    return Markov(
+        choice.best.name,
+        choice.clear,
+        min(choice.candidates, key=lambda c: c.aic).name,
+        min(choice.candidates, key=lambda c: c.out_of_sample).name,
+        next((t for t in sums.terms if isinstance(t, GaussMarkov)), None),
+        fit_allan(curve).correlation_time,
+        peak(curve),
+    )
+
+
+@dataclass(frozen=True)
+class Markov:
+    """What was found in one axis of the second preset."""
+
+    first: str
+    clear: bool
+    by_aic: str
+    by_half: str
+    term: GaussMarkov | None
+    read: CorrelationTime | None
+    peak: float | None  #: s
+
+
+def peak(curve):
+    """Return where the curve is highest behind its valley, s, between octaves by a parabola; None where it ends rising."""
+    y, x = np.log(curve.deviation), np.log(curve.averaging_time)
+    valley = next((i for i in range(1, y.size - 1) if y[i] < y[i + 1]), None)
+    if valley is None:
+        return None
+    at = valley + int(np.argmax(y[valley:]))
+    if at in (valley, y.size - 1):
+        return None
+    bend = y[at - 1] - 2 * y[at] + y[at + 1]
+    return float(np.exp(x[at] + (x[1] - x[0]) * (y[at - 1] - y[at + 1]) / (2 * bend)))
 
 
 def study(records=20, hours=HOURS, workers=1, markov_records=None):
@@ -136,42 +180,48 @@ def _cells(found):
 
 def _choices(chosen):
     rows = []
-    for axis in GYROS:
-        names = [name for name, *_ in chosen[axis]]
+    for axis, found in chosen.items():
+        names = [c.first for c in found]
         others = ", ".join(f"{n} ({names.count(n)})" for n in sorted(set(names) - {"N + GM"})) or "–"
-        first = [c for c in chosen[axis] if c[0] == "N + GM"]
-        rows.append((
-            axis, Share(len(first), len(names)), Share(sum(c[1] for c in first), len(names)), others,
-        ))  # fmt: skip
+        counts = [
+            sum(c.first == "N + GM" for c in found),
+            sum(c.first == "N + GM" and c.clear for c in found),
+            sum(c.by_aic == "N + GM" for c in found),
+            sum(c.by_half == "N + GM" for c in found),
+        ]
+        rows.append((axis, *(Share(count, len(found)) for count in counts), others))
     return Table(
         "Which sum is first, 3dm-gx3-25-gm",
-        ("axis", "N + GM first", "and clear", "others that were first"), tuple(rows),
-        "Clear: the next sum's BIC is more than 10 worse, and no other does better on the half it was not fitted to.",
-    )  # fmt: skip
+        ("axis", "N + GM first", "and clear", "first by AIC", "first on the other half", "others that were first"),
+        tuple(rows),
+        "First by BIC. Clear: the next sum's BIC is more than 10 worse, and no other does better on the half it was not fitted to.",
+    )
 
 
 def _times(chosen):
     rows = []
     unit = UNITS["deg/h"]
-    for axis in GYROS:
+    for axis, found in chosen.items():
         true = next(t for t in preset(MARKOV).axes[axis].processes.terms if isinstance(t, GaussMarkov))
-        terms = [t for _, _, t, _ in chosen[axis] if t is not None]
-        read = [r for *_, r in chosen[axis] if r is not None]
+        terms = [c.term for c in found if c.term is not None]
+        read = [c.read for c in found if c.read is not None]
+        peaks = [c.peak / PEAK for c in found if c.peak is not None]
         rows.append((
             axis, f"{true.sigma / unit.factor:.4g}", _spread([t.sigma / unit.factor for t in terms]),
             f"{true.Tc:g}", _spread([t.Tc for t in terms]), _spread([r.flat_centre for r in read]),
-            _spread([r.peak_matched for r in read]), f"{len(read)} of {len(chosen[axis])}",
+            _spread([r.peak_matched for r in read]), f"{len(read)} of {len(found)}", _spread(peaks), f"{len(peaks)} of {len(found)}",
         ))  # fmt: skip
     note = (
         "Median, least and largest over the records. The papers read Tc from the centre of the curve's flat part; "
-        "the process whose curve peaks there has a Tc of that over 1.893. Where the flat part lasts to the record's end there is "
-        "no reading."
+        "the process whose curve peaks there has a Tc of that over 1.893. `fit_allan` gives no reading where its flat part "
+        "lasts to the record's end, and that of a sum with flicker does unless K or R follows. Last: the "
+        "curve's own peak behind its valley, over 1.893."
     )
     return Table(
         "Gauss-Markov terms of N + GM",
         (
             "axis", "sigma, deg/h", "found", "Tc, s", "found by likelihood", "flat part's centre, s", "peak-matched, s",
-            "readings of the flat part",
+            "readings of the flat part", "peak of the curve over 1.893, s", "peaks",
         ),
         tuple(rows), note,
     )  # fmt: skip
