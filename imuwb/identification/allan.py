@@ -25,9 +25,10 @@ if TYPE_CHECKING:
 
 Uncertainty = Literal["edf", "printed"]
 BLOCK = 1024  #: samples of the sum that stay in the fastest cache while all factors use them
-BRIDGE = 0.5  #: share of the second differences; where gaps leave less, pairs of samples bridge them
-BRIDGE_LOSS = 0.6  #: of degrees of freedom then; seen in ``tests/studies/missing_samples.md``
-THINNEST = 16  #: points of the sum in an averaging time that the fast mode keeps at least
+BRIDGE = 0.5  #: share of the second differences; where gaps leave less, block means bridge them
+LEAST_KNOWN = 1e-4  #: of the degrees of freedom; with less, a bridged variance is rounding
+BRIDGE_LOSS = 0.8  #: of degrees of freedom then; seen in ``tests/studies/missing_samples.md``
+THINNEST = 32  #: points of the sum in an averaging time that the fast mode keeps at least
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -73,9 +74,9 @@ def allan(
             (Quinchia, eq. 15; Hassaballa, eq. 10).
         breaks: indices at which samples are missing before; no second difference spans one.
         time: (n,) ns; where gaps leave too few second differences, averaging times are bridged by the
-            pairs of samples there are (``gapped.bridged``). Without it, they end with the longest part.
-        fast: thin the sum out at long averaging times, to 16 to 32 points in one; the averaging times
-            are rounded to that. ``FAST_ERROR`` bounds the difference.
+            block means of the samples there are (``gapped.bridged``). Without it, they end with the longest part.
+        fast: thin the sum out at long averaging times, to 32 to 64 points in one; the averaging times are rounded to
+            that, and the intervals are those of the thinned sums.
 
     Raises:
         ValueError: fewer than 2 samples, or no averaging time within the record.
@@ -98,7 +99,7 @@ def allan(
     squares, terms = np.zeros(factor.size), np.zeros(factor.size, dtype=np.int64)
     for phase in phases:
         squares += thinned_sums_of_squares(phase, factor) if fast else sums_of_squares(phase, factor)
-        terms += np.maximum(phase.size - 2 * factor, 0)  # thinned sums know as much as whole ones
+        terms += np.maximum(phase.size - 2 * factor, 0)
     counted = _thinned_terms(phases, factor) if fast else terms
     variance = np.divide(squares, 2.0 * counted * factor**2.0, out=np.zeros(factor.size), where=counted > 0)
     loss = np.ones(factor.size)
@@ -106,12 +107,13 @@ def allan(
         factor, variance, terms, loss = _with_bridges(values, place, factor, variance, terms)
     deviation = np.sqrt(variance)
     kinds = _noise_types(max(phases, key=len), factor, deviation)
-    # Gaps leave fewer terms; as if from a record that has that many.
+    # Gaps leave fewer terms; as if from a record that has that many. Thinned sums are those of a thinned record.
     n_effective = terms + 2 * factor - 1
+    thin = _strides(factor) if fast else np.ones_like(factor)
     edf = loss * np.array(
         [
-            equivalent_degrees_of_freedom(int(m), int(n), int(a))
-            for m, n, a in zip(factor, n_effective, kinds, strict=True)
+            equivalent_degrees_of_freedom(int(m // s), int(n // s), int(a))
+            for m, n, a, s in zip(factor, n_effective, kinds, thin, strict=True)
         ]
     )
     lower, upper = _interval(deviation, edf, values.size / factor, level, uncertainty)
@@ -145,10 +147,10 @@ def _with_bridges(
     thin = terms < BRIDGE * whole
     loss = np.ones(factor.size)
     if thin.any():
-        bridges, share = bridged(values, place, factor[thin])
         variance, terms = variance.copy(), terms.copy()
-        variance[thin], terms[thin], loss[thin] = bridges, np.rint(whole[thin] * share), BRIDGE_LOSS
-    known = np.isfinite(variance) & (variance > 0) & (terms > 0)
+        variance[thin], terms[thin], clear = bridged(values, place, factor[thin])
+        loss[thin] = BRIDGE_LOSS * np.nan_to_num(clear) ** 2
+    known = np.isfinite(variance) & (variance > 0) & (terms > 0) & (loss > LEAST_KNOWN)
     if not known.any():  # a constant channel
         known = terms > 0
     return factor[known], np.nan_to_num(variance[known]), terms[known], loss[known]
@@ -207,7 +209,7 @@ def sums_of_squares(phase: Floats, factors: NDArray[np.int64]) -> Floats:
 
 
 def _strides(factors: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return powers of two by which the phase may be thinned out and leave 16 to 32 points in an averaging time."""
+    """Return powers of two by which the phase may be thinned out and leave 32 to 64 points in an averaging time."""
     return 2 ** np.maximum(np.log2(factors / THINNEST).astype(np.int64), 0)
 
 

@@ -1,67 +1,76 @@
-"""Allan variances of a record with samples missing, without bias, from the pairs of samples there are.
+"""Allan variances of a record with samples missing, without bias, from block means of the samples there are.
 
-The Allan variance is a weighted sum of half the mean squared differences of samples a lag apart (the variogram).
-Each lag's mean is taken over the pairs that exist, so whatever is missing at random biases nothing;
-filling gaps, or averaging what is left of a block, would.
+The mean of c out of m samples is that of all m, but for an error of variance (1/c - 1/m) s², where s² is the scatter of the samples
+within the block: the classical law of sampling without replacement (Cochran 1977, 2.5). It holds whatever the noise, if samples are
+missing at random. So the excess is taken off; filling gaps, or leaving the excess in, would bias every averaging time.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numba
 import numpy as np
-from scipy import fft
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
 
-FEWEST_PAIRS = 30  #: at a lag; with fewer it is left out, and averaging times that need it with it
+FEWEST = 2  #: samples of a block that is not whole, for its scatter
+FULLNESS = 0.8  #: of the record's own share of samples; an emptier block is left out
 
 
-def variogram(values: Floats, place: NDArray[np.int64]) -> tuple[Floats, Floats]:
-    """Return half the mean squared difference, and the number of pairs, at lags 0, 1, ... of a grid.
+def bridged(
+    values: Floats, place: NDArray[np.int64], factors: NDArray[np.int64]
+) -> tuple[Floats, NDArray[np.int64], Floats]:
+    """Return the Allan variance at each factor, NaN where there is none, of how many differences it is the mean, and its clearness.
+
+    Clearness is what is left of the mean square when the excess is off: the less, the more the excess's own scatter counts.
 
     Args:
         values: (n,) samples.
         place: (n,) their places on an even grid, rising from 0.
-    """
-    size = int(place[-1]) + 1
-    length = fft.next_fast_len(2 * size, real=True)
-    there, value, square = np.zeros((3, size))
-    centered = values - values.mean()
-    there[place], value[place], square[place] = 1.0, centered, centered**2
-    mask, plain, squared = (fft.rfft(series, length) for series in (there, value, square))
-    pairs = np.rint(fft.irfft(np.abs(mask) ** 2, length)[:size])
-    # (x - y)²: x² + y² with the other's presence, less 2 xy; a correlation and its mirror image add up to twice the real part
-    sums = fft.irfft(2 * (squared * mask.conj()).real - 2 * np.abs(plain) ** 2, length)[:size]
-    return np.divide(sums, 2 * pairs, out=np.zeros(size), where=pairs > 0), pairs
-
-
-def bridged(values: Floats, place: NDArray[np.int64], factors: NDArray[np.int64]) -> tuple[Floats, Floats]:
-    """Return the Allan variance (of samples, not times dt) at each factor, NaN where pairs are missing, and the share of pairs.
-
-    A Haar window of 2 m samples has the autocorrelation (2m - 3l)/m² up to lag m, and -(2m - l)/m² from there to 2m.
-
-    Args:
-        values: (n,) samples.
-        place: (n,) places on an even grid.
         factors: (k,) averaging factors.
     """
-    half, pairs = variogram(values, place)
-    lags = np.arange(half.size, dtype=np.float64)
-    plain = np.cumsum(half)
-    weighted = np.cumsum(half * lags)
-    possible = half.size - lags
-    share = np.minimum.accumulate(np.where(pairs >= np.minimum(FEWEST_PAIRS, possible), pairs / possible, 0.0))
-    variance, known = np.full(factors.size, np.nan), np.zeros(factors.size)
+    size = int(place[-1]) + 1
+    count, total, square = np.zeros((3, size + 1))
+    centered = values - values.mean()
+    count[place + 1], total[place + 1], square[place + 1] = 1.0, centered, centered**2
+    for sums in (count, total, square):
+        np.cumsum(sums, out=sums)
+    least = FULLNESS * values.size / size
+    variance, clear = np.full((2, factors.size), np.nan)
+    terms = np.zeros(factors.size, dtype=np.int64)
     for i, m in enumerate(factors):
-        if 2 * m >= half.size:
-            continue
-        known[i] = share[2 * m]
-        if known[i] > 0:
-            near = 2 * m * (plain[m] - plain[0]) - 3 * weighted[m]
-            far = 2 * m * (plain[2 * m] - plain[m]) - (weighted[2 * m] - weighted[m])
-            variance[i] = (far - near) / float(m) ** 2
-    return variance, known
+        if 2 * m <= size:
+            squares, excess, terms[i] = _block_differences(count, total, square, int(m), least)
+            if terms[i] and squares > 0:
+                variance[i], clear[i] = (squares - excess) / terms[i] / 2, 1 - excess / squares
+    return variance, terms, clear
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _block_differences(
+    count: Floats, total: Floats, square: Floats, m: int, least: float
+) -> tuple[float, float, int]:  # pragma: no cover - compiled
+    """Return the sums of squared differences of neighbouring block means and of their excess, and the number of terms."""
+    squares = off = 0.0
+    terms = 0
+    for k in range(count.size - 2 * m):
+        difference = excess = 0.0
+        for side in range(2):
+            begin = k + side * m
+            c = count[begin + m] - count[begin]
+            if c < least * m or c < min(m, FEWEST):
+                break
+            mean = (total[begin + m] - total[begin]) / c
+            difference += mean if side else -mean
+            if c < m:
+                within = (square[begin + m] - square[begin] - c * mean * mean) / (c - 1.0)
+                excess += (1.0 / c - 1.0 / m) * within
+        else:
+            squares += difference * difference
+            off += excess
+            terms += 1
+    return squares, off, terms

@@ -30,6 +30,10 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+FAST = (
+    "fast mode: at averaging times of 64 samples and more the sums are thinned out and the times rounded; a deviation is off by less than "
+    "a fifth of its interval's half width (quantization noise, of which thinning loses most, has wider intervals instead)"
+)
 FEWEST = 100  #: samples; fewer have no curve worth the name
 LARGEST = 1e12  #: rad/s or m/s²
 JITTER = 0.2  #: of the sampling interval
@@ -71,6 +75,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
         (still.quiet_start, still.quiet_end),
         (
             *_stillness_notes(still),
+            *([FAST] if parameters.fast else []),
             *_choice_notes(log),
             *(note for sensor, clock in clocks.items() for note in _clock_notes(sensor, clock)),
             *(f"{axis}: {r.why_no_fit}" for axis, r in results.items() if r.why_no_fit),

@@ -18,7 +18,8 @@ class Parameters:
     ] = "edf"
     lines: Annotated[bool, "look for periodic lines and take them into the fit"] = True
     fast: Annotated[
-        bool, "thin the sums out at long averaging times; off by at most 6 % of an interval's half width"
+        bool,
+        "thin the sums out at long averaging times; for all but quantization off by less than a fifth of an interval",
     ] = False
     deviation: Annotated[
         Literal["allan", "modified", "hadamard", "total"], "another deviation, drawn beside the Allan deviation"
