@@ -13,6 +13,7 @@ import numpy as np
 from scipy import stats
 
 from imuwb.identification.allan import allan
+from imuwb.identification.welch import welch
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,6 +23,10 @@ if TYPE_CHECKING:
 FEWEST_DEGREES = 15.0  #: of freedom of a part's Allan variance
 FEWEST = 64  #: samples of a part
 REFUSED = 0.01  #: probability, over all averaging times, below which a record is not called stationary
+
+
+SEGMENT = 1 << 13  #: samples, of the spectrum that tells how neighbouring samples hang together
+SHORT = SEGMENT // 16  #: longest averaging factor that it tells of
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -59,6 +64,8 @@ def stationarity(values: Floats, dt: float, parts: int = 12) -> Stationarity:
     deviation = np.array([curve.deviation for curve in curves])
     # One noise type for all parts: each part's own guess would go with its value.
     freedom = np.median([curve.degrees_of_freedom for curve in curves], axis=0) * np.ones((parts, 1))
+    short = curves[0].factor <= SHORT
+    freedom[:, short] = np.minimum(freedom[:, short], _freedom(values, dt, curves[0].factor[short], size))
     sure = (freedom[0] >= FEWEST_DEGREES) & (deviation > 0).all(axis=0)
     if not sure.any():
         message = "no averaging time is short against the parts, or the channel is constant"
@@ -77,3 +84,18 @@ def stationarity(values: Floats, dt: float, parts: int = 12) -> Stationarity:
         np.arange(float(parts)) * (size * dt), size * dt, tau, deviation[:, sure], probability, smallest > REFUSED, smallest,
         part, float(tau[at]), float(ratio[part] ** 0.5),
     )  # fmt: skip
+
+
+def _freedom(values: Floats, dt: float, factors: NDArray[np.int64], part: int) -> Floats:
+    """Return the degrees of freedom of a part's Allan variance, from the record's own spectrum.
+
+    A power law does not know of a sensor's filter, behind which neighbouring samples say the same: 2 T (int W)²/int W², with
+    W the density of the differences that are squared.
+    """
+    size = min(SEGMENT, 1 << max(part // 4, 2).bit_length() - 1)
+    density, segments = welch(values, dt, size)
+    f = np.arange(1, density.size) / size  # of the sampling rate
+    window = np.sin(np.pi * np.outer(factors, f)) ** 4 / np.sin(np.pi * f) ** 2 * density[1:]
+    # The estimate's own scatter makes the squares too large.
+    squares = (window**2).sum(axis=1) / (1 + 1 / segments)
+    return 2 * part / size * window.sum(axis=1) ** 2 / squares

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 WIDTH, HEIGHT = 1200.0, 560.0  #: of the frame, in the view's own units
 LABEL_DROP = 16.0  #: the viewer hangs a label below its point by about this much
 LEGEND_STEP = 32.0
+LEGEND_AIR, LEGEND_LINE, LEGEND_HALF = 12.0, 45.0, 60.0
+LETTER = 15.0  #: about, of a label in the view's units where the figure has a quarter of the screen
 ABOVE = 26.0  #: of a mark's label above its point
 THICKNESS = {"line": 1.6, "curve": 1.2, "points": 1.6, "fit": 0.9, "faint": 0.5}
 ALPHA = {"line": 255, "curve": 255, "points": 255, "fit": 220, "faint": 110}
@@ -179,7 +181,11 @@ class Chart:
     def _legend(self, recording: rr.RecordingStream, path: str) -> None:
         named = sorted((c for c in self.figure.curves if c.label), key=lambda curve: curve.style in ("fit", "faint"))
         heights = [28.0 + LEGEND_STEP * i for i in range(len(named))]
-        strips = [[(WIDTH - 190, y), (WIDTH - 145, y)] for y in heights]
+        # A label is centred on its point, and as wide on the screen as it is long.
+        half = LETTER / 2 * max((len(c.label) for c in named), default=0)
+        center = WIDTH - LEGEND_AIR - max(half, LEGEND_HALF)
+        end = center - max(half, LEGEND_HALF) - LEGEND_AIR
+        strips = [[(end - LEGEND_LINE, y), (end, y)] for y in heights]
         if not strips:
             return
         recording.log(
@@ -192,9 +198,7 @@ class Chart:
             ),
             static=True,
         )
-        _texts(
-            recording, f"{path}/texts", [((WIDTH - 75, y), c.label) for y, c in zip(heights, named, strict=True)], INK
-        )
+        _texts(recording, f"{path}/texts", [((center, y), c.label) for y, c in zip(heights, named, strict=True)], INK)
 
     def _marks(self, recording: rr.RecordingStream, path: str) -> None:
         marks = [mark for mark in self.figure.marks if self._inside(mark)]

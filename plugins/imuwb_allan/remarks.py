@@ -72,7 +72,8 @@ def _beside(found: AxisResult) -> list[str]:
             f"{s.worst_time:.3g} s"
         )
     if not estimates.agree:
-        said.append(f"estimators differ in {', '.join(estimates.disagreements)}")
+        letters = dict.fromkeys(text.partition(":")[0] for text in estimates.disagreements)
+        said.append(f"estimators differ in {', '.join(letters)}")
     if estimates.choice is not None:
         best = estimates.choice.best
         sure = "clearly " if estimates.choice.clear else ""

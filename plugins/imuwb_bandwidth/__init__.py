@@ -56,5 +56,5 @@ def draw(found: dict[str, Lowpass], review: Review) -> None:
     magnitude = 20 * np.log10(np.abs(lowpass.response(f)).clip(1e-6))
     review.figure(Figure(
         f"Low-pass of {lowpass.cutoff:g} Hz, delay {lowpass.delay:.3g} s", "frequency [Hz]", "magnitude [dB]",
-        (Curve("magnitude", f, magnitude, (76, 120, 168), style="fit"),), y_scale="linear",
+        (Curve("magnitude", f, magnitude, (76, 120, 168), style="curve"),), y_scale="linear",
     ))  # fmt: skip

@@ -78,10 +78,10 @@ def draw(found: dict[str, KaiserFilter], review: Review) -> None:
     color = (76, 120, 168)
     title = f"Kaiser low-pass, {kaiser.taps.size} taps, pass to {kaiser.f_pass:g} Hz, stop from {kaiser.f_stop:g} Hz"
     review.figure(Figure(
-        f"{title}: magnitude", "frequency [Hz]", "magnitude [dB]", (Curve("magnitude", f, decibel, color, style="fit"),),
+        f"{title}: magnitude", "frequency [Hz]", "magnitude [dB]", (Curve("magnitude", f, decibel, color, style="curve"),),
         x_scale="linear", y_scale="linear",
     ))  # fmt: skip
     review.figure(Figure(
         f"Phase of the causal filter, delay {kaiser.delay:.4g} s", "frequency [Hz]", "phase [rad]",
-        (Curve("phase", f, phase, color, style="fit"),), x_scale="linear", y_scale="linear",
+        (Curve("phase", f, phase, color, style="curve"),), x_scale="linear", y_scale="linear",
     ))  # fmt: skip

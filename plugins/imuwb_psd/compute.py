@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 FEWEST = 256  #: samples
 HARMONIC = 0.01  #: of a multiple, by which a harmonic may miss it
+PEAK = 2.0  #: times the fitted density; a broad peak so high is called a resonance
 APART = 0.1  #: of the white level, by which the spectrum must leave it
 BEYOND_CHANCE = 4.0  #: standard errors, likewise
 
@@ -80,9 +81,10 @@ def _axis(axis: str, values: Floats, clock: Sampling, parameters: Parameters) ->
         )  # fmt: skip
     found = {x: CoefficientResult(c.value, c.lower, c.upper, unknown[x].unit) for x, c in fit.coefficients.items()}
     white_to, excess = _white_to(spectrum, fit)
+    resonances = _resonances(spectrum, fit, lines)
     return AxisResult(
         spectrum.frequency, spectrum.density, spectrum.lower, spectrum.upper, spectrum.sides, found, fit.regions, named,
-        fit.processes, white_to, excess, fit.highest, fit.probability, None,
+        fit.processes, white_to, excess, fit.highest, fit.probability, None, resonances,
     )  # fmt: skip
 
 
@@ -115,6 +117,19 @@ def _white_to(spectrum: PowerSpectrum, fit: SpectralFit) -> tuple[float | None, 
     return float(spectrum.frequency[first]), float(np.exp(np.mean(np.log(ratio[first:]))))
 
 
+def _resonances(spectrum: PowerSpectrum, fit: SpectralFit, lines: Sequence[Line]) -> tuple[float, ...]:
+    """Return the frequencies of broad peaks above the fitted band, Hz: twice the fitted density, and no line's."""
+    beyond = spectrum.frequency > fit.highest
+    ratio = np.where(beyond, spectrum.density / fit.density(spectrum.frequency.clip(max=fit.highest), spectrum.dt), 0.0)
+    for line in lines:
+        ratio[np.abs(np.log(spectrum.frequency / line.frequency)) < APART] = 0.0
+    inside = np.flatnonzero(ratio > PEAK)
+    peaks = [
+        run[int(np.argmax(ratio[run]))] for run in np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1) if run.size
+    ]
+    return tuple(float(spectrum.frequency[k]) for k in peaks)
+
+
 def findings(result: Result) -> tuple[Finding, ...]:
     """Return the coefficients, and what is not white or not noise."""
     return tuple(
@@ -129,6 +144,8 @@ def _remarks(found: AxisResult) -> list[str]:
         said.append(
             f"not white above {found.white_to:.3g} Hz: the spectrum {how} its white level (by {10 * np.log10(found.excess):+.1f} dB)"
         )
+    if found.resonances:
+        said.append(f"resonance near {', '.join(f'{f:.3g}' for f in found.resonances)} Hz")
     strongest = found.lines[:3]
     if strongest:
         names = ", ".join(line.name.removeprefix("line at ") for line in strongest)

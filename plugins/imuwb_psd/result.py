@@ -53,6 +53,7 @@ class AxisResult:
     explained_to: float | None  #: Hz
     probability: float | None  #: of the misfit
     why_none: str | None
+    resonances: tuple[float, ...] = ()  #: Hz, broad peaks above the fitted band
 
 
 @dataclass(frozen=True, eq=False, slots=True)

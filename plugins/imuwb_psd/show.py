@@ -40,7 +40,7 @@ def _figure(name: str, unit: str, factor: float, axes: dict[str, AxisResult], dt
         curves.append(Curve(axis.replace("_", " "), found.frequency, found.density / factor, color, style="curve"))
         if found.processes is None:
             continue
-        smooth = np.geomspace(found.frequency[0], found.frequency[-1], 200)
+        smooth = np.geomspace(found.frequency[0], found.explained_to or found.frequency[-1], 200)
         whole = 2 * found.processes.power_spectral_density(smooth, dt)
         curves.append(Curve("" if named else "fitted sum", smooth, whole / factor, color, style="fit"))
         for term in found.processes.terms:
