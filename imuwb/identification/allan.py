@@ -241,8 +241,8 @@ def _noise_types(phase: Floats, factor: NDArray[np.int64], deviation: Floats) ->
         found = noise_type.exponent(phase[::m])
         if found is None and i and deviation[i] > 0:
             slope = np.log(deviation[i] / deviation[i - 1]) / np.log(m / factor[i - 1])
-            # sigma ~ tau^(-(alpha+1)/2); held to the last sure type but for one step, as the tail is noisy
-            found = int(np.clip(round(-2 * slope - 1), last - 1, last + 1).clip(-2, 2))
+            # sigma ~ tau^(-(alpha+1)/2). Of a sum, ever redder processes rule; and the tail is noisy: one step at most
+            found = int(np.clip(round(-2 * slope - 1), last - 1, last).clip(-2, 2))
             kinds[i] = found
             continue
         last = found if found is not None else last

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 TENABLE = 0.01  #: probability of a misfit as large; below it, first order does not explain the record
 GROUP = 2**0.5  #: last frequency over first, of what is judged together
+FEWEST = 32  #: coefficients that are judged together, the lowest
 SHORTEST = 1e-5  #: sampling intervals; a process of such a Tc is white
 UNKNOWN = 30.0  #: of a logarithm; wider intervals say nothing
 SHOWN = 2000  #: lags that are kept
@@ -132,6 +133,9 @@ def fit_gauss_markov(spectrum: CosineSpectrum, level: float = 0.95) -> GaussMark
     # Far beyond the record's length a correlation time is not known at all.
     half_square, half_time = (z * np.sqrt(np.diag(inverse))).clip(0, UNKNOWN)
     group = (np.log(f[-1] / f) / np.log(GROUP)).astype(np.int64)
+    # The lowest frequencies are too few for the law of large numbers: they are one group.
+    few = np.cumsum(count) < FEWEST
+    group[few] = group[few].min(initial=int(group.max()))
     total = np.bincount(group, count)
     excess = np.bincount(group, count * (power / (shape * square) - 1))
     filled = total > 0

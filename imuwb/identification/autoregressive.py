@@ -7,6 +7,7 @@ x(n) = -sum alpha_k x(n-k) + beta0 w(n) (Quinchia, eq. 9; El-Diasty's tables of 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numba
@@ -105,8 +106,9 @@ def fit_autoregressive(
     """
     models = burg(values, orders, breaks)
     n, highest = models.n, len(models.alpha) - 1
-    centered = values - models.mean
-    innovations = _errors(centered, np.ascontiguousarray(models.alpha[highest]))
+    edges = [0, *sorted(breaks), values.size]
+    parts = [np.ascontiguousarray(values[a:b]) - models.mean for a, b in pairwise(edges) if b - a > highest]
+    innovations = np.concatenate([_errors(part, np.ascontiguousarray(models.alpha[highest])) for part in parts])
     density = _density(innovations, models.alpha[highest])
     covariances = fft.irfft(density)[: highest + 1]
     z = float(stats.norm.ppf((1 + level) / 2))
@@ -125,7 +127,7 @@ def fit_autoregressive(
         ))  # fmt: skip
     chosen = min(found, key=lambda order: order.bic).order
     tested = sorted({p for p in (*test, chosen) if 1 <= p <= highest})
-    whiteness = tuple(_whiteness(centered, models.alpha[p], p) for p in tested)
+    whiteness = tuple(_whiteness(parts, models.alpha[p], p) for p in tested)
     return AutoregressiveFit(dt, n, models.mean, level, tuple(found), chosen, whiteness, _reading(found[0]))
 
 
@@ -172,12 +174,16 @@ def _ideal(alpha: Sequence[Floats], variance: Floats, n: int) -> Floats:
     return np.sqrt(diagonal * variance[p] / n)
 
 
-def _whiteness(centered: Floats, alpha: Floats, order: int) -> Whiteness:
-    products = _products(_errors(centered, np.ascontiguousarray(alpha)), WHITE_LAGS)
+def _whiteness(parts: Sequence[Floats], alpha: Floats, order: int) -> Whiteness:
+    taps = np.ascontiguousarray(alpha)
+    products = np.sum([_products(_errors(part, taps), WHITE_LAGS) for part in parts], axis=0)
     r = products[1:] / products[0]
+    sizes = np.array([part.size - order for part in parts])
     lags = np.arange(1, WHITE_LAGS + 1)
-    n = centered.size - order
-    statistic = float(n * (n + 2) * np.sum(r**2 / (n - lags)))
+    n = int(sizes.sum())
+    # Under whiteness a lag's correlation has the variance of its number of products over n² (Ljung and Box, for one part).
+    counts = np.maximum(sizes[:, None] - lags, 0).sum(axis=0).clip(1)
+    statistic = float(n * (n + 2) * np.sum(r**2 / counts))
     freedom = max(WHITE_LAGS - order, 1)
     return Whiteness(order, statistic, float(stats.chi2.sf(statistic, freedom)), float(np.abs(r).max()))
 

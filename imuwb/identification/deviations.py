@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 Kind = Literal["allan", "modified", "hadamard", "total"]
+QUANTIZED = 2  #: alpha
 SCALED = 16  #: averaging factor at which degrees of freedom are computed; they depend on n/m beyond it
 MOST_CLUSTERS = 256  #: n/m from which on degrees of freedom grow in proportion
 #: alpha -> (b, c): degrees of freedom b T/tau - c of the total deviation, and its bias factor a in 1 - a tau/T (SP 1065, table 9)
@@ -76,6 +77,7 @@ def deviation(
         variance, freedom = variance / (1 - a / ratio), (b * ratio - c).clip(0.5)
     else:
         modified = kind == "modified"
+        terms = terms + modified  # the running sum of the phase has a point more
         squares = _modified(phase, factor) if modified else _hadamard(phase, factor)
         scale = 2.0 * factor.astype(np.float64) ** 4 if modified else 6.0 * factor.astype(np.float64) ** 2
         variance = squares / (scale * terms)
@@ -156,4 +158,8 @@ def _freedom(kind: Kind, factor: int, n: int, alpha: int) -> float:
     weights = 2.0 * (terms - lags)
     weights[0] = terms
     freedom = terms**2 * covariance[0] ** 2 / float(weights @ covariance**2)
+    if (
+        alpha == QUANTIZED and kind == "hadamard"
+    ):  # differences of independent noise: each term is worth about as much as any other
+        return float(freedom * max(n + 1 - 3 * factor, 1) / terms)
     return float(freedom * max(clusters / MOST_CLUSTERS, 1.0))

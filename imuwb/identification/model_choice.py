@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 #: Letters of ``TERMS``; M is a Gauss-Markov term. Those with Q are tried where a record shows any.
 SUMS = ("N", "NB", "NK", "NBK", "NM", "NMK", "NMM", "QN", "QNB", "QNK", "QNBK", "QNM", "QNMK", "QNMM")
 GRID = 12  #: correlation times that are tried
+SWEEPS = 4
 REFINEMENTS = 6
 QUANTIZED = 2.7  #: fall of the deviance for which sums with quantization are tried
 CLEAR = 10.0  #: difference of information criteria that is called clear (Kass and Raftery 1995)
@@ -182,8 +183,10 @@ class _Record:
             grid = np.linspace(*ends, GRID)
             chosen.append(float(min(grid, key=lambda t: self._deviance(fixed, [*chosen, float(t)]))))
         step = (ends[1] - ends[0]) / (GRID - 1) if not times else 0.5
-        for place in range(count):
-            chosen[place] = self._refined(fixed, chosen, place, step)
+        # Two terms share what either explains: each is refined in turn, at first from afar, until neither moves.
+        for sweep in range(SWEEPS if count > 1 and not times else 1):
+            for place in range(count):
+                chosen[place] = self._refined(fixed, chosen, place, step * (2.0 if count > 1 and not sweep else 1.0))
         return self._solved(fixed, tuple(float(np.exp(t)) for t in sorted(chosen)))
 
     def _refined(self, fixed: list[Process], chosen: list[float], place: int, step: float) -> float:

@@ -133,7 +133,7 @@ def test_a_slow_line_leaves_out_the_lowest_coefficients():
     whole, found = cosine_spectrum(values, DT), cosine_spectrum(values, DT, [(20 * step, 5 * step)])
     assert found.index.tolist() == [*range(1, 15), *range(26, LOW + 1)]
     np.testing.assert_array_equal(found.low, whole.low[found.index - 1])
-    assert found.covariance(FlickerNoise(1.0)).shape == (found.index.size, found.index.size) == (37, 37)
+    assert found.covariance(FlickerNoise(1.0)).shape == (found.index.size, found.index.size)
     np.testing.assert_array_equal(found.trend(), whole.trend()[found.index - 1])
     np.testing.assert_array_equal(found.power, whole.power)
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from imuwb.identification import find_lines, fit_likelihood
+from imuwb.identification import find_lines, fit_cosine_spectrum, fit_likelihood, spectrum_without
 from imuwb.identification.lines import Line
 from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, Sinusoid, WhiteNoise
 
@@ -114,6 +114,14 @@ def test_a_line_is_left_out():
         assert with_line.coefficients[letter].value == pytest.approx(plain.coefficients[letter].value, rel=0.05)
     assert with_line.highest > 49
     assert without.highest < 2.3
+
+
+def test_a_spectrum_at_hand_gives_the_same_fit():
+    values = (NOISE + Sinusoid(0.05, 2.3)).sample(2**15, DT, np.random.default_rng(0))
+    lines = find_lines(values, DT)
+    whole, parted = fit_likelihood(values, DT, lines), fit_cosine_spectrum(spectrum_without(values, DT, lines))
+    assert parted.coefficients == whole.coefficients
+    assert spectrum_without(values, DT, lines).count.sum() < spectrum_without(values, DT).count.sum()
 
 
 def test_a_line_over_all_the_lowest_coefficients_leaves_the_ramp_unknown():

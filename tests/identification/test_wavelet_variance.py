@@ -3,9 +3,9 @@ import pytest
 import pywt
 from scipy import signal
 
-from imuwb.identification import fit_wavelet_variance, wavelet_variance
+from imuwb.identification import find_lines, fit_wavelet_variance, wavelet_variance
 from imuwb.identification.wavelet_variance import _expectations, _responses
-from imuwb.stochastic import FlickerNoise, GaussMarkov, Quantization, RandomWalk, RateRamp, WhiteNoise
+from imuwb.stochastic import FlickerNoise, GaussMarkov, Quantization, RandomWalk, RateRamp, Sinusoid, WhiteNoise
 
 DT = 0.01
 UNITS = [Quantization(1.0), WhiteNoise(1.0), FlickerNoise(1.0), RandomWalk(1.0)]
@@ -118,6 +118,21 @@ def test_behind_a_filter_the_shortest_scales_are_left_out():
     assert fit.shortest >= 4 * DT
     assert fit.coefficients["N"].value == pytest.approx(0.005, rel=0.05)
     assert fit_wavelet_variance(wavelet_variance(values, DT)).shortest == 2 * DT
+
+
+def test_a_line_is_taken_off_the_scales_it_is_in():
+    quiet = (WhiteNoise(0.005) + FlickerNoise(0.01)).sample(2**16, DT, np.random.default_rng(4))
+    loud = quiet + Sinusoid(0.02, 2.3).sample(2**16, DT, np.random.default_rng(5))
+    lines = find_lines(loud, DT)
+    plain, without, with_line = (
+        fit_wavelet_variance(wavelet_variance(values, DT), taken)
+        for values, taken in ((quiet, ()), (loud, ()), (loud, lines))
+    )
+    for letter in "NB":
+        assert with_line.coefficients[letter].value == pytest.approx(plain.coefficients[letter].value, rel=0.05)
+    assert with_line.shortest == 2 * DT
+    assert with_line.probability > 1e-3
+    assert without.shortest > 2 * DT or without.probability < 1e-3
 
 
 def test_the_sum_explains_what_it_made():
