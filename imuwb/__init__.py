@@ -11,7 +11,18 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from imuwb import analysis, errors, identification, log, readers, simulation, stochastic, units, writers
+    from imuwb import (
+        analysis,
+        conditioning,
+        errors,
+        identification,
+        log,
+        readers,
+        simulation,
+        stochastic,
+        units,
+        writers,
+    )
     from imuwb.log import Log
     from imuwb.readers import describe, read, select
     from imuwb.stochastic import ImuErrorModel
@@ -20,6 +31,7 @@ __all__ = [
     "ImuErrorModel",
     "Log",
     "analysis",
+    "conditioning",
     "describe",
     "errors",
     "identification",

@@ -152,13 +152,13 @@ def demo(
     ),
     force: Annotated[bool, typer.Option("--force", help="Write over a recording that exists.")] = False,
 ) -> None:
-    """Analyse the sample log, and leave a recording to look at."""
+    """Identify the noise of the sample log; leave a recording to look at, and an error model."""
     from imuwb.cli.options import make  # noqa: PLC0415 - help must not wait
     from imuwb.cli.perform import perform  # noqa: PLC0415
+    from imuwb.recipes import noise  # noqa: PLC0415
 
     log = samples() / DEMO_LOG
-    analysis = cast("Analysis", registry.load(registry.installed(registry.ANALYSES)["allan"]))
-    perform("allan", analysis, [log], make(analysis.Parameters, {}), Common(output=output, force=force))
+    perform("noise", cast("Analysis", noise), [log], make(noise.Parameters, {}), Common(output=output, force=force))
     typer.echo(f"look at it: imuwb view {output}", err=True)
 
 
