@@ -163,6 +163,29 @@ class AnyCoefficient(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
+class CoefficientResult:
+    """One coefficient in SI; ``value`` None where it is not identified, ``upper`` then is its limit."""
+
+    value: float | None
+    lower: float | None
+    upper: float | None
+    unit: str
+    at: float | None = None  #: s, averaging time at which it is read off its line
+
+
+@dataclass(frozen=True, slots=True)
+class LineResult:
+    """A periodic line in SI."""
+
+    frequency: float  #: Hz
+    amplitude: float
+    lower: float
+    upper: float
+    unit: str
+    name: str = ""  #: such as "line at 0.56 Hz" or "3 × 0.56 Hz"
+
+
+@dataclass(frozen=True, slots=True)
 class Finding:
     """What an analysis says of one axis, in terms that all share."""
 

@@ -14,10 +14,12 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
 def test_plugin_folders_are_packages_are_entry_points():
     folders = {p.parent.name for p in (ROOT / "plugins").glob("*/__init__.py")}
     listed = {Path(p).name for p in PROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]} - {"imuwb"}
-    analyses = set(PROJECT["project"]["entry-points"]["imuwb.analyses"].values())
+    points = PROJECT["project"]["entry-points"]
+    plugins = {module for group in ("imuwb.analyses", "imuwb.conditioners") for module in points[group].values()}
     linted = set(PROJECT["tool"]["importlinter"]["root_packages"]) - {"imuwb"}
-    assert folders == listed == analyses == linted
-    assert analyses <= {point.value for point in entry_points(group="imuwb.analyses")}
+    assert folders == listed == plugins == linted
+    for group in ("imuwb.analyses", "imuwb.conditioners"):
+        assert set(points[group].values()) <= {point.value for point in entry_points(group=group)}
 
 
 def test_every_reader_is_an_entry_point_and_keeps_the_contract():
@@ -49,3 +51,10 @@ def test_samples_are_small_and_named_with_their_command():
 
 def test_presets_ship_with_the_package():
     assert "3dm-gx3-25" in preset_names()
+
+
+def test_every_conditioner_keeps_the_contract():
+    for point in entry_points(group="imuwb.conditioners"):
+        conditioner = point.load()
+        assert hasattr(conditioner, "Parameters"), point.name
+        assert callable(conditioner.condition), point.name

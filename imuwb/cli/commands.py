@@ -153,7 +153,7 @@ def demo(
     force: Annotated[bool, typer.Option("--force", help="Write over a recording that exists.")] = False,
 ) -> None:
     """Identify the noise of the sample log; leave a recording to look at, and an error model."""
-    from imuwb.cli.options import make  # noqa: PLC0415 - help must not wait
+    from imuwb.cli.parameters import make  # noqa: PLC0415 - help must not wait
     from imuwb.cli.perform import perform  # noqa: PLC0415
     from imuwb.recipes import noise  # noqa: PLC0415
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import inspect
-import typing
-from dataclasses import MISSING, Field, fields
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
 from imuwb.cli.common import Common
+from imuwb.cli.parameters import default_of, hints, make, parameters_of
 from imuwb.errors import UsageError
 
 if TYPE_CHECKING:
@@ -50,43 +50,3 @@ def command_function(name: str, analysis: Analysis) -> Callable[..., None]:
     command.__annotations__ = {p.name: p.annotation for p in (logs, *own, *shared)}
     command.__name__ = name.replace("-", "_")
     return command
-
-
-def parameters_of(kind: Any) -> list[inspect.Parameter]:  # noqa: ANN401 - a dataclass of the plugin's
-    """Return the fields of a Parameters class as options."""
-    options: list[inspect.Parameter] = []
-    for f, hint in zip(fields(kind), hints(kind).values(), strict=True):
-        base, text = hint, ""
-        if typing.get_origin(hint) is Annotated:
-            base, *notes = typing.get_args(hint)
-            text = next((note for note in notes if isinstance(note, str)), "")
-        flag = f"--{f.name.replace('_', '-')}"
-        flags = f"{flag}/--no-{flag[2:]}" if base is bool else flag
-        option = typer.Option(flags, help=text[:1].upper() + text[1:] + ("." if text and text[-1] not in ".)" else ""))
-        options.append(
-            inspect.Parameter(
-                f.name, inspect.Parameter.KEYWORD_ONLY, default=default_of(f), annotation=Annotated[base, option]
-            )
-        )
-    return options
-
-
-def default_of(f: Field[Any]) -> Any:  # noqa: ANN401 - of any type
-    """Return a field's default; ``inspect.Parameter.empty`` where it has none."""
-    if f.default is not MISSING:
-        return f.default
-    return f.default_factory() if f.default_factory is not MISSING else inspect.Parameter.empty
-
-
-def make(kind: Any, values: dict[str, Any]) -> Any:  # noqa: ANN401 - the plugin's own class
-    """Return the parameters, or say what is wrong with them."""
-    try:
-        return kind(**values)
-    except ValueError as error:
-        raise UsageError(str(error)) from error
-
-
-def hints(kind: Any) -> dict[str, Any]:  # noqa: ANN401 - any dataclass
-    """Return the annotations of a dataclass's fields, in order."""
-    found = typing.get_type_hints(kind, include_extras=True)
-    return {f.name: found[f.name] for f in fields(kind)}

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 
 from imuwb import registry
 from imuwb.analysis import Case
-from imuwb.cli.options import hints, make
+from imuwb.cli.parameters import hints, make
 from imuwb.errors import UsageError
 
 if TYPE_CHECKING:

@@ -60,6 +60,9 @@ def stationarity(values: Floats, dt: float, parts: int = 12) -> Stationarity:
     if size < FEWEST:
         message = f"{parts} parts of {size} samples; there must be at least 2, of {FEWEST}"
         raise ValueError(message)
+    if np.ptp(values) == 0:
+        message = "the channel is constant: there is nothing to compare"
+        raise ValueError(message)
     curves = [allan(values[i * size : (i + 1) * size], dt, "octave", fast=True) for i in range(parts)]
     deviation = np.array([curve.deviation for curve in curves])
     # One noise type for all parts: each part's own guess would go with its value.

@@ -7,21 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
 
 LARGEST = 1e12  #: rad/s or m/s²; no sensor puts out more
-
-
-def longest_part(values: Floats, breaks: Sequence[int]) -> slice:
-    """Return the longest part without gaps."""
-    edges = [0, *breaks, values.size]
-    sizes = np.diff(edges)
-    at = int(np.argmax(sizes))
-    return slice(int(edges[at]), int(edges[at + 1]))
 
 
 def unsuitable(values: Floats, fewest: int) -> str | None:

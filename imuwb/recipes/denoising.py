@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.analysis import AXIS_COLORS, Curve, Figure, Table, Vertical
+from imuwb.axes import axes_of, rates
 from imuwb.conditioning import band_limit, denoise
 from imuwb.identification import allan, power_spectrum
-from imuwb.identification.suitable import longest_part, unsuitable
-from imuwb.sampling import sampling
+from imuwb.identification.suitable import unsuitable
 from imuwb.units import UNITS
 
 if TYPE_CHECKING:
@@ -53,17 +53,13 @@ class Denoising:
 
 def denoising(log: Log, levels: int) -> Denoising | None:
     """Return the z axes before and after denoising; None where the log is too short for it."""
-    series: dict[str, tuple[Floats, float]] = {}
-    for axis, (time, values) in log.imu().axes().items():
-        clock = sampling(time)
-        part = np.ascontiguousarray(values[longest_part(values, clock.breaks)])
-        if axis in SHOWN and unsuitable(part, FEWEST) is None:
-            series[axis] = part, clock.interval
-    wanted = [(axis, k) for axis in series for k in sorted({0, min(SHALLOW, levels), levels})]
+    axes = {name: axis for name, axis in axes_of(log.imu()).items() if name in SHOWN}
+    axes = {name: axis for name, axis in axes.items() if unsuitable(axis.longest, FEWEST) is None}
+    wanted = [(name, k) for name in axes for k in sorted({0, min(SHALLOW, levels), levels})]
 
     def one(job: tuple[str, int]) -> Denoised | None:
         axis, k = job
-        values, dt = series[axis]
+        values, dt = axes[axis].longest, axes[axis].clock.interval
         try:
             quiet = denoise(values, k).values
         except ValueError:
@@ -82,7 +78,7 @@ def denoising(log: Log, levels: int) -> Denoising | None:
 
     with ThreadPoolExecutor(2) as pool:
         curves = tuple(c for c in pool.map(one, wanted) if c is not None)
-    return Denoising({axis.partition("_")[0]: 1 / dt for axis, (_, dt) in series.items()}, curves) if curves else None
+    return Denoising(rates(axes), curves) if curves else None
 
 
 def draw(found: Denoising, review: Review) -> None:

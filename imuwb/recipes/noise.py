@@ -27,7 +27,7 @@ LOGS = (1, None)
 LEAVES_MODEL = True
 #: analyses and the options they get, in the order of their tabs
 INGREDIENTS: dict[str, dict[str, Any]] = {
-    "allan": {"choose": True},
+    "allan": {"choose": True, "model": "headline"},
     "psd": {},
     "autocorrelation": {},
     "autoregressive": {},

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.analysis import Curve, Figure, Table, Vertical, estimate_text
+from imuwb.axes import axes_of, for_each, rates
 from imuwb.errors import MissingDataError
 from imuwb.identification import Coefficient, allan, fit_likelihood
-from imuwb.identification.suitable import longest_part, unsuitable
-from imuwb.sampling import sampling
+from imuwb.identification.suitable import unsuitable
 from imuwb.units import UNITS, coefficient_units
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from imuwb.analysis import Case, Review
+    from imuwb.axes import Axis
     from imuwb.log import Floats
 
 FEWEST = 256  #: samples
@@ -87,13 +87,10 @@ def study(cases: Iterable[Case], level: float) -> Study:
 
 
 def _case(case: Case, level: float) -> CaseResult:
-    imu = case.log.imu()
-    axes = imu.axes()
-    clocks = {axis: sampling(time) for axis, (time, _) in axes.items()}
+    axes = axes_of(case.log.imu())
 
-    def one(axis: str) -> AxisCase | None:
-        values, clock = axes[axis][1], clocks[axis]
-        series = np.ascontiguousarray(values[longest_part(values, clock.breaks)])
+    def one(axis: Axis) -> AxisCase | None:
+        series, clock = axis.longest, axis.clock
         if unsuitable(series, FEWEST) is not None:
             return None
         curve = allan(series, clock.interval, "log:40", level=level, fast=True)
@@ -101,16 +98,14 @@ def _case(case: Case, level: float) -> CaseResult:
         sigma = float(curve.deviation[0])
         return AxisCase(curve.averaging_time, curve.deviation, coefficients, sigma, sigma**2 * clock.interval)
 
-    with ThreadPoolExecutor(2) as pool:
-        results = {axis: r for axis, r in zip(axes, pool.map(one, axes), strict=True) if r is not None}
+    results = {name: r for name, r in for_each(axes, one).items() if r is not None}
     if not results:
         text = ", ".join(f"{k}={v}" for k, v in case.settings.items())
         message = (
             f"{case.log.provenance.path}, {text}: too few samples are left, or none that vary; a study needs {FEWEST}"
         )
         raise MissingDataError(message)
-    rates = {axis.partition("_")[0]: 1 / clocks[axis].interval for axis in results}
-    return CaseResult(dict(case.settings), rates, results)
+    return CaseResult(dict(case.settings), rates(axes), results)
 
 
 def _rule(cases: tuple[CaseResult, ...]) -> tuple[Rule, ...]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb import __version__
+from imuwb.analysis import CoefficientResult, LineResult
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification import allan, deviation, find_lines, fit_allan, stillness
 from imuwb.log import source_of
@@ -17,7 +18,7 @@ from imuwb.sampling import Sampling, sampling
 from imuwb.stochastic import AxisModel, GaussMarkov, ImuErrorModel, Sinusoid, Sum
 from imuwb.units import coefficient_units
 from imuwb_allan.estimates import estimates
-from imuwb_allan.result import AxisResult, CoefficientResult, FitQuality, LineResult, OtherDeviation, Result
+from imuwb_allan.result import AxisResult, FitQuality, OtherDeviation, Result
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -80,12 +81,13 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
             *(note for sensor, clock in clocks.items() for note in _clock_notes(sensor, clock)),
             *(f"{axis}: {r.why_no_fit}" for axis, r in results.items() if r.why_no_fit),
         ),
+        parameters.model,
     )
 
 
 def error_model(result: Result) -> ImuErrorModel:
     """Return the fitted sums, with the intervals of what was found and the limits of what was not."""
-    axes = {axis: _model(found) for axis, found in result.axes.items() if found.processes is not None}
+    axes = {axis: _model(found, result.model) for axis, found in result.axes.items() if found.processes is not None}
     if not axes:
         message = f"{result.imu}: no axis could be fitted, so there is no error model to save"
         raise MissingDataError(message)
@@ -93,9 +95,9 @@ def error_model(result: Result) -> ImuErrorModel:
     return ImuErrorModel(result.imu, axes, provenance)
 
 
-def _model(found: AxisResult) -> AxisModel:
+def _model(found: AxisResult, whose: str) -> AxisModel:
     processes, coefficients = found.processes or Sum(), found.coefficients
-    estimates = found.estimates
+    estimates = found.estimates if whose == "headline" else None
     if estimates is not None and estimates.processes is not None:
         processes, coefficients = estimates.processes, estimates.by[estimates.headline]
     if estimates is not None and estimates.choice is not None and _prefers_gauss_markov(estimates.choice):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from imuwb.analysis import CoefficientResult
 from imuwb.identification import (
     burg,
     choose_model,
@@ -15,7 +16,7 @@ from imuwb.identification import (
 )
 from imuwb.stochastic import Autoregressive, Sinusoid, Sum
 from imuwb.units import coefficient_units
-from imuwb_allan.result import CoefficientResult, Estimates
+from imuwb_allan.result import Estimates
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -28,6 +28,10 @@ class Parameters:
         bool, "fit the sum by likelihood and by wavelet variance too, and test whether the noise stays the same"
     ] = True
     choose: Annotated[bool, "compare sums of processes, also with Gauss-Markov and autoregressive terms"] = False
+    model: Annotated[
+        Literal["allan", "headline"],
+        "whose figures --save-model takes: the Allan fit's, or those of the estimator of the least error",
+    ] = "allan"
     level: Annotated[float, "of all intervals and limits"] = 0.95
 
     def __post_init__(self) -> None:

@@ -10,8 +10,9 @@ from imuwb.analysis import Finding
 from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, Sinusoid, WhiteNoise
 
 if TYPE_CHECKING:
+    from imuwb.analysis import CoefficientResult
     from imuwb.stochastic import Process
-    from imuwb_allan.result import AxisResult, CoefficientResult, Result
+    from imuwb_allan.result import AxisResult, Result
 
 _WORDS: dict[type, str] = {
     Quantization: "quantization", WhiteNoise: "white noise", FlickerNoise: "bias instability", RandomWalk: "random walk",

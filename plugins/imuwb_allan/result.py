@@ -9,30 +9,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from imuwb.analysis import CoefficientResult, LineResult
     from imuwb.identification import CorrelationTime, Disturbance, ModelChoice, Region, Stationarity
     from imuwb.stochastic import Sum
-
-
-@dataclass(frozen=True, slots=True)
-class CoefficientResult:
-    """One coefficient in SI; ``value`` None where it is not identified, ``upper`` then is its limit."""
-
-    value: float | None
-    lower: float | None
-    upper: float | None
-    unit: str
-    at: float | None  #: s
-
-
-@dataclass(frozen=True, slots=True)
-class LineResult:
-    """A periodic line."""
-
-    frequency: float  #: Hz
-    amplitude: float
-    lower: float
-    upper: float
-    unit: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,3 +86,4 @@ class Result:
     disturbances: tuple[Disturbance, ...]
     quiet: tuple[float, float]  #: s from the log's start
     notes: tuple[str, ...]
+    model: str  #: whose figures go into the error model: "allan" or "headline"

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.analysis import Finding
+from imuwb.axes import axes_of, for_each, gap_notes, rates
 from imuwb.conditioning import denoise
 from imuwb.errors import MissingDataError
 from imuwb.identification import autocorrelation
-from imuwb.identification.suitable import longest_part, unsuitable
-from imuwb.sampling import Sampling, sampling
+from imuwb.identification.suitable import unsuitable
 from imuwb.units import coefficient_units
 from imuwb_autocorrelation.result import AxisResult, Curve, Result
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from imuwb.axes import Axis
     from imuwb.identification import Autocorrelation
-    from imuwb.log import Floats, Log
+    from imuwb.log import Log
     from imuwb_autocorrelation.parameters import Parameters
 
 FEWEST = 256  #: samples
@@ -30,39 +30,31 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     """Return the autocorrelations of the log's (first) IMU."""
     log = logs[0]
     imu = log.imu()
-    axes = imu.axes()
-    clocks = {sensor: sampling(axes[f"{sensor}_x"][0]) for sensor in ("gyro", "accel") if f"{sensor}_x" in axes}
-
-    def analyse(axis: str) -> AxisResult:
-        return _axis(axis, axes[axis][1], clocks[axis.partition("_")[0]], parameters)
-
-    with ThreadPoolExecutor(2) as pool:
-        results = dict(zip(axes, pool.map(analyse, axes), strict=True))
+    axes = axes_of(imu)
+    results = for_each(axes, lambda axis: _axis(axis, parameters))
     if all(r.why_none for r in results.values()):
         message = f"{log.provenance.path}: {imu.name}: no axis has an autocorrelation: {next(iter(results.values())).why_none}"
         raise MissingDataError(message)
     notes = [
-        f"{sensor}: {len(clock.breaks)} gaps; the autocorrelation is of the longest part without"
-        for sensor, clock in clocks.items()
-        if clock.breaks
+        *gap_notes(axes, "the autocorrelation"),
+        *(f"{name}: {r.why_none}" for name, r in results.items() if r.why_none),
     ]
-    notes += [f"{axis}: {r.why_none}" for axis, r in results.items() if r.why_none]
-    intervals = {sensor: clock.interval for sensor, clock in clocks.items()}
+    intervals = {sensor: 1 / rate for sensor, rate in rates(axes).items()}
     return Result(imu.name, parameters.level, parameters.denoise, intervals, results, tuple(notes))
 
 
-def _axis(axis: str, values: Floats, clock: Sampling, parameters: Parameters) -> AxisResult:
-    unit = coefficient_units(axis, "rate")[0].name
-    series = np.ascontiguousarray(values[longest_part(values, clock.breaks)])
+def _axis(axis: Axis, parameters: Parameters) -> AxisResult:
+    unit = coefficient_units(axis.name, "rate")[0].name
+    series, dt = axis.longest, axis.clock.interval
     why = unsuitable(series, FEWEST)
     if why is not None:
         return AxisResult(np.empty(0), np.empty(0), None, None, None, None, None, unit, why)
-    found = autocorrelation(series, clock.interval, parameters.longest, level=parameters.level)
+    found = autocorrelation(series, dt, parameters.longest, level=parameters.level)
     after: Curve | None = None
     if parameters.denoise:
         try:
             quiet = denoise(series, parameters.denoise).values
-            after = _curve(autocorrelation(quiet, clock.interval, parameters.longest, level=parameters.level))
+            after = _curve(autocorrelation(quiet, dt, parameters.longest, level=parameters.level))
         except ValueError as error:
             why = f"not denoised: {error}"
     return AxisResult(

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb import __version__
 from imuwb.analysis import Finding
+from imuwb.axes import axes_of, for_each
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification import fit_autoregressive
 from imuwb.identification.suitable import unsuitable
 from imuwb.log import source_of
-from imuwb.sampling import Sampling, sampling
 from imuwb.stochastic import AxisModel, ImuErrorModel, Sum
 from imuwb.units import coefficient_units
 from imuwb_autoregressive.result import AxisResult, Result
@@ -21,8 +20,9 @@ from imuwb_autoregressive.result import AxisResult, Result
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from imuwb.axes import Axis
     from imuwb.identification import AutoregressiveFit
-    from imuwb.log import Floats, Log
+    from imuwb.log import Log
     from imuwb.stochastic import Autoregressive
     from imuwb_autoregressive.parameters import Parameters
 
@@ -34,14 +34,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     """Return the models of the log's (first) IMU."""
     log = logs[0]
     imu = log.imu()
-    axes = imu.axes()
-    clocks = {sensor: sampling(axes[f"{sensor}_x"][0]) for sensor in ("gyro", "accel") if f"{sensor}_x" in axes}
-
-    def analyse(axis: str) -> AxisResult:
-        return _axis(axis, axes[axis][1], clocks[axis.partition("_")[0]], parameters)
-
-    with ThreadPoolExecutor(2) as pool:
-        results = dict(zip(axes, pool.map(analyse, axes), strict=True))
+    results = for_each(axes_of(imu), lambda axis: _axis(axis, parameters))
     if all(r.why_none for r in results.values()):
         message = f"{log.provenance.path}: {imu.name}: no axis has a model: {next(iter(results.values())).why_none}"
         raise MissingDataError(message)
@@ -49,9 +42,9 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     return Result(imu.name, source_of(log), parameters.level, CONVENTION, bool(log.conditioning), results, tuple(notes))
 
 
-def _axis(axis: str, values: Floats, clock: Sampling, parameters: Parameters) -> AxisResult:
-    unit = coefficient_units(axis, "rate")[0].name
-    series = np.ascontiguousarray(values)
+def _axis(axis: Axis, parameters: Parameters) -> AxisResult:
+    unit, clock = coefficient_units(axis.name, "rate")[0].name, axis.clock
+    series = np.ascontiguousarray(axis.values)
     why = unsuitable(series, 4 * parameters.orders + 16)
     if why is None:
         try:

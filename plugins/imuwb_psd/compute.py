@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import Finding
+from imuwb.analysis import CoefficientResult, Finding, LineResult
+from imuwb.axes import axes_of, for_each, gap_notes, rates
 from imuwb.errors import MissingDataError
 from imuwb.identification import find_lines, fit_spectrum, power_spectrum
-from imuwb.identification.suitable import longest_part, unsuitable
-from imuwb.sampling import Sampling, sampling
+from imuwb.identification.suitable import unsuitable
 from imuwb.units import coefficient_units
-from imuwb_psd.result import AxisResult, CoefficientResult, LineResult, Result
+from imuwb_psd.result import AxisResult, Result
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from imuwb.axes import Axis
     from imuwb.identification import Line, PowerSpectrum, SpectralFit
-    from imuwb.log import Floats, Log
+    from imuwb.log import Log
     from imuwb_psd.parameters import Parameters
 
 FEWEST = 256  #: samples
@@ -33,45 +33,26 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     """Return the spectra of the log's (first) IMU."""
     log = logs[0]
     imu = log.imu()
-    axes = imu.axes()
-    clocks = {sensor: sampling(axes[f"{sensor}_x"][0]) for sensor in ("gyro", "accel") if f"{sensor}_x" in axes}
-
-    def analyse(axis: str) -> AxisResult:
-        clock = clocks[axis.partition("_")[0]]
-        return _axis(axis, axes[axis][1], clock, parameters)
-
-    with ThreadPoolExecutor(2) as pool:
-        results = dict(zip(axes, pool.map(analyse, axes), strict=True))
+    axes = axes_of(imu)
+    results = for_each(axes, lambda axis: _axis(axis, parameters))
     if all(r.why_none for r in results.values()):
         message = f"{log.provenance.path}: {imu.name}: no axis has a spectrum: {next(iter(results.values())).why_none}"
         raise MissingDataError(message)
-    notes = [
-        f"{sensor}: {len(clock.breaks)} gaps; the spectrum is of the longest part without"
-        for sensor, clock in clocks.items()
-        if clock.breaks
-    ]
-    notes += [f"{axis}: {r.why_none}" for axis, r in results.items() if r.why_none]
-    sizes = {sensor: _size(axes[f"{sensor}_x"][1], clock, parameters) for sensor, clock in clocks.items()}
-    return Result(
-        imu.name, parameters.level, {s: 1 / c.interval for s, c in clocks.items()}, sizes, results, tuple(notes)
-    )
+    notes = [*gap_notes(axes, "the spectrum"), *(f"{name}: {r.why_none}" for name, r in results.items() if r.why_none)]
+    sizes = {axis.sensor: min(parameters.segment, axis.longest.size) for axis in axes.values()}
+    return Result(imu.name, parameters.level, rates(axes), sizes, results, tuple(notes))
 
 
-def _size(values: Floats, clock: Sampling, parameters: Parameters) -> int:
-    part = longest_part(values, clock.breaks)
-    return min(parameters.segment, part.stop - part.start)
-
-
-def _axis(axis: str, values: Floats, clock: Sampling, parameters: Parameters) -> AxisResult:
-    series = np.ascontiguousarray(values[longest_part(values, clock.breaks)])
+def _axis(axis: Axis, parameters: Parameters) -> AxisResult:
+    series, dt, name = axis.longest, axis.clock.interval, axis.name
     why = unsuitable(series, FEWEST)
     none = np.empty(0)
-    unknown = {x: CoefficientResult(None, None, None, coefficient_units(axis, x)[0].name) for x in "QNBK"}
+    unknown = {x: CoefficientResult(None, None, None, coefficient_units(name, x)[0].name) for x in "QNBK"}
     if why is not None:
         return AxisResult(none, none, none, none, 1, unknown, (), (), None, None, 1.0, None, None, why)
-    spectrum = power_spectrum(series, clock.interval, parameters.segment, level=parameters.level)
-    lines = find_lines(series, clock.interval, parameters.level) if parameters.lines else ()
-    named = tuple(_named(axis, line, lines) for line in lines)
+    spectrum = power_spectrum(series, dt, parameters.segment, level=parameters.level)
+    lines = find_lines(series, dt, parameters.level) if parameters.lines else ()
+    named = tuple(_named(name, line, lines) for line in lines)
     try:
         fit = fit_spectrum(spectrum, lines)
     except ValueError as error:

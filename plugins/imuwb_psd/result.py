@@ -9,30 +9,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from imuwb.analysis import CoefficientResult, LineResult
     from imuwb.identification.spectrum import SpectralRegion
     from imuwb.stochastic import Sum
-
-
-@dataclass(frozen=True, slots=True)
-class CoefficientResult:
-    """One coefficient in SI, of IEEE's two-sided densities; ``value`` None where it is not identified."""
-
-    value: float | None
-    lower: float | None
-    upper: float | None
-    unit: str
-
-
-@dataclass(frozen=True, slots=True)
-class LineResult:
-    """A periodic line."""
-
-    frequency: float  #: Hz
-    amplitude: float
-    lower: float
-    upper: float
-    unit: str
-    name: str  #: such as "line at 0.56 Hz" or "3 × 0.56 Hz"
 
 
 @dataclass(frozen=True, eq=False, slots=True)

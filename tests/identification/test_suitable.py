@@ -1,19 +1,7 @@
 import numpy as np
 import pytest
 
-from imuwb.identification.suitable import longest_part, unsuitable
-
-
-@pytest.mark.parametrize(
-    ("breaks", "expected"), [([], (0, 100)), ([10], (10, 100)), ([10, 30, 90], (30, 90)), ([60, 70], (0, 60))]
-)
-def test_the_longest_part(breaks, expected):
-    part = longest_part(np.zeros(100), breaks)
-    assert (part.start, part.stop) == expected
-
-
-def test_of_parts_as_long_the_first_is_taken():
-    assert longest_part(np.zeros(100), [50]) == slice(0, 50)
+from imuwb.identification.suitable import unsuitable
 
 
 def test_a_usable_series_has_nothing_against_it():
