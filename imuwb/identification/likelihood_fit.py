@@ -41,6 +41,7 @@ TOLERATED = (
 MUCH = 15.0  #: chi-square that leaving out another group of bins must be worth
 GROUP = 2**0.5  #: last frequency over first, of the bins that are judged together
 FEWEST_GROUPS = 8
+FARTHEST = 60  #: doublings of a square within which the end of its interval is sought
 SURE = 300.0  #: degrees of freedom of a term; beyond, its interval is that of a scaled chi-square
 LINE_BINS = 6.0  #: of the line search, left out on both sides of a line
 
@@ -205,11 +206,13 @@ class _Profile:
             return 0.0
         sigma = float(best.information[term, term]) ** -0.5
         inner, outer = value, value
-        while True:  # outward until the end lies between
+        for _ in range(FARTHEST):  # outward until the end lies between
             outer = outer / 2 if not upward else max(2 * outer, value + sigma)
             if self._loss(term, outer) > reach:
                 break
             inner = outer
+        else:  # the likelihood is flat, as of a record that is no noise
+            return outer if upward else 0.0
         inner = max(inner, 1e-3 * outer)
         for _ in range(7):  # to a hundredth of a factor of two
             middle = (inner * outer) ** 0.5

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 ROUNDS = 60
 CLOSE = 1e-4  #: change of the deviance at which scoring ends
+FAINT = 1e-3  #: of a rough estimate, from which a term that was absent starts
 LEAST_SHARE = 1e-14  #: of a density; nothing is smaller
 
 
@@ -87,9 +88,9 @@ class LikelihoodProblem:
         """
         free = list(active)
         held = np.zeros(self.design.shape[1]) if held is None else held
-        squared = (
-            self._start(free) if start is None else np.where(np.isin(np.arange(held.size), free), start, 0.0)
-        ) + held
+        squared = self._start(free) + held
+        if start is not None:  # a term that was absent may be needed now that another is held
+            squared[free] = np.where(start[free] > 0, start[free], FAINT * squared[free])
         now = self._score(squared, ramp=ramp)
         for _ in range(ROUNDS):
             rows = np.ix_(free, free)

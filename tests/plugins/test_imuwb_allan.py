@@ -5,7 +5,7 @@ import pytest
 
 import imuwb_allan
 from imuwb.errors import MissingDataError
-from imuwb.log import SECOND, ImuStream, Log, Provenance, Triad
+from imuwb.log import SECOND, Conditioning, ImuStream, Log, Provenance, Triad
 from imuwb.simulation import preset, static
 
 
@@ -36,7 +36,7 @@ def test_the_longer_grid_gives_the_same_fit(log):
     assert octave.axes["gyro_x"].coefficients == dense.axes["gyro_x"].coefficients
 
 
-def test_a_gap_is_told_and_not_bridged(log):
+def test_a_gap_is_told_and_leaves_the_figures_as_they_are(log):
     imu = log.imus[0]
     keep = np.r_[0:20_000, 30_000 : len(imu.angular_rate)]
     cut = replace(
@@ -46,7 +46,8 @@ def test_a_gap_is_told_and_not_bridged(log):
     )
     result = run(replace(log, imus=(cut,)))
     assert any("1 gaps, 200 s" in note for note in result.notes)
-    assert result.axes["gyro_x"].averaging_time[-1] <= 300
+    assert result.axes["gyro_x"].estimates is None
+    assert result.axes["gyro_x"].lines == ()
     assert result.axes["gyro_x"].coefficients["N"].value == pytest.approx(7.04e-4, rel=0.03)
 
 
@@ -85,6 +86,193 @@ def test_too_few_samples_and_no_imu_are_missing_data():
         run(Log(where, imus=(imu,)))
     with pytest.raises(MissingDataError, match="no IMU"):
         run(Log(where))
+
+
+@pytest.fixture(scope="module")
+def short():
+    """Return 200 s of white noise with a random walk on accel_z, and a line on gyro_y."""
+    n, rate = 10_000, 50.0
+    rng = np.random.default_rng(21)
+    gyro, accel = 0.01 * rng.standard_normal((n, 3)), 0.02 * rng.standard_normal((n, 3))
+    gyro[:, 1] += 0.01 * np.sin(2 * np.pi * 3.7 * np.arange(n) / rate)
+    accel[:, 2] += 0.02 * rng.standard_normal(n).cumsum() / rate**0.5
+    return made(gyro, accel, rate)
+
+
+def made(gyro, accel, rate):
+    time = np.rint(np.arange(len(gyro)) * (SECOND / rate)).astype(np.int64)
+    imu = ImuStream("/imu", Triad(time, gyro), None if accel is None else Triad(time, accel))
+    return Log(Provenance("x.csv", "csv", "sha256:abc", 0), imus=(imu,))
+
+
+@pytest.fixture(scope="module")
+def chosen(short):
+    return run(short, choose=True, model="headline")
+
+
+def test_every_estimator_finds_the_white_noise(chosen):
+    for axis, true in (("gyro_x", 0.01 / 50**0.5), ("gyro_y", 0.01 / 50**0.5), ("accel_x", 0.02 / 50**0.5)):
+        estimates = chosen.axes[axis].estimates
+        assert set(estimates.by) == {"allan", "likelihood", "wavelet"}
+        assert estimates.headline == "likelihood"
+        for name, coefficients in estimates.by.items():
+            assert coefficients["N"].value == pytest.approx(true, rel=0.08), name
+            assert coefficients["N"].lower < true * 1.03
+            assert coefficients["N"].upper > true * 0.97
+        assert estimates.by["allan"]["N"].value == chosen.axes[axis].coefficients["N"].value
+
+
+def test_differences_are_told_where_intervals_do_not_meet(chosen):
+    for found in chosen.axes.values():
+        by = found.estimates.by
+        names = list(by)
+        apart = {
+            f"{letter}: {a} and {b}"
+            for i, a in enumerate(names)
+            for b in names[i + 1 :]
+            for letter in by[a].keys() & by[b].keys()
+            if by[a][letter].upper is not None
+            and by[b][letter].upper is not None
+            and (by[a][letter].upper < (by[b][letter].lower or 0) or by[b][letter].upper < (by[a][letter].lower or 0))
+        }
+        assert set(found.estimates.disagreements) == apart
+        assert found.estimates.agree == (not apart)
+
+
+def test_sums_are_compared_only_when_asked_for(chosen, gyros):
+    alone = run(gyros, estimators=False).axes["gyro_x"]
+    assert (alone.estimates, alone.other) == (None, None)
+    assert chosen.axes["gyro_x"].estimates.choice.best.name == "N"
+    walk = chosen.axes["accel_z"].estimates.choice
+    assert "N" in walk.best.name
+    assert walk.best.name != "N"
+    assert run(gyros).axes["gyro_x"].estimates.choice is None
+
+
+@pytest.mark.parametrize("whose", ["allan", "headline"])
+def test_the_model_has_one_estimators_terms_and_their_own_intervals(chosen, whose):
+    model = imuwb_allan.error_model(replace(chosen, model=whose))
+    terms = {type(t).__name__: t for t in model.axes["accel_z"].processes.terms}
+    if "RandomWalk" in terms:
+        assert pytest.approx(0.02, rel=0.3) == terms["RandomWalk"].K
+    for axis, content in model.axes.items():
+        estimates = chosen.axes[axis].estimates
+        headline = estimates.by["allan" if whose == "allan" else estimates.headline]
+        for place, ends in content.intervals.items():
+            i, _, letter = place.partition(".")
+            assert getattr(content.processes.terms[int(i)], letter) == headline[letter].value
+            assert ends == (headline[letter].lower, headline[letter].upper)
+            assert ends[0] > 0
+        for letter, limit in content.limits.items():
+            assert not headline[letter].lower
+            assert limit == headline[letter].upper
+
+
+def test_a_line_is_found_named_and_kept_in_the_model(chosen):
+    (line,) = chosen.axes["gyro_y"].lines
+    assert line.frequency == pytest.approx(3.7, abs=0.005)
+    assert line.amplitude == pytest.approx(0.01, rel=0.05)
+    terms = imuwb_allan.error_model(chosen).axes["gyro_y"].processes.terms
+    assert [t.frequency for t in terms if t.name == "sinusoid"] == [line.frequency]
+    assert chosen.axes["gyro_x"].lines == ()
+
+
+def test_noise_that_grows_is_not_stationary():
+    n = 12_000
+    rng = np.random.default_rng(22)
+    gyro = 0.01 * rng.standard_normal((n, 3))
+    gyro[9000:10_000, 2] *= 2
+    found = run(made(gyro, None, 50.0))
+    steady, growing = found.axes["gyro_x"].estimates.stationarity, found.axes["gyro_z"].estimates.stationarity
+    assert steady.stationary
+    assert not growing.stationary
+    assert growing.start[growing.worst_part] == pytest.approx(180)
+    assert growing.worst_ratio == pytest.approx(2 / (15 / 12) ** 0.5, rel=0.1)
+    remarks = {f.axis: f.remarks for f in imuwb_allan.findings(found) if f.headline}
+    assert any("SUSPICIOUS: not stationary: the part from 180 s on" in r for r in remarks["gyro_z"])
+    assert not any("stationary" in r for r in remarks["gyro_x"])
+
+
+def test_findings_have_one_headline_for_each_axis(chosen):
+    found = imuwb_allan.findings(chosen)
+    for axis in chosen.axes:
+        of_axis = [f for f in found if f.axis == axis]
+        assert [f.source for f in of_axis if f.headline] == ["likelihood"]
+        assert all(f.headline or not f.remarks for f in of_axis)
+        assert next(f for f in of_axis if f.headline).remarks[0].startswith("white noise to ")
+    (best,) = (r for f in found if f.axis == "gyro_x" for r in f.remarks if "best sum" in r)
+    assert best.endswith("best sum: N")
+
+
+def test_remarks_say_when_a_sensor_drifts_and_when_it_is_quantized():
+    n, rate = 10_000, 50.0
+    rng = np.random.default_rng(23)
+    time = np.arange(n) / rate
+    gyro = 1e-4 * rng.standard_normal((n, 3))
+    gyro[:, 0] += 1e-3 * time
+    gyro[:, 1] += np.diff(rng.standard_normal(n + 1)) * 1e-3 * rate
+    found = run(made(gyro, None, rate))
+    remarks = {f.axis: " ".join(f.remarks) for f in imuwb_allan.findings(found) if f.headline}
+    assert "drifts: 0.001 rad/s²" in remarks["gyro_x"]
+    assert "quantization-limited below" in remarks["gyro_y"]
+    assert "drifts" not in remarks["gyro_z"]
+
+
+def test_a_constant_axis_is_suspicious_and_the_others_are_analysed(gyros):
+    imu = gyros.imus[0]
+    value = imu.angular_rate.value.copy()
+    value[:, 2] = 0.5
+    found = run(replace(gyros, imus=(replace(imu, angular_rate=Triad(imu.angular_rate.time, value)),)))
+    (finding,) = (f for f in imuwb_allan.findings(found) if f.axis == "gyro_z")
+    assert finding.remarks[0].startswith("SUSPICIOUS: the channel is constant")
+    assert any("gyro_z" in note and "constant" in note for note in found.notes)
+    assert "gyro_z" not in imuwb_allan.error_model(found).axes
+    assert found.axes["gyro_x"].coefficients["N"].value == pytest.approx(0.01 / 50**0.5, rel=0.05)
+
+
+@pytest.fixture(scope="module")
+def gyros(short):
+    """Return its first 60 s, gyros only."""
+    triad = short.imus[0].angular_rate
+    return replace(
+        short,
+        imus=(replace(short.imus[0], angular_rate=Triad(triad.time[:3000], triad.value[:3000]), specific_force=None),),
+    )
+
+
+def test_fast_is_the_same_within_a_fraction_of_the_intervals(gyros):
+    usual, fast = (run(gyros, averaging_times="all", fast=f, lines=False, estimators=False) for f in (False, True))
+    for axis, found in usual.axes.items():
+        thin = fast.axes[axis]
+        _, a, b = np.intersect1d(
+            np.round(found.averaging_time, 9), np.round(thin.averaging_time, 9), return_indices=True
+        )
+        assert a.size > 30
+        half = (found.upper - found.lower)[a] / 2
+        assert (np.abs(thin.allan_deviation[b] - found.allan_deviation[a]) <= 0.2 * half).all()
+        assert thin.coefficients == found.coefficients  # the fit is of octaves
+
+
+@pytest.mark.parametrize("kind", ["modified", "hadamard", "total"])
+def test_another_deviation_is_drawn_beside(gyros, kind):
+    from imuwb.identification import deviation
+
+    other = run(gyros, deviation=kind, lines=False, estimators=False).axes["gyro_x"].other
+    values = np.ascontiguousarray(gyros.imus[0].angular_rate.value[:, 0])
+    assert other.kind == kind
+    np.testing.assert_array_equal(other.deviation, deviation(values, 0.02, kind).deviation)
+
+
+def test_conditioning_is_part_of_the_provenance(gyros):
+    step = Conditioning("bandwidth", "cutoff=20", causal=True, delay=0.01)
+    model = imuwb_allan.error_model(run(replace(gyros, conditioning=(step,)), estimators=False))
+    assert model.provenance["log"] == "x.csv sha256:abc through bandwidth:cutoff=20"
+
+
+def test_all_is_drawn(chosen, shown):
+    imuwb_allan.draw(chosen, shown)
+    assert shown.figures
+    assert any("deg/√h" in cell for table in shown.tables for row in table.rows for cell in row)
 
 
 @pytest.mark.parametrize(
