@@ -5,12 +5,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from imuwb.analysis import Curve, Figure, Series, Table
+from imuwb.analysis import Curve, Figure, Mark, Series, Table, Vertical
 from imuwb.errors import ImuwbError
 from imuwb.log import SECOND
+from imuwb.review.chart import Chart
 from imuwb.review.document import plain
 from imuwb.review.envelope import envelope
-from imuwb.review.loglog import LogLog
 from imuwb.review.recording import RecordingReview
 
 
@@ -36,11 +36,76 @@ def figure(x, y, **more):
 
 
 def test_figures_place_decades_evenly_and_upwards():
-    drawing = LogLog(figure([0.01, 1.0, 100.0], [1.0, 10.0, 100.0]))
+    drawing = Chart(figure([0.01, 1.0, 100.0], [1.0, 10.0, 100.0]))
     (x0, y0), (x1, y1), (x2, y2) = (drawing.place(x, y) for x, y in ((0.01, 1), (1, 10), (100, 100)))
     assert x1 - x0 == pytest.approx(x2 - x1)
     assert y0 - y1 == pytest.approx(y1 - y2)
     assert y2 < y1 < y0
+
+
+def test_linear_figures_place_steps_evenly():
+    drawing = Chart(
+        Figure("f", "x", "y", figure([0.0, 1.0, 2.0], [-5.0, 0.0, 5.0]).curves, x_scale="linear", y_scale="linear")
+    )
+    (x0, y0), (x1, y1), (x2, y2) = (drawing.place(x, y) for x, y in ((0, -5), (1, 0), (2, 5)))
+    assert x1 - x0 == pytest.approx(x2 - x1)
+    assert y0 - y1 == pytest.approx(y1 - y2)
+    assert y2 < y1 < y0
+
+
+def test_faint_curves_do_not_stretch_the_axes():
+    faint = Curve("far", np.array([1.0, 10.0]), np.array([1e-9, 1e9]), (1, 2, 3), style="faint")
+    alone = Chart(figure([1.0, 10.0], [1.0, 2.0]))
+    both = Chart(Figure("f", "x", "y", (*figure([1.0, 10.0], [1.0, 2.0]).curves, faint)))
+    assert both.y == alone.y
+    assert Chart(Figure("f", "x", "y", (faint,))).y.high > 8
+
+
+def test_a_curve_is_cut_at_the_frame(tmp_path):
+    from rerun.chunk import RrdReader
+
+    y = np.array([0.0, 10.0, 0.0, 0.5, -3.0])
+    curve = Curve("c", np.arange(5.0), y, (1, 2, 3), style="curve")
+    drawn = Figure("f", "x", "y", (curve,), x_scale="linear", y_scale="linear", y_limits=(0.0, 1.0))
+    review = RecordingReview(tmp_path / "r.rrd")
+    review.figure(drawn)
+    path = review.close()
+    (chunk,) = (c for c in RrdReader(str(path)).stream() if str(c.entity_path).endswith("/curves/00_c"))
+    batch = chunk.to_record_batch()
+    column = next(n for n in batch.schema.names if "strips" in n)
+    strips = batch.column(column)[0].as_py()
+    assert len(strips) == 2  # up and out; back in, down, and out again
+    low, high = Chart(drawn).place(0, 1)[1], Chart(drawn).place(0, 0)[1]
+    points = [p for s in strips for p in s]
+    assert min(p[1] for p in points) == pytest.approx(low, abs=1e-3)
+    assert max(p[1] for p in points) == pytest.approx(high, abs=1e-3)
+    assert strips[0][-1] == pytest.approx(Chart(drawn).place(0.1, 1), abs=1e-3)
+    assert strips[1][-1] == pytest.approx(Chart(drawn).place(3 + 0.5 / 3.5, 0), abs=1e-3)
+
+
+@pytest.mark.parametrize("style", ["line", "curve", "points", "fit", "faint"])
+def test_styles_have_lines_points_or_both(style, tmp_path):
+    from rerun.chunk import RrdReader
+
+    review = RecordingReview(tmp_path / "r.rrd")
+    review.figure(figure([1.0, 10.0], [1.0, 2.0], style=style))
+    entities = {str(chunk.entity_path) for chunk in RrdReader(str(review.close())).stream()}
+    assert ("/result/figure_0/curves/00_c" in entities) == (style != "points")
+    assert ("/result/figure_0/curves/00_c/points" in entities) == (style in ("line", "points"))
+
+
+def test_verticals_and_marks_outside_the_frame_are_left_out(tmp_path):
+    from rerun.chunk import RrdReader
+
+    for at, there in ((2.0, True), (200.0, False), (-1.0, False)):
+        review = RecordingReview(tmp_path / "r.rrd")
+        curves = figure([1.0, 10.0], [1.0, 2.0]).curves
+        review.figure(
+            Figure("f", "x", "y", curves, (Mark(at, 1.5, "m", (1, 2, 3)),), verticals=(Vertical(at, "here"),))
+        )
+        entities = {str(chunk.entity_path) for chunk in RrdReader(str(review.close())).stream()}
+        assert ("/result/figure_0/verticals/lines" in entities) == there
+        assert ("/result/figure_0/marks/points" in entities) == there
 
 
 @pytest.mark.parametrize("y", [[0.0, -1.0], [np.nan, np.inf], [5.0, 5.0]])

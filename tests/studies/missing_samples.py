@@ -5,11 +5,11 @@ whole; with 5 and 20 % of the samples taken out at random; and with three gaps o
 ``allan(values, dt, breaks=..., time=...)`` at octaves; the same seed is the same noise. Gaps are no part of the noise, so
 wanted is a bias of 0, within chance, at every octave.
 
-Where gaps leave less than half of the second differences, an averaging time is bridged by the pairs of samples there are, and
-``BRIDGE_LOSS`` of ``imuwb.identification.allan`` takes a share of the degrees of freedom. What that share should be
-is printed twice: so that the scatter is as expected from the degrees of freedom, and from the scatter of the whole
-records, which no noise type goes into. The same for white noise alone, and for quantization above white noise, with half as
-many records: there what the pairs share does not cancel as it does under a random walk.
+Where gaps leave less than half of the second differences, an averaging time is bridged by means of the samples there are, and
+the degrees of freedom are fewer, by ``BRIDGE_LOSS`` of ``imuwb.identification.allan`` and by what the noise within the means
+takes. What the whole loss should be is printed twice: so that the scatter is as expected from the degrees of freedom, as
+a multiple of those there are, and from the scatter of the whole records, which no noise type goes into. The same for white
+noise alone, and for quantization above white noise, with half as many records: there what is missing adds most.
 
 Command: ``python tests/studies/missing_samples.py`` (400 records: about 6 minutes in one process).
 Seeds: record r uses ``SeedSequence(r).spawn(2)``, for the noise and for what is missing.
@@ -94,7 +94,7 @@ def _table(found, name, kind):
         # Of records that are bridged only; those that are not lose nothing.
         loss = whole_loss = "–"
         if share.value > 0.9:
-            loss = BRIDGE_LOSS * 2 / spread / float(edf.mean())
+            loss = 2 / spread / float(edf.mean())
             base, _, base_terms, *_ = _columns(found, "whole", m)
             whole_loss = float(base.var(ddof=1)) / spread * float(base_terms.mean() / terms.mean())
         rows.append((
@@ -104,15 +104,16 @@ def _table(found, name, kind):
         ))  # fmt: skip
     note = "" if (name, kind) != (next(iter(NOISES)), KINDS[0]) else (
         "Mean: of the variance over the true one, with its standard error; wanted 1. Scatter: its standard deviation over that "
-        "expected from the degrees of freedom; wanted 1. An averaging time at which the pairs give a variance below 0 is left out of "
-        "a curve, so where records are fewer the mean is too large. Loss: the factor on the degrees of freedom for which the scatter would "
-        "be as expected, and that which the scatter of whole records gives, counting the terms that are left."
+        "expected from the degrees of freedom; wanted 1. An averaging time at which what is there gives a variance below 0 is left out of "
+        "a curve, so where records are fewer the mean is too large. True over given: the factor on the degrees of freedom for which the "
+        "scatter would be as expected; wanted 1, above it the intervals are too wide. Loss: the degrees of freedom of whole "
+        "records that are left, by the scatter, over the share of terms that are left."
     )  # fmt: skip
     return Table(
         f"{name}, {kind}",
         (
-            "m", "tau, s", "records", "bridged", "mean", "degrees of freedom", "scatter", "loss by degrees of freedom",
-            "loss by whole records", "true value in the 95 % interval",
+            "m", "tau, s", "records", "bridged", "mean", "degrees of freedom", "scatter", "true over given degrees of freedom",
+            "loss against whole records", "true value in the 95 % interval",
         ),
         tuple(rows), note,
     )  # fmt: skip
@@ -130,7 +131,8 @@ def _summary(tables):
         )
         least = min(table.column("true value in the 95 % interval"), key=lambda share: share.value)
         rows.append((f"{name}, {kind}: least coverage of an octave", "95 %", least, "–"))
-        for heading in ("loss by degrees of freedom", "loss by whole records"):
+        wanted = {"true over given degrees of freedom": "1", "loss against whole records": f"{BRIDGE_LOSS:g} is set"}
+        for heading, aim in wanted.items():
             losses = [
                 loss
                 for loss, freedom in zip(table.column(heading), table.column("degrees of freedom"), strict=True)
@@ -138,9 +140,7 @@ def _summary(tables):
             ]
             if losses:
                 reached = f"{np.median(losses):.2f} ({min(losses):.3g}–{max(losses):.3g})"
-                rows.append(
-                    (f"{name}, {kind}: {heading}, median (least–largest)", f"{BRIDGE_LOSS:g} is set", reached, "–")
-                )
+                rows.append((f"{name}, {kind}: {heading}, median (least–largest)", aim, reached, "–"))
     return Table("What was wanted", ("figure", "wanted", "reached", "verdict"), tuple(rows))
 
 

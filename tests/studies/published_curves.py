@@ -16,8 +16,8 @@ repository's root and does nothing where there are none. No seeds.
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from scipy import stats
@@ -46,8 +46,7 @@ GUESSES = {
 SHEETS = {"deg/s": ("deg/√h", 60.0), "rad/s": ("deg/√h", 60 * 180 / np.pi), "g": ("µg/√Hz", 1e6), "m/s²": ("µg/√Hz", 1e6 / 9.80665)}  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
-class Published:
+class Published(NamedTuple):
     """One axis of a file."""
 
     file: str

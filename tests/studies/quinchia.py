@@ -16,7 +16,7 @@ Seeds: record r uses ``SeedSequence(r).spawn(6)``, a stream for each axis in the
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from study_report import Share, Table, main, over_records, verdict
@@ -80,8 +80,7 @@ def markov(seed, axis, hours):
     )
 
 
-@dataclass(frozen=True)
-class Markov:
+class Markov(NamedTuple):
     """What was found in one axis of the second preset."""
 
     first: str

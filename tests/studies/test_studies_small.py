@@ -4,6 +4,7 @@ import sys
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
+import numpy as np
 import pytest
 from scipy import stats
 
@@ -89,3 +90,64 @@ def test_limits_are_not_exceeded(load):
     assert k.rows[-1][2].count > none[2].count  # three times the detection size is found more often
     assert all(at_most(share, 0.05) for share in others.column("identified"))
     assert all(share.value == 1 for share in others.column("limit above 0"))
+
+
+def test_headline_errors_and_coverage_are_as_wanted(load):
+    module = load("headline")
+    summary, together, every = module.study(records=6, hours=1.0)
+    errors = summary.rows[:4]
+    # a third of the time has √3 times the error, and an rms of 6 errors is seldom twice what it should be
+    assert all(float(row[2]) < 3.5 * module.MOST[letter] for letter, row in zip(module.TRUTH, errors, strict=True))
+    assert together.column("estimator") == tuple(module.ESTIMATORS)
+    assert all(at_least(share, 0.93) for share in together.column("covered"))
+    assert len(every.rows) == 16
+    assert not any(share.count for share in every.column("nulls")[:3])  # Q, N, B are always found
+
+
+def test_quinchia_coefficients_are_found_again(load):
+    module = load("quinchia")
+    _, table4, absent, cells, choices, times = module.study(records=2, hours=0.6, markov_records=1)
+    assert at_least(pooled(module, table4.column("covered")), 0.94)
+    assert at_least(pooled(module, absent.column("interval begins at 0, or null")), 0.95)
+    assert at_least(pooled(module, cells.column("agree")), module.AGREE)
+    assert len(table4.rows) == 15
+    assert [row[0] for row in choices.rows] == [row[0] for row in times.rows] == list(module.GYROS)
+
+
+def test_filtered_autoregressive_series_are_as_derived(load):
+    module = load("filtered_ar1")
+    summary, plain, *filters = module.study(records=1, n=200_000, sensors=3)
+    for row in summary.rows:
+        if "largest" in row[0]:
+            assert float(row[2]) < 4.5, row
+    assert len(plain.rows) == 3
+    assert len(filters) == 3
+    # the integral is the sum of the taps' and the sensor's autocorrelations
+    taps = module.taps(8.0)
+    full = np.correlate(taps, taps, "full")
+    lag = np.arange(full.size) - taps.size + 1
+    r0, r1 = (full @ (-0.2) ** np.abs(lag - k) for k in (0, 1))
+    assert module.derived(0.2, 8.0) == pytest.approx(-r1 / r0, abs=1e-12)
+
+
+def test_missing_samples_do_not_bias(load):
+    module = load("missing_samples")
+    tables = module.study(records=24, n=12_000)
+    for table in tables[1 : 1 + len(module.KINDS)]:  # white noise, flicker, random walk
+        whole = max(table.column("records"))
+        means = [
+            mean for mean, count in zip(table.column("mean"), table.column("records"), strict=True) if count == whole
+        ]
+        assert all(abs(mean.off) < 6 for mean in means), table.title
+        inside = pooled(module, table.column("true value in the 95 % interval")[:8])
+        assert inside.value > 0.88, table.title
+    assert set(tables[2].column("bridged")) == {"0 %", "100 %"}
+
+
+def test_thinning_changes_little(load):
+    module = load("fast_allan")
+    found = module.study(records=1, n=200_000)
+    assert found[1].column("process") == module.NAMES
+    for name, most in zip(module.NAMES, found[1].column("largest, % of the half width"), strict=True):
+        if "Q" not in name:
+            assert most < 20, name

@@ -1,0 +1,158 @@
+import json
+
+import pytest
+
+from imuwb.simulation import preset
+from imuwb.stochastic import ImuErrorModel
+
+
+@pytest.fixture
+def gm(tmp_path):
+    path = tmp_path / "gm.toml"
+    path.write_text(preset("3dm-gx3-25-gm").to_toml(), "utf-8")
+    return path
+
+
+@pytest.fixture
+def flicker(tmp_path):
+    path = tmp_path / "flicker.toml"
+    path.write_text(preset("3dm-gx3-25").to_toml(), "utf-8")
+    return path
+
+
+@pytest.fixture
+def other(tmp_path):
+    path = tmp_path / "other.toml"
+    path.write_text(preset("3dm-gx3-25").to_toml().replace("3dm", "other"), "utf-8")
+    return path
+
+
+def entities(path):
+    from rerun.chunk import RrdReader
+
+    return {str(chunk.entity_path) for chunk in RrdReader(str(path)).stream()}
+
+
+def test_a_model_is_shown(imuwb, flicker, tmp_path):
+    done = imuwb("model", "show", flicker)
+    assert done.code == 0, done.err
+    assert "2.42" in done.out
+    assert "deg/√h" in done.out
+    found = entities(tmp_path / "flicker.rrd")
+    for i in range(4):
+        assert f"/model/figure_{i}/grid" in found
+
+
+def test_the_curves_are_those_of_the_processes():
+    import numpy as np
+
+    from imuwb.review.models import draw_models
+
+    figures = []
+
+    class Review:
+        figure = figures.append
+
+        def table(self, table):
+            pass
+
+    draw_models({"m.toml": preset("3dm-gx3-25")}, 50.0, 3600.0, Review())
+    curve = figures[0].curves[0]
+    assert (curve.x[0], curve.x[-1]) == pytest.approx((0.02, 1800))
+    expected = preset("3dm-gx3-25").axes["gyro_x"].processes.allan_variance(curve.x, 0.02) ** 0.5
+    np.testing.assert_allclose(curve.y * np.pi / 180 / 3600, expected, rtol=1e-9)
+    density = figures[1].curves[0]
+    white = 2 * (2.42 / 60) ** 2  # one-sided, (deg/s)²/Hz
+    assert density.y[-1] == pytest.approx(white, rel=0.01)
+
+
+def test_models_are_compared(imuwb, flicker, other, tmp_path):
+    done = imuwb("model", "compare", flicker, other, "-o", "both.rrd")
+    assert done.code == 0, done.err
+    assert "flicker.toml" in done.out
+    assert "other.toml" in done.out
+    assert "/models/figure_0/grid" in entities(tmp_path / "both.rrd")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [(["compare", "gm.toml"], "two models or more"), (["show", "gm.toml", "-o", "x.html"], "ends in .rrd"),
+     (["show", "gm.toml", "--rate", "0"], "both must be positive"), (["show", "gm.toml", "--hours", "-1"], "both must be positive"),
+     (["show", "gone.toml"], "gone.toml: cannot be read"), (["export", "gm.toml", "--to", "excel"], "there are kalibr"),
+     (["export", "gm.toml", "--to", "ros", "--rate", "0"], "must be positive"),
+     (["check", "gm.toml", "--against", "gone.toml"], "cannot be read"),
+     (["check", "gm.toml", "--against", "gm.toml", "--factor", "0"], "must be positive")],
+)  # fmt: skip
+def test_wrong_usage_is_named(imuwb, gm, tmp_path, arguments, named):
+    done = imuwb("model", *arguments)
+    assert done.code == 2
+    assert named in done.err
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["gm.toml"]
+
+
+def test_what_is_no_model_is_refused(imuwb, tmp_path):
+    (tmp_path / "bad.toml").write_text("[gyro_x]\nspeed = 3\n", "utf-8")
+    done = imuwb("model", "show", "bad.toml")
+    assert (done.code, "bad.toml" in done.err) == (2, True)
+
+
+def test_existing_files_are_kept_without_force(imuwb, gm, tmp_path):
+    (tmp_path / "gm.rrd").write_bytes(b"mine")
+    (tmp_path / "imu.yaml").write_bytes(b"mine")
+    assert imuwb("model", "show", gm).code == 2
+    assert imuwb("model", "export", gm, "--to", "kalibr", "-o", "imu.yaml").code == 2
+    assert imuwb("model", "show", gm, "-o", gm).code == 2
+    assert (tmp_path / "gm.rrd").read_bytes() == (tmp_path / "imu.yaml").read_bytes() == b"mine"
+    assert imuwb("model", "export", gm, "--to", "kalibr", "-o", "imu.yaml", "--force").code == 0
+    assert b"gyroscope_noise_density" in (tmp_path / "imu.yaml").read_bytes()
+
+
+def test_an_export_goes_to_stdout_alone(imuwb, gm):
+    done = imuwb("model", "export", gm, "--to", "json")
+    assert json.loads(done.out)["units"] == "SI"
+    lines = imuwb("model", "export", gm, "--to", "kf-gins").out.splitlines()
+    (arw,) = (line for line in lines if "arw:" in line)
+    assert json.loads(arw.split(":")[1].split("#")[0]) == pytest.approx([2.42, 1.988, 2.164])
+
+
+def test_an_export_that_lacks_a_term_is_missing_data(imuwb, tmp_path):
+    (tmp_path / "white.toml").write_text('[[gyro_x.processes]]\nprocess = "white_noise"\nN = 0.001\n', "utf-8")
+    for tool in ("kalibr", "ros", "kf-gins", "px4"):
+        done = imuwb("model", "export", "white.toml", "--to", tool, "-o", "out.txt")
+        assert (done.code, done.out) == (3, "")
+        assert not (tmp_path / "out.txt").exists()
+
+
+@pytest.mark.parametrize(
+    ("limit", "code", "outcome"),
+    [
+        ('[gyro_x]\nN = "2.5 deg/√h"', 0, "within"),
+        ('[gyro_x]\nN = "2.4 deg/√h"', 1, "beyond"),
+        ('[gyro_x]\nB = "9 deg/h"', 1, "not known"),
+    ],
+)
+def test_a_check_passes_or_fails(imuwb, gm, tmp_path, limit, code, outcome):
+    (tmp_path / "sheet.toml").write_text(limit, "utf-8")
+    done = imuwb("model", "check", gm, "--against", "sheet.toml")
+    assert done.code == code
+    assert outcome in done.out
+    assert ("not within sheet.toml: gyro_x" in done.err) == bool(code)
+    done = imuwb("model", "check", gm, "--against", "sheet.toml", "--json")
+    document = json.loads(done.out)
+    assert done.code == code
+    assert document["passed"] == (not code)
+    assert document["limits"][0]["outcome"] == outcome
+
+
+def test_a_limit_inside_the_interval_is_not_sure(imuwb, tmp_path):
+    text = '[[gyro_x.processes]]\nprocess = "white_noise"\nN = { value = 0.001, lower = 0.0009, upper = 0.0012 }\n'
+    (tmp_path / "m.toml").write_text(text, "utf-8")
+    (tmp_path / "sheet.toml").write_text("[gyro_x]\nN = 0.0011\n", "utf-8")
+    done = imuwb("model", "check", "m.toml", "--against", "sheet.toml")
+    assert (done.code, "not sure" in done.out) == (1, True)
+    assert imuwb("model", "check", "m.toml", "--against", "sheet.toml", "--factor", 1.1).code == 0
+    assert imuwb("model", "check", "m.toml", "--against", "m.toml").code == 0
+
+
+def test_a_model_survives_its_file(gm):
+    assert ImuErrorModel.read(gm) == preset("3dm-gx3-25-gm")

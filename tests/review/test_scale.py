@@ -1,0 +1,82 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from imuwb.review.scale import Scale
+
+sizes = st.floats(-1e9, 1e9, allow_subnormal=False)
+
+
+@given(st.lists(sizes, min_size=1, max_size=20))
+def test_a_linear_axis_holds_all_values_in_order(values):
+    scale = Scale.around("linear", [np.array(values)], None)
+    places = [scale.position(v) for v in sorted(values)]
+    assert places == sorted(places)
+    assert -1e-9 <= places[0] <= places[-1] <= 1 + 1e-9
+
+
+@given(st.lists(st.floats(1e-12, 1e12), min_size=1, max_size=20))
+def test_a_logarithmic_axis_holds_all_values_and_a_decade_at_least(values):
+    scale = Scale.around("log", [np.array(values)], None)
+    assert scale.high - scale.low >= 1 - 1e-9
+    places = [scale.position(v) for v in sorted(values)]
+    assert places == sorted(places)
+    assert places[0] > 0
+    assert places[-1] < 1
+
+
+@given(st.floats(-1e3, 1e3), st.floats(1, 1e5))
+def test_linear_ticks_are_round_evenly_spaced_and_say_where_they_are(low, span):
+    scale = Scale.around("linear", [], (low, low + span))
+    ticks = scale.ticks()
+    assert 3 <= len(ticks) <= 11
+    steps = np.diff([t.at for t in ticks])
+    np.testing.assert_allclose(steps, steps[0], rtol=1e-6)
+    step = steps[0] * span
+    mantissa = step / 10 ** math.floor(math.log10(step) + 1e-9)
+    assert min(abs(mantissa - m) for m in (1, 2, 5, 10)) < 1e-6
+    for tick in ticks:
+        assert 0 - 1e-9 <= tick.at <= 1 + 1e-9
+        assert float(tick.label) == pytest.approx(low + tick.at * span, rel=5.1e-3, abs=1e-6 * span)
+
+
+@pytest.mark.parametrize(
+    ("limits", "labels"),
+    [((0, 10), ["0", "2", "4", "6", "8", "10"]), ((-1, 1), ["-1.0", "-0.5", "0.0", "0.5", "1.0"]),
+     ((0, 0.3), ["0.00", "0.05", "0.10", "0.15", "0.20", "0.25", "0.30"])],
+)  # fmt: skip
+def test_linear_labels(limits, labels):
+    assert [t.label for t in Scale.around("linear", [], limits).ticks()] == labels
+
+
+def test_decades_are_labelled_and_their_digits_are_not():
+    ticks = Scale.around("log", [], (0.1, 100)).ticks()
+    assert [t.label for t in ticks if t.label] == ["10⁻¹", "10⁰", "10¹", "10²"]
+    assert [t.at for t in ticks if t.label] == pytest.approx([0, 1 / 3, 2 / 3, 1])
+    assert len(ticks) == 28
+    assert ticks[1].at == pytest.approx(math.log10(2) / 3)
+
+
+def test_positions():
+    log, linear = Scale.around("log", [], (1, 100)), Scale.around("linear", [], (-2, 2))
+    assert [log.position(v) for v in (1, 10, 100)] == pytest.approx([0, 0.5, 1])
+    assert [linear.position(v) for v in (-2, 0, 3)] == pytest.approx([0, 0.5, 1.25])
+
+
+def test_what_can_be_shown():
+    log, linear = Scale("log", 0, 1), Scale("linear", 0, 1)
+    assert [log.shows(v) for v in (1.0, 0.0, -1.0, math.nan, math.inf)] == [True, False, False, False, False]
+    assert [linear.shows(v) for v in (1.0, 0.0, -1.0, math.nan, math.inf)] == [True, True, True, False, False]
+
+
+@pytest.mark.parametrize("kind", ["log", "linear"])
+@pytest.mark.parametrize(
+    "parts", [[], [None], [np.array([])], [np.array([np.nan, np.inf])], [np.array([3.0])], [np.zeros(2)]]
+)
+def test_an_axis_without_an_extent_is_still_one(kind, parts):
+    scale = Scale.around(kind, parts, None)
+    assert scale.high > scale.low
+    assert scale.ticks()
