@@ -40,13 +40,6 @@ def test_every_analysis_keeps_the_contract():
             assert hasattr(analysis, name), (point.name, name)
 
 
-def test_every_conditioner_keeps_the_contract():
-    for point in entry_points(group="imuwb.conditioners"):
-        conditioner = point.load()
-        for name in ("Parameters", "condition"):
-            assert hasattr(conditioner, name), (point.name, name)
-
-
 def test_samples_are_small_and_named_with_their_command():
     files = [p for p in (ROOT / "samples").iterdir() if p.suffix != ".md"]
     assert sum(p.stat().st_size for p in files) <= 10e6

@@ -64,6 +64,11 @@ def step(text: str) -> Step:
         if not mark:
             message = f"--through {text}: {key!r} has no value; write {name}:key=value,key=value"
             raise UsageError(message)
+    keys = [key.strip() for key, _, _ in pairs]
+    twice = {key for key in keys if keys.count(key) > 1}
+    if twice:
+        message = f"--through {text}: {', '.join(sorted(twice))} is given twice"
+        raise UsageError(message)
     return made(name.strip(), {key.strip(): value.strip() for key, _, value in pairs})
 
 

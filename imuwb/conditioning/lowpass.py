@@ -13,30 +13,37 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-SETTLED = 1e-6  #: of a step; what is not yet settled is left out
+SETTLED = 1e-7  #: of the slowest mode; what is not yet settled is left out
+LOW = 1e-3  #: of the cutoff, where the delay is read off the phase
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Lowpass:
-    """A causal filter."""
+    """A causal filter, in sections of second order (or one of a moving average)."""
 
-    b: Floats
-    a: Floats
+    sections: Floats | None  #: (s, 6); None: a moving average
+    width: int  #: of the moving average, samples
     rate: float  #: Hz
     cutoff: float  #: Hz, -3 dB
     delay: float  #: s, group delay at low frequencies
-    settling: int  #: samples after which a step is followed
+    settling: int  #: samples after which a step is followed to a millionth
 
     def apply(self, values: Floats) -> Floats:
         """Return the output for (n, k) samples, those before it has settled left out."""
-        zi = signal.lfilter_zi(self.b, self.a) if max(self.a.size, self.b.size) > 1 else np.zeros(0)
-        start = zi[:, None] * values[:1] if zi.size else None
-        out = signal.lfilter(self.b, self.a, values, axis=0, zi=start)[0] if start is not None else values
-        return out[self.settling :]
+        if self.width == 1:
+            return values
+        if self.sections is None:
+            sums = np.cumsum(np.concatenate([np.zeros((1, values.shape[1])), values - values[0]]), axis=0)
+            return (sums[self.width :] - sums[: -self.width]) / self.width + values[0]
+        start = signal.sosfilt_zi(self.sections)[:, :, None] * values[0]
+        return signal.sosfilt(self.sections, values, axis=0, zi=start)[0][self.settling :]
 
     def response(self, frequency: Floats) -> NDArray[np.complex128]:
         """Return the response at frequencies in Hz."""
-        return signal.freqz(self.b, self.a, worN=2 * np.pi * frequency / self.rate)[1]
+        w = 2 * np.pi * frequency / self.rate
+        if self.sections is None:
+            return signal.freqz(np.full(self.width, 1 / self.width), worN=w)[1]
+        return signal.sosfreqz(self.sections, worN=w)[1]
 
 
 def design_lowpass(
@@ -61,10 +68,10 @@ def design_lowpass(
         raise ValueError(message)
     if kind == "moving-average":
         width = max(round(0.4429 * rate / cutoff), 1)  # sinc(0.4429) = 1/√2
-        return Lowpass(np.full(width, 1 / width), np.ones(1), rate, cutoff, (width - 1) / 2 / rate, width - 1)
-    b, a = signal.butter(order, cutoff, fs=rate)
-    step = np.abs(signal.lfilter(b, a, np.ones(int(20 * order * rate / cutoff) + 2)) - 1)
-    late = np.flatnonzero(step > SETTLED)
-    tiny = 1e-4 * rate
-    delay = float(signal.group_delay((b, a), w=[tiny], fs=rate)[1][0]) / rate
-    return Lowpass(b, a, rate, cutoff, delay, int(late[-1]) + 1 if late.size else 0)
+        return Lowpass(None, width, rate, cutoff, (width - 1) / 2 / rate, width - 1)
+    sections = signal.butter(order, cutoff, fs=rate, output="sos")
+    slowest = float(np.abs(signal.butter(order, cutoff, fs=rate, output="zpk")[1]).max())
+    settling = int(np.ceil(np.log(SETTLED) / np.log(slowest))) + order if slowest > 0 else order
+    low = LOW * cutoff
+    phase = float(np.angle(signal.sosfreqz(sections, worN=[2 * np.pi * low / rate])[1][0]))
+    return Lowpass(sections, 0, rate, cutoff, -phase / (2 * np.pi * low), settling)

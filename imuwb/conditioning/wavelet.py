@@ -24,6 +24,7 @@ Shrinkage = Literal["soft", "hard"]
 MEDIAN = 0.6745  #: of the magnitude of a standard normal value
 WINDOWS = 16  #: wavelets of the last level in a sliding window
 BATCH = 1 << 22  #: samples of the windows that are denoised at once
+CLEAR = 4.0  #: standard errors of a density, above which it is motion
 MOTION_SHARE = 0.99  #: of the motion's energy that a measured band holds
 
 
@@ -51,13 +52,16 @@ def measured_band(values: Floats, rate: float, noise: float) -> float:
     Args:
         values: (n,) samples.
         rate: Hz.
-        noise: white-noise density N of the sensor, unit/√Hz.
+        noise: white-noise density N of the sensor, unit/√Hz (two-sided).
     """
     from scipy import signal  # noqa: PLC0415 - not needed to denoise
 
     size = min(1 << 12, values.size)
     f, density = signal.welch(values, rate, "hann", size, detrend="linear")
-    energy = np.cumsum(np.maximum(density[1:] - 2 * noise**2, 0.0))
+    # Only what clearly stands above the noise is motion: the scatter of the rest would add up.
+    segments = max(2 * values.size / size - 1, 1.0)
+    excess = density[1:] - 2 * noise**2
+    energy = np.cumsum(np.where(excess > CLEAR / segments**0.5 * 2 * noise**2, excess, 0.0))
     if energy[-1] == 0:
         return float(f[1])
     return float(f[1:][np.searchsorted(energy, MOTION_SHARE * energy[-1])])
@@ -112,6 +116,11 @@ def denoise_causally(
     check(values.size, level, wavelet)
     if level == 0:
         return Denoised(values, ())
+    if not 1 <= hop <= WINDOWS * 2**level:
+        message = (
+            f"hop is {hop} samples; it must be 1 to {WINDOWS * 2**level}, the length of a window of {level} levels"
+        )
+        raise ValueError(message)
     length = min(WINDOWS * 2**level, values.size)
     out = np.empty_like(values)
     out[:length] = values[:length]  # until a window is full, what there is

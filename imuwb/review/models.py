@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -139,11 +140,11 @@ def _others(models: Mapping[str, ImuErrorModel]) -> Table:
 def _other_terms(axis: str, model: AxisModel) -> list[str]:
     rate = coefficient_units(axis, "rate")[1]
     said: list[str] = []
-    for term in model.processes.terms:
+    for term in cast("tuple[Any, ...]", model.processes.terms):
         if any(hasattr(term, x) for x in LETTERS):
             continue
         parts: list[str] = []
-        for field in term.__dataclass_fields__:  # type: ignore[attr-defined]
+        for field in (f.name for f in fields(term)):
             value = getattr(term, field)
             if field in ("sigma", "beta0", "amplitude"):
                 parts.append(f"{field} {rate.from_si(value):.4g} {rate.name}")
@@ -151,7 +152,7 @@ def _other_terms(axis: str, model: AxisModel) -> list[str]:
                 parts.append(f"alpha {', '.join(f'{a:.10g}' for a in value)}")
             else:
                 parts.append(f"{field} {value:.6g} {'Hz' if field == 'frequency' else 's'}")
-        said.append(f"{str(getattr(term, 'name', '')).replace('_', ' ')}: {', '.join(parts)}")
+        said.append(f"{term.name.replace('_', ' ')}: {', '.join(parts)}")
     for field in ("bandwidth", "group_delay", "lsb", "range", "scale_factor"):
         value = getattr(model, field)
         if value:

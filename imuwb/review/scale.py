@@ -72,7 +72,7 @@ class Scale:
         else:
             step = 10 ** math.floor(math.log10((self.high - self.low) / STEPS))
             step *= next(f for f in (1, 2, 5, 10) if (self.high - self.low) / (step * f) <= STEPS * 1.5)
-            digits = max(-math.floor(math.log10(step) + EDGE), 0)
+            digits = -math.floor(math.log10(step) + EDGE)
             first, last = math.ceil(self.low / step - EDGE), math.floor(self.high / step + EDGE)
             marks = [(k * step, _number(k * step, digits)) for k in range(first, last + 1)]
         places = [((at - self.low) / (self.high - self.low), label) for at, label in marks]
@@ -80,5 +80,8 @@ class Scale:
 
 
 def _number(value: float, digits: int) -> str:
-    small = digits > 4 or abs(value) >= 1e6  # noqa: PLR2004 - more digits than one reads
-    return f"{value:.3g}" if small else f"{value + 0.0:.{digits}f}"
+    """Return a tick's value with as many digits as tell it from the next one."""
+    if digits <= 4 and abs(value) < 1e6:  # noqa: PLR2004 - what one reads at a glance
+        return f"{value + 0.0:.{max(digits, 0)}f}"
+    significant = max(math.floor(math.log10(abs(value) or 1.0)) + 1 + digits, 3)
+    return f"{value:.{significant}g}"

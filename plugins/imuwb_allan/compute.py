@@ -103,6 +103,7 @@ def _model(found: AxisResult, whose: str) -> AxisModel:
     if estimates is not None and estimates.choice is not None and _prefers_gauss_markov(estimates.choice):
         lines = [term for term in processes.terms if isinstance(term, Sinusoid)]
         processes = Sum((*estimates.choice.best.processes.terms, *lines))
+        coefficients = {}  # intervals and limits are of another sum
     sure = {letter: c for letter, c in coefficients.items() if c.value is not None and c.lower}
     intervals = {
         f"{i}.{letter}": (c.lower or 0.0, c.upper or 0.0)

@@ -39,6 +39,11 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
         *gap_notes(axes, "the autocorrelation"),
         *(f"{name}: {r.why_none}" for name, r in results.items() if r.why_none),
     ]
+    short = [name for name, r in results.items() if r.lag.size and r.denoised is None]
+    if short and parameters.denoise:
+        notes.append(
+            f"{', '.join(short)}: too short for {parameters.denoise} levels of denoising; --denoise takes fewer"
+        )
     intervals = {sensor: 1 / rate for sensor, rate in rates(axes).items()}
     return Result(imu.name, parameters.level, parameters.denoise, intervals, results, tuple(notes))
 
@@ -55,10 +60,10 @@ def _axis(axis: Axis, parameters: Parameters) -> AxisResult:
         try:
             quiet = denoise(series, parameters.denoise).values
             after = _curve(autocorrelation(quiet, dt, parameters.longest, level=parameters.level))
-        except ValueError as error:
-            why = f"not denoised: {error}"
+        except ValueError:
+            after = None  # too short for so many levels; the note says so
     return AxisResult(
-        found.lag, found.value, found.band, found.variance**0.5, found.falls_to, found.gauss_markov, after, unit, why
+        found.lag, found.value, found.band, found.variance**0.5, found.falls_to, found.gauss_markov, after, unit, None
     )
 
 

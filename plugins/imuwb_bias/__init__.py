@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -20,7 +21,7 @@ class Parameters:
 
     def __post_init__(self) -> None:
         """Check the time."""
-        if self.seconds is not None and not self.seconds > 0:
+        if self.seconds is not None and not 0 < self.seconds < math.inf:
             message = f"seconds is {self.seconds}; it must be positive"
             raise ValueError(message)
 

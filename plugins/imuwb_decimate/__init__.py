@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
@@ -24,7 +25,7 @@ class Parameters:
     def __post_init__(self) -> None:
         """Check that one of the two is given."""
         given = self.rate if self.rate is not None else self.factor
-        if (self.rate is None) == (self.factor is None) or not given or given <= 0:
+        if (self.rate is None) == (self.factor is None) or not given or not 0 < given < math.inf:
             message = "give either rate (Hz) or factor (a whole number), positive"
             raise ValueError(message)
 
@@ -44,7 +45,11 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, dict[str, float]]:
         rates[sensor] = rate / factor
         if factor == 1 or not parameters.anti_alias:
             return Change(lambda values: values[::factor], step=factor)
-        kaiser = design_kaiser(rate, PASS * rate / factor, STOP * rate / factor)
+        try:
+            kaiser = design_kaiser(rate, PASS * rate / factor, STOP * rate / factor)
+        except ValueError as error:
+            message = f"one of {factor} samples: the anti-alias filter would be too long; decimate in steps"
+            raise ValueError(message) from error
         delays.append(kaiser.delay if parameters.causal else 0.0)
         size = kaiser.taps.size
         first, last = (size - 1, 0) if parameters.causal else (size // 2, size // 2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
@@ -34,7 +35,7 @@ class Parameters:
                 raise ValueError(message)
         if self.motion_band != "measured":
             try:
-                positive = float(self.motion_band) > 0
+                positive = 0 < float(self.motion_band) < math.inf
             except ValueError:
                 positive = False
             if not positive:
