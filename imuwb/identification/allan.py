@@ -28,7 +28,7 @@ BLOCK = 1024  #: samples of the sum that stay in the fastest cache while all fac
 BRIDGE = 0.5  #: share of the second differences; where gaps leave less, block means bridge them
 LEAST_KNOWN = 1e-4  #: of the degrees of freedom; with less, a bridged variance is rounding
 BRIDGE_LOSS = 0.8  #: of degrees of freedom then; seen in ``tests/studies/missing_samples.md``
-THINNEST = 32  #: points of the sum in an averaging time that the fast mode keeps at least
+THINNEST = 16  #: points of the sum in an averaging time that the fast mode keeps at least
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -75,14 +75,16 @@ def allan(
         breaks: indices at which samples are missing before; no second difference spans one.
         time: (n,) ns; where gaps leave too few second differences, averaging times are bridged by the
             block means of the samples there are (``gapped.bridged``). Without it, they end with the longest part.
-        fast: thin the sum out at long averaging times, to 32 to 64 points in one; the averaging times are rounded to
+        fast: thin the sum out at long averaging times, to 16 to 32 points in one; the averaging times are rounded to
             that, and the intervals are those of the thinned sums.
 
     Raises:
         ValueError: fewer than 2 samples, or no averaging time within the record.
     """
     values = np.ascontiguousarray(values, dtype=np.float64)
-    if not (dt > 0 and np.isfinite(dt)) or not np.isfinite(values).all():
+    center = float(values.mean()) if values.size else 0.0
+    # A sum of samples is finite only if all of them are: one pass, not two.
+    if not (dt > 0 and np.isfinite(dt) and np.isfinite(center)):
         message = f"dt is {dt} and {np.count_nonzero(~np.isfinite(values))} samples are not finite; dt must be positive, all samples finite"
         raise ValueError(message)
     edges = [0, *sorted(breaks), values.size]
@@ -94,7 +96,6 @@ def allan(
     factor = averaging_factors(averaging_times, max(map(len, pieces)) if place is None else int(place[-1]) + 1, dt)
     if fast:
         factor = np.unique(factor // _strides(factor) * _strides(factor))
-    center = float(values.mean())
     phases = [_phase(piece, center) for piece in pieces]
     squares, terms = np.zeros(factor.size), np.zeros(factor.size, dtype=np.int64)
     for phase in phases:
@@ -209,7 +210,7 @@ def sums_of_squares(phase: Floats, factors: NDArray[np.int64]) -> Floats:
 
 
 def _strides(factors: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return powers of two by which the phase may be thinned out and leave 32 to 64 points in an averaging time."""
+    """Return powers of two by which the phase may be thinned out and leave 16 to 32 points in an averaging time."""
     return 2 ** np.maximum(np.log2(factors / THINNEST).astype(np.int64), 0)
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 FEWEST = 30  #: averaged points; with fewer the method guesses
-MOST = 1 << 12  #: points looked at; the autocorrelation is then sure to 0.016, and its steps are 0.25 apart
+MOST = 1 << 11  #: points looked at; the autocorrelation is then sure to 0.022, and its steps are 0.25 apart
 MOST_DIFFERENCES = 2
 
 

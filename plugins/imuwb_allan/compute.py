@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 FAST = (
-    "fast mode: at averaging times of 64 samples and more the sums are thinned out and the times rounded; a deviation is off by less than "
-    "a fifth of its interval's half width (quantization noise, of which thinning loses most, has wider intervals instead)"
+    "fast mode: at averaging times of 32 samples and more the sums are thinned out and the times rounded; a deviation is off by less than "
+    "a quarter of its interval's half width (quantization noise, of which thinning loses most, has wider intervals instead)"
 )
 FEWEST = 100  #: samples; fewer have no curve worth the name
 LARGEST = 1e12  #: rad/s or m/s²

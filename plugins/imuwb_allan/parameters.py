@@ -19,7 +19,7 @@ class Parameters:
     lines: Annotated[bool, "look for periodic lines and take them into the fit"] = True
     fast: Annotated[
         bool,
-        "thin the sums out at long averaging times; for all but quantization off by less than a fifth of an interval",
+        "thin the sums out at long averaging times; for all but quantization off by less than a quarter of an interval",
     ] = False
     deviation: Annotated[
         Literal["allan", "modified", "hadamard", "total"], "another deviation, drawn beside the Allan deviation"
