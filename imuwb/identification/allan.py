@@ -97,17 +97,20 @@ def allan(
     if fast:
         factor = np.unique(factor // _strides(factor) * _strides(factor))
     phases = [_phase(piece, center) for piece in pieces]
+    longest = max(phases, key=len)
+    exponents = {int(m): noise_type.exponent(longest[::m]) for m in factor}
+    counted = _thinned_terms(phases, factor) if fast else None
     squares, terms = np.zeros(factor.size), np.zeros(factor.size, dtype=np.int64)
     for phase in phases:
         squares += thinned_sums_of_squares(phase, factor) if fast else sums_of_squares(phase, factor)
         terms += np.maximum(phase.size - 2 * factor, 0)
-    counted = _thinned_terms(phases, factor) if fast else terms
+    counted = terms if counted is None else counted
     variance = np.divide(squares, 2.0 * counted * factor**2.0, out=np.zeros(factor.size), where=counted > 0)
     loss = np.ones(factor.size)
     if place is not None:
         factor, variance, terms, loss = _with_bridges(values, place, factor, variance, terms)
     deviation = np.sqrt(variance)
-    kinds = _noise_types(max(phases, key=len), factor, deviation)
+    kinds = _noise_types([exponents[int(m)] for m in factor], factor, deviation)
     # Gaps leave fewer terms; as if from a record that has that many. Thinned sums are those of a thinned record.
     n_effective = terms + 2 * factor - 1
     thin = _strides(factor) if fast else np.ones_like(factor)
@@ -223,28 +226,35 @@ def _thinned_terms(phases: Sequence[Floats], factors: NDArray[np.int64]) -> NDAr
 
 
 def thinned_sums_of_squares(phase: Floats, factors: NDArray[np.int64]) -> Floats:
-    """Return ``sums_of_squares`` of every ``_strides``-th second difference."""
+    """Return ``sums_of_squares`` of every ``_strides``-th second difference; ``phase`` is used up."""
     out = np.zeros(factors.size)
     strides = _strides(factors)
     stride = 1
     while stride <= strides.max(initial=1):
         chosen = strides == stride
         out[chosen] = sums_of_squares(phase, factors[chosen] // stride)
-        stride, phase = 2 * stride, phase[::2].copy()
+        phase = _halved(phase)
+        stride *= 2
     return out
 
 
-def _noise_types(phase: Floats, factor: NDArray[np.int64], deviation: Floats) -> NDArray[np.int64]:
-    """Return the exponent at each factor; where too few points are left, that of the curve's slope there."""
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _halved(phase: Floats) -> Floats:  # pragma: no cover - compiled
+    """Return every second value, moved to the front: new memory would cost more than the sums."""
+    for k in range((phase.size + 1) // 2):
+        phase[k] = phase[2 * k]
+    return phase[: (phase.size + 1) // 2]
+
+
+def _noise_types(exponents: Sequence[int | None], factor: NDArray[np.int64], deviation: Floats) -> NDArray[np.int64]:
+    """Return the exponent at each factor; where too few points are left (None), that of the curve's slope there."""
     kinds = np.zeros(factor.size, dtype=np.int64)
     last = 0
-    for i, m in enumerate(factor):
-        found = noise_type.exponent(phase[::m])
+    for i, (m, found) in enumerate(zip(factor, exponents, strict=True)):
         if found is None and i and deviation[i] > 0:
             slope = np.log(deviation[i] / deviation[i - 1]) / np.log(m / factor[i - 1])
             # sigma ~ tau^(-(alpha+1)/2). Of a sum, ever redder processes rule; and the tail is noisy: one step at most
-            found = int(np.clip(round(-2 * slope - 1), last - 1, last).clip(-2, 2))
-            kinds[i] = found
+            kinds[i] = int(np.clip(round(-2 * slope - 1), last - 1, last).clip(-2, 2))
             continue
         last = found if found is not None else last
         kinds[i] = last
