@@ -26,8 +26,9 @@ if TYPE_CHECKING:
 Uncertainty = Literal["edf", "printed"]
 BLOCK = 1024  #: samples of the sum that stay in the fastest cache while all factors use them
 BRIDGE = 0.5  #: share of the second differences; where gaps leave less, block means bridge them
-LEAST_KNOWN = 1e-4  #: of the degrees of freedom; with less, a bridged variance is rounding
-BRIDGE_LOSS = 0.8  #: of degrees of freedom then; seen in ``tests/studies/missing_samples.md``
+LEAST_CLEAR = (
+    0.1  #: share of the degrees of freedom left; with less, a bridged variance is what its correction makes of it
+)
 THINNEST = 16  #: points of the sum in an averaging time that the fast mode keeps at least
 
 
@@ -110,7 +111,7 @@ def allan(
     if place is not None:
         factor, variance, terms, loss = _with_bridges(values, place, factor, variance, terms)
     deviation = np.sqrt(variance)
-    kinds = _noise_types([exponents[int(m)] for m in factor], factor, deviation)
+    kinds = _noise_types([exponents[int(m)] for m in factor])
     # Gaps leave fewer terms; as if from a record that has that many. Thinned sums are those of a thinned record.
     n_effective = terms + 2 * factor - 1
     thin = _strides(factor) if fast else np.ones_like(factor)
@@ -153,8 +154,8 @@ def _with_bridges(
     if thin.any():
         variance, terms = variance.copy(), terms.copy()
         variance[thin], terms[thin], clear = bridged(values, place, factor[thin])
-        loss[thin] = BRIDGE_LOSS * np.nan_to_num(clear) ** 2
-    known = np.isfinite(variance) & (variance > 0) & (terms > 0) & (loss > LEAST_KNOWN)
+        loss[thin] = np.nan_to_num(clear) ** 2
+    known = np.isfinite(variance) & (variance > 0) & (terms > 0) & (loss > LEAST_CLEAR)
     if not known.any():  # a constant channel
         known = terms > 0
     return factor[known], np.nan_to_num(variance[known]), terms[known], loss[known]
@@ -246,17 +247,15 @@ def _halved(phase: Floats) -> Floats:  # pragma: no cover - compiled
     return phase[: (phase.size + 1) // 2]
 
 
-def _noise_types(exponents: Sequence[int | None], factor: NDArray[np.int64], deviation: Floats) -> NDArray[np.int64]:
-    """Return the exponent at each factor; where too few points are left (None), that of the curve's slope there."""
-    kinds = np.zeros(factor.size, dtype=np.int64)
-    last = 0
-    for i, (m, found) in enumerate(zip(factor, exponents, strict=True)):
-        if found is None and i and deviation[i] > 0:
-            slope = np.log(deviation[i] / deviation[i - 1]) / np.log(m / factor[i - 1])
-            # sigma ~ tau^(-(alpha+1)/2). Of a sum, ever redder processes rule; and the tail is noisy: one step at most
-            kinds[i] = int(np.clip(round(-2 * slope - 1), last - 1, last).clip(-2, 2))
-            continue
-        last = found if found is not None else last
+def _noise_types(exponents: Sequence[int | None]) -> NDArray[np.int64]:
+    """Return the exponent at each factor; where too few points are left to tell (None), the last that was sure.
+
+    In a sum, ever redder processes rule as averaging times grow: a bluer type is chance.
+    """
+    kinds = np.zeros(len(exponents), dtype=np.int64)
+    last = next((found for found in exponents if found is not None), 0)
+    for i, found in enumerate(exponents):
+        last = last if found is None else min(found, last)
         kinds[i] = last
     return kinds
 

@@ -125,7 +125,7 @@ class Problem:
             information = white.T @ white
             if np.allclose(before, fitted, rtol=1e-5, atol=0):
                 break
-        return squared, np.asarray(linalg.pinvh(information))
+        return squared, scaled_inverse(information)
 
     def added(self, squared: Floats, active: Sequence[int], extra: int) -> Estimate:
         """Return the free estimate of one more term's square, and how it scatters if ``squared`` is true."""
@@ -143,6 +143,13 @@ class Problem:
         third = np.divide(2 * weights**3 * scatter**2, expected, out=np.zeros_like(expected), where=expected > 0)
         skewness = float(third.sum()) / sigma**3
         return Estimate(float(weights @ self.variance), sigma, skewness)
+
+
+def scaled_inverse(information: Floats) -> Floats:
+    """Return the pseudo-inverse of a matrix whose rows may be of very different size: squares of Q and of K are 1e17 apart."""
+    size = np.sqrt(np.diag(information))
+    size = np.where(size > 0, size, 1.0)
+    return np.asarray(linalg.pinvh(information / np.outer(size, size))) / np.outer(size, size)
 
 
 @dataclass(frozen=True, slots=True)

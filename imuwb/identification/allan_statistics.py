@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 EXPONENTS = (2, 0, -1, -2)  # quantization Q, white N, flicker B, random walk K
 NEAR = 24  #: lags summed one by one on each side of a corner
 FAR = 30  #: times m + q; from here on flicker is taken from its series
+SCALED, FEW = 64, 16  #: averaging factor from which, and record in those from which on, only their ratio matters
+_INVERSE = 1 / np.array([2.0**20, 4096, 1024, 256, 128, 64, 48, 32, 24, 20, 16])  #: m/n of the table, rising
 RATIO = 1.12  #: beyond, each step is this much longer
 
 
@@ -114,6 +116,21 @@ def equivalent_degrees_of_freedom(m: int, n: int, exponent: int) -> float:
         n: number of samples (terms: n + 1 - 2 m).
         exponent: alpha of the power law, 2 ... -2.
     """
+    if exponent <= 0 and m > SCALED and n > FEW * m:
+        # But for phase noises, far from its ends only n/m matters, and edf m/n is nearly a straight line in m/n.
+        return n / m * float(np.interp(m / n, _INVERSE, _scaled(exponent)))
+    return _summed(m, n, exponent)
+
+
+@lru_cache(maxsize=8)
+def _scaled(exponent: int) -> Floats:
+    """Return edf m/n at the ratios m/n of ``_INVERSE``, for a long averaging factor."""
+    sizes = [max(round(SCALED / x), FEW * SCALED) for x in _INVERSE]
+    return np.array([_summed(SCALED, n, exponent) * SCALED / n for n in sizes])
+
+
+def _summed(m: int, n: int, exponent: int) -> float:
+    """Return the degrees of freedom by the sum over all lags."""
     terms = n + 1 - 2 * m
     lags, weights = _grid(m, m, terms, terms)
     gamma = _cross(_KERNELS[exponent], lags, m, m)

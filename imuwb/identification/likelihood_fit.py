@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import stats
 
+from imuwb.identification.allan_problem import scaled_inverse
 from imuwb.identification.coefficient import READ_OUT, Coefficient, interval
 from imuwb.identification.cosine_spectrum import cosine_spectrum
 from imuwb.identification.likelihood_problem import LikelihoodProblem
@@ -182,7 +183,7 @@ class _Profile:
         if value == 0:
             return Coefficient(None, None, self._end(term, float(stats.norm.ppf(level)) ** 2, upward=True) ** 0.5, None)
         free = np.flatnonzero(self._best.squared > 0)
-        covariance = np.linalg.pinv(self._best.information[np.ix_(free, free)], hermitian=True)
+        covariance = scaled_inverse(self._best.information[np.ix_(free, free)])
         place = int(np.flatnonzero(free == term)[0])
         freedom = 2 * value**2 / (float(covariance[place, place]) * self._inflation)
         if freedom > SURE:

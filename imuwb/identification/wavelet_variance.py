@@ -15,6 +15,7 @@ import numba
 import numpy as np
 from scipy import fft, linalg, optimize, special, stats
 
+from imuwb.identification.allan_problem import scaled_inverse
 from imuwb.identification.coefficient import READ_OUT, Coefficient, interval
 from imuwb.identification.likelihood_fit import ACCEPTED, TERMS
 from imuwb.stochastic import Sum
@@ -280,7 +281,7 @@ def _coefficients(
     for t, letter in enumerate(TERMS):
         columns = white[:, np.union1d(active, [t])]
         place = int(np.flatnonzero(np.union1d(active, [t]) == t)[0])
-        inverse = np.linalg.pinv(columns.T @ columns, hermitian=True)
+        inverse = scaled_inverse(columns.T @ columns)
         sigma = float(inverse[place, place]) ** 0.5
         if squared[t] > 0:
             found[letter] = Coefficient(

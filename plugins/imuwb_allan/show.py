@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.analysis import AXIS_COLORS, Curve, Figure, Mark, Table, estimate_text
-from imuwb.stochastic import Sinusoid, Sum
+from imuwb.stochastic import GaussMarkov, Sinusoid, Sum
 from imuwb.units import UNITS, coefficient_units
 
 if TYPE_CHECKING:
@@ -158,6 +158,7 @@ def _choices(result: Result) -> Table:
                 else f"{c.out_of_sample - best.out_of_sample:+.1f}"
             )
             mark = " (clearly best)" if i == 0 and e.choice and e.choice.clear else ""
+            mark += _times(axis, c.processes) if i == 0 else ""
             rows.append(
                 (
                     axis,
@@ -177,6 +178,17 @@ def _choices(result: Result) -> Table:
 
 
 CANDIDATES = 4  #: sums that are listed
+
+
+def _times(axis: str, processes: Sum) -> str:
+    """Return sigma and Tc of a sum's Gauss-Markov terms: the correlation time that a record tells by its likelihood."""
+    unit = coefficient_units(axis, "rate")[1]
+    found = [
+        f"sigma {unit.from_si(t.sigma):.3g} {unit.name}, Tc {_seconds(t.Tc)} s"
+        for t in processes.terms
+        if isinstance(t, GaussMarkov)
+    ]
+    return f": {'; '.join(found)}" if found else ""
 
 
 def _parts(result: Result, review: Review) -> None:
