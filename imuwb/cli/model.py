@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from imuwb.analysis import Table
     from imuwb.stochastic import ImuErrorModel
 
-FAILED = 1  #: exit code of a check that a model does not pass
+FEWEST = 100  #: samples whose curves are drawn
 
 app = typer.Typer(no_args_is_help=True, help="Error models: show, compare, export, check.")
 
@@ -107,7 +108,7 @@ def check(
     from imuwb.stochastic.model_check import check as checked  # noqa: PLC0415
     from imuwb.stochastic.model_check import limits  # noqa: PLC0415
 
-    if not factor > 0:
+    if not 0 < factor < math.inf:
         message = f"--factor {factor}: it must be positive"
         raise UsageError(message)
     verdicts = checked(ImuErrorModel.read(model), limits(against, factor))
@@ -132,8 +133,8 @@ def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | Non
     from imuwb.review.recording import RecordingReview  # noqa: PLC0415
     from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
 
-    if not (rate > 0 and hours > 0):
-        message = f"--rate {rate} --hours {hours}: both must be positive"
+    if not (0 < rate < math.inf and 0 < hours < math.inf and hours * 3600 * rate >= FEWEST):
+        message = f"--rate {rate} --hours {hours}: both must be positive, and together make at least {FEWEST} samples"
         raise UsageError(message)
     place = output or paths[0].with_name(f"{paths[0].name.removesuffix('.toml')}.rrd")
     if place.suffix != ".rrd":

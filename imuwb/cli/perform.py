@@ -44,8 +44,9 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: ob
     plugin = cast("Any", analysis)
     with blaming(name, analysis), progress(f"{name}: computing") as report:
         report(0, 0)
-        result = plugin.run(logs, parameters)
+        # The study first: a setting that a log cannot have is found before the long work, not behind it.
         studied = plugin.study(cases(logs, common.study), parameters) if common.study else None
+        result = plugin.run(logs, parameters)
     review = RecordingReview(
         places.recording, live=VIEWER if common.live else None, show=shower(data=not places.to_stdout)
     )

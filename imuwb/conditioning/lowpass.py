@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 SETTLED = 1e-7  #: of the slowest mode; what is not yet settled is left out
+HALF_POWER = 0.4429  #: sinc of it is 1/√2
 LOW = 1e-3  #: of the cutoff, where the delay is read off the phase
 
 
@@ -30,8 +31,6 @@ class Lowpass:
 
     def apply(self, values: Floats) -> Floats:
         """Return the output for (n, k) samples, those before it has settled left out."""
-        if self.width == 1:
-            return values
         if self.sections is None:
             sums = np.cumsum(np.concatenate([np.zeros((1, values.shape[1])), values - values[0]]), axis=0)
             return (sums[self.width :] - sums[: -self.width]) / self.width + values[0]
@@ -67,8 +66,11 @@ def design_lowpass(
         message = f"order {order}; it must be 1 to 8"
         raise ValueError(message)
     if kind == "moving-average":
-        width = max(round(0.4429 * rate / cutoff), 1)  # sinc(0.4429) = 1/√2
-        return Lowpass(None, width, rate, cutoff, (width - 1) / 2 / rate, width - 1)
+        width = round(HALF_POWER * rate / cutoff)
+        if width < 2:  # noqa: PLR2004 - one sample is no average
+            message = f"a moving average of {cutoff:g} Hz at {rate:g} Hz would be one sample wide; at most {HALF_POWER * rate / 1.5:.3g} Hz"
+            raise ValueError(message)
+        return Lowpass(None, width, rate, HALF_POWER * rate / width, (width - 1) / 2 / rate, width - 1)
     sections = signal.butter(order, cutoff, fs=rate, output="sos")
     slowest = float(np.abs(signal.butter(order, cutoff, fs=rate, output="zpk")[1]).max())
     settling = int(np.ceil(np.log(SETTLED) / np.log(slowest))) + order if slowest > 0 else order

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-WHITE_LAGS = 20  #: of the innovations' autocorrelation
+WHITE_LAGS = 20  #: of the innovations' autocorrelation, behind those that the model itself makes small
 BLOCK = 1024  #: samples that stay in the fastest cache while all lags use them
 GRID = 4096  #: samples of a segment of the innovations' spectrum
 RANDOM_WALK, WHITE = 0.99, 0.02  #: |alpha_1| from, and up to, which an order 1 model is said to be one
@@ -51,7 +51,7 @@ class Order:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Whiteness:
-    """Whether the innovations of one order are white (Ljung and Box, 20 lags)."""
+    """Whether the innovations of one order are white (Ljung and Box, 20 lags more than the order)."""
 
     order: int
     statistic: float
@@ -176,16 +176,16 @@ def _ideal(alpha: Sequence[Floats], variance: Floats, n: int) -> Floats:
 
 def _whiteness(parts: Sequence[Floats], alpha: Floats, order: int) -> Whiteness:
     taps = np.ascontiguousarray(alpha)
-    products = np.sum([_products(_errors(part, taps), WHITE_LAGS) for part in parts], axis=0)
+    most = order + WHITE_LAGS
+    products = np.sum([_products(_errors(part, taps), most) for part in parts], axis=0)
     r = products[1:] / products[0]
     sizes = np.array([part.size - order for part in parts])
-    lags = np.arange(1, WHITE_LAGS + 1)
+    lags = np.arange(1, most + 1)
     n = int(sizes.sum())
     # Under whiteness a lag's correlation has the variance of its number of products over n² (Ljung and Box, for one part).
     counts = np.maximum(sizes[:, None] - lags, 0).sum(axis=0).clip(1)
     statistic = float(n * (n + 2) * np.sum(r**2 / counts))
-    freedom = max(WHITE_LAGS - order, 1)
-    return Whiteness(order, statistic, float(stats.chi2.sf(statistic, freedom)), float(np.abs(r).max()))
+    return Whiteness(order, statistic, float(stats.chi2.sf(statistic, WHITE_LAGS)), float(np.abs(r).max()))
 
 
 @numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
@@ -208,7 +208,7 @@ def _products(values: Floats, lags: int) -> Floats:  # pragma: no cover - compil
     out = np.zeros(lags + 1)
     for low in range(0, values.size, BLOCK):
         for k in range(lags + 1):
-            early = values[low : min(low + BLOCK, values.size - k)]
+            early = values[low : max(min(low + BLOCK, values.size - k), low)]
             late = values[low + k : low + k + early.size]
             total = 0.0
             for i in range(early.size):

@@ -24,12 +24,13 @@ class Coefficient:
 def interval(square: float, sigma: float, level: float) -> tuple[float, float]:
     """Return the ends of a coefficient whose square was estimated with this standard error.
 
-    A positive quadratic estimate is about a scaled chi-square, skewed where few degrees of freedom are left; with
-    fewer than three it says nothing of how near 0 the term may be.
+    A positive quadratic estimate is about a scaled chi-square, skewed where few degrees of freedom are left. It never
+    reaches 0: a term that chance may have made has its lower end there all the same.
     """
+    z = float(stats.norm.ppf((1 + level) / 2))
     freedom = 2 * square**2 / sigma**2
     if freedom < FEWEST_DEGREES:
-        return 0.0, float(square + stats.norm.ppf((1 + level) / 2) * sigma) ** 0.5
+        return 0.0, float(square + z * sigma) ** 0.5
     tail = (1 - level) / 2
     lower, upper = (square * freedom / float(stats.chi2.ppf(q, freedom)) for q in (1 - tail, tail))
-    return lower**0.5, upper**0.5
+    return (lower**0.5 if square > z * sigma else 0.0), upper**0.5

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import ndimage, stats
 
-from imuwb.identification.welch import welch
+from imuwb.identification.welch import independent, welch
 from imuwb.stochastic import Sinusoid
 
 if TYPE_CHECKING:
@@ -50,7 +50,8 @@ def find_lines(values: Floats, dt: float, level: float = 0.95, false_alarm: floa
     size = min(LONGEST_SEGMENT, 1 << max(values.size // LEAST_SEGMENTS, 1).bit_length() - 1)
     if size < 4 * FLOOR_BINS:
         return ()
-    density, segments = welch(values, dt, size)
+    density, count = welch(values, dt, size)
+    segments = independent(count)
     f = np.arange(density.size) / (size * dt)
     freedom = 2 * segments
     floor = ndimage.median_filter(density, FLOOR_BINS, mode="nearest") / (stats.chi2.ppf(0.5, freedom) / freedom)

@@ -14,7 +14,7 @@ from scipy import special, stats
 
 from imuwb.identification.likelihood_fit import ACCEPTED, GROUP, TERMS, explained, profiled
 from imuwb.identification.likelihood_problem import LikelihoodProblem
-from imuwb.identification.welch import welch
+from imuwb.identification.welch import independent, welch
 from imuwb.stochastic import Sum
 
 if TYPE_CHECKING:
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 LONGEST = 1 << 20  #: samples of a segment, as Quinchia's
-#: Correlation of a Hann window's powers at frequencies a bin, and two, apart.
-APART_1, APART_2 = (2 / 3) ** 2, (1 / 6) ** 2
 WIDTH = 1.08  #: of an averaged band, last frequency over first
 FIRST = 3  #: bins from 0 on that the window spreads the drift over
 SHARE = 0.6  #: of the density; a term with more rules its region
@@ -106,8 +104,7 @@ def power_spectrum(values: Floats, dt: float, segment: int = LONGEST, *, level: 
     width = np.diff(edges).astype(np.float64)
     density = np.add.reduceat(total[: edges[-1]], edges[:-1]) / width
     frequency = np.add.reduceat(np.arange(edges[-1], dtype=np.float64), edges[:-1]) / width / (size * dt)
-    across = 1 + 2 * APART_1 * (width - 1) / width + 2 * APART_2 * (width - 2).clip(0) / width
-    freedom = 2 * count * width / across
+    freedom = 2 * np.array([independent(count, w) for w in width])
     tail = (1 - level) / 2
     lower, upper = (density * freedom / stats.chi2.ppf(q, freedom) for q in (1 - tail, tail))
     return PowerSpectrum(n, dt, size, level, frequency, density, lower, upper, freedom)
@@ -172,6 +169,8 @@ def _regions(problem: LikelihoodProblem, squared: Floats, level: float, inflatio
             continue
         # log of a chi-square mean: its expectation is not the log of the mean
         y = np.log(power) - (special.digamma(count / 2) - np.log(count / 2))
+        # A sampled process is no power law near half the rate: the slope is its departure from its own density.
+        y = y - np.log(parts[inside, t]) + nominal * np.log(f)
         design = np.stack([np.ones(f.size), np.log(f)], axis=1)
         weighted = design * (count / 2)[:, None]
         inverse = np.linalg.inv(design.T @ weighted)

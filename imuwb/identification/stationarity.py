@@ -13,7 +13,7 @@ import numpy as np
 from scipy import stats
 
 from imuwb.identification.allan import allan
-from imuwb.identification.welch import welch
+from imuwb.identification.welch import independent, welch
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -96,7 +96,8 @@ def _freedom(values: Floats, dt: float, factors: NDArray[np.int64], part: int) -
     W the density of the differences that are squared.
     """
     size = min(SEGMENT, 1 << max(part // 4, 2).bit_length() - 1)
-    density, segments = welch(values, dt, size)
+    density, count = welch(values, dt, size)
+    segments = independent(count)
     f = np.arange(1, density.size) / size  # of the sampling rate
     window = np.sin(np.pi * np.outer(factors, f)) ** 4 / np.sin(np.pi * f) ** 2 * density[1:]
     # The estimate's own scatter makes the squares too large.

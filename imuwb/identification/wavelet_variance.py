@@ -113,20 +113,18 @@ def _expectations(levels: int) -> Floats:
     found = np.zeros((levels, 4))
     smooth = np.ones(1)
     for j in range(levels):
-        spread = np.zeros(3 * 2**j + 1)
-        spread[:: 2**j] = DETAIL
-        wavelet = np.convolve(smooth, spread) if j < 5 else fft_convolve(smooth, DETAIL, 2**j)  # noqa: PLR2004 - either way
+        wavelet = spread_convolve(smooth, DETAIL, 2**j)
         walk = np.cumsum(wavelet)
         found[j, 0] = float(np.sum(np.diff(wavelet, prepend=0.0, append=0.0) ** 2))
         found[j, 1] = float(wavelet @ wavelet)
         # the increments of an averaged walk have variance 2/3 and covariance 1/6
         found[j, 3] = float(2 / 3 * walk @ walk + 1 / 3 * walk[1:] @ walk[:-1])
         found[j, 2] = _flicker(wavelet) if j < SELF_SIMILAR else found[j - 1, 2]
-        smooth = fft_convolve(smooth, SMOOTH, 2**j)
+        smooth = spread_convolve(smooth, SMOOTH, 2**j)
     return found
 
 
-def fft_convolve(series: Floats, taps: Floats, step: int) -> Floats:
+def spread_convolve(series: Floats, taps: Floats, step: int) -> Floats:
     """Return the convolution with taps that stand ``step`` apart."""
     out = np.zeros(series.size + (taps.size - 1) * step)
     for k, tap in enumerate(taps):
@@ -264,7 +262,8 @@ class _Scales:
             size = np.linalg.norm(white, axis=0)
             squared = optimize.nnls(white / size, linalg.solve_triangular(root, self.variance, lower=True))[0] / size
         residual = self.variance - self.design @ squared
-        chi2 = float(residual @ linalg.solve(self.covariance(squared), residual, assume_a="sym"))
+        root = linalg.cholesky(self.covariance(squared), lower=True)
+        chi2 = float(np.sum(linalg.solve_triangular(root, residual, lower=True) ** 2))
         freedom = max(residual.size - int(np.count_nonzero(squared)), 1)
         return _Fit(squared, chi2, freedom, float(stats.chi2.sf(chi2, freedom)))
 

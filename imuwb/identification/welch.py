@@ -14,10 +14,13 @@ if TYPE_CHECKING:
 
 #: Between the powers of neighbouring Hann-windowed segments that half overlap, both sides added up.
 NEIGHBOURS = 2 * (1 / 6) ** 2
+ASIDE = 1 / 36  #: the same, at the next frequency
+#: Of one segment, at frequencies a bin, and two, apart.
+APART_1, APART_2 = (2 / 3) ** 2, (1 / 6) ** 2
 
 
-def welch(values: Floats, dt: float, size: int) -> tuple[Floats, float]:
-    """Return the one-sided density at frequencies k/(size dt), and how many independent segments it is worth.
+def welch(values: Floats, dt: float, size: int) -> tuple[Floats, int]:
+    """Return the one-sided density at frequencies k/(size dt), and of how many segments it is the mean.
 
     Hann windows, half overlapping; each segment's straight line is taken off.
 
@@ -39,4 +42,15 @@ def welch(values: Floats, dt: float, size: int) -> tuple[Floats, float]:
         total += transform.real**2 + transform.imag**2
     count = len(starts)
     total *= 2 * dt / (count * float(np.einsum("i,i", window, window)))
-    return total, count / (1 + NEIGHBOURS * (count - 1) / count)
+    return total, count
+
+
+def independent(count: int, width: float = 1.0) -> float:
+    """Return of how many independent segments the mean over ``width`` neighbouring frequencies is worth, times the width.
+
+    Powers of half-overlapping segments correlate, at the same frequency and at the next one; those of one segment at
+    frequencies one and two apart.
+    """
+    across = 2 * APART_1 * (width - 1) / width + 2 * APART_2 * max(width - 2, 0.0) / width
+    overlapping = (NEIGHBOURS + 4 * ASIDE * (width - 1) / width) * (count - 1) / count
+    return count * width / (1 + across + overlapping)

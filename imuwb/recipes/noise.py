@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
 from imuwb import registry
-from imuwb.errors import UsageError
+from imuwb.errors import MissingDataError, UsageError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -32,6 +32,7 @@ INGREDIENTS: dict[str, dict[str, Any]] = {
     "autocorrelation": {},
     "autoregressive": {},
 }
+MAIN = "allan"  #: without it there is no model
 TITLES = {"allan": "Allan", "psd": "Spectrum", "autocorrelation": "Correlation", "autoregressive": "Autoregression"}
 
 
@@ -45,8 +46,8 @@ class Parameters:
 
     def __post_init__(self) -> None:
         """Check the values."""
-        if not 0.5 <= self.level < 1:  # noqa: PLR2004 - less than even odds is no confidence
-            message = f"level is {self.level}; it must be at least 0.5 and below 1"
+        if not 0.6 <= self.level < 1:  # noqa: PLR2004 - a limit at even odds is none
+            message = f"level is {self.level}; it must be at least 0.6 and below 1"
             raise ValueError(message)
         if not 0 <= self.denoise <= 20:  # noqa: PLR2004 - deeper than any log
             message = f"denoise is {self.denoise} levels; it must be 0 to 20"
@@ -62,6 +63,7 @@ class Result:
     denoising: Denoising | None
     repeatability: Repeatability | None
     findings: tuple[tuple[Finding, ...], ...]  #: of each log
+    missing: tuple[str, ...] = ()  #: what a log was too short, or too gapped, for
 
 
 def run(logs: Sequence[Log], parameters: Parameters) -> Result:
@@ -71,15 +73,23 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     names = list(INGREDIENTS) if len(logs) == 1 else ["allan"]
     parts: list[dict[str, Any]] = []
     found: list[tuple[Finding, ...]] = []
+    missing: list[str] = []
     for log in logs:
-        results = {name: _ingredient(name).run([log], _parameters(name, parameters)) for name in names}
+        results: dict[str, Any] = {}
+        for name in names:
+            try:
+                results[name] = _ingredient(name).run([log], _parameters(name, parameters))
+            except MissingDataError as error:
+                if name == MAIN:
+                    raise
+                missing.append(f"no {TITLES[name].lower()} tab: {error}")
         parts.append(results)
         found.append(
             tuple(f for name, result in results.items() for f in cast("Any", _ingredient(name)).findings(result))
         )
     together = repeatability.compare(logs, found, parameters.level) if len(logs) > 1 else None
     quiet = denoising.denoising(logs[0], parameters.denoise) if len(logs) == 1 and parameters.denoise else None
-    return Result(summary.axes(found[0]), tuple(parts), quiet, together, tuple(found))
+    return Result(summary.axes(found[0]), tuple(parts), quiet, together, tuple(found), tuple(missing))
 
 
 def draw(result: Result, review: Review) -> None:
@@ -87,6 +97,8 @@ def draw(result: Result, review: Review) -> None:
     from imuwb.recipes import denoising, repeatability, summary  # noqa: PLC0415 - as above
 
     review.tab("Summary")
+    for text in result.missing:
+        review.note(text)
     if result.repeatability is not None:
         repeatability.draw(result.repeatability, review)
     else:

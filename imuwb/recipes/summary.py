@@ -36,7 +36,7 @@ def draw(found: dict[str, dict[str, Any]], findings: Sequence[Finding], review: 
     also: list[tuple[str, ...]] = []
     for axis in found:
         acting = [r for f in findings if f.axis == axis and f.coefficients for r in f.remarks]
-        urgent = [r for r in acting if r.startswith(SUSPICIOUS)]
+        urgent = [r for r in acting[1:] if r.startswith(SUSPICIOUS)]
         rest = [r for r in acting[1:] if r not in urgent]
         rows.append((axis, acting[0] if acting else "—", "; ".join([*urgent, *rest]) or "nothing to act on"))
         also += [(axis, f.source, r) for f in findings if f.axis == axis and not f.coefficients for r in f.remarks]

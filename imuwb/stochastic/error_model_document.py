@@ -114,6 +114,9 @@ def read(text: str, where: str) -> ImuErrorModel:
         if axis not in AXES:
             message = f"{where}: unknown key {axis!r}; a model has name, provenance and the axes {', '.join(AXES)}"
             raise UsageError(message)
+    if not document:
+        message = f"{where}: no axis; an error model has at least one of {', '.join(AXES)}"
+        raise UsageError(message)
     axes = {
         axis: _axis(axis, _table(content, f"{where}, {axis}"), f"{where}, {axis}") for axis, content in document.items()
     }
@@ -159,6 +162,8 @@ def _limits(axis: str, content: object, where: str) -> dict[str, float]:
             _refuse(f"{where}.{name}", name, f"one of {', '.join(_PARAMETER)}")
         limit = _table(entry, f"{where}.{name}")
         limits[name] = _si({**limit, "value": limit.get("upper")}, _unit_of(axis, name), f"{where}.{name}.upper")
+        if not limits[name] > 0:
+            _refuse(f"{where}.{name}.upper", limits[name], "above 0")
     return limits
 
 
@@ -198,6 +203,9 @@ def _interval(entry: object, si: Unit, where: str) -> tuple[float, float] | None
         return None
     table = cast("dict[str, object]", entry)
     lower, upper = (_si({**table, "value": table.get(end)}, si, f"{where}.{end}") for end in ("lower", "upper"))
+    value = _si({**table, "value": table.get("value")}, si, where)
+    if not lower <= value <= upper:
+        _refuse(where, (lower, value, upper), "lower <= value <= upper")
     return lower, upper
 
 

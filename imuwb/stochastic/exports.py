@@ -141,6 +141,7 @@ def kalibr(model: ImuErrorModel, rate: float, horizon: float) -> str:
         f"update_rate: {rate:g}  # Hz",
     ]
     head = "Kalibr imu.yaml; units as in its wiki, IMU Noise Model: https://github.com/ethz-asl/kalibr/wiki/IMU-Noise-Model"
+    notes += _left_out(model, (WhiteNoise, RandomWalk, GaussMarkov, Constant))
     return _text(head, model, notes, rows)
 
 
@@ -162,6 +163,7 @@ def ros(model: ImuErrorModel, rate: float, horizon: float) -> str:
         rows.append(f"{key}: [{', '.join(f'{v:.10g}' for v in matrix)}]")
     rows.append("orientation_covariance: [-1, 0, 0, 0, 0, 0, 0, 0, 0]  # no orientation")
     head = "ROS sensor_msgs/Imu covariances, per axis in the message's frame: https://docs.ros.org/en/jazzy/p/sensor_msgs/msg/Imu.html"
+    notes += _left_out(model, (WhiteNoise,))
     return _text(head, model, notes, rows)
 
 
@@ -173,7 +175,9 @@ def kf_gins(model: ImuErrorModel, rate: float, horizon: float) -> str:
     ]
     gyro, accel = (Sensor.of(model, name) for name in SENSORS)
     for sensor in (gyro, accel):
-        sensor.largest("N (white noise)", sensor.white, notes)
+        if not all(sensor.white):
+            message = f"the model lacks N on an axis of the {sensor.name}; KF-GINS needs all three (never 0)"
+            raise MissingDataError(message)
     (gyro_sigma, gyro_time), (accel_sigma, accel_time) = _bias(gyro, notes), _bias(accel, notes)
     known = [t for t in (gyro_time, accel_time) if not math.isnan(t)]
     time = max(known) if known else horizon
@@ -195,6 +199,7 @@ def kf_gins(model: ImuErrorModel, rate: float, horizon: float) -> str:
         f"  corrtime: {time / 3600:.8g}  # hr",
     ]
     head = "KF-GINS imunoise, axes forward-right-down; units as in https://github.com/i2Nav-WHU/KF-GINS, dataset/kf-gins.yaml"
+    notes += _left_out(model, (WhiteNoise, GaussMarkov))
     return _text(head, model, notes, rows)
 
 
@@ -234,6 +239,7 @@ def px4(model: ImuErrorModel, rate: float, horizon: float) -> str:
             )
         rows.append(f"{key}\t{held:.6g}\t# {unit}")
     head = "PX4 EKF2 parameters; units and limits as in PX4-Autopilot, src/modules/ekf2/module.yaml"
+    notes += _left_out(model, (WhiteNoise, RandomWalk, GaussMarkov, Constant))
     return _text(head, model, notes, rows)
 
 
@@ -283,6 +289,18 @@ def export(model: ImuErrorModel, tool: str, *, rate: float = 100.0, horizon: flo
         message = f"rate {rate} Hz, horizon {horizon} s: both must be positive"
         raise UsageError(message)
     return FORMATS[tool](model, rate, horizon)
+
+
+def _left_out(model: ImuErrorModel, written: tuple[type, ...]) -> list[str]:
+    """Return which terms of the model the export has no place for."""
+    names: dict[str, list[str]] = {}
+    for axis, content in model.axes.items():
+        seen: set[type] = set()
+        for term in cast("tuple[Any, ...]", content.processes.terms):
+            if not isinstance(term, written) or (isinstance(term, GaussMarkov) and GaussMarkov in seen):
+                names.setdefault(term.name.replace("_", " "), []).append(axis)
+            seen.add(type(term))
+    return [f"left out, no place here: {name} of {', '.join(axes)}" for name, axes in names.items()]
 
 
 def _text(head: str, model: ImuErrorModel, notes: list[str], rows: list[str]) -> str:

@@ -134,7 +134,7 @@ def _clock_notes(sensor: str, clock: Sampling) -> list[str]:
     if clock.breaks:
         found.append(
             f"{sensor}: {len(clock.breaks)} gaps, {clock.missing:.3g} s in all: where they leave too few differences, averaging "
-            f"times are bridged by pairs of samples; likelihood, wavelet variances and lines need a record without"
+            f"times are bridged by block means; likelihood, wavelet variances and lines need a record without"
         )
     if clock.jitter > JITTER:
         found.append(

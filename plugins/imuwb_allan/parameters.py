@@ -36,8 +36,8 @@ class Parameters:
 
     def __post_init__(self) -> None:
         """Check the values."""
-        if not 0.5 <= self.level < 1:  # noqa: PLR2004 - less than even odds is no confidence
-            message = f"level is {self.level}; it must be at least 0.5 and below 1"
+        if not 0.6 <= self.level < 1:  # noqa: PLR2004 - a limit at even odds is none
+            message = f"level is {self.level}; it must be at least 0.6 and below 1"
             raise ValueError(message)
         text = self.averaging_times
         kind, _, number = text.partition(":")

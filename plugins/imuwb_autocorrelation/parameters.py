@@ -24,6 +24,6 @@ class Parameters:
         if not 0 <= self.denoise <= DEEPEST:
             message = f"denoise is {self.denoise} levels; it must be 0 to {DEEPEST}"
             raise ValueError(message)
-        if not 0.5 <= self.level < 1:  # noqa: PLR2004 - less than even odds is no confidence
-            message = f"level is {self.level}; it must be at least 0.5 and below 1"
+        if not 0.6 <= self.level < 1:  # noqa: PLR2004 - a limit at even odds is none
+            message = f"level is {self.level}; it must be at least 0.6 and below 1"
             raise ValueError(message)

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from imuwb_autoregressive.parameters import Parameters
 
 CONVENTION = "x(n) = -sum alpha_k x(n-k) + beta0 w(n); libraries that print phi mean -alpha"
+FEWEST = 128  #: samples
 ROUNDING = 1e-3  #: of a rate, that it may miss a whole fraction by
 
 
@@ -45,7 +46,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
 def _axis(axis: Axis, parameters: Parameters) -> AxisResult:
     unit, clock = coefficient_units(axis.name, "rate")[0].name, axis.clock
     series = np.ascontiguousarray(axis.values)
-    why = unsuitable(series, 4 * parameters.orders + 16)
+    why = unsuitable(series, max(4 * parameters.orders + 16, FEWEST))
     if why is None:
         try:
             fit = fit_autoregressive(
@@ -86,11 +87,10 @@ def _remarks(found: AxisResult) -> list[str]:
         return []
     first = found.orders[0]
     said = [f"AR(1): alpha {first.alpha[0]:.4g} ± {first.alpha_sigma[0]:.1g}, {found.reading.partition(': ')[2]}"]
+    tested = ", ".join(str(w.order) for w in found.whiteness)
     tenable = [w.order for w in found.whiteness if w.probability > 0.01]  # noqa: PLR2004 - 99 %
     said.append(
-        f"AR({tenable[0]}) is tenable"
-        if tenable
-        else f"no AR model up to order {found.orders[-1].order} leaves white innovations"
+        f"AR({tenable[0]}) is tenable" if tenable else f"of the orders tested ({tested}) none leaves white innovations"
     )
     return said
 

@@ -98,7 +98,7 @@ def _verdicts(axes: dict[str, AxisResult]) -> Table:
             tenable = "white: tenable" if w.probability > 0.01 else "not white: the order is not tenable"  # noqa: PLR2004 - 99 %
             rows.append((axis, str(w.order), f"{w.statistic:.4g}", f"{w.probability:.2g}", f"{w.largest:.2g}", tenable))
         rows.append((axis, "1", "", "", "", found.reading))
-    headings = ("axis", "order", "Ljung-Box, 20 lags", "p", "largest correlation", "verdict")
+    headings = ("axis", "order", "Ljung-Box, order + 20 lags", "p", "largest correlation", "verdict")
     return Table(
         "Are the innovations white?",
         headings,

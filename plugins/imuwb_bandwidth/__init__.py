@@ -41,7 +41,10 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, dict[str, Lowpass]
 
     text = f"cutoff={parameters.cutoff:g},kind={parameters.kind},order={parameters.order}"
     changed = condition_streams(log, Conditioning("bandwidth", text, causal=True, delay=0.0), design)
-    made = Conditioning("bandwidth", text, causal=True, delay=max(f.delay for f in found.values()))
+    reached = ", ".join(f"{sensor} {f.cutoff:.4g} Hz" for sensor, f in found.items())
+    made = Conditioning(
+        "bandwidth", text, causal=True, delay=max(f.delay for f in found.values()), note=f"-3 dB at {reached}"
+    )
     return replace(changed, conditioning=(*log.conditioning, made)), found
 
 

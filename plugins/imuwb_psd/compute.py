@@ -82,7 +82,7 @@ def _named(axis: str, line: Line, lines: Sequence[Line]) -> LineResult:
 
 
 def _white_to(spectrum: PowerSpectrum, fit: SpectralFit) -> tuple[float | None, float]:
-    """Return the frequency from which on the spectrum stays off its white level, and by what factor; None where it does not."""
+    """Return where, above the fitted band, the spectrum first leaves the fit, and by what factor it is off from there on; None: nowhere."""
     white = fit.coefficients["N"].value
     if white is None:
         return None, 1.0

@@ -21,6 +21,6 @@ class Parameters:
         if not 64 <= self.segment <= LONGEST:  # noqa: PLR2004 - fewer have no spectrum worth the name
             message = f"segment is {self.segment}; it must be 64 to {LONGEST} samples"
             raise ValueError(message)
-        if not 0.5 <= self.level < 1:  # noqa: PLR2004 - less than even odds is no confidence
-            message = f"level is {self.level}; it must be at least 0.5 and below 1"
+        if not 0.6 <= self.level < 1:  # noqa: PLR2004 - a limit at even odds is none
+            message = f"level is {self.level}; it must be at least 0.6 and below 1"
             raise ValueError(message)

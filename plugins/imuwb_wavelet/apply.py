@@ -63,7 +63,7 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, Applied]:
         return Change(apply, 16)
 
     def axis(values: Floats, name: str, rate: float) -> Floats:
-        level = _level(values, name, rate, parameters, list(triads).index(name))
+        level = _level(values, rate, parameters, list(triads).index(name))
         series = np.ascontiguousarray(values)
         if parameters.causal:
             done = denoise_causally(
@@ -86,13 +86,12 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, Applied]:
     )
 
 
-def _level(values: Floats, name: str, rate: float, parameters: Parameters, place: int) -> int:
+def _level(values: Floats, rate: float, parameters: Parameters, place: int) -> int:
     if parameters.levels != "auto":
         parts = parameters.levels.split("/")
         return int(parts[place if len(parts) > 1 else 0])
     if parameters.motion_band != "measured":
         return level_of_band(rate, float(parameters.motion_band))
-    del name
     block = max(round(rate), 8)
     blocks = values[: values.size // block * block].reshape(-1, block)
     quiet = float(np.quantile(blocks.std(axis=1), QUIETEST))
