@@ -2,55 +2,44 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING
 
-from imuwb.stochastic import AxisModel, Constant, ImuErrorModel, Sinusoid, Sum
+from imuwb.stochastic import AxisModel, Constant, FlickerNoise, ImuErrorModel, Quantization, RandomWalk, Sum, WhiteNoise
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from imuwb.recipes.repeatability import Repeatability
+    from imuwb.stochastic import Process
+
+_TERMS = {"Q": Quantization, "N": WhiteNoise, "B": FlickerNoise, "K": RandomWalk}
 
 
 def combined(models: Sequence[ImuErrorModel], together: Repeatability | None) -> ImuErrorModel:
-    """Return one log's model, or several logs' as one: their terms, and the turn-on bias as a constant.
+    """Return one log's model; of several logs the coefficients that at least two of them show, and the turn-on bias.
 
-    A term is in it where half of the logs show it; its parameters are root mean squares. Lines are left to the single logs.
+    Each coefficient is the logs' weighted mean, in one sum Q, N, B, K: logs may prefer different sums, of which the terms
+    mean different things. Lines are left to the single logs.
     """
     if together is None:
         return models[0]
-    axes = {axis: _axis(axis, [m.axes[axis] for m in models if axis in m.axes], together) for axis in models[0].axes}
+    axes = {axis: _axis(axis, together) for axis in together.coefficients}
     source = "; ".join(f"{key} {i + 1}: {text}" for i, m in enumerate(models) for key, text in m.provenance.items())
     return ImuErrorModel(models[0].name, axes, {"logs": source})
 
 
-def _axis(axis: str, models: Sequence[AxisModel], together: Repeatability) -> AxisModel:
-    found: dict[type, list[Any]] = {}
-    for model in models:
-        for term in model.processes.terms:
-            if not isinstance(term, Sinusoid):
-                found.setdefault(type(term), []).append(term)
-    terms: list[Any] = [_mean(same) for same in found.values() if 2 * len(same) >= len(models)]
+def _axis(axis: str, together: Repeatability) -> AxisModel:
+    terms: list[Process] = []
     intervals: dict[str, tuple[float, float]] = {}
-    for i, term in enumerate(terms):
-        for f in fields(term):
-            compared = together.coefficients.get(axis, {}).get(f.name)
-            if compared is not None and compared.mean is not None and compared.mean_interval is not None:
-                terms[i] = replace(term, **{f.name: compared.mean})
-                intervals[f"{i}.{f.name}"] = compared.mean_interval
-    if axis in together.turn_on:
-        turn_on = together.turn_on[axis]
+    limits: dict[str, float] = {}
+    for letter, compared in together.coefficients[axis].items():
+        if compared.mean is not None and compared.mean_interval is not None:
+            intervals[f"{len(terms)}.{letter}"] = compared.mean_interval
+            terms.append(_TERMS[letter](compared.mean))
+        elif known := [upper for upper in compared.upper if upper is not None]:
+            limits[letter] = min(known)
+    turn_on = together.turn_on[axis]
+    if turn_on.value is not None and turn_on.lower is not None:
         intervals[f"{len(terms)}.sigma"] = (turn_on.lower, turn_on.upper)
-        terms.append(Constant(turn_on.sigma))
-    return AxisModel(Sum(tuple(terms)), intervals)
-
-
-def _mean(terms: list[Any]) -> Any:  # noqa: ANN401 - whatever process it is given
-    def rms(name: str) -> float:
-        values = [cast("float", getattr(term, name)) for term in terms]
-        return (sum(v * v for v in values) / len(values)) ** 0.5
-
-    return replace(
-        terms[0], **{f.name: rms(f.name) for f in fields(terms[0]) if isinstance(getattr(terms[0], f.name), float)}
-    )
+        terms.append(Constant(turn_on.value))
+    return AxisModel(Sum(tuple(terms)), intervals, limits)

@@ -12,11 +12,12 @@ import numpy as np
 from scipy import stats
 
 from imuwb.analysis import Table, estimate_text
-from imuwb.errors import MissingDataError
+from imuwb.errors import MissingDataError, UsageError
+from imuwb.log import SECOND
 from imuwb.units import coefficient_units
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from imuwb.analysis import AnyCoefficient, Finding, Review
     from imuwb.log import Log
@@ -44,9 +45,9 @@ class TurnOn:
     """How the mean of an axis changes from log to log. SI."""
 
     means: tuple[float, ...]
-    sigma: float
-    lower: float
-    upper: float
+    value: float | None  #: sigma; None where the means scatter no more than the noise within the logs makes them
+    lower: float | None
+    upper: float  #: or the limit
     unit: str
 
 
@@ -66,7 +67,12 @@ def compare(logs: Sequence[Log], findings: Sequence[Sequence[Finding]], level: f
 
     Raises:
         MissingDataError: they have no axis in common.
+        UsageError: a log is given twice.
     """
+    hashes = [log.provenance.hash for log in logs]
+    if len(set(hashes)) < len(hashes):
+        message = f"{', '.join(log.provenance.path for log in logs)}: the same log is given twice; it cannot be compared with itself"
+        raise UsageError(message)
     headlines = [{f.axis: f.coefficients for f in found if f.headline} for found in findings]
     common = [axis for axis in headlines[0] if all(axis in h for h in headlines)]
     if not common:
@@ -77,7 +83,8 @@ def compare(logs: Sequence[Log], findings: Sequence[Sequence[Finding]], level: f
         for axis in common
     }
     turn_on = {
-        axis: _turn_on(axis, [float(log.imu().axes()[axis][1].mean()) for log in logs], level) for axis in common
+        axis: _turn_on(axis, [_mean(log, axis, h[axis]) for log, h in zip(logs, headlines, strict=True)], level)
+        for axis in common
     }
     names = tuple(log.provenance.path.replace("\\", "/").rpartition("/")[2] for log in logs)
     return Repeatability(level, names, coefficients, turn_on, _differ(coefficients))
@@ -119,12 +126,25 @@ def _differ(coefficients: dict[str, dict[str, Compared]]) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _turn_on(axis: str, means: list[float], level: float) -> TurnOn:
+def _mean(log: Log, axis: str, coefficients: Mapping[str, AnyCoefficient]) -> tuple[float, float]:
+    """Return the mean of an axis, and the variance that the noise within the log gives it."""
+    time, values = log.imu().axes()[axis]
+    duration = float(time[-1] - time[0]) / SECOND
+    n, b, k = (coefficients[x].value or 0.0 for x in "NBK")
+    return float(values.mean()), n**2 / duration + 2 * np.log(2) / np.pi * b**2 + k**2 * duration / 3
+
+
+def _turn_on(axis: str, found: list[tuple[float, float]], level: float) -> TurnOn:
+    means = tuple(mean for mean, _ in found)
     n = len(means)
-    square = float(np.var(means, ddof=1))
+    square, noise = float(np.var(means, ddof=1)), float(np.mean([variance for _, variance in found]))
+    unit = coefficient_units(axis, "rate")[0].name
     tail = (1 - level) / 2
-    lower, upper = (((n - 1) * square / float(stats.chi2.ppf(q, n - 1))) ** 0.5 for q in (1 - tail, tail))
-    return TurnOn(tuple(means), square**0.5, lower, upper, coefficient_units(axis, "rate")[0].name)
+    lower, upper = ((n - 1) * square / float(stats.chi2.ppf(q, n - 1)) - noise for q in (1 - tail, tail))
+    if lower <= 0:  # the noise within the logs explains it
+        limit = (n - 1) * square / float(stats.chi2.ppf(1 - level, n - 1))
+        return TurnOn(means, None, None, max(limit, noise) ** 0.5, unit)
+    return TurnOn(means, max(square - noise, lower) ** 0.5, lower**0.5, upper**0.5, unit)
 
 
 def draw(found: Repeatability, review: Review) -> None:
@@ -160,8 +180,8 @@ def draw(found: Repeatability, review: Review) -> None:
     for axis, t in found.turn_on.items():
         unit = coefficient_units(axis, "rate")[1]
         means = (f"{unit.from_si(m):.6g} {unit.name}" for m in t.means)
-        turns.append((axis, *means, estimate_text(_One(t.sigma, t.lower, t.upper), unit)))
-    caption = "Mean of each log, and how the means scatter: the turn-on bias's sigma, which goes into the model. An accelerometer must not have been moved."
+        turns.append((axis, *means, estimate_text(t, unit)))
+    caption = "Mean of each log, and how the means scatter beyond the noise within the logs: the turn-on bias's sigma, which goes into the model; < is a limit. An accelerometer must not have been moved."
     review.table(Table("Turn-on bias", ("axis", *found.names, "sigma"), tuple(turns), caption))
 
 

@@ -121,7 +121,6 @@ def _long_enough(coefficients: dict[str, CoefficientResult], duration: float) ->
     needed = 10 * float((-c + np.sqrt(c**2 - 4 * a * d)) / (2 * a))
     if needed < LONGER * duration:
         return None
-    text = (
-        f"{needed / 3600:.0f} h" if needed > 7200 else f"{needed / 60:.0f} min" if needed > 120 else f"{needed:.0f} s"
-    )  # noqa: PLR2004 - two hours, two minutes
+    unit, size = next((u, x) for u, x in (("h", 3600.0), ("min", 60.0), ("s", 1.0)) if needed > 2 * x or u == "s")
+    text = f"{needed / size:.0f} {unit}"
     return f"one as large as its limit would show in {text}"

@@ -74,11 +74,15 @@ def test_no_output_knows_of_later_samples():
     assert (was[300 - lowpass.settling] != now[300 - lowpass.settling]).all()
 
 
-def test_a_moving_average_of_one_sample_leaves_all_as_it_is():
-    lowpass = design_lowpass(100.0, 45.0, "moving-average")
-    x = np.random.default_rng(1).standard_normal((40, 3))
-    np.testing.assert_array_equal(lowpass.apply(x), x)
-    assert (lowpass.delay, lowpass.settling) == (0, 0)
+def test_a_moving_average_of_one_sample_is_refused():
+    with pytest.raises(ValueError, match="one sample wide"):
+        design_lowpass(100.0, 45.0, "moving-average")
+
+
+def test_a_moving_average_says_where_its_3_db_really_lie():
+    lowpass = design_lowpass(100.0, 20.0, "moving-average")
+    assert lowpass.width == 2
+    assert lowpass.cutoff == pytest.approx(22.1, abs=0.1)
 
 
 @pytest.mark.parametrize("cutoff", [0, -1, 50, 50.1, float("nan"), float("inf")])

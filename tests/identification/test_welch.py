@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from imuwb.identification.welch import welch
+from imuwb.identification.welch import independent, welch
 
 DT = 0.02
 
@@ -21,18 +21,20 @@ def test_equals_scipys_with_the_same_segments(n, size):
     np.testing.assert_allclose(density, expected, rtol=1e-8, atol=1e-12 * expected.max())
 
 
-def test_segments_are_worth_what_their_scatter_says():
+@pytest.mark.parametrize("width", [1, 2, 8])
+def test_means_are_worth_what_their_scatter_says(width):
     size, n = 64, 64 * 16
-    draws = [welch(np.random.default_rng(seed).standard_normal(n), DT, size) for seed in range(400)]
-    worth = draws[0][1]
-    power = np.array([density for density, _ in draws])[:, 4:-4]
+    draws = [welch(np.random.default_rng(10_000 + seed).standard_normal(n), DT, size) for seed in range(2000)]
+    count = draws[0][1]
+    assert count == 31
+    power = np.array([density for density, _ in draws])[:, 4:28].reshape(len(draws), -1, width).mean(axis=2)
     seen = np.mean(power.mean(axis=0) ** 2 / power.var(axis=0))
-    assert worth == pytest.approx(seen, rel=0.05)
-    assert n / size < worth < 2 * n / size - 1
+    assert independent(count, width) == pytest.approx(seen, rel=0.05)
 
 
 def test_one_segment_is_worth_one():
     assert welch(np.random.default_rng(0).standard_normal(100), DT, 100)[1] == 1
+    assert independent(1) == 1
 
 
 def test_white_noise_has_twice_its_two_sided_density():

@@ -1,8 +1,6 @@
-import pytest
-
 from imuwb.recipes.model import combined
 from imuwb.recipes.repeatability import Compared, Repeatability, TurnOn
-from imuwb.stochastic import AxisModel, Constant, FlickerNoise, ImuErrorModel, Sinusoid, Sum, WhiteNoise
+from imuwb.stochastic import AxisModel, Constant, GaussMarkov, ImuErrorModel, Sinusoid, Sum, WhiteNoise
 
 
 def model(*terms, name="m"):
@@ -31,17 +29,10 @@ def test_several_logs_have_the_weighted_mean_and_the_turn_on_bias():
     assert ImuErrorModel.from_toml(found.to_toml()) == found
 
 
-def test_a_term_that_half_of_the_logs_show_is_in_the_model_as_a_root_mean_square():
-    models = [
-        model(WhiteNoise(2.0), FlickerNoise(1.0)),
-        model(WhiteNoise(3.0), FlickerNoise(7.0)),
-        model(WhiteNoise(3.0)),
-        model(WhiteNoise(3.0)),
-    ]
-    terms = combined(models, together()).axes["gyro_x"].processes.terms
-    assert FlickerNoise(5.0) in terms
-    terms = combined([*models, model(WhiteNoise(3.0))], together()).axes["gyro_x"].processes.terms
-    assert not any(isinstance(t, FlickerNoise) for t in terms)
+def test_logs_that_prefer_different_sums_are_combined_in_one():
+    models = [model(WhiteNoise(2.0), GaussMarkov(1.0, 10.0)), model(WhiteNoise(3.0), GaussMarkov(3.0, 1000.0))]
+    axis = combined(models, together()).axes["gyro_x"]
+    assert axis.processes.terms == (WhiteNoise(2.5), Constant(0.7))
 
 
 def test_lines_are_left_to_the_single_logs():
@@ -50,8 +41,16 @@ def test_lines_are_left_to_the_single_logs():
     assert not any(isinstance(t, Sinusoid) for t in terms)
 
 
-def test_without_a_weighted_mean_it_is_the_root_mean_square():
+def test_what_fewer_than_two_logs_show_is_a_limit():
     axis = combined([model(WhiteNoise(1.0)), model(WhiteNoise(7.0))], together(None, None)).axes["gyro_x"]
-    assert axis.processes.terms[0] == WhiteNoise(5.0)
-    assert "0.N" not in axis.intervals
-    assert axis.intervals["1.sigma"] == pytest.approx((0.3, 20.0))
+    assert axis.processes.terms == (Constant(0.7),)
+    assert axis.limits == {"N": 2.1}
+
+
+def test_a_turn_on_bias_that_is_not_there_is_not_in_the_model():
+    found = together()
+    found = Repeatability(
+        0.95, found.names, found.coefficients, {"gyro_x": TurnOn((1.0, 1.0), None, None, 0.2, "rad/s")}, ()
+    )
+    terms = combined([model(WhiteNoise(1.0)), model(WhiteNoise(7.0))], found).axes["gyro_x"].processes.terms
+    assert terms == (WhiteNoise(2.5),)

@@ -3,7 +3,7 @@ import pytest
 from scipy import stats
 
 from imuwb.analysis import Finding
-from imuwb.errors import MissingDataError
+from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification import Coefficient
 from imuwb.log import SECOND, ImuStream, Log, Provenance, Triad
 from imuwb.recipes.repeatability import compare
@@ -13,7 +13,8 @@ def log(mean, name="a.csv"):
     time = np.arange(4) * SECOND
     value = np.array([[mean, mean, mean]] * 4) + np.array([[1.0], [-1.0], [2.0], [-2.0]])
     return Log(
-        Provenance(f"/some/where/{name}", "csv", "sha256:", 0), imus=(ImuStream("/imu", Triad(time, value), None),)
+        Provenance(f"/some/where/{name}", "csv", f"sha256:{name}{mean}", 0),
+        imus=(ImuStream("/imu", Triad(time, value), None),),
     )
 
 
@@ -89,13 +90,26 @@ def test_a_term_that_fewer_than_two_logs_show_is_not_compared():
 
 def test_the_turn_on_bias_is_the_scatter_of_the_means():
     logs = [log(m) for m in (0.1, 0.3, 0.2, -0.1)]
-    turn_on = compare(logs, [(finding(1.0),)] * 4, 0.95).turn_on["gyro_x"]
+    turn_on = compare(logs, [(finding(0.01),)] * 4, 0.95).turn_on["gyro_x"]
     assert turn_on.means == pytest.approx((0.1, 0.3, 0.2, -0.1))
-    sigma = np.std([0.1, 0.3, 0.2, -0.1], ddof=1)
-    assert turn_on.sigma == pytest.approx(sigma)
-    assert turn_on.lower == pytest.approx((3 * sigma**2 / stats.chi2.ppf(0.975, 3)) ** 0.5)
-    assert turn_on.upper == pytest.approx((3 * sigma**2 / stats.chi2.ppf(0.025, 3)) ** 0.5)
+    noise = 0.01**2 / 3  # of the mean of 3 s
+    square = np.var([0.1, 0.3, 0.2, -0.1], ddof=1)
+    assert turn_on.value == pytest.approx((square - noise) ** 0.5)
+    assert turn_on.lower == pytest.approx((3 * square / stats.chi2.ppf(0.975, 3) - noise) ** 0.5)
+    assert turn_on.upper == pytest.approx((3 * square / stats.chi2.ppf(0.025, 3) - noise) ** 0.5)
     assert turn_on.unit == "rad/s"
+
+
+def test_means_that_scatter_as_the_noise_makes_them_have_no_turn_on_bias():
+    logs = [log(m) for m in (0.1, 0.3, 0.2, -0.1)]
+    turn_on = compare(logs, [(finding(1.0),)] * 4, 0.95).turn_on["gyro_x"]
+    assert (turn_on.value, turn_on.lower) == (None, None)
+    assert turn_on.upper >= 3**-0.5
+
+
+def test_a_log_is_not_compared_with_itself():
+    with pytest.raises(UsageError, match="given twice"):
+        compare([log(0.0), log(0.0)], [(finding(1.0),)] * 2, 0.95)
 
 
 def test_logs_without_a_common_axis_cannot_be_compared():
