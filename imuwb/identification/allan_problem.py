@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import linalg, optimize, stats
 
-from imuwb.identification.allan_statistics import Moments, moments
+from imuwb.identification.allan_statistics import Moments, equivalent_degrees_of_freedom, moments
 from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, WhiteNoise
 
 if TYPE_CHECKING:
@@ -25,6 +25,17 @@ PROCESSES = {"Q": Quantization, "N": WhiteNoise, "B": FlickerNoise, "K": RandomW
 LETTERS = tuple(PROCESSES)
 ROUNDS = 6
 LEAST_EIGENVALUE = 1e-9  #: of a correlation matrix
+
+
+def _thinned_by_gaps(curve: AllanDeviation, chosen: NDArray[np.int64], n: int) -> Floats:
+    """Return how much wider than in a record of n samples without gaps each Allan variance scatters, at least 1."""
+    whole = [
+        equivalent_degrees_of_freedom(int(m), n, int(a))
+        for m, a in zip(curve.factor[chosen], curve.noise_type[chosen], strict=True)
+    ]
+    if (curve.terms[chosen] >= n + 1 - 2 * curve.factor[chosen]).all():
+        return np.ones(chosen.size)
+    return np.sqrt(np.maximum(np.array(whole) / curve.degrees_of_freedom[chosen], 1.0))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -57,7 +68,8 @@ class Problem:
             part = line.process(curve.dt).allan_variance(tau, curve.dt)
             variance, by_lines = variance - part, by_lines + part
             of_lines += np.outer(part, part) * (line.power_sigma / line.amplitude**2) ** 2
-        return Problem(curve.dt, tau, variance, design, by_lines, of_lines, moments(tuple(int(m) for m in factor), n))
+        known = moments(tuple(int(m) for m in factor), n).scaled(_thinned_by_gaps(curve, chosen, n))
+        return Problem(curve.dt, tau, variance, design, by_lines, of_lines, known)
 
     def since(self, first: int) -> Problem:
         """Return the problem without its ``first`` shortest averaging times."""

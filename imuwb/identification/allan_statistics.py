@@ -147,6 +147,11 @@ class Moments:
     squares: Floats  #: (k, k, 4, 4)
     linear: Floats  #: (k, k, 4) for the cross terms with a ramp
 
+    def scaled(self, wider: Floats) -> Moments:
+        """Return the moments of variances that scatter so many times wider, (k,)."""
+        both = np.outer(wider, wider)
+        return Moments(self.factor, self.squares * both[:, :, None, None], self.linear * both[:, :, None])
+
     def covariance(self, squared: Floats, ramp: float, dt: float) -> Floats:
         """Return the covariance of the Allan variances.
 
