@@ -76,7 +76,13 @@ class LikelihoodProblem:
         )
 
     def solve(
-        self, active: Sequence[int], *, ramp: bool = True, start: Floats | None = None, held: Floats | None = None
+        self,
+        active: Sequence[int],
+        *,
+        ramp: bool = True,
+        start: Floats | None = None,
+        held: Floats | None = None,
+        close: float = CLOSE,
     ) -> Solution:
         """Return the likeliest squares of the active terms.
 
@@ -85,6 +91,7 @@ class LikelihoodProblem:
             ramp: estimate a ramp too.
             start: (t,) where to begin.
             held: (t,) squares of terms that are in the sum, but not free.
+            close: change of the deviance at which scoring ends.
         """
         free = list(active)
         held = np.zeros(self.design.shape[1]) if held is None else held
@@ -102,7 +109,7 @@ class LikelihoodProblem:
                 step /= 2
                 new = self._score(squared + step * (wanted - squared), ramp=ramp)
             squared = squared + step * (wanted - squared)
-            done = abs(now.deviance - new.deviance) <= CLOSE
+            done = abs(now.deviance - new.deviance) <= close
             now = new
             if done:
                 break

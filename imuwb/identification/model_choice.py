@@ -13,7 +13,7 @@ import numpy as np
 
 from imuwb.identification.cosine_spectrum import FEWEST
 from imuwb.identification.likelihood_fit import TERMS, spectrum_without
-from imuwb.identification.likelihood_problem import LikelihoodProblem
+from imuwb.identification.likelihood_problem import CLOSE, LikelihoodProblem
 from imuwb.stochastic import GaussMarkov, Sum
 
 if TYPE_CHECKING:
@@ -31,7 +31,8 @@ if TYPE_CHECKING:
 #: Letters of ``TERMS``; M is a Gauss-Markov term. Those with Q are tried where a record shows any.
 SUMS = ("N", "NB", "NK", "NBK", "NM", "NMK", "NMM", "QN", "QNB", "QNK", "QNBK", "QNM", "QNMK", "QNMM")
 GRID = 12  #: correlation times that are tried
-SWEEPS = 4
+SEARCHING = 0.05  #: change of the deviance that ends a solution while correlation times are sought
+SWEEPS = 3
 REFINEMENTS = 6
 QUANTIZED = 2.7  #: fall of the deviance for which sums with quantization are tried
 CLEAR = 10.0  #: difference of information criteria that is called clear (Kass and Raftery 1995)
@@ -100,14 +101,15 @@ def choose_model(
     if without - everything < QUANTIZED:
         sums = [text for text in sums if "Q" not in text]
     found: list[Candidate] = []
-    for text in sums:
+    for text in sorted(sums, key=lambda text: text.count("M")):
+        if text.count("M") > 1 and len(sums) > 1 and not _gauss_markov_may_win(found):
+            continue
         fitted = whole.fit(text)
         a, b = first.fit(text, fitted.times), second.fit(text, fitted.times)
         out = first.deviance(b.processes, b.squared) + second.deviance(a.processes, a.squared)
         k = len(text) + text.count("M")
-        found.append(
-            _candidate(" + ".join(text).replace("M", "GM"), fitted.sum(), k, fitted.deviance, whole.count, out)
-        )
+        name = " + ".join(text).replace("M", "GM")
+        found.append(_candidate(name, fitted.sum(), k, fitted.deviance, whole.count, out))
     for model in models:
         one = np.ones(1)
         deviance = whole.deviance([model], one)
@@ -121,6 +123,12 @@ def choose_model(
         len(ranked) > 1 and ranked[1].bic - best.bic > CLEAR and best.out_of_sample in (None, min(tested, default=None))
     )
     return ModelChoice(tuple(ranked), float(whole.problem([TERMS["N"](1.0)]).frequency[-1]), clear)
+
+
+def _gauss_markov_may_win(found: Sequence[Candidate]) -> bool:
+    """Return whether sums with one Gauss-Markov term are not clearly worse than those with flicker, which two would imitate."""
+    one, flicker = (min((c.bic for c in found if word in c.name.split(" + ")), default=np.inf) for word in ("GM", "B"))
+    return bool(one < flicker + CLEAR)
 
 
 def _candidate(name: str, processes: Sum, k: int, deviance: float, n: float, out: float | None) -> Candidate:
@@ -211,13 +219,13 @@ class _Record:
         return a if at_a < at_b else b
 
     def _deviance(self, fixed: list[Process], log_times: list[float]) -> float:
-        return self._solved(fixed, tuple(float(np.exp(t)) for t in log_times)).deviance
+        return self._solved(fixed, tuple(float(np.exp(t)) for t in log_times), SEARCHING).deviance
 
-    def _solved(self, fixed: list[Process], times: tuple[float, ...]) -> _Fitted:
+    def _solved(self, fixed: list[Process], times: tuple[float, ...], close: float = CLOSE) -> _Fitted:
         processes = [*fixed, *(GaussMarkov(1.0, t) for t in times)]
         # Correlation times that are near each other have like squares.
         near = self._last.get(len(processes)) if times else None
         start = None if near is None else near.clip(near.max() * 1e-9)
-        solution: Solution = self.problem(processes).solve(range(len(processes)), ramp=False, start=start)
+        solution: Solution = self.problem(processes).solve(range(len(processes)), ramp=False, start=start, close=close)
         self._last[len(processes)] = solution.squared
         return _Fitted(processes, solution.squared, solution.deviance, times)
