@@ -26,7 +26,7 @@ from imuwb.stochastic import Sum
 
 QUESTION = "What thinning costs the Allan deviation"
 SAMPLES, POINTS = 1_080_000, "log:90"
-HELP = 0.06  #: of an interval's half width, as the help of the option says
+HELP = 0.25  #: of an interval's half width, as the help of the option says
 DECADES = ((16, 64), (64, 1024), (1024, 16384), (16384, 1 << 30))  #: of factors; below, nothing is thinned
 TYPES = {"Q": 2, "N": 0, "B": -1, "K": -2}
 NAMES = (*TRUTH, "Q + N + B + K", "N + B + K")
