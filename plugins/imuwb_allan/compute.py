@@ -13,6 +13,7 @@ from imuwb import __version__
 from imuwb.analysis import CoefficientResult, LineResult
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification import allan, deviation, find_lines, fit_allan, stillness
+from imuwb.identification.suitable import unsuitable
 from imuwb.log import source_of
 from imuwb.sampling import Sampling, sampling
 from imuwb.stochastic import AxisModel, GaussMarkov, ImuErrorModel, Sinusoid, Sum
@@ -36,7 +37,6 @@ FAST = (
     "a quarter of its interval's half width (quantization noise, of which thinning loses most, has wider intervals instead)"
 )
 FEWEST = 100  #: samples; fewer have no curve worth the name
-LARGEST = 1e12  #: rad/s or m/s²
 JITTER = 0.2  #: of the sampling interval
 
 
@@ -145,12 +145,9 @@ def _clock_notes(sensor: str, clock: Sampling) -> list[str]:
 
 
 def _axis(axis: str, time: Nanoseconds, values: Floats, clock: Sampling, parameters: Parameters) -> AxisResult:
-    if np.ptp(values) == 0:
-        return _nothing(axis, "the channel is constant: stuck, or not connected")
-    if (most := float(np.abs(values).max())) > LARGEST:
-        return _nothing(
-            axis, f"it holds a value of {most:.3g}, which no sensor puts out; leave its time out with --start and --end"
-        )
+    why = unsuitable(values, 1)
+    if why is not None:
+        return _nothing(axis, why)
     values = np.ascontiguousarray(values)
     try:
         curve = allan(
