@@ -118,6 +118,19 @@ def _join(batches: list[Batch], noted: list[Repair]) -> _Rows:
     if not possible.all():
         counts["rows whose time cannot be left out"] = int(np.count_nonzero(~possible))
         time, columns = _take(time, columns, possible)
+    time, columns = _mend_time(time, columns, counts)
+    repairs = (*first.origin.repairs, *noted, *(Repair(what, count) for what, count in counts.items()))
+    noted.clear()
+    return _Rows(first.stream, first.kind, replace(first.origin, repairs=repairs), time, columns)
+
+
+def _mend_time(
+    time: Nanoseconds, columns: dict[str, Floats], counts: dict[str, int]
+) -> tuple[Nanoseconds, dict[str, Floats]]:
+    """Return rows whose time increases, and count what was mended."""
+    steps = np.diff(time)
+    if steps.size and steps.min() > 0 and steps.max() <= CLOCK_STEP:
+        return time, columns  # as nearly all logs are
     alone = _lone(time)
     others = time[~alone]
     # A lone row within the log's time is only late; one before or behind all others has a damaged stamp.
@@ -141,9 +154,7 @@ def _join(batches: list[Batch], noted: list[Repair]) -> _Rows:
         if repeated.any():
             counts["rows that repeat the time before left out"] = int(np.count_nonzero(repeated))
             time, columns = _take(time, columns, ~repeated)
-    repairs = (*first.origin.repairs, *noted, *(Repair(what, count) for what, count in counts.items()))
-    noted.clear()
-    return _Rows(first.stream, first.kind, replace(first.origin, repairs=repairs), time, columns)
+    return time, columns
 
 
 def _take(

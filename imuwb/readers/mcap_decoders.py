@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, cast
 import numpy as np
 
 from imuwb.readers import ros_layout
-from imuwb.readers.mcap_records import gather
+from imuwb.readers.gather import gather
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -81,8 +81,11 @@ class _RosDecoder:
     def decode(self, messages: Messages, rows: Rows, paths: tuple[str, ...]) -> Iterator[Piece]:
         start, length = messages.start[rows], messages.length[rows]
         for group in ros_layout.groups(self._plan, paths, self._wire, messages.buffer, start, length):
-            records = gather(messages.buffer, start[group.rows], group.dtype)
-            yield {path: records[path] for path in paths}, rows[group.rows]
+            at = start[group.rows]
+            yield (
+                {p.path: gather(messages.buffer, at + p.offset, p.kind, p.count) for p in group.places},
+                rows[group.rows],
+            )
 
 
 class _ObjectDecoder:
@@ -158,8 +161,12 @@ def _paths(message: Any, prefix: str = "", depth: int = 0) -> Iterator[str]:  # 
 
 
 def _dig(message: object, path: str) -> float | list[float]:
-    for name in path.split("."):
+    whole, first, _ = path.partition("[0]")
+    for name in whole.split("."):
         message = cast("dict[str, object]", message)[name] if isinstance(message, dict) else getattr(message, name)
+    if first:
+        numbers = cast("list[float]", message)
+        return float(numbers[0]) if len(numbers) else 0.0
     if path.endswith("covariance"):
         return [float(x) for x in cast("list[float]", message)]
     return float(cast("float", message))

@@ -11,14 +11,16 @@ from imuwb.errors import UnreadableLogError
 from imuwb.log import Origin
 from imuwb.readers import mcap_records, shapes
 from imuwb.readers.batch import Batch, ReadOptions, Remark
+from imuwb.readers.gather import alike
 from imuwb.readers.mcap_decoders import CannotDecodeError, Decoder, decoder_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
 
+    from imuwb.readers.mcap_decoders import Piece
     from imuwb.readers.mcap_records import Channel, Messages, Schema
     from imuwb.readers.shapes import Recipe
     from imuwb.readers.summary import LogSummary
@@ -52,8 +54,7 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     count = 0
     for messages in recording.messages():
         count += messages.start.size
-        for number in map(int, np.unique(messages.channel)):
-            rows = np.flatnonzero(messages.channel == number)
+        for number, rows in alike(messages.channel, np.arange(messages.start.size)):
             channel = recording.channels.get(number)
             if channel is None:
                 undeclared[number] += rows.size
@@ -99,15 +100,13 @@ class _Topic:
             return
         for recipe in self.recipes:
             pieces = list(self.decoder.decode(messages, rows, recipe.paths))
-            found = np.concatenate([rows_of for _, rows_of in pieces]) if pieces else rows[:0]
-            if found.size < rows.size:
-                self.odd["messages that do not fit their definition left out"] += rows.size - found.size
-            if not found.size:
+            lost = rows.size - sum(rows_of.size for _, rows_of in pieces)
+            if lost:
+                self.odd["messages that do not fit their definition left out"] += lost
+            if not pieces:
                 continue
-            # Groups of one layout come one behind the other; the file's order is the order of time.
-            order = np.argsort(found, kind="stable")
-            values = {path: np.concatenate([piece[path] for piece, _ in pieces])[order] for path in recipe.paths}
-            yield self._batch(recipe, values, messages, found[order])
+            values, found = _in_order(pieces) if len(pieces) > 1 else pieces[0]
+            yield self._batch(recipe, values, messages, found)
 
     def remarks(self) -> Iterator[Remark]:
         if self.why:
@@ -150,3 +149,10 @@ class _Topic:
         if unset.any():
             self.odd["messages without a stamp of their own: the recorder's time is used"] += int(unset.sum())
         return recorded if stamps is None else np.where(unset, recorded, stamps)
+
+
+def _in_order(pieces: Sequence[Piece]) -> Piece:
+    """Return pieces as one: groups of a layout come one behind the other; the file's order is the order of time."""
+    found = np.concatenate([rows for _, rows in pieces])
+    order = np.argsort(found, kind="stable")
+    return {path: np.concatenate([values[path] for values, _ in pieces])[order] for path in pieces[0][0]}, found[order]

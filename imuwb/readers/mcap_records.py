@@ -1,8 +1,8 @@
 """The container: MCAP's records, chunks and messages, found without a Python step per message.
 
 A chunk (or, in an unchunked file, a block of the file) is one buffer of bytes; a compiled walk over
-its records gives the offsets of all messages, and a structured view with a stride of one byte
-gathers any field of all of them at once. Nothing depends on the index, so files without one, or cut
+its records gives the offsets of all messages, from which any field of all of them is gathered at once. The next chunks are
+unpacked while one is decoded. Nothing depends on the index, so files without one, or cut
 by a crash, are read the same way up to where they end.
 
 Specification: https://mcap.dev/spec
@@ -11,7 +11,6 @@ Specification: https://mcap.dev/spec
 from __future__ import annotations
 
 import struct
-import zlib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, BinaryIO
 
@@ -19,8 +18,11 @@ import lz4.frame
 import numba
 import numpy as np
 import zstandard
+from isal import isal_zlib
 
+from imuwb.readers.ahead import ahead
 from imuwb.readers.batch import Remark
+from imuwb.readers.gather import gather
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -34,7 +36,9 @@ BLOCK = 8 << 20  #: bytes read at a time
 LATEST = np.uint64(2**62)  #: ns; a later time (after 2116) is damage
 LARGEST_CHUNK = 1 << 30  #: a chunk that claims to unpack to more is not unpacked
 
-_HEADER = np.dtype([("channel", "<u2"), ("sequence", "<u4"), ("log_time", "<u8"), ("publish_time", "<u8")])
+#: Of a message, before its payload: channel u16, sequence u32, log time u64, publish time u64.
+HEADER, LOG_TIME, PUBLISH_TIME = 22, 6, 14
+AHEAD = 2  #: pieces that are unpacked while others are decoded
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,14 +70,6 @@ class Messages:
     start: NDArray[np.int64]  #: of the payload in the buffer
     length: NDArray[np.int64]  #: of the payload
     bytes_read: int  #: of the file, so far
-
-
-def gather(buffer: NDArray[np.uint8], offsets: NDArray[np.int64], dtype: np.dtype[np.void]) -> NDArray[np.void]:
-    """Return the records of ``dtype`` that begin at ``offsets`` (any alignment), copied."""
-    if not offsets.size:
-        return np.empty(0, dtype)
-    view = np.ndarray((buffer.size - dtype.itemsize + 1,), dtype, buffer, strides=(1,))
-    return view[offsets]
 
 
 @numba.njit(cache=True, nogil=True)
@@ -113,6 +109,18 @@ def walk(
     return *tables, end
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class _Piece:
+    """A block of the file, or an unpacked chunk, and where its records lie."""
+
+    buffer: NDArray[np.uint8]
+    opcode: NDArray[np.uint8]
+    content: NDArray[np.int64]
+    length: NDArray[np.int64]
+    offset: int  #: in the file
+    remarks: tuple[Remark, ...] = ()  #: what was wrong with it
+
+
 class Recording:
     """An MCAP file, read from its beginning to its end; schemas and channels fill up on the way."""
 
@@ -126,6 +134,11 @@ class Recording:
 
     def messages(self) -> Iterator[Messages]:
         """Yield the messages of each chunk, or of each block of an unchunked file."""
+        for piece in ahead(self._pieces(), AHEAD):
+            self.remarks.extend(piece.remarks)
+            yield from self._messages(piece)
+
+    def _pieces(self) -> Iterator[_Piece]:
         with self.path.open("rb") as file:
             size = self.path.stat().st_size
             file.seek(len(MAGIC))
@@ -133,14 +146,16 @@ class Recording:
             while True:
                 block = self._block(file, rest, size - offset)
                 if block is None:
-                    yield from self._cut_end(rest, offset)
+                    yield _cut_end(rest, offset)
                     return
                 buffer = np.frombuffer(block, np.uint8)
                 opcode, content, length, end = walk(buffer)
                 last = np.flatnonzero(opcode == DATA_END)
                 if last.size:
                     opcode, content, length = (table[: last[0]] for table in (opcode, content, length))
-                yield from self._records(buffer, opcode, content, length, offset)
+                yield _Piece(buffer, opcode, content, length, offset)
+                for i in np.flatnonzero(opcode == CHUNK):
+                    yield _chunk(buffer.data[content[i] : content[i] + length[i]], offset + int(content[i]))
                 if last.size:
                     return
                 rest, offset = block[end:], offset + end
@@ -154,55 +169,23 @@ class Recording:
         more = file.read(want)
         return rest + more if more else None
 
-    def _cut_end(self, rest: bytes, offset: int) -> Iterator[Messages]:
-        """Use what is whole in a last record that is not."""
-        where = f"the file ends at byte {offset + len(rest)} without its end mark"
-        if not rest:
-            self.remarks.append(Remark(f"{where}: it was cut, or is still being written; all before is used"))
-            return
-        self.remarks.append(
-            Remark(f"{where}, inside a record that begins at byte {offset}: what was whole before it is used")
-        )
-        if rest[0] == CHUNK and len(rest) > 9 + 40:
-            unpacked = _unpack_front(rest[9:])
-            if unpacked:
-                buffer = np.frombuffer(unpacked, np.uint8)
-                opcode, content, length, _ = walk(buffer)
-                yield from self._records(buffer, opcode, content, length, offset, inside=True)
-
-    def _records(
-        self, buffer: NDArray[np.uint8], opcode: NDArray[np.uint8], content: NDArray[np.int64],
-        length: NDArray[np.int64], offset: int, *, inside: bool = False,
-    ) -> Iterator[Messages]:  # fmt: skip
-        raw = buffer.data
+    def _messages(self, piece: _Piece) -> Iterator[Messages]:
+        opcode, content, length, raw = piece.opcode, piece.content, piece.length, piece.buffer.data
         for i in np.flatnonzero((opcode == SCHEMA) | (opcode == CHANNEL)):
             self._declare(int(opcode[i]), bytes(raw[content[i] : content[i] + length[i]]))
-        plain = (opcode == MESSAGE) & (length >= _HEADER.itemsize)
-        header = gather(buffer, content[plain], _HEADER)
-        possible = np.maximum(header["log_time"], header["publish_time"]) < LATEST
-        self.damaged += int(np.count_nonzero(~possible))
-        plain[plain] = possible
-        if plain.any():
-            header = header[possible]
+        plain = (opcode == MESSAGE) & (length >= HEADER)
+        at, sizes = content[plain], length[plain]
+        log_time = gather(piece.buffer, at + LOG_TIME, "<u8")
+        publish_time = gather(piece.buffer, at + PUBLISH_TIME, "<u8")
+        possible = np.maximum(log_time, publish_time) < LATEST
+        if not possible.all():
+            self.damaged += int(np.count_nonzero(~possible))
+            at, sizes, log_time, publish_time = (table[possible] for table in (at, sizes, log_time, publish_time))
+        if at.size:
             yield Messages(
-                buffer, header["channel"], header["log_time"].astype(np.int64),
-                header["publish_time"].astype(np.int64), content[plain] + _HEADER.itemsize,
-                length[plain] - _HEADER.itemsize, offset + int(content[plain][-1]),
+                piece.buffer, gather(piece.buffer, at, "<u2"), log_time.view(np.int64), publish_time.view(np.int64),
+                at + HEADER, sizes - HEADER, piece.offset + int(at[-1]),
             )  # fmt: skip
-        if inside:
-            return
-        for i in np.flatnonzero(opcode == CHUNK):
-            where = offset + int(content[i])
-            try:
-                unpacked = _unpack(raw[content[i] : content[i] + length[i]])
-            except ValueError as error:
-                self.remarks.append(Remark(f"chunk at byte {where} left out: {error}"))
-                continue
-            records = np.frombuffer(unpacked, np.uint8)
-            opcodes, starts, sizes, end = walk(records)
-            if end < records.size:
-                self.remarks.append(Remark(f"chunk at byte {where}: its last {records.size - end} bytes are no record"))
-            yield from self._records(records, opcodes, starts, sizes, where, inside=True)
 
     def _declare(self, opcode: int, content: bytes) -> None:
         try:
@@ -219,6 +202,36 @@ class Recording:
                 self.channels.setdefault(number, Channel(topic, encoding, schema))
         except (struct.error, ValueError) as error:
             self.remarks.append(Remark(f"a damaged schema or channel record left out: {error}"))
+
+
+def _nothing(offset: int, why: str) -> _Piece:
+    none, nowhere = np.empty(0, np.uint8), np.empty(0, np.int64)
+    return _Piece(none, none, nowhere, nowhere, offset, (Remark(why),))
+
+
+def _chunk(packed: memoryview, offset: int) -> _Piece:
+    """Return what a chunk unpacks to; nothing of it, and a remark, where it is damaged."""
+    try:
+        records = np.frombuffer(_unpack(packed), np.uint8)
+    except ValueError as error:
+        return _nothing(offset, f"chunk at byte {offset} left out: {error}")
+    opcode, content, length, end = walk(records)
+    remarks: list[Remark] = []
+    if end < records.size:
+        remarks.append(Remark(f"chunk at byte {offset}: its last {records.size - end} bytes are no record"))
+    return _Piece(records, opcode, content, length, offset, tuple(remarks))
+
+
+def _cut_end(rest: bytes, offset: int) -> _Piece:
+    """Return what is whole in a last record that is not."""
+    where = f"the file ends at byte {offset + len(rest)} without its end mark"
+    if not rest:
+        return _nothing(offset, f"{where}: it was cut, or is still being written; all before is used")
+    remark = Remark(f"{where}, inside a record that begins at byte {offset}: what was whole before it is used")
+    unpacked = _unpack_front(rest[9:]) if rest[0] == CHUNK and len(rest) > 9 + 40 else b""
+    buffer = np.frombuffer(unpacked, np.uint8)
+    opcode, content, length, _ = walk(buffer)
+    return _Piece(buffer, opcode, content, length, offset, (remark,))
 
 
 def _string(content: bytes, at: int) -> tuple[str, int]:
@@ -247,7 +260,7 @@ def _unpack(chunk: memoryview) -> bytes | memoryview:
     if len(records) != size:
         message = f"it unpacks to {len(records)} bytes where {size} are stated"
         raise ValueError(message)
-    if crc and zlib.crc32(records) != crc:
+    if crc and isal_zlib.crc32(records) != crc:
         message = "its checksum does not match"
         raise ValueError(message)
     return records

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from imuwb.readers.mcap_records import gather
+from imuwb.readers.gather import alike, gather
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -35,6 +35,8 @@ _KNOWN = {
     "time": "uint32 sec\nuint32 nanosec",  # ROS 1's own; its names are secs and nsecs
     "duration": "int32 sec\nint32 nanosec",
 }
+#: CDR, big and little endian; XCDR2 in its plain form, where nothing aligns to more than 4.
+_ENCAPSULATIONS = {0: (">", 8), 1: ("<", 8), 6: (">", 4), 7: ("<", 4)}
 _FIELD = re.compile(r"^([\w/]+)(<=\d+)?(\[(<=)?(\d*)\])?\s+(\w+)\s*(.*)$")
 LARGEST_ARRAY = 64  #: of messages; larger ones hold no stamp, rate or position of ours
 DEEPEST = 16
@@ -141,34 +143,50 @@ def _resolve(texts: dict[str, str], kind: str, parent: str) -> str:
     raise UnknownLayoutError(message)
 
 
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a field stands."""
+
+    path: str
+    kind: str  #: numpy's name of its type, with byte order
+    count: int  #: 0 for a single number
+    offset: int  #: from the payload's start
+
+    @property
+    def end(self) -> int:
+        """Return the offset behind it."""
+        return self.offset + int(self.kind[2:]) * max(self.count, 1)
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Group:
     """Messages whose fields lie at the same offsets."""
 
     rows: NDArray[np.int64]  #: which of the messages
-    dtype: np.dtype[np.void]  #: the wanted fields at their offsets from the payload's start
+    places: tuple[Place, ...]  #: of the wanted fields
 
 
 def groups(
     steps: Plan, wanted: Sequence[str], wire: Wire, buffer: NDArray[np.uint8],
     start: NDArray[np.int64], length: NDArray[np.int64],
 ) -> Iterator[Group]:  # fmt: skip
-    """Yield the messages group by group; those too short for their own definition are in none."""
+    """Yield the messages group by group; those too short for their own definition are in none.
+
+    A wanted ``name[0]`` is the first number of the array ``name``.
+    """
     rows = np.arange(start.size)
     if wire == "ros1":
         yield from _split(steps, wanted, (), rows, 0, "<", 1, buffer, start, length, 0)
         return
     rows = rows[length >= 4]  # noqa: PLR2004 - the encapsulation header of CDR
-    # 0/1: CDR, big or little endian; 6/7: XCDR2 in its plain form, where nothing aligns to more than 4.
-    code = buffer[start[rows] + 1]
-    for value, order, align in ((0, ">", 8), (1, "<", 8), (6, ">", 4), (7, "<", 4)):
-        chosen = rows[(code == value) & (buffer[start[rows]] == 0)]
-        if chosen.size:
+    for code, chosen in alike(gather(buffer, start[rows], ">u2"), rows):
+        if code in _ENCAPSULATIONS:
+            order, align = _ENCAPSULATIONS[code]
             yield from _split(steps, wanted, (), chosen, 0, order, align, buffer, start, length, 4)
 
 
 def _split(
-    steps: Plan, wanted: Sequence[str], found: tuple[tuple[str, str, int], ...], rows: NDArray[np.int64], at: int,
+    steps: Plan, wanted: Sequence[str], found: tuple[Place, ...], rows: NDArray[np.int64], at: int,
     order: str, align: int, buffer: NDArray[np.uint8], start: NDArray[np.int64], length: NDArray[np.int64], body: int,
 ) -> Iterator[Group]:  # fmt: skip
     """Walk the plan; at a jump, part the messages by its length and walk on with each part."""
@@ -178,30 +196,24 @@ def _split(
         if isinstance(step, Field):
             size = int(step.kind[1])
             at = _aligned(at, min(size, align))
-            if step.path in wanted:
-                shape = f"({step.count},)" if step.count else ""
-                found = (*found, (step.path, f"{shape}{order}{step.kind}", body + at))
+            for path, count in ((step.path, step.count), (f"{step.path}[0]", 0)):
+                if path in wanted:
+                    found = (*found, Place(path, f"{order}{step.kind}", count, body + at))
             at += size * max(step.count, 1)
             continue
         at = _aligned(at, min(4, align))
         rows = rows[length[rows] >= body + at + 4]
-        counts = gather(buffer, start[rows] + body + at, np.dtype([("n", f"{order}u4")]))["n"].astype(np.int64)
+        counts = gather(buffer, start[rows] + (body + at), f"{order}u4").astype(np.int64)
         fits = counts * step.size <= length[rows] - (body + at + 4)
-        rows, counts = rows[fits], counts[fits]
-        for count in np.unique(counts):
+        for count, chosen in alike(counts[fits], rows[fits]):
             behind = at + 4
             if count:
-                behind = _aligned(behind, min(step.align, align)) + int(count) * step.size
-            yield from _split(
-                steps[i + 1 :], wanted, found, rows[counts == count], behind, order, align, buffer, start, length, body
-            )
+                behind = _aligned(behind, min(step.align, align)) + count * step.size
+            yield from _split(steps[i + 1 :], wanted, found, chosen, behind, order, align, buffer, start, length, body)
         return
-    end = max((offset + np.dtype(kind).itemsize for _, kind, offset in found), default=0)
-    rows = rows[length[rows] >= end]
+    rows = rows[length[rows] >= max((place.end for place in found), default=0)]
     if rows.size and len(found) == len(wanted):
-        names, formats, offsets = zip(*found, strict=True)
-        layout = {"names": list(names), "formats": list(formats), "offsets": list(offsets), "itemsize": end}
-        yield Group(rows, np.dtype(layout))  # pyright: ignore[reportArgumentType, reportCallIssue] - numpy's dict form
+        yield Group(rows, found)
 
 
 def _aligned(at: int, size: int) -> int:

@@ -60,7 +60,7 @@ def recognise(paths: Collection[str], schema: str) -> tuple[Recipe, ...]:
             if kind == "temperature" and not schema.endswith("Temperature"):
                 continue  # many messages have a temperature; only this one is of the air around a sensor
             stamp = _stamp(there, prefix)
-            names = (*required, *(name for name in optional if prefix + name in there))
+            names = (*required, *(name for name in optional if prefix + name.removesuffix("[0]") in there))
             used = (*(stamp or ()), *(prefix + name for name in names))
             found.append(Recipe(kind, prefix, stamp, used, columns))
     return tuple(found)
@@ -91,8 +91,8 @@ def _imu(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float6
     signs = FLU_TO_FRD if frame == "FLU" else np.ones(3)
     columns: dict[str, NDArray[np.float64]] = {}
     for column, field in (("angular_rate", "angular_velocity"), ("specific_force", "linear_acceleration")):
-        covariance = values.get(f"{prefix}{field}_covariance")
-        if covariance is not None and covariance.ndim > 1 and (covariance[:, 0] == ABSENT).all():
+        covariance = values.get(f"{prefix}{field}_covariance[0]")
+        if covariance is not None and (covariance == ABSENT).all():
             continue  # the message says that it has no such measurement
         columns[column] = np.stack([values[f"{prefix}{field}.{axis}"] for axis in "xyz"], axis=1) * signs
     return columns
@@ -119,7 +119,7 @@ def _temperature(values: Values, prefix: str, frame: str) -> dict[str, NDArray[n
 
 
 _TRIADS = tuple(f"{field}.{axis}" for field in ("angular_velocity", "linear_acceleration") for axis in "xyz")
-_COVARIANCES = ("angular_velocity_covariance", "linear_acceleration_covariance")
+_COVARIANCES = ("angular_velocity_covariance[0]", "linear_acceleration_covariance[0]")
 #: (key, kind, required fields, optional fields, recipe)
 _SHAPES: tuple[tuple[str, Kind, tuple[str, ...], tuple[str, ...], Callable[..., dict[str, NDArray[np.float64]]]], ...] = (
     ("angular_velocity.x", "imu", _TRIADS, _COVARIANCES, _imu),

@@ -11,7 +11,7 @@ from mcap.writer import CompressionType, IndexType
 
 from imuwb.errors import UnreadableLogError
 from imuwb.readers import read
-from imuwb.readers.mcap_records import MAGIC, Recording, gather, walk
+from imuwb.readers.mcap_records import MAGIC, Recording, walk
 
 T = 1_714_564_800 * 10**9
 COUNT = 40
@@ -283,14 +283,6 @@ def test_walking_finds_every_whole_record():
 def test_walking_finds_nothing_where_nothing_is_whole(data):
     opcode, _, _, end = walk(np.frombuffer(data, np.uint8))
     assert opcode.size == end == 0
-
-
-@given(st.binary(max_size=200), st.lists(st.integers(0, 10**6), max_size=10))
-def test_gathering_equals_unpacking_one_by_one(data, places):
-    buffer = np.frombuffer(data + bytes(12), np.uint8)
-    offsets = np.array([place % (len(data) + 1) for place in places], np.int64)
-    found = gather(buffer, offsets, np.dtype([("a", "<u4"), ("b", "<i8")]))
-    assert found.tolist() == [struct.unpack_from("<Iq", buffer, at) for at in offsets]
 
 
 def test_bytes_read_grow_to_the_files_end(declared, some, by_hand):

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap_ros2._dynamic import generate_dynamic, serialize_dynamic
 
-from imuwb.readers.mcap_records import gather
+from imuwb.readers.gather import gather
 from imuwb.readers.ros_layout import Field, Jump, UnknownLayoutError, groups, plan
 
 INTEGERS = {
@@ -33,9 +33,9 @@ def gathered(steps, wanted, wire, *messages):
     start, length = np.array(start, np.int64), np.array(length, np.int64)
     rows = {}
     for group in groups(steps, wanted, wire, data, start, length):
-        records = gather(data, start[group.rows], group.dtype)
-        for row, record in zip(group.rows, records, strict=True):
-            rows[int(row)] = {path: record[path].tolist() for path in wanted}
+        columns = {p.path: gather(data, start[group.rows] + p.offset, p.kind, p.count) for p in group.places}
+        for i, row in enumerate(group.rows):
+            rows[int(row)] = {path: columns[path][i].tolist() for path in wanted}
     return rows
 
 

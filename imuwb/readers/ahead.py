@@ -1,0 +1,30 @@
+"""Makes the next items of an iterator while the last one is used."""
+
+from __future__ import annotations
+
+from collections import deque
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING, TypeVar, cast
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    Item = TypeVar("Item")
+
+_END = object()
+
+
+def ahead(items: Iterator[Item], depth: int) -> Iterator[Item]:
+    """Yield the same items, of which up to ``depth`` are made on another thread beforehand, in order.
+
+    What making one raises is raised where it would be yielded.
+    """
+    with ThreadPoolExecutor(1) as thread:
+        coming = deque(thread.submit(next, items, _END) for _ in range(depth))
+        try:
+            while (item := coming.popleft().result()) is not _END:
+                coming.append(thread.submit(next, items, _END))
+                yield cast("Item", item)
+        finally:
+            for future in coming:
+                future.cancel()
