@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from imuwb.progress import tracked
 from imuwb.sampling import Sampling, sampling
 
 if TYPE_CHECKING:
@@ -68,4 +69,4 @@ def gap_notes(axes: Mapping[str, Axis], what: str) -> list[str]:
 def for_each(axes: Mapping[str, Axis], function: Callable[[Axis], Found]) -> dict[str, Found]:
     """Return {name: function(axis)}, two axes at a time."""
     with ThreadPoolExecutor(THREADS) as pool:
-        return dict(zip(axes, pool.map(function, axes.values()), strict=True))
+        return dict(zip(axes, tracked(pool.map(function, axes.values()), len(axes)), strict=True))

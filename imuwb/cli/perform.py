@@ -15,6 +15,7 @@ from imuwb import __version__, readers
 from imuwb.cli.terminal import progress, shower
 from imuwb.cli.through import Step, cases, conditioned, grid, step
 from imuwb.errors import ImuwbError, UnreadableLogError, UsageError
+from imuwb.progress import watched
 from imuwb.readers.batch import ReadOptions
 from imuwb.review.document import document
 from imuwb.review.overview import overview
@@ -42,8 +43,7 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: ob
     read = [conditioned(read_log(path, common), common.through) for path in paths]
     logs = [log for log, _ in read]
     plugin = cast("Any", analysis)
-    with blaming(name, analysis), progress(f"{name}: computing") as report:
-        report(0, 0)
+    with blaming(name, analysis), progress(f"{name}: computing") as report, watched(lambda part: report(part, 1.0)):
         # The study first: a setting that a log cannot have is found before the long work, not behind it.
         studied = plugin.study(cases(logs, common.study), parameters) if common.study else None
         result = plugin.run(logs, parameters)

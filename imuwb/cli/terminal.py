@@ -47,7 +47,7 @@ def shower(*, data: bool) -> Callable[[Table | str], None]:
 
 
 @contextmanager
-def progress(text: str) -> Generator[Callable[[int, int], None]]:
+def progress(text: str) -> Generator[Callable[[float, float], None]]:
     """Show a bar on a terminal's stderr; the function it gives takes (done, all)."""
     screen = Console(file=sys.stderr)
     if not screen.is_terminal:

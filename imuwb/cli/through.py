@@ -12,6 +12,7 @@ from imuwb import registry
 from imuwb.analysis import Case
 from imuwb.cli.parameters import hints, make
 from imuwb.errors import UsageError
+from imuwb.progress import tracked
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -195,8 +196,9 @@ def cases(logs: Sequence[Log], texts: Sequence[str]) -> Iterator[Case]:
     Raises:
         UsageError: a setting that a log cannot have, such as a bandwidth beyond half its rate.
     """
-    for log in logs:
-        for case in grid(texts):
+    settings = grid(texts)
+    for log in tracked(logs, len(logs)):
+        for case in tracked(settings, len(settings)):
             changed = log
             for one in steps_of(case):
                 changed, _ = one.apply(changed)

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Literal
 
 import numba
 import numpy as np
-from scipy import stats
 
 from imuwb.identification import noise_type
 from imuwb.identification.allan_statistics import equivalent_degrees_of_freedom
 from imuwb.identification.averaging import averaging_factors
+from imuwb.identification.distributions import chi_square_limits, normal_limit
 from imuwb.identification.gapped import bridged
 
 if TYPE_CHECKING:
@@ -131,10 +131,9 @@ def _interval(
     deviation: Floats, edf: Floats, clusters: Floats, level: float, uncertainty: Uncertainty
 ) -> tuple[Floats, Floats]:
     if uncertainty == "edf":
-        tail = (1 - level) / 2
-        lower, upper = (deviation * np.sqrt(edf / stats.chi2.ppf(q, edf)) for q in (1 - tail, tail))
-        return lower, upper
-    half = stats.norm.ppf((1 + level) / 2) / np.sqrt(2 * np.maximum(clusters - 1, 0.5))
+        low, high = chi_square_limits(level, edf)
+        return deviation * np.sqrt(low), deviation * np.sqrt(high)
+    half = normal_limit(level) / np.sqrt(2 * np.maximum(clusters - 1, 0.5))
     return np.maximum(deviation * (1 - half), 0.0), deviation * (1 + half)
 
 

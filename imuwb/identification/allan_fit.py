@@ -12,13 +12,14 @@ A term stays in the sum when it is larger than chance makes it in its absence (o
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from scipy import stats
+from scipy import optimize
 
 from imuwb.identification.allan_problem import LETTERS, PROCESSES, Problem, whitener
 from imuwb.identification.coefficient import READ_OUT, Coefficient
+from imuwb.identification.distributions import chi_square_limits, chi_square_tail, normal_limit, normal_quantile
 from imuwb.identification.term_selection import ACCEPTED, begin, select
 from imuwb.stochastic import Sinusoid, Sum
 
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+STRIDE = 4.0  #: in squares, of the search for a limit
 FARTHEST = 1e4  #: times the limit without the term's own scatter
 GAUSS_MARKOV_PEAK = 1.8926  #: Tc, where the Allan deviation of such a process is largest
 SHARE = 0.6  #: of the Allan variance; a term with more rules its region
@@ -103,7 +105,7 @@ def fit_allan(curve: AllanDeviation, lines: Sequence[Line] = ()) -> AllanFit:
     spread = problem.covariance(squared)
     freedom = max(residual.size - len(active), 1)
     chi2, _ = problem.misfit(squared)
-    probability = min(float(stats.chi2.sf(chi2, freedom)), problem.strangeness(squared))
+    probability = min(float(chi_square_tail(chi2, freedom)), problem.strangeness(squared))
     # A sum that does not explain the curve has wider intervals than its statistics say (Birge).
     inflation = max(chi2 / freedom, 1.0) if probability < ACCEPTED else 1.0
     coefficients = _coefficients(problem, squared, covariance * inflation, active, curve.level, inflation)
@@ -141,13 +143,12 @@ def _coefficients(
 ) -> dict[str, Coefficient]:
     """Return all five coefficients: intervals of those found, limits of the others."""
     found: dict[str, Coefficient] = {}
-    tail = (1 - level) / 2
     for t, letter in enumerate(LETTERS):
         if t in active:
             value, variance = squared[t], covariance[active.index(t), active.index(t)]
             # A positive quadratic estimate is about a scaled chi-square: skewed when few degrees are left.
             freedom = 2 * value**2 / variance
-            lower, upper = (value * freedom / stats.chi2.ppf(q, freedom) for q in (1 - tail, tail))
+            lower, upper = (value * factor for factor in chi_square_limits(level, freedom))
             found[letter] = Coefficient(float(value**0.5), float(lower**0.5), float(upper**0.5), READ_OUT[letter])
             continue
         limit = _upper_limit(problem, squared, active, t, level, inflation)
@@ -168,26 +169,31 @@ def _upper_limit(
         others, _ = problem.solve(active, held, rounds=2)
         estimate = problem.added(others + held, active, term)
         # An estimate below 0 is chance, or a curve that bends away: it must not make the limit absurdly small.
-        return max(estimate.value, 0.0) + stats.norm.ppf(level) * estimate.sigma * inflation**0.5
+        return max(estimate.value, 0.0) + normal_quantile(level) * estimate.sigma * inflation**0.5
 
     here = problem.added(squared, active, term)
-    plain = max(here.value, 0.0) + stats.norm.ppf(level) * here.sigma * inflation**0.5
+    plain = max(here.value, 0.0) + normal_quantile(level) * here.sigma * inflation**0.5
     low = max(here.value, 0.0) + here.sigma * 1e-3
-    while reach(high := 1.5 * low) > high:
+    while reach(high := STRIDE * low) > high:
         low = high
         if low > FARTHEST * plain:  # so few degrees of freedom, or so bad a fit, that every size is possible
             return float(plain**0.5)
-    for _ in range(8):  # to a part in 600
-        middle = (low * high) ** 0.5
-        low, high = (middle, high) if reach(middle) > middle else (low, middle)
-    return float(high**0.5)
+    ends = float(np.log(low)), float(np.log(high))
+    if reach(low) <= low:  # the estimate alone reaches no farther
+        return float(high**0.5)
+
+    def beyond(log_size: float) -> float:
+        return float(np.log(reach(float(np.exp(log_size))))) - log_size
+
+    at = optimize.brentq(beyond, *ends, xtol=1e-3)
+    return float(np.exp(cast("float", at) / 2))
 
 
 def _regions(problem: Problem, squared: Floats, spread: Floats, level: float) -> tuple[Region, ...]:
     """Return where each term makes most (60 %) of the Allan variance, and the slope of a free line there, lines taken off."""
     parts = problem.design * squared
     share = parts / (parts.sum(axis=1) + problem.by_lines)[:, None]
-    z = stats.norm.ppf((1 + level) / 2)
+    z = normal_limit(level)
     found: list[Region] = []
     for t, (letter, nominal) in enumerate(zip(LETTERS, (-1.0, -0.5, 0.0, 0.5, 1.0), strict=True)):
         inside = np.flatnonzero(share[:, t] > SHARE)

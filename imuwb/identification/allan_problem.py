@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import linalg, optimize, stats
+from scipy import linalg, optimize
 
 from imuwb.identification.allan_statistics import Moments, equivalent_degrees_of_freedom, moments
+from imuwb.identification.distributions import chi_square_tail, pearson3_quantile
 from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, WhiteNoise
 
 if TYPE_CHECKING:
@@ -109,7 +110,7 @@ class Problem:
         expected = self.design @ squared + self.by_lines
         freedom = 2 * expected**2 / np.diag(self.covariance(squared)).clip(1e-300)
         ratio = (self.variance + self.by_lines) / expected * freedom
-        tails = 2 * np.minimum(stats.chi2.cdf(ratio, freedom), stats.chi2.sf(ratio, freedom))
+        tails = 2 * np.minimum(below := chi_square_tail(ratio, freedom), 1 - below)
         return float(min(tails.min() * tails.size, 1.0))
 
     def solve(self, active: Sequence[int], held: Floats | None = None, rounds: int = ROUNDS) -> tuple[Floats, Floats]:
@@ -175,7 +176,7 @@ class Estimate:
     def quantile(self, probability: float) -> float:
         """Return how far above the truth the estimate is found with this probability, in sigmas (Pearson III)."""
         skewness = float(np.clip(self.skewness, 0.0, 4.0))
-        return float(stats.pearson3.ppf(probability, skewness))
+        return pearson3_quantile(probability, skewness)
 
 
 def whitener(covariance: Floats) -> Floats:

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import fft, optimize, stats
+from scipy import fft, optimize
 
 from imuwb.identification.cosine_spectrum import CosineSpectrum, cosine_spectrum
+from imuwb.identification.distributions import chi_square_tail, normal_limit
 from imuwb.stochastic import GaussMarkov
 
 if TYPE_CHECKING:
@@ -90,7 +91,7 @@ def autocorrelation(values: Floats, dt: float, longest: float | None = None, *, 
         kept = np.unique(
             np.rint(np.concatenate([np.arange(SHOWN // 4), np.geomspace(SHOWN // 4, most, SHOWN)])).astype(np.int64)
         )
-    band = float(stats.norm.ppf((1 + level) / 2)) / n**0.5
+    band = normal_limit(level) / n**0.5
     try:
         fitted = fit_gauss_markov(cosine_spectrum(centered, dt), level)
     except ValueError:
@@ -129,7 +130,7 @@ def fit_gauss_markov(spectrum: CosineSpectrum, level: float = 0.95) -> GaussMark
     slope = (np.log(density(at + step)) - np.log(density(at - step))) / (2 * step)
     slopes = np.stack([np.ones(f.size), slope])
     inverse = np.linalg.pinv((slopes * count) @ slopes.T / 2)
-    z = float(stats.norm.ppf((1 + level) / 2))
+    z = normal_limit(level)
     # Far beyond the record's length a correlation time is not known at all.
     half_square, half_time = (z * np.sqrt(np.diag(inverse))).clip(0, UNKNOWN)
     group = (np.log(f[-1] / f) / np.log(GROUP)).astype(np.int64)
@@ -141,7 +142,7 @@ def fit_gauss_markov(spectrum: CosineSpectrum, level: float = 0.95) -> GaussMark
     filled = total > 0
     chi2 = float(np.sum(excess[filled] ** 2 / (2 * total[filled])))
     freedom = max(int(filled.sum()) - 2, 1)
-    probability = float(stats.chi2.sf(chi2, freedom))
+    probability = float(chi_square_tail(chi2, freedom))
     sigma, tc = square**0.5, float(np.exp(at))
     return GaussMarkovFit(
         sigma, (sigma * float(np.exp(-half_square / 2)), sigma * float(np.exp(half_square / 2))),

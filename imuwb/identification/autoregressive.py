@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING
 
 import numba
 import numpy as np
-from scipy import fft, linalg, stats
+from scipy import fft, linalg
 
 from imuwb.identification.burg import burg
+from imuwb.identification.distributions import chi_square_tail, normal_limit
 from imuwb.stochastic import Autoregressive
 
 if TYPE_CHECKING:
@@ -111,7 +112,7 @@ def fit_autoregressive(
     innovations = np.concatenate([_errors(part, np.ascontiguousarray(models.alpha[highest])) for part in parts])
     density = _density(innovations, models.alpha[highest])
     covariances = fft.irfft(density)[: highest + 1]
-    z = float(stats.norm.ppf((1 + level) / 2))
+    z = normal_limit(level)
     found: list[Order] = []
     for p in range(1, highest + 1):
         alpha, variance = models.alpha[p], float(models.variance[p])
@@ -185,7 +186,7 @@ def _whiteness(parts: Sequence[Floats], alpha: Floats, order: int) -> Whiteness:
     # Under whiteness a lag's correlation has the variance of its number of products over n² (Ljung and Box, for one part).
     counts = np.maximum(sizes[:, None] - lags, 0).sum(axis=0).clip(1)
     statistic = float(n * (n + 2) * np.sum(r**2 / counts))
-    return Whiteness(order, statistic, float(stats.chi2.sf(statistic, WHITE_LAGS)), float(np.abs(r).max()))
+    return Whiteness(order, statistic, float(chi_square_tail(statistic, WHITE_LAGS)), float(np.abs(r).max()))
 
 
 @numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from scipy import stats
+from imuwb.identification.distributions import chi_square_limits, normal_limit
 
 FEWEST_DEGREES = 3.0  #: of freedom of a square, for an interval that does not begin at 0
 #: averaging time at which IEEE reads a coefficient off its own line (B: off the flat part)
@@ -27,10 +27,9 @@ def interval(square: float, sigma: float, level: float) -> tuple[float, float]:
     A positive quadratic estimate is about a scaled chi-square, skewed where few degrees of freedom are left. It never
     reaches 0: a term that chance may have made has its lower end there all the same.
     """
-    z = float(stats.norm.ppf((1 + level) / 2))
+    z = normal_limit(level)
     freedom = 2 * square**2 / sigma**2
     if freedom < FEWEST_DEGREES:
         return 0.0, float(square + z * sigma) ** 0.5
-    tail = (1 - level) / 2
-    lower, upper = (square * freedom / float(stats.chi2.ppf(q, freedom)) for q in (1 - tail, tail))
-    return (lower**0.5 if square > z * sigma else 0.0), upper**0.5
+    low, high = chi_square_limits(level, freedom)
+    return (float(square * low) ** 0.5 if square > z * sigma else 0.0), float(square * high) ** 0.5

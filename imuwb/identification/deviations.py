@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Literal
 
 import numba
 import numpy as np
-from scipy import stats
 
 from imuwb.identification.allan import AllanDeviation, allan, integrated
 from imuwb.identification.averaging import averaging_factors
+from imuwb.identification.distributions import chi_square_limits
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -85,8 +85,7 @@ def deviation(
             [_freedom(kind, int(m), values.size, int(alpha)) for m, alpha in zip(factor, noise, strict=True)]
         )
     sigma = np.sqrt(variance)
-    tail = (1 - level) / 2
-    lower, upper = (sigma * np.sqrt(freedom / stats.chi2.ppf(q, freedom)) for q in (1 - tail, tail))
+    lower, upper = (sigma * np.sqrt(factor) for factor in chi_square_limits(level, freedom))
     return AllanDeviation(
         values.size, dt, level, factor, factor.astype(np.float64) * dt, sigma, lower, upper, freedom, noise, terms
     )

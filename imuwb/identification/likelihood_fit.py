@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import stats
 
 from imuwb.identification.allan_problem import scaled_inverse
 from imuwb.identification.coefficient import READ_OUT, Coefficient, interval
 from imuwb.identification.cosine_spectrum import cosine_spectrum
+from imuwb.identification.distributions import chi_square_quantile, chi_square_tail, normal_limit, normal_quantile
 from imuwb.identification.likelihood_problem import LikelihoodProblem
 from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, Sum, WhiteNoise
 
@@ -94,7 +94,7 @@ def fit_cosine_spectrum(spectrum: CosineSpectrum, *, level: float = 0.95) -> Lik
     """Fit the sum to a record's cosine coefficients."""
     problem = LikelihoodProblem.of(spectrum, [make(1.0) for make in TERMS.values()])
     problem, misfit, freedom = explained(problem)
-    probability = float(stats.chi2.sf(misfit, freedom))
+    probability = float(chi_square_tail(misfit, freedom))
     everything = list(range(len(TERMS)))
     steady, sloping = (problem.solve(everything, ramp=ramp) for ramp in (False, True))
     # Restricted likelihoods with and without a ramp do not compare; the plain ones do.
@@ -121,11 +121,11 @@ def fit_cosine_spectrum(spectrum: CosineSpectrum, *, level: float = 0.95) -> Lik
 
 def _ramp(sloping: Solution, level: float, inflation: float, *, ramped: bool) -> Coefficient:
     size, sigma = abs(sloping.ramp), sloping.ramp_sigma * inflation**0.5
-    z = stats.norm.ppf((1 + level) / 2)
+    z = normal_limit(level)
     if sigma == 0:
         return Coefficient(None, None, float("inf"), READ_OUT["R"])
     if not ramped:
-        return Coefficient(None, None, float(size + stats.norm.ppf(level) * sigma), READ_OUT["R"])
+        return Coefficient(None, None, float(size + normal_quantile(level) * sigma), READ_OUT["R"])
     return Coefficient(float(size), float(max(size - z * sigma, 0.0)), float(size + z * sigma), READ_OUT["R"])
 
 
@@ -144,7 +144,7 @@ def explained(problem: LikelihoodProblem) -> tuple[LikelihoodProblem, float, flo
         misfit, freedom = _misfit(part, solution)
         found.append((part, misfit, freedom))
         pays = not cut or found[0][1] - misfit > MUCH * (cut + 1)
-        if pays and stats.chi2.sf(_misfit(part, solution, TOLERATED)[0], freedom) > ACCEPTED:
+        if pays and chi_square_tail(_misfit(part, solution, TOLERATED)[0], freedom) > ACCEPTED:
             return found[-1]
     gains = [found[0][1] - misfit - MUCH * (cut + 1) for cut, (_, misfit, _) in enumerate(found)]
     return found[int(np.argmax(gains)) if max(gains) > 0 else 0]
@@ -181,14 +181,14 @@ class _Profile:
         """Return the size of a term with its interval, or its limit."""
         value = float(self._best.squared[term])
         if value == 0:
-            return Coefficient(None, None, self._end(term, float(stats.norm.ppf(level)) ** 2, upward=True) ** 0.5, None)
+            return Coefficient(None, None, self._end(term, normal_quantile(level) ** 2, upward=True) ** 0.5, None)
         free = np.flatnonzero(self._best.squared > 0)
         covariance = scaled_inverse(self._best.information[np.ix_(free, free)])
         place = int(np.flatnonzero(free == term)[0])
         freedom = 2 * value**2 / (float(covariance[place, place]) * self._inflation)
         if freedom > SURE:
             return Coefficient(value**0.5, *interval(value, (2 / freedom) ** 0.5 * value, level), None)
-        reach = float(stats.chi2.ppf(level, 1))
+        reach = float(chi_square_quantile(level, 1))
         lower, upper = (self._end(term, reach, upward=upward) for upward in (False, True))
         return Coefficient(value**0.5, lower**0.5, upper**0.5, None)
 

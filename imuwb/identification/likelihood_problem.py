@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import optimize
-from scipy.linalg import lapack
+
+from imuwb.identification.likelihood_score import LEAST_SHARE, add_bins, add_low
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
 ROUNDS = 60
 CLOSE = 1e-4  #: change of the deviance at which scoring ends
 FAINT = 1e-3  #: of a rough estimate, from which a term that was absent starts
-LEAST_SHARE = 1e-14  #: of a density; nothing is smaller
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -130,45 +130,10 @@ class LikelihoodProblem:
         return squared
 
     def _score(self, squared: Floats, *, ramp: bool) -> _Score:
-        density = self.design @ squared
-        density = density.clip(max(float(density.max()), 1e-300) * LEAST_SHARE)
-        relative = self.design / density[:, None]
-        deviance = float(self.count @ (np.log(density) + self.power / density))
-        information = (relative * self.count[:, None]).T @ relative / 2
-        target = relative.T @ (self.count * self.power / density) / 2
-        if not self.low.size:
-            return _Score(deviance, information, target, 0.0, 0.0)
-        return self._score_low(squared, _Score(deviance, information, target, 0.0, 0.0), ramp=ramp)
-
-    def _score_low(self, squared: Floats, bins: _Score, *, ramp: bool) -> _Score:
-        """Add what the lowest coefficients say to what the bins do."""
-        deviance, information, target = bins.deviance, bins.information, bins.target
-        covariance = np.einsum("t,tij->ij", squared, self.parts)
-        scale = np.sqrt(covariance.diagonal()).clip(1e-150)
-        relative = covariance / (scale[:, None] * scale)
-        relative.flat[:: scale.size + 1] += LEAST_SHARE
-        factor, failed = lapack.dpotrf(relative, lower=True, clean=True)
-        if failed:
-            return _Score(np.inf, information, target, 0.0, 0.0)
-        lower = lapack.dtrtri(factor, lower=True)[0] / scale  # whitens
-        data, trend = lower @ self.low, lower @ self.trend
-        deviance += 2 * float(np.log(factor.diagonal()).sum() + np.log(scale).sum())
-        white = lower @ self.parts @ lower.T
-        slope = sigma = 0.0
-        # Without the ramp in the sum, what was taken off beforehand is put back.
-        data = data if ramp else data + self.ramp * trend
-        strength = float(trend @ trend)
-        if ramp and strength > 0:
-            along = trend / np.sqrt(strength)
-            slope, sigma = float(data @ trend) / strength, 1 / np.sqrt(strength)
-            data = data - along * (along @ data)
-            deviance += float(np.log(strength))
-            across = np.eye(along.size) - np.outer(along, along)
-            white = across @ white @ across
-        deviance += float(data @ data)
-        information = information + np.einsum("tij,uji->tu", white, white) / 2
-        target = target + np.einsum("i,tij,j->t", data, white, data) / 2
-        return _Score(deviance, information, target, slope, sigma)
+        information, target = np.zeros((squared.size, squared.size)), np.zeros(squared.size)
+        bins = add_bins(squared, self.power, self.count, self.design, information, target)
+        low, slope, sigma = add_low(squared, self.low, self.trend, self.parts, self.ramp, ramp, information, target)
+        return _Score(bins + low, information, target, slope, sigma)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import ndimage, stats
+from scipy import ndimage
 
+from imuwb.identification.distributions import chi_square_quantile, normal_limit
 from imuwb.identification.welch import independent, welch
 from imuwb.stochastic import Sinusoid
 
@@ -54,11 +55,11 @@ def find_lines(values: Floats, dt: float, level: float = 0.95, false_alarm: floa
     segments = independent(count)
     f = np.arange(density.size) / (size * dt)
     freedom = 2 * segments
-    floor = ndimage.median_filter(density, FLOOR_BINS, mode="nearest") / (stats.chi2.ppf(0.5, freedom) / freedom)
+    floor = ndimage.median_filter(density, FLOOR_BINS, mode="nearest") / (chi_square_quantile(0.5, freedom) / freedom)
     inside = np.arange(4, f.size - 2)  # below lies the drift, above the edge
     ratio = np.zeros(f.size)
     ratio[inside] = density[inside] / np.maximum(floor[inside], 1e-300)
-    limit = stats.chi2.isf(false_alarm / inside.size, freedom) / freedom
+    limit = chi_square_quantile(1 - false_alarm / inside.size, freedom) / freedom
     # The floor itself scatters, and falls within its window: ask for clearly more.
     high = ratio > max(1.3 * limit, limit + 0.5)
     labels, count = ndimage.label(ndimage.binary_dilation(high, iterations=1))
@@ -75,6 +76,6 @@ def _line(f: Floats, density: Floats, floor: Floats, bins: NDArray[np.int64], fr
     frequency = float((excess * f[wide]).sum() / excess.sum())
     # Noise in the bins, and its beat with the line.
     noise = float(np.sqrt((floor[wide] ** 2 + 2 * floor[wide] * excess).sum() * 2 / freedom)) * 2 * step
-    z = stats.norm.ppf((1 + level) / 2)
+    z = normal_limit(level)
     lower, upper = np.sqrt(max(power - z * noise, 0.0)), np.sqrt(power + z * noise)
     return Line(frequency, float(np.sqrt(power)), float(lower), float(upper), noise, float(step))

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import special, stats
+from scipy import special
 
+from imuwb.identification.distributions import chi_square_limits, chi_square_tail, normal_limit
 from imuwb.identification.likelihood_fit import ACCEPTED, GROUP, TERMS, explained, profiled
 from imuwb.identification.likelihood_problem import LikelihoodProblem
 from imuwb.identification.welch import independent, welch
@@ -105,8 +106,7 @@ def power_spectrum(values: Floats, dt: float, segment: int = LONGEST, *, level: 
     density = np.add.reduceat(total[: edges[-1]], edges[:-1]) / width
     frequency = np.add.reduceat(np.arange(edges[-1], dtype=np.float64), edges[:-1]) / width / (size * dt)
     freedom = 2 * np.array([independent(count, w) for w in width])
-    tail = (1 - level) / 2
-    lower, upper = (density * freedom / stats.chi2.ppf(q, freedom) for q in (1 - tail, tail))
+    lower, upper = (density * factor for factor in chi_square_limits(level, freedom))
     return PowerSpectrum(n, dt, size, level, frequency, density, lower, upper, freedom)
 
 
@@ -137,7 +137,7 @@ def fit_spectrum(spectrum: PowerSpectrum, lines: Sequence[Line] = ()) -> Spectra
         np.stack([make(1.0).power_spectral_density(f, spectrum.dt) for make in TERMS.values()], axis=1), 0.0,
     )  # fmt: skip
     problem, misfit, freedom = explained(problem)
-    probability = float(stats.chi2.sf(misfit, freedom))
+    probability = float(chi_square_tail(misfit, freedom))
     best = problem.solve(range(len(TERMS)), ramp=False)
     inflation = max(misfit / freedom, 1.0) if probability < ACCEPTED else 1.0
     coefficients = profiled(problem, best, spectrum.level, ramped=False, inflation=inflation)
@@ -158,7 +158,7 @@ def _regions(problem: LikelihoodProblem, squared: Floats, level: float, inflatio
     """Return where each term makes most (60 %) of the density, and the slope of a free line there."""
     parts = problem.design * squared
     share = parts / parts.sum(axis=1, keepdims=True)
-    z = float(stats.norm.ppf((1 + level) / 2))
+    z = normal_limit(level)
     found: list[SpectralRegion] = []
     for t, (letter, nominal) in enumerate(zip(TERMS, (2.0, 0.0, -1.0, -2.0), strict=True)):
         inside = share[:, t] > SHARE

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import stats
 
 from imuwb.identification.allan import allan
+from imuwb.identification.distributions import chi_square_tail
 from imuwb.identification.welch import independent, welch
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def stationarity(values: Floats, dt: float, parts: int = 12) -> Stationarity:
     pooled = (nu * variance).sum(axis=0) / nu.sum(axis=0)
     statistic = nu.sum(axis=0) * np.log(pooled) - (nu * np.log(variance)).sum(axis=0)
     correction = 1 + ((1 / nu).sum(axis=0) - 1 / nu.sum(axis=0)) / (3 * (parts - 1))
-    probability = stats.chi2.sf(statistic / correction, parts - 1)
+    probability = chi_square_tail(statistic / correction, parts - 1)
     smallest = float(min(probability.min() * probability.size, 1.0))
     at = int(np.argmin(probability))
     ratio = variance[:, at] / pooled[at]

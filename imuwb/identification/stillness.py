@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numba
 import numpy as np
 from scipy import ndimage
 
@@ -92,9 +93,7 @@ def _scores(rows: NDArray[np.int64], values: Floats) -> tuple[Floats, bool]:
     full = sizes >= FEWEST_SAMPLES
     if not full.any():
         return score, False
-    sums, squares = (
-        np.add.reduceat(np.append(part, 0.0), rows[:-1]) for part in (values - values[0], (values - values[0]) ** 2)
-    )
+    sums, squares = _block_sums(values, rows)
     mean = sums[full] / sizes[full]
     deviation = np.sqrt(np.maximum(squares[full] / sizes[full] - mean**2, 0.0))
     usual = float(np.median(deviation))
@@ -105,6 +104,18 @@ def _scores(rows: NDArray[np.int64], values: Floats) -> tuple[Floats, bool]:
     score[full] = np.maximum(deviation / (usual * SCATTER), np.minimum(drift / (wobble * JUMP), drift / usual))
     # A still sensor's blocks scatter alike: its quietest tenth is near its median.
     return score, bool(np.quantile(deviation, 0.1) < usual / SCATTER)
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _block_sums(values: Floats, rows: NDArray[np.int64]) -> tuple[Floats, Floats]:  # pragma: no cover - compiled
+    """Return the sums, and the sums of squares, of what lies between rows; from the first value, for the digits' sake."""
+    sums, squares = np.zeros(rows.size - 1), np.zeros(rows.size - 1)
+    for block in range(rows.size - 1):
+        for k in range(rows[block], rows[block + 1]):
+            x = values[k] - values[0]
+            sums[block] += x
+            squares[block] += x * x
+    return sums, squares
 
 
 def _spans(inside: NDArray[np.bool_]) -> list[tuple[int, int]]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import stats
+
+from imuwb.identification.distributions import chi_square_tail
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,7 +39,7 @@ def begin(problem: Problem) -> int:
             break
         chi2, _ = part.misfit(squared)
         pays = not first or misfits[0] - chi2 > MUCH * (first + 1)
-        if pays and stats.chi2.sf(chi2, max(part.tau.size - len(active), 1)) > ACCEPTED:
+        if pays and chi_square_tail(chi2, max(part.tau.size - len(active), 1)) > ACCEPTED:
             return first
         misfits.append(chi2)
     gains = [misfits[0] - chi2 - MUCH * (first + 1) for first, chi2 in enumerate(misfits)]
@@ -73,7 +74,7 @@ def select(problem: Problem, level: float) -> tuple[Floats, Floats, list[int]]:
 def _missing(problem: Problem, squared: Floats, active: list[int], rest: list[int]) -> int | None:
     """Return the term without which the curve is not explained, and is far less likely; None where there is none."""
     chi2, surprise = problem.misfit(squared)
-    if not rest or stats.chi2.sf(chi2, max(problem.tau.size - len(active), 1)) > ACCEPTED:
+    if not rest or chi_square_tail(chi2, max(problem.tau.size - len(active), 1)) > ACCEPTED:
         return None
     surprises = {t: problem.misfit(problem.solve(sorted((*active, t)))[0])[1] for t in rest}
     best = min(surprises, key=surprises.__getitem__)

@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING
 
 import numba
 import numpy as np
-from scipy import fft, linalg, optimize, special, stats
+from scipy import fft, linalg, optimize, special
 
 from imuwb.identification.allan_problem import scaled_inverse
 from imuwb.identification.coefficient import READ_OUT, Coefficient, interval
+from imuwb.identification.distributions import chi_square_tail, normal_quantile
 from imuwb.identification.likelihood_fit import ACCEPTED, TERMS
 from imuwb.stochastic import Sum
 
@@ -265,7 +266,7 @@ class _Scales:
         root = linalg.cholesky(self.covariance(squared), lower=True)
         chi2 = float(np.sum(linalg.solve_triangular(root, residual, lower=True) ** 2))
         freedom = max(residual.size - int(np.count_nonzero(squared)), 1)
-        return _Fit(squared, chi2, freedom, float(stats.chi2.sf(chi2, freedom)))
+        return _Fit(squared, chi2, freedom, float(chi_square_tail(chi2, freedom)))
 
 
 def _coefficients(
@@ -288,6 +289,6 @@ def _coefficients(
             )
             continue
         free = float((inverse @ columns.T @ data)[place])
-        limit = max(free, 0.0) + float(stats.norm.ppf(level)) * sigma
+        limit = max(free, 0.0) + normal_quantile(level) * sigma
         found[letter] = Coefficient(None, None, limit**0.5, READ_OUT[letter])
     return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numba
 import numpy as np
 from scipy import fft
 
@@ -30,19 +31,34 @@ def welch(values: Floats, dt: float, size: int) -> tuple[Floats, int]:
         size: samples of a segment.
     """
     window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(size) / size)
-    line = np.arange(size) - (size - 1) / 2
     starts = range(0, values.size - size + 1, max(size // 2, 1))
-    total = np.zeros(size // 2 + 1)
+    total, piece = np.zeros(size // 2 + 1), np.empty(size)
     for start in starts:
-        piece = values[start : start + size]
-        slope = float(np.einsum("i,i", line, piece)) * 12 / (size * (size**2 - 1.0))
-        piece = piece - (float(piece.mean()) + slope * line)
-        piece *= window
-        transform = fft.rfft(piece)
-        total += transform.real**2 + transform.imag**2
+        _tapered(values[start : start + size], window, piece)
+        _add_power(np.asarray(fft.rfft(piece)), total)
     count = len(starts)
     total *= 2 * dt / (count * float(np.einsum("i,i", window, window)))
     return total, count
+
+
+@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
+def _tapered(values: Floats, window: Floats, out: Floats) -> None:  # pragma: no cover - compiled
+    """Take the least-squares line off, and taper."""
+    n = values.size
+    middle, total, moment = (n - 1) / 2.0, 0.0, 0.0
+    for k in range(n):
+        x = values[k] - values[0]  # a large mean would cost digits
+        total += x
+        moment += (k - middle) * x
+    mean, slope = values[0] + total / n, moment * 12.0 / (n * (float(n) * n - 1.0))
+    for k in range(n):
+        out[k] = (values[k] - mean - slope * (k - middle)) * window[k]
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _add_power(transform: NDArray[np.complex128], total: Floats) -> None:  # pragma: no cover - compiled
+    for k in range(total.size):
+        total[k] += transform[k].real ** 2 + transform[k].imag ** 2
 
 
 def independent(count: int, width: float = 1.0) -> float:

@@ -151,8 +151,8 @@ class Recording:
                 buffer = np.frombuffer(block, np.uint8)
                 opcode, content, length, end = walk(buffer)
                 last = np.flatnonzero(opcode == DATA_END)
-                if last.size:
-                    opcode, content, length = (table[: last[0]] for table in (opcode, content, length))
+                count = int(last[0]) if last.size else opcode.size
+                opcode, content, length = opcode[:count], content[:count], length[:count]
                 yield _Piece(buffer, opcode, content, length, offset)
                 for i in np.flatnonzero(opcode == CHUNK):
                     yield _chunk(buffer.data[content[i] : content[i] + length[i]], offset + int(content[i]))

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 from imuwb import registry
 from imuwb.errors import MissingDataError, UsageError
+from imuwb.progress import tracked
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -74,9 +75,9 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     parts: list[dict[str, Any]] = []
     found: list[tuple[Finding, ...]] = []
     missing: list[str] = []
-    for log in logs:
+    for log in tracked(logs, len(logs)):
         results: dict[str, Any] = {}
-        for name in names:
+        for name in tracked(names, len(names)):
             try:
                 results[name] = _ingredient(name).run([log], _parameters(name, parameters))
             except MissingDataError as error:

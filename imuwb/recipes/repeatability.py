@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import stats
 
 from imuwb.analysis import Table, estimate_text
 from imuwb.errors import MissingDataError, UsageError
+from imuwb.identification.distributions import chi_square_limits, chi_square_quantile, chi_square_tail, normal_limit
 from imuwb.log import SECOND
 from imuwb.units import coefficient_units
 
@@ -97,7 +97,7 @@ def _compared(axis: str, letter: str, found: Sequence[AnyCoefficient], level: fl
     if len(sure) < FEWEST:
         return Compared(values, lower, upper, None, None, None, None, unit)
     # Of a size, the logarithm scatters evenly; its standard error is what the interval spans.
-    z = float(stats.norm.ppf((1 + level) / 2))
+    z = normal_limit(level)
     logs = np.array([np.log(v) for v, _, _ in sure])
     sigma = np.array([np.log(u / low) / (2 * z) for _, low, u in sure])
     weight = 1 / sigma**2
@@ -106,7 +106,14 @@ def _compared(axis: str, letter: str, found: Sequence[AnyCoefficient], level: fl
     half = z / float(weight.sum()) ** 0.5
     ends = float(np.exp(mean - half)), float(np.exp(mean + half))
     return Compared(
-        values, lower, upper, float(np.exp(mean)), ends, statistic, float(stats.chi2.sf(statistic, logs.size - 1)), unit
+        values,
+        lower,
+        upper,
+        float(np.exp(mean)),
+        ends,
+        statistic,
+        float(chi_square_tail(statistic, logs.size - 1)),
+        unit,
     )
 
 
@@ -139,10 +146,9 @@ def _turn_on(axis: str, found: list[tuple[float, float]], level: float) -> TurnO
     n = len(means)
     square, noise = float(np.var(means, ddof=1)), float(np.mean([variance for _, variance in found]))
     unit = coefficient_units(axis, "rate")[0].name
-    tail = (1 - level) / 2
-    lower, upper = ((n - 1) * square / float(stats.chi2.ppf(q, n - 1)) - noise for q in (1 - tail, tail))
+    lower, upper = (square * factor - noise for factor in chi_square_limits(level, n - 1))
     if lower <= 0:  # the noise within the logs explains it
-        limit = (n - 1) * square / float(stats.chi2.ppf(1 - level, n - 1))
+        limit = (n - 1) * square / float(chi_square_quantile(1 - level, n - 1))
         return TurnOn(means, None, None, max(limit, noise) ** 0.5, unit)
     return TurnOn(means, max(square - noise, lower) ** 0.5, lower**0.5, upper**0.5, unit)
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from scipy import signal
 
 from imuwb.stochastic import state_space
 from imuwb.stochastic.checks import as_floats, require
@@ -99,8 +98,7 @@ class Autoregressive(Addable):
         first = self._stationary().P0[0]
         most = int(steps.max(initial=0)) + 1
         # r(k) = -sum alpha r(k-j): the recursion of the series itself, started with its exact values.
-        taps = [1.0, *self.alpha]
-        rest = signal.lfilter([1.0], taps, np.zeros(most), zi=signal.lfiltic([1.0], taps, first[::-1]))[0]
+        rest = self._filtered(np.zeros(most), first[::-1])
         return np.concatenate([first, rest])[steps]
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
@@ -131,5 +129,11 @@ class Autoregressive(Addable):
         past = np.linalg.cholesky(self._stationary().P0 + 1e-300 * np.eye(len(self.alpha))) @ rng.standard_normal(
             len(self.alpha)
         )
+        return self._filtered(noise, past)
+
+    def _filtered(self, noise: Floats, past: Floats) -> Floats:
+        """Return the series that noise drives on from its past values, the newest first."""
+        from scipy import signal  # noqa: PLC0415 - slow to load
+
         taps = [1.0, *self.alpha]
         return signal.lfilter([1.0], taps, noise, zi=signal.lfiltic([1.0], taps, past))[0]

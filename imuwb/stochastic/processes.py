@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from scipy import fft, signal, special
+from scipy import fft, special
 
 from imuwb.stochastic import state_space
 from imuwb.stochastic.autoregressive import Autoregressive
@@ -285,6 +285,8 @@ class GaussMarkov(Addable):
 
     def sample(self, n: int, dt: float, rng: np.random.Generator) -> Floats:
         """Return n samples, each the exact average over dt."""
+        from scipy import signal  # noqa: PLC0415 - slow to load
+
         a = dt / self.Tc
         phi, loss = np.exp(-a), -np.expm1(-a)
         # Given the state at the start of a step, its end and its average are jointly normal.

@@ -15,6 +15,7 @@ from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification import allan, deviation, find_lines, fit_allan, stillness
 from imuwb.identification.suitable import unsuitable
 from imuwb.log import source_of
+from imuwb.progress import tracked
 from imuwb.sampling import Sampling, sampling
 from imuwb.stochastic import AxisModel, GaussMarkov, ImuErrorModel, Sinusoid, Sum
 from imuwb.units import coefficient_units
@@ -54,7 +55,8 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
         message = f"{log.provenance.path}: every channel of {imu.name} is constant; there is no noise to analyse"
         raise MissingDataError(message)
     clocks = {sensor: sampling(axes[f"{sensor}_x"][0]) for sensor in ("gyro", "accel") if f"{sensor}_x" in axes}
-    still = stillness({a: (log.seconds(t), v) for a, (t, v) in axes.items() if a not in constant})
+    seconds = {sensor: log.seconds(axes[f"{sensor}_x"][0]) for sensor in clocks}
+    still = stillness({a: (seconds[a.partition("_")[0]], v) for a, (_, v) in axes.items() if a not in constant})
     # The harmonics of a motion are no lines of the sensor.
     wanted = replace(parameters, lines=parameters.lines and not still.moving)
 
@@ -62,7 +64,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
         return _axis(axis, *axes[axis], clocks[axis.partition("_")[0]], wanted)
 
     with ThreadPoolExecutor(2) as pool:
-        results = dict(zip(axes, pool.map(analyse, axes), strict=True))
+        results = dict(zip(axes, tracked(pool.map(analyse, axes), len(axes)), strict=True))
     spans = [(log.seconds(time[[0, -1]])) for time, _ in axes.values()]
     return Result(
         imu.name,

@@ -1,0 +1,53 @@
+"""Quantiles and tails of the few distributions that estimates are judged by.
+
+Of ``scipy.special``: the same functions that ``scipy.stats`` wraps, without the second it takes to load.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+from scipy import special
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+
+def normal_quantile(probability: float) -> float:
+    """Return what a standard normal variable stays below with this probability."""
+    return float(special.ndtri(probability))
+
+
+def normal_limit(level: float) -> float:
+    """Return z: a standard normal variable lies within +-z with probability ``level``."""
+    return normal_quantile((1 + level) / 2)
+
+
+def chi_square_quantile(probability: float, freedom: ArrayLike) -> Any:  # noqa: ANN401 - a number for a number, an array for an array
+    """Return what a chi-square variable stays below with this probability."""
+    return 2 * special.gammaincinv(np.asarray(freedom, dtype=np.float64) / 2, probability)
+
+
+def chi_square_tail(value: ArrayLike, freedom: ArrayLike) -> Any:  # noqa: ANN401 - as above
+    """Return the probability that a chi-square variable exceeds a value."""
+    return special.chdtrc(freedom, np.maximum(value, 0.0))
+
+
+def chi_square_limits(level: float, freedom: ArrayLike) -> tuple[Any, Any]:
+    """Return by what an estimated variance is multiplied for the ends of its interval.
+
+    Args:
+        level: of the interval.
+        freedom: of the estimate, which is about the true variance times chi-square over that.
+    """
+    nu, tail = np.asarray(freedom, dtype=np.float64), (1 - level) / 2
+    return nu / chi_square_quantile(1 - tail, nu), nu / chi_square_quantile(tail, nu)
+
+
+def pearson3_quantile(probability: float, skewness: float) -> float:
+    """Return what a Pearson III variable of mean 0 and variance 1 stays below with this probability; skewness 0 or more."""
+    if skewness < 1e-6:  # noqa: PLR2004 - a normal one, by then to nine digits
+        return normal_quantile(probability)
+    shape = 4 / skewness**2
+    return float((cast("NDArray[np.float64]", special.gammaincinv(shape, probability)) - shape) / shape**0.5)
