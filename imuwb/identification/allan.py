@@ -5,7 +5,7 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numba
 import numpy as np
@@ -24,11 +24,13 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 Uncertainty = Literal["edf", "printed"]
-BLOCK = 1024  #: samples of the sum that stay in the fastest cache while all factors use them
+BLOCK = 2048  #: samples of the sum that stay in the fastest cache while all factors use them
+ROUNDED = 1e-8  #: of a sum of squares: the largest mean square of rounding errors that the fast mode allows
 BRIDGE = 0.5  #: share of the second differences; where gaps leave less, block means bridge them
 LEAST_CLEAR = (
     0.1  #: share of the degrees of freedom left; with less, a bridged variance is what its correction makes of it
 )
+ROUGHLY = 61  #: every so many samples are averaged to what is taken off before they are summed up
 THINNEST = 16  #: points of the sum in an averaging time that the fast mode keeps at least
 
 
@@ -83,21 +85,22 @@ def allan(
         ValueError: fewer than 2 samples, or no averaging time within the record.
     """
     values = np.ascontiguousarray(values, dtype=np.float64)
-    center = float(values.mean()) if values.size else 0.0
-    # A sum of samples is finite only if all of them are: one pass, not two.
-    if not (dt > 0 and np.isfinite(dt) and np.isfinite(center)):
+    # What is taken off leaves the second differences alone; it keeps the sum's digits. So a rough mean will do.
+    center = float(values[0] + (values[::ROUGHLY] - values[0]).mean()) if values.size else 0.0
+    edges = [0, *sorted(breaks), values.size]
+    phases = [_phase(values[a:b], center) for a, b in pairwise(edges) if b > a]
+    # A sum of samples is finite only if all of them are.
+    if not (dt > 0 and np.isfinite(dt) and all(np.isfinite(phase[-1]) for phase in phases)):
         message = f"dt is {dt} and {np.count_nonzero(~np.isfinite(values))} samples are not finite; dt must be positive, all samples finite"
         raise ValueError(message)
-    edges = [0, *sorted(breaks), values.size]
-    pieces = [values[a:b] for a, b in pairwise(edges) if b - a > 1]
-    if not pieces:
+    phases = [phase for phase in phases if phase.size > 2]  # noqa: PLR2004 - two samples
+    if not phases:
         message = f"{values.size} samples hold no two that follow each other; the Allan variance needs them"
         raise ValueError(message)
     place = _places(time, dt) if time is not None and breaks else None
-    factor = averaging_factors(averaging_times, max(map(len, pieces)) if place is None else int(place[-1]) + 1, dt)
+    factor = averaging_factors(averaging_times, max(map(len, phases)) - 1 if place is None else int(place[-1]) + 1, dt)
     if fast:
         factor = np.unique(factor // _strides(factor) * _strides(factor))
-    phases = [_phase(piece, center) for piece in pieces]
     longest = max(phases, key=len)
     exponents = {int(m): noise_type.exponent(longest[::m]) for m in factor}
     counted = _thinned_terms(phases, factor) if fast else None
@@ -182,11 +185,13 @@ def integrated(values: Floats) -> Floats:
 
 
 @numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
-def _sum_of_squares(early: Floats, middle: Floats, late: Floats) -> float:  # pragma: no cover - compiled
+def _sum_of_squares(
+    early: NDArray[Any], middle: NDArray[Any], late: NDArray[Any]
+) -> float:  # pragma: no cover - compiled
     """Return the sum of (late - 2 middle + early)²; slices of one array, so the loop vectorises."""
-    total = 0.0
+    total = early.dtype.type(0.0)
     for k in range(late.size):
-        z = late[k] - 2.0 * middle[k] + early[k]
+        z = late[k] - middle[k] - middle[k] + early[k]
         total += z * z
     return total
 
@@ -212,6 +217,47 @@ def sums_of_squares(phase: Floats, factors: NDArray[np.int64]) -> Floats:
     return out
 
 
+@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
+def _bends(piece: Floats, ramp: Floats, out: NDArray[np.float32]) -> float:  # pragma: no cover - compiled
+    """Write a piece less the straight line through its ends; return the mean square."""
+    total, first = 0.0, piece[0]
+    slope = (piece[-1] - first) / max(piece.size - 1, 1)
+    for k in range(piece.size):
+        bend = piece[k] - first - slope * ramp[k]
+        out[k] = bend
+        total += bend * bend
+    return total / piece.size
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _single_sums(
+    phase: Floats, factors: NDArray[np.int64], block: int, out: Floats
+) -> None:  # pragma: no cover - compiled
+    """Add the squares as ``_sums`` does, in numbers of half the length, of which twice as many go at a time.
+
+    A block's straight line, which no second difference sees, is taken off, so that only what bends counts. Where
+    rounding errors could show all the same, the sum is done in full.
+    """
+    n, longest = phase.size, 2 * factors.max()
+    local, ramp = np.empty(block + longest, np.float32), np.arange(float(block + longest))
+    for begin in range(0, n, block):
+        size = min(block + longest, n - begin)
+        rounding = 6.0 * _bends(phase[begin : begin + size], ramp, local) * 2.0**-48
+        for i in range(factors.size):
+            m = factors[i]
+            count = min(block, size - 2 * m)
+            if count <= 0:
+                continue
+            total = _sum_of_squares(local[:count], local[m : m + count], local[2 * m : 2 * m + count])
+            if np.isfinite(total) and total * ROUNDED > count * rounding:
+                out[i] += total
+            else:
+                end = begin + count
+                out[i] += _sum_of_squares(
+                    phase[begin:end], phase[begin + m : end + m], phase[begin + 2 * m : end + 2 * m]
+                )
+
+
 def _strides(factors: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return powers of two by which the phase may be thinned out and leave 16 to 32 points in an averaging time."""
     return 2 ** np.maximum(np.log2(factors / THINNEST).astype(np.int64), 0)
@@ -232,7 +278,10 @@ def thinned_sums_of_squares(phase: Floats, factors: NDArray[np.int64]) -> Floats
     stride = 1
     while stride <= strides.max(initial=1):
         chosen = strides == stride
-        out[chosen] = sums_of_squares(phase, factors[chosen] // stride)
+        if chosen.any():
+            sums = np.zeros(int(chosen.sum()))
+            _single_sums(phase, factors[chosen] // stride, BLOCK, sums)
+            out[chosen] = sums
         phase = _halved(phase)
         stride *= 2
     return out

@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 EXPONENTS = (2, 0, -1, -2)  # quantization Q, white N, flicker B, random walk K
 NEAR = 24  #: lags summed one by one on each side of a corner
 FAR = 30  #: times m + q; from here on flicker is taken from its series
-SCALED, FEW = 64, 16  #: averaging factor from which, and record in those from which on, only their ratio matters
-_INVERSE = 1 / np.array([2.0**20, 4096, 1024, 256, 128, 64, 48, 32, 24, 20, 16])  #: m/n of the table, rising
+SCALED, FEW = 64, 16  #: averaging factor from which only m/n matters; records in factors, from which on no end is felt
+FARTHEST = 4096  #: factors; farther apart, differences hang together no more
 RATIO = 1.12  #: beyond, each step is this much longer
 
 
@@ -67,9 +67,8 @@ _KERNELS: dict[int, Callable[[Floats], Floats]] = {
 }  # fmt: skip
 
 
-def _grid(m: int, q: int, n_m: int, n_q: int) -> tuple[Floats, Floats]:
-    """Return lags and the weights with which a sum over all lags is a sum over these."""
-    first, last = -(n_m - 1), n_q - 1
+def _grid(m: int, q: int, first: int, last: int) -> tuple[Floats, Floats]:
+    """Return lags and the weights with which a sum over all lags, first to last, is a sum over these."""
     steps = [*range(NEAR + 1)]
     while steps[-1] < last - first:
         steps.append(int(np.ceil(steps[-1] * RATIO)))
@@ -83,9 +82,12 @@ def _grid(m: int, q: int, n_m: int, n_q: int) -> tuple[Floats, Floats]:
     weights[1:] += gaps
     weights[0] += 0.5
     weights[-1] += 0.5
-    # The number of pairs of terms at a lag.
-    weights *= np.minimum(n_m, n_q - lags) - np.maximum(0, -lags)
     return lags.astype(np.float64), weights
+
+
+def _pairs(lags: Floats, n_m: int, n_q: int) -> Floats:
+    """Return how many pairs of terms, of n_m and of n_q, are a lag apart."""
+    return np.minimum(n_m, n_q - lags) - np.maximum(0, -lags)
 
 
 def _cross(kernel: Callable[[Floats], Floats], lags: Floats, m: int, q: int) -> Floats:
@@ -93,9 +95,12 @@ def _cross(kernel: Callable[[Floats], Floats], lags: Floats, m: int, q: int) -> 
     total = np.zeros_like(lags)
     # In units of the longer factor, so that t² ln|t| is small where its differences are.
     unit = float(max(m, q)) if kernel is _flicker else 1.0
+    shifts: dict[int, int] = {}  # of the two second differences against each other; some coincide
     for a, wa in enumerate((1, -2, 1)):
         for b, wb in enumerate((1, -2, 1)):
-            total += wa * wb * kernel((lags + (b * q - a * m)) / unit)
+            shifts[b * q - a * m] = shifts.get(b * q - a * m, 0) + wa * wb
+    for shift, weight in shifts.items():
+        total += weight * kernel((lags + shift) / unit)
     # Far out the terms cancel to what rounding leaves, which over a million lags is no little.
     distance = np.abs(lags + q - m)
     if kernel is _random_walk:  # a cubic, differenced four times
@@ -116,27 +121,33 @@ def equivalent_degrees_of_freedom(m: int, n: int, exponent: int) -> float:
         n: number of samples (terms: n + 1 - 2 m).
         exponent: alpha of the power law, 2 ... -2.
     """
-    if exponent <= 0 and m > SCALED and n > FEW * m:
-        # But for phase noises, far from its ends only n/m matters, and edf m/n is nearly a straight line in m/n.
-        return n / m * float(np.interp(m / n, _INVERSE, _scaled(exponent)))
-    return _summed(m, n, exponent)
+    terms = n + 1 - 2 * m
+    if exponent == 1 or n <= FEW * m:
+        return _summed(m, n, exponent)
+    # Variances of long averages are alike but for their scale; those of phase noise are not.
+    like = SCALED if exponent <= 0 and m > SCALED else m
+    flat, rising = _long(like, exponent)
+    return terms / (m / like * flat - (m / like) ** 2 * rising / terms)
 
 
-@lru_cache(maxsize=8)
-def _scaled(exponent: int) -> Floats:
-    """Return edf m/n at the ratios m/n of ``_INVERSE``, for a long averaging factor."""
-    sizes = [max(round(SCALED / x), FEW * SCALED) for x in _INVERSE]
-    return np.array([_summed(SCALED, n, exponent) * SCALED / n for n in sizes])
+@lru_cache(maxsize=512)
+def _long(m: int, exponent: int) -> tuple[float, float]:
+    """Return the sums of squared correlations of second differences over all lags, and of those times the lag."""
+    lags, weights = _grid(m, m, -FARTHEST * m, FARTHEST * m)
+    squared = weights * (_cross(_KERNELS[exponent], lags, m, m) / _variance(m, exponent)) ** 2
+    return float(squared.sum()), float(squared @ np.abs(lags))
+
+
+def _variance(m: int, exponent: int) -> float:
+    return float(_cross(_KERNELS[exponent], np.zeros(1), m, m)[0])
 
 
 def _summed(m: int, n: int, exponent: int) -> float:
     """Return the degrees of freedom by the sum over all lags."""
     terms = n + 1 - 2 * m
-    lags, weights = _grid(m, m, terms, terms)
+    lags, weights = _grid(m, m, 1 - terms, terms - 1)
     gamma = _cross(_KERNELS[exponent], lags, m, m)
-    variance = 2 * float(weights @ gamma**2) / terms**2
-    mean = float(_cross(_KERNELS[exponent], np.zeros(1), m, m)[0])
-    return 2 * mean**2 / variance
+    return (_variance(m, exponent) * terms) ** 2 / float((weights * _pairs(lags, terms, terms)) @ gamma**2)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -180,7 +191,8 @@ def moments(factor: tuple[int, ...], n: int) -> Moments:
         for j in range(i, k):
             q = factor[j]
             n_m, n_q = n + 1 - 2 * m, n + 1 - 2 * q
-            lags, weights = _grid(m, q, n_m, n_q)
+            lags, weights = _grid(m, q, 1 - n_m, n_q - 1)
+            weights *= _pairs(lags, n_m, n_q)
             gamma = np.stack([_cross(kernel, lags, m, q) for kernel in kernels])
             squares[i, j] = squares[j, i] = 2 * (gamma * weights) @ gamma.T / (n_m * n_q)
             linear[i, j] = linear[j, i] = gamma @ weights / (n_m * n_q)

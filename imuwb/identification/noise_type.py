@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numba
 import numpy as np
 
 if TYPE_CHECKING:
@@ -25,17 +26,30 @@ def exponent(phase: NDArray[np.float64]) -> int | None:
     """
     if phase.size < FEWEST:
         return None
-    series = phase[:MOST]
+    delta = _order(phase[:MOST].copy())
+    return None if np.isnan(delta) else int(np.clip(round(2 - 2 * delta), -2, 2))
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _order(series: NDArray[np.float64]) -> float:  # pragma: no cover - compiled
+    """Return the order of fractional differencing; nan where nothing varies. ``series`` is used up."""
+    n = series.size
     for differences in range(MOST_DIFFERENCES + 1):
-        deviation = series - series.mean()
-        # einsum, not @: threads of a linear-algebra library cost more here than they save
-        power = float(np.einsum("i,i", deviation, deviation))
-        if power == 0:
-            return None
-        r1 = float(np.einsum("i,i", deviation[1:], deviation[:-1])) / power
+        mean = 0.0
+        for k in range(n):
+            mean += series[k] / n
+        power = product = 0.0
+        for k in range(n):
+            power += (series[k] - mean) ** 2
+            if k:
+                product += (series[k] - mean) * (series[k - 1] - mean)
+        if power == 0.0:
+            return np.nan
         # A fractionally differenced process of order delta has r1 = delta / (1 - delta).
-        delta = r1 / (1 + r1)
+        delta = product / (power + product)
         if delta < 0.25 or differences == MOST_DIFFERENCES:  # noqa: PLR2004 - the paper's
-            return int(np.clip(round(2 - 2 * (delta + differences)), -2, 2))
-        series = np.diff(series)
-    return None
+            return delta + differences
+        n -= 1
+        for k in range(n):
+            series[k] = series[k + 1] - series[k]
+    return np.nan
