@@ -9,8 +9,8 @@ from mcap.exceptions import McapError
 from mcap.reader import make_reader
 
 from imuwb.readers import shapes
-from imuwb.readers.mcap_decoders import CannotDecodeError, decoder_of
-from imuwb.readers.mcap_records import Channel, Messages, Schema
+from imuwb.readers.decoders import CannotDecodeError, decoder_of
+from imuwb.readers.messages import Channel, Messages, Schema
 from imuwb.readers.summary import LogSummary, StreamSummary
 
 if TYPE_CHECKING:

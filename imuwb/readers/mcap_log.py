@@ -2,32 +2,20 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from imuwb.errors import UnreadableLogError
-from imuwb.log import Origin
-from imuwb.readers import mcap_records, shapes
+from imuwb.readers import mcap_records
 from imuwb.readers.batch import Batch, ReadOptions, Remark
-from imuwb.readers.gather import alike
-from imuwb.readers.mcap_decoders import CannotDecodeError, Decoder, decoder_of
+from imuwb.readers.topics import Topics
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
-    from imuwb.readers.mcap_decoders import Piece
-    from imuwb.readers.mcap_records import Channel, Messages, Schema
-    from imuwb.readers.shapes import Recipe
     from imuwb.readers.summary import LogSummary
 
 format = "mcap"  # noqa: A001 - the contract's name
-PATIENCE = 100  #: messages after which a channel that shows no field of ours is not looked at again
-UNIX = 10**17  #: ns; a stamp behind March 1973 counts from the Unix epoch
 
 
 def probe(head: bytes) -> bool:
@@ -49,110 +37,14 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
         UnreadableLogError: the file holds not one message.
     """
     recording = mcap_records.Recording(path)
-    topics: dict[int, _Topic] = {}
-    undeclared = Counter[int]()
-    count = 0
+    topics = Topics(recording.channels, recording.schemas, options)
     for messages in recording.messages():
-        count += messages.start.size
-        for number, rows in alike(messages.channel, np.arange(messages.start.size)):
-            channel = recording.channels.get(number)
-            if channel is None:
-                undeclared[number] += rows.size
-                continue
-            if number not in topics:
-                topics[number] = _Topic(channel, recording.schemas.get(channel.schema_id), options)
-            yield from topics[number].batches(messages, rows)
-    if not count:
+        yield from topics.batches(messages)
+    if not topics.count:
         what = "; ".join(remark.text for remark in recording.remarks) or "it is a recording of nothing"
         message = f"{path}: no message can be read: {what}"
         raise UnreadableLogError(message)
     yield from recording.remarks
     if recording.damaged:
         yield Remark(f"{recording.damaged} messages whose recorded time cannot be left out")
-    for number, lost in undeclared.items():
-        yield Remark(f"{lost} messages of channel {number}, which is not declared, left out")
-    for topic in topics.values():
-        yield from topic.remarks()
-
-
-class _Topic:
-    """One channel on its way through the file: how to decode it, and what was odd about it."""
-
-    def __init__(self, channel: Channel, schema: Schema | None, options: ReadOptions) -> None:
-        self.name = channel.topic
-        self.schema = schema.name if schema else ""
-        self.options = options
-        self.recipes: tuple[Recipe, ...] = ()
-        self.decoder: Decoder | None = None
-        self.why = ""  #: why nothing of it is read
-        self.messages = 0
-        self.odd: Counter[str] = Counter()
-        try:
-            self.decoder = decoder_of(channel, schema)
-        except CannotDecodeError as error:
-            self.why = str(error)
-
-    def batches(self, messages: Messages, rows: NDArray[np.int64]) -> Iterator[Batch]:
-        if self.decoder is not None and not self.recipes and self.messages < PATIENCE:
-            self.recipes = shapes.recognise(self.decoder.fields(messages, rows), self.schema)
-        self.messages += rows.size
-        if self.decoder is None:
-            return
-        for recipe in self.recipes:
-            pieces = list(self.decoder.decode(messages, rows, recipe.paths))
-            lost = rows.size - sum(rows_of.size for _, rows_of in pieces)
-            if lost:
-                self.odd["messages that do not fit their definition left out"] += lost
-            if not pieces:
-                continue
-            values, found = _in_order(pieces) if len(pieces) > 1 else pieces[0]
-            yield self._batch(recipe, values, messages, found)
-
-    def remarks(self) -> Iterator[Remark]:
-        if self.why:
-            yield Remark(f"{self.name}: {self.messages} messages not read: {self.why}")
-        elif not self.recipes:
-            yield Remark(f"{self.name}: {self.messages} messages of {self.schema or 'no schema'}, not used")
-        for text, count in self.odd.items():
-            yield Remark(text, self.name, count)
-
-    def _batch(
-        self, recipe: Recipe, values: Mapping[str, NDArray[Any]], messages: Messages, rows: NDArray[np.int64]
-    ) -> Batch:
-        numbers = {path: np.asarray(array, dtype=np.float64) for path, array in values.items()}
-        frame = self.options.frame or "FLU"
-        columns = recipe.columns(numbers, recipe.prefix, frame)
-        if recipe.kind == "gnss" and f"{recipe.prefix}altitude" not in values:
-            self.odd["fixes without a height: 0 is used"] += rows.size
-        units, stored = {
-            "imu": ("rad/s, m/s²", f"{frame} ({'as said' if self.options.frame else 'REP 145'})"),
-            "gnss": ("deg, m", "ENU"),
-        }.get(recipe.kind, ("°C", ""))
-        time = self._time(recipe, values, messages, rows)
-        alone = sum(other.kind == recipe.kind for other in self.recipes) == 1
-        name = self.name if alone else f"{self.name}.{recipe.prefix.rstrip('.')}"
-        origin = Origin(units, stored, "unix" if time.size and time[0] > UNIX else "log")
-        return Batch(name, recipe.kind, time, columns, origin, messages.bytes_read)
-
-    def _time(
-        self, recipe: Recipe, values: Mapping[str, NDArray[Any]], messages: Messages, rows: NDArray[np.int64]
-    ) -> NDArray[np.int64]:
-        if self.options.time_source == "publish":
-            return messages.publish_time[rows]
-        recorded = messages.log_time[rows]
-        if self.options.time_source == "log":
-            return recorded
-        stamps = shapes.stamps(values, recipe)
-        unset = np.ones(rows.size, dtype=bool) if stamps is None else stamps == 0
-        if stamps is not None and stamps.max() < UNIX:
-            unset[:] = not stamps.any()  # a simulation's clock may well begin at 0
-        if unset.any():
-            self.odd["messages without a stamp of their own: the recorder's time is used"] += int(unset.sum())
-        return recorded if stamps is None else np.where(unset, recorded, stamps)
-
-
-def _in_order(pieces: Sequence[Piece]) -> Piece:
-    """Return pieces as one: groups of a layout come one behind the other; the file's order is the order of time."""
-    found = np.concatenate([rows for _, rows in pieces])
-    order = np.argsort(found, kind="stable")
-    return {path: np.concatenate([values[path] for values, _ in pieces])[order] for path in pieces[0][0]}, found[order]
+    yield from topics.remarks()

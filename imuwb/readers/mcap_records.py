@@ -23,6 +23,7 @@ from isal import isal_zlib
 from imuwb.readers.ahead import ahead
 from imuwb.readers.batch import Remark
 from imuwb.readers.gather import gather
+from imuwb.readers.messages import Channel, Messages, Schema
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -39,37 +40,6 @@ LARGEST_CHUNK = 1 << 30  #: a chunk that claims to unpack to more is not unpacke
 #: Of a message, before its payload: channel u16, sequence u32, log time u64, publish time u64.
 HEADER, LOG_TIME, PUBLISH_TIME = 22, 6, 14
 AHEAD = 2  #: pieces that are unpacked while others are decoded
-
-
-@dataclass(frozen=True, slots=True)
-class Schema:
-    """How a channel's messages are laid out."""
-
-    name: str
-    encoding: str
-    data: bytes
-
-
-@dataclass(frozen=True, slots=True)
-class Channel:
-    """A topic."""
-
-    topic: str
-    message_encoding: str
-    schema_id: int
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Messages:
-    """Messages of all channels that lie in one buffer."""
-
-    buffer: NDArray[np.uint8]
-    channel: NDArray[np.uint16]
-    log_time: NDArray[np.int64]  #: ns
-    publish_time: NDArray[np.int64]  #: ns
-    start: NDArray[np.int64]  #: of the payload in the buffer
-    length: NDArray[np.int64]  #: of the payload
-    bytes_read: int  #: of the file, so far
 
 
 @numba.njit(cache=True, nogil=True)

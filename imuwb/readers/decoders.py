@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from imuwb.readers.mcap_records import Channel, Messages, Schema
+    from imuwb.readers.messages import Channel, Messages, Schema
 
     Rows = NDArray[np.int64]
     #: the wanted fields, and which messages they are of
