@@ -10,6 +10,7 @@ import numpy as np
 
 from imuwb.log import SECOND, GnssStream, ImuStream, Log, Origin, Provenance, Reference, Repair, Scalars, Triad
 from imuwb.readers.batch import Batch
+from imuwb.readers.siblings import sibling, with_velocity
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -24,6 +25,7 @@ _COLUMNS = {
     "imu": ("angular_rate", "specific_force", "temperature"),
     "gnss": ("position", "velocity", "position_sigma", "velocity_sigma", "fix_type"),
     "reference": ("position", "velocity", "attitude"),
+    "velocity": ("velocity",),
     "speed": ("speed",),
     "temperature": ("temperature",),
 }
@@ -53,17 +55,7 @@ def assemble(parts: Iterable[Batch | Remark], provenance: Provenance) -> Log:
     sorted; of repeated times the first row is kept; behind a clock set back by more, time goes on
     by one nominal step. Each is a repair, counted in the stream's ``origin``.
     """
-    groups: dict[tuple[str, Kind, tuple[str, ...]], list[Batch]] = defaultdict(list)
-    repairs: dict[str, list[Repair]] = defaultdict(list)
-    notes: list[str] = []
-    for part in parts:
-        if isinstance(part, Batch):
-            for piece in _pieces(part):
-                groups[piece.stream, piece.kind, tuple(piece.columns)].append(piece)
-        elif part.stream:
-            repairs[part.stream].append(Repair(part.text, part.count))
-        else:
-            notes.append(part.text)
+    groups, repairs, notes = _grouped(parts)
     rows: list[_Rows] = []
     for (stream, kind, _), batches in groups.items():
         joined = _join(batches, repairs[stream])
@@ -81,14 +73,36 @@ def assemble(parts: Iterable[Batch | Remark], provenance: Provenance) -> Log:
         notes.extend(f"{stream}: {repair.what} ({repair.count})" for repair in left)
     temperatures = [_scalars(r, "temperature") for r in rows if r.kind == "temperature"]
     imus, joined_notes = _imus([r for r in rows if r.kind == "imu"], temperatures)
+    gnss = tuple(_gnss(r) for r in rows if r.kind == "gnss")
+    for velocity in (r for r in rows if r.kind == "velocity"):
+        gnss, note = with_velocity(gnss, velocity.stream, velocity.time, velocity.columns["velocity"])
+        joined_notes.append(note)
     return Log(
         provenance,
         imus=imus,
-        gnss=tuple(_gnss(r) for r in rows if r.kind == "gnss"),
+        gnss=gnss,
         references=tuple(_reference(r) for r in rows if r.kind == "reference"),
         speeds=tuple(_scalars(r, "speed") for r in rows if r.kind == "speed"),
         notes=(*notes, *joined_notes),
     )
+
+
+def _grouped(
+    parts: Iterable[Batch | Remark],
+) -> tuple[dict[tuple[str, Kind, tuple[str, ...]], list[Batch]], dict[str, list[Repair]], list[str]]:
+    """Return batches by stream and columns, repairs by stream, and notes."""
+    groups: dict[tuple[str, Kind, tuple[str, ...]], list[Batch]] = defaultdict(list)
+    repairs: dict[str, list[Repair]] = defaultdict(list)
+    notes: list[str] = []
+    for part in parts:
+        if isinstance(part, Batch):
+            for piece in _pieces(part):
+                groups[piece.stream, piece.kind, tuple(piece.columns)].append(piece)
+        elif part.stream:
+            repairs[part.stream].append(Repair(part.text, part.count))
+        else:
+            notes.append(part.text)
+    return groups, repairs, notes
 
 
 def _pieces(batch: Batch) -> tuple[Batch, ...]:
@@ -203,25 +217,13 @@ def _imus(rows: list[_Rows], temperatures: list[Scalars]) -> tuple[tuple[ImuStre
         imus[r.stream] = imu
     notes: list[str] = []
     for temperature in temperatures:
-        name = _sibling(temperature.name, [n for n, imu in imus.items() if imu.temperature is None])
+        name = sibling(temperature.name, [n for n, imu in imus.items() if imu.temperature is None])
         if name is None:
             notes.append(f"{temperature.name}: temperature of no IMU in the log, left out")
             continue
         imus[name] = replace(imus[name], temperature=temperature)
         notes.append(f"{temperature.name}: taken as the temperature of {name}")
     return tuple(imus.values()), notes
-
-
-def _sibling(topic: str, imus: list[str]) -> str | None:
-    """Return the IMU whose name shares most of its path with a temperature topic."""
-    if len(imus) == 1:
-        return imus[0]
-
-    def shared(name: str) -> int:
-        parts = zip(topic.split("/")[:-1], name.split("/")[:-1], strict=False)
-        return sum(1 for a, b in parts if a == b and a)
-
-    return max(imus, key=shared) if imus and max(map(shared, imus)) else None
 
 
 def _gnss(r: _Rows) -> GnssStream:

@@ -58,7 +58,7 @@ def _streams(reader: McapReader, summary: Summary) -> Iterator[StreamSummary]:
             continue
         start, end = min(c.message_start_time for c in chunks), max(c.message_end_time for c in chunks)
         rate = (count - 1) / (end - start) * 1e9 if end > start else None
-        for recipe in shapes.recognise(fields, ours.name if ours else ""):
+        for recipe in shapes.recognise(fields, ours.name if ours else "", channel.topic):
             units, frame = {"imu": ("rad/s, m/s²", "FLU (REP 145)"), "gnss": ("deg, m", "ENU")}.get(
                 recipe.kind, ("°C", "")
             )

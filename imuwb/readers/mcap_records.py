@@ -12,18 +12,18 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING
 
-import lz4.frame
 import numba
 import numpy as np
-import zstandard
 from isal import isal_zlib
 
 from imuwb.readers.ahead import ahead
 from imuwb.readers.batch import Remark
 from imuwb.readers.gather import gather
 from imuwb.readers.messages import Channel, Messages, Schema
+from imuwb.readers.source import extended
+from imuwb.readers.unpack import unpack, unpack_front
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -33,9 +33,7 @@ if TYPE_CHECKING:
 
 MAGIC = b"\x89MCAP0\r\n"
 SCHEMA, CHANNEL, MESSAGE, CHUNK, DATA_END = 0x03, 0x04, 0x05, 0x06, 0x0F
-BLOCK = 8 << 20  #: bytes read at a time
 LATEST = np.uint64(2**62)  #: ns; a later time (after 2116) is damage
-LARGEST_CHUNK = 1 << 30  #: a chunk that claims to unpack to more is not unpacked
 
 #: Of a message, before its payload: channel u16, sequence u32, log time u64, publish time u64.
 HEADER, LOG_TIME, PUBLISH_TIME = 22, 6, 14
@@ -114,7 +112,8 @@ class Recording:
             file.seek(len(MAGIC))
             rest, offset = b"", len(MAGIC)
             while True:
-                block = self._block(file, rest, size - offset)
+                whole = 9 + int.from_bytes(rest[1:9], "little") if len(rest) >= 9 else 0  # noqa: PLR2004 - opcode, length
+                block = extended(file, rest, whole, size - offset)
                 if block is None:
                     yield _cut_end(rest, offset)
                     return
@@ -129,15 +128,6 @@ class Recording:
                 if last.size:
                     return
                 rest, offset = block[end:], offset + end
-
-    def _block(self, file: BinaryIO, rest: bytes, left: int) -> bytes | None:
-        """Return ``rest`` and what follows it, with at least one whole record; None where there is none."""
-        want = BLOCK
-        if len(rest) >= 9:  # noqa: PLR2004 - opcode and length
-            want = max(BLOCK, 9 + int.from_bytes(rest[1:9], "little") - len(rest))
-        want = min(want, left)  # a length no file can hold is a damaged record: the walk stops at it
-        more = file.read(want)
-        return rest + more if more else None
 
     def _messages(self, piece: _Piece) -> Iterator[Messages]:
         opcode, content, length, raw = piece.opcode, piece.content, piece.length, piece.buffer.data
@@ -215,21 +205,7 @@ def _string(content: bytes, at: int) -> tuple[str, int]:
 def _unpack(chunk: memoryview) -> bytes | memoryview:
     """Return a chunk's records, unpacked and checked; ValueError says why they cannot be used."""
     size, crc, compression, packed = _chunk_fields(chunk)
-    if size > LARGEST_CHUNK:
-        message = f"it claims to unpack to {size} bytes, more than {LARGEST_CHUNK}"
-        raise ValueError(message)
-    if compression == "":
-        records: bytes | memoryview = packed
-    elif compression == "zstd":
-        records = _unpack_zstd(packed, size)
-    elif compression == "lz4":
-        records = _unpack_lz4(packed, size)
-    else:
-        message = f"compression {compression!r} is not one of zstd, lz4 and none"
-        raise ValueError(message)
-    if len(records) != size:
-        message = f"it unpacks to {len(records)} bytes where {size} are stated"
-        raise ValueError(message)
+    records = unpack(packed, compression, size)
     if crc and isal_zlib.crc32(records) != crc:
         message = "its checksum does not match"
         raise ValueError(message)
@@ -247,41 +223,10 @@ def _chunk_fields(chunk: memoryview) -> tuple[int, int, str, memoryview]:
     return size, crc, compression, chunk[at + 8 : at + 8 + packed]
 
 
-def _unpack_zstd(packed: memoryview, size: int) -> bytes:
-    try:
-        # A frame states its size; the library would allocate whatever it states.
-        if zstandard.frame_content_size(bytes(packed[:18])) not in (-1, size):
-            message = "its zstd frame and its header state different sizes"
-            raise ValueError(message)
-        return zstandard.ZstdDecompressor().decompress(packed, max_output_size=size)
-    except zstandard.ZstdError as error:
-        message = f"zstd cannot unpack it ({error})"
-        raise ValueError(message) from error
-
-
-def _unpack_lz4(packed: memoryview, size: int) -> bytes:
-    try:
-        return lz4.frame.LZ4FrameDecompressor().decompress(packed, max_length=size + 1)
-    except (RuntimeError, EOFError) as error:
-        message = f"lz4 cannot unpack it ({error})"
-        raise ValueError(message) from error
-
-
 def _unpack_front(chunk: bytes) -> bytes:
     """Return as much of a cut chunk as unpacks; its checksum cannot be checked."""
     try:
         size, _, compression, packed = _chunk_fields(memoryview(chunk))
-        if size > LARGEST_CHUNK:
-            return b""
-        if compression == "zstd":
-            pieces, unpacker = bytearray(), zstandard.ZstdDecompressor().decompressobj()
-            for at in range(0, len(packed), 1 << 16):
-                pieces += unpacker.decompress(packed[at : at + (1 << 16)])
-                if len(pieces) > size:
-                    return b""
-            return bytes(pieces)
-        if compression == "lz4":
-            return lz4.frame.LZ4FrameDecompressor().decompress(packed, max_length=size)
-        return bytes(packed)
-    except (ValueError, zstandard.ZstdError, RuntimeError, EOFError):
+    except ValueError:
         return b""
+    return unpack_front(packed, compression, size)

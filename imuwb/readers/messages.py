@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import numpy as np
@@ -33,7 +33,7 @@ class Messages:
     """Messages of all channels that lie in one buffer."""
 
     buffer: NDArray[np.uint8]
-    channel: NDArray[np.uint16]
+    channel: NDArray[np.integer[Any]]
     log_time: NDArray[np.int64]  #: ns
     publish_time: NDArray[np.int64]  #: ns
     start: NDArray[np.int64]  #: of the payload in the buffer

@@ -46,8 +46,8 @@ class Recipe:
     columns: Callable[[Values, str, str], dict[str, NDArray[np.float64]]]  #: (values, prefix, frame) -> columns
 
 
-def recognise(paths: Collection[str], schema: str) -> tuple[Recipe, ...]:
-    """Return what can be read of a message with these fields: no, one or more streams."""
+def recognise(paths: Collection[str], schema: str, topic: str) -> tuple[Recipe, ...]:
+    """Return what can be read of a topic's messages with these fields: no, one or more streams."""
     there = set(paths)
     found: list[Recipe] = []
     for path in paths:
@@ -57,8 +57,8 @@ def recognise(paths: Collection[str], schema: str) -> tuple[Recipe, ...]:
             prefix = path[: -len(key)]
             if not all(prefix + name in there for name in required):
                 continue
-            if kind == "temperature" and not schema.endswith("Temperature"):
-                continue  # many messages have a temperature; only this one is of the air around a sensor
+            if kind in _SCHEMAS and not _SCHEMAS[kind](schema, topic):
+                continue
             stamp = _stamp(there, prefix)
             names = (*required, *(name for name in optional if prefix + name.removesuffix("[0]") in there))
             used = (*(stamp or ()), *(prefix + name for name in names))
@@ -107,10 +107,25 @@ def _gnss(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float
     if covariance is not None and covariance.ndim > 1 and covariance.shape[1] == 9:  # noqa: PLR2004 - 3 x 3
         # East-north-up in the message. Not positive: unknown (all zero), or absent (-1).
         columns["position_sigma"] = np.sqrt(np.maximum(covariance[:, [4, 0, 8]], 0.0))
+    track, speed, climb = (values.get(f"{prefix}{name}") for name in _COURSE)
+    if track is not None and speed is not None and climb is not None:  # gps_common/GPSFix: degrees from north
+        course = np.radians(track)
+        columns["velocity"] = np.stack([speed * np.cos(course), speed * np.sin(course), -climb], axis=1)
     status = values.get(f"{prefix}status.status")
     if status is not None:  # -1 none, 0 fix, 1 with satellite, 2 with ground augmentation
         columns["fix_type"] = np.select([status < 0, status > 0], [1.0, 4.0], 3.0)
     return columns
+
+
+def _velocity(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
+    del frame  # of a receiver: east, north, up
+    east, north, up = (values[f"{prefix}linear.{axis}"] for axis in "xyz")
+    return {"velocity": np.stack([north, east, -up], axis=1)}
+
+
+def _speed(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
+    del frame  # forward is x in all of them
+    return {"speed": values[f"{prefix}linear.x"]}
 
 
 def _temperature(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
@@ -118,11 +133,32 @@ def _temperature(values: Values, prefix: str, frame: str) -> dict[str, NDArray[n
     return {"temperature": values[f"{prefix}temperature"]}
 
 
+_COURSE = ("track", "speed", "climb")
+_LINEAR = ("linear.x", "linear.y", "linear.z")
 _TRIADS = tuple(f"{field}.{axis}" for field in ("angular_velocity", "linear_acceleration") for axis in "xyz")
 _COVARIANCES = ("angular_velocity_covariance[0]", "linear_acceleration_covariance[0]")
+
+
+def _is_receiver(topic: str) -> bool:
+    return any(word in topic.lower() for word in ("gps", "gnss", "fix", "navsat", "ublox"))
+
+
+def _is_twist(schema: str) -> bool:
+    return schema.endswith(("TwistStamped", "TwistWithCovarianceStamped"))
+
+
+#: kind -> of which schemas and topics alone, where fields do not say enough: many messages have a temperature or a
+#: linear.x, and a twist is a receiver's velocity over ground or a body's own.
+_SCHEMAS: dict[Kind, Callable[[str, str], bool]] = {
+    "temperature": lambda schema, _: schema.endswith("Temperature"),
+    "velocity": lambda schema, topic: _is_twist(schema) and _is_receiver(topic),
+    "speed": lambda schema, topic: schema.endswith("Odometry") or (_is_twist(schema) and not _is_receiver(topic)),
+}
 #: (key, kind, required fields, optional fields, recipe)
 _SHAPES: tuple[tuple[str, Kind, tuple[str, ...], tuple[str, ...], Callable[..., dict[str, NDArray[np.float64]]]], ...] = (
     ("angular_velocity.x", "imu", _TRIADS, _COVARIANCES, _imu),
-    ("latitude", "gnss", ("latitude", "longitude"), ("altitude", "position_covariance", "status.status"), _gnss),
+    ("latitude", "gnss", ("latitude", "longitude"), ("altitude", "position_covariance", "status.status", *_COURSE), _gnss),
     ("temperature", "temperature", ("temperature",), (), _temperature),
+    ("linear.x", "velocity", _LINEAR, (), _velocity),
+    ("linear.x", "speed", _LINEAR, (), _speed),
 )  # fmt: skip

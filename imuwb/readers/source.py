@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 HEAD = 1 << 16
 PIECE = 1 << 16
+BLOCK = 8 << 20  #: bytes read at a time, of a file of records
 GZIP_MAGIC = b"\x1f\x8b"
 
 
@@ -78,6 +79,19 @@ def pieces(file: BinaryIO, trouble: list[str]) -> Iterator[bytes]:
             yield piece
     except (OSError, EOFError, zlib.error) as error:
         trouble.append(f"the packed file is cut or damaged ({error}): what unpacks is used")
+
+
+def extended(file: BinaryIO, rest: bytes, whole: int, left: int) -> bytes | None:
+    """Return ``rest`` and the next block of a file, which holds at least one whole record; None at its end.
+
+    Args:
+        file: stands behind ``rest``.
+        rest: the beginning of a record that was not whole.
+        whole: size of that record, as far as it is known. One that no file can hold is damage: the walk stops at it.
+        left: bytes from the beginning of ``rest`` to the end of the file.
+    """
+    more = file.read(min(max(BLOCK, whole - len(rest)), left))
+    return rest + more if more else None
 
 
 def head(path: Path) -> bytes:

@@ -75,7 +75,7 @@ class _Topic:
 
     def batches(self, messages: Messages, rows: NDArray[np.int64]) -> Iterator[Batch]:
         if self.decoder is not None and not self.recipes and self.messages < PATIENCE:
-            self.recipes = shapes.recognise(self.decoder.fields(messages, rows), self.schema)
+            self.recipes = shapes.recognise(self.decoder.fields(messages, rows), self.schema, self.name)
         self.messages += rows.size
         if self.decoder is None:
             return
@@ -108,6 +108,8 @@ class _Topic:
         units, stored = {
             "imu": ("rad/s, m/s²", f"{frame} ({'as said' if self.options.frame else 'REP 145'})"),
             "gnss": ("deg, m", "ENU"),
+            "velocity": ("m/s", "ENU"),
+            "speed": ("m/s", "forward"),
         }.get(recipe.kind, ("°C", ""))
         time = self._time(recipe, values, messages, rows)
         alone = sum(other.kind == recipe.kind for other in self.recipes) == 1

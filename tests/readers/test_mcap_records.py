@@ -191,7 +191,7 @@ def test_a_compression_nobody_knows_is_named(declared, some, by_hand):
     bad = record(CHUNK, struct.pack("<QQQI", 0, 0, 5, 0) + text("brotli") + struct.pack("<Q", 5) + b"12345")
     log = read(by_hand(declared, some(0), bad))
     assert numbers(log) == [0, 1, 2, 3]
-    assert "compression 'brotli' is not one of zstd, lz4 and none" in log.notes[0]
+    assert "compression 'brotli' is not one of zstd, lz4, bz2 and none" in log.notes[0]
 
 
 @pytest.mark.parametrize("content", [b"", b"short", bytes(28) + b"\xff\xff\xff\xff"])
