@@ -29,13 +29,15 @@ AXES = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
 SECOND = 1_000_000_000  # nanoseconds
 
 
-def _frozen(values: object, dtype: type, shape: tuple[int | None, ...], what: str) -> NDArray[Any]:
-    """Return ``values`` as a read-only array of that shape, all finite (None: any length)."""
+def _frozen(
+    values: object, dtype: type, shape: tuple[int | None, ...], what: str, *, unknown: bool = False
+) -> NDArray[Any]:
+    """Return ``values`` as a read-only array of that shape (None: any length), all finite but for nan, if that is allowed."""
     array = np.ascontiguousarray(values, dtype=dtype).view()
     if array.ndim != len(shape) or any(n not in (None, m) for n, m in zip(shape, array.shape, strict=True)):
         message = f"{what} has shape {array.shape}; it must be {shape}"
         raise ValueError(message)
-    if dtype is np.float64 and not np.isfinite(array).all():
+    if dtype is np.float64 and not (np.isfinite(array) | (np.isnan(array) if unknown else False)).all():
         message = f"{what} holds {np.count_nonzero(~np.isfinite(array))} values that are not finite"
         raise ValueError(message)
     array.flags.writeable = False
@@ -133,13 +135,16 @@ class ImuStream:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class GnssStream:
-    """A GNSS receiver's fixes. ``fix_type`` counts as MAVLink does: 1 none, 3 3D, 5 float, 6 RTK fixed."""
+    """A GNSS receiver's fixes. ``fix_type`` counts as MAVLink does: 1 none, 3 3D, 5 float, 6 RTK fixed.
+
+    What a receiver does not tell of a fix, such as a vertical velocity or a sigma, is nan, never 0.
+    """
 
     name: str
     time: Nanoseconds  #: (n,) ns
     position: Floats  #: (n, 3) latitude rad, longitude rad, height m above WGS 84
     velocity: Floats | None = None  #: (n, 3) m/s, NED
-    position_sigma: Floats | None = None  #: (n, 3) m, NED, as the receiver claims; 0 where it claims none
+    position_sigma: Floats | None = None  #: (n, 3) m, NED, as the receiver claims
     velocity_sigma: Floats | None = None  #: (n, 3) m/s, NED, likewise
     fix_type: NDArray[np.int64] | None = None  #: (n,)
     origin: Origin = field(default_factory=Origin)
@@ -149,9 +154,10 @@ class GnssStream:
         time = _frozen_time(self.time, self.name)
         _store(self, time=time)
         for name in ("position", "velocity", "position_sigma", "velocity_sigma"):
-            array = getattr(self, name)
+            array, what = getattr(self, name), f"{self.name} {name}"
             if array is not None:
-                _store(self, **{name: _frozen(array, np.float64, (time.size, 3), f"{self.name} {name}")})
+                unknown = name != "position"
+                _store(self, **{name: _frozen(array, np.float64, (time.size, 3), what, unknown=unknown)})
         if self.fix_type is not None:
             _store(self, fix_type=_frozen(self.fix_type, np.int64, (time.size,), f"{self.name} fix type"))
 

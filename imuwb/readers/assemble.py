@@ -29,6 +29,7 @@ _COLUMNS = {
     "speed": ("speed",),
     "temperature": ("temperature",),
 }
+_MAY_BE_UNKNOWN = ("velocity", "position_sigma", "velocity_sigma", "fix_type")  #: of a fix
 FIRST, LAST = np.iinfo(np.int64).max, np.iinfo(np.int64).min  # of no rows
 MOST_STEPS = 10  # back, of a clock that is set now and then
 FEW = 12  # rows; of fewer, nobody can tell which stamp is damaged
@@ -123,7 +124,7 @@ def _join(batches: list[Batch], noted: list[Repair]) -> _Rows:
     counts: dict[str, int] = {}
 
     finite = np.ones(time.size, dtype=bool)
-    for values in columns.values():
+    for values in (v for name, v in columns.items() if first.kind != "gnss" or name not in _MAY_BE_UNKNOWN):
         finite &= np.isfinite(values) if values.ndim == 1 else np.isfinite(values).all(axis=1)
     if not finite.all():
         counts["rows with a value that is not a number left out"] = int(np.count_nonzero(~finite))
@@ -228,14 +229,21 @@ def _imus(rows: list[_Rows], temperatures: list[Scalars]) -> tuple[tuple[ImuStre
 
 def _gnss(r: _Rows) -> GnssStream:
     fix = r.columns.get("fix_type")
+
+    def known(name: str) -> Floats | None:
+        values = r.columns.get(name)
+        return (
+            None if values is None or not np.isfinite(values).any() else np.where(np.isfinite(values), values, np.nan)
+        )
+
     return GnssStream(
         r.stream,
         r.time,
         position=r.columns["position"],
-        velocity=r.columns.get("velocity"),
-        position_sigma=r.columns.get("position_sigma"),
-        velocity_sigma=r.columns.get("velocity_sigma"),
-        fix_type=None if fix is None else fix.astype(np.int64),
+        velocity=known("velocity"),
+        position_sigma=known("position_sigma"),
+        velocity_sigma=known("velocity_sigma"),
+        fix_type=None if fix is None else np.nan_to_num(fix).astype(np.int64),
         origin=r.origin,
     )
 

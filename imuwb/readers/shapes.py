@@ -106,7 +106,8 @@ def _gnss(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float
     covariance = values.get(f"{prefix}position_covariance")
     if covariance is not None and covariance.ndim > 1 and covariance.shape[1] == 9:  # noqa: PLR2004 - 3 x 3
         # East-north-up in the message. Not positive: unknown (all zero), or absent (-1).
-        columns["position_sigma"] = np.sqrt(np.maximum(covariance[:, [4, 0, 8]], 0.0))
+        square = covariance[:, [4, 0, 8]]
+        columns["position_sigma"] = np.sqrt(np.where(square > 0, square, np.nan))
     track, speed, climb = (values.get(f"{prefix}{name}") for name in _COURSE)
     if track is not None and speed is not None and climb is not None:  # gps_common/GPSFix: degrees from north
         course = np.radians(track)

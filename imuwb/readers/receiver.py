@@ -1,0 +1,48 @@
+"""What receivers of flight controllers tell, as the columns of a GNSS stream."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class GpsRows:
+    """Fixes as speed over ground and course; nan where something is not told."""
+
+    latitude: Floats  #: (n,) deg
+    longitude: Floats  #: (n,) deg
+    height: Floats  #: (n,) m
+    speed: Floats  #: (n,) m/s over ground
+    course: Floats  #: (n,) deg from north
+    down: Floats | None  #: (n,) m/s
+    fix_type: Floats  #: (n,) as MAVLink counts
+    horizontal: Floats  #: (n,) m, one sigma; taken for north and for east
+    vertical: Floats  #: (n,) m, one sigma
+    of_speed: Floats  #: (n,) m/s, one sigma; taken for all three
+
+
+def usable_fixes(rows: GpsRows) -> NDArray[np.bool_]:
+    """Return which rows have a position: a receiver without a fix tells 0/0."""
+    possible = (np.abs(rows.latitude) <= 90) & (np.abs(rows.longitude) <= 180) & (np.abs(rows.height) < 1e5)  # noqa: PLR2004 - deg, m
+    return possible & ((rows.latitude != 0) | (rows.longitude != 0))
+
+
+def gps_columns(rows: GpsRows) -> dict[str, Floats]:
+    """Return the columns of a GNSS stream, NED."""
+    course = np.radians(rows.course)
+    down = np.full(rows.speed.size, np.nan) if rows.down is None else rows.down
+    return {
+        "position": np.stack([np.radians(rows.latitude), np.radians(rows.longitude), rows.height], axis=1),
+        "velocity": np.stack([rows.speed * np.cos(course), rows.speed * np.sin(course), down], axis=1),
+        "position_sigma": np.stack([rows.horizontal, rows.horizontal, rows.vertical], axis=1),
+        "velocity_sigma": np.stack([rows.of_speed] * 3, axis=1),
+        "fix_type": rows.fix_type,
+    }
