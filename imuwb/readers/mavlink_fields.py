@@ -15,36 +15,26 @@ from imuwb.readers.gather import gather
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_SCALED = "time_boot_ms:u4 xacc:i2 yacc:i2 zacc:i2 xgyro:i2 ygyro:i2 zgyro:i2 xmag:i2 ymag:i2 zmag:i2 temperature:i2"
+_COUNTS = "xacc:i2 yacc:i2 zacc:i2 xgyro:i2 ygyro:i2 zgyro:i2 xmag:i2 ymag:i2 zmag:i2"
+_SCALED, _RAW = f"time_boot_ms:u4 {_COUNTS} temperature:i2", f"time_usec:u8 {_COUNTS}"
 _FLOATS = (
     "time_usec:u8 xacc:f4 yacc:f4 zacc:f4 xgyro:f4 ygyro:f4 zgyro:f4 xmag:f4 ymag:f4 zmag:f4 abs_pressure:f4 "
     "diff_pressure:f4 pressure_alt:f4 temperature:f4"
 )
+_FIX = "time_usec:u8 lat:i4 lon:i4 alt:i4"
+_COURSE = "eph:u2 epv:u2 vel:u2 cog:u2 fix_type:u1 satellites:u1"
+_ACCURACY = "alt_ellipsoid:i4 h_acc:u4 v_acc:u4 vel_acc:u4"
 _MESSAGES = {
     2: ("SYSTEM_TIME", "time_unix_usec:u8 time_boot_ms:u4"),
-    24: (
-        "GPS_RAW_INT",
-        "time_usec:u8 lat:i4 lon:i4 alt:i4 eph:u2 epv:u2 vel:u2 cog:u2 fix_type:u1 satellites:u1 alt_ellipsoid:i4 h_acc:u4 "
-        "v_acc:u4 vel_acc:u4",
-    ),
+    24: ("GPS_RAW_INT", f"{_FIX} {_COURSE} {_ACCURACY}"),
     26: ("SCALED_IMU", _SCALED),
-    27: (
-        "RAW_IMU",
-        "time_usec:u8 xacc:i2 yacc:i2 zacc:i2 xgyro:i2 ygyro:i2 zgyro:i2 xmag:i2 ymag:i2 zmag:i2 id:u1 temperature:i2",
-    ),
+    27: ("RAW_IMU", f"{_RAW} id:u1 temperature:i2"),
     30: ("ATTITUDE", "time_boot_ms:u4 roll:f4 pitch:f4 yaw:f4"),
-    33: (
-        "GLOBAL_POSITION_INT",
-        "time_boot_ms:u4 lat:i4 lon:i4 alt:i4 relative_alt:i4 vx:i2 vy:i2 vz:i2",
-    ),
+    33: ("GLOBAL_POSITION_INT", "time_boot_ms:u4 lat:i4 lon:i4 alt:i4 relative_alt:i4 vx:i2 vy:i2 vz:i2"),
     105: ("HIGHRES_IMU", f"{_FLOATS} fields_updated:u2 id:u1"),
     107: ("HIL_SENSOR", f"{_FLOATS} fields_updated:u4 id:u1"),
     116: ("SCALED_IMU2", _SCALED),
-    124: (
-        "GPS2_RAW",
-        "time_usec:u8 lat:i4 lon:i4 alt:i4 dgps_age:u4 eph:u2 epv:u2 vel:u2 cog:u2 fix_type:u1 satellites:u1 dgps_numch:u1 "
-        "yaw:u2 alt_ellipsoid:i4 h_acc:u4 v_acc:u4 vel_acc:u4",
-    ),
+    124: ("GPS2_RAW", f"{_FIX} dgps_age:u4 {_COURSE} dgps_numch:u1 yaw:u2 {_ACCURACY}"),
     129: ("SCALED_IMU3", _SCALED),
 }
 

@@ -267,29 +267,30 @@ class _Telemetry:
 
 def _clock(rows: Mapping[Key, tuple[Any, Any, Values]], part: tuple[int, int]) -> BootClock:
     """Return the clock of one component, from all its messages that tell the time since power-up."""
-    there = [(number, rows[*part, number]) for number in CLOCKS if (*part, number) in rows]
-    raw = [(number, rows[*part, number]) for number in RAW if (*part, number) in rows]
-    parts = [(p, v["time_boot_ms"].astype(np.int64) * MILLI, r, v) for _, (p, r, v) in there]
-    parts += [
-        (p, v["time_usec"].astype(np.int64) * MICRO, r, v)
-        for _, (p, r, v) in raw
-        if not (v["time_usec"] > EARLIEST).any()
-    ]
+    parts: list[tuple[NDArray[np.int64], ...]] = []
+    for number in (*CLOCKS, *RAW):
+        if (*part, number) not in rows:
+            continue
+        place, recorded, values = rows[*part, number]
+        if number in RAW and (values["time_usec"] > EARLIEST).any():
+            continue  # it tells Unix time
+        boot = values["time_usec"].astype(np.int64) * MICRO if number in RAW else _boot(values)
+        told = values.get("time_unix_usec", np.zeros(place.size, np.uint64))
+        parts.append((place, boot, recorded, told.clip(0, LATEST).astype(np.int64) * MICRO))
     if not parts:
-        none = np.empty(0, np.int64)
-        return boot_clock(none, none, none, none)
-    place, boot, recorded = (np.concatenate([piece[i] for piece in parts]) for i in range(3))
-    unix = np.concatenate([
-        v["time_unix_usec"].clip(0, LATEST).astype(np.int64) * MICRO if "time_unix_usec" in v else np.zeros(p.size, np.int64)
-        for p, _, _, v in parts
-    ])  # fmt: skip
+        return boot_clock(*[np.empty(0, np.int64)] * 4)
+    place, boot, recorded, unix = (np.concatenate(columns) for columns in zip(*parts, strict=True))
     order = np.argsort(place, kind="stable")
     return boot_clock(place[order], boot[order], recorded[order], unix[order])
 
 
+def _boot(values: Values) -> NDArray[np.int64]:
+    return values["time_boot_ms"].astype(np.int64) * MILLI
+
+
 def _own_time(clock: BootClock, place: NDArray[np.int64], values: Values) -> NDArray[np.int64]:
     if "time_boot_ms" in values:
-        return clock.unix(place, values["time_boot_ms"].astype(np.int64) * MILLI)
+        return clock.unix(place, _boot(values))
     own = values["time_usec"].clip(0, LATEST).astype(np.int64) * MICRO
     return np.where(values["time_usec"] > EARLIEST, own, clock.unix(place, own))
 
