@@ -12,6 +12,7 @@ from imuwb.errors import UnreadableLogError
 from imuwb.log import SECOND, Origin
 from imuwb.readers import source
 from imuwb.readers.batch import Batch, ReadOptions, Remark
+from imuwb.readers.gps_time import GPS_EPOCH, WEEK, ahead_of_utc
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -19,14 +20,6 @@ if TYPE_CHECKING:
 
 format = "rtklib"  # noqa: A001 - the contract's name
 ROWS = 20_000  #: in a batch
-WEEK = 604_800
-GPS_EPOCH = datetime(1980, 1, 6, tzinfo=UTC)
-#: GPS time is ahead of UTC by this many seconds from these dates on (IERS Bulletin C).
-LEAP_SECONDS = (
-    (2017, 1, 18), (2015, 7, 17), (2012, 7, 16), (2009, 1, 15), (2006, 1, 14), (1999, 1, 13), (1997, 7, 12), (1996, 1, 11),
-    (1994, 7, 10), (1993, 7, 9), (1992, 7, 8), (1991, 1, 7), (1990, 1, 6), (1988, 1, 5), (1985, 7, 4), (1983, 7, 3),
-    (1982, 7, 2), (1981, 7, 1),
-)  # fmt: skip
 YEARS = range(1980, 2200)  #: what a GNSS receiver may say
 #: RTKLIB's quality flag as MAVLink's fix type: fixed, float, SBAS, DGPS, single, PPP.
 FIX_TYPE = {1: 6, 2: 5, 3: 4, 4: 4, 5: 3, 6: 8}
@@ -109,9 +102,7 @@ def _time(first: bytes, second: bytes, scale: str) -> int:
         when = GPS_EPOCH + timedelta(seconds=int(first) * WEEK + int(seconds))
         nanoseconds = round((seconds % 1) * SECOND)
     if scale == "GPST":
-        # The dates are UTC's, so it is the time less the leap seconds that counts.
-        ahead = (s for y, m, s in LEAP_SECONDS if when - timedelta(seconds=s) >= datetime(y, m, 1, tzinfo=UTC))
-        when -= timedelta(seconds=next(ahead, 0))
+        when -= timedelta(seconds=ahead_of_utc(when))
     elif scale == "JST":
         when -= timedelta(hours=9)
     if when.year not in YEARS:

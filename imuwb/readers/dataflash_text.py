@@ -1,0 +1,70 @@
+"""ArduPilot's logs as text: one line a record, the fields scaled already."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable
+
+    from numpy.typing import NDArray
+
+BATCH = 1 << 16  #: rows that become an array at a time
+
+
+class TextTables:
+    """Records by name, column by column."""
+
+    def __init__(self, wanted: Collection[str]) -> None:
+        """Remember which records are wanted."""
+        self.records = 0
+        self.bad = 0  #: lines of a wanted record that are cut, or hold something else than numbers
+        self._wanted = wanted
+        self._names: dict[str, tuple[str, ...]] = {}
+        self._letters: dict[str, str] = {}
+        self._rows: dict[str, list[list[float]]] = defaultdict(list)
+        self._arrays: dict[str, list[NDArray[np.float64]]] = defaultdict(list)
+
+    def take(self, lines: Iterable[bytes]) -> None:
+        """Keep what lines hold."""
+        for line in lines:
+            name, _, rest = line.partition(b",")
+            record = name.strip().decode("ascii", "replace")
+            if record == "FMT":
+                self._describe([cell.strip() for cell in rest.decode("ascii", "replace").split(",")])
+            elif record in self._names and record in self._wanted:
+                self._row(record, rest)
+            self.records += bool(record)
+
+    def table(self, name: str) -> dict[str, NDArray[Any]] | None:
+        """Return a record's columns, {field: (n,)}; None where there is none."""
+        self._pack(name)
+        if not self._arrays[name]:
+            return None
+        rows = np.concatenate(self._arrays[name])
+        return {label: rows[:, i] for i, label in enumerate(self._names[name])}
+
+    def _describe(self, cells: list[str]) -> None:
+        if len(cells) >= 5:  # noqa: PLR2004 - number, size, name, letters, at least one field
+            self._names.setdefault(cells[2], tuple(cells[4:]))
+            self._letters.setdefault(cells[2], cells[3])
+
+    def _row(self, record: str, rest: bytes) -> None:
+        cells = rest.split(b",")
+        try:
+            row = [float(cell) for cell in cells]
+        except ValueError:
+            row = []
+        if len(row) != len(self._names[record]):
+            self.bad += 1
+            return
+        self._rows[record].append(row)
+        if len(self._rows[record]) == BATCH:
+            self._pack(record)
+
+    def _pack(self, record: str) -> None:
+        if self._rows[record]:
+            self._arrays[record].append(np.array(self._rows.pop(record)))
