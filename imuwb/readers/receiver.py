@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 
+HIGHEST = 1e5  #: m
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class GpsRows:
     """Fixes as speed over ground and course; nan where something is not told."""
@@ -30,9 +33,15 @@ class GpsRows:
 
 
 def usable_fixes(rows: GpsRows) -> NDArray[np.bool_]:
-    """Return which rows have a position: a receiver without a fix tells 0/0."""
-    possible = (np.abs(rows.latitude) <= 90) & (np.abs(rows.longitude) <= 180) & (np.abs(rows.height) < 1e5)  # noqa: PLR2004 - deg, m
-    return possible & ((rows.latitude != 0) | (rows.longitude != 0))
+    """Return which rows have a position."""
+    return usable_position(np.stack([np.radians(rows.latitude), np.radians(rows.longitude), rows.height], axis=1))
+
+
+def usable_position(position: Floats) -> NDArray[np.bool_]:
+    """Return which rows, (n, 3) rad and m, are a position: a receiver without a fix tells 0/0."""
+    latitude, longitude, height = position.T
+    possible = (np.abs(latitude) <= np.pi / 2) & (np.abs(longitude) <= np.pi) & (np.abs(height) < HIGHEST)
+    return possible & ((latitude != 0) | (longitude != 0))
 
 
 def gps_columns(rows: GpsRows) -> dict[str, Floats]:

@@ -64,6 +64,11 @@ def open_unpacked(path: Path) -> BinaryIO:
     return cast("BinaryIO", _Unpacked(file)) if magic == GZIP_MAGIC else file
 
 
+def is_packed(file: BinaryIO) -> bool:
+    """Return whether the file is unpacked as it is read."""
+    return isinstance(file, _Unpacked)
+
+
 def position(file: BinaryIO) -> int:
     """Return how many of the file's bytes on the disk are read."""
     return file.packed.tell() if isinstance(file, _Unpacked) else file.tell()

@@ -1,0 +1,300 @@
+"""PX4's logs (.ulg): every IMU, its raw samples where they were kept, receivers and the solution."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from imuwb.errors import UnreadableLogError
+from imuwb.log import Origin
+from imuwb.navigation import displaced
+from imuwb.readers import source
+from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.boot_clock import EARLIEST
+from imuwb.readers.receiver import usable_position
+from imuwb.readers.ulog_records import MAGIC, ULogFile
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from imuwb.log import Epoch
+    from imuwb.readers.batch import ReadOptions
+
+    Columns = Mapping[str, NDArray[Any]]
+
+format = "ulog"  # noqa: A001 - the contract's name
+COMBINED, INCREMENTS = "sensor_combined", "vehicle_imu"
+RECEIVERS = ("sensor_gps", "vehicle_gps_position")
+GLOBAL, LOCAL, ATTITUDE = "vehicle_global_position", "vehicle_local_position", "vehicle_attitude"
+TRIADS = {"angular_rate": "sensor_gyro", "specific_force": "sensor_accel"}
+WANTED = frozenset(
+    (
+        COMBINED,
+        INCREMENTS,
+        *RECEIVERS,
+        GLOBAL,
+        LOCAL,
+        ATTITUDE,
+        *TRIADS.values(),
+        *(f"{n}_fifo" for n in TRIADS.values()),
+    )
+)
+INVALID = 2**31 - 1  #: of a relative stamp
+MICRO = 1000  #: ns
+
+
+def probe(head: bytes) -> bool:
+    """Return whether the file begins with ULog's magic."""
+    return head.startswith(MAGIC)
+
+
+def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
+    """Yield the streams; the file is mapped into memory, not read at once.
+
+    Raises:
+        UnreadableLogError: not one whole message.
+    """
+    del options  # the format says everything itself; it has one clock
+    trouble: list[str] = []
+    buffer = _bytes(path, trouble)
+    log = ULogFile()
+    log.take(buffer, WANTED)
+    if not log.messages:
+        message = f"{path}: a PX4 log without a whole message"
+        raise UnreadableLogError(message)
+    yield from (Remark(text) for text in trouble)
+    yield from _Streams(log, path.stat().st_size).all()
+    if log.dropouts:
+        yield Remark(
+            f"{len(log.dropouts)} dropouts while writing, {sum(log.dropouts)} ms in all, the longest {max(log.dropouts)} ms"
+        )
+    faults = {"bytes that are no message": log.skipped, "messages shorter than their topic, not used": log.misfits}
+    yield from (Remark(f"{count} {what}") for what, count in faults.items() if count)
+
+
+def _bytes(path: Path, trouble: list[str]) -> NDArray[np.uint8]:
+    with source.open_unpacked(path) as file:
+        if source.is_packed(file):
+            return np.frombuffer(b"".join(source.pieces(file, trouble)), np.uint8)
+    return np.memmap(path, np.uint8, "r")
+
+
+class _Streams:
+    """From topics to batches."""
+
+    def __init__(self, log: ULogFile, size: int) -> None:
+        self._log, self._size = log, size
+        self._offset = self._unix_offset()
+        self._epoch: Epoch = "boot" if self._offset is None else "unix"
+
+    def all(self) -> Iterator[Batch | Remark]:
+        """Yield everything there is, the IMU that was sampled most first."""
+        imus = [*self._raw(), *self._combined(), *self._increments()]
+        rows: dict[str, int] = {}
+        for batch in imus:
+            rows[batch.stream] = max(rows.get(batch.stream, 0), batch.time.size)
+        yield from sorted(imus, key=lambda batch: -rows[batch.stream])
+        yield from self._receivers()
+        yield from self._solution()
+        yield Remark(
+            "times count from power-up: no fix tells the date"
+            if self._offset is None
+            else "times since power-up made UTC by the receiver"
+        )
+
+    def _topics(self, name: str) -> list[tuple[str, Columns]]:
+        """Return a topic's instances, named by their number where there are several."""
+        found = [(i, columns) for i, columns in self._log.topics(name) if "timestamp" in columns]
+        several = len(found) > 1 or any(i for i, _ in found)
+        return [(f"{name}.{i}" if several else name, columns) for i, columns in found]
+
+    def _boot(self, columns: Columns) -> NDArray[np.int64]:
+        stamp = columns["timestamp"]
+        taken = columns.get("timestamp_sample")
+        if taken is not None and taken.any():
+            stamp = taken
+        return stamp.clip(0, 2**62 // MICRO).astype(np.int64) * MICRO
+
+    def _unix_offset(self) -> int | None:
+        found: list[NDArray[np.int64]] = []
+        for name in RECEIVERS:
+            for _, columns in self._topics(name):
+                unix = (
+                    columns.get("time_utc_usec", np.zeros(1, np.uint64)).clip(0, 2**62 // MICRO).astype(np.int64)
+                    * MICRO
+                )
+                sure = unix > EARLIEST
+                if sure.any():
+                    found.append((unix - self._boot(columns))[sure])
+        return int(np.median(np.concatenate(found))) if found else None
+
+    def _batch(self, name: str, kind: Any, boot: NDArray[np.int64], columns: dict[str, Any], units: str) -> Batch:  # noqa: ANN401 - a Kind
+        time = boot + (self._offset or 0)
+        frame = "NED" if kind in ("gnss", "reference") else "FRD"
+        return Batch(name, kind, time, columns, Origin(units, frame, self._epoch), self._size)
+
+    def _raw(self) -> Iterator[Batch]:
+        """Yield the single sensors, gyro and accelerometer of one number as one IMU, each with its own clock."""
+        for suffix in ("_fifo", ""):
+            triads = {quantity: dict(self._topics(name + suffix)) for quantity, name in TRIADS.items()}
+            names = {quantity: {_instance(stream): stream for stream in found} for quantity, found in triads.items()}
+            for instance in sorted({i for found in names.values() for i in found}):
+                parts = [names[quantity][instance] for quantity in TRIADS if instance in names[quantity]]
+                # The accelerometer comes first in the name, as PX4 numbers them.
+                imu = "+".join(sorted(parts))
+                for quantity, found in triads.items():
+                    stream = names[quantity].get(instance)
+                    if stream is not None:
+                        yield from self._sensor(imu, quantity, found[stream], fifo=bool(suffix))
+
+    def _sensor(self, imu: str, quantity: str, columns: Columns, *, fifo: bool) -> Iterator[Batch]:
+        if not all(axis in columns for axis in "xyz"):
+            return
+        boot = self._boot(columns)
+        if fifo:
+            if not {"samples", "dt", "scale"} <= columns.keys():
+                return
+            boot, values = _unrolled(boot, columns)
+        else:
+            values = np.stack([columns[axis].astype(float) for axis in "xyz"], axis=1)
+        yield self._batch(imu, "imu", boot, {quantity: values}, "rad/s, m/s²")
+        warmth = columns.get("temperature")
+        if warmth is not None and quantity == "specific_force" and np.isfinite(warmth).any() and not fifo:
+            yield self._batch(imu, "imu", boot, {"temperature": warmth.astype(float)}, "rad/s, m/s²")
+
+    def _combined(self) -> Iterator[Batch]:
+        for name, columns in self._topics(COMBINED):
+            boot = self._boot(columns)
+            if "gyro_rad" in columns:
+                yield self._batch(name, "imu", boot, {"angular_rate": columns["gyro_rad"].astype(float)}, "rad/s, m/s²")
+            force = columns.get("accelerometer_m_s2")
+            if force is None:
+                continue
+            relative = columns.get("accelerometer_timestamp_relative", np.zeros(boot.size, np.int32)).astype(np.int64)
+            there = relative != INVALID
+            yield self._batch(
+                name,
+                "imu",
+                (boot + relative * MICRO)[there],
+                {"specific_force": force[there].astype(float)},
+                "rad/s, m/s²",
+            )
+
+    def _increments(self) -> Iterator[Batch]:
+        for name, columns in self._topics(INCREMENTS):
+            for quantity, delta in (("angular_rate", "delta_angle"), ("specific_force", "delta_velocity")):
+                if not {delta, f"{delta}_dt"} <= columns.keys():
+                    continue
+                span = columns[f"{delta}_dt"].astype(float)  # µs; s in the oldest logs
+                span = np.where(span > 1, span * 1e-6, span)
+                there = span > 0
+                values = columns[delta].astype(float)[there] / span[there, None]
+                yield self._batch(name, "imu", self._boot(columns)[there], {quantity: values}, "rad, m/s (increments)")
+
+    def _receivers(self) -> Iterator[Batch | Remark]:
+        for topic in RECEIVERS:
+            for name, columns in self._topics(topic):
+                position = _position(columns)
+                if position is None:
+                    continue
+                there = usable_position(position)
+                if not there.all():
+                    lost = int(np.count_nonzero(~there))
+                    yield Remark(
+                        "rows without a position (0/0: no fix yet) left out", name if there.any() else "", lost
+                    )
+                if not there.any():
+                    continue
+                found = {"position": position}
+                if {"vel_n_m_s", "vel_e_m_s", "vel_d_m_s"} <= columns.keys():
+                    velocity = np.stack([columns[f"vel_{axis}_m_s"].astype(float) for axis in "ned"], axis=1)
+                    valid = columns.get("vel_ned_valid", np.ones(len(velocity)))
+                    found["velocity"] = np.where(valid[:, None] > 0, velocity, np.nan)
+                if {"eph", "epv"} <= columns.keys():
+                    found["position_sigma"] = np.stack(
+                        [_positive(columns[key]) for key in ("eph", "eph", "epv")], axis=1
+                    )
+                if "s_variance_m_s" in columns:
+                    found["velocity_sigma"] = np.stack([_positive(columns["s_variance_m_s"])] * 3, axis=1)
+                if "fix_type" in columns:
+                    found["fix_type"] = columns["fix_type"].astype(float)
+                kept = {key: column[there] for key, column in found.items()}
+                yield self._batch(name, "gnss", self._boot(columns)[there], kept, "deg, m, m/s")
+
+    def _solution(self) -> Iterator[Batch]:
+        """Yield what the flight controller made of it all, with velocity and attitude beside it."""
+        local = dict(self._topics(LOCAL)).get(LOCAL)
+        places = dict(self._topics(GLOBAL)).get(GLOBAL)
+        if places is not None and {"lat", "lon", "alt"} <= places.keys():
+            name, boot = GLOBAL, self._boot(places)
+            position = np.stack(
+                [np.radians(places["lat"]), np.radians(places["lon"]), places["alt"].astype(float)], axis=1
+            )
+        elif local is not None and {"ref_lat", "ref_lon", "ref_alt", "x", "y", "z"} <= local.keys():
+            name, boot = LOCAL, self._boot(local)
+            origin = np.stack([np.radians(local["ref_lat"]), np.radians(local["ref_lon"]), local["ref_alt"]], axis=1)
+            position = displaced(origin.astype(float), np.stack([local[axis].astype(float) for axis in "xyz"], axis=1))
+            known = local.get("xy_global", local["ref_lat"] != 0) > 0
+            position[~known] = 0.0
+        else:
+            return
+        there = usable_position(position)
+        columns = {"position": position}
+        if local is not None and {"vx", "vy", "vz"} <= local.keys():
+            at = self._boot(local)
+            columns["velocity"] = np.stack([np.interp(boot, at, local[key]) for key in ("vx", "vy", "vz")], axis=1)
+        attitude = dict(self._topics(ATTITUDE)).get(ATTITUDE)
+        if attitude is not None and "q" in attitude:
+            angles = np.unwrap(_euler(attitude["q"].astype(float)), axis=0)
+            columns["attitude"] = np.stack([np.interp(boot, self._boot(attitude), angle) for angle in angles.T], axis=1)
+        if there.any():
+            yield self._batch(name, "reference", boot[there], {k: v[there] for k, v in columns.items()}, "deg, m, m/s")
+
+
+def _instance(stream: str) -> int:
+    _, _, number = stream.rpartition(".")
+    return int(number) if number.isdigit() else 0
+
+
+def _unrolled(boot: NDArray[np.int64], columns: Columns) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Return time and value of each sample of a sensor's own buffer; the last of a message has its stamp."""
+    values = np.stack([columns[axis].astype(float) for axis in "xyz"], axis=2)  # message, sample, axis
+    count = columns["samples"].astype(np.int64).clip(0, values.shape[1])
+    place = np.arange(values.shape[1])[None, :]
+    there = place < count[:, None]
+    step = columns["dt"].astype(float) * MICRO
+    time = boot[:, None] - np.rint((count[:, None] - 1 - place) * step[:, None]).astype(np.int64)
+    return time[there], (values * columns["scale"].astype(float)[:, None, None])[there]
+
+
+def _position(columns: Columns) -> NDArray[np.float64] | None:
+    """Return latitude, longitude and height; above the ellipsoid where that is told."""
+    if {"latitude_deg", "longitude_deg"} <= columns.keys():
+        height = columns.get("altitude_ellipsoid_m", columns.get("altitude_msl_m"))
+        scale, above = 1.0, 1.0
+        latitude, longitude = columns["latitude_deg"], columns["longitude_deg"]
+    elif {"lat", "lon"} <= columns.keys():
+        height = columns.get("alt_ellipsoid", columns.get("alt"))
+        scale, above = 1e-7, 1e-3
+        latitude, longitude = columns["lat"], columns["lon"]
+    else:
+        return None
+    if height is None:
+        return None
+    return np.stack([np.radians(latitude * scale), np.radians(longitude * scale), height * above], axis=1).astype(float)
+
+
+def _positive(values: NDArray[Any]) -> NDArray[np.float64]:
+    return np.where(values > 0, values, np.nan).astype(float)
+
+
+def _euler(q: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return roll, pitch and heading of quaternions, body to NED, scalar first (Groves, eq. 2.37)."""
+    w, x, y, z = q.T
+    roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x**2 + y**2))
+    pitch = np.arcsin((2 * (w * y - z * x)).clip(-1, 1))
+    return np.stack([roll, pitch, np.arctan2(2 * (w * z + x * y), 1 - 2 * (y**2 + z**2))], axis=1)

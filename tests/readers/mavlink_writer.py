@@ -1,0 +1,64 @@
+"""Telemetry logs for tests: written with pymavlink, and read back with it."""
+
+import struct
+from pathlib import Path
+
+import pytest
+
+mavlink = pytest.importorskip(
+    "pymavlink.dialects.v20.ardupilotmega", reason="pymavlink, which writes and reads telemetry logs, is not installed"
+)
+
+T = 1_714_564_800 * 10**6  #: µs, of the recorder
+
+
+def message(name, **fields):
+    """Return a message of pymavlink; fields that are not given are 0."""
+    kind = mavlink.mavlink_map[getattr(mavlink, f"MAVLINK_MSG_ID_{name}")]
+    return kind(**{**dict.fromkeys(kind.fieldnames, 0), **fields})
+
+
+def frame(name, *, version=2, system=1, component=1, signed=False, **fields):
+    """Return a message as it goes over the air."""
+    mav = mavlink.MAVLink(None, srcSystem=system, srcComponent=component)
+    if signed:
+        mav.signing.secret_key, mav.signing.sign_outgoing, mav.signing.timestamp = bytes(range(32)), True, 7
+    return message(name, **fields).pack(mav, force_mavlink1=version == 1)
+
+
+def record(stamp, data):
+    """Return a frame as a recorder writes it down, at a time in µs."""
+    return struct.pack(">Q", stamp) + data
+
+
+def heartbeat(stamp=T, **options):
+    """Return a record of a message without measurements."""
+    return record(stamp, frame("HEARTBEAT", **{"custom_mode": 7, "mavlink_version": 3, **options}))
+
+
+def numbered(count, first=0, **options):
+    """Return records of SCALED_IMU whose rate about x counts, in mrad/s, ten a second."""
+    return [
+        record(T + 100_000 * i, frame("SCALED_IMU", time_boot_ms=5000 + 100 * i, xgyro=i + 1, zacc=-1000, **options))
+        for i in range(first, first + count)
+    ]
+
+
+def spoilt(data, at=-3):
+    """Return a record or frame with one bit changed, by default in the last byte of its payload."""
+    damaged = bytearray(data)
+    damaged[at] ^= 0x10
+    return bytes(damaged)
+
+
+def heard(path):
+    """Yield (recorder's µs, message) of all that pymavlink decodes."""
+    mav = mavlink.MAVLink(None)
+    mav.robust_parsing = True
+    with Path(path).open("rb") as file:
+        while len(stamp := file.read(8)) == 8:
+            told = None
+            while told is None and (data := file.read(mav.bytes_needed())):
+                told = mav.parse_char(data)
+            if told is not None and told.get_type() != "BAD_DATA":
+                yield struct.unpack(">Q", stamp)[0], told
