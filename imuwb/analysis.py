@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 #: One colour per axis, the same in every figure, series and table (x, y, z: red, green, blue, toned for both themes).
+HOURS = 2  #: from here on a time is told in hours
 AXIS_COLORS = {"x": (228, 87, 86), "y": (84, 162, 75), "z": (76, 120, 168)}
 
 
@@ -252,6 +253,13 @@ def quantity(value: float | None, unit: str, digits: int = 3) -> str:
     return "—" if value is None else f"{value:.{digits}g} {unit}"
 
 
+def seconds_text(seconds: float) -> str:
+    """Return a time as one reads it: 0.35 s, 20.5 s, 655 s, 2.3 h."""
+    if seconds >= HOURS * 3600:
+        return f"{seconds / 3600:.2g} h"
+    return f"{seconds:.3g} s" if seconds < 100 else f"{seconds:.0f} s"  # noqa: PLR2004 - three digits
+
+
 def estimate_text(coefficient: AnyCoefficient, unit: Unit) -> str:
     """Return a coefficient with its interval in a display unit: as many digits as the interval is worth; < is a limit."""
     c = coefficient
@@ -259,8 +267,10 @@ def estimate_text(coefficient: AnyCoefficient, unit: Unit) -> str:
         if c.upper is None or not math.isfinite(c.upper):
             return "—"
         return f"< {unit.from_si(c.upper):.3g} {unit.name}"
-    low, high = (unit.from_si(end) for end in (c.lower or 0.0, c.upper or 0.0))
-    value = unit.from_si(c.value)
+    low, value = unit.from_si(c.lower or 0.0), unit.from_si(c.value)
+    if c.upper is None or not math.isfinite(c.upper):  # nothing bounds it
+        return f"{value:.3g} [{low:.3g}, —] {unit.name}"
+    high = unit.from_si(c.upper)
     digits = 3
     if high > low and value > 0:
         digits = min(max(math.floor(2 - math.floor(math.log10((high - low) / value))), 3), 6)

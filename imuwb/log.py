@@ -13,6 +13,7 @@ All values are frozen and their arrays read-only: what a reader made, no analysi
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
@@ -211,6 +212,7 @@ class Conditioning:
     causal: bool  #: whether no sample knows of later ones, but for the delay
     delay: float  #: s, by which what is seen in a sample is late, or a sample comes late
     note: str = ""
+    band: float | None = None  #: Hz, up to which it leaves a spectrum as it was, to a hundredth; None: everywhere
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -249,6 +251,11 @@ class Log:
     def causal(self) -> bool:
         """Whether no sample was made of later ones."""
         return all(step.causal for step in self.conditioning)
+
+    @property
+    def band(self) -> float:
+        """Return the frequency, Hz, up to which conditioning has left a spectrum as it was; infinite where everywhere."""
+        return min((step.band for step in self.conditioning if step.band is not None), default=math.inf)
 
     def seconds(self, time: Nanoseconds) -> Floats:
         """Return times of a stream in s from the log's start."""

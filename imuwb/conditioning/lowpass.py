@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 SETTLED = 1e-7  #: of the slowest mode; what is not yet settled is left out
 HALF_POWER = 0.4429  #: sinc of it is 1/√2
+LOST = 0.01  #: of a power, at most, in what is called the band
+GRID = 1000
 LOW = 1e-3  #: of the cutoff, where the delay is read off the phase
 
 
@@ -36,6 +38,13 @@ class Lowpass:
             return (sums[self.width :] - sums[: -self.width]) / self.width + values[0]
         start = signal.sosfilt_zi(self.sections)[:, :, None] * values[0]
         return signal.sosfilt(self.sections, values, axis=0, zi=start)[0][self.settling :]
+
+    @property
+    def band(self) -> float:
+        """Return the frequency, Hz, up to which powers pass but for a hundredth."""
+        frequency = np.linspace(0.0, self.cutoff, GRID)
+        power = np.abs(self.response(frequency)) ** 2
+        return float(frequency[np.argmax(power < 1 - LOST) - 1])
 
     def response(self, frequency: Floats) -> NDArray[np.complex128]:
         """Return the response at frequencies in Hz."""

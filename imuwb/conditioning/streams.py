@@ -15,7 +15,7 @@ from imuwb.sampling import sampling
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from imuwb.log import Conditioning, Floats, ImuStream, Log
+    from imuwb.log import Floats, ImuStream, Log
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,19 +29,17 @@ class Change:
     step: int = 1
 
 
-def condition_streams(log: Log, made: Conditioning, design: Callable[[str, float], Change]) -> Log:
-    """Return the log with every IMU's triads changed, and that said in its provenance.
+def condition_streams(log: Log, design: Callable[[str, float], Change]) -> Log:
+    """Return the log with every IMU's triads changed; what was done is for the caller to say.
 
     Args:
         log: what was read.
-        made: what this is.
         design: the change for a sensor, ``"gyro"`` or ``"accel"``, at its rate in Hz; ValueError where there is none.
 
     Raises:
         MissingDataError: no part between gaps is long enough.
     """
-    imus = tuple(_imu(log, imu, design) for imu in log.imus)
-    return replace(log, imus=imus, conditioning=(*log.conditioning, made))
+    return replace(log, imus=tuple(_imu(log, imu, design) for imu in log.imus))
 
 
 def _imu(log: Log, imu: ImuStream, design: Callable[[str, float], Change]) -> ImuStream:

@@ -87,17 +87,18 @@ class AllanFit:
         return np.sqrt(self.processes.allan_variance(averaging_time, dt))
 
 
-def fit_allan(curve: AllanDeviation, lines: Sequence[Line] = ()) -> AllanFit:
+def fit_allan(curve: AllanDeviation, lines: Sequence[Line] = (), shortest: float = 0.0) -> AllanFit:
     """Fit the sum to a curve.
 
     Args:
         curve: from ``allan(..., "octave")``; denser ones are thinned to about an octave.
         lines: sinusoids found in the spectrum, held as found.
+        shortest: s; averaging times below are left out, as those at which a filter shows.
 
     Raises:
         ValueError: fewer than three averaging times, or a curve that is 0 (a constant channel).
     """
-    chosen = _octaves(curve.factor)
+    chosen = _octaves(curve.factor, curve.averaging_time >= shortest, shortest)
     problem = Problem.of(curve, chosen, lines)
     problem = problem.since(begin(problem))
     squared, covariance, active = select(problem, curve.level)
@@ -126,14 +127,15 @@ def fit_allan(curve: AllanDeviation, lines: Sequence[Line] = ()) -> AllanFit:
     )  # fmt: skip
 
 
-def _octaves(factor: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the indices of factors about an octave apart, the first and the longest among them."""
-    chosen = [0]
-    for i in range(1, factor.size):
-        if factor[i] >= 1.8 * factor[chosen[-1]]:
-            chosen.append(i)
+def _octaves(factor: NDArray[np.int64], usable: NDArray[np.bool_], shortest: float) -> NDArray[np.int64]:
+    """Return the indices of usable factors about an octave apart, the first and the longest among them."""
+    chosen: list[int] = []
+    for i in np.flatnonzero(usable):
+        if not chosen or factor[i] >= 1.8 * factor[chosen[-1]]:
+            chosen.append(int(i))
     if len(chosen) < 3:  # noqa: PLR2004 - five coefficients from fewer points are none
-        message = f"a fit needs at least 3 averaging times an octave apart; there are {len(chosen)}"
+        behind = f" from {shortest:.3g} s on, where a filter no longer shows" if shortest else ""
+        message = f"a fit needs at least 3 averaging times an octave apart{behind}; there are {len(chosen)}"
         raise ValueError(message)
     return np.array(chosen)
 

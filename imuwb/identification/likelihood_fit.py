@@ -42,6 +42,7 @@ TOLERATED = (
 MUCH = 15.0  #: chi-square that leaving out another group of bins must be worth
 GROUP = 2**0.5  #: last frequency over first, of the bins that are judged together
 FEWEST_GROUPS = 8
+FEWEST_BINS = 20  #: of the spectrum, below the frequency up to which it is used
 FARTHEST = 60  #: doublings of a square within which the end of its interval is sought
 SURE = 300.0  #: degrees of freedom of a term; beyond, its interval is that of a scaled chi-square
 LINE_BINS = 6.0  #: of the line search, left out on both sides of a line
@@ -90,9 +91,18 @@ def fit_likelihood(values: Floats, dt: float, lines: Sequence[Line] = (), *, lev
     return fit_cosine_spectrum(spectrum_without(values, dt, lines), level=level)
 
 
-def fit_cosine_spectrum(spectrum: CosineSpectrum, *, level: float = 0.95) -> LikelihoodFit:
-    """Fit the sum to a record's cosine coefficients."""
-    problem = LikelihoodProblem.of(spectrum, [make(1.0) for make in TERMS.values()])
+def fit_cosine_spectrum(
+    spectrum: CosineSpectrum, *, level: float = 0.95, highest: float = float("inf")
+) -> LikelihoodFit:
+    """Fit the sum to a record's cosine coefficients up to a frequency, Hz: a filter has changed what lies above.
+
+    Raises:
+        ValueError: too little lies below.
+    """
+    problem = LikelihoodProblem.of(spectrum, [make(1.0) for make in TERMS.values()]).below(highest)
+    if problem.power.size < FEWEST_BINS:
+        message = f"only {problem.power.size} bins of the spectrum lie below {highest:.3g} Hz; it takes {FEWEST_BINS}"
+        raise ValueError(message)
     problem, misfit, freedom = explained(problem)
     probability = float(chi_square_tail(misfit, freedom))
     everything = list(range(len(TERMS)))

@@ -110,17 +110,18 @@ def power_spectrum(values: Floats, dt: float, segment: int = LONGEST, *, level: 
     return PowerSpectrum(n, dt, size, level, frequency, density, lower, upper, freedom)
 
 
-def fit_spectrum(spectrum: PowerSpectrum, lines: Sequence[Line] = ()) -> SpectralFit:
+def fit_spectrum(spectrum: PowerSpectrum, lines: Sequence[Line] = (), highest: float = float("inf")) -> SpectralFit:
     """Fit the sum of quantization, white, flicker and random-walk noise to a spectrum, by Whittle's likelihood.
 
     Args:
         spectrum: from ``power_spectrum``.
         lines: sinusoids; bands that hold one are left out.
+        highest: Hz; bands above are left out: a filter has changed them.
 
     Raises:
         ValueError: a density of 0 (a constant channel), or fewer than 8 bands.
     """
-    kept = np.ones(spectrum.frequency.size, dtype=bool)
+    kept = spectrum.frequency <= highest
     edge = WIDTH**0.5
     for line in lines:
         reach = 6 * line.resolution

@@ -99,11 +99,14 @@ def _scores(rows: NDArray[np.int64], values: Floats) -> tuple[Floats, bool]:
     usual = float(np.median(deviation))
     if usual == 0:
         return score, False
+    # A still sensor's blocks scatter alike: its quietest tenth is near its median. One that moves is judged by that tenth.
+    calm = float(np.quantile(deviation, 0.1))
+    restless = calm < usual / SCATTER
+    usual = calm if restless and calm > 0 else usual
     drift = np.abs(mean - ndimage.median_filter(mean, min(WINDOW, mean.size | 1), mode="nearest"))
     wobble = max(float(np.median(drift)) * 1.4826, usual / np.sqrt(float(np.median(sizes[full]))))
     score[full] = np.maximum(deviation / (usual * SCATTER), np.minimum(drift / (wobble * JUMP), drift / usual))
-    # A still sensor's blocks scatter alike: its quietest tenth is near its median.
-    return score, bool(np.quantile(deviation, 0.1) < usual / SCATTER)
+    return score, restless
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")

@@ -16,10 +16,10 @@ _TERMS = {"Q": Quantization, "N": WhiteNoise, "B": FlickerNoise, "K": RandomWalk
 
 
 def combined(models: Sequence[ImuErrorModel], together: Repeatability | None) -> ImuErrorModel:
-    """Return one log's model; of several logs the coefficients that at least two of them show, and the turn-on bias.
+    """Return one log's model; of several logs the coefficients that all together show, and the turn-on bias.
 
-    Each coefficient is the logs' weighted mean, in one sum Q, N, B, K: logs may prefer different sums, of which the terms
-    mean different things. Lines are left to the single logs.
+    They are those of one sum Q, N, B, K: logs may prefer different sums, of which the terms mean different things. What all
+    logs together do not show has a limit. Lines are left to the single logs.
     """
     if together is None:
         return models[0]
@@ -33,11 +33,14 @@ def _axis(axis: str, together: Repeatability) -> AxisModel:
     intervals: dict[str, tuple[float, float]] = {}
     limits: dict[str, float] = {}
     for letter, compared in together.coefficients[axis].items():
-        if compared.mean is not None and compared.mean_interval is not None:
-            intervals[f"{len(terms)}.{letter}"] = compared.mean_interval
+        if compared.mean_interval is None:
+            continue
+        lower, upper = compared.mean_interval
+        if compared.mean is not None and lower:
+            intervals[f"{len(terms)}.{letter}"] = lower, upper
             terms.append(_TERMS[letter](compared.mean))
-        elif known := [upper for upper in compared.upper if upper is not None]:
-            limits[letter] = min(known)
+        else:
+            limits[letter] = upper
     turn_on = together.turn_on[axis]
     if turn_on.value is not None and turn_on.lower is not None:
         intervals[f"{len(terms)}.sigma"] = (turn_on.lower, turn_on.upper)

@@ -106,7 +106,8 @@ def draw(result: Result, review: Review) -> None:
         summary.draw(result.axes, result.findings[0], review)
     for i, part in enumerate(result.parts):
         for name, content in part.items():
-            review.tab(TITLES[name] if len(result.parts) == 1 else f"{TITLES[name]} {i + 1}")
+            whose = result.repeatability.names[i] if result.repeatability is not None else ""
+            review.tab(f"{TITLES[name]} {whose}".strip())
             _ingredient(name).draw(content, review)
     if result.denoising is not None:
         review.tab("Denoising")

@@ -12,7 +12,14 @@ import numpy as np
 
 from imuwb.analysis import Table, estimate_text
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.identification.distributions import chi_square_limits, chi_square_quantile, chi_square_tail, normal_limit
+from imuwb.identification.coefficient import interval
+from imuwb.identification.distributions import (
+    chi_square_limits,
+    chi_square_quantile,
+    chi_square_tail,
+    normal_limit,
+    normal_quantile,
+)
 from imuwb.log import SECOND
 from imuwb.units import coefficient_units
 
@@ -20,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from imuwb.analysis import AnyCoefficient, Finding, Review
-    from imuwb.log import Log
+    from imuwb.log import Floats, Log
 
 DIFFERENT = 0.01  #: probability, over all coefficients, below which the logs are said to differ
 FEWEST = 2  #: values to compare
@@ -33,9 +40,9 @@ class Compared:
     values: tuple[float | None, ...]
     lower: tuple[float | None, ...]
     upper: tuple[float | None, ...]
-    mean: float | None  #: weighted
-    mean_interval: tuple[float, float] | None
-    statistic: float | None  #: chi-square of the differences of logarithms
+    mean: float | None  #: root mean square, by duration; None where all logs together show none
+    mean_interval: tuple[float | None, float] | None  #: (None, limit) where there is no mean
+    statistic: float | None  #: chi-square of the differences of squares
     probability: float | None  #: of differences as large by chance
     unit: str
 
@@ -79,7 +86,10 @@ def compare(logs: Sequence[Log], findings: Sequence[Sequence[Finding]], level: f
         message = f"{', '.join(log.provenance.path for log in logs)}: no axis is in all of them, so there is nothing to compare"
         raise MissingDataError(message)
     coefficients = {
-        axis: {letter: _compared(axis, letter, [h[axis][letter] for h in headlines], level) for letter in "QNBK"}
+        axis: {
+            letter: _compared(axis, letter, [h[axis][letter] for h in headlines], _durations(logs, axis), level)
+            for letter in "QNBK"
+        }
         for axis in common
     }
     turn_on = {
@@ -90,31 +100,42 @@ def compare(logs: Sequence[Log], findings: Sequence[Sequence[Finding]], level: f
     return Repeatability(level, names, coefficients, turn_on, _differ(coefficients))
 
 
-def _compared(axis: str, letter: str, found: Sequence[AnyCoefficient], level: float) -> Compared:
+def _durations(logs: Sequence[Log], axis: str) -> Floats:
+    times = [log.imu().axes()[axis][0] for log in logs]
+    return np.array([float(time[-1] - time[0]) / SECOND for time in times])
+
+
+def _compared(axis: str, letter: str, found: Sequence[AnyCoefficient], duration: Floats, level: float) -> Compared:
+    """Compare the squares: they scatter about evenly around the truth also where a log shows nothing, and has a limit alone."""
     unit = coefficient_units(axis, letter)[0].name
     values, lower, upper = tuple(c.value for c in found), tuple(c.lower for c in found), tuple(c.upper for c in found)
-    sure = [(c.value, c.lower, c.upper) for c in found if c.value and c.lower and c.upper]
+    known = [_square(c, level) for c in found]
+    sure = [(square, sigma, t) for (square, sigma), t in zip(known, duration, strict=True) if 0 < sigma < np.inf]
     if len(sure) < FEWEST:
         return Compared(values, lower, upper, None, None, None, None, unit)
-    # Of a size, the logarithm scatters evenly; its standard error is what the interval spans.
-    z = normal_limit(level)
-    logs = np.array([np.log(v) for v, _, _ in sure])
-    sigma = np.array([np.log(u / low) / (2 * z) for _, low, u in sure])
-    weight = 1 / sigma**2
-    mean = float(weight @ logs / weight.sum())
-    statistic = float(weight @ (logs - mean) ** 2)
-    half = z / float(weight.sum()) ** 0.5
-    ends = float(np.exp(mean - half)), float(np.exp(mean + half))
-    return Compared(
-        values,
-        lower,
-        upper,
-        float(np.exp(mean)),
-        ends,
-        statistic,
-        float(chi_square_tail(statistic, logs.size - 1)),
-        unit,
-    )
+    squares, sigmas, weight = np.array(sure).T
+    best = float(squares @ sigmas**-2 / np.sum(sigmas**-2))
+    statistic = float(np.sum(((squares - best) / sigmas) ** 2))
+    probability = float(chi_square_tail(statistic, squares.size - 1))
+    # Weights by an estimate's own error would prefer the small ones, whose errors are small with them.
+    weight = weight / weight.sum()
+    square, sigma = float(weight @ squares), float(np.sqrt(weight**2 @ sigmas**2))
+    if square <= 0:
+        limit = (normal_quantile(level) * sigma) ** 0.5
+        return Compared(values, lower, upper, None, (None, limit), statistic, probability, unit)
+    ends = interval(square, sigma, level)
+    return Compared(values, lower, upper, square**0.5, ends, statistic, probability, unit)
+
+
+def _square(c: AnyCoefficient, level: float) -> tuple[float, float]:
+    """Return an estimate's square and its standard error, as its interval or limit tells; infinite where neither does."""
+    if c.upper is None or not np.isfinite(c.upper):
+        return 0.0, float("inf")
+    if c.value is None:
+        return 0.0, c.upper**2 / normal_quantile(level)
+    if not c.lower:
+        return c.value**2, (c.upper**2 - c.value**2) / normal_limit(level)
+    return c.value**2, (c.upper**2 - c.lower**2) / (2 * normal_limit(level))
 
 
 def _differ(coefficients: dict[str, dict[str, Compared]]) -> tuple[str, ...]:
@@ -165,22 +186,19 @@ def draw(found: Repeatability, review: Review) -> None:
         for letter, c in row.items():
             unit = coefficient_units(axis, letter)[1]
             cells = (estimate_text(_One(*one), unit) for one in zip(c.values, c.lower, c.upper, strict=True))
-            mean = (
-                "—"
-                if c.mean is None or c.mean_interval is None
-                else estimate_text(_One(c.mean, *c.mean_interval), unit)
-            )
+            mean = "—" if c.mean_interval is None else estimate_text(_One(c.mean, *c.mean_interval), unit)
             test = (
                 "—"
                 if c.probability is None
                 else f"p = {c.probability:.2g}" + (" DIFFER" if f"{axis} {letter}" in found.differ else "")
             )
             rows.append((axis, letter, *cells, mean, test))
-    caption = "Test: chi-square of the logarithms against their weighted mean; where fewer than two logs show a term, there is none."
+    caption = (
+        "All logs: root mean square by duration; a log that shows nothing counts with its limit. Test: chi-square of the squares "
+        "against their mean."
+    )
     review.table(
-        Table(
-            "Repeatability", ("axis", "term", *found.names, "weighted mean", "equal?"), tuple(rows), caption, wide=True
-        )
+        Table("Repeatability", ("axis", "term", *found.names, "all logs", "equal?"), tuple(rows), caption, wide=True)
     )
     turns: list[tuple[str, ...]] = []
     for axis, t in found.turn_on.items():

@@ -40,7 +40,8 @@ def draw(found: dict[str, dict[str, Any]], findings: Sequence[Finding], review: 
         rest = [r for r in acting[1:] if r not in urgent]
         rows.append((axis, acting[0] if acting else "—", "; ".join([*urgent, *rest]) or "nothing to act on"))
         also += [(axis, f.source, r) for f in findings if f.axis == axis and not f.coefficients for r in f.remarks]
-    caption = f"{SUSPICIOUS}: look before you trust the figures."
+    doubtful = any(SUSPICIOUS in cell for row in rows for cell in row)
+    caption = f"{SUSPICIOUS}: look before you trust the figures." if doubtful else ""
     review.table(Table("Verdicts", ("axis", "what rules", "what to know"), tuple(rows), caption, wide=True))
     lines: list[tuple[str, ...]] = []
     for axis, content in found.items():

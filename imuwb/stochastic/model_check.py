@@ -7,7 +7,7 @@ import tomllib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast
 
-from imuwb.errors import UsageError
+from imuwb.errors import ImuwbError, UsageError
 from imuwb.log import AXES
 from imuwb.stochastic.error_model import ImuErrorModel
 from imuwb.units import coefficient_units, unit
@@ -88,14 +88,14 @@ def _si(path: Path, axis: str, letter: str, text: object) -> float:
         raise UsageError(message)
     number, _, name = str(text).strip().partition(" ")
     si = coefficient_units(axis, letter)[0]
-    given = unit(name) if name else si
     try:
+        given = unit(name)
         value = given.to_si(float(number))
-    except ValueError as error:
+    except (ValueError, ImuwbError) as error:
         message = f'{path}: {letter} = {text!r}; it must be a number and its unit, such as "0.3 deg/√h"'
         raise UsageError(message) from error
-    if given.dimension != si.dimension or not 0 < value < math.inf:
-        message = f"{path}: {letter} = {text!r}; it must be positive, in a unit such as {coefficient_units(axis, letter)[1].name}"
+    if not name or given.dimension != si.dimension or not 0 < value < math.inf:
+        message = f"{path}: {letter} = {text!r}; it must be positive, and text with its unit, such as {coefficient_units(axis, letter)[1].name}"
         raise UsageError(message)
     return value
 

@@ -38,6 +38,9 @@ FAST = (
     "a quarter of its interval's half width (quantization noise, of which thinning loses most, has wider intervals instead)"
 )
 FEWEST = 100  #: samples; fewer have no curve worth the name
+SETTLED = (
+    20.0  #: over a filter's band: averaging times, s, from which on white noise lost to it is less than a part in 250
+)
 JITTER = 0.2  #: of the sampling interval
 
 
@@ -61,7 +64,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     wanted = replace(parameters, lines=parameters.lines and not still.moving)
 
     def analyse(axis: str) -> AxisResult:
-        return _axis(axis, *axes[axis], clocks[axis.partition("_")[0]], wanted)
+        return _axis(axis, *axes[axis], clocks[axis.partition("_")[0]], wanted, log.band)
 
     with ThreadPoolExecutor(2) as pool:
         results = dict(zip(axes, tracked(pool.map(analyse, axes), len(axes)), strict=True))
@@ -93,7 +96,10 @@ def error_model(result: Result) -> ImuErrorModel:
     if not axes:
         message = f"{result.imu}: no axis could be fitted, so there is no error model to save"
         raise MissingDataError(message)
-    provenance = {"log": result.source, "analysis": f"imuwb {__version__} allan, {100 * result.level:g} % intervals"}
+    how = "likelihood where a record allows it, else Allan variance" if result.model == "headline" else "Allan variance"
+    rates = ", ".join(f"{sensor} {rate:.6g} Hz" for sensor, rate in result.rate_hz.items())
+    analysis = f"imuwb {__version__} allan, by {how}, {100 * result.level:g} % intervals"
+    provenance = {"log": result.source, "analysis": analysis, "rate": rates}
     return ImuErrorModel(result.imu, axes, provenance)
 
 
@@ -136,7 +142,8 @@ def _clock_notes(sensor: str, clock: Sampling) -> list[str]:
     if clock.breaks:
         found.append(
             f"{sensor}: {len(clock.breaks)} gaps, {clock.missing:.3g} s in all: where they leave too few differences, averaging "
-            f"times are bridged by block means; likelihood, wavelet variances and lines need a record without"
+            f"times are bridged by block means; likelihood, wavelet variances and lines are of the longest part without, "
+            f"if that is half of the record"
         )
     if clock.jitter > JITTER:
         found.append(
@@ -146,7 +153,9 @@ def _clock_notes(sensor: str, clock: Sampling) -> list[str]:
     return found
 
 
-def _axis(axis: str, time: Nanoseconds, values: Floats, clock: Sampling, parameters: Parameters) -> AxisResult:
+def _axis(
+    axis: str, time: Nanoseconds, values: Floats, clock: Sampling, parameters: Parameters, band: float
+) -> AxisResult:
     why = unsuitable(values, 1)
     if why is not None:
         return _nothing(axis, why)
@@ -162,20 +171,31 @@ def _axis(axis: str, time: Nanoseconds, values: Floats, clock: Sampling, paramet
     octaves = curve
     if parameters.averaging_times != "octave" or parameters.fast:
         octaves = allan(values, clock.interval, "octave", level=parameters.level, breaks=clock.breaks, time=time)
-    lines = find_lines(values, clock.interval, parameters.level) if parameters.lines and not clock.breaks else ()
+    whole = _longest(values, clock)
+    lines: tuple[Line, ...] = ()
+    if parameters.lines and whole is not None:
+        lines = tuple(x for x in find_lines(whole, clock.interval, parameters.level) if x.frequency <= band)
     try:
-        found = _fitted(axis, curve, fit_allan(octaves, lines), lines)
+        found = _fitted(axis, curve, fit_allan(octaves, lines, SETTLED / band), lines)
     except ValueError as error:
         found = _unfitted(axis, curve, str(error))
-    if clock.breaks:
+    if whole is None:
         return found
-    other = _other(values, clock.interval, parameters)
+    other = _other(whole, clock.interval, parameters)
     beside = (
-        estimates(axis, values, clock.interval, lines, found.coefficients, parameters)
+        estimates(axis, whole, clock.interval, lines, found.coefficients, parameters, band)
         if parameters.estimators
         else None
     )
     return replace(found, other=other, estimates=beside)
+
+
+def _longest(values: Floats, clock: Sampling) -> Floats | None:
+    """Return the longest part without gaps; None where it is less than half of the record."""
+    edges = np.array([0, *clock.breaks, values.size])
+    at = int(np.argmax(np.diff(edges)))
+    part = values[edges[at] : edges[at + 1]]
+    return part if 2 * part.size >= values.size else None
 
 
 def _other(values: Floats, dt: float, parameters: Parameters) -> OtherDeviation | None:

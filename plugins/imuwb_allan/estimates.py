@@ -36,6 +36,7 @@ def estimates(
     lines: Sequence[Line],
     by_allan: Mapping[str, AnyCoefficient],
     parameters: Parameters,
+    band: float,
 ) -> Estimates:
     """Return the estimates of an evenly spaced record without gaps, beside those of the Allan fit."""
     notes: list[str] = []
@@ -45,16 +46,14 @@ def estimates(
     spectrum: CosineSpectrum | None = None
     try:
         spectrum = spectrum_without(values, dt, lines)
-        likely = fit_cosine_spectrum(spectrum, level=parameters.level)
+        likely = fit_cosine_spectrum(spectrum, level=parameters.level, highest=band)
         by["likelihood"] = _results(axis, likely.coefficients)
         sinusoids: list[Sinusoid] = [line.process(dt) for line in lines]
         processes, highest = Sum((*likely.identified.terms, *sinusoids)), likely.highest
     except ValueError as error:
         notes.append(f"no likelihood: {error}")
     try:
-        by["wavelet"] = _results(
-            axis, fit_wavelet_variance(wavelet_variance(values, dt), lines, level=parameters.level).coefficients
-        )
+        by["wavelet"] = _results(axis, _wavelet(values, dt, lines, parameters.level, band))
     except ValueError as error:
         notes.append(f"no wavelet variance: {error}")
     differences = tuple(_differences(by))
@@ -62,6 +61,15 @@ def estimates(
         "likelihood" if "likelihood" in by else "allan", by, processes, highest, not differences, differences,
         _steady(values, dt, notes), _choice(values, dt, lines, highest, spectrum, parameters, notes), float(values.mean()), tuple(notes),
     )  # fmt: skip
+
+
+def _wavelet(
+    values: Floats, dt: float, lines: Sequence[Line], level: float, band: float
+) -> Mapping[str, AnyCoefficient]:
+    if band < 0.5 / dt:
+        message = f"conditioning changed what lies above {band:.3g} Hz"
+        raise ValueError(message)
+    return fit_wavelet_variance(wavelet_variance(values, dt), lines, level=level).coefficients
 
 
 def _steady(values: Floats, dt: float, notes: list[str]) -> Stationarity | None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import Finding
+from imuwb.analysis import Finding, seconds_text
 from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, Sinusoid, WhiteNoise
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def _remarks(result: Result, axis: str, found: AxisResult) -> list[str]:
     dt = 1 / result.rate_hz[axis.partition("_")[0]]
     q, n, k, ramp = (coefficients.get(x) for x in ("Q", "N", "K", "R"))
     if q is not None and q.lower and n is not None and n.value and q.value and 3 * q.value**2 / dt**2 > n.value**2 / dt:
-        said.append(f"quantization-limited below {3 * q.value**2 / n.value**2:.2g} s")
+        said.append(f"quantization-limited below {seconds_text(3 * q.value**2 / n.value**2)}")
     if ramp is not None and ramp.value:
         said.append(f"drifts: {ramp.value:.3g} {ramp.unit}; let it warm up, or hold its temperature")
     if k is not None and not k.lower:
@@ -100,7 +100,9 @@ def _dominant(found: AxisResult) -> str:
             parts.append(part)
     ruler = np.argmax(parts, axis=0)
     edges = np.append(np.flatnonzero(np.diff(ruler)), tau.size - 1)
-    return ", ".join(f"{_WORDS.get(kinds[ruler[e]], _name(processes.terms[0]))} to {tau[e]:.2g} s" for e in edges)
+    return ", ".join(
+        f"{_WORDS.get(kinds[ruler[e]], _name(processes.terms[0]))} to {seconds_text(float(tau[e]))}" for e in edges
+    )
 
 
 def _name(term: Process) -> str:

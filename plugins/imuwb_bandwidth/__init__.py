@@ -40,11 +40,10 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, dict[str, Lowpass]
         return Change(lowpass.apply, lowpass.settling + 1, lowpass.settling)
 
     text = f"cutoff={parameters.cutoff:g},kind={parameters.kind},order={parameters.order}"
-    changed = condition_streams(log, Conditioning("bandwidth", text, causal=True, delay=0.0), design)
+    changed = condition_streams(log, design)
     reached = ", ".join(f"{sensor} {f.cutoff:.4g} Hz" for sensor, f in found.items())
-    made = Conditioning(
-        "bandwidth", text, causal=True, delay=max(f.delay for f in found.values()), note=f"-3 dB at {reached}"
-    )
+    late, flat = max(f.delay for f in found.values()), min(f.band for f in found.values())
+    made = Conditioning("bandwidth", text, causal=True, delay=late, note=f"-3 dB at {reached}", band=flat)
     return replace(changed, conditioning=(*log.conditioning, made)), found
 
 

@@ -46,12 +46,17 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, dict[str, list[flo
         taken.setdefault(sensor, [float(m) for m in mean])
         return Triad(triad.time, triad.value - mean)
 
+    last = np.array(
+        [triad.time[-1] for imu in log.imus for triad in (imu.angular_rate, imu.specific_force) if triad is not None]
+    )
     imus = tuple(
         replace(
             imu, angular_rate=without("gyro", imu.angular_rate), specific_force=without("accel", imu.specific_force)
         )
         for imu in log.imus
     )
+    # Causal where it knows a beginning alone: samples behind it come later.
+    causal = parameters.seconds is not None and parameters.seconds < float(log.seconds(last).max())
     text = f"seconds={'all' if parameters.seconds is None else f'{parameters.seconds:g}'},sensors={parameters.sensors}"
-    made = Conditioning("bias", text, parameters.seconds is not None, 0.0)
+    made = Conditioning("bias", text, causal, 0.0)
     return replace(log, imus=imus, conditioning=(*log.conditioning, made)), taken

@@ -38,7 +38,7 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, dict[str, float]]:
     from imuwb.log import Conditioning  # noqa: PLC0415 - as above
 
     rates: dict[str, float] = {}
-    delays = [0.0]
+    delays, bands = [0.0], list[float]()
 
     def design(sensor: str, rate: float) -> Change:
         factor = _factor(rate, parameters)
@@ -50,6 +50,7 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, dict[str, float]]:
         except ValueError as error:
             message = f"one of {factor} samples: the anti-alias filter would be too long; decimate in steps"
             raise ValueError(message) from error
+        bands.append(PASS * rate / factor)
         delays.append(kaiser.delay if parameters.causal else 0.0)
         size = kaiser.taps.size
         first, last = (size - 1, 0) if parameters.causal else (size // 2, size // 2)
@@ -58,8 +59,8 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, dict[str, float]]:
     wanted = f"rate={parameters.rate:g}" if parameters.rate is not None else f"factor={parameters.factor}"
     text = f"{wanted},anti_alias={parameters.anti_alias},causal={parameters.causal}".lower()
     causal = parameters.causal or not parameters.anti_alias
-    changed = condition_streams(log, Conditioning("decimate", text, causal, 0.0), design)
-    made = Conditioning("decimate", text, causal, max(delays))
+    changed = condition_streams(log, design)
+    made = Conditioning("decimate", text, causal, max(delays), band=min(bands, default=None))
     return replace(changed, conditioning=(*log.conditioning, made)), rates
 
 

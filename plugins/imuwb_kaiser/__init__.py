@@ -11,6 +11,9 @@ if TYPE_CHECKING:
     from imuwb.log import Log
 
 
+WIDTH = 4.0  #: Hz
+
+
 @dataclass(frozen=True)
 class Parameters:
     """What can be asked of the filter."""
@@ -18,7 +21,7 @@ class Parameters:
     f_pass: Annotated[float | None, "Hz, end of the pass band"] = None
     f_stop: Annotated[float | None, "Hz, begin of the stop band"] = None
     fc: Annotated[float | None, "Hz, midway between them, instead"] = None
-    width: Annotated[float, "Hz, of the transition, with fc"] = 4.0
+    width: Annotated[float | None, "Hz, of the transition, with fc; None: 4"] = None
     a_stop: Annotated[float, "dB, least attenuation in the stop band"] = 100.0
     a_pass: Annotated[float, "dB, most ripple in the pass band"] = 0.0001
     causal: Annotated[bool, "late by the filter's delay, instead of knowing what comes"] = False
@@ -29,17 +32,25 @@ class Parameters:
         if edges == (self.fc is not None) or (self.f_pass is None) != (self.f_stop is None):
             message = "give either f_pass and f_stop, or fc (and width), in Hz"
             raise ValueError(message)
+        if edges and self.width is not None:
+            message = (
+                f"width is {self.width} Hz; it goes with fc: f_pass and f_stop already say how wide the transition is"
+            )
+            raise ValueError(message)
 
     @property
     def bands(self) -> tuple[float, float]:
         """Return the edges, Hz."""
         if self.fc is not None:
-            return self.fc - self.width / 2, self.fc + self.width / 2
+            half = (WIDTH if self.width is None else self.width) / 2
+            return self.fc - half, self.fc + half
         return self.f_pass or 0.0, self.f_stop or 0.0
 
 
 def condition(log: Log, parameters: Parameters) -> tuple[Log, dict[str, KaiserFilter]]:
     """Return the log with its IMUs filtered, and the filter of each sensor."""
+    from dataclasses import replace  # noqa: PLC0415 - help must not wait
+
     from imuwb.conditioning import Change, condition_streams, design_kaiser, filtered  # noqa: PLC0415 - help must not wait
     from imuwb.log import Conditioning  # noqa: PLC0415 - as above
 
@@ -53,13 +64,11 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, dict[str, KaiserFi
 
     low, high = parameters.bands
     text = f"f_pass={low:g},f_stop={high:g},a_stop={parameters.a_stop:g},a_pass={parameters.a_pass:g},causal={parameters.causal}"
-    changed = condition_streams(log, Conditioning("kaiser", text.lower(), parameters.causal, 0.0), design)
+    changed = condition_streams(log, design)
     longest = max(kaiser.delay for kaiser in found.values())
     taps = ", ".join(f"{sensor} {kaiser.taps.size}" for sensor, kaiser in found.items())
     note = f"taps: {taps}; the ends of each part, where the filter does not lie on samples only, are left out"
-    made = Conditioning("kaiser", text.lower(), parameters.causal, longest if parameters.causal else 0.0, note)
-    from dataclasses import replace  # noqa: PLC0415 - one use
-
+    made = Conditioning("kaiser", text.lower(), parameters.causal, longest if parameters.causal else 0.0, note, low)
     return replace(changed, conditioning=(*log.conditioning, made)), found
 
 

@@ -34,7 +34,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     log = logs[0]
     imu = log.imu()
     axes = axes_of(imu)
-    results = for_each(axes, lambda axis: _axis(axis, parameters))
+    results = for_each(axes, lambda axis: _axis(axis, parameters, log.band))
     if all(r.why_none for r in results.values()):
         message = f"{log.provenance.path}: {imu.name}: no axis has a spectrum: {next(iter(results.values())).why_none}"
         raise MissingDataError(message)
@@ -43,7 +43,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     return Result(imu.name, parameters.level, rates(axes), sizes, results, tuple(notes))
 
 
-def _axis(axis: Axis, parameters: Parameters) -> AxisResult:
+def _axis(axis: Axis, parameters: Parameters, band: float) -> AxisResult:
     series, dt, name = axis.longest, axis.clock.interval, axis.name
     why = unsuitable(series, FEWEST)
     none = np.empty(0)
@@ -51,10 +51,12 @@ def _axis(axis: Axis, parameters: Parameters) -> AxisResult:
     if why is not None:
         return AxisResult(none, none, none, none, 1, unknown, (), (), None, None, 1.0, None, None, why)
     spectrum = power_spectrum(series, dt, parameters.segment, level=parameters.level)
-    lines = find_lines(series, dt, parameters.level) if parameters.lines else ()
+    lines = (
+        tuple(x for x in find_lines(series, dt, parameters.level) if x.frequency <= band) if parameters.lines else ()
+    )
     named = tuple(_named(name, line, lines) for line in lines)
     try:
-        fit = fit_spectrum(spectrum, lines)
+        fit = fit_spectrum(spectrum, lines, band)
     except ValueError as error:
         return AxisResult(
             spectrum.frequency, spectrum.density, spectrum.lower, spectrum.upper, spectrum.sides, unknown, (), named, None, None, 1.0,
@@ -123,7 +125,7 @@ def _remarks(found: AxisResult) -> list[str]:
     if found.white_to is not None:
         how = "falls below" if found.excess < 1 else "rises above"
         said.append(
-            f"not white above {found.white_to:.3g} Hz: the spectrum {how} its white level (by {10 * np.log10(found.excess):+.1f} dB)"
+            f"not white above {found.white_to:.3g} Hz: the spectrum {how} its white level by {abs(10 * np.log10(found.excess)):.1f} dB"
         )
     if found.resonances:
         said.append(f"resonance near {', '.join(f'{f:.3g}' for f in found.resonances)} Hz")

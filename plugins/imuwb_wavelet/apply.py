@@ -78,9 +78,13 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, Applied]:
         f"levels={parameters.levels},motion_band={parameters.motion_band},wavelet={parameters.wavelet},"
         f"threshold={parameters.threshold},shrinkage={parameters.shrinkage},causal={parameters.causal}"
     ).lower()
-    changed = condition_streams(log, Conditioning("wavelet", text, parameters.causal, 0.0), design)
+    changed = condition_streams(log, design)
     levels = ", ".join(f"{name} {chosen[name].level}" for name in AXES if name in chosen)
-    made = Conditioning("wavelet", text, parameters.causal, max(late), f"levels: {levels}")
+    note = f"levels: {levels}"
+    if not any(choice.level for choice in chosen.values()):
+        note += ": nothing is taken away, for motion, or noise that looks like it, fills the band; give levels, or motion_band in Hz"
+    band = min((choice.band for choice in chosen.values() if choice.level), default=None)
+    made = Conditioning("wavelet", text, parameters.causal, max(late), note, band)
     return replace(changed, conditioning=(*log.conditioning, made)), Applied(
         parameters.wavelet, f"{parameters.shrinkage}, {parameters.threshold}", parameters.causal, chosen
     )

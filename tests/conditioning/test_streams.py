@@ -29,7 +29,7 @@ def test_parts_between_gaps_stay_apart():
         assert (sensor, rate) == ("gyro", pytest.approx(100))
         return Change(lambda v: (v[:-2] + v[1:-1] + v[2:]) / 3, 3, 1, 1)
 
-    found = condition_streams(given, MADE, design).imus[0].angular_rate
+    found = condition_streams(given, design).imus[0].angular_rate
     kept = np.r_[1:99, 151:249]
     np.testing.assert_array_equal(found.time, kept * (SECOND // 100))
     np.testing.assert_allclose(found.value[:, 0], kept, rtol=0, atol=1e-12)
@@ -37,7 +37,7 @@ def test_parts_between_gaps_stay_apart():
 
 def test_the_first_and_last_samples_of_a_part_and_every_nth_are_kept_as_said():
     given = log(triad(np.r_[0:100, 150:250]))
-    found = condition_streams(given, MADE, lambda *_: Change(lambda v: v[4:-2][::5], 7, 4, 2, 5)).imus[0].angular_rate
+    found = condition_streams(given, lambda *_: Change(lambda v: v[4:-2][::5], 7, 4, 2, 5)).imus[0].angular_rate
     kept = np.r_[4:98:5, 154:248:5]
     np.testing.assert_array_equal(found.time, kept * (SECOND // 100))
     np.testing.assert_array_equal(found.value[:, 0], kept)
@@ -45,27 +45,27 @@ def test_the_first_and_last_samples_of_a_part_and_every_nth_are_kept_as_said():
 
 def test_short_parts_are_dropped():
     given = log(triad(np.r_[0:100, 120:129, 150:250]))
-    found = condition_streams(given, MADE, lambda *_: Change(lambda v: v, shortest=10)).imus[0].angular_rate
+    found = condition_streams(given, lambda *_: Change(lambda v: v, shortest=10)).imus[0].angular_rate
     np.testing.assert_array_equal(found.value[:, 0], np.r_[0:100, 150:250])
-    kept = condition_streams(given, MADE, lambda *_: Change(lambda v: v, shortest=9)).imus[0].angular_rate
+    kept = condition_streams(given, lambda *_: Change(lambda v: v, shortest=9)).imus[0].angular_rate
     assert len(kept) == 209
 
 
 def test_a_part_that_its_ends_use_up_is_dropped():
     given = log(triad(np.r_[0:100, 150:160]))
-    found = condition_streams(given, MADE, lambda *_: Change(lambda v: v[6:-4], 1, 6, 4)).imus[0].angular_rate
+    found = condition_streams(given, lambda *_: Change(lambda v: v[6:-4], 1, 6, 4)).imus[0].angular_rate
     np.testing.assert_array_equal(found.value[:, 0], np.r_[6:96])
 
 
 def test_nothing_left_is_missing_data_that_names_the_stream():
     with pytest.raises(MissingDataError, match=r"x\.mcap: /imu gyro: no part between gaps has the 101 samples"):
-        condition_streams(log(triad(np.r_[0:100, 150:250])), MADE, lambda *_: Change(lambda v: v, 101))
+        condition_streams(log(triad(np.r_[0:100, 150:250])), lambda *_: Change(lambda v: v, 101))
 
 
 @pytest.mark.parametrize("n", [0, 1])
 def test_a_stream_without_a_rate_is_missing_data(n):
     with pytest.raises(MissingDataError, match=f"/imu accel has {n} samples"):
-        condition_streams(log(triad(range(50)), triad(range(n))), MADE, same)
+        condition_streams(log(triad(range(50)), triad(range(n))), same)
 
 
 def test_each_triad_is_changed_at_its_own_rate():
@@ -76,7 +76,7 @@ def test_each_triad_is_changed_at_its_own_rate():
         return Change(lambda v: v[:: 2 if sensor == "gyro" else 1], step=2 if sensor == "gyro" else 1)
 
     given = log(triad(range(200), 100), triad(range(90), 40))
-    found = condition_streams(given, MADE, design).imus[0]
+    found = condition_streams(given, design).imus[0]
     assert seen == {"gyro": pytest.approx(100), "accel": pytest.approx(40)}
     np.testing.assert_array_equal(found.angular_rate.time, given.imus[0].angular_rate.time[::2])
     np.testing.assert_array_equal(found.specific_force.time, given.imus[0].specific_force.time)
@@ -85,7 +85,7 @@ def test_each_triad_is_changed_at_its_own_rate():
 def test_a_missing_triad_stays_missing_and_all_else_stays_as_it_is():
     temperature = Scalars("t", np.arange(3) * SECOND, np.ones(3))
     given = log(triad(range(50), start=7 * SECOND), temperature=temperature)
-    found = condition_streams(given, MADE, lambda *_: Change(lambda v: v[5:], 1, 5))
+    found = condition_streams(given, lambda *_: Change(lambda v: v[5:], 1, 5))
     assert found.imus[0].specific_force is None
     assert found.imus[0].temperature is temperature
     assert found.provenance is given.provenance
@@ -93,7 +93,7 @@ def test_a_missing_triad_stays_missing_and_all_else_stays_as_it_is():
 
 
 def test_what_was_done_is_said_in_order():
-    first = condition_streams(log(triad(range(50))), MADE, same)
+    first = condition_streams(log(triad(range(50))), same)
     other = Conditioning("other", "", causal=False, delay=0.0)
     second = condition_streams(first, other, same)
     assert second.conditioning == (MADE, other)
@@ -104,5 +104,5 @@ def test_all_imus_are_changed():
     one = ImuStream("/a", triad(range(50)), None)
     two = ImuStream("/b", triad(range(60)), None)
     given = Log(Provenance("x.mcap", "mcap", "sha256:", 0), imus=(one, two))
-    found = condition_streams(given, MADE, lambda *_: Change(lambda v: v[1:], 1, 1))
+    found = condition_streams(given, lambda *_: Change(lambda v: v[1:], 1, 1))
     assert [len(imu.angular_rate) for imu in found.imus] == [49, 59]

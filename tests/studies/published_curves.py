@@ -24,6 +24,7 @@ from scipy import stats
 from study_report import Table, main
 
 from imuwb.identification import AllanDeviation, equivalent_degrees_of_freedom, fit_allan
+from imuwb.identification.term_selection import ACCEPTED
 
 QUESTION = "Published Allan curves, fitted"
 CURVES = Path(__file__).parents[2] / ".." / "shared" / "data" / "vectors" / "smac_avar"
@@ -97,15 +98,23 @@ def _cell(coefficient):
     return f"< {c.upper:.3g}" if c.value is None else f"{c.value:.4g} ({c.lower or 0:.3g}–{c.upper:.3g})"
 
 
+def _said(one, fit):
+    word = "yes" if fit.probability > ACCEPTED else "NO"
+    return word if fit.shortest <= one.curve.averaging_time[0] else f"{word}, from {fit.shortest:g} s on"
+
+
 def _coefficients(fits):
     rows = tuple(
-        (one.sensor, one.kind, one.axis, *(_cell(fit.coefficients[letter]) for letter in LETTERS)) for one, fit in fits
+        (one.sensor, one.kind, one.axis, *(_cell(fit.coefficients[letter]) for letter in LETTERS), _said(one, fit))
+        for one, fit in fits
     )
     note = (
         "In the unit u that is stored, with 95 % intervals; < is an upper limit of a term that was not identified. Where the sum "
-        "does not explain the curve the intervals are widened."
+        "does not explain the curve the intervals are widened. A curve alone cannot tell a line from quantization noise: the "
+        "ADIS 16405's accelerometers have one at 0.56 Hz, found in the record itself, and what is called Q there is that line "
+        "(in the record, with the line taken off, Q is a limit and N is 0.26 m/s/√h)."
     )
-    headings = ("sensor", "type", "axis", "Q, u·s", "N, u·√s", "B, u", "K, u/√s", "R, u/s")
+    headings = ("sensor", "type", "axis", "Q, u·s", "N, u·√s", "B, u", "K, u/√s", "R, u/s", "explained")
     return Table("Coefficients", headings, rows, note)
 
 
