@@ -63,6 +63,60 @@ def info(
         show(note)
 
 
+def convert(
+    log: Annotated[Path, typer.Argument(help="Any log.", metavar="LOG")],
+    *,
+    output: Annotated[
+        Path,
+        typer.Option("--output", "-o", help="The new log; its suffix, .mcap or .csv, is its format.", metavar="FILE"),
+    ],
+    imu: Annotated[str | None, typer.Option("--imu", help="Only this IMU, by its name in `imuwb info`.")] = None,
+    start: Annotated[str | None, typer.Option(help="From here on: seconds from the log's start, or ISO.")] = None,
+    end: Annotated[str | None, typer.Option(help="Up to here.")] = None,
+    time_source: Annotated[
+        Literal["header", "log", "publish"], typer.Option(help="Which stamp of a message counts.")
+    ] = "header",
+    rate: Annotated[float | None, typer.Option(help="Of text without a time column.", metavar="HZ")] = None,
+    columns: Annotated[
+        str | None, typer.Option(help="Of text without a header: names in order, - for none.", metavar="NAMES")
+    ] = None,
+    units: Annotated[str | None, typer.Option(help="Such as gyro=deg/s,accel=g,time=ms.", metavar="UNITS")] = None,
+    frame: Annotated[Literal["FRD", "FLU"] | None, typer.Option(help="Body frame, where the log does not say.")] = None,
+    gnss: Annotated[Path | None, typer.Option(help="A file of its own with the receiver's fixes.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Write over files that exist.")] = False,
+) -> None:
+    """Write a log as MCAP (ROS 2 messages) or as CSV with units in its names: all streams, or a part in time."""
+    from imuwb.cli.perform import check_places, read_log  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.cli.terminal import progress, shower  # noqa: PLC0415
+    from imuwb.writers import SUFFIXES, places, write  # noqa: PLC0415
+
+    if output.suffix not in SUFFIXES:
+        message = f"--output {output}: a log is written as {' or '.join(SUFFIXES)}"
+        raise UsageError(message)
+    common = Common(
+        imu=imu,
+        start=start,
+        end=end,
+        time_source=time_source,
+        rate=rate,
+        columns=columns,
+        units=units,
+        frame=frame,
+        gnss=gnss,
+    )
+    check_places([output], [log], force=force)
+    found = read_log(log, common)
+    files = places(found, output)
+    check_places(files, [log], force=force)
+    show = shower(data=False)
+    for note in found.notes:
+        show(note)
+    with progress(f"writing {output.name}") as report:
+        write(found, output, report)
+    for file in files:
+        typer.echo(f"wrote {file}", err=True)
+
+
 def simulate(
     kind: Annotated[Literal["static"], typer.Argument(help="What to simulate.", metavar="static")],
     *,
@@ -179,6 +233,7 @@ def samples() -> Path:
 #: (name, function, panel of the help)
 COMMANDS: tuple[tuple[str, Callable[..., None], str], ...] = (
     ("info", info, LOGS),
+    ("convert", convert, LOGS),
     ("simulate", simulate, LOGS),
     ("view", view, RESULTS),
     ("plugins", plugins, RESULTS),

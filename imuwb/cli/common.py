@@ -35,6 +35,10 @@ class Common:
     ] = None
     units: Annotated[str | None, _log("--units", "Such as gyro=deg/s,accel=g,time=ms.", "UNITS")] = None
     frame: Annotated[Literal["FRD", "FLU"] | None, _log("--frame", "Body frame, where the log does not say.")] = None
+    gnss: Annotated[
+        Path | None,
+        _log("--gnss", "A file of its own with the receiver's fixes: RTKLIB .pos, CSV, any log.", "FILE"),
+    ] = None
     through: Annotated[
         list[str],
         _log(

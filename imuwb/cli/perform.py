@@ -141,6 +141,9 @@ def read_log(path: Path, common: Common) -> Log:
     )
     with progress(f"reading {path.name}") as report:
         log = readers.read(path, options, report)
+    if common.gnss is not None:
+        with progress(f"reading {common.gnss.name}") as report:
+            log = readers.joined(log, readers.read(common.gnss, ReadOptions(), report))
     return readers.select(log, common.imu, common.start, common.end)
 
 

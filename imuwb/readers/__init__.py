@@ -12,6 +12,7 @@ from imuwb.log import Log, Provenance
 from imuwb.readers import source
 from imuwb.readers.assemble import assemble
 from imuwb.readers.batch import Batch, ReadOptions, Remark
+from imuwb.readers.join import joined
 from imuwb.readers.select import select
 from imuwb.readers.summary import LogSummary, summarize
 
@@ -20,7 +21,18 @@ if TYPE_CHECKING:
 
     from imuwb.readers.batch import Reader
 
-__all__ = ["Batch", "LogSummary", "ReadOptions", "Remark", "describe", "read", "select", "stream", "summarize"]
+__all__ = [
+    "Batch",
+    "LogSummary",
+    "ReadOptions",
+    "Remark",
+    "describe",
+    "joined",
+    "read",
+    "select",
+    "stream",
+    "summarize",
+]
 
 
 def reader_of(path: str | Path) -> Reader:

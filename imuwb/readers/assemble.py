@@ -10,7 +10,7 @@ import numpy as np
 
 from imuwb.log import SECOND, GnssStream, ImuStream, Log, Origin, Provenance, Reference, Repair, Scalars, Triad
 from imuwb.readers.batch import Batch
-from imuwb.readers.siblings import sibling, with_velocity
+from imuwb.readers.siblings import beside_fixes, sibling, with_parts_joined
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -25,7 +25,8 @@ _COLUMNS = {
     "imu": ("angular_rate", "specific_force", "temperature"),
     "gnss": ("position", "velocity", "position_sigma", "velocity_sigma", "fix_type"),
     "reference": ("position", "velocity", "attitude"),
-    "velocity": ("velocity",),
+    "velocity": ("velocity", "velocity_sigma"),
+    "fix": ("fix_type",),
     "speed": ("speed",),
     "temperature": ("temperature",),
 }
@@ -75,8 +76,8 @@ def assemble(parts: Iterable[Batch | Remark], provenance: Provenance) -> Log:
     temperatures = [_scalars(r, "temperature") for r in rows if r.kind == "temperature"]
     imus, joined_notes = _imus([r for r in rows if r.kind == "imu"], temperatures)
     gnss = tuple(_gnss(r) for r in rows if r.kind == "gnss")
-    for velocity in (r for r in rows if r.kind == "velocity"):
-        gnss, note = with_velocity(gnss, velocity.stream, velocity.time, velocity.columns["velocity"])
+    for r in (r for r in rows if r.kind in ("velocity", "fix")):
+        gnss, note = beside_fixes(gnss, r.stream, r.time, r.columns)
         joined_notes.append(note)
     return Log(
         provenance,
@@ -124,7 +125,9 @@ def _join(batches: list[Batch], noted: list[Repair]) -> _Rows:
     counts: dict[str, int] = {}
 
     finite = np.ones(time.size, dtype=bool)
-    for values in (v for name, v in columns.items() if first.kind != "gnss" or name not in _MAY_BE_UNKNOWN):
+    for values in (
+        v for name, v in columns.items() if first.kind not in ("gnss", "velocity") or name not in _MAY_BE_UNKNOWN
+    ):
         finite &= np.isfinite(values) if values.ndim == 1 else np.isfinite(values).all(axis=1)
     if not finite.all():
         counts["rows with a value that is not a number left out"] = int(np.count_nonzero(~finite))
@@ -224,7 +227,8 @@ def _imus(rows: list[_Rows], temperatures: list[Scalars]) -> tuple[tuple[ImuStre
             continue
         imus[name] = replace(imus[name], temperature=temperature)
         notes.append(f"{temperature.name}: taken as the temperature of {name}")
-    return tuple(imus.values()), notes
+    joined, joined_notes = with_parts_joined(tuple(imus.values()))
+    return joined, [*notes, *joined_notes]
 
 
 def _gnss(r: _Rows) -> GnssStream:

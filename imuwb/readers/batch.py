@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-Kind = Literal["imu", "gnss", "velocity", "speed", "temperature", "reference"]
+Kind = Literal["imu", "gnss", "velocity", "fix", "speed", "temperature", "reference"]
 SLOWEST, FASTEST = 1e-6, 1e8  #: Hz
 TimeSource = Literal["header", "log", "publish"]
 
@@ -49,7 +49,7 @@ class Batch:
 
     ``columns`` by kind: imu ``angular_rate`` and ``specific_force`` (n, 3), ``temperature`` (n,);
     gnss ``position``, ``velocity``, ``position_sigma``, ``velocity_sigma`` (n, 3), ``fix_type`` (n,);
-    reference ``position``, ``velocity``, ``attitude`` (n, 3); speed ``speed`` (n,); velocity, of a receiver whose positions are a stream of their own, ``velocity`` (n, 3); temperature ``temperature`` (n,). Triads of one IMU on clocks of their own
+    reference ``position``, ``velocity``, ``attitude`` (n, 3); speed ``speed`` (n,); velocity, of a receiver whose positions are a stream of their own, ``velocity`` and ``velocity_sigma`` (n, 3); fix, likewise, ``fix_type`` (n,); temperature ``temperature`` (n,). Triads of one IMU on clocks of their own
     come in batches of their own, under one stream name.
     """
 

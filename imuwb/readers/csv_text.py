@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from imuwb.units import Unit
 
 format = "csv"  # noqa: A001 - the contract's name
+_ANGLES = ("roll", "pitch", "heading")
 MOST_BAD = 0.5  #: with a larger share of unusable rows, the file is not what it is taken for
 
 
@@ -114,10 +115,12 @@ def _with_unit(path: Path, column: Column, found: tuple[Column, ...], layout: La
     if column.unit is not None or column.quantity == "time":
         return column
     usual = {"temperature": "°C", "latitude": "deg", "longitude": "deg", "height": "m"}.get(column.quantity)
-    if column.quantity.startswith("velocity"):
+    if column.quantity.startswith(("velocity", "sigma_velocity", "speed")):
         usual = "m/s"
-    if column.quantity.startswith("sigma"):
+    elif column.quantity.startswith("sigma"):
         usual = "m"
+    elif column.quantity in ("roll", "pitch", "heading"):
+        usual = "deg"
     if usual is not None:
         return replace(column, unit=unit(usual))
     group = [other for other in found if other.quantity == column.quantity]
@@ -184,13 +187,23 @@ def _streams(
     if ("latitude", 0) in si and ("longitude", 0) in si:
         height = si.get(("height", 0), np.zeros_like(si["latitude", 0]))
         gnss = {"position": np.stack([si["latitude", 0], si["longitude", 0], height], axis=1)}
-        for field, prefix in (("velocity", "velocity_"), ("position_sigma", "sigma_")):
+        for field, prefix in (
+            ("velocity", "velocity_"), ("position_sigma", "sigma_"), ("velocity_sigma", "sigma_velocity_"),
+        ):  # fmt: skip
             parts = [si.get((f"{prefix}{way}", 0)) for way in ("north", "east", "down")]
             if all(part is not None for part in parts):
                 gnss[field] = np.stack(cast("list[Floats]", parts), axis=1)
         if ("fix_type", 0) in si:
             gnss["fix_type"] = si["fix_type", 0]
-        yield "gnss", gnss, np.isfinite(si["latitude", 0]) if imu else None
+        there = np.isfinite(si["latitude", 0]) if imu else None
+        if all((angle, 0) in si for angle in _ANGLES):  # what knows its attitude is no receiver
+            attitude = np.stack([si[angle, 0] for angle in _ANGLES], axis=1)
+            told = {"position": gnss["position"], "velocity": gnss.get("velocity"), "attitude": attitude}
+            yield "reference", {k: v for k, v in told.items() if v is not None and np.isfinite(v).any()}, there
+        else:
+            yield "gnss", gnss, there
+    if ("speed", 0) in si:
+        yield "speed", {"speed": si["speed", 0]}, np.isfinite(si["speed", 0]) if imu else None
 
 
 def _si(values: Floats, unit: Unit) -> Floats:

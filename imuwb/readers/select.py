@@ -63,9 +63,28 @@ def _named(log: Log, name: str) -> ImuStream:
     for imu in log.imus:
         if imu.name == name:
             return imu
+    composed = _composed(log, name)
+    if composed is not None:
+        return composed
     there = ", ".join(imu.name for imu in log.imus) or "none"
     message = f"{log.provenance.path}: no IMU called {name!r}; there are: {there}"
     raise MissingDataError(message)
+
+
+def _composed(log: Log, name: str) -> ImuStream | None:
+    """Return the IMU that two names with a + between make: the gyro of one and the accelerometer of the other."""
+    parts = {part: imu for imu in log.imus for part in (imu.name, *imu.name.split("+"))}
+    one, mark, other = name.partition("+")
+    first, second = parts.get(one), parts.get(other)
+    if not mark or first is None or second is None:
+        return None
+    for gyro, accel in ((first, second), (second, first)):
+        named = one if gyro is first else other
+        if gyro.angular_rate is not None and accel.specific_force is not None and "accel" not in named:
+            return ImuStream(
+                name, gyro.angular_rate, accel.specific_force, accel.temperature or gyro.temperature, gyro.origin
+            )
+    return None
 
 
 def _epoch(log: Log) -> str:

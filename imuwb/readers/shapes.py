@@ -120,13 +120,32 @@ def _gnss(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float
 
 def _velocity(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
     del frame  # of a receiver: east, north, up
-    east, north, up = (values[f"{prefix}linear.{axis}"] for axis in "xyz")
-    return {"velocity": np.stack([north, east, -up], axis=1)}
+    east, north, up = (values[f"{prefix}twist.linear.{axis}"] for axis in "xyz")
+    columns = {"velocity": np.stack([north, east, -up], axis=1)}
+    covariance = values.get(f"{prefix}covariance")
+    if covariance is not None and covariance.ndim > 1 and covariance.shape[1] == 36:  # noqa: PLR2004 - 6 x 6
+        square = covariance[:, [7, 0, 14]]
+        columns["velocity_sigma"] = np.sqrt(np.where(square > 0, square, np.nan))
+    return columns
 
 
 def _speed(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
     del frame  # forward is x in all of them
-    return {"speed": values[f"{prefix}linear.x"]}
+    return {"speed": values[f"{prefix}twist.linear.x"]}
+
+
+def _fix_type(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
+    del frame
+    return {"fix_type": values[f"{prefix}fix_type"]}
+
+
+def _reference(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
+    del frame  # imuwb's own message: SI, NED
+    found = {
+        name: values[prefix + field]
+        for name, field in zip(("position", "velocity", "attitude"), _REFERENCE, strict=True)
+    }
+    return {name: column for name, column in found.items() if np.isfinite(column).all()}
 
 
 def _temperature(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
@@ -135,7 +154,8 @@ def _temperature(values: Values, prefix: str, frame: str) -> dict[str, NDArray[n
 
 
 _COURSE = ("track", "speed", "climb")
-_LINEAR = ("linear.x", "linear.y", "linear.z")
+_LINEAR = ("twist.linear.x", "twist.linear.y", "twist.linear.z")
+_REFERENCE = ("latitude_longitude_height", "velocity_north_east_down", "roll_pitch_heading")
 _TRIADS = tuple(f"{field}.{axis}" for field in ("angular_velocity", "linear_acceleration") for axis in "xyz")
 _COVARIANCES = ("angular_velocity_covariance[0]", "linear_acceleration_covariance[0]")
 
@@ -152,6 +172,7 @@ def _is_twist(schema: str) -> bool:
 #: linear.x, and a twist is a receiver's velocity over ground or a body's own.
 _SCHEMAS: dict[Kind, Callable[[str, str], bool]] = {
     "temperature": lambda schema, _: schema.endswith("Temperature"),
+    "fix": lambda schema, _: schema.endswith("FixType"),
     "velocity": lambda schema, topic: _is_twist(schema) and _is_receiver(topic),
     "speed": lambda schema, topic: schema.endswith("Odometry") or (_is_twist(schema) and not _is_receiver(topic)),
 }
@@ -160,6 +181,8 @@ _SHAPES: tuple[tuple[str, Kind, tuple[str, ...], tuple[str, ...], Callable[..., 
     ("angular_velocity.x", "imu", _TRIADS, _COVARIANCES, _imu),
     ("latitude", "gnss", ("latitude", "longitude"), ("altitude", "position_covariance", "status.status", *_COURSE), _gnss),
     ("temperature", "temperature", ("temperature",), (), _temperature),
-    ("linear.x", "velocity", _LINEAR, (), _velocity),
-    ("linear.x", "speed", _LINEAR, (), _speed),
+    ("twist.linear.x", "velocity", _LINEAR, ("covariance",), _velocity),
+    ("twist.linear.x", "speed", _LINEAR, (), _speed),
+    ("fix_type", "fix", ("fix_type",), (), _fix_type),
+    ("latitude_longitude_height", "reference", _REFERENCE, (), _reference),
 )  # fmt: skip

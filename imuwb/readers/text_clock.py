@@ -12,6 +12,7 @@ import pyarrow as pa
 from imuwb.errors import UsageError
 from imuwb.log import SECOND
 from imuwb.readers import text_source
+from imuwb.readers.gps_time import unix_of_gps
 from imuwb.units import unit
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from imuwb.readers.text_columns import Column
     from imuwb.readers.text_source import Layout
 
+LATEST_WEEK = 10_000  #: of GPS: the year 2171
 LATEST = 2**63 - 1025  #: ns, the largest a float holds below the end of int64
 DIGITS = {"s": 9, "ms": 6, "us": 3, "ns": 0}  #: behind the point, down to 1 ns
 _ISO = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d")
@@ -39,6 +41,7 @@ class Clock:
     rate: float  #: Hz
     epoch: Epoch
     remarks: tuple[str, ...] = ()
+    week: Column | None = None  #: of GPS; the column then holds seconds of it
 
     def time(self, block: pa.RecordBatch, first_row: int) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
         """Return the time in ns of the rows that have one, and which those are."""
@@ -49,7 +52,13 @@ class Clock:
         there = np.asarray(cells.is_valid()).copy()
         time, inside = self._nanoseconds(cells.drop_null())
         there[there] = inside
-        return time[inside], there
+        time = time[inside]
+        if self.week is not None:
+            weeks = np.asarray(block.column(self.week.name).to_numpy(zero_copy_only=False), np.float64)[there]
+            known = (weeks >= 0) & (weeks < LATEST_WEEK)
+            there[there] = known
+            time = time[known] + unix_of_gps(weeks[known].astype(np.int64), np.zeros(int(known.sum()), np.int64))
+        return time, there
 
     def _nanoseconds(self, cells: pa.Array[Any]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
         """Return cells as ns, and which of them are a time that int64 holds."""
@@ -86,6 +95,15 @@ def clock_of(path: Path, layout: Layout, used: tuple[Column, ...], options: Read
         message = f"{path}: {first!r} in time column {column.name!r} is neither a number nor an ISO time"
         raise UsageError(message)
     value = float(first)
+    week = next((one for one in used if one.quantity == "week"), None)
+    if week is not None:
+        if column.unit is None:
+            column = replace(column, unit=unit("s" if value < 700_000 else "ms"))  # noqa: PLR2004 - a week has 604 800 s
+        remarks = (*remarks, "GPS week and time of week made UTC by the leap seconds of the date")
+        kind = (
+            pa.decimal128(28, 9) if cast("Any", column.unit).name == "s" and "e" not in first.lower() else pa.float64()
+        )
+        return Clock(column, kind, 0.0, "unix", remarks, week)
     if column.unit is None:
         column = replace(column, unit=unit(_unit_by_size(path, column, value, first)))
         remarks = (

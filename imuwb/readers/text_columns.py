@@ -14,7 +14,8 @@ _NAMES: dict[str, str] = {
     "gyro": rf"(?:imu[_ .])?(?:gyro(?:scope)?s?|gyr|g|omega|w|ang(?:ular)?[_ .]?(?:vel(?:ocity)?|rate)){_AXIS}",
     "accel": rf"(?:imu[_ .])?(?:accel(?:erometer|eration)?s?|acc|a|f|sf|specific[_ .]?force"
     rf"|lin(?:ear)?[_ .]?acc(?:el(?:eration)?)?){_AXIS}",
-    "time": r"t|time|timestamp|time[_ .]?stamp|stamp|t[_ ].*|time[_ ].*|.*[_ ]time|seconds?|utc|unix.*",
+    "time": r"t|time|timestamp|time[_ .]?stamp|stamp|t[_ ].*|time[_ ].*|.*[_ ]time|seconds?|utc|unix.*|(?:gps[_ .]?)?(?:tow|sow)|gps[_ .]?(?:s|sec|seconds?)"
+    r"|(?:seconds?|time)[_ ]of[_ ](?:the[_ ])?week",
     "temperature": r"temp(?:erature)?|t[_ ]?imu|imu[_ .]temp(?:erature)?",
     "latitude": r"(?:gnss[_ .]|gps[_ .])?lat(?:itude)?",
     "longitude": r"(?:gnss[_ .]|gps[_ .])?(?:lon|lng|long|longitude)",
@@ -25,14 +26,22 @@ _NAMES: dict[str, str] = {
     "sigma_north": r"(?:position[_ ])?(?:sigma|std|sd)[_ .]?n(?:orth)?",
     "sigma_east": r"(?:position[_ ])?(?:sigma|std|sd)[_ .]?e(?:ast)?",
     "sigma_down": r"(?:position[_ ])?(?:sigma|std|sd)[_ .]?d(?:own)?",
+    "sigma_velocity_north": r"(?:velocity[_ ]sigma|sigma[_ ]velocity)[_ .]?n(?:orth)?",
+    "sigma_velocity_east": r"(?:velocity[_ ]sigma|sigma[_ ]velocity)[_ .]?e(?:ast)?",
+    "sigma_velocity_down": r"(?:velocity[_ ]sigma|sigma[_ ]velocity)[_ .]?d(?:own)?",
     "fix_type": r"fix(?:[_ ]?type)?",
+    "speed": r"(?:wheel[_ .]|odo(?:meter)?[_ .]|vehicle[_ .]|forward[_ .])?speed|odometer",
+    "roll": r"roll", "pitch": r"pitch", "heading": r"heading|yaw",
+    "week": r"(?:gps[_ .]?)?week(?:[_ ]?(?:no|number))?",
 }  # fmt: skip
 #: quantity -> the dimension its unit must have
 DIMENSIONS = {
     "gyro": "angular_rate", "accel": "specific_force", "time": "time", "temperature": "temperature",
     "latitude": "angle", "longitude": "angle", "height": "length", "velocity_north": "speed",
     "velocity_east": "speed", "velocity_down": "speed", "sigma_north": "length", "sigma_east": "length",
-    "sigma_down": "length", "fix_type": "dimensionless",
+    "sigma_down": "length", "fix_type": "dimensionless", "sigma_velocity_north": "speed", "sigma_velocity_east": "speed",
+    "sigma_velocity_down": "speed", "speed": "speed", "roll": "angle", "pitch": "angle", "heading": "angle",
+    "week": "dimensionless",
 }  # fmt: skip
 #: How units end a name, where brackets are not used.
 _SUFFIXES = {
@@ -84,7 +93,7 @@ def _column(index: int, name: str, said: dict[str, str]) -> Column | None:
             # A name such as "g_x" or "vd" has no unit; "gyro_x" with suffix "x" neither.
             found = written if text == base else None
             chosen = unit(said[quantity]) if quantity in said else found
-            if quantity == "fix_type":
+            if quantity in ("fix_type", "week"):
                 chosen = unit("1")
             if chosen is not None and chosen.dimension != DIMENSIONS[quantity]:
                 if quantity not in said:

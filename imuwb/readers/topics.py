@@ -110,6 +110,7 @@ class _Topic:
             "gnss": ("deg, m", "ENU"),
             "velocity": ("m/s", "ENU"),
             "speed": ("m/s", "forward"),
+            "reference": ("rad, m, m/s", "NED"),
         }.get(recipe.kind, ("°C", ""))
         time = self._time(recipe, values, messages, rows)
         alone = sum(other.kind == recipe.kind for other in self.recipes) == 1

@@ -15,9 +15,18 @@ if TYPE_CHECKING:
 
     Progress = Callable[[int, int], None]
 
-__all__ = ["SUFFIXES", "beside", "write", "write_text"]
+__all__ = ["SUFFIXES", "beside", "places", "write", "write_text"]
 
 SUFFIXES = (".mcap", ".csv")
+
+
+def places(log: Log, path: Path) -> tuple[Path, ...]:
+    """Return the files that ``write`` would make: CSV has a table for each kind of stream."""
+    if path.suffix != ".csv":
+        return (path,)
+    from imuwb.writers import csv_text  # noqa: PLC0415 - only what is asked for
+
+    return tuple(csv_text.places(log, path).values())
 
 
 def write(log: Log, path: Path, progress: Progress | None = None) -> None:

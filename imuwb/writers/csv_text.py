@@ -15,30 +15,79 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from imuwb.log import ImuStream, Log
+    from imuwb.log import Floats, GnssStream, ImuStream, Log, Reference, Scalars
 
 ROWS = 1 << 16
+_WAYS = ("north", "east", "down")
+
+
+def places(log: Log, path: Path) -> dict[str, Path]:
+    """Return the files that a log becomes: the IMU's is ``path``, the others' have the kind in their name."""
+    kinds = {"imu": log.imus, "gnss": log.gnss, "speed": log.speeds, "reference": log.references}
+    there = [kind for kind, streams in kinds.items() if streams]
+    return {kind: path if kind == there[0] else path.with_name(f"{path.stem}.{kind}.csv") for kind in there}
 
 
 def write_csv(log: Log, path: Path, progress: Callable[[int, int], None] | None = None) -> None:
-    """Write the log's one IMU: time, rates, specific forces, and the temperature in the rows that have one.
+    """Write the log's IMU, receiver, speed and reference, each to a table of its own.
 
     Raises:
-        MissingDataError: not exactly one IMU, or triads on two clocks; one table has room for one clock.
+        MissingDataError: more than one stream of a kind, or triads on two clocks; one table has room for one clock.
     """
-    others = len(log.gnss) + len(log.speeds) + len(log.references)
-    if len(log.imus) != 1 or others:
-        message = f"a CSV file holds one IMU; this log has {len(log.imus)}, and {others} other streams"
+    kinds = {"imu": log.imus, "gnss": log.gnss, "speed": log.speeds, "reference": log.references}
+    several = {kind: [s.name for s in streams] for kind, streams in kinds.items() if len(streams) > 1}
+    if several:
+        what = "; ".join(f"{kind}: {', '.join(names)}" for kind, names in several.items())
+        message = f"a CSV file holds one stream of a kind, and this log has more ({what}); --imu takes one IMU, .mcap holds all"
         raise MissingDataError(message)
-    imu = log.imus[0]
-    table = _table(imu)
-    with beside(path) as temporary, temporary.open("wb") as file:
-        file.write((",".join(table.column_names) + "\n").encode())
-        options = csv.WriteOptions(include_header=False, quoting_style="none")
-        for start in range(0, table.num_rows, ROWS):
-            csv.write_csv(table.slice(start, ROWS), file, options)
-            if progress is not None:
-                progress(min(start + ROWS, table.num_rows), table.num_rows)
+    made = [
+        *map(_table, log.imus), *map(_gnss_table, log.gnss), *map(_speed_table, log.speeds), *map(_reference_table, log.references),
+    ]  # fmt: skip
+    rows = sum(table.num_rows for table in made)
+    done = 0
+    for place, table in zip(places(log, path).values(), made, strict=True):
+        with beside(place) as temporary, temporary.open("wb") as file:
+            file.write((",".join(table.column_names) + "\n").encode())
+            options = csv.WriteOptions(include_header=False, quoting_style="none")
+            for start in range(0, table.num_rows, ROWS):
+                csv.write_csv(table.slice(start, ROWS), file, options)
+                if progress is not None:
+                    progress(done + min(start + ROWS, table.num_rows), rows)
+        done += table.num_rows
+
+
+def _gnss_table(gnss: GnssStream) -> pa.Table:
+    columns: dict[str, Any] = {"time_ns": gnss.time, **_position(gnss.position)}
+    for values, name in (
+        (gnss.velocity, "velocity_{}_m_s"), (gnss.position_sigma, "sigma_{}_m"), (gnss.velocity_sigma, "sigma_velocity_{}_m_s"),
+    ):  # fmt: skip
+        if values is not None:
+            columns |= {name.format(way): pa.array(values[:, i], from_pandas=True) for i, way in enumerate(_WAYS)}
+    if gnss.fix_type is not None:
+        columns["fix_type"] = gnss.fix_type
+    return pa.table(columns)
+
+
+def _speed_table(speed: Scalars) -> pa.Table:
+    return pa.table({"time_ns": speed.time, "speed_m_s": speed.value})
+
+
+def _reference_table(reference: Reference) -> pa.Table:
+    columns: dict[str, Any] = {"time_ns": reference.time, **_position(reference.position)}
+    if reference.velocity is not None:
+        columns |= {f"velocity_{way}_m_s": reference.velocity[:, i] for i, way in enumerate(_WAYS)}
+    unknown = np.full((reference.time.size, 3), np.nan)
+    attitude = unknown if reference.attitude is None else reference.attitude
+    columns |= {
+        f"{angle}_rad": pa.array(attitude[:, i], from_pandas=True)
+        for i, angle in enumerate(("roll", "pitch", "heading"))
+    }
+    return pa.table(columns)
+
+
+def _position(position: Floats) -> dict[str, Any]:
+    latitude, longitude, height = position.T
+    return {"latitude_rad": latitude, "longitude_rad": longitude, "height_m": np.ascontiguousarray(height)}
 
 
 def _table(imu: ImuStream) -> pa.Table:
