@@ -35,6 +35,9 @@ __all__ = [
 ]
 
 
+LAST = {"tlog": 1, "csv": 2}  #: formats that are asked last
+
+
 def reader_of(path: str | Path) -> Reader:
     """Return the reader whose format the file's leading bytes show.
 
@@ -45,8 +48,8 @@ def reader_of(path: str | Path) -> Reader:
     source.check(path)
     head = source.head(path)
     readers = [cast("Reader", registry.load(point)) for point in registry.installed(registry.READERS).values()]
-    # Text is what is left when no binary format knows its magic.
-    readers.sort(key=lambda reader: getattr(reader, "format", "") == "csv")
+    # Telemetry begins with no magic, and text is what is left when no binary format is found.
+    readers.sort(key=lambda reader: LAST.get(getattr(reader, "format", ""), 0))
     for reader in readers:
         if reader is not None and reader.probe(head):  # pyright: ignore[reportUnnecessaryComparison]
             return reader

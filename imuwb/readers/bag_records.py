@@ -110,7 +110,7 @@ class _Piece:
 
     buffer: NDArray[np.uint8]
     records: Records
-    offset: int  #: in the file
+    bytes_read: int  #: of the file, up to its end
     remarks: tuple[Remark, ...] = ()
 
 
@@ -138,7 +138,7 @@ class Bag:
             while (block := extended(file, rest, _whole(rest), size - offset)) is not None:
                 buffer = np.frombuffer(block, np.uint8)
                 records = walk(buffer)
-                yield _Piece(buffer, records, offset)
+                yield _Piece(buffer, records, offset + len(block))
                 for i in np.flatnonzero(records.opcode == CHUNK):
                     start = int(records.data[i])
                     head = bytes(buffer[records.header[i] : start - 4])
@@ -157,7 +157,7 @@ class Bag:
             stamp = gather(buffer, records.time[plain], "<u4", 2).astype(np.int64)
             time = stamp[:, 0] * SECOND + stamp[:, 1]
             start = records.data[plain]
-            yield Messages(buffer, number, time, time, start, records.length[plain], piece.offset + int(start[-1]))
+            yield Messages(buffer, number, time, time, start, records.length[plain], piece.bytes_read)
 
     def _declare(self, piece: _Piece, i: int) -> None:
         records, raw = piece.records, piece.buffer.data
@@ -213,12 +213,14 @@ def _chunk(packed: memoryview, header: bytes, offset: int) -> _Piece:
         buffer = np.frombuffer(unpack(packed, compression, size), np.uint8)
     except ValueError as error:
         nothing = np.empty(0, np.uint8)
-        return _Piece(nothing, walk(nothing), offset, (Remark(f"chunk at byte {offset} left out: {error}"),))
+        return _Piece(
+            nothing, walk(nothing), offset + len(packed), (Remark(f"chunk at byte {offset} left out: {error}"),)
+        )
     records = walk(buffer)
     remarks: list[Remark] = []
     if records.end < buffer.size:
         remarks.append(Remark(f"chunk at byte {offset}: its last {buffer.size - records.end} bytes are no record"))
-    return _Piece(buffer, records, offset, tuple(remarks))
+    return _Piece(buffer, records, offset + len(packed), tuple(remarks))
 
 
 def _cut_end(rest: bytes, offset: int) -> _Piece:
@@ -230,4 +232,4 @@ def _cut_end(rest: bytes, offset: int) -> _Piece:
         compression, size = _said(rest[4 : 4 + header])
         unpacked = unpack_front(memoryview(rest)[8 + header :], compression, size)
     buffer = np.frombuffer(unpacked, np.uint8)
-    return _Piece(buffer, walk(buffer), offset, (Remark(what),))
+    return _Piece(buffer, walk(buffer), offset + len(rest), (Remark(what),))

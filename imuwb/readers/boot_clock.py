@@ -26,6 +26,10 @@ class BootClock:
     ahead: int  #: ns, of Unix time over the recorder's; 0 where the log does not know it
     known: bool  #: the log itself says what Unix time it is
 
+    def with_recorder(self, ahead: int) -> BootClock:
+        """Return the clock as it runs when Unix time is ``ahead`` ns ahead of the recorder's: another clock of the file told."""
+        return self if self.known else BootClock(self.start, self.offset + ahead, ahead, known=True)
+
     @property
     def reboots(self) -> int:
         """Return how often the clock started anew."""

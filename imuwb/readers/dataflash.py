@@ -14,7 +14,7 @@ from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.dataflash_records import FMT, FMT_SIZE, HEAD, Tables, formats
 from imuwb.readers.dataflash_text import TextTables
 from imuwb.readers.gps_time import unix_of_gps
-from imuwb.readers.receiver import GpsRows, gps_columns, usable_fixes
+from imuwb.readers.receiver import GpsRows, gps_columns, left_out, usable_fixes
 from imuwb.units import UNITS
 
 if TYPE_CHECKING:
@@ -258,9 +258,7 @@ class _Streams:
             columns.get("Status", unknown).astype(float), sigmas["HAcc"], sigmas["VAcc"], sigmas["SAcc"],
         )  # fmt: skip
         there = usable_fixes(rows)
-        if not there.all():
-            lost = int(np.count_nonzero(~there))
-            yield Remark("rows without a position (0/0: no fix yet) left out", stream if there.any() else "", lost)
+        yield from left_out(stream, there)
         if there.any():
             kept = {key: column[there] for key, column in gps_columns(rows).items()}
             origin = Origin("deg, m (above mean sea level), m/s", "NED", self._epoch)

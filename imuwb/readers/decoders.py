@@ -9,6 +9,7 @@ import numpy as np
 
 from imuwb.readers import ros_layout
 from imuwb.readers.gather import gather
+from imuwb.readers.shapes import REFERENCE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     #: the wanted fields, and which messages they are of
     Piece = tuple[Mapping[str, NDArray[Any]], Rows]
 
+ARRAYS = ("covariance", *REFERENCE)  #: fields that are read as arrays
 FIRST = 16  #: messages looked at before a channel that describes itself is given up
 
 
@@ -76,7 +78,9 @@ class _RosDecoder:
 
     def fields(self, messages: Messages, rows: Rows) -> list[str]:
         del messages, rows  # the definition says it all
-        return [step.path for step in self._plan if isinstance(step, ros_layout.Field)]
+        fields = [step for step in self._plan if isinstance(step, ros_layout.Field)]
+        # An array is no number: a "latitude" of two is not one.
+        return [f.path for f in fields if not f.count or f.path.rpartition(".")[2].endswith(ARRAYS)]
 
     def decode(self, messages: Messages, rows: Rows, paths: tuple[str, ...]) -> Iterator[Piece]:
         start, length = messages.start[rows], messages.length[rows]

@@ -126,7 +126,9 @@ def _scan(
             at += 1
             continue
         number = _number(buffer, frame)
-        known = number < seeds.shape[0] and seeds[number, 0] >= 0
+        # A flag that nobody knows forbids to read the frame.
+        understood = buffer[frame] == FIRST or buffer[frame + 2] <= SIGNED
+        known = understood and number < seeds.shape[0] and seeds[number, 0] >= 0
         if _holds(buffer, frame, end, seeds[number] if known else none, steps):
             place = 3 if buffer[frame] == FIRST else 5
             found[0, n], found[1, n], found[2, n] = number, buffer[frame + place], buffer[frame + place + 1]
@@ -134,7 +136,7 @@ def _scan(
             found[4, n] = end - found[5, n]
             n += 1
             at = behind
-        elif behind + STAMP >= buffer.size and behind != buffer.size and not last:
+        elif behind + STAMP >= buffer.size and not last:
             break  # what follows tells whether this was a frame at all
         elif _begins(buffer, behind):
             counts[0 if known else 1] += 1

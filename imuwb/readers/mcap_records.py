@@ -85,7 +85,7 @@ class _Piece:
     opcode: NDArray[np.uint8]
     content: NDArray[np.int64]
     length: NDArray[np.int64]
-    offset: int  #: in the file
+    bytes_read: int  #: of the file, up to its end
     remarks: tuple[Remark, ...] = ()  #: what was wrong with it
 
 
@@ -122,7 +122,7 @@ class Recording:
                 last = np.flatnonzero(opcode == DATA_END)
                 count = int(last[0]) if last.size else opcode.size
                 opcode, content, length = opcode[:count], content[:count], length[:count]
-                yield _Piece(buffer, opcode, content, length, offset)
+                yield _Piece(buffer, opcode, content, length, offset + len(block))
                 for i in np.flatnonzero(opcode == CHUNK):
                     yield _chunk(buffer.data[content[i] : content[i] + length[i]], offset + int(content[i]))
                 if last.size:
@@ -144,7 +144,7 @@ class Recording:
         if at.size:
             yield Messages(
                 piece.buffer, gather(piece.buffer, at, "<u2"), log_time.view(np.int64), publish_time.view(np.int64),
-                at + HEADER, sizes - HEADER, piece.offset + int(at[-1]),
+                at + HEADER, sizes - HEADER, piece.bytes_read,
             )  # fmt: skip
 
     def _declare(self, opcode: int, content: bytes) -> None:
@@ -164,9 +164,9 @@ class Recording:
             self.remarks.append(Remark(f"a damaged schema or channel record left out: {error}"))
 
 
-def _nothing(offset: int, why: str) -> _Piece:
+def _nothing(bytes_read: int, why: str) -> _Piece:
     none, nowhere = np.empty(0, np.uint8), np.empty(0, np.int64)
-    return _Piece(none, none, nowhere, nowhere, offset, (Remark(why),))
+    return _Piece(none, none, nowhere, nowhere, bytes_read, (Remark(why),))
 
 
 def _chunk(packed: memoryview, offset: int) -> _Piece:
@@ -174,24 +174,24 @@ def _chunk(packed: memoryview, offset: int) -> _Piece:
     try:
         records = np.frombuffer(_unpack(packed), np.uint8)
     except ValueError as error:
-        return _nothing(offset, f"chunk at byte {offset} left out: {error}")
+        return _nothing(offset + len(packed), f"chunk at byte {offset} left out: {error}")
     opcode, content, length, end = walk(records)
     remarks: list[Remark] = []
     if end < records.size:
         remarks.append(Remark(f"chunk at byte {offset}: its last {records.size - end} bytes are no record"))
-    return _Piece(records, opcode, content, length, offset, tuple(remarks))
+    return _Piece(records, opcode, content, length, offset + len(packed), tuple(remarks))
 
 
 def _cut_end(rest: bytes, offset: int) -> _Piece:
     """Return what is whole in a last record that is not."""
     where = f"the file ends at byte {offset + len(rest)} without its end mark"
     if not rest:
-        return _nothing(offset, f"{where}: it was cut, or is still being written; all before is used")
+        return _nothing(offset + len(rest), f"{where}: it was cut, or is still being written; all before is used")
     remark = Remark(f"{where}, inside a record that begins at byte {offset}: what was whole before it is used")
     unpacked = _unpack_front(rest[9:]) if rest[0] == CHUNK and len(rest) > 9 + 40 else b""
     buffer = np.frombuffer(unpacked, np.uint8)
     opcode, content, length, _ = walk(buffer)
-    return _Piece(buffer, opcode, content, length, offset, (remark,))
+    return _Piece(buffer, opcode, content, length, offset + len(rest), (remark,))
 
 
 def _string(content: bytes, at: int) -> tuple[str, int]:

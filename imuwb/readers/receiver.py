@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from imuwb.readers.batch import Remark
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -42,6 +44,14 @@ def usable_position(position: Floats) -> NDArray[np.bool_]:
     latitude, longitude, height = position.T
     possible = (np.abs(latitude) <= np.pi / 2) & (np.abs(longitude) <= np.pi) & (np.abs(height) < HIGHEST)
     return possible & ((latitude != 0) | (longitude != 0))
+
+
+def left_out(name: str, there: NDArray[np.bool_]) -> list[Remark]:
+    """Return what is to be said of the rows without a position: a repair of the stream, if any of it is left."""
+    lost, what = int(np.count_nonzero(~there)), "rows without a position (0/0: no fix yet) left out"
+    if not lost:
+        return []
+    return [Remark(what, name, lost) if there.any() else Remark(f"{name}: all {lost} {what}")]
 
 
 def gps_columns(rows: GpsRows) -> dict[str, Floats]:

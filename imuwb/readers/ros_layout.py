@@ -40,6 +40,7 @@ _ENCAPSULATIONS = {0: (">", 8), 1: ("<", 8), 6: (">", 4), 7: ("<", 4)}
 _FIELD = re.compile(r"^([\w/]+)(<=\d+)?(\[(<=)?(\d*)\])?\s+(\w+)\s*(.*)$")
 LARGEST_ARRAY = 64  #: of messages; larger ones hold no stamp, rate or position of ours
 DEEPEST = 16
+DIGITS = 6  #: of a fixed array's length; no message is larger
 LONGEST_PLAN = 4096
 
 
@@ -107,6 +108,9 @@ def _flatten(texts: dict[str, str], name: str, prefix: str, steps: list[Field | 
         if match is None or match[7].startswith("="):  # blank, or a constant
             continue
         kind, array, bounded, number, path = match[1], match[3], match[4], match[5], prefix + match[6]
+        if len(number or "") > DIGITS:
+            message = f"an array of {number[:DIGITS]}... elements in {name}"
+            raise UnknownLayoutError(message)
         fixed = int(number) if array and number and not bounded else None
         if kind in _PRIMITIVES and not (array and fixed is None):
             steps.append(Field(path, _PRIMITIVES[kind], fixed or 0))

@@ -6,6 +6,7 @@ message that nests one has it behind a prefix. A recipe says which fields make w
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -143,7 +144,7 @@ def _reference(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.
     del frame  # imuwb's own message: SI, NED
     found = {
         name: values[prefix + field]
-        for name, field in zip(("position", "velocity", "attitude"), _REFERENCE, strict=True)
+        for name, field in zip(("position", "velocity", "attitude"), REFERENCE, strict=True)
     }
     return {name: column for name, column in found.items() if np.isfinite(column).all()}
 
@@ -155,13 +156,16 @@ def _temperature(values: Values, prefix: str, frame: str) -> dict[str, NDArray[n
 
 _COURSE = ("track", "speed", "climb")
 _LINEAR = ("twist.linear.x", "twist.linear.y", "twist.linear.z")
-_REFERENCE = ("latitude_longitude_height", "velocity_north_east_down", "roll_pitch_heading")
+REFERENCE = ("latitude_longitude_height", "velocity_north_east_down", "roll_pitch_heading")
 _TRIADS = tuple(f"{field}.{axis}" for field in ("angular_velocity", "linear_acceleration") for axis in "xyz")
 _COVARIANCES = ("angular_velocity_covariance[0]", "linear_acceleration_covariance[0]")
 
 
+_RECEIVER = re.compile(r"(?:^|[/_.])(?:gps|gnss|fix|navsat|ublox)")
+
+
 def _is_receiver(topic: str) -> bool:
-    return any(word in topic.lower() for word in ("gps", "gnss", "fix", "navsat", "ublox"))
+    return _RECEIVER.search(topic.lower()) is not None
 
 
 def _is_twist(schema: str) -> bool:
@@ -184,5 +188,5 @@ _SHAPES: tuple[tuple[str, Kind, tuple[str, ...], tuple[str, ...], Callable[..., 
     ("twist.linear.x", "velocity", _LINEAR, ("covariance",), _velocity),
     ("twist.linear.x", "speed", _LINEAR, (), _speed),
     ("fix_type", "fix", ("fix_type",), (), _fix_type),
-    ("latitude_longitude_height", "reference", _REFERENCE, (), _reference),
+    ("latitude_longitude_height", "reference", REFERENCE, (), _reference),
 )  # fmt: skip

@@ -15,8 +15,8 @@ from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.boot_clock import BootClock, boot_clock
 from imuwb.readers.gather import gather
 from imuwb.readers.mavlink_fields import LAYOUTS, decoded
-from imuwb.readers.mavlink_frames import FIRST, LARGEST, SECOND_VERSION, STAMP, scan
-from imuwb.readers.receiver import GpsRows, gps_columns, usable_fixes
+from imuwb.readers.mavlink_frames import STAMP, scan
+from imuwb.readers.receiver import GpsRows, gps_columns, left_out, usable_fixes, usable_position
 from imuwb.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -38,24 +38,19 @@ SYSTEM_TIME, ATTITUDE, SOLUTION = 2, 30, 33
 RECEIVERS = (24, 124)
 SCALED, RAW, FLOATS = (26, 116, 129), (27,), (105, 107)
 CLOCKS = (SYSTEM_TIME, ATTITUDE, SOLUTION, *SCALED)  #: messages with ms since power-up
+_ANGLES = ("roll", "pitch", "yaw")
 FROZEN = 0.5  #: share of fixes whose stamp repeats, from which on it is no stamp
 APART = 60_000_000_000  #: ns between a fix's own time and its arrival, beyond which it is not its time
 LSB = "its smallest steps are 1 mG (9.8e-3 m/s²) and 1 mrad/s (206 deg/h): a noise model from it is limited by quantization"
 
 
 def probe(head: bytes) -> bool:
-    """Return whether the file begins with a recorder's time and a frame, or has one within its first records."""
-    if len(head) < STAMP + 8 or b"\0" not in head[:STAMP]:
+    """Return whether the file's beginning holds a frame whose checksum holds, behind a possible time."""
+    if len(head) < STAMP + 8 or b"\0" not in head:
         return False
-    return any(_begins(head, at) for at in range(min(LARGEST, len(head) - STAMP - 8)))
-
-
-def _begins(head: bytes, at: int) -> bool:
-    if head[at + STAMP] not in (FIRST, SECOND_VERSION):
-        return False
-    if not EARLIEST < int.from_bytes(head[at : at + STAMP], "big") < LATEST:
-        return False
-    return scan(np.frombuffer(head[at : at + LARGEST], np.uint8), last=False).number.size > 0
+    found = scan(np.frombuffer(head, np.uint8), last=False)
+    recorded = gather(np.frombuffer(head, np.uint8), found.record, ">u8")
+    return bool(((recorded > EARLIEST) & (recorded < LATEST)).any())
 
 
 def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
@@ -138,7 +133,10 @@ class _Telemetry:
 
     def batches(self, options: ReadOptions) -> Iterator[Batch]:
         rows = {key: self._rows.pop(key).joined() for key in sorted(self._rows)}
-        self._clocks = {part: _clock(rows, part) for part in dict.fromkeys((s, c) for s, c, _ in rows)}
+        clocks = {part: _clock(rows, part) for part in dict.fromkeys((s, c) for s, c, _ in rows)}
+        # The recorder has one clock: what one component tells of it holds for all.
+        ahead = next((clock.ahead for clock in clocks.values() if clock.known), None)
+        self._clocks = clocks if ahead is None else {part: clock.with_recorder(ahead) for part, clock in clocks.items()}
         systems = {key[:2] for key in rows if key[2] not in (SYSTEM_TIME, ATTITUDE)}
         for (system, component, number), (place, recorded, values) in rows.items():
             clock = self._clocks[system, component]
@@ -155,7 +153,7 @@ class _Telemetry:
             elif number == SOLUTION:
                 time = arrived if options.time_source != "header" else _own_time(clock, place, values)
                 attitude = rows.get((system, component, ATTITUDE))
-                yield from self._solution(name, clock, time, values, attitude)
+                yield from self._solution(name, clock, time, values, attitude, own=options.time_source == "header")
 
     def remarks(self) -> Iterator[Remark]:
         yield from self._notes
@@ -231,11 +229,7 @@ class _Telemetry:
             unless("h_acc", 0, 1e-3), unless("v_acc", 0, 1e-3), unless("vel_acc", 0, 1e-3),
         )  # fmt: skip
         there = usable_fixes(rows)
-        if not there.all():
-            lost = int(np.count_nonzero(~there))
-            self._notes.append(
-                Remark("rows without a position (0/0: no fix yet) left out", name if there.any() else "", lost)
-            )
+        self._notes += left_out(name, there)
         if there.any():
             columns = {key: column[there] for key, column in gps_columns(rows).items()}
             yield Batch(
@@ -249,6 +243,8 @@ class _Telemetry:
         time: NDArray[np.int64],
         values: Values,
         attitude: Any,  # noqa: ANN401 - joined rows or None
+        *,
+        own: bool,
     ) -> Iterator[Batch]:
         position = np.stack([
             np.radians(values["lat"] * 1e-7), np.radians(values["lon"] * 1e-7), values["alt"] * 1e-3,
@@ -256,9 +252,15 @@ class _Telemetry:
         velocity = np.stack([values[f"v{axis}"] * 1e-2 for axis in "xyz"], axis=1)
         columns = {"position": position, "velocity": velocity}
         if attitude is not None:
-            place, _, angles = attitude
-            columns["attitude"] = _interpolated(time, _own_time(clock, place, angles), angles)
-        there = (values["lat"] != 0) | (values["lon"] != 0)
+            place, recorded, angles = attitude
+            at = _own_time(clock, place, angles) if own else recorded
+            known = np.isfinite([angles[name] for name in _ANGLES]).all(axis=0)
+            if known.any():
+                columns["attitude"] = _interpolated(time, at[known], {name: angles[name][known] for name in _ANGLES})
+        there = usable_position(position)
+        self._notes += left_out(name, there)
+        if there.any():
+            self._notes.append(Remark(f"{name}: heights are above mean sea level"))
         if there.any():
             origin = Origin("1e-7 deg, mm, cm/s", "NED", "unix")
             kept = {key: column[there] for key, column in columns.items()}
@@ -268,15 +270,16 @@ class _Telemetry:
 def _clock(rows: Mapping[Key, tuple[Any, Any, Values]], part: tuple[int, int]) -> BootClock:
     """Return the clock of one component, from all its messages that tell the time since power-up."""
     parts: list[tuple[NDArray[np.int64], ...]] = []
-    for number in (*CLOCKS, *RAW):
+    for number in (*CLOCKS, *RAW, *FLOATS):
         if (*part, number) not in rows:
             continue
         place, recorded, values = rows[*part, number]
-        if number in RAW and (values["time_usec"] > EARLIEST).any():
+        counts = "time_usec" in values
+        if counts and (values["time_usec"] > EARLIEST).any():
             continue  # it tells Unix time
-        boot = values["time_usec"].astype(np.int64) * MICRO if number in RAW else _boot(values)
+        boot = values["time_usec"].astype(np.int64) * MICRO if counts else _boot(values)
         told = values.get("time_unix_usec", np.zeros(place.size, np.uint64))
-        parts.append((place, boot, recorded, told.clip(0, LATEST).astype(np.int64) * MICRO))
+        parts.append((place, boot, recorded, np.where(told < LATEST, told, 0).astype(np.int64) * MICRO))
     if not parts:
         return boot_clock(*[np.empty(0, np.int64)] * 4)
     place, boot, recorded, unix = (np.concatenate(columns) for columns in zip(*parts, strict=True))
@@ -302,8 +305,5 @@ def _triad(values: Values, sensor: str) -> NDArray[np.float64]:
 def _interpolated(time: NDArray[np.int64], at: NDArray[np.int64], angles: Values) -> NDArray[np.float64]:
     """Return roll, pitch and heading at other times; linear between, also over the turn from 360 to 0."""
     order = np.argsort(at, kind="stable")
-    columns = [
-        np.interp(time, at[order], np.unwrap(angles[name][order].astype(np.float64)))
-        for name in ("roll", "pitch", "yaw")
-    ]
+    columns = [np.interp(time, at[order], np.unwrap(angles[name][order].astype(np.float64))) for name in _ANGLES]
     return np.stack(columns, axis=1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,20 +33,28 @@ class Topics:
         """Remember where channels and schemas will be."""
         self.count = 0  #: messages so far
         self._channels, self._schemas, self._options = channels, schemas, options
-        self._topics: dict[int, _Topic] = {}
+        self._topics: dict[tuple[str, ...], _Topic] = {}
         self._undeclared = Counter[int]()
 
     def batches(self, messages: Messages) -> Iterator[Batch]:
         """Yield what the messages of one buffer hold."""
         self.count += messages.start.size
+        found: dict[tuple[str, ...], list[NDArray[np.int64]]] = defaultdict(list)
         for number, rows in alike(messages.channel, np.arange(messages.start.size)):
             channel = self._channels.get(number)
             if channel is None:
                 self._undeclared[number] += rows.size
                 continue
-            if number not in self._topics:
-                self._topics[number] = _Topic(channel, self._schemas.get(channel.schema_id), self._options)
-            yield from self._topics[number].batches(messages, rows)
+            schema = self._schemas.get(channel.schema_id)
+            # Several publishers of one topic have a channel each: their messages are one stream, in the file's order.
+            key = channel.topic, channel.message_encoding, schema.name if schema else ""
+            found[key].append(rows)
+            if key not in self._topics:
+                self._topics[key] = _Topic(channel, schema, self._options)
+        for key, parts in found.items():
+            yield from self._topics[key].batches(
+                messages, parts[0] if len(parts) == 1 else np.sort(np.concatenate(parts))
+            )
 
     def remarks(self) -> Iterator[Remark]:
         """Yield what was odd about each channel."""

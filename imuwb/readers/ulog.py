@@ -12,7 +12,7 @@ from imuwb.navigation import displaced
 from imuwb.readers import source
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.boot_clock import EARLIEST
-from imuwb.readers.receiver import usable_position
+from imuwb.readers.receiver import left_out, usable_position
 from imuwb.readers.ulog_records import MAGIC, ULogFile
 
 if TYPE_CHECKING:
@@ -202,11 +202,7 @@ class _Streams:
                 if position is None:
                     continue
                 there = usable_position(position)
-                if not there.all():
-                    lost = int(np.count_nonzero(~there))
-                    yield Remark(
-                        "rows without a position (0/0: no fix yet) left out", name if there.any() else "", lost
-                    )
+                yield from left_out(name, there)
                 if not there.any():
                     continue
                 found = {"position": position}

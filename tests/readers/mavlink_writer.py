@@ -5,25 +5,21 @@ from pathlib import Path
 
 import pytest
 
-mavlink = pytest.importorskip(
-    "pymavlink.dialects.v20.ardupilotmega", reason="pymavlink, which writes and reads telemetry logs, is not installed"
-)
+REASON = "pymavlink, which writes and reads telemetry logs, is not installed"
+mavlink = pytest.importorskip("pymavlink.dialects.v20.ardupilotmega", reason=REASON)
+mavlink_1 = pytest.importorskip("pymavlink.dialects.v10.ardupilotmega", reason=REASON)  #: knows no extensions
 
 T = 1_714_564_800 * 10**6  #: µs, of the recorder
 
 
-def message(name, **fields):
-    """Return a message of pymavlink; fields that are not given are 0."""
-    kind = mavlink.mavlink_map[getattr(mavlink, f"MAVLINK_MSG_ID_{name}")]
-    return kind(**{**dict.fromkeys(kind.fieldnames, 0), **fields})
-
-
 def frame(name, *, version=2, system=1, component=1, signed=False, **fields):
-    """Return a message as it goes over the air."""
-    mav = mavlink.MAVLink(None, srcSystem=system, srcComponent=component)
+    """Return a message as it goes over the air, made by pymavlink; fields that are not given are 0."""
+    dialect = mavlink_1 if version == 1 else mavlink
+    kind = dialect.mavlink_map[getattr(dialect, f"MAVLINK_MSG_ID_{name}")]
+    mav = dialect.MAVLink(None, srcSystem=system, srcComponent=component)
     if signed:
         mav.signing.secret_key, mav.signing.sign_outgoing, mav.signing.timestamp = bytes(range(32)), True, 7
-    return message(name, **fields).pack(mav, force_mavlink1=version == 1)
+    return kind(*(fields.get(field, 0) for field in kind.fieldnames)).pack(mav)
 
 
 def record(stamp, data):

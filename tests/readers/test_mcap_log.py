@@ -215,15 +215,15 @@ def fix(ros, status, covariance, latitude=45.0):
     ("covariance", "sigma"),
     [
         ((1.0, 0, 0, 0, 4.0, 0, 0, 0, 9.0), [2.0, 1.0, 3.0]),  # east, north, up become north, east, down
-        ((0.0,) * 9, [0, 0, 0]),
-        ((-1.0,) + (0.0,) * 8, [0, 0, 0]),
+        ((0.0,) * 9, None),  # unknown
+        ((-1.0,) + (0.0,) * 8, None),  # absent
     ],
 )
 def test_a_fix_in_radians_with_its_sigma(mcap, ros, covariance, sigma):
     topic = mcap.Topic([(T, fix(ros, 0, covariance))], "/fix", "sensor_msgs/msg/NavSatFix", ros.fix_2)
     (gnss,) = read(mcap.write(topic)).gnss
     np.testing.assert_allclose(gnss.position, [[np.pi / 4, np.pi / 2, 120.5]], rtol=1e-15)
-    assert gnss.position_sigma.tolist() == [sigma]
+    assert (None if gnss.position_sigma is None else gnss.position_sigma.tolist()) == (sigma and [sigma])
     assert gnss.time.tolist() == [T + 5]
 
 
