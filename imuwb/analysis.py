@@ -48,7 +48,6 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 #: One colour per axis, the same in every figure, series and table (x, y, z: red, green, blue, toned for both themes).
-HOURS = 2  #: from here on a time is told in hours
 AXIS_COLORS = {"x": (228, 87, 86), "y": (84, 162, 75), "z": (76, 120, 168)}
 
 
@@ -251,6 +250,9 @@ class Review(Protocol):
 def quantity(value: float | None, unit: str, digits: int = 3) -> str:
     """Return a value with its unit, with that many significant digits; a dash for None."""
     return "—" if value is None else f"{value:.{digits}g} {unit}"
+
+
+HOURS = 2  #: from here on a time is told in hours
 
 
 def seconds_text(seconds: float) -> str:

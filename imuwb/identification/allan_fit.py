@@ -18,8 +18,8 @@ import numpy as np
 from scipy import optimize
 
 from imuwb.identification.allan_problem import LETTERS, PROCESSES, Problem, whitener
-from imuwb.identification.coefficient import READ_OUT, Coefficient
-from imuwb.identification.distributions import chi_square_limits, chi_square_tail, normal_limit, normal_quantile
+from imuwb.identification.coefficient import READ_OUT, Coefficient, interval
+from imuwb.identification.distributions import chi_square_tail, normal_limit, normal_quantile
 from imuwb.identification.term_selection import ACCEPTED, begin, select
 from imuwb.stochastic import Sinusoid, Sum
 
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+FEWEST, FEWEST_BEHIND = 3, 5  #: averaging times of a fit, and of one that begins where a filter no longer shows
 STRIDE = 4.0  #: in squares, of the search for a limit
 FARTHEST = 1e4  #: times the limit without the term's own scatter
 GAUSS_MARKOV_PEAK = 1.8926  #: Tc, where the Allan deviation of such a process is largest
@@ -133,9 +134,10 @@ def _octaves(factor: NDArray[np.int64], usable: NDArray[np.bool_], shortest: flo
     for i in np.flatnonzero(usable):
         if not chosen or factor[i] >= 1.8 * factor[chosen[-1]]:
             chosen.append(int(i))
-    if len(chosen) < 3:  # noqa: PLR2004 - five coefficients from fewer points are none
+    fewest = FEWEST_BEHIND if shortest else FEWEST
+    if len(chosen) < fewest:
         behind = f" from {shortest:.3g} s on, where a filter no longer shows" if shortest else ""
-        message = f"a fit needs at least 3 averaging times an octave apart{behind}; there are {len(chosen)}"
+        message = f"a fit needs at least {fewest} averaging times an octave apart{behind}; there are {len(chosen)}"
         raise ValueError(message)
     return np.array(chosen)
 
@@ -148,10 +150,8 @@ def _coefficients(
     for t, letter in enumerate(LETTERS):
         if t in active:
             value, variance = squared[t], covariance[active.index(t), active.index(t)]
-            # A positive quadratic estimate is about a scaled chi-square: skewed when few degrees are left.
-            freedom = 2 * value**2 / variance
-            lower, upper = (value * factor for factor in chi_square_limits(level, freedom))
-            found[letter] = Coefficient(float(value**0.5), float(lower**0.5), float(upper**0.5), READ_OUT[letter])
+            ends = interval(float(value), float(variance**0.5), level)
+            found[letter] = Coefficient(float(value**0.5), *ends, READ_OUT[letter])
             continue
         limit = _upper_limit(problem, squared, active, t, level, inflation)
         found[letter] = Coefficient(None, None, limit, READ_OUT[letter])

@@ -28,17 +28,20 @@ def radii_of_curvature(latitude: Floats) -> tuple[Floats, Floats]:
 
 
 def displaced(origin: Floats, ned: Floats) -> Floats:
-    """Return positions that lie some metres north, east and down of an origin, to first order in the distance.
+    """Return positions that lie some metres north, east and down of an origin, to second order in the distance.
 
     Args:
         origin: (3,) or (n, 3) latitude rad, longitude rad, height m.
-        ned: (n, 3) m; within 10 km the error stays below a metre or two.
+        ned: (n, 3) m in the plane that touches the ellipsoid there.
 
     Returns:
         (n, 3) latitude rad, longitude rad, height m.
     """
     latitude, longitude, height = np.moveaxis(np.broadcast_to(origin, ned.shape), -1, 0)
     meridian, transverse = radii_of_curvature(latitude)
-    north = latitude + ned[:, 0] / (meridian + height)
-    east = longitude + ned[:, 1] / ((transverse + height) * np.cos(latitude))
-    return np.stack([north, east, height - ned[:, 2]], axis=1)
+    to_north, to_east = ned[:, 0] / (meridian + height), ned[:, 1] / (transverse + height)
+    # Going east on a plane leads off the parallel; going away in it leads up.
+    north = latitude + to_north - np.tan(latitude) * to_east**2 * (transverse + height) / (meridian + height) / 2
+    east = longitude + to_east / np.cos(latitude) * (1 + np.tan(latitude) * to_north)
+    up = (ned[:, 0] * to_north + ned[:, 1] * to_east) / 2
+    return np.stack([north, east, height - ned[:, 2] + up], axis=1)

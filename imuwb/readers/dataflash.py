@@ -14,7 +14,7 @@ from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.dataflash_records import FMT, FMT_SIZE, HEAD, Tables, formats
 from imuwb.readers.dataflash_text import TextTables
 from imuwb.readers.gps_time import unix_of_gps
-from imuwb.readers.receiver import GpsRows, gps_columns, left_out, usable_fixes
+from imuwb.readers.receiver import GpsRows, attitude_at, gps_columns, left_out, usable_fixes, usable_position
 from imuwb.units import UNITS
 
 if TYPE_CHECKING:
@@ -32,10 +32,14 @@ format = "dataflash"  # noqa: A001 - the contract's name
 IMUS, RECEIVERS, ACCURACIES = ("IMU", "IMU2", "IMU3"), ("GPS", "GPS2"), ("GPA", "GPA2")
 SOLUTIONS = ("XKF1", "NKF1", "EKF1")
 WANTED = {*IMUS, *RECEIVERS, *ACCURACIES, *SOLUTIONS, "POS", "ATT", "ISBH", "ISBD", "FMTU", "UNIT", "MULT"}
+HOTTEST = 300.0  #: °C
+FULL_TURNS = 1000.0  #: rad; an angle beyond is a damaged record
 FASTEST, STRONGEST = 200.0, 5000.0  #: rad/s and m/s²; more is a damaged record, not motion
 NEAR = 500_000_000  #: ns between a fix and its accuracy
 BATCH_SIZE = 32  #: samples in a record of a high-rate batch
 ACCEL = 0  #: the kind of a batch
+_HEAD = ("N", "type", "instance", "mul", "smp_cnt", "SampleUS", "smp_rate")
+_NONE = np.empty(0)
 FIXED = 3  #: least status of a fix in three dimensions
 _TEXT = re.compile(rb"^FMT, ?128, ?89, ?FMT,", re.MULTILINE)
 
@@ -82,8 +86,10 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
 
 def _read_binary(path: Path, trouble: list[str]) -> Tables:
     known: dict[int, Any] = {}
+    tail = b""
     for buffer, _ in _blocks(path, trouble):
-        known = {**formats(buffer), **known}
+        known = {**formats(np.frombuffer(tail + buffer.tobytes(), np.uint8)), **known}
+        tail = buffer[-FMT_SIZE:].tobytes()  # a record may lie across the edge
     trouble.clear()
     tables = Tables(known, WANTED)
     rest = b""
@@ -148,7 +154,11 @@ class _Streams:
 
     def _table(self, name: str) -> Columns | None:
         table = self._tables.table(name)
-        return table if table is not None and ("TimeUS" in table or "TimeMS" in table) else None
+        if table is None:
+            return None
+        if name not in ("ISBH", "ISBD"):  # elsewhere an array is no number, whatever a damaged format says
+            table = {key: column for key, column in table.items() if column.ndim == 1}
+        return table if "TimeUS" in table or "TimeMS" in table else None
 
     def _instances(self, name: str) -> Iterator[tuple[str, Columns]]:
         """Yield a record's rows by instance."""
@@ -164,6 +174,8 @@ class _Streams:
 
     def _boot(self, columns: Columns) -> NDArray[np.int64]:
         ticks, unit = (columns["TimeUS"], 1000) if "TimeUS" in columns else (columns["TimeMS"], 1_000_000)
+        if "TimeUS" not in columns and {"Week", "T"} <= columns.keys():  # of an old fix TimeMS is that of the week
+            ticks = columns["T"]
         return ticks.astype(np.int64).clip(0, 2**62 // unit) * unit
 
     def _time(self, columns: Columns) -> NDArray[np.int64]:
@@ -178,7 +190,7 @@ class _Streams:
                 continue
             week = next((table[key] for key in ("GWk", "Week") if key in table), None)
             milliseconds = next((table[key] for key in ("GMS", "TimeMS") if key in table), None)
-            if week is None or milliseconds is None or "TimeUS" not in table:
+            if week is None or milliseconds is None or not ("TimeUS" in table or "T" in table):
                 continue
             sure = (week > 1000) & (week < 5000) & (table.get("Status", week * 0 + FIXED) >= FIXED)  # noqa: PLR2004 - 1999 ... 2075
             if sure.any():
@@ -206,9 +218,8 @@ class _Streams:
             yield Batch(stream, "imu", time[possible], {k: v[possible] for k, v in values.items()}, origin, self._size)
         warmth = columns.get("T")
         if warmth is not None and warmth.any():
-            yield Batch(
-                stream, "imu", time[possible], {"temperature": warmth[possible].astype(float)}, origin, self._size
-            )
+            warm = possible & (np.abs(warmth) < HOTTEST)
+            yield Batch(stream, "imu", time[warm], {"temperature": warmth[warm].astype(float)}, origin, self._size)
 
     def _factor(self, name: str, field: str) -> float:
         """Return what makes a field SI, by the units that the log states."""
@@ -222,8 +233,10 @@ class _Streams:
         if (
             heads is None
             or data is None
-            or not {"N", "type", "instance", "mul", "SampleUS", "smp_rate"} <= heads.keys()
+            or any(heads.get(key, _NONE).ndim != 1 or not heads.get(key, _NONE).size for key in _HEAD)
         ):
+            return
+        if not {"N", "seqno", "x", "y", "z"} <= data.keys() or any(data[axis].ndim != 2 for axis in "xyz"):  # noqa: PLR2004
             return
         order = np.lexsort((data["seqno"], data["N"]))
         number = data["N"][order]
@@ -275,18 +288,18 @@ class _Streams:
         values = accuracy[name][nearest].astype(float)
         return np.where((np.abs(there[nearest] - wanted) < NEAR) & (values > 0), values, np.nan)
 
-    def _solution(self) -> Iterator[Batch]:
+    def _solution(self) -> Iterator[Batch | Remark]:
         """Yield what the flight controller made of it all: position, with velocity and attitude beside it."""
         place = self._table("POS")
         if place is None or not {"Lat", "Lng", "Alt"} <= place.keys():
             return
         boot = self._boot(place)
-        there = (place["Lat"] != 0) | (place["Lng"] != 0)
         columns = {
             "position": np.stack(
                 [np.radians(place["Lat"]), np.radians(place["Lng"]), place["Alt"].astype(float)], axis=1
             )
         }
+        there = usable_position(columns["position"])
         for name in SOLUTIONS:
             table = self._table(name)
             if table is not None and {"VN", "VE", "VD"} <= table.keys():
@@ -298,8 +311,11 @@ class _Streams:
                 break
         attitude = self._table("ATT")
         if attitude is not None and {"Roll", "Pitch", "Yaw"} <= attitude.keys():
-            angles = [np.unwrap(np.radians(attitude[key])) for key in ("Roll", "Pitch", "Yaw")]
-            columns["attitude"] = np.stack([np.interp(boot, self._boot(attitude), angle) for angle in angles], axis=1)
+            turns = np.stack([np.radians(attitude[key]) for key in ("Roll", "Pitch", "Yaw")], axis=1)
+            known = (np.abs(turns) < FULL_TURNS).all(axis=1)
+            if known.any():
+                columns["attitude"] = attitude_at(boot, self._boot(attitude)[known], turns[known])
+        yield from left_out("POS", there)
         if there.any():
             origin = Origin("deg, m (above mean sea level), m/s", "NED", self._epoch)
             kept = {key: column[there] for key, column in columns.items()}
@@ -311,6 +327,11 @@ def _units(tables: _Tables) -> dict[tuple[str, str], tuple[str, float]]:
     stated, labels, multipliers = tables.table("FMTU"), tables.table("UNIT"), tables.table("MULT")
     known = getattr(tables, "formats", None)
     if stated is None or labels is None or multipliers is None or known is None:
+        return {}
+    whole = {"FmtType", "UnitIds", "MultIds"} <= stated.keys() and {"Id", "Label"} <= labels.keys()
+    if not whole or not {"Id", "Mult"} <= multipliers.keys():
+        return {}
+    if [stated["UnitIds"].ndim, stated["MultIds"].ndim, labels["Label"].ndim, multipliers["Mult"].ndim] != [2, 2, 2, 1]:
         return {}
     names = {
         int(i): bytes(text).rstrip(b"\0").decode("ascii", "replace")

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+STATED = ("FMTU", "UNIT", "MULT")  #: records that hold text
+LARGEST = 2.0**53  #: a time, in µs, or an instance
 BATCH = 1 << 16  #: rows that become an array at a time
 
 
@@ -35,7 +37,7 @@ class TextTables:
             record = name.strip().decode("ascii", "replace")
             if record == "FMT":
                 self._describe([cell.strip() for cell in rest.decode("ascii", "replace").split(",")])
-            elif record in self._names and record in self._wanted:
+            elif record in self._names and record in self._wanted and record not in STATED:
                 self._row(record, rest)
             self.records += bool(record)
 
@@ -58,7 +60,7 @@ class TextTables:
             row = [float(cell) for cell in cells]
         except ValueError:
             row = []
-        if len(row) != len(self._names[record]):
+        if len(row) != len(self._names[record]) or not all(abs(x) < LARGEST for x in row[:2]):  # time and instance
             self.bad += 1
             return
         self._rows[record].append(row)

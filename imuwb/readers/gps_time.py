@@ -33,6 +33,6 @@ def unix_of_gps(week: NDArray[np.int64], milliseconds: NDArray[np.int64]) -> NDA
     """Return ns since 1970 UTC of GPS weeks and ms of the week; leap seconds are those of the first row."""
     if not week.size:
         return np.empty(0, np.int64)
-    first = GPS_EPOCH + timedelta(seconds=int(week[0]) * WEEK)
+    first = GPS_EPOCH + timedelta(seconds=int(week[0]) * WEEK, milliseconds=int(milliseconds[0]))
     zero = int((GPS_EPOCH - datetime(1970, 1, 1, tzinfo=UTC)).total_seconds()) - ahead_of_utc(first)
     return (zero + week * WEEK) * SECOND + milliseconds * (SECOND // 1000)

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 
 HIGHEST = 1e5  #: m
+FASTEST = 2e4  #: m/s; more is a damaged record
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -46,6 +47,13 @@ def usable_position(position: Floats) -> NDArray[np.bool_]:
     return possible & ((latitude != 0) | (longitude != 0))
 
 
+def attitude_at(time: NDArray[np.int64], at: NDArray[np.int64], angles: Floats) -> Floats:
+    """Return roll, pitch and heading, (n, 3) rad, at other times; linear between, also over the turn from 360 to 0."""
+    order = np.argsort(at, kind="stable")
+    turned = np.unwrap(angles[order].astype(np.float64), axis=0)
+    return np.stack([np.interp(time, at[order], turned[:, k]) for k in range(3)], axis=1)
+
+
 def left_out(name: str, there: NDArray[np.bool_]) -> list[Remark]:
     """Return what is to be said of the rows without a position: a repair of the stream, if any of it is left."""
     lost, what = int(np.count_nonzero(~there)), "rows without a position (0/0: no fix yet) left out"
@@ -54,13 +62,21 @@ def left_out(name: str, there: NDArray[np.bool_]) -> list[Remark]:
     return [Remark(what, name, lost) if there.any() else Remark(f"{name}: all {lost} {what}")]
 
 
+def possible_velocity(velocity: Floats) -> Floats:
+    """Return a velocity, (n, 3) m/s, nan where no vehicle of ours moves so."""
+    with np.errstate(invalid="ignore"):
+        return np.where(np.abs(velocity) < FASTEST, velocity, np.nan)
+
+
 def gps_columns(rows: GpsRows) -> dict[str, Floats]:
     """Return the columns of a GNSS stream, NED."""
     course = np.radians(rows.course)
     down = np.full(rows.speed.size, np.nan) if rows.down is None else rows.down
     return {
         "position": np.stack([np.radians(rows.latitude), np.radians(rows.longitude), rows.height], axis=1),
-        "velocity": np.stack([rows.speed * np.cos(course), rows.speed * np.sin(course), down], axis=1),
+        "velocity": possible_velocity(
+            np.stack([rows.speed * np.cos(course), rows.speed * np.sin(course), down], axis=1)
+        ),
         "position_sigma": np.stack([rows.horizontal, rows.horizontal, rows.vertical], axis=1),
         "velocity_sigma": np.stack([rows.of_speed] * 3, axis=1),
         "fix_type": rows.fix_type,

@@ -43,10 +43,11 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     trouble = ""
     try:
         with closing(sqlite3.connect(f"file:{quote(str(path.resolve()))}?mode=ro&immutable=1", uri=True)) as database:
+            database.execute("PRAGMA writable_schema=ON")  # else a file shorter than it says is not opened at all
             _declare(database, channels, schemas)
             for messages in _messages(database, path.stat().st_size):
                 yield from topics.batches(messages)
-    except (sqlite3.Error, OverflowError) as error:
+    except (sqlite3.Error, OverflowError, UnicodeDecodeError) as error:
         trouble = f"the database is cut or damaged ({error}): what can be read before is used"
     if not topics.count:
         message = f"{path}: no message can be read: {trouble or 'it is a recording of nothing'}"
@@ -74,7 +75,10 @@ def _declare(database: sqlite3.Connection, channels: dict[int, Channel], schemas
 
 
 def _messages(database: sqlite3.Connection, size: int) -> Iterator[Messages]:
-    total = max(int(database.execute("SELECT COUNT(*) FROM messages").fetchone()[0]), 1)
+    try:
+        total = max(int(database.execute("SELECT COUNT(*) FROM messages").fetchone()[0]), 1)
+    except sqlite3.Error:  # the end is cut: progress is not known, the rows before are
+        total = size
     found = database.execute(
         "SELECT topic_id, timestamp, data FROM messages WHERE LENGTH(data) < ? ORDER BY rowid", (LARGEST,)
     )

@@ -57,7 +57,7 @@ class Clock:
             weeks = np.asarray(block.column(self.week.name).to_numpy(zero_copy_only=False), np.float64)[there]
             known = (weeks >= 0) & (weeks < LATEST_WEEK)
             there[there] = known
-            time = time[known] + unix_of_gps(weeks[known].astype(np.int64), np.zeros(int(known.sum()), np.int64))
+            time = unix_of_gps(weeks[known].astype(np.int64), time[known] // 1_000_000) + time[known] % 1_000_000
         return time, there
 
     def _nanoseconds(self, cells: pa.Array[Any]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:

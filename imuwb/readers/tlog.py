@@ -16,7 +16,7 @@ from imuwb.readers.boot_clock import BootClock, boot_clock
 from imuwb.readers.gather import gather
 from imuwb.readers.mavlink_fields import LAYOUTS, decoded
 from imuwb.readers.mavlink_frames import STAMP, scan
-from imuwb.readers.receiver import GpsRows, gps_columns, left_out, usable_fixes, usable_position
+from imuwb.readers.receiver import GpsRows, attitude_at, gps_columns, left_out, usable_fixes, usable_position
 from imuwb.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -254,9 +254,10 @@ class _Telemetry:
         if attitude is not None:
             place, recorded, angles = attitude
             at = _own_time(clock, place, angles) if own else recorded
-            known = np.isfinite([angles[name] for name in _ANGLES]).all(axis=0)
+            turns = np.stack([angles[name] for name in _ANGLES], axis=1)
+            known = np.isfinite(turns).all(axis=1)
             if known.any():
-                columns["attitude"] = _interpolated(time, at[known], {name: angles[name][known] for name in _ANGLES})
+                columns["attitude"] = attitude_at(time, at[known], turns[known])
         there = usable_position(position)
         self._notes += left_out(name, there)
         if there.any():
@@ -300,10 +301,3 @@ def _own_time(clock: BootClock, place: NDArray[np.int64], values: Values) -> NDA
 
 def _triad(values: Values, sensor: str) -> NDArray[np.float64]:
     return np.stack([values[f"{axis}{sensor}"].astype(np.float64) for axis in "xyz"], axis=1)
-
-
-def _interpolated(time: NDArray[np.int64], at: NDArray[np.int64], angles: Values) -> NDArray[np.float64]:
-    """Return roll, pitch and heading at other times; linear between, also over the turn from 360 to 0."""
-    order = np.argsort(at, kind="stable")
-    columns = [np.interp(time, at[order], np.unwrap(angles[name][order].astype(np.float64))) for name in _ANGLES]
-    return np.stack(columns, axis=1)

@@ -12,7 +12,7 @@ from imuwb.navigation import displaced
 from imuwb.readers import source
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.boot_clock import EARLIEST
-from imuwb.readers.receiver import left_out, usable_position
+from imuwb.readers.receiver import attitude_at, left_out, usable_position
 from imuwb.readers.ulog_records import MAGIC, ULogFile
 
 if TYPE_CHECKING:
@@ -43,6 +43,8 @@ WANTED = frozenset(
         *(f"{n}_fifo" for n in TRIADS.values()),
     )
 )
+_SHAPES = {"q": (4,), **dict.fromkeys(("gyro_rad", "accelerometer_m_s2", "delta_angle", "delta_velocity"), (3,))}
+LONGEST_STEP = 1e6  #: µs between samples of a sensor's own buffer
 INVALID = 2**31 - 1  #: of a relative stamp
 MICRO = 1000  #: ns
 
@@ -108,7 +110,14 @@ class _Streams:
 
     def _topics(self, name: str) -> list[tuple[str, Columns]]:
         """Return a topic's instances, named by their number where there are several."""
-        found = [(i, columns) for i, columns in self._log.topics(name) if "timestamp" in columns]
+        # A field of another shape than PX4's is another field.
+        fifo = name.endswith("_fifo")
+
+        def fits(field: str, values: NDArray[Any]) -> bool:
+            return values.ndim == 2 if fifo and field in "xyz" else values.shape[1:] == _SHAPES.get(field, ())  # noqa: PLR2004
+
+        shaped = [(i, {k: v for k, v in c.items() if fits(k, v)}) for i, c in self._log.topics(name)]
+        found = [(i, columns) for i, columns in shaped if "timestamp" in columns]
         several = len(found) > 1 or any(i for i, _ in found)
         return [(f"{name}.{i}" if several else name, columns) for i, columns in found]
 
@@ -152,7 +161,8 @@ class _Streams:
                         yield from self._sensor(imu, quantity, found[stream], fifo=bool(suffix))
 
     def _sensor(self, imu: str, quantity: str, columns: Columns, *, fifo: bool) -> Iterator[Batch]:
-        if not all(axis in columns for axis in "xyz"):
+        shapes = {columns[axis].shape if axis in columns else () for axis in "xyz"}
+        if len(shapes) > 1 or () in shapes:
             return
         boot = self._boot(columns)
         if fifo:
@@ -233,9 +243,10 @@ class _Streams:
         elif local is not None and {"ref_lat", "ref_lon", "ref_alt", "x", "y", "z"} <= local.keys():
             name, boot = LOCAL, self._boot(local)
             origin = np.stack([np.radians(local["ref_lat"]), np.radians(local["ref_lon"]), local["ref_alt"]], axis=1)
-            position = displaced(origin.astype(float), np.stack([local[axis].astype(float) for axis in "xyz"], axis=1))
-            known = local.get("xy_global", local["ref_lat"] != 0) > 0
-            position[~known] = 0.0
+            known = (local.get("xy_global", local["ref_lat"] != 0) > 0) & usable_position(origin)
+            position = np.zeros((boot.size, 3))
+            moved = np.stack([local[axis].astype(float) for axis in "xyz"], axis=1)[known]
+            position[known] = displaced(origin[known].astype(float), moved)
         else:
             return
         there = usable_position(position)
@@ -245,8 +256,10 @@ class _Streams:
             columns["velocity"] = np.stack([np.interp(boot, at, local[key]) for key in ("vx", "vy", "vz")], axis=1)
         attitude = dict(self._topics(ATTITUDE)).get(ATTITUDE)
         if attitude is not None and "q" in attitude:
-            angles = np.unwrap(_euler(attitude["q"].astype(float)), axis=0)
-            columns["attitude"] = np.stack([np.interp(boot, self._boot(attitude), angle) for angle in angles.T], axis=1)
+            known = np.isfinite(attitude["q"]).all(axis=1)
+            if known.any():
+                angles = _euler(attitude["q"][known].astype(float))
+                columns["attitude"] = attitude_at(boot, self._boot(attitude)[known], angles)
         if there.any():
             yield self._batch(name, "reference", boot[there], {k: v[there] for k, v in columns.items()}, "deg, m, m/s")
 
@@ -259,10 +272,11 @@ def _instance(stream: str) -> int:
 def _unrolled(boot: NDArray[np.int64], columns: Columns) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Return time and value of each sample of a sensor's own buffer; the last of a message has its stamp."""
     values = np.stack([columns[axis].astype(float) for axis in "xyz"], axis=2)  # message, sample, axis
-    count = columns["samples"].astype(np.int64).clip(0, values.shape[1])
+    step = np.where((columns["dt"] >= 0) & (columns["dt"] < LONGEST_STEP), columns["dt"], np.nan) * MICRO
+    count = np.where(np.isfinite(step), columns["samples"].astype(np.int64).clip(0, values.shape[1]), 0)
+    step = np.nan_to_num(step)
     place = np.arange(values.shape[1])[None, :]
     there = place < count[:, None]
-    step = columns["dt"].astype(float) * MICRO
     time = boot[:, None] - np.rint((count[:, None] - 1 - place) * step[:, None]).astype(np.int64)
     return time[there], (values * columns["scale"].astype(float)[:, None, None])[there]
 

@@ -33,6 +33,8 @@ _PRIMITIVES = {
 }  # fmt: skip
 _FIELD = re.compile(r"([\w/]+?)(?:\[(\d{1,4})\])? +(\w+)$")
 DEEPEST, LONGEST = 8, 4096
+CHAIN = 8  #: messages that must follow each other behind damage
+LARGEST = 4096  #: bytes of a message that the end of a file may cut
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,26 +114,66 @@ def segments(buffer: NDArray[np.uint8]) -> list[tuple[int, int]]:
 
 
 @numba.njit(cache=True, nogil=True)
+def _behind(buffer: NDArray[np.uint8], at: int, known: NDArray[np.bool_]) -> int:  # pragma: no cover - compiled
+    """Return where the message that begins here ends; -1 where none does."""
+    if at + 3 > buffer.size or not known[buffer[at + 2]]:
+        return -1
+    size = int(buffer[at]) | int(buffer[at + 1]) << 8
+    return at + 3 + size if size > 0 and at + 3 + size <= buffer.size else -1
+
+
+@numba.njit(cache=True, nogil=True)
+def _chained(
+    buffer: NDArray[np.uint8], at: int, links: int, known: NDArray[np.bool_]
+) -> bool:  # pragma: no cover - compiled
+    """Return whether so many messages follow each other from here on; the end of the file is as good."""
+    for _ in range(links):
+        if at + 3 > buffer.size:
+            return at == buffer.size
+        at = _behind(buffer, at, known)
+        if at < 0:
+            return False
+    return True
+
+
+@numba.njit(cache=True, nogil=True)
 def _walk(
     buffer: NDArray[np.uint8], known: NDArray[np.bool_], tables: NDArray[np.int64]
 ) -> tuple[int, int]:  # pragma: no cover - compiled
-    """Fill the table (when it has room) with the whole messages; return their number and the bytes in between."""
-    count, at, skipped, end = 0, 0, 0, buffer.size
-    while at + 3 <= end:
-        size = int(buffer[at]) | int(buffer[at + 1]) << 8
-        behind = at + 3 + size
-        good = size > 0 and behind <= end and known[buffer[at + 2]]
-        if good and behind + 3 <= end:  # what follows must look like a message as well
-            good = known[buffer[behind + 2]] and (buffer[behind] > 0 or buffer[behind + 1] > 0)
-        if good:
+    """Fill the table (when it has room) with the whole messages; return their number and the bytes in between.
+
+    One plausible length is soon found in garbage, and a false message hides up to 64 KiB of sound ones: behind damage a
+    chain of them is asked for.
+    """
+    count, at, skipped, sure = 0, 0, 0, True
+    while at + 3 <= buffer.size:
+        behind = _behind(buffer, at, known)
+        if behind >= 0 and not sure:
+            sure = _chained(buffer, at, CHAIN, known)
+        if behind >= 0 and sure:
             if tables.size:
-                tables[0, count], tables[1, count], tables[2, count] = buffer[at + 2], at + 3, size
+                tables[0, count], tables[1, count], tables[2, count] = buffer[at + 2], at + 3, behind - at - 3
+            # What follows must be a message as well; else this one may be what is damaged.
+            if behind + 3 <= buffer.size and _behind(buffer, behind, known) < 0:
+                sure = False
+                if not _ends_well(buffer, behind, known):
+                    at += 1
+                    skipped += 1
+                    continue
             count += 1
             at = behind
         else:
+            sure = False
             at += 1
             skipped += 1
-    return count, skipped + end - at
+    return count, skipped + buffer.size - at
+
+
+@numba.njit(cache=True, nogil=True)
+def _ends_well(buffer: NDArray[np.uint8], behind: int, known: NDArray[np.bool_]) -> bool:  # pragma: no cover - compiled
+    """Return whether what follows begins as a message that only the file's end cuts."""
+    size = int(buffer[behind]) | int(buffer[behind + 1]) << 8
+    return size > 0 and bool(known[buffer[behind + 2]]) and behind + 3 + size > buffer.size and size < LARGEST
 
 
 def walk(

@@ -111,8 +111,10 @@ def _compared(axis: str, letter: str, found: Sequence[AnyCoefficient], duration:
     values, lower, upper = tuple(c.value for c in found), tuple(c.lower for c in found), tuple(c.upper for c in found)
     known = [_square(c, level) for c in found]
     sure = [(square, sigma, t) for (square, sigma), t in zip(known, duration, strict=True) if 0 < sigma < np.inf]
-    if len(sure) < FEWEST:
-        return Compared(values, lower, upper, None, None, None, None, unit)
+    if len(sure) < FEWEST:  # what one log alone says stands
+        alone = next((c for c in found if c.upper is not None and np.isfinite(c.upper)), None)
+        ends = None if alone is None else (alone.lower if alone.value is not None else None, float(alone.upper or 0.0))
+        return Compared(values, lower, upper, None if alone is None else alone.value, ends, None, None, unit)
     squares, sigmas, weight = np.array(sure).T
     best = float(squares @ sigmas**-2 / np.sum(sigmas**-2))
     statistic = float(np.sum(((squares - best) / sigmas) ** 2))

@@ -96,7 +96,11 @@ def error_model(result: Result) -> ImuErrorModel:
     if not axes:
         message = f"{result.imu}: no axis could be fitted, so there is no error model to save"
         raise MissingDataError(message)
-    how = "likelihood where a record allows it, else Allan variance" if result.model == "headline" else "Allan variance"
+    how = (
+        "likelihood where a record allows it, else Allan variance"
+        if result.model == "headline" and any(r.estimates for r in result.axes.values())
+        else "Allan variance"
+    )
     rates = ", ".join(f"{sensor} {rate:.6g} Hz" for sensor, rate in result.rate_hz.items())
     analysis = f"imuwb {__version__} allan, by {how}, {100 * result.level:g} % intervals"
     provenance = {"log": result.source, "analysis": analysis, "rate": rates}

@@ -63,7 +63,7 @@ def _axis(axis: Axis, parameters: Parameters, band: float) -> AxisResult:
             None, None, f"no fit: {error}",
         )  # fmt: skip
     found = {x: CoefficientResult(c.value, c.lower, c.upper, unknown[x].unit) for x, c in fit.coefficients.items()}
-    white_to, excess = _white_to(spectrum, fit)
+    white_to, excess = _white_to(spectrum, fit) if band >= 0.5 / dt else (None, 1.0)  # else the filter is what it sees
     resonances = _resonances(spectrum, fit, lines)
     return AxisResult(
         spectrum.frequency, spectrum.density, spectrum.lower, spectrum.upper, spectrum.sides, found, fit.regions, named,

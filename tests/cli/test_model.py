@@ -147,11 +147,20 @@ def test_a_check_passes_or_fails(imuwb, gm, tmp_path, limit, code, outcome):
 def test_a_limit_inside_the_interval_is_not_sure(imuwb, tmp_path):
     text = '[[gyro_x.processes]]\nprocess = "white_noise"\nN = { value = 0.001, lower = 0.0009, upper = 0.0012 }\n'
     (tmp_path / "m.toml").write_text(text, "utf-8")
-    (tmp_path / "sheet.toml").write_text("[gyro_x]\nN = 0.0011\n", "utf-8")
+    (tmp_path / "sheet.toml").write_text('[gyro_x]\nN = "0.0011 rad/s/√Hz"\n', "utf-8")
     done = imuwb("model", "check", "m.toml", "--against", "sheet.toml")
     assert (done.code, "not sure" in done.out) == (1, True)
     assert imuwb("model", "check", "m.toml", "--against", "sheet.toml", "--factor", 1.1).code == 0
     assert imuwb("model", "check", "m.toml", "--against", "m.toml").code == 0
+
+
+@pytest.mark.parametrize("limit", ["N = 0.0011", 'N = "0.3"', 'N = "1 furlong"', 'N = "0.3 deg/h"'])
+def test_a_limit_without_its_unit_is_wrong_usage_that_names_file_and_key(imuwb, gm, tmp_path, limit):
+    (tmp_path / "sheet.toml").write_text(f"[gyro_x]\n{limit}\n", "utf-8")
+    done = imuwb("model", "check", gm, "--against", "sheet.toml")
+    assert (done.code, done.out) == (2, "")
+    assert "sheet.toml: N = " in done.err
+    assert "unit" in done.err
 
 
 def test_a_model_survives_its_file(gm):

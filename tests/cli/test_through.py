@@ -26,6 +26,7 @@ from imuwb.errors import UsageError
         ("kaiser", "give either f_pass and f_stop, or fc"),
         ("kaiser:f_pass=5,f_stop=8,fc=6", "give either f_pass and f_stop, or fc"),
         ("kaiser:f_pass=5,f_stop=26", "half the rate"),
+        ("kaiser:f_pass=5,f_stop=8,width=3", "width is 3.0 Hz; it goes with fc"),
         ("decimate", "give either rate (Hz) or factor"),
         ("decimate:rate=10,factor=5", "give either rate (Hz) or factor"),
         ("decimate:rate=30", "50 divided by a whole number"),
@@ -66,7 +67,8 @@ def test_what_was_done_is_in_the_json_the_recording_and_the_terminal(imuwb, stat
     document = json.loads((tmp_path / "out.json").read_text("utf-8"))
     log = document["logs"][0]
     assert [c["name"] for c in log["conditioning"]] == ["bias", "kaiser", "decimate"]
-    assert set(log["conditioning"][1]) == {"name", "parameters", "causal", "delay", "note"}
+    assert set(log["conditioning"][1]) == {"name", "parameters", "causal", "delay", "note", "band"}
+    assert [c["band"] for c in log["conditioning"]] == [None, 6.0, None]
     assert "f_pass=6,f_stop=10" in log["conditioning"][1]["parameters"]
     assert log["causal"] is False
     assert any("kaiser" in note and "not causal" in note for note in document["notes"])

@@ -1,3 +1,6 @@
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -93,11 +96,22 @@ def test_a_missing_triad_stays_missing_and_all_else_stays_as_it_is():
 
 
 def test_what_was_done_is_said_in_order():
-    first = condition_streams(log(triad(range(50))), same)
+    given = log(triad(range(50)))
+    assert condition_streams(given, same).conditioning == ()  # it is for the conditioner to say
+    first = replace(condition_streams(given, same), conditioning=(MADE,))
+    assert condition_streams(first, same).conditioning == (MADE,)
     other = Conditioning("other", "", causal=False, delay=0.0)
-    second = condition_streams(first, other, same)
+    second = replace(condition_streams(first, same), conditioning=(*first.conditioning, other))
     assert second.conditioning == (MADE, other)
-    assert (log(triad(range(3))).causal, first.causal, second.causal) == (True, True, False)
+    assert (given.causal, first.causal, second.causal) == (True, True, False)
+
+
+def test_a_log_is_as_it_was_up_to_the_least_band_of_what_was_done():
+    given = log(triad(range(3)))
+    assert given.band == math.inf
+    assert replace(given, conditioning=(MADE,)).band == math.inf  # None: everywhere
+    steps = (replace(MADE, band=8.0), MADE, replace(MADE, band=3.0), replace(MADE, band=5.0))
+    assert replace(given, conditioning=steps).band == 3.0
 
 
 def test_all_imus_are_changed():

@@ -112,3 +112,18 @@ def test_a_constant_channel_is_refused():
 def test_three_octaves_are_needed():
     with pytest.raises(ValueError, match="at least 3"):
         fit_allan(allan(np.arange(6.0) % 2, DT))
+
+
+def test_times_at_which_a_filter_shows_are_left_out():
+    curve = allan(WhiteNoise(0.01).sample(400_000, DT, np.random.default_rng(8)), DT)
+    bent = replace(curve, deviation=np.where(curve.averaging_time < 1, 0.9 * curve.deviation, curve.deviation))
+    found = fit_allan(bent, shortest=1.0)
+    assert found.shortest == curve.averaging_time[curve.averaging_time >= 1][0]
+    assert found.coefficients["N"].lower < 0.01 < found.coefficients["N"].upper
+    assert fit_allan(curve, shortest=0.0).coefficients == fit_allan(curve).coefficients
+
+
+def test_too_few_times_behind_a_filter_are_told():
+    curve = allan(WhiteNoise(0.01).sample(10_000, DT, np.random.default_rng(9)), DT)
+    with pytest.raises(ValueError, match="at least 5 averaging times an octave apart from 30 s on, .*; there are"):
+        fit_allan(curve, shortest=30.0)

@@ -159,3 +159,23 @@ def test_what_cannot_be_fitted_says_why():
         fit_likelihood(np.full(1000, 9.81), DT)
     with pytest.raises(ValueError, match="too few"):
         fit_likelihood(np.arange(255.0), DT)
+
+
+def test_a_spectrum_is_fitted_up_to_the_frequency_that_is_asked_for():
+    """Of white noise behind a filter of which, up to there, less than a hundredth is lost."""
+    taps = signal.butter(1, 25.0, fs=1 / DT)
+    inside = []
+    for seed in range(12):
+        values = signal.lfilter(*taps, WhiteNoise(0.005).sample(2**15, DT, np.random.default_rng(seed)))[1000:]
+        found = fit_cosine_spectrum(spectrum_without(values, DT), highest=2.5)
+        assert found.highest <= 2.5
+        inside.append(found.coefficients["N"].lower < 0.005 < found.coefficients["N"].upper)
+    assert sum(inside) >= 10
+    plain = fit_likelihood(values, DT)
+    assert fit_cosine_spectrum(spectrum_without(values, DT), highest=1e9).coefficients == plain.coefficients
+
+
+def test_too_little_below_that_frequency_is_told():
+    values = WhiteNoise(0.005).sample(2**13, DT, np.random.default_rng(0))
+    with pytest.raises(ValueError, match=r"bins of the spectrum lie below 0.05 Hz; it takes 20"):
+        fit_cosine_spectrum(spectrum_without(values, DT), highest=0.05)

@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 
 from imuwb.identification import stillness as judged
 
@@ -35,6 +36,18 @@ def test_a_moving_record_is_no_static_record():
     values[:40_000] *= 30
     values[:40_000] += 50 * np.sin(np.arange(40_000) / 80)
     assert stillness({"a": values}, 0.01).moving
+
+
+@pytest.mark.parametrize("frequency", [0.2, 1.0, 3.0])
+def test_the_quiet_part_of_a_moving_record_is_found(frequency):
+    """Still to 100 s, then 30 deg/s to and fro to 300 s: most of it moves, and is not what a second is judged by."""
+    time = np.arange(30_000) / 100
+    moving = time >= 100
+    rate = 0.1 * still(30_000) + np.where(moving, 30 * np.sin(2 * np.pi * frequency * (time - 100)), 0)
+    found = stillness({"a": rate, "b": still(30_000, seed=1)}, 0.01)
+    assert found.moving
+    assert (found.quiet_start, found.quiet_end) == (0, pytest.approx(100, abs=1.5))
+    assert [d.axes for d in found.disturbances] == [("a",)]
 
 
 def test_slow_drift_is_no_motion():

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 import imuwb_allan
+import imuwb_bandwidth
+import imuwb_kaiser
 from imuwb.errors import MissingDataError
 from imuwb.log import SECOND, Conditioning, ImuStream, Log, Provenance, Triad
 from imuwb.simulation import preset, static
@@ -36,19 +38,88 @@ def test_the_longer_grid_gives_the_same_fit(log):
     assert octave.axes["gyro_x"].coefficients == dense.axes["gyro_x"].coefficients
 
 
+def rows_of(log, keep):
+    """Return the log with some of its gyros' rows, and no accelerometers."""
+    triad = log.imus[0].angular_rate
+    left = Triad(triad.time[keep], triad.value[keep])
+    return replace(log, imus=(replace(log.imus[0], angular_rate=left, specific_force=None),))
+
+
 def test_a_gap_is_told_and_leaves_the_figures_as_they_are(log):
-    imu = log.imus[0]
-    keep = np.r_[0:20_000, 30_000 : len(imu.angular_rate)]
-    cut = replace(
-        imu,
-        angular_rate=Triad(imu.angular_rate.time[keep], imu.angular_rate.value[keep]),
-        specific_force=Triad(imu.specific_force.time[keep], imu.specific_force.value[keep]),
-    )
-    result = run(replace(log, imus=(cut,)))
-    assert any("1 gaps, 200 s" in note for note in result.notes)
-    assert result.axes["gyro_x"].estimates is None
-    assert result.axes["gyro_x"].lines == ()
+    n = len(log.imus[0].angular_rate)
+    result = run(rows_of(log, np.r_[0:20_000, 30_000:n]))
+    assert any("1 gaps, 200 s" in note and "longest part without" in note for note in result.notes)
     assert result.axes["gyro_x"].coefficients["N"].value == pytest.approx(7.04e-4, rel=0.03)
+    alone = run(rows_of(log, np.r_[30_000:n]))
+    for axis, found in result.axes.items():
+        assert set(found.estimates.by) == {"allan", "likelihood", "wavelet"}
+        for name in ("likelihood", "wavelet"):
+            a, b = found.estimates.by[name]["N"], alone.axes[axis].estimates.by[name]["N"]
+            assert (a.value, a.lower, a.upper) == pytest.approx((b.value, b.lower, b.upper), rel=1e-6)
+
+
+def test_a_missing_sample_switches_nothing_off(short):
+    """Lines, other deviations and estimates are of the longest part without gaps, here 6000 samples of 9999."""
+    cut = rows_of(short, np.r_[0:4000, 4001:10_000])
+    result, alone = (run(x, deviation="total") for x in (cut, rows_of(short, np.r_[4001:10_000])))
+    for axis, found in result.axes.items():
+        assert found.estimates.headline == "likelihood"
+        assert found.estimates.by["likelihood"]["N"].value == pytest.approx(0.01 / 50**0.5, rel=0.05)
+        assert found.lines == alone.axes[axis].lines
+        np.testing.assert_array_equal(found.other.deviation, alone.axes[axis].other.deviation)
+    assert [line.frequency for line in result.axes["gyro_y"].lines] == pytest.approx([3.7], abs=0.01)
+
+
+def test_a_record_in_pieces_of_less_than_half_has_allan_deviations_only(short):
+    found = run(rows_of(short, np.r_[0:3000, 3100:6000, 6100:9000]), deviation="total").axes["gyro_y"]
+    assert (found.estimates, found.other, found.lines) == (None, None, ())
+    assert found.coefficients["N"].upper > 0.01 / 50**0.5
+
+
+def filtered(log, kind):
+    if kind == "kaiser":
+        return imuwb_kaiser.condition(log, imuwb_kaiser.Parameters(f_pass=12.0, f_stop=15.0))[0]
+    return imuwb_bandwidth.condition(log, imuwb_bandwidth.Parameters(15.0))[0]
+
+
+@pytest.mark.parametrize("kind", ["kaiser", "bandwidth"])
+def test_what_a_filter_took_away_is_not_missing_from_the_white_noise(kind):
+    """Of 21 white records: the fits are of what lies below the filter's band, where it does not show."""
+    inside, limits, sizes = 0, 0, []
+    for seed in range(7):
+        log = filtered(made(0.01 * np.random.default_rng(seed).standard_normal((20_000, 3)), None, 50.0), kind)
+        for found in run(log).axes.values():
+            assert set(found.estimates.by) == {"allan", "likelihood"}
+            assert any("no wavelet variance" in note for note in found.estimates.notes)
+            assert found.lines == ()
+            assert found.fit.from_averaging_time > 10 / log.band
+            n = found.estimates.by["likelihood"]["N"]
+            inside += n.lower < 0.01 / 50**0.5 < n.upper
+            limits += found.coefficients["N"].upper > 0.01 / 50**0.5
+            sizes.append(n.value / (0.01 / 50**0.5))
+    assert inside >= 18
+    assert limits >= 18
+    assert np.median(sizes) == pytest.approx(1, abs=0.015)
+
+
+def test_lines_above_a_filters_band_are_not_told(short):
+    """In a stop band, what a tone leaves stands out from what the noise leaves."""
+    n = 10_000
+    values = short.imus[0].angular_rate.value.copy()
+    values[:, 1] += 0.01 * np.sin(2 * np.pi * 19.3 * np.arange(n) / 50)
+    log = made(values, None, 50.0)
+    there = [x.frequency for x in run(log, estimators=False).axes["gyro_y"].lines]
+    assert sorted(there) == pytest.approx([3.7, 19.3], abs=0.01)
+    left = run(filtered(log, "kaiser"), estimators=False).axes["gyro_y"].lines
+    assert [x.frequency for x in left] == pytest.approx([3.7], abs=0.01)
+
+
+def test_a_record_too_short_for_its_filter_has_no_fit_and_says_why(gyros):
+    low = imuwb_bandwidth.condition(gyros, imuwb_bandwidth.Parameters(0.5, order=1))[0]
+    found = run(low)
+    assert all(f.processes is None for f in found.axes.values())
+    assert any("gyro_x" in note and "where a filter no longer shows" in note for note in found.notes)
+    assert any("likelihood" in note for note in found.axes["gyro_x"].estimates.notes)
 
 
 def test_triads_may_have_clocks_of_their_own(log):
@@ -267,6 +338,13 @@ def test_conditioning_is_part_of_the_provenance(gyros):
     step = Conditioning("bandwidth", "cutoff=20", causal=True, delay=0.01)
     model = imuwb_allan.error_model(run(replace(gyros, conditioning=(step,)), estimators=False))
     assert model.provenance["log"] == "x.csv sha256:abc through bandwidth:cutoff=20"
+
+
+@pytest.mark.parametrize(("whose", "named"), [("allan", "by Allan variance, 95 %"), ("headline", "by likelihood")])
+def test_the_provenance_names_the_estimator_and_the_rate(chosen, whose, named):
+    provenance = imuwb_allan.error_model(replace(chosen, model=whose)).provenance
+    assert named in provenance["analysis"]
+    assert provenance["rate"] == "gyro 50 Hz, accel 50 Hz"
 
 
 def test_all_is_drawn(chosen, shown):

@@ -51,6 +51,18 @@ def test_each_sensor_has_a_filter_for_its_rate(make_log, noise):
     assert len(found.imu().specific_force) == 3000 - filters["accel"].settling
 
 
+@pytest.mark.parametrize("kind", ["butterworth", "moving-average"])
+def test_the_band_ends_where_a_hundredth_of_the_power_is_lost(make_log, noise, kind):
+    found, filters = condition(make_log(noise, noise, accel_rate=50.0), kind=kind)
+    band = found.conditioning[0].band
+    assert band == found.band == min(f.band for f in filters.values())
+    for lowpass in filters.values():
+        f = np.linspace(0, lowpass.band, 500)
+        power = np.abs(lowpass.response(f)) ** 2
+        assert power.min() == pytest.approx(0.99, abs=1e-3)
+        assert np.abs(lowpass.response(np.array([1.05 * lowpass.band]))[0]) ** 2 < 0.99
+
+
 def test_a_cutoff_that_only_one_sensor_can_have_is_told(make_log, noise):
     with pytest.raises(ValueError, match="20 Hz at a rate of 25 Hz"):
         condition(make_log(noise, noise, accel_rate=25.0), 20.0)

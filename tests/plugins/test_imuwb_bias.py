@@ -32,6 +32,13 @@ def test_the_mean_of_the_first_seconds_is_causal(make_log, values):
     assert (made.causal, made.delay, made.parameters) == (True, 0.0, "seconds=2,sensors=both")
 
 
+@pytest.mark.parametrize(("seconds", "causal"), [(4.9, True), (5.0, False), (1e9, False)])
+def test_a_mean_of_all_there_is_is_not_causal_however_it_is_asked_for(make_log, values, seconds, causal):
+    found, _ = condition(make_log(values), seconds=seconds)  # of 4.99 s
+    assert found.causal is causal
+    assert found.band == np.inf
+
+
 @pytest.mark.parametrize(("sensors", "left"), [("gyro", "specific_force"), ("accel", "angular_rate")])
 def test_one_sensor_alone(make_log, values, sensors, left):
     log = make_log(values, values)

@@ -66,7 +66,13 @@ def test_without_the_filter_samples_are_left_out_and_nothing_else(make_log, nois
     found, _ = condition(make_log(noise), factor=7, anti_alias=False)
     np.testing.assert_array_equal(found.imu().angular_rate.value, noise[::7])
     (made,) = found.conditioning
-    assert (made.causal, made.delay) == (True, 0.0)
+    assert (made.causal, made.delay, made.band) == (True, 0.0, None)
+
+
+def test_the_band_ends_where_the_filter_begins(make_log, noise):
+    found, _ = condition(make_log(noise, noise, accel_rate=50.0), factor=5)
+    assert found.conditioning[0].band == pytest.approx(4)  # of 10 Hz, the accelerometers'
+    assert condition(make_log(noise), rate=100)[0].band == np.inf
 
 
 def test_the_same_rate_leaves_the_log_as_it_is(make_log, noise):

@@ -26,7 +26,7 @@ def test_a_sine_keeps_its_phase(make_log):
     np.testing.assert_allclose(triad.value[:, 0], sine[half:-half], rtol=0, atol=2e-5)
     np.testing.assert_array_equal(triad.time, make_log(sine).imu().angular_rate.time[half:-half])
     (made,) = found.conditioning
-    assert (made.causal, made.delay) == (False, 0.0)
+    assert (made.causal, made.delay, made.band) == (False, 0.0, 14.0)
 
 
 def test_the_causal_filter_is_the_other_one_late_by_its_delay(make_log, noise):
@@ -56,6 +56,13 @@ def test_cutoff_and_width_are_the_same_filter(make_log, noise):
     middle, _ = condition(make_log(noise), fc=16.0, width=4.0)
     np.testing.assert_array_equal(edges.imu().angular_rate.value, middle.imu().angular_rate.value)
     assert edges.conditioning == middle.conditioning
+    assert imuwb_kaiser.Parameters(fc=16.0).bands == (14.0, 18.0)  # 4 Hz, where no width is given
+
+
+@pytest.mark.parametrize("width", [4.0, 2.0])
+def test_edges_and_a_width_contradict_each_other(width):
+    with pytest.raises(ValueError, match=f"width is {width} Hz; it goes with fc"):
+        imuwb_kaiser.Parameters(**BANDS, width=width)
 
 
 def test_each_sensor_has_a_filter_for_its_rate(make_log, noise):

@@ -4,6 +4,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import imuwb_bandwidth
+import imuwb_kaiser
 import imuwb_psd
 from imuwb.errors import MissingDataError
 from imuwb.review.document import plain
@@ -71,6 +73,22 @@ def test_a_low_pass_is_told_by_where_white_ends(result):
     (finding,) = (f for f in imuwb_psd.findings(result) if f.axis == "accel_x")
     assert "falls below its white level" in finding.remarks[0]
     assert result.axes["gyro_x"].white_to is None
+
+
+def test_of_a_filtered_log_what_lies_below_its_band_counts(make_log, log):
+    inside = 0
+    for seed in range(7):
+        white = make_log(0.01 * np.random.default_rng(seed).standard_normal((15_000, 3)))
+        filtered, _ = imuwb_bandwidth.condition(white, imuwb_bandwidth.Parameters(20.0))
+        for found in imuwb_psd.run([filtered], imuwb_psd.Parameters()).axes.values():
+            n = found.coefficients["N"]
+            inside += n.lower < 0.001 < n.upper
+            assert found.lines == ()
+            assert found.frequency[-1] > 40  # the density is shown everywhere
+    assert inside >= 18  # of 21
+    cut, _ = imuwb_kaiser.condition(log, imuwb_kaiser.Parameters(f_pass=10.0, f_stop=12.0))
+    lines = imuwb_psd.run([cut], imuwb_psd.Parameters()).axes["gyro_y"].lines
+    assert [line.frequency for line in lines] == pytest.approx([7.0, 9.3], abs=0.01)  # 14 Hz is in the stop band
 
 
 def test_findings_name_the_lines(result):

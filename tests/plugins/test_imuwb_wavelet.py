@@ -110,3 +110,12 @@ def test_levels_limits_and_thresholds_are_shown(make_log, noise, shown):
     assert table.rows[0][1:3] == ("2", "12.5 Hz")
     assert "deg/s" in table.rows[0][3]
     assert "not causal" in table.title
+
+
+def test_the_band_is_that_of_the_deepest_level(make_log, noise):
+    found, applied = condition(make_log(noise, noise), levels="1/2/3/0/2/1")
+    assert found.band == applied.axes["gyro_z"].band == pytest.approx(100 / 2**4)
+    nothing, _ = condition(make_log(noise), levels="0")
+    assert nothing.conditioning[0].band is None
+    assert "nothing is taken away" in nothing.conditioning[0].note
+    assert "nothing is taken away" not in found.conditioning[0].note

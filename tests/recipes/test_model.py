@@ -1,3 +1,5 @@
+import pytest
+
 from imuwb.recipes.model import combined
 from imuwb.recipes.repeatability import Compared, Repeatability, TurnOn
 from imuwb.stochastic import AxisModel, Constant, GaussMarkov, ImuErrorModel, Sinusoid, Sum, WhiteNoise
@@ -19,7 +21,7 @@ def test_one_logs_model_stays_as_it_is():
     assert combined([one], None) is one
 
 
-def test_several_logs_have_the_weighted_mean_and_the_turn_on_bias():
+def test_several_logs_have_their_common_value_and_the_turn_on_bias():
     found = combined([model(WhiteNoise(2.0), name="a"), model(WhiteNoise(3.0), name="b")], together())
     axis = found.axes["gyro_x"]
     assert axis.processes.terms == (WhiteNoise(2.5), Constant(0.7))
@@ -41,10 +43,15 @@ def test_lines_are_left_to_the_single_logs():
     assert not any(isinstance(t, Sinusoid) for t in terms)
 
 
-def test_what_fewer_than_two_logs_show_is_a_limit():
-    axis = combined([model(WhiteNoise(1.0)), model(WhiteNoise(7.0))], together(None, None)).axes["gyro_x"]
+@pytest.mark.parametrize(
+    ("mean", "interval", "limits"),
+    [(None, (None, 2.1), {"N": 2.1}), (2.5, (0.0, 2.8), {"N": 2.8}), (None, None, {})],
+)  # fmt: skip
+def test_what_all_logs_together_do_not_show_is_a_limit(mean, interval, limits):
+    axis = combined([model(WhiteNoise(1.0)), model(WhiteNoise(7.0))], together(mean, interval)).axes["gyro_x"]
     assert axis.processes.terms == (Constant(0.7),)
-    assert axis.limits == {"N": 2.1}
+    assert axis.intervals == {"0.sigma": (0.3, 20.0)}
+    assert axis.limits == limits
 
 
 def test_a_turn_on_bias_that_is_not_there_is_not_in_the_model():

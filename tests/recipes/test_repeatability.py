@@ -5,17 +5,24 @@ from scipy import stats
 from imuwb.analysis import Finding
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification import Coefficient
+from imuwb.identification.coefficient import interval
 from imuwb.log import SECOND, ImuStream, Log, Provenance, Triad
-from imuwb.recipes.repeatability import compare
+from imuwb.recipes.repeatability import compare, draw
 
 
-def log(mean, name="a.csv"):
-    time = np.arange(4) * SECOND
+def log(mean, name="a.csv", step=1):
+    time = np.arange(4) * SECOND * step
     value = np.array([[mean, mean, mean]] * 4) + np.array([[1.0], [-1.0], [2.0], [-2.0]])
     return Log(
         Provenance(f"/some/where/{name}", "csv", f"sha256:{name}{mean}", 0),
         imus=(ImuStream("/imu", Triad(time, value), None),),
     )
+
+
+def both(one, other, letter="K"):
+    """Return the comparison of one coefficient of two logs of one length."""
+    findings = [(finding(1.0, **{letter: one}),), (finding(1.0, **{letter: other}),)]
+    return compare([log(0.0), log(1.0)], findings, 0.95).coefficients["gyro_x"][letter]
 
 
 def nothing(upper=1.0):
@@ -47,22 +54,26 @@ def test_different_logs_differ():
     assert compared(1.0, 1.0, 1.5).differ == ("gyro_x N",)
 
 
-def test_the_test_is_chi_square_of_logarithms():
+def test_the_test_is_chi_square_of_squares():
     sizes, spread = np.array([1.0, 1.05, 1.12]), 0.06
     c = compared(*sizes, spread=spread).coefficients["gyro_x"]["N"]
-    sigma = spread / 1.959964
-    logs = np.log(sizes)
-    statistic = np.sum((logs - logs.mean()) ** 2) / sigma**2
+    square = sizes**2
+    sigma = square * (np.exp(2 * spread) - np.exp(-2 * spread)) / (2 * 1.959964)
+    best = np.average(square, weights=sigma**-2)
+    statistic = np.sum(((square - best) / sigma) ** 2)
     assert c.statistic == pytest.approx(statistic, rel=1e-5)
     assert c.probability == pytest.approx(stats.chi2.sf(statistic, 2), rel=1e-4)
-    assert c.mean == pytest.approx(np.exp(logs.mean()))
-    assert np.log(c.mean_interval) == pytest.approx(logs.mean() + np.array([-1, 1]) * spread / 3**0.5, rel=1e-5)
+    assert c.mean == pytest.approx(np.mean(square) ** 0.5)
+    assert c.mean_interval == pytest.approx(interval(np.mean(square), np.sum(sigma**2) ** 0.5 / 3, 0.95), rel=1e-6)
+    assert c.mean_interval[0] < c.mean < c.mean_interval[1]
 
 
-def test_surer_logs_weigh_more():
-    logs = [log(0.0), log(1.0)]
-    c = compare(logs, [(finding(1.0, 0.01),), (finding(1.1, 0.1),)], 0.95).coefficients["gyro_x"]["N"]
-    assert np.log(c.mean) == pytest.approx(np.log(1.1) / 101)
+def test_longer_logs_weigh_more_and_not_surer_ones():
+    logs = [log(0.0), log(1.0, step=3)]  # 3 s and 9 s
+    for spreads in ((0.01, 0.1), (0.1, 0.01)):
+        found = [(finding(1.0, spreads[0]),), (finding(1.1, spreads[1]),)]
+        c = compare(logs, found, 0.95).coefficients["gyro_x"]["N"]
+        assert c.mean == pytest.approx(((1 + 3 * 1.1**2) / 4) ** 0.5)
 
 
 def test_chance_is_shared_among_all_comparisons():
@@ -78,14 +89,99 @@ def test_chance_is_shared_among_all_comparisons():
     assert wrong <= 10  # 1 % of 300, and its scatter
 
 
-def test_a_term_that_fewer_than_two_logs_show_is_not_compared():
-    logs = [log(0.0), log(1.0)]
-    sure = Coefficient(2.0, 1.9, 2.1, 1.0)
-    found = compare(logs, [(finding(1.0, K=sure),), (finding(1.0),)], 0.95).coefficients["gyro_x"]["K"]
-    assert (found.values, found.mean, found.probability) == ((2.0, None), None, None)
-    unsure = Coefficient(2.0, 0.0, 2.1, 1.0)  # may be 0: its logarithm has no scatter
-    found = compare(logs, [(finding(1.0, K=sure),), (finding(1.0, K=unsure),)], 0.95).coefficients["gyro_x"]["K"]
-    assert found.probability is None
+SURE = Coefficient(2.0, 1.9, 2.1, 1.0)
+ONE_SIDED, TWO_SIDED = stats.norm.ppf([0.95, 0.975])
+
+
+def test_a_log_with_a_limit_alone_counts_with_zero():
+    found = both(SURE, nothing(1.0))
+    sigma = np.array([(2.1**2 - 1.9**2) / (2 * TWO_SIDED), 1 / ONE_SIDED])
+    assert found.values == (2.0, None)
+    assert found.mean == pytest.approx(2**0.5)  # of 4 and 0
+    assert found.mean_interval == pytest.approx(interval(2.0, np.sum(sigma**2) ** 0.5 / 2, 0.95))
+    assert found.statistic == pytest.approx(16 / np.sum(sigma**2))
+    assert found.probability < 1e-6
+    assert both(SURE, nothing(5.0)).probability > 0.05  # it may well be there and not be seen
+
+
+def test_a_value_that_may_be_0_has_the_error_that_its_upper_end_tells():
+    found = both(SURE, Coefficient(1.0, 0.0, 2.5, 1.0))
+    sigma = np.array([(2.1**2 - 1.9**2) / (2 * TWO_SIDED), (2.5**2 - 1) / TWO_SIDED])
+    assert found.mean == pytest.approx(2.5**0.5)
+    assert found.statistic == pytest.approx(9 / np.sum(sigma**2))
+
+
+def test_of_what_no_log_shows_all_together_have_a_lower_limit_than_each():
+    found = both(nothing(1.0), nothing(1.0))
+    assert (found.mean, found.mean_interval[0], found.statistic) == (None, None, 0)
+    assert found.mean_interval[1] == pytest.approx(0.5**0.25)
+
+
+@pytest.mark.parametrize("upper", [None, float("inf")])
+def test_beside_what_nothing_bounds_one_log_stands_alone(upper):
+    found = both(SURE, Coefficient(None, None, upper, None))
+    assert (found.values, found.mean, found.mean_interval, found.probability) == (
+        (2.0, None),
+        2.0,
+        (SURE.lower, SURE.upper),
+        None,
+    )
+
+
+@pytest.mark.parametrize("scatter", [(0.05, 0.1, 0.15), (0.1, 0.1, 0.1), (0.02, 0.05, 0.15)])
+def test_the_common_interval_holds_the_truth_as_often_as_it_says(scatter):
+    rng = np.random.default_rng(72)
+    sigma, inside = np.array(scatter), 0
+    logs = [log(0.0), log(1.0), log(2.0)]
+    for _ in range(200):
+        found = [(finding(1.0, K=estimated(*x)),) for x in zip(1 + sigma * rng.standard_normal(3), sigma, strict=True)]
+        lower, upper = compare(logs, found, 0.95).coefficients["gyro_x"]["K"].mean_interval
+        inside += lower < 1 < upper
+    assert 0.92 * 200 <= inside <= 0.98 * 200
+
+
+@pytest.mark.parametrize("truth", [0.0, 1.0])
+def test_what_each_log_hardly_sees_is_not_held_for_sure_and_lies_below_the_common_limit(truth):
+    """A square of no or one standard error: the logs have a limit, or an interval as the estimators give it."""
+    rng = np.random.default_rng(73)
+    above, wrong = 0, 0
+    logs = [log(0.0), log(1.0), log(2.0)]
+    for _ in range(200):
+        squares = truth + rng.standard_normal(3)
+        each = [
+            Coefficient(x**0.5, *interval(x, 1.0, 0.95), 1.0) if x > 0 else nothing(ONE_SIDED**0.5) for x in squares
+        ]
+        lower, upper = (
+            compare(logs, [(finding(1.0, K=x),) for x in each], 0.95).coefficients["gyro_x"]["K"].mean_interval
+        )
+        above += upper > truth**0.5
+        wrong += (lower or 0) > truth**0.5
+    assert above >= 190
+    assert wrong <= 8
+
+
+def estimated(square, sigma):
+    """Return what an estimator says that found this square, far from 0, and knows its standard error."""
+    return Coefficient(square**0.5, (square - TWO_SIDED * sigma) ** 0.5, (square + TWO_SIDED * sigma) ** 0.5, 1.0)
+
+
+def test_the_table_shows_all_logs_together_beside_each():
+    notes, tables = [], []
+
+    class Review:
+        note, table = notes.append, tables.append
+
+    found = compare([log(0.0), log(1.0, "b.csv")], [(finding(1.0, K=SURE),), (finding(1.0),)], 0.95)
+    draw(found, Review())
+    table = tables[0]
+    assert table.headings[2:] == ("a.csv", "b.csv", "all logs", "equal?")
+    rows = {row[1]: row[2:] for row in table.rows}
+    assert "[" in rows["K"][0]
+    assert rows["K"][1].startswith("< ")
+    assert "[" in rows["K"][2]
+    assert rows["K"][3].endswith("DIFFER")
+    assert rows["Q"][2].startswith("< ")
+    assert "gyro_x K" in notes[0]
 
 
 def test_the_turn_on_bias_is_the_scatter_of_the_means():

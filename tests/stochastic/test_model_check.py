@@ -54,7 +54,7 @@ def test_an_axis_that_the_model_lacks_is_not_known():
 
 
 def test_limits_have_units_and_go_for_three_axes_or_one(file):
-    found = limits(file('[gyro]\nN = "0.3 deg/√h"\n[accel_z]\nB = "10 µg"\nK = 2e-4\n'), 2)
+    found = limits(file('[gyro]\nN = "0.3 deg/√h"\n[accel_z]\nB = "10 µg"\nK = "2e-4 m/s²/√s"\n'), 2)
     assert [(x.axis, x.letter) for x in found] == [
         ("gyro_x", "N"), ("gyro_y", "N"), ("gyro_z", "N"), ("accel_z", "B"), ("accel_z", "K")
     ]  # fmt: skip
@@ -78,7 +78,10 @@ def test_a_model_is_within_itself(file):
      ('[gyros]\nN = "1 deg/√h"', "'gyros'"), ("gyro = 3", "'gyro'"), ('[gyro]\nX = "1 deg/h"', "'X'"),
      ('[gyro]\nN = "1 deg/h"', "deg/√h"), ('[gyro]\nN = "much deg/√h"', "a number and its unit"),
      ('[gyro]\nN = "0 deg/√h"', "must be positive"), ('[gyro]\nN = "-1 deg/√h"', "must be positive"),
-     ('[gyro]\nN = "nan deg/√h"', "must be positive"), ('[gyro]\nN = "1 furlong"', "unknown unit 'furlong'")],
+     ('[gyro]\nN = "nan deg/√h"', "must be positive"), ('[gyro]\nN = "1 furlong"', r"limits.toml: N = '1 furlong'; it must be a number and its unit"),
+     ("[gyro]\nN = 3e-4", r"limits.toml: N = 0.0003; .*text with its unit, such as deg/√h"), ("[gyro_y]\nB = 3", r"limits.toml: B = 3; "),
+     ('[gyro]\nN = "0.3"', r"limits.toml: N = '0.3'; .*text with its unit"), ("[gyro]\nN = true", r"limits.toml: N = True; "),
+     ('[gyro]\nN = ""', r"limits.toml: N = ''; ")],
 )  # fmt: skip
 def test_limits_that_cannot_be_are_named(file, text, named):
     with pytest.raises(UsageError, match=named):
