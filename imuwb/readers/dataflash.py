@@ -88,8 +88,9 @@ def _read_binary(path: Path, trouble: list[str]) -> Tables:
     known: dict[int, Any] = {}
     tail = b""
     for buffer, _ in _blocks(path, trouble):
-        known = {**formats(np.frombuffer(tail + buffer.tobytes(), np.uint8)), **known}
-        tail = buffer[-FMT_SIZE:].tobytes()  # a record may lie across the edge
+        data = tail + buffer.tobytes()
+        known = {**formats(np.frombuffer(data, np.uint8)), **known}
+        tail = data[-FMT_SIZE:]  # a record may lie across the edge
     trouble.clear()
     tables = Tables(known, WANTED)
     rest = b""

@@ -34,6 +34,7 @@ _PRIMITIVES = {
 _FIELD = re.compile(r"([\w/]+?)(?:\[(\d{1,4})\])? +(\w+)$")
 DEEPEST, LONGEST = 8, 4096
 CHAIN = 8  #: messages that must follow each other behind damage
+LONG = 1024  #: bytes; a longer one behind damage is more likely two bytes of garbage that point at a sound one
 LARGEST = 4096  #: bytes of a message that the end of a file may cut
 
 
@@ -149,7 +150,7 @@ def _walk(
     while at + 3 <= buffer.size:
         behind = _behind(buffer, at, known)
         if behind >= 0 and not sure:
-            sure = _chained(buffer, at, CHAIN, known)
+            sure = behind - at < LONG and _chained(buffer, at, CHAIN, known)
         if behind >= 0 and sure:
             if tables.size:
                 tables[0, count], tables[1, count], tables[2, count] = buffer[at + 2], at + 3, behind - at - 3

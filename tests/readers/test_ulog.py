@@ -347,7 +347,9 @@ def test_the_reference_is_the_local_position_where_there_is_no_global_one(writte
     assert reference.name == "vehicle_local_position"
     assert reference.attitude is None
     # A degree of latitude at 47.3 deg is 111 174 m long, one of longitude 75 633 m (WGS 84).
-    np.testing.assert_allclose(np.degrees(reference.position[:, 0]) - 47.3, np.arange(20) * 10 / 111_174, rtol=1e-3)
+    np.testing.assert_allclose(
+        np.degrees(reference.position[:, 0]) - 47.3, np.arange(20) * 10 / 111_174, rtol=1e-3, atol=1e-8
+    )
     np.testing.assert_allclose(np.degrees(reference.position[:, 1]) - 8.5, -20 / 75_633, rtol=1e-3)
     np.testing.assert_allclose(reference.position[:, 2], 453, atol=0.01)
     np.testing.assert_allclose(reference.velocity[:, 1], np.arange(20))
