@@ -30,12 +30,27 @@ def test_sound_arrays_are_kept(make):
     np.testing.assert_array_equal(Triad(TIME, BODY).value, BODY)
 
 
-@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
-def test_values_that_are_not_finite_are_refused_and_counted(make, bad):
+@pytest.mark.parametrize("kind", ["velocity", "position_sigma", "velocity_sigma"])
+def test_what_a_receiver_does_not_tell_is_nan(kind):
+    value = BODY.copy()
+    value[1, 0] = np.nan
+    assert np.isnan(getattr(kinds()[kind](TIME, value), kind)[1, 0])
+
+
+@pytest.mark.parametrize(
+    ("kind", "bad"),
+    [
+        (kind, bad)
+        for kind in sorted(kinds())
+        for bad in (np.nan, np.inf, -np.inf)
+        if not (np.isnan(bad) and kind in ("velocity", "position_sigma", "velocity_sigma"))
+    ],
+)
+def test_values_that_are_not_finite_are_refused_and_counted(kind, bad):
     value = BODY.copy()
     value[1, 0] = bad
     with pytest.raises(ValueError, match=r"holds 1 values that are not finite"):
-        make(TIME, value)
+        kinds()[kind](TIME, value)
 
 
 @pytest.mark.parametrize("time", [[0, 2, 1], [0, 1, 1]])

@@ -138,7 +138,7 @@ def _struck(where: str, name: str, time: Floats, values: Floats, breaks: NDArray
     lone = [k for k in far[:MOST] if _is_lone(np.abs(off), int(k) - 1)]
     if lone and len(lone) < max(FEW * values.size, 3):
         largest = max(lone, key=lambda k: abs(off[k - 1]))
-        what = f"lone samples far off both neighbours, by up to {_shown(name, abs(float(off[largest - 1])))}"
+        what = f"lone samples off by up to {_shown(name, abs(float(off[largest - 1])))}"
         yield Fault(
             where, what, "warning", len(lone), float(time[lone[0]]), consequence="each shows in every averaging time"
         )

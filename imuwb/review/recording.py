@@ -80,7 +80,13 @@ class RecordingReview:
     """Shows results in a recording file, written beside its place and put there when it is whole."""
 
     def __init__(
-        self, output: Path, *, live: str | None = None, show: Callable[[Table | str], None] | None = None
+        self,
+        output: Path,
+        *,
+        live: str | None = None,
+        show: Callable[[Table | str], None] | None = None,
+        application: str = "imuwb",
+        recording: str | None = None,
     ) -> None:
         """Open a recording.
 
@@ -88,13 +94,15 @@ class RecordingReview:
             output: the file to be; it appears when ``close`` is called.
             live: address of a running viewer that sees it too, such as ``rerun+http://127.0.0.1:9876/proxy``.
             show: called with each table and note, for the terminal.
+            application: whose recording it is, to the viewer.
+            recording: its identity; None: a new one.
         """
         if live is not None:
             _require_viewer(live)
         self.output = output.resolve()
         self._partial = partial(self.output)
         self._show = show or _nobody
-        self._stream = rr.RecordingStream("imuwb", recording_id=None, send_properties=True)
+        self._stream = rr.RecordingStream(application, recording_id=recording, send_properties=True)
         try:
             self._partial.touch()
             sinks: list[rr.FileSink | rr.GrpcSink] = [rr.FileSink(str(self._partial))]

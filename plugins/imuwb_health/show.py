@@ -62,10 +62,24 @@ def _rates(result: Health) -> Figure:
         for i, s in enumerate(result.streams[:STREAMS])
     )
     placed = [f for f in result.faults if f.start is not None and f.severity != "note"][:MARKED]
-    height = max(float(s.rate.max(initial=1.0)) for s in result.streams[:STREAMS])
-    marks = tuple(Mark(f.start or 0.0, height * 1.6 ** (i + 1), f.what, (228, 87, 86)) for i, f in enumerate(placed))
+    usual = [max(float(np.median(s.rate)), 1e-3) for s in result.streams[:STREAMS]]
+    scale = "log" if max(usual) > 5 * min(usual) else "linear"  # five times: one axis shows both
+    height, step = (
+        max(float(s.rate.max(initial=1.0)) for s in result.streams[:STREAMS]),
+        1.6 if scale == "log" else 1.12,
+    )
+    marks = tuple(
+        Mark(f.start or 0.0, height * step ** (i + 1), f.what.partition(":")[0], (228, 87, 86))
+        for i, f in enumerate(placed)
+    )
     return Figure(
-        "Rate over time", "time from the log's start [s]", "rows a second [Hz]", curves, marks, x_scale="linear"
+        "Rate over time",
+        "time from the log's start [s]",
+        "rows a second [Hz]",
+        curves,
+        marks,
+        x_scale="linear",
+        y_scale=scale,
     )
 
 
