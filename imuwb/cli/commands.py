@@ -18,7 +18,8 @@ from imuwb.errors import ImuwbError, MissingDataError, UsageError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from imuwb.analysis import Analysis
+    from imuwb.analysis import Analysis, Table
+    from imuwb.log import Log
 
 LOGS, RESULTS = "Logs", "Results"
 KINDS = (("analysis", registry.ANALYSES), ("conditioner", registry.CONDITIONERS), ("reader", registry.READERS))
@@ -27,7 +28,9 @@ LARGE = 256 << 20  #: bytes; from here on an index, where there is one, tells wh
 
 
 def info(
-    log: Annotated[Path, typer.Argument(help="Any log: MCAP, CSV, RTKLIB .pos.", metavar="LOG")],
+    log: Annotated[
+        Path, typer.Argument(help="Any log: MCAP, bag, db3, tlog, bin, ulg, CSV, RTKLIB .pos.", metavar="LOG")
+    ],
     *,
     json: Annotated[bool, typer.Option("--json", help="As JSON on stdout.")] = False,
     scan: Annotated[bool, typer.Option("--scan", help="Read every message of a large log too, not its index.")] = False,
@@ -51,7 +54,8 @@ def info(
     common = Common(time_source=time_source, rate=rate, columns=columns, units=units, frame=frame)
     readers.source.check(log)
     large = log.stat().st_size > LARGE
-    summary = readers.describe(log) if large and not scan else readers.summarize(read_log(log, common))
+    read = None if large and not scan else read_log(log, common)
+    summary = readers.describe(log) if read is None else readers.summarize(read)
     if json:
         import json as json_module  # noqa: PLC0415 - the option has its name
 
@@ -61,6 +65,19 @@ def info(
     show(streams_table(summary))
     for note in (*summary.notes, *(() if summary.streams else ("nothing in this log is of a kind that imuwb reads",))):
         show(note)
+    if read is not None:
+        show_faults(read, show)
+
+
+def show_faults(log: Log, show: Callable[[Table | str], None]) -> None:
+    """Say how many faults there are, and the worst; ``imuwb health`` tells them all."""
+    from imuwb.health import check  # noqa: PLC0415 - help must not wait for numpy
+
+    found = [fault for fault in check(log, lines=False).faults if fault.severity != "note"]
+    if found:
+        worst = found[0]
+        said = f"{worst.stream}: {worst.what}{f' ({worst.count})' if worst.count > 1 else ''}"
+        show(f"{len(found)} faults or warnings, the worst: {said}; imuwb health tells all")
 
 
 def convert(
