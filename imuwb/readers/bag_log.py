@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from imuwb.errors import UnreadableLogError
 from imuwb.readers import bag_records
-from imuwb.readers.topics import Topics
+from imuwb.readers.topics import streamed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -23,18 +22,9 @@ def probe(head: bytes) -> bool:
 
 
 def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
-    """Yield the messages chunk by chunk.
+    """Return the messages chunk by chunk.
 
     Raises:
         UnreadableLogError: the file holds not one message.
     """
-    bag = bag_records.Bag(path)
-    topics = Topics(bag.channels, bag.schemas, options)
-    for messages in bag.messages():
-        yield from topics.batches(messages)
-    if not topics.count:
-        what = "; ".join(remark.text for remark in bag.remarks) or "it is a recording of nothing"
-        message = f"{path}: no message can be read: {what}"
-        raise UnreadableLogError(message)
-    yield from bag.remarks
-    yield from topics.remarks()
+    return streamed(path, bag_records.Bag(path), options)

@@ -105,6 +105,8 @@ class Recording:
         for piece in ahead(self._pieces(), AHEAD):
             self.remarks.extend(piece.remarks)
             yield from self._messages(piece)
+        if self.damaged:
+            self.remarks.append(Remark(f"{self.damaged} messages whose recorded time cannot be left out"))
 
     def _pieces(self) -> Iterator[_Piece]:
         with self.path.open("rb") as file:

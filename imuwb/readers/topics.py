@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from imuwb.errors import UnreadableLogError
 from imuwb.log import Origin
 from imuwb.readers import shapes
 from imuwb.readers.batch import Batch, ReadOptions, Remark
@@ -15,6 +16,7 @@ from imuwb.readers.gather import alike
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -24,6 +26,35 @@ if TYPE_CHECKING:
 
 PATIENCE = 100  #: messages after which a channel that shows no field of ours is not looked at again
 UNIX = 10**17  #: ns; a stamp behind March 1973 counts from the Unix epoch
+
+
+class Container(Protocol):
+    """A file of messages that is read from its beginning to its end."""
+
+    channels: dict[int, Channel]
+    schemas: dict[int, Schema]
+    remarks: list[Remark]  #: what was wrong with it, as far as it is read
+
+    def messages(self) -> Iterator[Messages]:
+        """Yield the messages, buffer by buffer."""
+        ...
+
+
+def streamed(path: Path, container: Container, options: ReadOptions) -> Iterator[Batch | Remark]:
+    """Yield what a container's messages hold, and what was odd.
+
+    Raises:
+        UnreadableLogError: it holds not one message.
+    """
+    topics = Topics(container.channels, container.schemas, options)
+    for messages in container.messages():
+        yield from topics.batches(messages)
+    if not topics.count:
+        what = "; ".join(remark.text for remark in container.remarks) or "it is a recording of nothing"
+        message = f"{path}: no message can be read: {what}"
+        raise UnreadableLogError(message)
+    yield from container.remarks
+    yield from topics.remarks()
 
 
 class Topics:
