@@ -121,10 +121,11 @@ def convert(
         frame=frame,
         gnss=gnss,
     )
-    check_places([output], [log], force=force)
+    sources = [log, *([gnss] if gnss is not None else [])]
+    check_places([output], sources, force=force)
     found = read_log(log, common)
     files = places(found, output)
-    check_places(files, [log], force=force)
+    check_places(files, sources, force=force)
     show = shower(data=False)
     for note in found.notes:
         show(note)

@@ -39,7 +39,7 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: ob
         step(text)
     grid(common.study)
     places = Places.of(analysis, paths, common)
-    check_places(places.all(), paths, force=common.force)
+    check_places(places.all(), [*paths, *([common.gnss] if common.gnss is not None else [])], force=common.force)
     read = [conditioned(read_log(path, common), common.through) for path in paths]
     logs = [log for log, _ in read]
     plugin = cast("Any", analysis)

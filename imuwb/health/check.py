@@ -87,8 +87,15 @@ def _apart(log: Log) -> Iterator[Fault]:
                         consequence="they cannot be used together before one is shifted")  # fmt: skip
 
 
+def is_of(fault: Fault, stream: str) -> bool:
+    """Return whether a fault is one of a stream, or of one of its axes."""
+    imu, _, sensor = stream.rpartition(" ")
+    axes = {"gyros": f"{imu} gyro_", "accelerometers": f"{imu} accel_"}.get(sensor, f"{stream} ")
+    return fault.stream == stream or fault.stream.startswith(axes)
+
+
 def _stream(log: Log, name: str, time: Nanoseconds, faults: list[Fault]) -> StreamHealth:
-    worst = max((RANK[f.severity] for f in faults if f.stream == name or f.stream.startswith(f"{name} ")), default=0)
+    worst = max((RANK[f.severity] for f in faults if is_of(f, name)), default=0)
     at = log.seconds(time)
     count = int(min(WINDOWS, max(time.size // FEWEST, 1)))
     edges = np.linspace(float(at[0]), float(at[-1]), count + 1)

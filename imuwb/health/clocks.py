@@ -18,6 +18,7 @@ JITTER = 0.2  #: of the interval
 DROPPED = 1.5  #: times the usual step, over a window
 WINDOW = 50  #: steps
 MOSTLY = 0.5  #: share of a stream that is missing, from which on it was recorded in batches
+MANY = 100  #: gaps
 MUCH = 0.01  #: share of a stream that is missing, or was mended, from which on it is a fault
 
 
@@ -36,7 +37,8 @@ def clock_faults(name: str, time: Floats, repairs: tuple[Repair, ...], *, inerti
         yield Fault(name, "a single row", "fault", consequence="nothing can be made of it")
         return
     clock = sampling(np.rint(time * 1e9).astype(np.int64))
-    if clock.gaps:
+    slow = list(_rate_drops(name, time))
+    if clock.gaps and not (slow and len(clock.gaps) > MANY):  # where the rate drops, each step would be a gap
         at, longest = max(clock.gaps, key=lambda gap: gap[1])
         edges = np.array([0, *clock.breaks, time.size])
         whole = float(np.diff(edges).max()) * clock.interval
@@ -64,7 +66,7 @@ def clock_faults(name: str, time: Floats, repairs: tuple[Repair, ...], *, inerti
         yield Fault(
             name, f"stamps scatter by {100 * clock.jitter:.0f} % of the interval", "warning", consequence=follows
         )
-    yield from _rate_drops(name, time)
+    yield from slow
 
 
 def _rate_drops(name: str, time: Floats) -> Iterator[Fault]:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 STUCK = 2.0  #: s; equal samples for longer, and for much longer than usual, are a stuck channel
 LONGER = 20.0  #: times the usual run of equal samples
 SATURATED = 3  #: equal samples in a row at the end of a channel's range
+FINE = 1000  #: values in a channel, from which on it is not coarse
 FAR = 8.0  #: standard deviations that such an end lies out
 STRUCK = 40.0  #: times the usual change, of a lone sample off both neighbours
 AROUND = 12  #: samples on each side of a lone one
@@ -105,7 +106,8 @@ def _stuck(where: str, time: Floats, values: Floats, breaks: NDArray[np.int64]) 
     if not first.size:
         return
     spans = time[first + length] - time[first]
-    usual = float(np.quantile(spans, 0.99))
+    # What is usual, of all runs: samples that did change are runs of none.
+    usual = float(np.quantile(np.concatenate([spans, np.zeros(np.count_nonzero(~alike))]), 0.99))
     long = spans > max(STUCK, LONGER * usual)
     if long.any():
         at = int(np.argmax(spans))
@@ -115,8 +117,9 @@ def _stuck(where: str, time: Floats, values: Floats, breaks: NDArray[np.int64]) 
 
 def _saturated(where: str, name: str, time: Floats, values: Floats) -> Iterator[Fault]:
     middle, spread = float(np.median(values)), float(np.std(values))
+    fine = np.unique(values[:LOOKED_AT]).size > FINE  # then no two samples are alike by chance
     for end in (float(values.max()), float(values.min())):
-        if abs(end - middle) < FAR * spread / 2:
+        if not fine and abs(end - middle) < FAR * spread / 2:
             continue
         first, length = runs(values == end)
         held = length >= SATURATED
@@ -129,13 +132,16 @@ def _saturated(where: str, name: str, time: Floats, values: Floats) -> Iterator[
 def _struck(where: str, name: str, time: Floats, values: Floats, breaks: NDArray[np.int64]) -> Iterator[Fault]:
     if values.size < 100:  # noqa: PLR2004 - too few to know what is usual
         return
-    off = values[1:-1] - (values[:-2] + values[2:]) / 2
+    # A step is off one neighbour alone: the smaller difference counts, and none where the two have different signs.
+    before, behind = values[1:-1] - values[:-2], values[1:-1] - values[2:]
+    off = np.where(before * behind > 0, np.sign(before) * np.minimum(np.abs(before), np.abs(behind)), 0.0)
     off[np.concatenate([breaks - 2, breaks - 1]).clip(0, off.size - 1)] = 0.0  # beside a gap there are no neighbours
-    usual = float(np.median(np.abs(off[:: max(off.size // LOOKED_AT, 1)]))) * 1.4826
+    some = np.abs(before[:: max(before.size // LOOKED_AT, 1)])
+    usual = float(np.median(some)) * 1.4826 / 2**0.5
     usual = max(usual, float(np.ptp(values[:LOOKED_AT])) * 1e-6)
     far = np.flatnonzero(np.abs(off) > STRUCK * usual) + 1
     # Of one struck sample both neighbours are off as well: it is the largest of the three.
-    lone = [k for k in far[:MOST] if _is_lone(np.abs(off), int(k) - 1)]
+    lone = [k for k in far[:MOST] if _is_lone(np.abs(off), np.abs(before), int(k) - 1)]
     if lone and len(lone) < max(FEW * values.size, 3):
         largest = max(lone, key=lambda k: abs(off[k - 1]))
         what = f"lone samples off by up to {_shown(name, abs(float(off[largest - 1])))}"
@@ -144,10 +150,14 @@ def _struck(where: str, name: str, time: Floats, values: Floats, breaks: NDArray
         )
 
 
-def _is_lone(off: Floats, k: int) -> bool:
+def _is_lone(off: Floats, changes: Floats, k: int) -> bool:
     """Return whether a sample stands out of those around it too, and more than its neighbours: motion shakes many."""
-    around = off[max(k - AROUND, 0) : k + AROUND + 1]
-    return bool(off[k] >= off[max(k - 1, 0) : k + 2].max() and off[k] > STRUCK / 2 * np.median(around))
+    # Where a motion begins, one side of it is quiet.
+    around = max(
+        np.median(changes[max(k - AROUND, 0) : k]) if k else 0.0,
+        np.median(changes[k + 2 : k + 2 + AROUND]) if k + 2 < changes.size else 0.0,
+    )
+    return bool(off[k] >= off[max(k - 1, 0) : k + 2].max() and off[k] > STRUCK / 2 * around)
 
 
 def _coarse(where: str, name: str, values: Floats) -> Iterator[Fault]:

@@ -52,21 +52,24 @@ def receiver_faults(log: Log, gnss: GnssStream) -> Iterator[Fault]:
 def _steps(gnss: GnssStream, time: Floats, held: Floats) -> Iterator[Fault]:
     steps = np.diff(time)
     meridian, transverse = radii_of_curvature(gnss.position[:-1, 0])
-    moved = np.diff(gnss.position, axis=0) * np.stack(
-        [meridian, transverse * np.cos(gnss.position[:-1, 0]), -np.ones(steps.size)], axis=1
-    )
+    turns = np.diff(gnss.position, axis=0)
+    turns[:, 1] = (turns[:, 1] + np.pi) % (2 * np.pi) - np.pi  # over the date line
+    moved = turns * np.stack([meridian, transverse * np.cos(gnss.position[:-1, 0]), -np.ones(steps.size)], axis=1)
     rate = moved / steps[:, None]
     pace = np.linalg.norm(rate[:, :2], axis=1)
     if gnss.velocity is None:
         usual = float(np.median(pace[~np.asarray(held, dtype=bool)])) if not np.all(held) else 0.0
         told = np.full(steps.size, usual)
     else:
-        speed = np.linalg.norm(np.nan_to_num(gnss.velocity[:, :2]), axis=1)
-        told = np.maximum(speed[:-1], speed[1:])
+        known = np.isfinite(gnss.velocity[:, :2]).all(axis=1)
+        speed = np.linalg.norm(gnss.velocity[known, :2], axis=1)
+        usual = float(np.median(pace)) if not speed.size else 0.0
+        nearest = np.interp(time, time[known], speed) if speed.size else np.full(time.size, usual)
+        told = np.maximum(nearest[:-1], nearest[1:])
         spikes = np.flatnonzero((speed[1:-1] > speed[:-2] + FAST) & (speed[1:-1] > speed[2:] + FAST)) + 1
         if spikes.size:
             yield Fault(gnss.name, f"spikes of the velocity, up to {speed[spikes].max():.3g} m/s", "fault", int(spikes.size),
-                        float(time[spikes[0]]), consequence="a filter must gate them")  # fmt: skip
+                        float(time[known][spikes[0]]), consequence="a filter must gate them")  # fmt: skip
     jumps = np.flatnonzero(pace > 3 * told + JUMP)
     if jumps.size:
         far = float(np.linalg.norm(moved[jumps, :2], axis=1).max())

@@ -85,11 +85,30 @@ class _RosDecoder:
     def decode(self, messages: Messages, rows: Rows, paths: tuple[str, ...]) -> Iterator[Piece]:
         start, length = messages.start[rows], messages.length[rows]
         for group in ros_layout.groups(self._plan, paths, self._wire, messages.buffer, start, length):
-            at = start[group.rows]
-            yield (
-                {p.path: gather(messages.buffer, at + p.offset, p.kind, p.count) for p in group.places},
-                rows[group.rows],
-            )
+            yield _gathered(messages.buffer, start[group.rows], group.places), rows[group.rows]
+
+
+def _gathered(
+    buffer: NDArray[np.uint8], at: NDArray[np.int64], places: tuple[ros_layout.Place, ...]
+) -> dict[str, NDArray[Any]]:
+    """Return fields; numbers that stand behind each other, such as x, y and z, are columns of one array."""
+    found: dict[str, NDArray[Any]] = {}
+    first = 0
+    while first < len(places):
+        one, behind = places[first], first + 1
+        while behind < len(places) and _continues(places[behind - 1], places[behind]):
+            behind += 1
+        if behind == first + 1:
+            found[one.path] = gather(buffer, at + one.offset, one.kind, one.count)
+        else:
+            block = gather(buffer, at + one.offset, one.kind, behind - first)
+            found |= {place.path: block[:, i] for i, place in enumerate(places[first:behind])}
+        first = behind
+    return found
+
+
+def _continues(one: ros_layout.Place, other: ros_layout.Place) -> bool:
+    return one.kind == other.kind and not one.count and not other.count and one.end == other.offset
 
 
 class _ObjectDecoder:

@@ -29,10 +29,17 @@ def ahead_of_utc(when: datetime) -> int:
     return next(ahead, 0)
 
 
-def unix_of_gps(week: NDArray[np.int64], milliseconds: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return ns since 1970 UTC of GPS weeks and ms of the week; leap seconds are those of the first row."""
+def leap_seconds(week: int, milliseconds: int) -> int:
+    """Return by how many seconds GPS time is ahead of UTC at a week and ms of it."""
+    return ahead_of_utc(GPS_EPOCH + timedelta(seconds=week * WEEK, milliseconds=milliseconds))
+
+
+def unix_of_gps(
+    week: NDArray[np.int64], milliseconds: NDArray[np.int64], ahead: int | None = None
+) -> NDArray[np.int64]:
+    """Return ns since 1970 UTC of GPS weeks and ms of the week; leap seconds are ``ahead``, or those of the first row."""
     if not week.size:
         return np.empty(0, np.int64)
-    first = GPS_EPOCH + timedelta(seconds=int(week[0]) * WEEK, milliseconds=int(milliseconds[0]))
-    zero = int((GPS_EPOCH - datetime(1970, 1, 1, tzinfo=UTC)).total_seconds()) - ahead_of_utc(first)
+    leap = leap_seconds(int(week[0]), int(milliseconds[0])) if ahead is None else ahead
+    zero = int((GPS_EPOCH - datetime(1970, 1, 1, tzinfo=UTC)).total_seconds()) - leap
     return (zero + week * WEEK) * SECOND + milliseconds * (SECOND // 1000)

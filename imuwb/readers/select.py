@@ -80,9 +80,11 @@ def _composed(log: Log, name: str) -> ImuStream | None:
         return None
     for gyro, accel in ((first, second), (second, first)):
         named = one if gyro is first else other
+        more = tuple(r for r in accel.origin.repairs if r not in gyro.origin.repairs)
+        origin = replace(gyro.origin, repairs=(*gyro.origin.repairs, *more))
         if gyro.angular_rate is not None and accel.specific_force is not None and "accel" not in named:
             return ImuStream(
-                name, gyro.angular_rate, accel.specific_force, accel.temperature or gyro.temperature, gyro.origin
+                name, gyro.angular_rate, accel.specific_force, accel.temperature or gyro.temperature, origin
             )
     return None
 

@@ -31,6 +31,7 @@ STAMPS = (
     ("timestamp.sec", "timestamp.nanosec"),
     ("timestamp.seconds", "timestamp.nanos"),
 )
+UNTOLD = -2  #: status of a NavSatFix of which nothing is told
 ABSENT = -1.0  #: first element of a covariance in ROS: there is no such measurement
 LATEST = 9.2e9  #: s; later, nanoseconds do not fit into int64
 FLU_TO_FRD = np.array([1.0, -1.0, -1.0])
@@ -88,6 +89,17 @@ def _stamp(there: set[str], prefix: str) -> tuple[str, str] | None:
     return None
 
 
+def _together(parts: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Return columns as one array; as they stand where they are neighbours in one."""
+    block = parts[0].base
+    if block is not None and block.ndim == 2 and all(part.base is block for part in parts):  # noqa: PLR2004 - columns
+        places = [part.__array_interface__["data"][0] for part in parts]
+        first = (places[0] - block.__array_interface__["data"][0]) // block.itemsize
+        if np.diff(places).tolist() == [block.itemsize] * (len(parts) - 1) and block.strides[1] == block.itemsize:
+            return block[:, first : first + len(parts)]
+    return np.stack(parts, axis=1)
+
+
 def _imu(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
     signs = FLU_TO_FRD if frame == "FLU" else np.ones(3)
     columns: dict[str, NDArray[np.float64]] = {}
@@ -95,7 +107,7 @@ def _imu(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float6
         covariance = values.get(f"{prefix}{field}_covariance[0]")
         if covariance is not None and (covariance == ABSENT).all():
             continue  # the message says that it has no such measurement
-        columns[column] = np.stack([values[f"{prefix}{field}.{axis}"] for axis in "xyz"], axis=1) * signs
+        columns[column] = _together([values[f"{prefix}{field}.{axis}"] for axis in "xyz"]) * signs
     return columns
 
 
@@ -114,7 +126,8 @@ def _gnss(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float
         course = np.radians(track)
         columns["velocity"] = np.stack([speed * np.cos(course), speed * np.sin(course), -climb], axis=1)
     status = values.get(f"{prefix}status.status")
-    if status is not None:  # -1 none, 0 fix, 1 with satellite, 2 with ground augmentation
+    # -1 none, 0 fix, 1 with satellite, 2 with ground augmentation
+    if status is not None and (status != UNTOLD).any():
         columns["fix_type"] = np.select([status < 0, status > 0], [1.0, 4.0], 3.0)
     return columns
 
@@ -165,7 +178,7 @@ _RECEIVER = re.compile(r"(?:^|[/_.])(?:gps|gnss|fix|navsat|ublox)")
 
 
 def _is_receiver(topic: str) -> bool:
-    return _RECEIVER.search(topic.lower()) is not None
+    return _RECEIVER.search(topic.lower()) is not None and "speed" not in topic.lower()
 
 
 def _is_twist(schema: str) -> bool:

@@ -12,7 +12,7 @@ import pyarrow as pa
 from imuwb.errors import UsageError
 from imuwb.log import SECOND
 from imuwb.readers import text_source
-from imuwb.readers.gps_time import unix_of_gps
+from imuwb.readers.gps_time import leap_seconds, unix_of_gps
 from imuwb.units import unit
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from imuwb.readers.text_columns import Column
     from imuwb.readers.text_source import Layout
 
+LONGEST_WEEK = 604_801_000  #: ms
 LATEST_WEEK = 10_000  #: of GPS: the year 2171
 LATEST = 2**63 - 1025  #: ns, the largest a float holds below the end of int64
 DIGITS = {"s": 9, "ms": 6, "us": 3, "ns": 0}  #: behind the point, down to 1 ns
@@ -42,6 +43,7 @@ class Clock:
     epoch: Epoch
     remarks: tuple[str, ...] = ()
     week: Column | None = None  #: of GPS; the column then holds seconds of it
+    ahead: int = 0  #: s, of GPS time over UTC, through the whole log
 
     def time(self, block: pa.RecordBatch, first_row: int) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
         """Return the time in ns of the rows that have one, and which those are."""
@@ -57,7 +59,10 @@ class Clock:
             weeks = np.asarray(block.column(self.week.name).to_numpy(zero_copy_only=False), np.float64)[there]
             known = (weeks >= 0) & (weeks < LATEST_WEEK)
             there[there] = known
-            time = unix_of_gps(weeks[known].astype(np.int64), time[known] // 1_000_000) + time[known] % 1_000_000
+            time = (
+                unix_of_gps(weeks[known].astype(np.int64), time[known] // 1_000_000, self.ahead)
+                + time[known] % 1_000_000
+            )
         return time, there
 
     def _nanoseconds(self, cells: pa.Array[Any]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
@@ -96,14 +101,16 @@ def clock_of(path: Path, layout: Layout, used: tuple[Column, ...], options: Read
         raise UsageError(message)
     value = float(first)
     week = next((one for one in used if one.quantity == "week"), None)
-    if week is not None:
+    weeks = layout.first[week.index].strip() if week is not None else ""
+    if week is not None and text_source.is_number(weeks) and 0 <= float(weeks) < LATEST_WEEK and value < LONGEST_WEEK:
         if column.unit is None:
             column = replace(column, unit=unit("s" if value < 700_000 else "ms"))  # noqa: PLR2004 - a week has 604 800 s
         remarks = (*remarks, "GPS week and time of week made UTC by the leap seconds of the date")
         kind = (
             pa.decimal128(28, 9) if cast("Any", column.unit).name == "s" and "e" not in first.lower() else pa.float64()
         )
-        return Clock(column, kind, 0.0, "unix", remarks, week)
+        milliseconds = value * cast("Any", column.unit).factor * 1000
+        return Clock(column, kind, 0.0, "unix", remarks, week, leap_seconds(int(float(weeks)), int(milliseconds)))
     if column.unit is None:
         column = replace(column, unit=unit(_unit_by_size(path, column, value, first)))
         remarks = (

@@ -34,6 +34,7 @@ _NAMES: dict[str, str] = {
     "roll": r"roll", "pitch": r"pitch", "heading": r"heading|yaw",
     "week": r"(?:gps[_ .]?)?week(?:[_ ]?(?:no|number))?",
 }  # fmt: skip
+_OF_WEEK = re.compile(r"tow|sow|of[_ ](?:the[_ ])?week|gps")
 #: quantity -> the dimension its unit must have
 DIMENSIONS = {
     "gyro": "angular_rate", "accel": "specific_force", "time": "time", "temperature": "temperature",
@@ -72,7 +73,8 @@ def columns(names: tuple[str, ...], said: dict[str, str]) -> tuple[Column, ...]:
     """
     found = [column for i, name in enumerate(names) if (column := _column(i, name, said)) is not None]
     seen: dict[tuple[str, int], Column] = {}
-    for column in found:
+    weeks = any(column.quantity == "week" for column in found)
+    for column in sorted(found, key=lambda c: weeks and c.quantity == "time" and not _OF_WEEK.search(c.name.lower())):
         other = seen.setdefault((column.quantity, column.axis), column)
         if other is not column and column.quantity != "time":
             message = (

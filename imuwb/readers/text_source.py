@@ -53,7 +53,7 @@ def layout(path: Path) -> Layout:
     delimiter = _delimiter([texts[i] for i in rows[-50:]])
     cells = {i: _cells(texts[i], delimiter) for i in rows}
     usual = max(set(sizes := [len(cells[i]) for i in rows]), key=sizes.count)
-    numeric = [i for i in rows if sum(map(is_number, cells[i])) * 2 >= len(cells[i]) and any(map(is_number, cells[i]))]
+    numeric = [i for i in rows if _is_numeric(cells[i])]
     if not numeric or usual < 2:  # noqa: PLR2004 - one column is no log
         message = (
             f"{path}: text without rows of numbers (its first line is {texts[rows[0]][:60]!r}); "
@@ -65,6 +65,13 @@ def layout(path: Path) -> Layout:
     first = next((i for i in numeric if len(cells[i]) == usual), numeric[0])
     names = tuple(name.strip().strip('"') for name in cells[header[-1]]) if header else ()
     return Layout(delimiter, first, names, tuple(cells[first]), cut_first)
+
+
+def _is_numeric(cells: list[str]) -> bool:
+    """Return whether half of the cells that hold something are numbers."""
+    filled = [cell for cell in cells if cell]
+    numbers = sum(map(is_number, filled))
+    return numbers > 0 and numbers * 2 >= len(filled)
 
 
 def _delimiter(rows: list[str]) -> str:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 FRAME_ID = "imu_link"
 FRD_TO_FLU = np.array([1.0, -1.0, -1.0])
 ABSENT = -1.0  #: first element of a covariance: there is no such measurement
+UNTOLD = -2  #: status of a fix of which nothing is told (ROS 2: unknown)
 KNOWN_DIAGONAL = 2  #: NavSatFix: the covariance's diagonal is known
 _HEADER = "std_msgs/Header header"
 _PARTS = {
@@ -167,13 +168,15 @@ def _gnss(gnss: GnssStream) -> Iterator[Topic]:
     def fix(start: int, end: int) -> NDArray[np.void]:
         rows = np.zeros(end - start, _FIX)
         rows["service"] = 1
+        rows["status"] = UNTOLD
         if gnss.fix_type is not None:  # 0 and 1: none; from 4 on with corrections of a satellite or of the ground
             kind = gnss.fix_type[start:end]
             rows["status"] = np.select([kind < 2, kind > 4, kind == 4], [-1, 2, 1], 0)  # noqa: PLR2004 - as MAVLink counts
         rows["position"] = gnss.position[start:end] * (180 / np.pi, 180 / np.pi, 1.0)
         if gnss.position_sigma is not None:
             rows["covariance"][:, [4, 0, 8]] = np.nan_to_num(gnss.position_sigma[start:end]) ** 2
-            rows["covariance_type"] = KNOWN_DIAGONAL
+            told = np.isfinite(gnss.position_sigma[start:end]).all(axis=1)
+            rows["covariance_type"] = np.where(told, KNOWN_DIAGONAL, 0)
         return rows
 
     yield Topic(gnss.name, "sensor_msgs/msg/NavSatFix", gnss.time, fix)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.analysis import Curve, Figure, Mark, Table, seconds_text
+from imuwb.health import is_of
 
 if TYPE_CHECKING:
     from imuwb.analysis import Review
@@ -28,11 +29,7 @@ STREAMS = 8  #: that are drawn; more cannot be told apart
 
 def draw(result: Health, review: Review) -> None:
     """Show the verdicts first."""
-    counts = {
-        name: sum(f.stream == name or f.stream.startswith(f"{name} ") for f in result.faults)
-        for name in (s.name for s in result.streams)
-    }
-    rows = tuple((s.name, s.verdict, str(counts[s.name])) for s in result.streams)
+    rows = tuple((s.name, s.verdict, str(sum(is_of(f, s.name) for f in result.faults))) for s in result.streams)
     review.table(Table("Verdict", ("stream", "verdict", "remarks"), rows))
     review.table(Table(
         "What was found", ("stream", "severity", "what", "count", "first or longest at", "lasts", "what follows"),

@@ -40,7 +40,7 @@ def test_a_moving_record_is_no_static_record():
 
 @pytest.mark.parametrize("frequency", [0.2, 1.0, 3.0])
 def test_the_quiet_part_of_a_moving_record_is_found(frequency):
-    """Still to 100 s, then 30 deg/s to and fro to 300 s: most of it moves, and is not what a second is judged by."""
+    """Still to 100 s, then 30 deg/s back and forth to 300 s: most of it moves, and is not what a second is judged by."""
     time = np.arange(30_000) / 100
     moving = time >= 100
     rate = 0.1 * still(30_000) + np.where(moving, 30 * np.sin(2 * np.pi * frequency * (time - 100)), 0)

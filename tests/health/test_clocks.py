@@ -1,0 +1,134 @@
+"""Faults of a clock: gaps, batches, drops of the rate, jitter, and what the reader mended."""
+
+import numpy as np
+import pytest
+
+from imuwb.health.clocks import clock_faults
+from imuwb.log import Repair
+
+N = 6000
+
+
+def found(time, repairs=(), *, inertial=True):
+    return list(clock_faults("imu", np.asarray(time, float), repairs, inertial=inertial))
+
+
+def even(n=N, step=0.01):
+    return np.arange(n) * step
+
+
+def without(*spans):
+    keep = np.ones(N, bool)
+    for begin, end in spans:
+        keep[begin:end] = False
+    return even()[keep]
+
+
+def test_an_even_clock_has_no_fault():
+    assert found(even()) == []
+
+
+@pytest.mark.parametrize("grain", [1e-3, 1e-6])
+def test_stamps_that_are_rounded_are_no_fault(grain):
+    assert found(np.round(even(step=1 / 130) / grain) * grain) == []
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_little_jitter_is_no_fault(seed):
+    assert found(even() + 3e-4 * np.random.default_rng(seed).standard_normal(N).clip(-4, 4)) == []
+
+
+def test_gaps_are_counted_and_the_longest_has_its_place_and_length():
+    (gap,) = found(without((2000, 2100), (4000, 4010)))
+    assert (gap.stream, gap.severity, gap.count) == ("imu", "fault", 2)
+    assert gap.what == "gaps: 1.1 s missing (1.8 %)"
+    assert gap.start == pytest.approx(19.99)
+    assert gap.length == pytest.approx(1.01)
+
+
+def test_the_averaging_time_that_spans_gaps_is_named():
+    (gap,) = found(without((2000, 2100), (4000, 4010)))
+    assert gap.consequence == "averaging times beyond 10 s span gaps"  # half of the 20 s that are whole
+    (gap,) = found(without((1000, 1001)))
+    assert gap.consequence == "averaging times beyond 25 s span gaps"
+
+
+def test_of_a_receiver_a_gap_is_only_that_there_are_no_rows():
+    (gap,) = found(without((2000, 2100)), inertial=False)
+    assert gap.consequence == "no rows for up to 1.01 s"
+
+
+def test_a_gap_is_a_fault_from_a_hundredth_on():
+    assert [f.severity for f in found(without((2000, 2050)))] == ["warning"]
+    assert [f.severity for f in found(without((2000, 2070)))] == ["fault"]
+
+
+def test_times_count_from_the_log_s_start():
+    (gap,) = found(without((2000, 2100)) + 1000)
+    assert gap.start == pytest.approx(1019.99)
+
+
+def test_a_record_in_batches_is_a_note():
+    (batch,) = found(even()[np.arange(N) % 600 < 200])
+    assert batch.what.startswith("recorded in batches: 36 s missing (64 %)")
+    assert (batch.severity, batch.count) == ("note", 9)
+    assert batch.length == pytest.approx(4.01)
+    assert batch.consequence == "averaging times beyond 1 s span gaps"
+
+
+def drops(time):
+    return [f for f in found(time) if "rate drops" in f.what]
+
+
+def slow(spans, factor):
+    steps = np.full(N, 0.01)
+    for begin, end in spans:
+        steps[begin:end] *= factor
+    return np.concatenate([[0], np.cumsum(steps)[:-1]])
+
+
+def test_a_drop_of_the_rate_has_its_place_length_and_rate():
+    (drop,) = drops(slow([(3000, 3500)], 2))
+    assert drop.what == "the rate drops, down to 50 Hz"
+    assert (drop.severity, drop.count) == ("warning", 1)
+    assert (drop.start, drop.length) == (pytest.approx(30, abs=0.01), pytest.approx(10, abs=0.02))
+    assert "--start and --end" in drop.consequence
+
+
+def test_drops_are_counted_and_the_longest_is_told():
+    (drop,) = drops(slow([(1000, 1100), (3000, 3500), (5000, 5100)], 4))
+    assert drop.count == 3
+    assert drop.start == pytest.approx(33, abs=0.02)
+    assert "25 Hz" in drop.what
+
+
+def test_gaps_are_no_drop_of_the_rate():
+    assert drops(without((2000, 2100), (4000, 4010))) == []
+
+
+def test_a_slightly_slower_part_is_no_drop():
+    assert drops(slow([(3000, 3500)], 1.3)) == []
+
+
+def test_a_drop_of_the_rate_is_no_series_of_gaps():
+    assert [f.what for f in found(slow([(3000, 3500)], 2))] == ["the rate drops, down to 50 Hz"]
+
+
+def test_jitter_is_told_in_parts_of_the_interval():
+    scatter = np.random.default_rng(1).choice([-0.0022, 0.0022], N)
+    (jitter,) = found(even() + scatter)
+    assert jitter.severity == "warning"
+    told = int(jitter.what.split(" by ")[1].split(" %")[0])
+    assert told == pytest.approx(100 * np.diff(scatter).std() / 0.01, abs=1.5)
+    assert "--time-source" in jitter.consequence
+
+
+def test_what_the_reader_mended_is_counted():
+    few, many = found(even(), (Repair("rows out of order sorted by time", 7), Repair("rows left out", 61)))
+    assert (few.what, few.count, few.severity) == ("rows out of order sorted by time", 7, "warning")
+    assert (many.what, many.count, many.severity) == ("rows left out", 61, "fault")
+
+
+def test_a_single_row_is_a_fault():
+    (fault,) = found([0.0])
+    assert (fault.what, fault.severity) == ("a single row", "fault")
