@@ -46,7 +46,6 @@ def info(
 ) -> None:
     """Streams, rates, gaps, clocks, units, frames and repairs of a log."""
     from imuwb import readers  # noqa: PLC0415 - help must not wait for numpy
-    from imuwb.cli.perform import read_log  # noqa: PLC0415
     from imuwb.cli.terminal import shower  # noqa: PLC0415
     from imuwb.review.document import plain  # noqa: PLC0415
     from imuwb.review.tables import streams_table  # noqa: PLC0415
@@ -54,7 +53,11 @@ def info(
     common = Common(time_source=time_source, rate=rate, columns=columns, units=units, frame=frame)
     readers.source.check(log)
     large = log.stat().st_size > LARGE
-    read = None if large and not scan else read_log(log, common)
+    read = None
+    if not large or scan:
+        from imuwb.cli.perform import read_log  # noqa: PLC0415 - an index alone must not wait for the viewer's library
+
+        read = read_log(log, common)
     summary = readers.describe(log) if read is None else readers.summarize(read)
     if json:
         import json as json_module  # noqa: PLC0415 - the option has its name

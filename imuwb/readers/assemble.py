@@ -203,7 +203,9 @@ def _continue_behind_steps(time: Nanoseconds) -> tuple[Nanoseconds, int]:
     nominal = int(np.median(steps[steps > 0])) if (steps > 0).any() else 1
     shift = np.where(back, nominal - steps, 0)
     late = np.flatnonzero(_lone(time))  # such a row steps back and forth again
-    shift[late - 1] = shift[late] = 0
+    shift[(late - 1).clip(0)] = shift[late.clip(max=shift.size - 1)] = 0
+    if float(np.abs(shift.astype(np.float64)).sum()) + float(np.abs(time).max()) >= LATEST:
+        return time, time.size  # no clock is set back so far
     return time + np.concatenate([[0], np.cumsum(shift)]), int(np.count_nonzero(shift))
 
 

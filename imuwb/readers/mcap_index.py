@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
-from mcap.exceptions import McapError
 from mcap.reader import make_reader
 
 from imuwb.readers import shapes
 from imuwb.readers.decoders import CannotDecodeError, decoder_of
+from imuwb.readers.gather import gather
+from imuwb.readers.mcap_records import HEADER, MESSAGE, unpacked_chunk, walk
 from imuwb.readers.messages import Channel, Messages, Schema
 from imuwb.readers.summary import LogSummary, StreamSummary
+from imuwb.readers.unpack import LARGEST
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from mcap.reader import McapReader
+    from mcap.records import ChunkIndex
     from mcap.summary import Summary
 
 UNIX = 10**17  #: ns
+PREFIX = 9  #: bytes of a record before its content
 
 
 def describe(path: Path) -> LogSummary | None:
@@ -34,8 +37,8 @@ def describe(path: Path) -> LogSummary | None:
             summary = reader.get_summary()
             if summary is None or summary.statistics is None or not summary.chunk_indexes:
                 return None
-            streams = tuple(_streams(reader, summary))
-        except (McapError, ValueError, OSError, EOFError):
+            streams = tuple(_streams(file, summary))
+        except Exception:  # noqa: BLE001 - whatever the library makes of a damaged index
             return None  # reading the messages says what is wrong, and uses what is whole
     note = (
         "from the file's index: times are the recorder's, and gaps and repairs have not been looked for (--scan does)"
@@ -43,7 +46,7 @@ def describe(path: Path) -> LogSummary | None:
     return LogSummary(str(path), "mcap", "", streams, (note,))
 
 
-def _streams(reader: McapReader, summary: Summary) -> Iterator[StreamSummary]:
+def _streams(file: BinaryIO, summary: Summary) -> Iterator[StreamSummary]:
     for number, count in (summary.statistics.channel_message_counts if summary.statistics else {}).items():
         channel, schema = summary.channels[number], summary.schemas.get(summary.channels[number].schema_id)
         ours = None if schema is None else Schema(schema.name, schema.encoding, schema.data)
@@ -51,11 +54,10 @@ def _streams(reader: McapReader, summary: Summary) -> Iterator[StreamSummary]:
             decoder = decoder_of(Channel(channel.topic, channel.message_encoding, channel.schema_id), ours)
         except CannotDecodeError:
             continue
-        first = next((m.data for _, _, m in reader.iter_messages(topics=[channel.topic])), b"")
-        fields = decoder.fields(_alone(first), np.zeros(1, np.int64))
         chunks = [chunk for chunk in summary.chunk_indexes if number in chunk.message_index_offsets]
         if not chunks or not count:
             continue
+        fields = decoder.fields(_alone(_first(file, chunks[0], number)), np.zeros(1, np.int64))
         start, end = min(c.message_start_time for c in chunks), max(c.message_end_time for c in chunks)
         rate = (count - 1) / (end - start) * 1e9 if end > start else None
         for recipe in shapes.recognise(fields, ours.name if ours else "", channel.topic):
@@ -64,6 +66,16 @@ def _streams(reader: McapReader, summary: Summary) -> Iterator[StreamSummary]:
             )
             epoch = "unix" if start > UNIX else "log"
             yield StreamSummary(channel.topic, recipe.kind, count, rate, start, end, epoch, (), (), units, frame)
+
+
+def _first(file: BinaryIO, chunk: ChunkIndex, number: int) -> bytes:
+    """Return the payload of a channel's first message in a chunk."""
+    file.seek(chunk.chunk_start_offset)
+    records = unpacked_chunk(memoryview(file.read(min(chunk.chunk_length, LARGEST)))[PREFIX:])
+    opcode, content, length, _ = walk(records)
+    found = np.flatnonzero((opcode == MESSAGE) & (length >= HEADER))
+    i = found[int(np.argmax(gather(records, content[found], "<u2") == number))]
+    return records[int(content[i]) + HEADER : int(content[i] + length[i])].tobytes()
 
 
 def _alone(payload: bytes) -> Messages:

@@ -174,7 +174,7 @@ def _nothing(bytes_read: int, why: str) -> _Piece:
 def _chunk(packed: memoryview, offset: int) -> _Piece:
     """Return what a chunk unpacks to; nothing of it, and a remark, where it is damaged."""
     try:
-        records = np.frombuffer(_unpack(packed), np.uint8)
+        records = unpacked_chunk(packed)
     except ValueError as error:
         return _nothing(offset + len(packed), f"chunk at byte {offset} left out: {error}")
     opcode, content, length, end = walk(records)
@@ -202,6 +202,11 @@ def _string(content: bytes, at: int) -> tuple[str, int]:
         message = f"a text of {size} bytes does not fit in its record"
         raise ValueError(message)
     return content[at + 4 : at + 4 + size].decode("utf-8", "replace"), at + 4 + size
+
+
+def unpacked_chunk(chunk: memoryview) -> NDArray[np.uint8]:
+    """Return a chunk's records; ValueError says why they cannot be used."""
+    return np.frombuffer(_unpack(chunk), np.uint8)
 
 
 def _unpack(chunk: memoryview) -> bytes | memoryview:

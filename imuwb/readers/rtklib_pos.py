@@ -23,7 +23,7 @@ ROWS = 20_000  #: in a batch
 YEARS = range(1980, 2200)  #: what a GNSS receiver may say
 #: RTKLIB's quality flag as MAVLink's fix type: fixed, float, SBAS, DGPS, single, PPP.
 FIX_TYPE = {1: 6, 2: 5, 3: 4, 4: 4, 5: 3, 6: 8}
-_HEADER = re.compile(rb"^%\s+(GPST|UTC|JST)\s+latitude\(deg\)\s+longitude\(deg\)\s+height\(m\)", re.MULTILINE)
+_HEADER = re.compile(rb"^%\s+(GPST|UTC|JST)\s+latitude\(deg\)\s+longitude\(deg\)\s+height\(m\)(?=\s|$)", re.MULTILINE)
 
 
 def probe(head: bytes) -> bool:

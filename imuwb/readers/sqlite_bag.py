@@ -52,9 +52,20 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     if not topics.count:
         message = f"{path}: no message can be read: {trouble or 'it is a recording of nothing'}"
         raise UnreadableLogError(message)
+    missing = _missing(path)
+    if missing and not trouble:
+        trouble = f"the database lacks its last {missing} bytes: it was cut, and rows may be missing"
     if trouble:
         yield Remark(trouble)
     yield from topics.remarks()
+
+
+def _missing(path: Path) -> int:
+    """Return how many bytes the file is shorter than its header says."""
+    with path.open("rb") as file:
+        head = file.read(32)
+    size = int.from_bytes(head[16:18], "big")
+    return max((65536 if size == 1 else size) * int.from_bytes(head[28:32], "big") - path.stat().st_size, 0)
 
 
 def _declare(database: sqlite3.Connection, channels: dict[int, Channel], schemas: dict[int, Schema]) -> None:
@@ -80,12 +91,18 @@ def _messages(database: sqlite3.Connection, size: int) -> Iterator[Messages]:
     except sqlite3.Error:  # the end is cut: progress is not known, the rows before are
         total = size
     found = database.execute(
-        "SELECT topic_id, timestamp, data FROM messages WHERE LENGTH(data) < ? ORDER BY rowid", (LARGEST,)
+        "SELECT topic_id, timestamp, CASE WHEN LENGTH(data) < ? THEN data END, LENGTH(data) FROM messages ORDER BY rowid",
+        (LARGEST,),
     )
-    done = 0
+    done, lost = 0, False
     while rows := found.fetchmany(ROWS):
         done += len(rows)
-        kept = [row for row in rows if _whole(row)]
+        kept: list[tuple[int, int, bytes]] = []
+        for *row, length in rows:
+            # Of a page that was cut, SQLite makes zeros: a row without data is lost, and the next may be half of one.
+            if _whole(tuple(row)) and not lost:
+                kept.append(tuple(row))
+            lost = length is None
         if not kept:
             continue
         numbers, times, data = zip(*kept, strict=True)

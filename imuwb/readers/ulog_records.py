@@ -152,8 +152,6 @@ def _walk(
         if behind >= 0 and not sure:
             sure = behind - at < LONG and _chained(buffer, at, CHAIN, known)
         if behind >= 0 and sure:
-            if tables.size:
-                tables[0, count], tables[1, count], tables[2, count] = buffer[at + 2], at + 3, behind - at - 3
             # What follows must be a message as well; else this one may be what is damaged.
             if behind + 3 <= buffer.size and _behind(buffer, behind, known) < 0:
                 sure = False
@@ -161,6 +159,8 @@ def _walk(
                     at += 1
                     skipped += 1
                     continue
+            if tables.size:
+                tables[0, count], tables[1, count], tables[2, count] = buffer[at + 2], at + 3, behind - at - 3
             count += 1
             at = behind
         else:

@@ -1,79 +1,452 @@
-"""How fast are ROS 2 IMU messages read? ``imuwb.read`` against the decoder of mcap-ros2-support.
+"""How fast are logs read, and within how much memory? ``imuwb.read`` against named peers, on the same bytes.
 
-A million sensor_msgs/Imu messages in a zstd MCAP written by imuwb. mcap_ros2 reads the first 50 000 of
-the same log, in a file of their own, and its figure is messages per CPU second of those. CPU seconds
-(``time.process_time``: all threads, so imuwb's hashing of the file counts), least of three runs.
+mcap: a million sensor_msgs/Imu messages in a zstd MCAP written by imuwb, against the decoder of mcap-ros2-support.
+tlog: a million MAVLink 2 frames of ten kinds, against pymavlink's mavutil. bin: a million ArduPilot records of seven kinds,
+against pymavlink's DFReader. A peer reads the beginning of the same log, in a file of its own, and its figure is messages
+per CPU second of those; what it read is compared, number by number, with what imuwb reads of that file. csv: a text log of
+1 GB through ``imuwb.readers.stream``, whose largest resident memory counts. info: ``imuwb info`` of an indexed MCAP of
+1 GB, wall clock of the process from its start to its end.
 
-Command: ``python tests/benchmarks/read_speed.py`` (about a minute; needs ``pip install -e ".[bench,test]"``).
-Seed: 0.
+CPU seconds (``time.process_time``: all threads, so imuwb's hashing of the file counts), least of three runs. Logs are written
+in one process and read in another. Files are in the system's cache, compiled code is in numba's.
+
+Command: ``python tests/benchmarks/read_speed.py [mcap] [tlog] [bin] [csv] [info]`` (all: two minutes, and 1 GB in the
+temporary folder; needs ``pip install -e ".[bench,test]"``). Seed: 0.
 """
 
 from __future__ import annotations
 
+import argparse
+import json
 import os
 import platform
+import subprocess
+import sys
 import tempfile
 import time
-from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
-from mcap_ros2.reader import read_ros2_messages
 
-import imuwb
-from imuwb.simulation import preset, static
-from imuwb.writers import write
-
-MESSAGES, SUBSET, RATE, RUNS = 1_000_000, 50_000, 100.0, 3
+MESSAGES, RATE, RUNS = 1_000_000, 100.0, 3
+SUBSET = {"mcap": 50_000, "tlog": 100_000, "bin": 100_000}  #: messages that the peer reads
+GIGABYTE = 10**9
+START = 1_714_564_800 * 10**6  #: µs
+PACKAGES = ("imuwb", "numpy", "numba", "pyarrow", "mcap", "mcap-ros2-support", "pymavlink", "zstandard")
 
 
 def main():
-    """Write both files, read both, print the table."""
-    with tempfile.TemporaryDirectory() as folder:
-        long, short = Path(folder) / "long.mcap", Path(folder) / "short.mcap"
-        log = static(preset("3dm-gx3-25"), MESSAGES / RATE, RATE, 0)
-        log = replace(log, imus=tuple(replace(imu, temperature=None) for imu in log.imus))
-        spent, _ = cpu(lambda: write(log, long), 1)
-        write(imuwb.select(imuwb.read(long), end=f"{(SUBSET - 0.5) / RATE}"), short)
-        ours, read = cpu(lambda: imuwb.read(long))
-        ours_short, part = cpu(lambda: imuwb.read(short))
-        theirs, rows = cpu(lambda: by_mcap_ros2(short), 1)
-        megabytes = long.stat().st_size / 1e6
-    assert read.imus[0].angular_rate.time.size == MESSAGES
-    assert np.array_equal(rows, np.column_stack([np.hstack([s.value * (1, -1, -1)]) for s in (part.imus[0].angular_rate, part.imus[0].specific_force)]))  # fmt: skip
-    mine, other = MESSAGES / ours, len(rows) / theirs
-    lines = [
-        (f"imuwb.read, {MESSAGES:,} messages, {megabytes:.0f} MB", f"{ours:.2f} s", f"{mine:,.0f}"),
-        (f"imuwb.read, {len(rows):,} messages", f"{ours_short:.3f} s", f"{len(rows) / ours_short:,.0f}"),
-        (f"mcap_ros2, {len(rows):,} messages, six numbers of each", f"{theirs:.2f} s", f"{other:,.0f}"),
-        ("**imuwb / mcap_ros2**", "", f"**{mine / other:.0f}**"),
-        (f"imuwb's writer, {MESSAGES:,} messages", f"{spent:.2f} s", f"{MESSAGES / spent:,.0f}"),
-    ]
-    packages = ", ".join(f"{name} {version(name)}" for name in ("imuwb", "mcap", "mcap-ros2-support", "zstandard"))
+    """Write and read the logs of every part, each in a process of its own, and print the table."""
+    parser = argparse.ArgumentParser(description="speed and memory of reading logs")
+    parser.add_argument("parts", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)}; all, if none is named")
+    parser.add_argument("--step", choices=("write", "read", "memory"), help=argparse.SUPPRESS)
+    parser.add_argument("--folder", type=Path, help=argparse.SUPPRESS)
+    given = parser.parse_args()
+    if unknown := set(given.parts) - set(PARTS):
+        parser.error(f"no such part: {', '.join(sorted(unknown))}; there are {', '.join(PARTS)}")
+    if given.step:
+        print(json.dumps(PARTS[given.parts[0]][given.step](given.folder)))
+        return
+    rows = []
+    for part in given.parts or PARTS:
+        with tempfile.TemporaryDirectory() as folder:
+            for step in PARTS[part]:
+                print(f"{part}: {step} ...", file=sys.stderr)
+                # A process inherits its parent's largest memory, so this one stays small.
+                command = [sys.executable, __file__, part, "--step", step, "--folder", folder]
+                ended = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True)
+                rows += json.loads(ended.stdout)
+    packages = ", ".join(f"{name} {version(name)}" for name in PACKAGES)
     print(f"Python {platform.python_version()}, {packages}; {os.cpu_count()} processors\n")
-    print("| what | CPU | messages per CPU second |\n| --- | --- | --- |")
-    print("\n".join(f"| {a} | {b} | {c} |" for a, b, c in lines))
+    print("| what | measured | messages per CPU second | goal |\n| --- | --- | --- | --- |")
+    print("\n".join(f"| {' | '.join(row)} |" for row in rows))
 
 
 def cpu(work, runs=RUNS):
     """Return the least CPU time of some runs, and what the last returned."""
     spent, result = [], None
     for _ in range(runs):
+        result = None  # a log that is measured already does not stand beside the next
         begin = time.process_time()
         result = work()
         spent.append(time.process_time() - begin)
     return min(spent), result
 
 
-def by_mcap_ros2(path):
-    """Return the rates and forces, a row for each message."""
-    rows = []
-    for message in read_ros2_messages(path):
-        rate, force = message.ros_msg.angular_velocity, message.ros_msg.linear_acceleration
-        rows.append((rate.x, rate.y, rate.z, force.x, force.y, force.z))
-    return np.array(rows)
+def compared(long, short, peer, *, name, part, least, ratio):
+    """Return the rows that compare imuwb on both files with a peer on the short one; and what imuwb and the peer read there."""
+    import imuwb
 
+    ours, _ = cpu(lambda: imuwb.read(long))
+    ours_short, read = cpu(lambda: imuwb.read(short))
+    theirs, rows = cpu(peer)
+    count, mine, other = SUBSET[part], MESSAGES / ours, SUBSET[part] / theirs
+    return [
+        (f"{part}: imuwb.read, {MESSAGES:,} messages, {long.stat().st_size / 1e6:.0f} MB", f"{ours:.2f} s", f"{mine:,.0f}", f"at least {least:,}"),
+        (f"  imuwb.read, {count:,} messages", f"{ours_short:.3f} s", f"{count / ours_short:,.0f}", ""),
+        (f"  {name}, {count:,} messages", f"{theirs:.2f} s", f"{other:,.0f}", ""),
+        (f"  **imuwb / {name}**", "", f"**{mine / other:.0f}**", f"at least {ratio}"),
+    ], read, rows  # fmt: skip
+
+
+def resident():
+    """Return the largest resident memory of this process so far, bytes."""
+    import resource
+
+    # ru_maxrss counts kilobytes on Linux, bytes on macOS
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+
+
+# MCAP
+
+
+def write_mcap(folder):
+    """Write a million messages, and the first of them in a file of their own."""
+    from dataclasses import replace
+
+    import imuwb
+    from imuwb.simulation import preset, static
+    from imuwb.writers import write
+
+    long = folder / "long.mcap"
+    log = static(preset("3dm-gx3-25"), MESSAGES / RATE, RATE, 0)
+    log = replace(log, imus=tuple(replace(imu, temperature=None) for imu in log.imus))
+    spent, _ = cpu(lambda: write(log, long))
+    write(imuwb.select(log, end=f"{(SUBSET['mcap'] - 0.5) / RATE}"), folder / "short.mcap")
+    return [(f"mcap: imuwb's writer, {MESSAGES:,} messages", f"{spent:.2f} s", f"{MESSAGES / spent:,.0f}", "")]
+
+
+def read_mcap(folder):
+    """Read both files; mcap-ros2-support reads the short one."""
+    from mcap_ros2.reader import read_ros2_messages
+
+    def peer():
+        rows = []
+        for message in read_ros2_messages(folder / "short.mcap"):
+            told = message.ros_msg
+            rate, force, stamp = told.angular_velocity, told.linear_acceleration, told.header.stamp
+            rows.append((stamp.sec, stamp.nanosec, rate.x, rate.y, rate.z, force.x, force.y, force.z))
+        return rows
+
+    rows, log, theirs = compared(
+        folder / "long.mcap", folder / "short.mcap", peer, name="mcap_ros2", part="mcap", least=1_500_000, ratio=60
+    )
+    told = np.array(theirs)
+    (imu,) = log.imus
+    assert np.array_equal(imu.angular_rate.time, told[:, 0].astype(np.int64) * 10**9 + told[:, 1].astype(np.int64))
+    assert np.array_equal(imu.angular_rate.value * (1, -1, -1), told[:, 2:5])
+    assert np.array_equal(imu.specific_force.value * (1, -1, -1), told[:, 5:])
+    return rows
+
+
+def mcap_memory(folder):
+    """Growth of a process that reads the long file, above the arrays it gets."""
+    import imuwb
+
+    imuwb.read(folder / "short.mcap")
+    before = resident()
+    log = imuwb.read(folder / "long.mcap")
+    grown = resident() - before
+    parts = [part for imu in log.imus for part in (imu.angular_rate, imu.specific_force)]
+    assert len(parts[0]) == MESSAGES
+    arrays = {array.__array_interface__["data"][0]: array.nbytes for p in parts for array in (p.time, p.value)}
+    kept = sum(arrays.values())
+    return [
+        (f"  memory above its arrays of {kept / 1e6:.0f} MB", f"{(grown - kept) / 1e6:.0f} MB", "", "at most 200 MB")
+    ]
+
+
+# Telemetry
+
+#: MAVLink messages of a tenth of a second, each with the field that tells the time and in which unit
+FRAMES = (
+    ("HEARTBEAT", None, 0), ("ATTITUDE", "time_boot_ms", 1000), ("RAW_IMU", "time_usec", 1), ("SCALED_IMU2", "time_boot_ms", 1000),
+    ("SCALED_IMU3", "time_boot_ms", 1000), ("GPS_RAW_INT", "time_usec", 1), ("GLOBAL_POSITION_INT", "time_boot_ms", 1000),
+    ("SYSTEM_TIME", "time_boot_ms", 1000), ("VFR_HUD", None, 0), ("NAV_CONTROLLER_OUTPUT", None, 0),
+)  # fmt: skip
+FIXED = {"lat": 473_977_420, "lon": 85_455_940, "alt": 488_000, "fix_type": 3, "zacc": -1000, "time_unix_usec": START}
+TRIADS = ("gyro", "acc")
+
+
+def mavlink_dialect():
+    """Return pymavlink's messages of protocol version 2."""
+    os.environ["MAVLINK20"] = "1"
+    from pymavlink.dialects.v20 import ardupilotmega
+
+    return ardupilotmega
+
+
+def write_tlog(folder):
+    """Write frames: pymavlink packs one of each kind; times, counts and checksums of the copies are set column by column."""
+    count, rng = MESSAGES // len(FRAMES), np.random.default_rng(0)
+    boot = 5_000_000 + 100_000 * np.arange(count)  # µs
+    columns = [_frames(name, clock, unit, boot, rng) for name, clock, unit in FRAMES]
+    cycles = np.concatenate(columns, axis=1)
+    (folder / "long.tlog").write_bytes(cycles.tobytes())
+    (folder / "short.tlog").write_bytes(cycles[: SUBSET["tlog"] // len(FRAMES)].tobytes())
+    return []
+
+
+def _frames(name, clock, unit, boot, rng):
+    """Return records of one kind, (n, bytes)."""
+    dialect = mavlink_dialect()
+    kind = dialect.mavlink_map[getattr(dialect, f"MAVLINK_MSG_ID_{name}")]
+    # Trailing zeros of a payload are not sent: a last byte that is not zero keeps all frames of a kind as long.
+    sizes, last = _sizes(kind), kind.ordered_fieldnames[-1]
+    values = {field: FIXED.get(field, 0) for field in kind.fieldnames}
+    values[last] = 1 << 8 * (sizes[-1] - 1)
+    packed = kind(*values.values()).pack(dialect.MAVLink(None, srcSystem=1, srcComponent=1))
+    records = np.empty((boot.size, 8 + len(packed)), np.uint8)
+    records[:, 8:] = np.frombuffer(packed, np.uint8)
+    records[:, :8] = (START + boot).astype(">u8").view(np.uint8).reshape(-1, 8)
+    at, places = 8 + 10, {}
+    for field, size in zip(kind.ordered_fieldnames, sizes, strict=True):
+        places[field] = slice(at, at + size)
+        at += size
+
+    def put(field, numbers, dtype):
+        place = places[field]
+        records[:, place] = numbers.astype(dtype).view(np.uint8).reshape(boot.size, -1)[:, : place.stop - place.start]
+
+    if clock is not None:
+        put(clock, boot // unit, "<u8" if clock == "time_usec" else "<u4")
+    if "time_unix_usec" in places:
+        put("time_unix_usec", START + boot, "<u8")
+    for axis in "xyz":
+        for sensor in TRIADS:
+            if f"{axis}{sensor}" in places:
+                put(f"{axis}{sensor}", rng.integers(-1000, 1000, boot.size), "<i2")
+    if "lat" in places:
+        put("lat", FIXED["lat"] + rng.integers(-1000, 1000, boot.size), "<i4")
+    records[:, -2:] = _checksums(records[:, 9:-2], kind.crc_extra).view(np.uint8).reshape(-1, 2)
+    return records
+
+
+def _sizes(kind):
+    """Return the bytes of a message's fields, as they go over the air."""
+    sizes = {"char": 1, "int8_t": 1, "uint8_t": 1, "int16_t": 2, "uint16_t": 2, "int32_t": 4, "uint32_t": 4, "float": 4}
+    kinds = dict(zip(kind.fieldnames, kind.fieldtypes, strict=True))
+    lengths = dict(zip(kind.ordered_fieldnames, kind.array_lengths, strict=True))
+    return [sizes.get(kinds[name], 8) * max(lengths[name], 1) for name in kind.ordered_fieldnames]
+
+
+def _checksums(content, extra):
+    """Return MAVLink's checksums of rows, (n,) uint16."""
+    table = np.arange(256, dtype=np.uint16)
+    for _ in range(8):
+        table = np.where(table & 1, (table >> 1) ^ 0x8408, table >> 1).astype(np.uint16)
+    crc = np.full(content.shape[0], 0xFFFF, np.uint16)
+    for column in (*content.T, np.full(content.shape[0], extra, np.uint8)):
+        crc = (crc >> 8) ^ table[(crc ^ column) & 0xFF]
+    return crc.astype("<u2")
+
+
+def read_tlog(folder):
+    """Read both files; pymavlink reads the short one."""
+    mavlink_dialect()
+    from pymavlink import mavutil
+
+    mavutil.set_dialect("ardupilotmega")
+
+    def peer():
+        log, told = mavutil.mavlink_connection(str(folder / "short.tlog")), []
+        while (message := log.recv_msg()) is not None:
+            told.append(message)
+        log.close()
+        return told
+
+    rows, log, theirs = compared(
+        folder / "long.tlog", folder / "short.tlog", peer, name="pymavlink", part="tlog", least=400_000, ratio=15
+    )
+    told = {}
+    for message in theirs:
+        told.setdefault(message.get_type(), []).append(message)
+    assert sum(map(len, told.values())) == SUBSET["tlog"]
+    assert {name for name, _, _ in FRAMES} == set(told)
+    for imu in log.imus:
+        messages = told.pop(imu.name)
+        for triad, sensor, unit in (
+            (imu.angular_rate, "gyro", 1e-3), (imu.specific_force, "acc", 9.80665e-3),
+        ):  # fmt: skip
+            counts = [[getattr(m, f"{axis}{sensor}") for axis in "xyz"] for m in messages]
+            np.testing.assert_allclose(triad.value, np.array(counts) * unit, rtol=1e-14)
+            boot = [m.time_usec if imu.name == "RAW_IMU" else 1000 * m.time_boot_ms for m in messages]
+            assert np.array_equal(triad.time // 1000 - START, boot)
+    for stream, name in ((log.gnss[0], "GPS_RAW_INT"), (log.references[0], "GLOBAL_POSITION_INT")):
+        place = np.array([(m.lat, m.lon, m.alt) for m in told.pop(name)])
+        np.testing.assert_allclose(np.degrees(stream.position[:, :2]), place[:, :2] * 1e-7, rtol=1e-14)
+        np.testing.assert_allclose(stream.position[:, 2], place[:, 2] * 1e-3, rtol=1e-14)
+    assert "RAW_IMU" not in told
+    return rows
+
+
+# ArduPilot's logs
+
+#: number, name, letters, labels; and numpy's types of the letters
+RECORDS = (
+    (131, "IMU", "QBfffffff", "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,T", 3),
+    (132, "GPS", "QBBIHBcLLefff", "TimeUS,I,Status,GMS,GWk,NSats,HDop,Lat,Lng,Alt,Spd,GCrs,VZ", 1),
+    (133, "GPA", "QBCCCC", "TimeUS,I,VDop,HAcc,VAcc,SAcc", 1),
+    (134, "POS", "QLLfff", "TimeUS,Lat,Lng,Alt,RelHomeAlt,RelOriginAlt", 1),
+    (135, "ATT", "QccccCC", "TimeUS,DesRoll,Roll,DesPitch,Pitch,DesYaw,Yaw", 2),
+    (136, "BARO", "QBfff", "TimeUS,I,Alt,Press,Temp", 1),
+    (137, "RCOU", "QHHHH", "TimeUS,C1,C2,C3,C4", 1),
+)
+LETTERS = {
+    "Q": "<u8", "B": "u1", "f": "<f4", "I": "<u4", "H": "<u2", "c": "<i2", "L": "<i4", "e": "<i4", "C": "<u2",
+}  # fmt: skip
+HEAD = b"\xa3\x95"
+
+
+def write_bin(folder):
+    """Write records, ten a cycle; all but a few constants are set column by column."""
+    import struct
+
+    cycle = np.dtype([
+        (f"{name}{i}", [("head", "S2"), ("number", "u1"), *zip(labels.split(","), map(LETTERS.get, letters), strict=True)])
+        for _, name, letters, labels, instances in RECORDS for i in range(instances)
+    ])  # fmt: skip
+    declared = b"".join(
+        HEAD + struct.pack("<BBB4s16s64s", 128, number, 3 + sum(np.dtype(LETTERS[x]).itemsize for x in letters),
+                           name.encode(), letters.encode(), labels.encode())
+        for number, name, letters, labels, _ in ((128, "FMT", "BBnNZ", "Type,Length,Name,Format,Columns", 1), *RECORDS)
+        if name != "FMT"
+    )  # fmt: skip
+    own = HEAD + struct.pack("<BBB4s16s64s", 128, 128, 89, b"FMT", b"BBnNZ", b"Type,Length,Name,Format,Columns")
+    rng, count = np.random.default_rng(0), MESSAGES // len(cycle)
+    rows, step = np.zeros(count, cycle), np.arange(count)
+    for number, name, _, labels, instances in RECORDS:
+        for i in range(instances):
+            one = rows[f"{name}{i}"]
+            one["head"], one["number"], one["TimeUS"] = HEAD, number, 5_000_000 + 40_000 * step + 7 * i
+            for label in labels.split(",")[1:]:
+                one[label] = i if label == "I" else rng.integers(0, 1000, count)
+    gps, place = rows["GPS0"], rows["POS0"]
+    gps["Status"], gps["GWk"], gps["GMS"] = 3, 2340, 100_000_000 + 40 * step
+    for one in (gps, place):
+        one["Lat"], one["Lng"] = 473_000_000 + step, 85_000_000 - step
+    for i in range(3):
+        for label in ("GyrX", "GyrY", "GyrZ", "AccX", "AccY", "AccZ", "T"):
+            rows[f"IMU{i}"][label] = rng.normal({"AccZ": -9.8, "T": 30}.get(label, 0), 0.1, count)
+    (folder / "long.bin").write_bytes(own + declared + rows.tobytes())
+    (folder / "short.bin").write_bytes(own + declared + rows[: SUBSET["bin"] // len(cycle)].tobytes())
+    return []
+
+
+def read_bin(folder):
+    """Read both files; pymavlink's DFReader reads the short one."""
+    from pymavlink.DFReader import DFReader_binary
+
+    def peer():
+        log, told = DFReader_binary(str(folder / "short.bin")), {}
+        while (message := log.recv_msg()) is not None:
+            told.setdefault(message.get_type(), []).append(message)
+        log.close()
+        return told
+
+    rows, log, told = compared(
+        folder / "long.bin", folder / "short.bin", peer, name="DFReader", part="bin", least=800_000, ratio=8
+    )
+    assert sum(map(len, told.values())) - len(told["FMT"]) == SUBSET["bin"]
+    assert [imu.name for imu in log.imus] == ["IMU.0", "IMU.1", "IMU.2"]
+    for instance, imu in enumerate(log.imus):
+        mine = [message for message in told["IMU"] if instance == message.I]
+        for triad, sensor in ((imu.angular_rate, "Gyr"), (imu.specific_force, "Acc")):
+            assert triad.value.tolist() == [[getattr(m, f"{sensor}{axis}") for axis in "XYZ"] for m in mine]
+            assert np.ptp(triad.time // 1000 - [m.TimeUS for m in mine]) == 0
+        assert imu.temperature.value.tolist() == [m.T for m in mine]
+    (gnss,) = log.gnss
+    place = np.array([(m.Lat, m.Lng, m.Alt) for m in told["GPS"]])
+    np.testing.assert_allclose(gnss.position, np.column_stack([np.radians(place[:, :2]), place[:, 2]]), rtol=1e-14)
+    return rows
+
+
+# Text, and an index
+
+
+def write_csv(folder):
+    """Write a text log of 1 GB, some rows at a time."""
+    import pyarrow as pa
+    from pyarrow import csv
+
+    names = ["time_ns", *(f"gyro_{axis}_rad_s" for axis in "xyz"), *(f"accel_{axis}_m_s2" for axis in "xyz")]
+    rng, block, row = np.random.default_rng(0), 1 << 18, 0
+    options = csv.WriteOptions(include_header=False, quoting_style="none")
+    with (folder / "long.csv").open("wb") as file:
+        file.write((",".join(names) + "\n").encode())
+        while file.tell() < GIGABYTE:
+            stamps = START * 1000 + (row + np.arange(block)) * 10_000_000
+            values = rng.normal(0, 0.1, (6, block))
+            values[5] -= 9.8
+            csv.write_csv(pa.table([stamps, *values], names=names), file, options)
+            row += block
+    (folder / "rows.txt").write_text(str(row), "utf-8")
+    return []
+
+
+def read_csv(folder):
+    """Stream the text log in a process that does nothing else."""
+    from imuwb.readers import Batch, stream
+
+    path = folder / "long.csv"
+
+    def counted():
+        rows = first = last = 0
+        for part in stream(path):
+            if isinstance(part, Batch):
+                first = first or int(part.time[0])
+                rows, last = rows + part.time.size, int(part.time[-1])
+        return rows, first, last
+
+    spent, (rows, first, last) = cpu(counted)
+    assert rows == int((folder / "rows.txt").read_text("utf-8")) == (last - first) // 10_000_000 + 1
+    return [
+        (f"csv: imuwb.readers.stream, {rows:,} rows, {path.stat().st_size / 1e6:.0f} MB", f"{spent:.1f} s", f"{rows / spent:,.0f}", ""),
+        ("  largest memory of the process", f"{resident() / 1e6:.0f} MB", "", "at most 600 MB"),
+    ]  # fmt: skip
+
+
+def write_indexed(folder):
+    """Write an indexed MCAP of 1 GB."""
+    from imuwb.log import ImuStream, Log, Provenance, Triad
+    from imuwb.writers import write
+
+    def log(count):
+        stamps = START * 1000 + np.arange(count) * 10_000_000
+        rate, force = (Triad(stamps, rng.normal(0, 0.1, (count, 3))) for _ in range(2))
+        return Log(Provenance("", "", "", 0), imus=(ImuStream("/imu", rate, force),))
+
+    rng, probe, path = np.random.default_rng(0), 100_000, folder / "long.mcap"
+    write(log(probe), path)
+    write(log(int(1.01 * probe * GIGABYTE / path.stat().st_size)), path)
+    return []
+
+
+def read_indexed(folder):
+    """Ask for what the log holds, as one does on the command line."""
+    path = folder / "long.mcap"
+    size = path.stat().st_size
+    assert size >= GIGABYTE
+    with path.open("rb") as file:
+        while file.read(1 << 24):
+            pass
+    spent = []
+    for _ in range(RUNS):
+        begin = time.perf_counter()
+        done = subprocess.run([sys.executable, "-m", "imuwb", "info", path], check=True, capture_output=True, text=True)
+        spent.append(time.perf_counter() - begin)
+    assert "/imu" in done.stdout
+    return [(f"info: imuwb info, MCAP of {size / 1e6:.0f} MB, wall clock", f"{min(spent):.2f} s", "", "at most 1 s")]
+
+
+PARTS = {
+    "mcap": {"write": write_mcap, "read": read_mcap, "memory": mcap_memory},
+    "tlog": {"write": write_tlog, "read": read_tlog},
+    "bin": {"write": write_bin, "read": read_bin},
+    "csv": {"write": write_csv, "read": read_csv},
+    "info": {"write": write_indexed, "read": read_indexed},
+}
 
 if __name__ == "__main__":
     main()
