@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import Table, estimate_text
+from imuwb.analysis import AXIS_COLORS, Curve, Figure, Table, estimate_text
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.coefficient import interval
 from imuwb.identification.distributions import (
@@ -24,13 +24,14 @@ from imuwb.log import SECOND
 from imuwb.units import coefficient_units
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from imuwb.analysis import AnyCoefficient, Finding, Review
     from imuwb.log import Floats, Log
 
 DIFFERENT = 0.01  #: probability, over all coefficients, below which the logs are said to differ
 FEWEST = 2  #: values to compare
+LEAST = 0.1  #: of a value, where a bar that reaches down to 0 ends on a logarithmic axis
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,6 +203,8 @@ def draw(found: Repeatability, review: Review) -> None:
     review.table(
         Table("Repeatability", ("axis", "term", *found.names, "all logs", "equal?"), tuple(rows), caption, wide=True)
     )
+    for figure in _figures(found):
+        review.figure(figure)
     turns: list[tuple[str, ...]] = []
     for axis, t in found.turn_on.items():
         unit = coefficient_units(axis, "rate")[1]
@@ -209,6 +212,39 @@ def draw(found: Repeatability, review: Review) -> None:
         turns.append((axis, *means, estimate_text(t, unit)))
     caption = "Mean of each log, and how the means scatter beyond the noise within the logs: the turn-on bias's sigma, which goes into the model; < is a limit. An accelerometer must not have been moved."
     review.table(Table("Turn-on bias", ("axis", *found.names, "sigma"), tuple(turns), caption))
+
+
+def _figures(found: Repeatability) -> Iterator[Figure]:
+    """Yield N and B of each axis from log to log, with their intervals; a limit is the end of a bar alone."""
+    for sensor, title in (("gyro", "Gyroscopes"), ("accel", "Accelerometers")):
+        axes = [axis for axis in found.coefficients if axis.startswith(sensor)]
+        for letter, name in (("N", "random walk N"), ("B", "bias instability B")):
+            curves = tuple(_curve(found, axis, letter, i) for i, axis in enumerate(axes))
+            if any(np.isfinite(curve.y).any() for curve in curves):
+                unit = coefficient_units(axes[0], letter)[1].name
+                logs = ", ".join(f"{i}: {name}" for i, name in enumerate(found.names, 1))
+                yield Figure(
+                    f"{title}: {name} from log to log", f"log [1]; {logs}", f"{name} [{unit}]", curves, x_scale="linear",
+                    x_limits=(0.5, len(found.names) + 0.5),
+                )  # fmt: skip
+
+
+def _curve(found: Repeatability, axis: str, letter: str, place: int) -> Curve:
+    compared, unit = found.coefficients[axis][letter], coefficient_units(axis, letter)[1]
+
+    def shown(values: Sequence[float | None]) -> Floats:
+        return np.array([np.nan if v is None else unit.from_si(v) for v in values])
+
+    x = np.arange(1.0, len(found.names) + 1) + 0.08 * (place - 1)  # side by side
+    y = shown(compared.values)
+    return Curve(
+        axis.replace("_", " "),
+        x,
+        y,
+        AXIS_COLORS[axis[-1]],
+        np.fmax(shown(compared.lower), y * LEAST),
+        shown(compared.upper),
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -169,7 +169,7 @@ def test_the_table_shows_all_logs_together_beside_each():
     notes, tables = [], []
 
     class Review:
-        note, table = notes.append, tables.append
+        note, table, figure = notes.append, tables.append, print
 
     found = compare([log(0.0), log(1.0, "b.csv")], [(finding(1.0, K=SURE),), (finding(1.0),)], 0.95)
     draw(found, Review())
@@ -182,6 +182,30 @@ def test_the_table_shows_all_logs_together_beside_each():
     assert rows["K"][3].endswith("DIFFER")
     assert rows["Q"][2].startswith("< ")
     assert "gyro_x K" in notes[0]
+
+
+def test_coefficients_are_drawn_from_log_to_log_with_their_intervals():
+    figures = []
+
+    class Review:
+        def note(self, text):
+            pass
+
+        def table(self, table):
+            pass
+
+        def figure(self, figure):
+            figures.append(figure)
+
+    logs = [log(0.0), log(1.0, "b.csv")]
+    draw(compare(logs, [(finding(1.0),), (finding(2.0),)], 0.95), Review())
+    (found,) = [f for f in figures if "random walk N" in f.title]
+    (curve,) = found.curves
+    assert found.x_title == "log [1]; 1: a.csv, 2: b.csv"
+    assert curve.label == "gyro x"
+    assert curve.y[1] / curve.y[0] == pytest.approx(2)
+    assert (curve.lower < curve.y).all()
+    assert (curve.y < curve.upper).all()
 
 
 def test_the_turn_on_bias_is_the_scatter_of_the_means():
