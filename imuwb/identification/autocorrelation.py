@@ -22,6 +22,7 @@ GROUP = 2**0.5  #: last frequency over first, of what is judged together
 FEWEST = 32  #: coefficients that are judged together, the lowest
 SHORTEST = 1e-5  #: sampling intervals; a process of such a Tc is white
 UNKNOWN = 30.0  #: of a logarithm; wider intervals say nothing
+LONG = 1_000_000  #: samples, from which on the transform is of half the length of numbers
 SHOWN = 2000  #: lags that are kept
 
 
@@ -76,10 +77,12 @@ def autocorrelation(values: Floats, dt: float, longest: float | None = None, *, 
     centered = values - values.mean()
     most = min(max(round((n * dt / 10 if longest is None else longest) / dt), 1), n - 1)
     size = fft.next_fast_len(n + most, real=True)
-    power = np.abs(fft.rfft(centered, size))
+    variance = float(np.mean(np.square(centered)))
+    # Of a long record half the digits do, to a part in a million: chance alone makes a thousandth.
+    digits = np.float32 if n > LONG else np.float64
+    power = np.abs(fft.rfft((centered / variance**0.5).astype(digits), size))
     np.square(power, out=power)
-    covariance = fft.irfft(power, size)[: most + 1]
-    variance = float(covariance[0]) / n
+    covariance = fft.irfft(power, size)[: most + 1].astype(np.float64)
     every = covariance / covariance[0]
     below = np.flatnonzero(every < np.exp(-1))
     falls_to = None

@@ -109,3 +109,14 @@ def test_a_short_record_has_a_curve_but_no_process():
 def test_what_has_no_autocorrelation_says_why(values):
     with pytest.raises(ValueError, match="no autocorrelation"):
         autocorrelation(values, DT)
+
+
+def test_a_long_record_s_correlation_is_that_of_full_precision():
+    values = GaussMarkov(1e-5, 5.0).sample(1_100_000, 0.01, np.random.default_rng(3)) + 9.8
+    found = autocorrelation(values, 0.01, 20.0)
+    centered = values - values.mean()
+    for k in (0, 1, 10, 500, 2000):
+        direct = float(centered[: values.size - k] @ centered[k:]) / float(centered @ centered)
+        at = int(np.argmin(np.abs(found.lag - k * 0.01)))
+        assert found.value[at] == pytest.approx(direct, abs=3e-6)
+    assert found.variance == pytest.approx(centered.var(), rel=1e-12)
