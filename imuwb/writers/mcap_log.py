@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, BinaryIO
 import numpy as np
 import zstandard
 
+from imuwb.errors import MissingDataError
 from imuwb.writers.beside import beside
 from imuwb.writers.ros_messages import definition, stamped, topics
 
@@ -34,6 +35,7 @@ HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX, STA
 )  # fmt: skip
 ROWS = 12_000  #: of the fastest stream in a chunk, about 4 MB
 LAST = 2**63 - 1  #: ns
+STAMPS_END = 2**31 * 10**9  #: ns; seconds of a stamp are an int32
 
 
 @dataclass(slots=True)
@@ -49,6 +51,10 @@ class _Index:
 def write_mcap(log: Log, path: Path, progress: Progress | None = None) -> None:
     """Write all streams of a log as ROS 2 messages, in chunks in the order of time."""
     found = topics(log)
+    late = next((topic.name for topic in found if topic.time.size and topic.time[-1] >= STAMPS_END), None)
+    if late is not None:
+        message = f"{path}: {late} has times after 2038, which a ROS 2 message cannot tell; write .csv"
+        raise MissingDataError(message)
     with beside(path) as temporary, temporary.open("wb") as file:
         file.write(MAGIC + _record(HEADER, _text("ros2") + _text("imuwb")))
         declared = _declarations([(topic.name, topic.schema) for topic in found])

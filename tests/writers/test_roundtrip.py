@@ -63,7 +63,7 @@ def test_csv_of_mcap_of_csv_is_the_same_file(simulated, fresh):
 @settings(max_examples=25, deadline=None)
 @given(
     st.lists(st.tuples(*[st.floats(-1e6, 1e6)] * 6), min_size=2, max_size=5),
-    st.integers(0, 2**61),
+    st.integers(0, 2**31 * 10**9 - 10**9),
     st.sampled_from(SUFFIXES),
 )
 def test_any_doubles_and_any_start_survive(fresh, rows, start, suffix):
@@ -189,3 +189,9 @@ def test_a_failure_on_the_way_leaves_the_old_file(simulated, fresh):
         write(simulated, path, stop)
     assert path.read_bytes() == b"old"
     assert [p.name for p in path.parent.iterdir()] == ["log.mcap"]
+
+
+def test_times_that_a_stamp_cannot_hold_are_refused(fresh):
+    with pytest.raises(MissingDataError, match="after 2038"):
+        write(log_of(still([2**31 * 10**9 - 1, 2**31 * 10**9])), path := fresh("log.mcap"))
+    assert not path.exists()
