@@ -53,14 +53,15 @@ def check(log: Log, *, lines: bool = True) -> Health:
     for name, time, repairs, inertial in _clocks(log):
         faults += clock_faults(name, log.seconds(time), repairs, inertial=inertial)
         found.append((name, time))
-    for imu in log.imus:
-        faults += inertial_faults(log, imu, lines=lines)
+    parts = [segments(log, imu) for imu in log.imus]
+    for imu, own in zip(log.imus, parts, strict=True):
+        faults += inertial_faults(log, imu, own, lines=lines)
     for gnss in log.gnss:
         faults += receiver_faults(log, gnss)
     faults += _apart(log)
     faults.sort(key=lambda fault: -RANK[fault.severity])
     streams = tuple(_stream(log, name, time, faults) for name, time in found)
-    return Health(streams, tuple(faults), segments(log, log.imus[0]) if log.imus else ())
+    return Health(streams, tuple(faults), parts[0] if parts else ())
 
 
 def _clocks(log: Log) -> Iterator[tuple[str, Nanoseconds, tuple[Repair, ...], bool]]:

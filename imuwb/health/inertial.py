@@ -72,10 +72,10 @@ def _stillness(log: Log, imu: ImuStream) -> Stillness | None:
     return stillness(axes) if axes else None
 
 
-def inertial_faults(log: Log, imu: ImuStream, *, lines: bool) -> Iterator[Fault]:
+def inertial_faults(log: Log, imu: ImuStream, parts: tuple[Segment, ...], *, lines: bool) -> Iterator[Fault]:
     """Yield what is wrong with the samples of an IMU, axis by axis; lines of one that hardly moves."""
-    parts = segments(log, imu)
-    lines = lines and sum(s.end - s.start for s in parts if s.moving) < MOVES * sum(s.end - s.start for s in parts)
+    whole, moving = (sum(s.end - s.start for s in parts if s.moving >= least) for least in (False, True))
+    lines = lines and moving < MOVES * whole
     for name, (stamp, values) in imu.axes().items():
         where = f"{imu.name} {name}"
         time = log.seconds(stamp)
@@ -96,7 +96,7 @@ def inertial_faults(log: Log, imu: ImuStream, *, lines: bool) -> Iterator[Fault]
         if np.ptp(warmth.value) == 0 and span > CONSTANT:
             what = f"temperature stays at {warmth.value[0]:g} °C for {span / 60:.0f} min"
             yield Fault(imu.name, what, "note", consequence="likely no sensor's; nothing can be said of temperature")
-    yield from _plausible(log, imu)
+    yield from _plausible(log, imu, parts)
 
 
 def _stuck(where: str, time: Floats, values: Floats, breaks: NDArray[np.int64]) -> Iterator[Fault]:
@@ -190,11 +190,10 @@ def _lines(where: str, name: str, stamp: Nanoseconds, values: Floats) -> Iterato
         yield Fault(where, what, "note", consequence="a vibration or a disturbance, no noise")
 
 
-def _plausible(log: Log, imu: ImuStream) -> Iterator[Fault]:
+def _plausible(log: Log, imu: ImuStream, parts: tuple[Segment, ...]) -> Iterator[Fault]:
     """Yield a gravity or a bias that a still IMU cannot have."""
-    longest = max((s for s in segments(log, imu) if not s.moving), key=lambda s: s.end - s.start, default=None)
-    found = _stillness(log, imu)
-    if found is None or found.moving or longest is None or longest.end - longest.start < STILL_ENOUGH:
+    longest = max((s for s in parts if not s.moving), key=lambda s: s.end - s.start, default=None)
+    if longest is None or longest.end - longest.start < STILL_ENOUGH:
         return
     for sensor, triad in (("gyro", imu.angular_rate), ("accel", imu.specific_force)):
         if triad is None:

@@ -58,14 +58,8 @@ def probe(head: bytes) -> bool:
 def _binary(head: bytes) -> bool:
     if b"\0" not in head:
         return False
-    at = head.find(HEAD + bytes([FMT]))
-    while at >= 0:
-        if FMT in formats(np.frombuffer(head[at : at + FMT_SIZE], np.uint8)) and head[at + 3 : at + 5] == bytes(
-            [FMT, FMT_SIZE]
-        ):
-            return True
-        at = head.find(HEAD + bytes([FMT]), at + 1)
-    return False
+    # The record that describes records describes itself.
+    return HEAD + bytes([FMT, FMT, FMT_SIZE]) in head
 
 
 def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
@@ -87,31 +81,19 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
 def _read_binary(path: Path, trouble: list[str]) -> Tables:
     known: dict[int, Any] = {}
     tail = b""
-    for buffer, _ in _blocks(path, trouble):
-        data = tail + buffer.tobytes()
-        known = {**formats(np.frombuffer(data, np.uint8)), **known}
-        tail = data[-FMT_SIZE:]  # a record may lie across the edge
-    trouble.clear()
-    tables = Tables(known, WANTED)
-    rest = b""
-    for buffer, last in _blocks(path, trouble):
-        data = np.concatenate([np.frombuffer(rest, np.uint8), buffer]) if rest else buffer
-        rest = data[tables.take(data, last=last) :].tobytes()
+    with source.open_unpacked(path) as file:
+        for block, _ in source.blocks(file, []):  # the second reading says what is wrong
+            data = tail + block
+            known = {**formats(np.frombuffer(data, np.uint8)), **known}
+            tail = data[-FMT_SIZE:]  # a record may lie across the edge
+    tables, rest = Tables(known, WANTED), b""
+    with source.open_unpacked(path) as file:
+        for block, last in source.blocks(file, trouble):
+            data = rest + block
+            rest = data[tables.take(np.frombuffer(data, np.uint8), last=last) :]
     if tables.skipped:
         trouble.append(f"{tables.skipped} bytes that belong to no record left out")
     return tables
-
-
-def _blocks(path: Path, trouble: list[str]) -> Iterator[tuple[NDArray[np.uint8], bool]]:
-    """Yield the file in blocks, and whether one is the last."""
-    block = bytearray()
-    with source.open_unpacked(path) as file:
-        for piece in source.pieces(file, trouble):
-            block += piece
-            if len(block) >= source.BLOCK:
-                yield np.frombuffer(bytes(block), np.uint8), False
-                block.clear()
-    yield np.frombuffer(bytes(block), np.uint8), True
 
 
 def _read_text(path: Path, trouble: list[str]) -> TextTables:

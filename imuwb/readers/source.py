@@ -86,6 +86,17 @@ def pieces(file: BinaryIO, trouble: list[str]) -> Iterator[bytes]:
         trouble.append(f"the packed file is cut or damaged ({error}): what unpacks is used")
 
 
+def blocks(file: BinaryIO, trouble: list[str]) -> Iterator[tuple[bytes, bool]]:
+    """Yield what a file holds, unpacked, in blocks, and whether one is the last, which may be empty."""
+    block = bytearray()
+    for piece in pieces(file, trouble):
+        block += piece
+        if len(block) >= BLOCK:
+            yield bytes(block), False
+            block.clear()
+    yield bytes(block), True
+
+
 def extended(file: BinaryIO, rest: bytes, whole: int, left: int) -> bytes | None:
     """Return ``rest`` and the next block of a file, which holds at least one whole record; None at its end.
 

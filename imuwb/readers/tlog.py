@@ -63,27 +63,16 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     trouble: list[str] = []
     with source.open_unpacked(path) as file:
         rest, offset = b"", 0
-        for block in _blocks(source.pieces(file, trouble)):
+        for block, last in source.blocks(file, trouble):
             data = rest + block
-            end = log.take(data, offset, source.position(file), last=False)
+            end = log.take(data, offset, source.position(file), last=last)
             rest, offset = data[end:], offset + end
-        log.take(rest, offset, source.position(file), last=True)
     if not log.frames:
         message = f"{path}: no MAVLink frame whose checksum holds; {log.skipped} bytes belong to none"
         raise UnreadableLogError(message)
     yield from (Remark(text) for text in trouble)
     yield from log.batches(options)
     yield from log.remarks()
-
-
-def _blocks(pieces: Iterator[bytes]) -> Iterator[bytes]:
-    block = bytearray()
-    for piece in pieces:
-        block += piece
-        if len(block) >= source.BLOCK:
-            yield bytes(block)
-            block.clear()
-    yield bytes(block)
 
 
 @dataclass(slots=True)
