@@ -76,7 +76,7 @@ def show_faults(log: Log, show: Callable[[Table | str], None]) -> None:
     """Say how many faults there are, and the worst; ``imuwb health`` tells them all."""
     from imuwb.health import check  # noqa: PLC0415 - help must not wait for numpy
 
-    found = [fault for fault in check(log, lines=False).faults if fault.severity != "note"]
+    found = [fault for fault in check(log, samples=False).faults if fault.severity != "note"]
     if found:
         worst = found[0]
         said = f"{worst.stream}: {worst.what}{f' ({worst.count})' if worst.count > 1 else ''}"

@@ -41,20 +41,21 @@ class Health:
     segments: tuple[Segment, ...]  #: of the first IMU: still or moving
 
 
-def check(log: Log, *, lines: bool = True) -> Health:
+def check(log: Log, *, lines: bool = True, samples: bool = True) -> Health:
     """Return what is wrong with a log.
 
     Args:
         log: what was read.
         lines: look for periodic lines in still records too.
+        samples: look at the IMUs' samples, the long part, besides clocks and receivers.
     """
     faults: list[Fault] = []
     found: list[tuple[str, Nanoseconds]] = []
     for name, time, repairs, inertial in _clocks(log):
         faults += clock_faults(name, log.seconds(time), repairs, inertial=inertial)
         found.append((name, time))
-    parts = [segments(log, imu) for imu in log.imus]
-    for imu, own in zip(log.imus, parts, strict=True):
+    parts = [segments(log, imu) for imu in log.imus if samples]
+    for imu, own in zip(log.imus, parts, strict=False):
         faults += inertial_faults(log, imu, own, lines=lines)
     for gnss in log.gnss:
         faults += receiver_faults(log, gnss)
