@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib.util
 import sys
 import warnings
+from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import TYPE_CHECKING
 
@@ -27,6 +28,7 @@ class PluginWarning(UserWarning):
     """A plugin is installed, but cannot be used."""
 
 
+@cache
 def installed(group: str) -> dict[str, EntryPoint]:
     """Return {name: entry point} of a group, nothing imported yet.
 

@@ -6,6 +6,13 @@ from imuwb import registry
 from imuwb.errors import UsageError
 
 
+@pytest.fixture(autouse=True)
+def _asked_anew():
+    registry.installed.cache_clear()
+    yield
+    registry.installed.cache_clear()
+
+
 def points(monkeypatch, *found):
     monkeypatch.setattr(registry, "entry_points", lambda group: [EntryPoint(n, v, group) for n, v in found])
 

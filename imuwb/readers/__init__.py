@@ -35,7 +35,9 @@ __all__ = [
 ]
 
 
-LAST = {"tlog": 1, "csv": 2}  #: formats that are asked last
+#: Formats that are not asked in the order of their names. Telemetry begins with no magic, and text is what is left when no
+#: binary format is found; the format asked first is the only reader that its logs need to load.
+ORDER = {"mcap": -1, "tlog": 1, "csv": 2}
 
 
 def reader_of(path: str | Path) -> Reader:
@@ -47,16 +49,15 @@ def reader_of(path: str | Path) -> Reader:
     path = Path(path)
     source.check(path)
     head = source.head(path)
-    readers = [cast("Reader", registry.load(point)) for point in registry.installed(registry.READERS).values()]
-    # Telemetry begins with no magic, and text is what is left when no binary format is found.
-    readers.sort(key=lambda reader: LAST.get(getattr(reader, "format", ""), 0))
-    for reader in readers:
-        if reader is not None and reader.probe(head):  # pyright: ignore[reportUnnecessaryComparison]
+    points = registry.installed(registry.READERS)
+    for name in sorted(points, key=lambda name: ORDER.get(name, 0)):
+        reader = cast("Reader | None", registry.load(points[name]))
+        if reader is not None and reader.probe(head):
             return reader
     if not head:
         message = f"{path}: a gzip file of which nothing unpacks; it is cut or damaged"
         raise UnreadableLogError(message)
-    known = ", ".join(sorted(reader.format for reader in readers if reader is not None))  # pyright: ignore[reportUnnecessaryComparison]
+    known = ", ".join(points)
     message = f"{path}: begins with {head[:8]!r}, which no known log format does (known: {known})"
     raise UnreadableLogError(message)
 

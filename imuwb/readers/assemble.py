@@ -125,10 +125,10 @@ def _join(batches: list[Batch], noted: list[Repair]) -> _Rows:
     counts: dict[str, int] = {}
 
     finite = np.ones(time.size, dtype=bool)
-    for values in (
-        v for name, v in columns.items() if first.kind not in ("gnss", "velocity") or name not in _MAY_BE_UNKNOWN
-    ):
-        finite &= np.isfinite(values) if values.ndim == 1 else np.isfinite(values).all(axis=1)
+    for name, values in columns.items():
+        whole = np.isfinite(values)
+        if not whole.all() and (first.kind not in ("gnss", "velocity") or name not in _MAY_BE_UNKNOWN):
+            finite &= whole if values.ndim == 1 else whole.all(axis=1)
     if not finite.all():
         counts["rows with a value that is not a number left out"] = int(np.count_nonzero(~finite))
         time, columns = _take(time, columns, finite)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numba
 import numpy as np
 
 if TYPE_CHECKING:
@@ -28,20 +27,13 @@ def gather(buffer: NDArray[np.uint8], at: NDArray[np.int64], kind: str, count: i
     dtype = np.dtype(kind)
     found = np.empty((at.size, max(count, 1)), dtype)
     if at.size:
+        from imuwb.readers.pick import pick  # noqa: PLC0415 - see there
+
         # Bytes are copied as whole numbers of their size: a view in which each byte begins one.
         whole = f"u{dtype.itemsize}"
         view = np.ndarray((buffer.size - dtype.itemsize + 1,), whole, buffer, strides=(1,))
-        _pick(view, at, dtype.itemsize, found.view(whole))
+        pick(view, at, dtype.itemsize, found.view(whole))
     return found if count else found[:, 0]
-
-
-@numba.njit(cache=True, nogil=True, error_model="numpy")
-def _pick(
-    view: NDArray[Any], at: NDArray[np.int64], size: int, found: NDArray[Any]
-) -> None:  # pragma: no cover - compiled
-    for i in range(at.size):
-        for j in range(found.shape[1]):
-            found[i, j] = view[at[i] + size * j]
 
 
 def alike(keys: NDArray[Any], rows: NDArray[np.int64]) -> Iterator[tuple[int, NDArray[np.int64]]]:

@@ -9,8 +9,7 @@ from mcap.reader import make_reader
 
 from imuwb.readers import shapes
 from imuwb.readers.decoders import CannotDecodeError, decoder_of
-from imuwb.readers.gather import gather
-from imuwb.readers.mcap_records import HEADER, MESSAGE, unpacked_chunk, walk
+from imuwb.readers.mcap_chunk import HEADER, MESSAGE, PREFIX, unpacked_chunk
 from imuwb.readers.messages import Channel, Messages, Schema
 from imuwb.readers.summary import LogSummary, StreamSummary
 from imuwb.readers.unpack import LARGEST
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
     from mcap.summary import Summary
 
 UNIX = 10**17  #: ns
-PREFIX = 9  #: bytes of a record before its content
 
 
 def describe(path: Path) -> LogSummary | None:
@@ -72,10 +70,14 @@ def _first(file: BinaryIO, chunk: ChunkIndex, number: int) -> bytes:
     """Return the payload of a channel's first message in a chunk."""
     file.seek(chunk.chunk_start_offset)
     records = unpacked_chunk(memoryview(file.read(min(chunk.chunk_length, LARGEST)))[PREFIX:])
-    opcode, content, length, _ = walk(records)
-    found = np.flatnonzero((opcode == MESSAGE) & (length >= HEADER))
-    i = found[int(np.argmax(gather(records, content[found], "<u2") == number))]
-    return records[int(content[i]) + HEADER : int(content[i] + length[i])].tobytes()
+    at = 0
+    while at + PREFIX <= len(records):
+        opcode, content = records[at], at + PREFIX
+        at = content + int.from_bytes(records[at + 1 : content], "little")
+        if opcode == MESSAGE and int.from_bytes(records[content : content + 2], "little") == number:
+            return bytes(records[content + HEADER : at])
+    message = f"channel {number} is not in the chunk at byte {chunk.chunk_start_offset}, where its index says it is"
+    raise ValueError(message)
 
 
 def _alone(payload: bytes) -> Messages:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from imuwb.readers import mcap_records
-from imuwb.readers.topics import streamed
+from imuwb.readers.mcap_chunk import MAGIC
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -19,7 +18,7 @@ format = "mcap"  # noqa: A001 - the contract's name
 
 def probe(head: bytes) -> bool:
     """Return whether the file begins with MCAP's magic."""
-    return head.startswith(mcap_records.MAGIC)
+    return head.startswith(MAGIC)
 
 
 def describe(path: Path) -> LogSummary | None:
@@ -35,4 +34,7 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     Raises:
         UnreadableLogError: the file holds not one message.
     """
-    return streamed(path, mcap_records.Recording(path), options)
+    from imuwb.readers.mcap_records import Recording  # noqa: PLC0415 - compiled code, which an index does without
+    from imuwb.readers.topics import streamed  # noqa: PLC0415
+
+    return streamed(path, Recording(path), options)

@@ -16,14 +16,24 @@ from typing import TYPE_CHECKING
 
 import numba
 import numpy as np
-from isal import isal_zlib
 
 from imuwb.readers.ahead import ahead
 from imuwb.readers.batch import Remark
 from imuwb.readers.gather import gather
+from imuwb.readers.mcap_chunk import (
+    CHANNEL,
+    CHUNK,
+    DATA_END,
+    HEADER,
+    MAGIC,
+    MESSAGE,
+    SCHEMA,
+    text,
+    unpacked_chunk,
+    unpacked_front,
+)
 from imuwb.readers.messages import Channel, Messages, Schema
 from imuwb.readers.source import extended
-from imuwb.readers.unpack import unpack, unpack_front
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -31,12 +41,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-MAGIC = b"\x89MCAP0\r\n"
-SCHEMA, CHANNEL, MESSAGE, CHUNK, DATA_END = 0x03, 0x04, 0x05, 0x06, 0x0F
 LATEST = np.uint64(2**62)  #: ns; a later time (after 2116) is damage
 
-#: Of a message, before its payload: channel u16, sequence u32, log time u64, publish time u64.
-HEADER, LOG_TIME, PUBLISH_TIME = 22, 6, 14
+LOG_TIME, PUBLISH_TIME = 6, 14  #: where they stand in a message
 AHEAD = 2  #: pieces that are unpacked while others are decoded
 
 
@@ -153,14 +160,14 @@ class Recording:
         try:
             if opcode == SCHEMA:
                 number = struct.unpack_from("<H", content)[0]
-                name, at = _string(content, 2)
-                encoding, at = _string(content, at)
+                name, at = text(content, 2)
+                encoding, at = text(content, at)
                 size = struct.unpack_from("<I", content, at)[0]
                 self.schemas.setdefault(number, Schema(name, encoding, content[at + 4 : at + 4 + size]))
             else:
                 number, schema = struct.unpack_from("<HH", content)
-                topic, at = _string(content, 4)
-                encoding, _ = _string(content, at)
+                topic, at = text(content, 4)
+                encoding, _ = text(content, at)
                 self.channels.setdefault(number, Channel(topic, encoding, schema))
         except (struct.error, ValueError) as error:
             self.remarks.append(Remark(f"a damaged schema or channel record left out: {error}"))
@@ -174,7 +181,7 @@ def _nothing(bytes_read: int, why: str) -> _Piece:
 def _chunk(packed: memoryview, offset: int) -> _Piece:
     """Return what a chunk unpacks to; nothing of it, and a remark, where it is damaged."""
     try:
-        records = unpacked_chunk(packed)
+        records = np.frombuffer(unpacked_chunk(packed), np.uint8)
     except ValueError as error:
         return _nothing(offset + len(packed), f"chunk at byte {offset} left out: {error}")
     opcode, content, length, end = walk(records)
@@ -190,50 +197,7 @@ def _cut_end(rest: bytes, offset: int) -> _Piece:
     if not rest:
         return _nothing(offset + len(rest), f"{where}: it was cut, or is still being written; all before is used")
     remark = Remark(f"{where}, inside a record that begins at byte {offset}: what was whole before it is used")
-    unpacked = _unpack_front(rest[9:]) if rest[0] == CHUNK and len(rest) > 9 + 40 else b""
+    unpacked = unpacked_front(rest[9:]) if rest[0] == CHUNK and len(rest) > 9 + 40 else b""
     buffer = np.frombuffer(unpacked, np.uint8)
     opcode, content, length, _ = walk(buffer)
     return _Piece(buffer, opcode, content, length, offset + len(rest), (remark,))
-
-
-def _string(content: bytes, at: int) -> tuple[str, int]:
-    size = struct.unpack_from("<I", content, at)[0]
-    if at + 4 + size > len(content):
-        message = f"a text of {size} bytes does not fit in its record"
-        raise ValueError(message)
-    return content[at + 4 : at + 4 + size].decode("utf-8", "replace"), at + 4 + size
-
-
-def unpacked_chunk(chunk: memoryview) -> NDArray[np.uint8]:
-    """Return a chunk's records; ValueError says why they cannot be used."""
-    return np.frombuffer(_unpack(chunk), np.uint8)
-
-
-def _unpack(chunk: memoryview) -> bytes | memoryview:
-    """Return a chunk's records, unpacked and checked; ValueError says why they cannot be used."""
-    size, crc, compression, packed = _chunk_fields(chunk)
-    records = unpack(packed, compression, size)
-    if crc and isal_zlib.crc32(records) != crc:
-        message = "its checksum does not match"
-        raise ValueError(message)
-    return records
-
-
-def _chunk_fields(chunk: memoryview) -> tuple[int, int, str, memoryview]:
-    try:
-        _, _, size, crc = struct.unpack_from("<QQQI", chunk)
-        compression, at = _string(bytes(chunk[:64]), 28)
-        packed = struct.unpack_from("<Q", chunk, at)[0]
-    except struct.error as error:
-        message = f"its header is damaged ({error})"
-        raise ValueError(message) from error
-    return size, crc, compression, chunk[at + 8 : at + 8 + packed]
-
-
-def _unpack_front(chunk: bytes) -> bytes:
-    """Return as much of a cut chunk as unpacks; its checksum cannot be checked."""
-    try:
-        size, _, compression, packed = _chunk_fields(memoryview(chunk))
-    except ValueError:
-        return b""
-    return unpack_front(packed, compression, size)

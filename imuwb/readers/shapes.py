@@ -34,7 +34,6 @@ STAMPS = (
 UNTOLD = -2  #: status of a NavSatFix of which nothing is told
 ABSENT = -1.0  #: first element of a covariance in ROS: there is no such measurement
 LATEST = 9.2e9  #: s; later, nanoseconds do not fit into int64
-FLU_TO_FRD = np.array([1.0, -1.0, -1.0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,25 +88,24 @@ def _stamp(there: set[str], prefix: str) -> tuple[str, str] | None:
     return None
 
 
-def _together(parts: list[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Return columns as one array; as they stand where they are neighbours in one."""
-    block = parts[0].base
-    if block is not None and block.ndim == 2 and all(part.base is block for part in parts):  # noqa: PLR2004 - columns
-        places = [part.__array_interface__["data"][0] for part in parts]
-        first = (places[0] - block.__array_interface__["data"][0]) // block.itemsize
-        if np.diff(places).tolist() == [block.itemsize] * (len(parts) - 1) and block.strides[1] == block.itemsize:
-            return block[:, first : first + len(parts)]
-    return np.stack(parts, axis=1)
+def _triad(values: Values, names: list[str], frame: str) -> NDArray[np.float64]:
+    """Return three columns as one (n, 3) array, FRD; column by column, which numpy does ten times as fast as row by row."""
+    found = np.empty((values[names[0]].size, 3))
+    for axis, name in enumerate(names):
+        if axis and frame == "FLU":
+            np.negative(values[name], out=found[:, axis])
+        else:
+            found[:, axis] = values[name]
+    return found
 
 
 def _imu(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
-    signs = FLU_TO_FRD if frame == "FLU" else np.ones(3)
     columns: dict[str, NDArray[np.float64]] = {}
     for column, field in (("angular_rate", "angular_velocity"), ("specific_force", "linear_acceleration")):
         covariance = values.get(f"{prefix}{field}_covariance[0]")
         if covariance is not None and (covariance == ABSENT).all():
             continue  # the message says that it has no such measurement
-        columns[column] = _together([values[f"{prefix}{field}.{axis}"] for axis in "xyz"]) * signs
+        columns[column] = _triad(values, [f"{prefix}{field}.{axis}" for axis in "xyz"], frame)
     return columns
 
 

@@ -8,7 +8,6 @@ One case again: ``damaged(data, name, kind, number)``; the list of what went wro
 """
 
 import faulthandler
-import functools
 import gzip
 import json
 import os
@@ -25,7 +24,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from imuwb import registry
 from imuwb.errors import ImuwbError
 from imuwb.log import GnssStream, ImuStream, Log, Provenance, Triad
 from imuwb.readers import describe, read, summarize
@@ -305,7 +303,6 @@ def held(field):
 def survey(folder, *names):
     """Damage logs of a folder and read each; print a line of JSON for every one. This runs in a process of its own."""
     warnings.simplefilter("error")
-    registry.installed = functools.cache(registry.installed)  # else it takes longer than the log
     folder = Path(folder)
     wholes = {name: read(folder / name) for name in names if name != "README.md"}
     for name, whole in wholes.items():
