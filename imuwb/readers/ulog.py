@@ -184,8 +184,9 @@ class _Streams:
             force = columns.get("accelerometer_m_s2")
             if force is None:
                 continue
-            relative = columns.get("accelerometer_timestamp_relative", np.zeros(boot.size, np.int32)).astype(np.int64)
-            there = relative != INVALID
+            relative = columns.get("accelerometer_timestamp_relative", np.zeros(boot.size, np.int32))
+            there = np.abs(relative.astype(float)) < INVALID  # a damaged definition may make any numbers of them
+            relative = np.where(there, relative, 0).astype(np.int64)
             yield self._batch(
                 name,
                 "imu",
