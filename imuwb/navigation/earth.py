@@ -14,6 +14,13 @@ if TYPE_CHECKING:
 EQUATORIAL_RADIUS = 6_378_137.0  #: m
 FLATTENING = 1 / 298.257223563
 ECCENTRICITY_SQUARED = FLATTENING * (2 - FLATTENING)
+EARTH_RATE = 7.292_115e-5  #: rad/s
+GRAVITATIONAL_CONSTANT = 3.986_004_418e14  #: m³/s², the earth's
+GRAVITY_AT_EQUATOR = 9.780_325_335_9  #: m/s², on the ellipsoid
+SOMIGLIANA = 0.001_931_852_652_41
+POLAR_RADIUS = EQUATORIAL_RADIUS * (1 - FLATTENING)
+#: centrifugal acceleration over gravitation, at the equator
+CENTRIFUGAL_RATIO = EARTH_RATE**2 * EQUATORIAL_RADIUS**2 * POLAR_RADIUS / GRAVITATIONAL_CONSTANT
 
 
 def radii_of_curvature(latitude: Floats) -> tuple[Floats, Floats]:
@@ -25,6 +32,19 @@ def radii_of_curvature(latitude: Floats) -> tuple[Floats, Floats]:
     squared = 1 - ECCENTRICITY_SQUARED * np.sin(latitude) ** 2
     transverse = EQUATORIAL_RADIUS / np.sqrt(squared)
     return transverse * (1 - ECCENTRICITY_SQUARED) / squared, transverse
+
+
+def gravity(latitude: Floats, height: Floats) -> Floats:
+    """Return the gravity of the ellipsoid along the down axis, m/s² (Groves, eq. 2.134 and 2.139).
+
+    Args:
+        latitude: (n,) rad.
+        height: (n,) m.
+    """
+    squared = np.sin(latitude) ** 2
+    surface = GRAVITY_AT_EQUATOR * (1 + SOMIGLIANA * squared) / np.sqrt(1 - ECCENTRICITY_SQUARED * squared)
+    linear = 2 * (1 + FLATTENING * (1 - 2 * squared) + CENTRIFUGAL_RATIO) / EQUATORIAL_RADIUS
+    return surface * (1 - linear * height + 3 * (height / EQUATORIAL_RADIUS) ** 2)
 
 
 def displaced(origin: Floats, ned: Floats) -> Floats:

@@ -116,7 +116,7 @@ class _Streams:
         def fits(field: str, values: NDArray[Any]) -> bool:
             return values.ndim == 2 if fifo and field in "xyz" else values.shape[1:] == _SHAPES.get(field, ())  # noqa: PLR2004
 
-        shaped = [(i, {k: v for k, v in c.items() if fits(k, v)}) for i, c in self._log.topics(name)]
+        shaped = [(i, {k: _wide(v) for k, v in c.items() if fits(k, v)}) for i, c in self._log.topics(name)]
         found = [(i, columns) for i, columns in shaped if "timestamp" in columns]
         several = len(found) > 1 or any(i for i, _ in found)
         return [(f"{name}.{i}" if several else name, columns) for i, columns in found]
@@ -263,6 +263,12 @@ class _Streams:
                 columns["attitude"] = attitude_at(boot, self._boot(attitude)[known], angles)
         if there.any():
             yield self._batch(name, "reference", boot[there], {k: v[there] for k, v in columns.items()}, "deg, m, m/s")
+
+
+def _wide(values: NDArray[Any]) -> NDArray[Any]:
+    """Return single-precision numbers as double; damage makes signalling nans of some, which the processor remarks on."""
+    with np.errstate(invalid="ignore"):
+        return values.astype(np.float64) if values.dtype == np.float32 else values
 
 
 def _instance(stream: str) -> int:
