@@ -1,0 +1,168 @@
+"""Where a filter starts: level from specific force less the receiver's acceleration, heading from its velocity (Groves, 5.6)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.errors import MissingDataError
+from imuwb.log import SECOND
+from imuwb.navigation.attitude import rotation_of_euler
+from imuwb.navigation.earth import gravity, radii_of_curvature
+from imuwb.navigation.tables import FIX
+
+if TYPE_CHECKING:
+    from imuwb.log import Floats, GnssStream, Log
+    from imuwb.navigation.events import Corrections
+    from imuwb.navigation.filter_model import FilterModel
+    from imuwb.navigation.measurement import Measurement
+
+AROUND = 1.0  #: s before and after the start over which accelerations are taken
+SLOW = 0.5  #: m/s, below which a receiver may stand still
+QUIET = 4.0  #: times the quietest tenth's scatter, up to which a second is still
+SECONDS_STILL = 5.0  #: s of stillness that tell the gyros' bias
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Alignment:
+    """A filter's first state, with sigmas."""
+
+    event: int  #: of the corrections, at which it starts
+    sample: int  #: the first sample behind it
+    position: Floats  #: (3,) latitude rad, longitude rad, height m, of the IMU
+    velocity: Floats  #: (3,) m/s, NED
+    euler: Floats  #: (3,) roll, pitch, heading, rad
+    covariance: Floats  #: (9, 9) of the error states
+    gyro_bias: Floats  #: (3,) rad/s, mean while still before the start; 0 without
+    bias_sigma: float | None  #: rad/s, of that mean; None: there was no stillness
+    note: str
+
+
+def standing(moves: Measurement, log: Log, gnss: GnssStream | None) -> Floats:
+    """Return when the IMU stands still.
+
+    A second is still when both triads scatter no more than a few times as in the quietest tenth of all, and the receiver,
+    where it tells a velocity, does not move.
+
+    Returns:
+        (s, 2) begin and end, s from the log's start.
+    """
+    per = max(1, round(1 / moves.interval))
+    blocks = moves.time.size // per
+    if not blocks:
+        return np.zeros((0, 2))
+    still = np.ones(blocks, dtype=bool)
+    for increments in (moves.samples.angle, moves.samples.velocity):
+        scatter = np.sqrt(increments[: blocks * per].reshape(blocks, per, 3).var(axis=1).sum(axis=1))
+        still &= scatter <= QUIET * np.quantile(scatter, 0.1)
+    begin = moves.time[: blocks * per : per] - moves.interval
+    if gnss is not None and gnss.velocity is not None:
+        time = (gnss.time - (log.zero or 0)) / SECOND
+        speed = np.hypot(gnss.velocity[:, 0], gnss.velocity[:, 1])
+        known = np.isfinite(speed)
+        if known.any():
+            still &= np.interp(begin + 0.5, time[known], speed[known]) < SLOW
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(np.int8)))
+    ends = np.append(begin, begin[-1] + per * moves.interval)
+    return np.stack([ends[edges[::2]], ends[edges[1::2]]], axis=1)
+
+
+def align(
+    moves: Measurement, found: Corrections, still: Floats, model: FilterModel, after: float = -np.inf
+) -> Alignment:
+    """Return the start at the first fix that moves fast enough to tell the heading.
+
+    Args:
+        moves: the IMU.
+        found: the log's fixes.
+        still: (s, 2) when it stands still, before which the gyros' bias is taken.
+        model: sigmas, lever arm and the speed that is enough.
+        after: s from the log's start, before which no start is looked for.
+
+    Raises:
+        MissingDataError: no fix has a velocity, or none moves fast enough.
+    """
+    events, settings = found.events, model.settings
+    fixes = np.flatnonzero((events.kind == FIX) & (events.variance[:, 3] > 0) & (events.variance[:, 0] > 0))
+    speed = np.hypot(events.value[fixes, 3], events.value[fixes, 4])
+    inside = (found.time[fixes] > moves.time[0] + AROUND) & (found.time[fixes] < moves.time[-1] - AROUND)
+    fast = fixes[(speed > settings.start_speed) & inside & (found.time[fixes] > after)]
+    if not fixes.size:
+        message = "no fix has a velocity: the heading at the start cannot be told"
+        raise MissingDataError(message)
+    if not fast.size:
+        message = (
+            f"the receiver never moves faster than {settings.start_speed:g} m/s (its largest speed is {speed.max():.2f} m/s): "
+            "heading cannot be observed, and a drift without it means nothing"
+        )
+        raise MissingDataError(message)
+    event = int(fast[0])
+    velocity = events.value[event, 3:]
+    pace = float(np.hypot(velocity[0], velocity[1]))
+    heading = float(np.arctan2(velocity[1], velocity[0]))
+    near = fixes[np.abs(found.time[fixes] - found.time[event]) <= 2 * AROUND]
+    acceleration = _slope(found.time[near], events.value[near, 3:])
+    latitude, height = events.value[event, 0], events.value[event, 2]
+    down = float(gravity(latitude, height))
+    begin, end = np.searchsorted(moves.time, found.time[event] + np.array([-AROUND, AROUND]))
+    length = moves.samples.interval[begin:end].sum()
+    force = moves.samples.velocity[begin:end].sum(axis=0) / length
+    rate = moves.samples.angle[begin:end].sum(axis=0) / length
+    roll, pitch = _level(force, acceleration - np.array([0.0, 0.0, down]), heading)
+    euler = np.array([roll, pitch, heading])
+    turn = rotation_of_euler(euler)
+    lever = np.array(model.installation.lever_arm)
+    arm = turn @ lever
+    meridian, transverse = radii_of_curvature(latitude)
+    to_degrees = np.array([1 / (meridian + height), 1 / ((transverse + height) * np.cos(latitude)), -1.0])
+    late = events.late[event]
+    position = events.value[event, :3] - (arm + velocity * late) * to_degrees
+    sigma = np.sqrt(events.variance[event])
+    tilt = np.hypot(np.radians(settings.tilt), sigma[3:5].max() / AROUND / down)
+    wide = np.hypot(np.radians(settings.heading), min(sigma[3:5].max() / pace, np.pi))
+    covariance = np.diag(np.square([*sigma[:3], *sigma[3:], tilt, tilt, wide]))
+    before = still[still[:, 1] < found.time[event]]
+    seconds = float((before[:, 1] - before[:, 0]).sum()) if before.size else 0.0
+    bias, bias_sigma = np.zeros(3), None
+    if seconds >= SECONDS_STILL:
+        mask = np.zeros(moves.time.size, dtype=bool)
+        for a, b in before:
+            mask |= (moves.time > a) & (moves.time <= b)
+        bias = moves.samples.angle[mask].sum(axis=0) / moves.samples.interval[mask].sum()
+        # What is left: the earth's rate, of which the heading is not known while still.
+        bias_sigma = float(7.3e-5 + np.sqrt(moves.samples.angle[mask].var(axis=0).max() / mask.sum()) / moves.interval)
+    note = (
+        f"the filter starts at {found.time[event]:.1f} s, at {pace:.1f} m/s; roll {np.degrees(roll):.1f}, "
+        f"pitch {np.degrees(pitch):.1f}, heading {np.degrees(heading) % 360:.1f} deg; "
+        + (
+            f"gyro biases from {seconds:.0f} s of standing before"
+            if bias_sigma
+            else "no stillness before: gyro biases unknown"
+        )
+    )
+    swing = turn @ np.cross(rate - bias, lever)
+    return Alignment(
+        event, int(events.at[event]) + 1, position, velocity - swing, euler, covariance, bias, bias_sigma, note
+    )
+
+
+def _slope(time: Floats, values: Floats) -> Floats:
+    if time.size < 2:  # noqa: PLR2004 - a slope needs two
+        return np.zeros(values.shape[1])
+    centred = time - time.mean()
+    return centred @ values / (centred @ centred)
+
+
+def _level(force: Floats, wanted: Floats, heading: float) -> tuple[float, float]:
+    """Return the roll and pitch that, with a heading, turn a body's specific force into what it is in NED."""
+    cosine, sine = np.cos(heading), np.sin(heading)
+    x, y, z = cosine * wanted[0] + sine * wanted[1], cosine * wanted[1] - sine * wanted[0], wanted[2]
+    # Pitch does not change what is across: f_y cos(roll) - f_z sin(roll) = y.
+    across = np.hypot(force[1], force[2])
+    roll = -np.arccos(np.clip(y / across, -1, 1)) - np.arctan2(force[2], force[1])
+    roll = np.arctan2(np.sin(roll), np.cos(roll))
+    down = force[1] * np.sin(roll) + force[2] * np.cos(roll)
+    pitch = np.angle((z + 1j * x) * (down - 1j * force[0]))
+    return float(roll), float(pitch)

@@ -1,0 +1,91 @@
+"""Attitudes: Euler angles, rotation matrices and quaternions of the body against north-east-down (Groves, 2.2).
+
+A quaternion is (w, x, y, z) and turns body vectors into the navigation frame, as C_b_n does.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+
+def rotation_of_euler(euler: Floats) -> Floats:
+    """Return C_b_n of roll, pitch and heading (Groves, eq. 2.24; Quinchia, eq. 25).
+
+    Args:
+        euler: (..., 3) rad.
+
+    Returns:
+        (..., 3, 3)
+    """
+    roll, pitch, heading = np.moveaxis(np.asarray(euler, dtype=np.float64), -1, 0)
+    sr, cr, sp, cp, sh, ch = np.sin(roll), np.cos(roll), np.sin(pitch), np.cos(pitch), np.sin(heading), np.cos(heading)
+    rows = [
+        [cp * ch, -cr * sh + sr * sp * ch, sr * sh + cr * sp * ch],
+        [cp * sh, cr * ch + sr * sp * sh, -sr * ch + cr * sp * sh],
+        [-sp, sr * cp, cr * cp],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def euler_of_rotation(rotation: Floats) -> Floats:
+    """Return roll, pitch and heading of C_b_n, rad; heading in (-pi, pi].
+
+    Args:
+        rotation: (..., 3, 3)
+    """
+    roll = np.arctan2(rotation[..., 2, 1], rotation[..., 2, 2])
+    pitch = -np.arcsin(np.clip(rotation[..., 2, 0], -1, 1))
+    heading = np.arctan2(rotation[..., 1, 0], rotation[..., 0, 0])
+    return np.stack([roll, pitch, heading], axis=-1)
+
+
+def quaternion_of_rotation(rotation: Floats) -> Floats:
+    """Return the quaternion of C_b_n, its largest component positive.
+
+    Args:
+        rotation: (3, 3)
+    """
+    # The symmetric matrix whose largest eigenvector is the quaternion: no case by case for small components.
+    (a, b, c), (d, e, f), (g, h, i) = rotation
+    k = np.array([
+        [a + e + i, h - f, c - g, d - b],
+        [h - f, a - e - i, b + d, c + g],
+        [c - g, b + d, e - a - i, f + h],
+        [d - b, c + g, f + h, i - a - e],
+    ])  # fmt: skip
+    found = np.linalg.eigh(k)[1][:, -1]
+    return found * np.sign(found[np.argmax(np.abs(found))])
+
+
+def rotation_of_quaternion(quaternion: Floats) -> Floats:
+    """Return C_b_n of quaternions.
+
+    Args:
+        quaternion: (..., 4), of length one.
+
+    Returns:
+        (..., 3, 3)
+    """
+    w, x, y, z = np.moveaxis(np.asarray(quaternion, dtype=np.float64), -1, 0)
+    rows = [
+        [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def euler_of_quaternion(quaternion: Floats) -> Floats:
+    """Return roll, pitch and heading of quaternions, rad; heading in (-pi, pi].
+
+    Args:
+        quaternion: (..., 4), of length one.
+    """
+    return euler_of_rotation(rotation_of_quaternion(quaternion))

@@ -1,0 +1,311 @@
+"""The error covariance carried on in time, by operations on rows: no transition matrix is ever formed.
+
+Error states, in this order: position (3) m NED, velocity (3) m/s NED, attitude phi (3) rad NED, then the states of each sensor
+axis, ``gyro_x`` ... ``accel_z``. A navigation error is the estimate less the truth, and C_true = (I + [phi x]) C_estimate; an
+axis's states are truth less estimate: feedback subtracts the former and adds the latter. With b the axes' errors in NED:
+
+    d/dt position = velocity
+    d/dt velocity = f x phi + b_accel - (2 omega_ie + omega_en) x velocity + (0, 0, 2 g/R position_down)
+    d/dt phi      = -omega_in x phi + omega_en(velocity) - b_gyro
+
+Source: Groves, 14.2, without the terms that an outage of minutes does not show (earth rate and gravity by latitude).
+
+A covariance is a flat array of rows of ``STRIDE`` numbers, and loops count unsigned: with offsets known when it is compiled,
+the compiler works on four columns at once.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numba
+import numpy as np
+
+from imuwb.navigation.earth import EQUATORIAL_RADIUS
+from imuwb.navigation.strapdown import CORIOLIS, EARTH, GRAVITY, MEASURED, PUSHED, SIZE, SPAN, TURNED
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from imuwb.navigation.tables import AxisTables
+
+    Floats = NDArray[np.float64]
+    Integers = NDArray[np.int64]
+
+NAVIGATION = 9  #: error states of position, velocity and attitude
+MOST_STATES = 48  #: of a filter
+STRIDE = 48
+_LANES = 4  #: columns are worked on in multiples of it
+_U = np.uint64
+_N0, _N1, _N2, _N3, _N4, _N5, _N6, _N7, _N8 = (_U(row * STRIDE) for row in range(9))
+
+
+class Workspace(NamedTuple):
+    """Scratch of one thread, zero outside what is used."""
+
+    product: Floats
+    weights: Floats
+
+
+def workspace() -> Workspace:
+    """Return scratch for ``carry``."""
+    return Workspace(np.zeros(MOST_STATES * STRIDE), np.zeros(MOST_STATES))
+
+
+def flat(covariance: Floats) -> Floats:
+    """Return an (n, n) covariance as the kernels take it."""
+    n = covariance.shape[0]
+    rows = np.zeros((MOST_STATES, STRIDE))
+    rows[:n, :n] = covariance
+    return rows.ravel()
+
+
+def square(rows: Floats, n: int) -> Floats:
+    """Return the (..., n, n) covariance that flat rows hold."""
+    return rows.reshape(*rows.shape[:-1], MOST_STATES, STRIDE)[..., :n, :n]
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _navigation_rows(
+    source: Floats, product: Floats, columns: int, state: Floats, first: Integers, weights: Floats
+) -> None:  # pragma: no cover - compiled
+    """Write the first nine rows of the transition matrix times ``source`` into ``product``, column by column."""
+    span = state[SPAN]
+    half, over = 0.5 * span, 1.0 / span
+    c00, c01, c02 = state[TURNED] * over, state[TURNED + 1] * over, state[TURNED + 2] * over
+    c10, c11, c12 = state[TURNED + 3] * over, state[TURNED + 4] * over, state[TURNED + 5] * over
+    c20, c21, c22 = state[TURNED + 6] * over, state[TURNED + 7] * over, state[TURNED + 8] * over
+    fn, fe, fd = state[PUSHED] * over, state[PUSHED + 1] * over, state[PUSHED + 2] * over
+    wn, we, wd = state[CORIOLIS], state[CORIOLIS + 1], state[CORIOLIS + 2]
+    # omega_in is 2 omega_ie + omega_en less one omega_ie
+    tn, te, td = wn - state[EARTH], we, wd - state[EARTH + 1]
+    curved, gradient = 1.0 / EQUATORIAL_RADIUS, 2.0 * state[GRAVITY] / EQUATORIAL_RADIUS
+    n = _U(columns)
+    for axis in range(6):
+        row = _U(axis * STRIDE)
+        for j in range(n):
+            product[row + j] = 0.0
+        for s in range(first[axis], first[axis + 1]):
+            weight, other = weights[s - NAVIGATION], _U(s * STRIDE)
+            for j in range(n):
+                product[row + j] += weight * source[other + j]
+    for j in range(n):
+        gx, gy, gz = product[_N0 + j], product[_N1 + j], product[_N2 + j]
+        ax, ay, az = product[_N3 + j], product[_N4 + j], product[_N5 + j]
+        rn, re, rd = source[_N0 + j], source[_N1 + j], source[_N2 + j]
+        vn, ve, vd = source[_N3 + j], source[_N4 + j], source[_N5 + j]
+        pn, pe, pd = source[_N6 + j], source[_N7 + j], source[_N8 + j]
+        dn = td * pe - te * pd + ve * curved - (c00 * gx + c01 * gy + c02 * gz)
+        de = tn * pd - td * pn - vn * curved - (c10 * gx + c11 * gy + c12 * gz)
+        dd = te * pn - tn * pe - (c20 * gx + c21 * gy + c22 * gz)
+        # phi at the middle of the span, the mean of both velocities: second order in the span
+        mn, me, md = pn + half * dn, pe + half * de, pd + half * dd
+        un = vn + span * (fe * md - fd * me + c00 * ax + c01 * ay + c02 * az - (we * vd - wd * ve))
+        ue = ve + span * (fd * mn - fn * md + c10 * ax + c11 * ay + c12 * az - (wd * vn - wn * vd))
+        ud = vd + span * (fn * me - fe * mn + c20 * ax + c21 * ay + c22 * az - (wn * ve - we * vn) + gradient * rd)
+        product[_N0 + j] = rn + half * (vn + un)
+        product[_N1 + j] = re + half * (ve + ue)
+        product[_N2 + j] = rd + half * (vd + ud)
+        product[_N3 + j] = un
+        product[_N4 + j] = ue
+        product[_N5 + j] = ud
+        product[_N6 + j] = pn + span * dn
+        product[_N7 + j] = pe + span * de
+        product[_N8 + j] = pd + span * dd
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _axis_rows(
+    source: Floats, product: Floats, first: Integers, transition: Floats
+) -> None:  # pragma: no cover - compiled
+    """Write the other rows of the transition matrix times ``source`` into ``product``; columns of navigation are left out."""
+    low, high = _U(NAVIGATION - 1), _U((first[6] + _LANES - 1) // _LANES * _LANES)
+    for axis in range(6):
+        start = first[axis]
+        for s in range(start, first[axis + 1]):
+            row, other = _U(s * STRIDE), _U(start * STRIDE)
+            weight = transition[axis, s - start, 0]
+            for j in range(low, high):
+                product[row + j] = weight * source[other + j]
+            for t in range(start + 1, first[axis + 1]):
+                weight, other = transition[axis, s - start, t - start], _U(t * STRIDE)
+                if weight != 0.0:
+                    for j in range(low, high):
+                        product[row + j] += weight * source[other + j]
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _navigation_columns(
+    product: Floats, covariance: Floats, state: Floats, first: Integers, weights: Floats
+) -> None:  # pragma: no cover - compiled
+    """Write ``product`` times the transition matrix, transposed, into the covariance: navigation's with itself."""
+    span = state[SPAN]
+    half, over = 0.5 * span, 1.0 / span
+    c00, c01, c02 = state[TURNED] * over, state[TURNED + 1] * over, state[TURNED + 2] * over
+    c10, c11, c12 = state[TURNED + 3] * over, state[TURNED + 4] * over, state[TURNED + 5] * over
+    c20, c21, c22 = state[TURNED + 6] * over, state[TURNED + 7] * over, state[TURNED + 8] * over
+    fn, fe, fd = state[PUSHED] * over, state[PUSHED + 1] * over, state[PUSHED + 2] * over
+    wn, we, wd = state[CORIOLIS], state[CORIOLIS + 1], state[CORIOLIS + 2]
+    tn, te, td = wn - state[EARTH], we, wd - state[EARTH + 1]
+    curved, gradient = 1.0 / EQUATORIAL_RADIUS, 2.0 * state[GRAVITY] / EQUATORIAL_RADIUS
+    for i in range(NAVIGATION):
+        row = _U(i * STRIDE)
+        gx, gy, gz, ax, ay, az = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for s in range(first[0], first[1]):
+            gx += weights[s - NAVIGATION] * product[row + _U(s)]
+        for s in range(first[1], first[2]):
+            gy += weights[s - NAVIGATION] * product[row + _U(s)]
+        for s in range(first[2], first[3]):
+            gz += weights[s - NAVIGATION] * product[row + _U(s)]
+        for s in range(first[3], first[4]):
+            ax += weights[s - NAVIGATION] * product[row + _U(s)]
+        for s in range(first[4], first[5]):
+            ay += weights[s - NAVIGATION] * product[row + _U(s)]
+        for s in range(first[5], first[6]):
+            az += weights[s - NAVIGATION] * product[row + _U(s)]
+        rn, re, rd = product[row], product[row + _U(1)], product[row + _U(2)]
+        vn, ve, vd = product[row + _U(3)], product[row + _U(4)], product[row + _U(5)]
+        pn, pe, pd = product[row + _U(6)], product[row + _U(7)], product[row + _U(8)]
+        dn = td * pe - te * pd + ve * curved - (c00 * gx + c01 * gy + c02 * gz)
+        de = tn * pd - td * pn - vn * curved - (c10 * gx + c11 * gy + c12 * gz)
+        dd = te * pn - tn * pe - (c20 * gx + c21 * gy + c22 * gz)
+        mn, me, md = pn + half * dn, pe + half * de, pd + half * dd
+        un = vn + span * (fe * md - fd * me + c00 * ax + c01 * ay + c02 * az - (we * vd - wd * ve))
+        ue = ve + span * (fd * mn - fn * md + c10 * ax + c11 * ay + c12 * az - (wd * vn - wn * vd))
+        ud = vd + span * (fn * me - fe * mn + c20 * ax + c21 * ay + c22 * az - (wn * ve - we * vn) + gradient * rd)
+        covariance[row], covariance[row + _U(1)] = rn + half * (vn + un), re + half * (ve + ue)
+        covariance[row + _U(2)], covariance[row + _U(3)] = rd + half * (vd + ud), un
+        covariance[row + _U(4)], covariance[row + _U(5)] = ue, ud
+        covariance[row + _U(6)], covariance[row + _U(7)] = pn + span * dn, pe + span * de
+        covariance[row + _U(8)] = pd + span * dd
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _axis_columns(
+    product: Floats, covariance: Floats, first: Integers, transition: Floats
+) -> None:  # pragma: no cover - compiled
+    """Write the axes' columns likewise, with navigation and with the axes up to this one; loops of 1, 2 and 3 unrolled."""
+    for axis in range(6):
+        start, end = first[axis], first[axis + 1]
+        order, step = end - start, transition[axis]
+        if order == 1:
+            a = step[0, 0]
+            for i in range(end):
+                total = a * product[_U(i * STRIDE + start)]
+                covariance[_U(i * STRIDE + start)] = total
+                covariance[_U(start * STRIDE + i)] = total
+        elif order == 2:  # noqa: PLR2004 - as said
+            a, b, c, d = step[0, 0], step[0, 1], step[1, 0], step[1, 1]
+            for i in range(end):
+                at = _U(i * STRIDE + start)
+                x, y = product[at], product[at + _U(1)]
+                one, two = a * x + b * y, c * x + d * y
+                covariance[at], covariance[at + _U(1)] = one, two
+                at = _U(start * STRIDE + i)
+                covariance[at], covariance[at + _U(STRIDE)] = one, two
+        elif order == 3:  # noqa: PLR2004 - as said
+            a, b, c = step[0, 0], step[0, 1], step[0, 2]
+            d, e, f = step[1, 0], step[1, 1], step[1, 2]
+            g, h, k = step[2, 0], step[2, 1], step[2, 2]
+            for i in range(end):
+                at = _U(i * STRIDE + start)
+                x, y, z = product[at], product[at + _U(1)], product[at + _U(2)]
+                one, two, three = a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + k * z
+                covariance[at], covariance[at + _U(1)], covariance[at + _U(2)] = one, two, three
+                at = _U(start * STRIDE + i)
+                covariance[at], covariance[at + _U(STRIDE)], covariance[at + _U(2 * STRIDE)] = one, two, three
+        else:
+            for s in range(start, end):
+                for i in range(end):
+                    total = 0.0
+                    for t in range(start, end):
+                        total += step[s - start, t - start] * product[_U(i * STRIDE + t)]
+                    covariance[_U(i * STRIDE + s)] = total
+                    covariance[_U(s * STRIDE + i)] = total
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _add_noise(
+    covariance: Floats, state: Floats, samples: int, first: Integers, noise: Floats, white: Floats, inside: Floats,
+    cross: Floats,
+) -> None:  # fmt: skip  # pragma: no cover - compiled
+    span = state[SPAN]
+    each = span / samples
+    for axis in range(6):
+        start = first[axis]
+        for s in range(start, first[axis + 1]):
+            for t in range(start, first[axis + 1]):
+                covariance[s * STRIDE + t] += noise[axis, s - start, t - start]
+            # An error that begins within the span turns or pushes within it already.
+            moved = cross[s - NAVIGATION] * each / span
+            if moved != 0.0:
+                row, sign = (6, -moved) if axis < 3 else (3, moved)  # noqa: PLR2004 - gyros first
+                for i in range(3):
+                    value = sign * state[TURNED + 3 * i + axis % 3]
+                    covariance[(row + i) * STRIDE + s] += value
+                    covariance[s * STRIDE + row + i] += value
+    # White noise of both triads, turned into NED; the accelerometers' also moves, as it is integrated twice.
+    over = 1.0 / span
+    sudden = each * each * over * over
+    gx, gy, gz = (
+        white[0] * over + inside[0] * sudden,
+        white[1] * over + inside[1] * sudden,
+        white[2] * over + inside[2] * sudden,
+    )
+    ax, ay, az = (
+        white[3] * over + inside[3] * sudden,
+        white[4] * over + inside[4] * sudden,
+        white[5] * over + inside[5] * sudden,
+    )
+    for i in range(3):
+        for j in range(3):
+            one, other = TURNED + 3 * i, TURNED + 3 * j
+            xx, yy = state[one] * state[other], state[one + 1] * state[other + 1]
+            zz = state[one + 2] * state[other + 2]
+            accel = ax * xx + ay * yy + az * zz
+            covariance[(6 + i) * STRIDE + 6 + j] += gx * xx + gy * yy + gz * zz
+            covariance[(3 + i) * STRIDE + 3 + j] += accel
+            covariance[i * STRIDE + 3 + j] += 0.5 * span * accel
+            covariance[(3 + i) * STRIDE + j] += 0.5 * span * accel
+            covariance[i * STRIDE + j] += span * span / 3.0 * accel
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def carry(
+    covariance: Floats, state: Floats, samples: int, regime: int, axes: AxisTables, space: Workspace
+) -> None:  # pragma: no cover - compiled
+    """Carry a covariance on over the span that a state has gathered, and begin a new span.
+
+    Args:
+        covariance: flat rows, changed.
+        state: (SIZE,) of the mechanization; what it gathered is cleared.
+        samples: how many samples the span is made of.
+        regime: which of the tables holds.
+        axes: the axes' shaping filters.
+        space: scratch.
+    """
+    span = state[SPAN]
+    if span <= 0.0:
+        return
+    # A field of a tuple is counted at each look at it: each is looked at once.
+    first, output, scale, weights = axes.first, axes.output[regime, samples], axes.scale, space.weights
+    transition, noise, white = axes.transition[regime, samples], axes.noise[regime, samples], axes.white[regime]
+    inside, cross, product = axes.inside[regime, samples], axes.cross[regime, samples], space.product
+    n = first[6]
+    for axis in range(6):
+        for s in range(first[axis] - NAVIGATION, first[axis + 1] - NAVIGATION):
+            weights[s] = output[s]
+            if scale[s]:
+                weights[s] *= state[MEASURED + axis] / span
+    _navigation_rows(covariance, product, (n + _LANES - 1) // _LANES * _LANES, state, first, weights)
+    _axis_rows(covariance, product, first, transition)
+    _navigation_columns(product, covariance, state, first, weights)
+    _axis_columns(product, covariance, first, transition)
+    for i in range(NAVIGATION):
+        for j in range(i):
+            mean = 0.5 * (covariance[i * STRIDE + j] + covariance[j * STRIDE + i])
+            covariance[i * STRIDE + j] = mean
+            covariance[j * STRIDE + i] = mean
+    _add_noise(covariance, state, samples, first, noise, white, inside, cross)
+    for k in range(SPAN, SIZE):
+        state[k] = 0.0

@@ -1,0 +1,154 @@
+"""The filter over a whole log: from its measurement, corrections and start to a solution with checkpoints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.errors import MissingDataError
+from imuwb.navigation import kernel
+from imuwb.navigation.attitude import euler_of_quaternion
+from imuwb.navigation.covariance import NAVIGATION, flat, workspace
+from imuwb.navigation.strapdown import QUATERNION, SIZE, VELOCITY, navigation_state
+from imuwb.navigation.tables import FIX, Rules, Track
+
+if TYPE_CHECKING:
+    from imuwb.log import Floats
+    from imuwb.navigation.alignment import Alignment
+    from imuwb.navigation.events import Corrections
+    from imuwb.navigation.filter_model import FilterModel
+    from imuwb.navigation.measurement import Measurement
+    from imuwb.navigation.tables import AxisTables
+
+ENDED = {
+    kernel.NOT_FINITE: "a state or a variance is no number any more",
+    kernel.NOT_POSITIVE: "a variance became negative",
+}
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Solution:
+    """What a filter says behind each of its events, from its start on."""
+
+    model: FilterModel
+    moves: Measurement
+    found: Corrections
+    start: Alignment
+    tables: AxisTables
+    rules: Rules
+    track: Track  #: by event; of events before the start: nothing
+    events: np.ndarray[tuple[int], np.dtype[np.int64]]  #: (m,) the fixes among them, from the start on
+
+    @property
+    def time(self) -> Floats:
+        """Return the times of the fixes, (m,) s from the log's start: of the sample at which each counts."""
+        return self.moves.time[self.found.events.at[self.events]]
+
+    @property
+    def position(self) -> Floats:
+        """Return (m, 3) latitude rad, longitude rad, height m, of the IMU."""
+        return self.track.state[self.events, :3]
+
+    @property
+    def velocity(self) -> Floats:
+        """Return (m, 3) m/s, NED."""
+        return self.track.state[self.events, VELOCITY : VELOCITY + 3]
+
+    @property
+    def euler(self) -> Floats:
+        """Return (m, 3) roll, pitch, heading, rad."""
+        return euler_of_quaternion(self.track.state[self.events, QUATERNION : QUATERNION + 4])
+
+    @property
+    def sigma(self) -> Floats:
+        """Return (m, n) of all error states."""
+        return np.sqrt(np.diagonal(self.track.covariance[self.events], axis1=1, axis2=2))
+
+    @property
+    def log_likelihood(self) -> float:
+        """Return the log-likelihood of all innovations, of those refused at the gate."""
+        spread = self.track.deviation[self.events]
+        known = np.isfinite(spread)
+        nis = np.minimum(self.track.nis[self.events], self.rules.gate)
+        return float(-np.nansum(nis) / 2 - np.log(spread[known]).sum())
+
+
+def rules_of(model: FilterModel) -> Rules:
+    """Return what holds for a whole run of a model."""
+    settings = model.settings
+    return Rules(settings.every, settings.gate, settings.patience, np.array(model.installation.lever_arm))
+
+
+def solve(
+    model: FilterModel,
+    moves: Measurement,
+    found: Corrections,
+    start: Alignment,
+    without: tuple[float, float] | None = None,
+) -> Solution:
+    """Run a filter over a log.
+
+    Args:
+        model: the filter.
+        moves: the IMU.
+        found: what corrects it.
+        start: where it begins.
+        without: s from the log's start; fixes after the one and before the other are not used.
+
+    Raises:
+        MissingDataError: what the filter carries is no number any more; the message says when.
+        ValueError: a process that no filter can carry.
+    """
+    tables, spread = model.tables(moves.interval, moves.celsius)
+    n = int(tables.first[6])
+    state = navigation_state(start.position, start.velocity, start.euler)
+    axes, covariance = np.zeros(n - NAVIGATION), np.zeros((n, n))
+    covariance[:NAVIGATION, :NAVIGATION] = start.covariance
+    covariance[NAVIGATION:, NAVIGATION:] = spread
+    _know_bias(axes, covariance, tables, start)
+    rows = flat(covariance)
+    count = found.events.at.size
+    track = Track(
+        state=np.zeros((count, SIZE)), axes=np.zeros((count, n - NAVIGATION)), covariance=np.zeros((count, n, n)),
+        innovation=np.full((count, 6), np.nan), deviation=np.full((count, 6), np.nan), nis=np.full((count, 2), np.nan),
+        used=np.zeros((count, 2), dtype=np.bool_),
+    )  # fmt: skip
+    track.state[start.event], track.axes[start.event], track.covariance[start.event] = state, axes, covariance
+    skip = (-1, -1)
+    if without is not None:
+        skip = int(np.searchsorted(moves.time, without[0])), int(np.searchsorted(moves.time, without[1]))
+    rules = rules_of(model)
+    ended, event = kernel.run(
+        state, axes, rows, moves.samples, found.events, rules, tables, workspace(), start.sample, *skip, track
+    )
+    if ended != kernel.FINE:
+        message = (
+            f"{model.name}: at {found.time[event]:.1f} s {ENDED[ended]}; the model or its sigmas do not fit this log "
+            "(imuwb model check tells what is odd in an error model)"
+        )
+        raise MissingDataError(message)
+    events = np.flatnonzero((found.events.kind == FIX) & (np.arange(count) >= start.event))
+    if without is not None:
+        at = found.events.at[events]
+        events = events[(at <= skip[0]) | (at >= skip[1])]
+    return Solution(model, moves, found, start, tables, rules, track, events)
+
+
+def _know_bias(axes: Floats, covariance: Floats, tables: AxisTables, start: Alignment) -> None:
+    """Take in the gyros' mean while still, as a measurement of each axis's error."""
+    if start.bias_sigma is None:
+        return
+    for axis in range(3):
+        place = slice(int(tables.first[axis]), int(tables.first[axis + 1]))
+        weight = np.where(tables.scale[place.start - NAVIGATION : place.stop - NAVIGATION], 0.0, 1.0)
+        weight = weight * tables.step[0, place.start - NAVIGATION : place.stop - NAVIGATION]
+        block = covariance[place, place]
+        gain = block @ weight
+        total = weight @ gain
+        if total <= 0:
+            continue
+        total += start.bias_sigma**2
+        axes[place.start - NAVIGATION : place.stop - NAVIGATION] += gain * start.gyro_bias[axis] / total
+        covariance[place, place] = block - np.outer(gain, gain) / total

@@ -1,0 +1,159 @@
+"""From a log's IMU to the even steps that a filter takes: one clock, no gaps, axes of the vehicle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.errors import MissingDataError
+from imuwb.log import SECOND
+from imuwb.navigation.attitude import rotation_of_euler
+from imuwb.navigation.filter_model import degrees
+from imuwb.navigation.tables import Samples
+
+if TYPE_CHECKING:
+    from imuwb.log import Floats, ImuStream, Log
+    from imuwb.navigation.filter_model import Installation
+
+LEAST = 100  #: samples
+LONGEST_GAP = 10.0  #: s, that is bridged by a straight line; behind a longer one a new log begins
+NOTED_GAP = 0.05  #: s, from which on a bridged gap keeps an outage from being scored
+EVEN = 0.6  #: of an interval, that stamps may stray from an even clock whose samples come at even steps
+REGIME = 2.0  #: °C, width of a regime
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Measurement:
+    """An IMU's samples on one even clock, in the vehicle's axes."""
+
+    time: Floats  #: (n,) s from the log's start, at the end of each step
+    interval: float  #: s, the mean step
+    samples: Samples
+    celsius: tuple[float | None, ...]  #: the temperature of each regime
+    bridged: Floats  #: (g, 2) s from the log's start: gaps without samples, begin and end
+    notes: tuple[str, ...] = ()
+
+
+def measurement(log: Log, imu: ImuStream, installation: Installation, *, thermal: bool = False) -> Measurement:
+    """Return what a filter takes of an IMU.
+
+    A sample stands for the average since the one before. Stamps that stray by less than an interval from an even clock are
+    set right; missing samples are put in by straight lines.
+
+    Args:
+        log: what the IMU belongs to: its zero counts.
+        imu: gyros and accelerometers.
+        installation: mounting, clock rate and skew.
+        thermal: whether the model's parameters depend on temperature, so that regimes are made.
+
+    Raises:
+        MissingDataError: no gyro, no accelerometer, too few samples.
+    """
+    gyro, accel = imu.angular_rate, imu.specific_force
+    if gyro is None or accel is None or min(len(gyro), len(accel)) < LEAST:
+        message = f"{log.provenance.path}: navigation needs gyros and accelerometers; {imu.name} has not both, or too few samples"
+        raise MissingDataError(message)
+    notes: list[str] = []
+    zero = log.zero or 0
+    time = (gyro.time - zero) / SECOND
+    part = _longest(time, notes)
+    own, rate, present = _even(time[part])
+    true = own[0] + (own - own[0]) * installation.clock_rate
+    step = np.diff(own, prepend=own[0] - rate)
+    angular = _filled(gyro.value[part], present)
+    other = (accel.time - zero) / SECOND - installation.skew
+    if other.size == time.size and np.array_equal(other, time):
+        force = _filled(accel.value[part], present)
+    else:
+        force = _onto(own, step, other, accel.value)
+        notes.append(
+            "the accelerometer has its own clock: its velocity increments are interpolated at the gyro's stamps"
+        )
+    turn = rotation_of_euler(degrees(installation.mounting))
+    regime, celsius = _regimes(imu, own, zero, notes) if thermal else (np.zeros(own.size, np.int64), (None,))
+    gaps = _gaps(present)
+    bridged = np.array([[own[a] - step[a], own[b - 1]] for a, b in gaps if (b - a) * rate > NOTED_GAP]).reshape(-1, 2)
+    if gaps:
+        notes.append(f"{sum(b - a for a, b in gaps)} samples missing in {len(gaps)} gaps: bridged by straight lines")
+    step = step * installation.clock_rate
+    samples = Samples(
+        interval=step,
+        angle=np.ascontiguousarray(angular @ turn.T) * step[:, None],
+        velocity=np.ascontiguousarray(force @ turn.T) * step[:, None],
+        gap=np.zeros(own.size, np.bool_),
+        regime=regime,
+    )
+    return Measurement(true, rate * installation.clock_rate, samples, celsius, bridged, tuple(notes))
+
+
+def _longest(time: Floats, notes: list[str]) -> slice:
+    """Return the longest part without a gap that cannot be bridged."""
+    ends = np.flatnonzero(np.diff(time) > LONGEST_GAP) + 1
+    if not ends.size:
+        return slice(0, time.size)
+    edges = np.concatenate([[0], ends, [time.size]])
+    longest = int(np.argmax(np.diff(edges)))
+    a, b = int(edges[longest]), int(edges[longest + 1])
+    notes.append(
+        f"the IMU stops {ends.size} times for more than {LONGEST_GAP:g} s: "
+        f"the longest part is used, {time[a]:.1f} s to {time[b - 1]:.1f} s"
+    )
+    return slice(a, b)
+
+
+def _even(time: Floats) -> tuple[Floats, float, np.ndarray[tuple[int], np.dtype[np.int64]]]:
+    """Return even stamps, their interval, and which of them each sample has."""
+    steps = np.diff(time)
+    dt = float(np.median(steps))
+    index = np.concatenate([[0], np.cumsum(np.maximum(np.rint(steps / dt), 1))]).astype(np.int64)
+    slope, start = np.polyfit(index, time, 1)
+    if np.abs(time - (start + slope * index)).max() < EVEN * dt:
+        return start + slope * np.arange(index[-1] + 1), float(slope), index
+    return np.interp(np.arange(index[-1] + 1), index, time), dt, index
+
+
+def _filled(values: Floats, present: np.ndarray[tuple[int], np.dtype[np.int64]]) -> Floats:
+    """Return values at all steps; straight lines where there is no sample."""
+    if present.size == present[-1] + 1:
+        return values
+    every = np.arange(present[-1] + 1)
+    return np.stack([np.interp(every, present, values[:, i]) for i in range(values.shape[1])], axis=1)
+
+
+def _onto(time: Floats, step: Floats, other: Floats, values: Floats) -> Floats:
+    """Return averages over the steps of one clock of samples on another: differences of the interpolated integral."""
+    width = np.diff(other, prepend=other[0] - np.median(np.diff(other)))
+    edges = np.concatenate([[other[0] - width[0]], other])
+    integral = np.concatenate([np.zeros((1, 3)), np.cumsum(values * width[:, None], axis=0)])
+    found = np.empty((time.size, 3))
+    for i in range(3):
+        at = np.interp(np.concatenate([[time[0] - step[0]], time]), edges, integral[:, i])
+        found[:, i] = np.diff(at) / step
+    outside = (time - step < edges[0]) | (time > edges[-1])
+    inside = np.flatnonzero(~outside)
+    if outside.any() and inside.size:
+        found[: inside[0]], found[inside[-1] + 1 :] = found[inside[0]], found[inside[-1]]
+    return found
+
+
+def _gaps(present: np.ndarray[tuple[int], np.dtype[np.int64]]) -> list[tuple[int, int]]:
+    """Return first and last (excluded) step of each gap."""
+    wide = np.flatnonzero(np.diff(present) > 1)
+    return [(int(present[k]) + 1, int(present[k + 1])) for k in wide]
+
+
+def _regimes(
+    imu: ImuStream, time: Floats, zero: int, notes: list[str]
+) -> tuple[np.ndarray[tuple[int], np.dtype[np.int64]], tuple[float | None, ...]]:
+    """Return which regime each step lies in, and the regimes' temperatures."""
+    if imu.temperature is None or not len(imu.temperature):
+        notes.append(
+            "the error model depends on temperature, but the log has none: the model's own parameters are used"
+        )
+        return np.zeros(time.size, np.int64), (None,)
+    celsius = np.interp(time, (imu.temperature.time - zero) / SECOND, imu.temperature.value)
+    bins = np.floor(celsius / REGIME).astype(np.int64)
+    levels, regime = np.unique(bins, return_inverse=True)
+    return regime.astype(np.int64), tuple(float((level + 0.5) * REGIME) for level in levels)

@@ -1,0 +1,88 @@
+"""Outages: branches off a solution's checkpoints, along which no fix is used."""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.navigation import kernel
+from imuwb.navigation.covariance import NAVIGATION, flat, workspace
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from imuwb.log import Floats
+    from imuwb.navigation.filter import Solution
+
+EACH = 1.0  #: s between two marks
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Drift:
+    """What a filter says on its way through outages: s of them, at L marks each."""
+
+    event: NDArray[np.int64]  #: (s,) the last fix before each, among the solution's events
+    start: Floats  #: (s,) s from the log's start
+    mark: NDArray[np.int64]  #: (s, L) sample behind which
+    time: Floats  #: (s, L) s from the log's start
+    state: Floats  #: (s, L, 10) latitude rad, longitude rad, height m, velocity NED m/s, quaternion
+    covariance: Floats  #: (s, L, 9, 9) of position m, velocity m/s, attitude rad
+    sound: NDArray[np.bool_]  #: (s,) whether all that are numbers that can be
+
+
+def marks_of(solution: Solution, events: NDArray[np.int64], duration: float) -> NDArray[np.int64]:
+    """Return the samples behind which outages are looked at: each second, on the grid of the covariance; (s, L)."""
+    every, interval = solution.model.settings.every, solution.moves.interval
+    first = solution.found.events.at[events] + 1
+    seconds = np.arange(EACH, duration + EACH / 2, EACH)
+    samples = first[:, None] + seconds / interval
+    return (np.ceil(samples / every - 1e-9) * every).astype(np.int64)
+
+
+def drift(
+    solution: Solution, events: NDArray[np.int64], duration: float, *, with_covariance: bool = True,
+    progress: Callable[[int, int], None] | None = None,
+) -> Drift:  # fmt: skip
+    """Return where a filter drifts when no fix follows some of its own; all in parallel.
+
+    Args:
+        solution: the filter's run over the whole log.
+        events: (s,) of the solution's events, the last fix before each outage.
+        duration: s; the log must go on for as long.
+        with_covariance: whether its covariance is carried on, too; else it is that of the checkpoint.
+        progress: called with (outages done, outages).
+    """
+    marks = marks_of(solution, events, duration)
+    count, length = marks.shape
+    states, spreads = np.zeros((count, length, 10)), np.zeros((count, length, NAVIGATION, NAVIGATION))
+    sound = np.zeros(count, dtype=bool)
+    found, track = solution.found, solution.track
+
+    def work(part: NDArray[np.int64]) -> int:
+        space = workspace()
+        for k in part:
+            e = int(events[k])
+            ended = kernel.branch(
+                track.state[e].copy(), track.axes[e].copy(), flat(track.covariance[e]), solution.moves.samples,
+                found.events, solution.rules, solution.tables, space, int(found.events.at[e]) + 1, marks[k],
+                with_covariance, states[k], spreads[k],
+            )  # fmt: skip
+            sound[k] = ended == kernel.FINE and bool(np.isfinite(states[k]).all())
+        return part.size
+
+    threads = os.cpu_count() or 1
+    parts = [part for part in np.array_split(np.arange(count), max(threads * 8, 1)) if part.size]
+    done = 0
+    with ThreadPoolExecutor(threads) as pool:
+        for size in pool.map(work, parts):
+            done += size
+            if progress is not None:
+                progress(done, count)
+    time = solution.moves.time[marks - 1]
+    return Drift(events, solution.moves.time[found.events.at[events]], marks, time, states, spreads, sound)

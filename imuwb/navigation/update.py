@@ -1,0 +1,219 @@
+"""One event taken in: residuals, their gate, and the errors fed back."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numba
+import numpy as np
+
+from imuwb.navigation.covariance import NAVIGATION, STRIDE
+from imuwb.navigation.earth import ECCENTRICITY_SQUARED, EQUATORIAL_RADIUS
+from imuwb.navigation.strapdown import HEIGHT, LATITUDE, LONGITUDE, QUATERNION, RATE, VELOCITY
+from imuwb.navigation.tables import FIX, MOST_ROWS, SPEED, STILL
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from imuwb.navigation.tables import AxisTables, Events, Rules, Samples
+
+    Floats = NDArray[np.float64]
+    Integers = NDArray[np.int64]
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def rotation(state: Floats, c: Floats) -> None:  # pragma: no cover - compiled
+    """Write C_b_n of a state."""
+    w, x, y, z = state[QUATERNION], state[QUATERNION + 1], state[QUATERNION + 2], state[QUATERNION + 3]
+    c[0, 0], c[0, 1], c[0, 2] = w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)
+    c[1, 0], c[1, 1], c[1, 2] = 2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)
+    c[2, 0], c[2, 1], c[2, 2] = 2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _radii(latitude: float, height: float) -> tuple[float, float]:  # pragma: no cover - compiled
+    """Return metres per radian of latitude and of longitude."""
+    squared = 1.0 - ECCENTRICITY_SQUARED * math.sin(latitude) ** 2
+    transverse = EQUATORIAL_RADIUS / math.sqrt(squared)
+    meridian = transverse * (1.0 - ECCENTRICITY_SQUARED) / squared
+    return meridian + height, (transverse + height) * math.cos(latitude)
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _measure(
+    state: Floats, kind: int, late: float, value: Floats, lever: Floats, tables: AxisTables, regime: int,
+    rows: Floats, residual: Floats,
+) -> None:  # fmt: skip  # pragma: no cover - compiled
+    """Write residuals, estimate less measurement, and how they depend on the error states."""
+    first, weight, scale = tables.first, tables.step, tables.scale
+    rows[:] = 0.0
+    residual[:] = 0.0
+    c = np.empty((3, 3))
+    rotation(state, c)
+    v = state[VELOCITY : VELOCITY + 3]
+    if kind == FIX:
+        north, east = _radii(state[LATITUDE], state[HEIGHT])
+        arm = c @ lever
+        w = state[RATE : RATE + 3]
+        body = np.array([
+            w[1] * lever[2] - w[2] * lever[1], w[2] * lever[0] - w[0] * lever[2], w[0] * lever[1] - w[1] * lever[0]
+        ])  # fmt: skip
+        swing = c @ body
+        residual[0] = (state[LATITUDE] - value[0]) * north + arm[0] + (v[0] + swing[0]) * late
+        residual[1] = (state[LONGITUDE] - value[1]) * east + arm[1] + (v[1] + swing[1]) * late
+        residual[2] = -(state[HEIGHT] - value[2]) + arm[2] + (v[2] + swing[2]) * late
+        for i in range(3):
+            residual[3 + i] = v[i] + swing[i] - value[3 + i]
+            rows[i, i] = 1.0
+            rows[3 + i, 3 + i] = 1.0
+        _cross(rows, 0, arm)
+        _cross(rows, 3, swing)
+        # The lever turns by the rate less the gyros' error: C (b x l).
+        for axis in range(3):
+            for i in range(3):
+                one, two = (axis + 1) % 3, (axis + 2) % 3
+                # column ``axis`` of C [l x], negated: e_axis x l
+                value_i = c[i, two] * lever[one] - c[i, one] * lever[two]
+                if value_i != 0.0:
+                    for s in range(first[axis], first[axis + 1]):
+                        gain = weight[regime, s - NAVIGATION] * (w[axis] if scale[s - NAVIGATION] else 1.0)
+                        rows[3 + i, s] += value_i * gain
+    elif kind == STILL:
+        for i in range(3):
+            residual[i] = v[i]
+            rows[i, 3 + i] = 1.0
+    else:
+        # Velocity in the body: C^T v; its error is C^T (dv + v x phi... ) by C_est = (I - [phi x]) C.
+        for axis in range(3):
+            wanted = axis == 0 if kind == SPEED else axis > 0
+            if not wanted:
+                continue
+            at = 0 if kind == SPEED else axis - 1
+            along = c[0, axis] * v[0] + c[1, axis] * v[1] + c[2, axis] * v[2]
+            residual[at] = along - (value[0] if kind == SPEED else 0.0)
+            for i in range(3):
+                one, two = (i + 1) % 3, (i + 2) % 3
+                rows[at, 3 + i] = c[i, axis]
+                rows[at, 6 + i] = v[one] * c[two, axis] - v[two] * c[one, axis]
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _cross(rows: Floats, row: int, arm: Floats) -> None:  # pragma: no cover - compiled
+    """Write [arm x] phi: what an attitude error makes of an arm, (I - [phi x]) arm less arm."""
+    rows[row, 7], rows[row, 8] = -arm[2], arm[1]
+    rows[row + 1, 6], rows[row + 1, 8] = arm[2], -arm[0]
+    rows[row + 2, 6], rows[row + 2, 7] = -arm[1], arm[0]
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _scalar(
+    covariance: Floats, error: Floats, n: int, row: Floats, residual: float, variance: float, gain: Floats
+) -> tuple[float, float]:  # pragma: no cover - compiled
+    """Take one measurement in; return its innovation and that one's variance. ``error`` is the estimated error so far."""
+    innovation, total = residual, variance
+    for i in range(n):
+        gain[i] = 0.0
+    for j in range(n):
+        if row[j] != 0.0:
+            innovation -= row[j] * error[j]
+            for i in range(n):
+                gain[i] += row[j] * covariance[j * STRIDE + i]
+    for j in range(n):
+        total += row[j] * gain[j]
+    for i in range(n):
+        error[i] += gain[i] * innovation / total
+        for j in range(i + 1):
+            less = gain[i] * gain[j] / total
+            covariance[i * STRIDE + j] -= less
+            if i != j:
+                covariance[j * STRIDE + i] -= less
+    return innovation, total
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def feed_back(state: Floats, axes: Floats, error: Floats, n: int) -> None:  # pragma: no cover - compiled
+    """Take estimated errors out of a state."""
+    north, east = _radii(state[LATITUDE], state[HEIGHT])
+    state[LATITUDE] -= error[0] / north
+    state[LONGITUDE] -= error[1] / east
+    state[HEIGHT] += error[2]
+    for i in range(3):
+        state[VELOCITY + i] -= error[3 + i]
+    # C_true = (I + [phi x]) C
+    a, b, c = 0.5 * error[6], 0.5 * error[7], 0.5 * error[8]
+    w, x, y, z = state[QUATERNION], state[QUATERNION + 1], state[QUATERNION + 2], state[QUATERNION + 3]
+    q0, q1 = w - a * x - b * y - c * z, x + a * w + b * z - c * y
+    q2, q3 = y + b * w + c * x - a * z, z + c * w + a * y - b * x
+    norm = 1.0 / math.sqrt(q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3)
+    state[QUATERNION], state[QUATERNION + 1] = q0 * norm, q1 * norm
+    state[QUATERNION + 2], state[QUATERNION + 3] = q2 * norm, q3 * norm
+    for s in range(NAVIGATION, n):
+        axes[s - NAVIGATION] += error[s]
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def update(
+    state: Floats, axes: Floats, covariance: Floats, samples: Samples, events: Events, e: int, rules: Rules,
+    tables: AxisTables, rows: Floats, refused: Integers, innovation: Floats, deviation: Floats, nis: Floats,
+    used: NDArray[np.bool_],
+) -> None:  # fmt: skip  # pragma: no cover - compiled
+    """Take one event in: first what concerns position, then velocity, each gated by its normalised innovation squared.
+
+    Args:
+        refused: (2,) how many positions and velocities were refused one behind the other.
+        innovation, deviation: (6,) measured less predicted, and its sigma, written; nan where nothing is measured.
+        nis: (2,) of position and velocity, written.
+        used: (2,) whether they were, written.
+    """
+    n = tables.first[6]
+    kind, variance = events.kind[e], events.variance[e]
+    residual, error, gain = np.empty(MOST_ROWS), np.zeros(n), np.empty(n)
+    regime = int(samples.regime[events.at[e]])
+    _measure(state, kind, events.late[e], events.value[e], rules.lever, tables, regime, rows, residual)
+    tried = np.empty(n * STRIDE)
+    guess = np.zeros(n)
+    innovation[:] = np.nan
+    deviation[:] = np.nan
+    nis[:] = np.nan
+    used[:] = False
+    for group in range(2):
+        measured = 0
+        for r in range(3 * group, 3 * group + 3):
+            measured += variance[r] > 0.0
+        if measured == 0:
+            continue
+        for attempt in range(2):
+            tried[:] = covariance[: n * STRIDE]
+            guess[:] = error
+            total = 0.0
+            for r in range(3 * group, 3 * group + 3):
+                if variance[r] <= 0.0:
+                    continue
+                before, spread = residual[r], variance[r]
+                for j in range(n):
+                    if rows[r, j] != 0.0:
+                        before -= rows[r, j] * error[j]
+                        for i in range(n):
+                            spread += rows[r, j] * rows[r, i] * covariance[j * STRIDE + i]
+                got, its = _scalar(tried, guess, n, rows[r], residual[r], variance[r], gain)
+                total += got * got / its
+                if attempt == 0:
+                    innovation[r], deviation[r] = -before, math.sqrt(spread)
+            if attempt == 0:
+                nis[group] = total
+            if total <= rules.gate or attempt == 1:
+                covariance[: n * STRIDE] = tried
+                error[:] = guess
+                used[group] = True
+                refused[group] = 0
+                break
+            refused[group] += 1
+            if kind != FIX or refused[group] <= rules.patience:
+                break
+            # So many cannot all be wrong: what the filter believes of itself is.
+            for r in range(3 * group, 3 * group + 3):
+                if variance[r] > 0.0:
+                    covariance[r * STRIDE + r] += residual[r] * residual[r]
+    if used[0] or used[1]:
+        feed_back(state, axes, error, n)
