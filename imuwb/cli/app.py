@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 import typer
 
 from imuwb import __version__, registry
-from imuwb.cli import commands, model
+from imuwb.cli import commands, model, simulate
 from imuwb.cli.options import command_function
 from imuwb.errors import UsageError
 from imuwb.recipes import noise
@@ -29,6 +29,7 @@ def build(arguments: list[str]) -> typer.Typer:
     app.callback()(_root)
     for name, command, panel in commands.COMMANDS:
         app.command(name, rich_help_panel=panel)(command)
+    app.add_typer(simulate.app, name="simulate", rich_help_panel=commands.LOGS)
     app.add_typer(model.app, name="model", rich_help_panel=commands.RESULTS)
     _add(app, "noise", cast("Analysis", noise), noise.__name__)
     for name, point in registry.installed(registry.ANALYSES).items():

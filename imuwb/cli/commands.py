@@ -1,4 +1,4 @@
-"""The commands that are no analysis: info, simulate, view, plugins, demo."""
+"""The commands that are no analysis: info, convert, view, plugins, demo."""
 
 from __future__ import annotations
 
@@ -138,55 +138,6 @@ def convert(
         typer.echo(f"wrote {file}", err=True)
 
 
-def simulate(
-    kind: Annotated[Literal["static"], typer.Argument(help="What to simulate.", metavar="static")],
-    *,
-    output: Annotated[
-        Path, typer.Option("--output", "-o", help="The log; its suffix, .mcap or .csv, is its format.", metavar="FILE")
-    ],
-    preset: Annotated[str | None, typer.Option(help="A published sensor (an unknown name lists them).")] = None,
-    error_model: Annotated[Path | None, typer.Option(help="An error model of your own.", metavar="MODEL.toml")] = None,
-    hours: Annotated[float, typer.Option(help="Duration in hours.")] = 1.0,
-    rate: Annotated[float, typer.Option(help="Samples a second, Hz.")] = 100.0,
-    seed: Annotated[int, typer.Option(help="The same seed gives the same log.", min=0)] = 0,
-    temperature: Annotated[float | None, typer.Option(help="Of the sensor, °C.")] = None,
-    quantize: Annotated[bool, typer.Option(help="Round to the model's lsb.")] = False,
-    bandwidth: Annotated[float | None, typer.Option(help="Low-pass the noise (Butterworth, second order), Hz.")] = None,
-    force: Annotated[bool, typer.Option("--force", help="Write over a file that exists.")] = False,
-) -> None:
-    """A log of known truth: a still IMU with the noise of a published sensor, or of a model of yours."""
-    from imuwb.cli.perform import check_place  # noqa: PLC0415 - help must not wait for numpy
-    from imuwb.cli.terminal import progress  # noqa: PLC0415
-    from imuwb.simulation import preset as published  # noqa: PLC0415
-    from imuwb.simulation import static  # noqa: PLC0415
-    from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
-    from imuwb.writers import SUFFIXES, write  # noqa: PLC0415
-
-    del kind
-    if (preset is None) == (error_model is None):
-        message = "simulate needs a sensor: either --preset NAME or --error-model MODEL.toml"
-        raise UsageError(message)
-    if output.suffix not in SUFFIXES:
-        message = f"--output {output}: a log is written as {' or '.join(SUFFIXES)}"
-        raise UsageError(message)
-    model = published(preset) if preset is not None else ImuErrorModel.read(cast("Path", error_model))
-    check_place(output, force=force)
-    with progress("simulating") as report:
-        log = static(
-            model,
-            hours * 3600,
-            rate,
-            seed,
-            celsius=temperature,
-            quantize=quantize,
-            bandwidth=bandwidth,
-            progress=report,
-        )
-    with progress(f"writing {output.name}") as report:
-        write(log, output, report)
-    typer.echo(f"wrote {output}", err=True)
-
-
 def view(recording: Annotated[Path, typer.Argument(help="A recording that imuwb wrote.", metavar="REC.rrd")]) -> None:
     """Open a recording in the Rerun viewer, on this machine only."""
     from imuwb.cli.perform import check_recording  # noqa: PLC0415 - help must not wait
@@ -255,7 +206,6 @@ def samples() -> Path:
 COMMANDS: tuple[tuple[str, Callable[..., None], str], ...] = (
     ("info", info, LOGS),
     ("convert", convert, LOGS),
-    ("simulate", simulate, LOGS),
     ("view", view, RESULTS),
     ("plugins", plugins, RESULTS),
     ("demo", demo, RESULTS),

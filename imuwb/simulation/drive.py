@@ -1,0 +1,97 @@
+"""A car with an IMU and a GNSS receiver, and the truth.
+
+An IMU sample stamped t_k is the average of the true angular rate omega_ib^b and specific force f^b over (t_(k-1), t_k],
+so that times dt it is the increment of the step that ends there; the errors of the sensor come on top.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.errors import UsageError
+from imuwb.log import AXES, Log, Origin, Provenance, Reference
+from imuwb.simulation.receiver import Receiver
+from imuwb.simulation.sensor import LONGEST, Sensor, stamps
+from imuwb.simulation.vibration import vibration as shaking
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from imuwb.simulation.receiver import Odometer
+    from imuwb.simulation.route import Route
+    from imuwb.stochastic import ImuErrorModel
+
+LOWEST_RATE, HIGHEST_RATE = 20.0, 10_000.0  #: Hz; below, four nodes no longer follow a sample's motion
+RECEIVER = Receiver()
+
+
+def drive(
+    model: ImuErrorModel,
+    route: Route,
+    seed: int,
+    *,
+    rate: float = 100.0,
+    receiver: Receiver = RECEIVER,
+    odometer: Odometer | None = None,
+    truth_rate: float = 10.0,
+    celsius: float | None = None,
+    quantize: bool = False,
+    bandwidth: float | None = None,
+    vibration: float = 0.0,
+    progress: Callable[[int, int], None] | None = None,
+) -> Log:
+    """Return the log of a drive: IMU, GNSS, perhaps an odometer, and the truth at samples of the IMU.
+
+    Args:
+        model: the sensor; one without axes is ideal.
+        route: where the car goes, ``planned_route`` or ``mixed_route``.
+        seed: of all noise; the same seed, route and options give the same log.
+        rate: Hz, of the IMU.
+        receiver: the GNSS receiver.
+        odometer: None: there is none.
+        truth_rate: Hz; every n-th sample of the IMU that comes nearest to it.
+        celsius: the sensor's temperature all the while; None: 25, and the model's own processes.
+        quantize: round to each axis's ``lsb``, and clip to its ``range``.
+        bandwidth: Hz, of the noise; None: the axis's own, if it states one.
+        vibration: m/s² rms of each accelerometer axis.
+        progress: called with (axes done, axes).
+
+    Raises:
+        UsageError: a rate, bandwidth or vibration that cannot be, or an axis that states no ``lsb``.
+    """
+    samples = route.duration * rate
+    if not LOWEST_RATE <= rate <= HIGHEST_RATE or not samples <= LONGEST:
+        message = f"a drive at {rate} Hz: it must be {LOWEST_RATE:g} to {HIGHEST_RATE:g}, and at most {LONGEST} samples"
+        raise UsageError(message)
+    if not 0 < truth_rate <= rate:
+        message = f"a truth at {truth_rate} Hz: it must be above 0, and at most the IMU's {rate:g} Hz"
+        raise UsageError(message)
+    sensor = Sensor(model, celsius, quantize, bandwidth)
+    n = round(samples)
+    time = stamps(n, rate)
+    *axes, of_receiver, of_vibration = np.random.SeedSequence(seed).spawn(len(AXES) + 2)
+    rates, forces = route.averages(n, rate)
+    if vibration:
+        shaken = shaking(n, rate, vibration, np.random.default_rng(of_vibration))
+        rates, forces = rates + shaken[0], forces + shaken[1]
+    told = np.arange(0, n, max(1, round(rate / truth_rate)))
+    state = route.state(told / rate)
+    truth = Reference("truth", time[told], state.position, state.velocity, state.attitude, Origin("SI", "FRD", "unix"))
+    recipe = f"{model.to_toml()}|{seed}|{rate}|{receiver}|{odometer}|{truth_rate}|{celsius}|{quantize}|{bandwidth}|{vibration}"
+    return Log(
+        Provenance(f"drive {route.name} of {model.name}", "simulation", _digest(recipe, route), 0),
+        imus=(sensor.measure(time, rate, (rates, forces), axes, progress),),
+        gnss=(receiver.fixes(route, np.random.default_rng(of_receiver)),),
+        speeds=() if odometer is None else (odometer.speeds(route),),
+        references=(truth,),
+    )
+
+
+def _digest(recipe: str, route: Route) -> str:
+    known = hashlib.sha256(f"{recipe}|{route.start}|{route.duration}".encode())
+    known.update(route.profile.manoeuvres.c.tobytes())
+    known.update(route.profile.road.c.tobytes())
+    return f"sha256:{known.hexdigest()}"

@@ -1,0 +1,86 @@
+"""What a driver does: legs of a drive, drawn as one drives in a town, on a country road, on a highway."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from imuwb.simulation.profile import SLOWING_DOWN, SPEEDING_UP
+
+if TYPE_CHECKING:
+    import numpy as np
+
+KMH = 1 / 3.6  #: m/s
+SHORTEST_TURN = 4.0  #: s
+SETTLING = 8.0  #: s of going on behind a stop or a turn
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """A while at one speed; a turn is spread evenly over it."""
+
+    duration: float  #: s
+    speed: float  #: m/s; what is meant, and reached as far as braking and speeding up allow
+    turn: float = 0.0  #: rad, to the right
+
+
+@dataclass(frozen=True, slots=True)
+class Pin:
+    """A mean speed that an interval must have."""
+
+    start: float  #: s
+    duration: float  #: s
+    speed: float  #: m/s
+
+
+@dataclass(frozen=True, slots=True)
+class Zone:
+    """How one drives somewhere; each pair is (least, most), drawn evenly."""
+
+    speed: tuple[float, float]  #: m/s
+    going_on: tuple[float, float]  #: s between two events
+    turn: tuple[float, float]  #: rad, to either side
+    turning: float  #: m/s in a turn
+    lateral: float  #: m/s² in a turn
+    stops: float  #: part of the events that are stops; the others are turns
+    stop: tuple[float, float]  #: s
+
+    @property
+    def slowest(self) -> float:
+        """Return the speed, m/s, that one may come down to."""
+        return 0.0 if self.stops else min(self.turning, self.speed[0])
+
+    def corner(self, angle: float, speed: float) -> Leg:
+        """Return a turn that keeps the lateral acceleration."""
+        return Leg(max(SHORTEST_TURN, abs(angle) * speed / self.lateral), speed, angle)
+
+
+TOWN = Zone((28 * KMH, 50 * KMH), (10, 25), (math.radians(75), math.radians(105)), 22 * KMH, 2.2, 0.4, (6, 20))
+COUNTRY = Zone((60 * KMH, 90 * KMH), (15, 40), (math.radians(15), math.radians(60)), 60 * KMH, 1.8, 0.1, (5, 12))
+HIGHWAY = Zone((105 * KMH, 126 * KMH), (20, 60), (math.radians(4), math.radians(20)), 105 * KMH, 1.2, 0.0, (0, 0))
+
+
+def wander(zone: Zone, duration: float, rng: np.random.Generator) -> list[Leg]:
+    """Return legs of a zone that last ``duration`` s: going on, and between it stops and turns."""
+    legs: list[Leg] = []
+    left = duration
+    while left > 0:
+        legs.append(Leg(min(left, rng.uniform(*zone.going_on)), rng.uniform(*zone.speed)))
+        left -= legs[-1].duration
+        side = rng.choice([-1.0, 1.0])
+        if rng.random() < zone.stops:
+            event = Leg(rng.uniform(*zone.stop), 0.0)
+        else:
+            event = zone.corner(side * rng.uniform(*zone.turn), zone.turning)
+        if event.duration + SETTLING < left:
+            legs.append(event)
+            left -= event.duration
+    return legs
+
+
+def between(zone: Zone, duration: float, before: float, after: float, rng: np.random.Generator) -> list[Leg]:
+    """Return legs that last ``duration`` s, and leave and meet two speeds, m/s, without a change beyond their ends."""
+    leaving = Leg(max(0.0, before - zone.slowest) / SLOWING_DOWN + 2, before)
+    meeting = Leg(max(0.0, after - zone.slowest) / SPEEDING_UP + 4, after)
+    return [leaving, *wander(zone, duration - leaving.duration - meeting.duration, rng), meeting]

@@ -1,0 +1,123 @@
+"""What is measured beside the IMU: a GNSS receiver's fixes, and an odometer's speed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.errors import UsageError
+from imuwb.log import GnssStream, Origin, Scalars
+from imuwb.navigation.attitude import rotation_of_euler
+from imuwb.navigation.earth import displaced
+from imuwb.simulation.route import earth_rate
+from imuwb.simulation.sensor import stamps
+
+if TYPE_CHECKING:
+    from imuwb.log import Floats
+    from imuwb.simulation.route import Route
+
+FIX_3D = 3
+HIGHEST_RATE = 1000.0  #: Hz
+LONGEST_ARM, LONGEST_LATENCY = 1000.0, 60.0  #: m, s
+
+
+@dataclass(frozen=True, slots=True)
+class Receiver:
+    """A GNSS receiver; its noise is white, and it claims the sigmas it has.
+
+    Raises:
+        UsageError: a figure that no receiver has.
+    """
+
+    rate: float = 1.0  #: Hz
+    position_sigma: tuple[float, float, float] = (2.0, 2.0, 3.5)  #: m, NED
+    velocity_sigma: tuple[float, float, float] = (0.1, 0.1, 0.15)  #: m/s, NED
+    latency: float = 0.0  #: s; a fix stamped t shows the antenna at t - latency
+    lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)  #: m, FRD, from the IMU to the antenna
+
+    def __post_init__(self) -> None:
+        """Check the figures."""
+        _require("a receiver's rate", self.rate, HIGHEST_RATE, "Hz", above_zero=True)
+        for sigma in (*self.position_sigma, *self.velocity_sigma):
+            _require("a receiver's sigma", sigma, 1e6, "m or m/s")
+        _require("a receiver's latency", self.latency, LONGEST_LATENCY, "s")
+        for arm in self.lever_arm:
+            _require("the length of a lever arm", abs(arm), LONGEST_ARM, "m")
+
+    def fixes(self, route: Route, rng: np.random.Generator) -> GnssStream:
+        """Return the fixes of a whole route, the first at its start."""
+        count = _count(route, self.rate)
+        position, velocity = antenna(route, np.arange(count) / self.rate - self.latency, self.lever_arm)
+        noise = rng.standard_normal((2, count, 3))
+        sigmas = np.array([self.position_sigma, self.velocity_sigma])
+        return GnssStream(
+            "/gnss/fix",
+            stamps(count, self.rate),
+            displaced(position, noise[0] * sigmas[0]),
+            velocity + noise[1] * sigmas[1],
+            np.tile(sigmas[0], (count, 1)),
+            np.tile(sigmas[1], (count, 1)),
+            np.full(count, FIX_3D),
+            Origin("SI", "NED", "unix"),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Odometer:
+    """Forward speed from the wheels.
+
+    Raises:
+        UsageError: a figure that no odometer has.
+    """
+
+    rate: float = 10.0  #: Hz
+    scale_error: float = 0.0  #: measured = (1 + s) true, rounded
+    step: float = 0.0  #: m/s, to whole ones of which it rounds; 0: not
+
+    def __post_init__(self) -> None:
+        """Check the figures."""
+        _require("an odometer's rate", self.rate, HIGHEST_RATE, "Hz", above_zero=True)
+        _require("the size of an odometer's scale error", abs(self.scale_error), 1.0, "")
+        _require("an odometer's step", self.step, 100.0, "m/s")
+
+    def speeds(self, route: Route) -> Scalars:
+        """Return the speeds of a whole route, the first at its start."""
+        count = _count(route, self.rate)
+        speed = (1 + self.scale_error) * route.speed(np.arange(count) / self.rate)
+        if self.step:
+            speed = np.rint(speed / self.step) * self.step
+        return Scalars("/odometer/speed", stamps(count, self.rate), speed)
+
+
+def antenna(route: Route, t: Floats, lever_arm: tuple[float, float, float]) -> tuple[Floats, Floats]:
+    """Return the position and velocity of a point of the car (Groves, eq. 14.122 and 14.123, without their approximations).
+
+    Args:
+        route: of the IMU.
+        t: (n,) s.
+        lever_arm: m, FRD, from the IMU to the point.
+
+    Returns:
+        (n, 3) latitude rad, longitude rad, height m; (n, 3) m/s, NED
+    """
+    state = route.state(t)
+    to_navigation = rotation_of_euler(state.attitude)
+    arm = to_navigation @ np.array(lever_arm)
+    turning = np.einsum("ijk,ik->ij", to_navigation, route.inertial(t)[0]) - earth_rate(state.position[:, 0])
+    return displaced(state.position, arm), state.velocity + np.cross(turning, arm)
+
+
+def _count(route: Route, rate: float) -> int:
+    """Return how many samples from time 0 on lie before the end."""
+    return max(1, math.ceil(round(route.duration * rate, 6)))
+
+
+def _require(what: str, value: float, most: float, unit: str, *, above_zero: bool = False) -> None:
+    if not (0 < value <= most if above_zero else 0 <= value <= most):
+        message = (
+            f"{what} is {value}; it must be {'above 0' if above_zero else 'at least 0'} and at most {most:g} {unit}"
+        )
+        raise UsageError(message.rstrip())
