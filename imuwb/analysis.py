@@ -233,8 +233,11 @@ class Review(Protocol):
         """Show a table, in the recording and in the terminal."""
         ...
 
-    def track(self, name: str, position: Floats, color: tuple[int, int, int]) -> None:
-        """Show a trajectory, (n, 3) latitude rad, longitude rad, height m, in local east and north."""
+    def track(self, name: str, position: Floats, color: tuple[int, int, int], label: str = "") -> None:
+        """Show a trajectory, (n, 3) latitude rad, longitude rad, height m, in local east and north; a label at its end.
+
+        Tracks of one tab share a picture, whose origin is the first one's first point.
+        """
         ...
 
     def note(self, text: str) -> None:

@@ -74,10 +74,17 @@ class FilterModel:
     error_model: ImuErrorModel
     reading: Reading = "corrected"  #: of Quinchia's formulas
     scale_factor: tuple[float, float] = (0.0, 0.0)  #: sigmas, of gyros and accelerometers; 0: no state
-    through: tuple[str, ...] = ()  #: conditioners that the log goes through, as one writes them
+    wavelet_levels: tuple[
+        int, ...
+    ] = ()  #: of denoising before the mechanization, ``gyro_x`` ... ``accel_z``; empty: none
     installation: Installation = field(default_factory=Installation)
     settings: Settings = field(default_factory=Settings)
     aids: Aids = field(default_factory=Aids)
+
+    @property
+    def causal(self) -> bool:
+        """Whether no sample knows of later ones: denoising as a whole does."""
+        return not any(self.wavelet_levels)
 
     def shapings(self, dt: float, celsius: float | None = None) -> tuple[Shaping, ...]:
         """Return the six axes' states at a sampling interval.

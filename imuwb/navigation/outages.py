@@ -11,10 +11,9 @@ import numpy as np
 
 from imuwb.navigation import kernel
 from imuwb.navigation.covariance import NAVIGATION, flat, workspace
+from imuwb.progress import tracked
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from imuwb.log import Floats
@@ -46,8 +45,7 @@ def marks_of(solution: Solution, events: NDArray[np.int64], duration: float) -> 
 
 
 def drift(
-    solution: Solution, events: NDArray[np.int64], duration: float, *, with_covariance: bool = True,
-    progress: Callable[[int, int], None] | None = None,
+    solution: Solution, events: NDArray[np.int64], duration: float, *, with_covariance: bool = True
 ) -> Drift:  # fmt: skip
     """Return where a filter drifts when no fix follows some of its own; all in parallel.
 
@@ -56,7 +54,6 @@ def drift(
         events: (s,) of the solution's events, the last fix before each outage.
         duration: s; the log must go on for as long.
         with_covariance: whether its covariance is carried on, too; else it is that of the checkpoint.
-        progress: called with (outages done, outages).
     """
     marks = marks_of(solution, events, duration)
     count, length = marks.shape
@@ -64,7 +61,7 @@ def drift(
     sound = np.zeros(count, dtype=bool)
     found, track = solution.found, solution.track
 
-    def work(part: NDArray[np.int64]) -> int:
+    def work(part: NDArray[np.int64]) -> None:
         space = workspace()
         for k in part:
             e = int(events[k])
@@ -74,15 +71,11 @@ def drift(
                 with_covariance, states[k], spreads[k],
             )  # fmt: skip
             sound[k] = ended == kernel.FINE and bool(np.isfinite(states[k]).all())
-        return part.size
 
     threads = os.cpu_count() or 1
     parts = [part for part in np.array_split(np.arange(count), max(threads * 8, 1)) if part.size]
-    done = 0
     with ThreadPoolExecutor(threads) as pool:
-        for size in pool.map(work, parts):
-            done += size
-            if progress is not None:
-                progress(done, count)
+        for _ in tracked(pool.map(work, parts), len(parts)):
+            pass
     time = solution.moves.time[marks - 1]
     return Drift(events, solution.moves.time[found.events.at[events]], marks, time, states, spreads, sound)

@@ -18,9 +18,12 @@ SCHEMA = 1
 
 
 def plain(value: object) -> object:  # noqa: PLR0911 - a kind of value each
-    """Return a value as JSON has it: dataclasses as objects, arrays as lists, what is not finite as null."""
+    """Return a value as JSON has it: dataclasses as objects, arrays as lists, what is not finite as null.
+
+    A dataclass's field whose metadata say ``document=False`` is for drawing alone, and left out.
+    """
     if is_dataclass(value) and not isinstance(value, type):
-        content = {f.name: plain(getattr(value, f.name)) for f in fields(value)}
+        content = {f.name: plain(getattr(value, f.name)) for f in fields(value) if f.metadata.get("document", True)}
         kind = getattr(type(value), "name", None)  # a process: its parameters alone do not say which
         return {"process": kind, **content} if isinstance(kind, str) else content
     if isinstance(value, np.ndarray):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import socket
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
@@ -15,6 +16,7 @@ import rerun.blueprint as rrb
 from imuwb.errors import ImuwbError
 from imuwb.review.chart import Chart
 from imuwb.review.envelope import envelope
+from imuwb.review.rrd import is_whole, why_cut
 from imuwb.writers.beside import partial
 
 if TYPE_CHECKING:
@@ -40,6 +42,7 @@ class _Tab:
     wide: list[rrb.View] = field(default_factory=list[rrb.View])
     notes: list[str] = field(default_factory=list[str])
     tracks: int = 0
+    origin: Floats | None = None  #: latitude rad, longitude rad, height m, from which tracks are drawn
 
     def layout(self) -> rrb.Container | rrb.View | None:
         rows: list[rrb.Container | rrb.View] = []
@@ -194,10 +197,10 @@ class RecordingReview:
         self.notes.append(text)
         self._tab.notes.append(text)
 
-    def track(self, name: str, position: Floats, color: tuple[int, int, int]) -> None:
-        """Show a trajectory in local east and north, metres from its first point."""
+    def track(self, name: str, position: Floats, color: tuple[int, int, int], label: str = "") -> None:
+        """Show a trajectory in local east and north, metres from the first point of the tab's first; a label at its end."""
         path = f"{self._tab.path}/track"
-        start = position[0]
+        start = self._tab.origin = position[0] if self._tab.origin is None else self._tab.origin
         east = (position[:, 1] - start[1]) * math.cos(start[0]) * EARTH_RADIUS
         north = (position[:, 0] - start[0]) * EARTH_RADIUS
         points = np.stack([east, -north], axis=1)
@@ -208,6 +211,14 @@ class RecordingReview:
             rr.LineStrips2D([points], colors=[color], radii=rr.Radius.ui_points(1.5)),
             static=True,
         )
+        if label:
+            self._stream.log(
+                f"{path}/labels/{self._tab.tracks}",
+                rr.Points2D(
+                    [points[-1]], labels=[label], colors=[color], radii=rr.Radius.ui_points(3.0), show_labels=True
+                ),
+                static=True,
+            )
         if not self._tab.tracks:
             low, high = points.min(axis=0), points.max(axis=0)
             span = max(float((high - low).max()), 1.0)
@@ -249,8 +260,14 @@ class RecordingReview:
             rrb.Tabs(*views), rrb.BlueprintPanel(state="collapsed"), rrb.SelectionPanel(state="collapsed"), panel
         )
         self._stream.send_blueprint(blueprint)
-        self._stream.flush()
-        self._stream.disconnect()
+        with suppress(RuntimeError):  # the thread that writes has ended: what is in the file tells
+            self._stream.flush()
+        self._disconnect()
+        if not is_whole(self._partial):
+            why = why_cut(self._partial)
+            self.discard()
+            message = f"{self.output}: cannot be written: {why}"
+            raise ImuwbError(message)
         try:
             self._partial.replace(self.output)
         except OSError as error:
@@ -261,8 +278,12 @@ class RecordingReview:
 
     def discard(self) -> None:
         """Leave nothing behind."""
-        self._stream.disconnect()
+        self._disconnect()
         self._partial.unlink(missing_ok=True)
+
+    def _disconnect(self) -> None:
+        with suppress(RuntimeError):  # as in ``close``
+            self._stream.disconnect()
 
     def _text_on(self, tab: _Tab, name: str, markdown: str, *, wide: bool = False) -> None:
         path = f"{tab.path}/text_{len(tab.texts) + len(tab.wide)}"

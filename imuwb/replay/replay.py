@@ -1,0 +1,226 @@
+"""Filters over a log, and what becomes of them without fixes: from a log to scores."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.errors import MissingDataError, UsageError
+from imuwb.navigation.alignment import align, standing
+from imuwb.navigation.events import corrections
+from imuwb.navigation.filter import solve
+from imuwb.navigation.measurement import denoised, measurement
+from imuwb.navigation.outages import drift
+from imuwb.progress import tracked
+from imuwb.replay.reference import own, yardstick
+from imuwb.replay.scores import Scores, scores
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from imuwb.log import Floats, GnssStream, Log
+    from imuwb.navigation.alignment import Alignment
+    from imuwb.navigation.events import Corrections
+    from imuwb.navigation.filter import Solution
+    from imuwb.navigation.filter_model import FilterModel
+    from imuwb.navigation.measurement import Measurement
+    from imuwb.navigation.outages import Drift
+    from imuwb.replay.reference import Yardstick
+
+SPACING = 0.95  #: s; a sweep starts at fixes at least so far apart
+
+
+@dataclass(frozen=True, slots=True)
+class Outage:
+    """A span without fixes."""
+
+    start: float  #: s from the log's start
+    duration: float  #: s
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Prepared:
+    """A log as filters take it."""
+
+    log: Log
+    gnss: GnssStream
+    moves: Measurement
+    still: Floats  #: (k, 2) s from the log's start
+    found: Corrections
+    start: Alignment
+    notes: tuple[str, ...]
+
+    @property
+    def start_time(self) -> float:
+        """Return when filters start, s from the log's start."""
+        return float(self.found.time[self.start.event])
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Replayed:
+    """One filter in the outages of one duration."""
+
+    drift: Drift
+    scores: Scores  #: against the common reference
+    own: Scores  #: against its own run without outage
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Run:
+    """One filter: its run over the whole log, and its outages by duration."""
+
+    solution: Solution
+    outages: dict[float, Replayed]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Replay:
+    """All filters in the same outages."""
+
+    prepared: Prepared
+    reference: Yardstick
+    runs: dict[str, Run]
+    scored: dict[float, NDArray[np.bool_]]  #: duration -> (s,) whether an outage counts
+    notes: tuple[str, ...]
+
+
+def prepare(log: Log, model: FilterModel, receiver: str | None = None) -> Prepared:
+    """Return a log as filters take it: all of them begin alike.
+
+    Args:
+        log: an IMU and a receiver.
+        model: its settings; which error model it has does not matter.
+        receiver: name of the receiver; None: the first.
+
+    Raises:
+        MissingDataError: no IMU, no receiver, too few fixes, no motion.
+        UsageError: no receiver of that name.
+    """
+    if not log.gnss:
+        message = (
+            f"{log.provenance.path}: no GNSS receiver in this log; name a file with its fixes with --gnss "
+            "(an outage replay needs fixes to take away)"
+        )
+        raise MissingDataError(message)
+    named = [g for g in log.gnss if receiver in (None, g.name)]
+    if not named:
+        message = f"no receiver {receiver!r}; there are {', '.join(g.name for g in log.gnss)}"
+        raise UsageError(message)
+    gnss = named[0]
+    thermal = any(axis.thermal for axis in model.error_model.axes.values())
+    moves = measurement(log, log.imu(), model.installation, thermal=thermal)
+    still = standing(moves, log, gnss)
+    found = corrections(log, gnss, moves, still, model)
+    start = align(moves, found, still, model)
+    return Prepared(log, gnss, moves, still, found, start, (*moves.notes, *found.notes, start.note))
+
+
+def run(model: FilterModel, prepared: Prepared) -> Solution:
+    """Return a filter's run over a whole log."""
+    moves = prepared.moves
+    if any(model.wavelet_levels):
+        moves = denoised(moves, model.wavelet_levels)
+    return solve(model, moves, prepared.found, prepared.start)
+
+
+def sweep(prepared: Prepared, model: FilterModel, duration: float) -> tuple[Outage, ...]:
+    """Return an outage behind every fix, once a second, from when the filter has settled to the end of the log."""
+    time = prepared.found.time[prepared.found.fix >= 0]
+    first, last = prepared.start_time + model.settings.settling, min(time[-1], prepared.moves.time[-1]) - duration
+    kept: list[Outage] = []
+    for t in time[(time >= first) & (time <= last)]:
+        if not kept or t - kept[-1].start >= SPACING:
+            kept.append(Outage(float(t), duration))
+    return tuple(kept)
+
+
+def replay(
+    prepared: Prepared,
+    models: Sequence[FilterModel],
+    outages: Sequence[Outage],
+    *,
+    reference: str = "best",
+) -> Replay:
+    """Return what all filters do in the same outages.
+
+    Args:
+        prepared: the log.
+        models: the filters; their names differ.
+        outages: in order of time; those of a duration are run together.
+        reference: "best", "truth", "fixed" or "own".
+
+    Raises:
+        UsageError: an outage before the filter has settled, or behind the log's end.
+        MissingDataError: a filter that ends in no number.
+        ValueError: the log has not the reference that is wanted; no process that a filter can carry.
+    """
+    check_outages(prepared, models[0], outages)
+    solutions: dict[str, Solution] = {}
+    for model in models:
+        solutions[model.name] = run(model, prepared)
+    best = next((solutions[name] for name in ("full", "18AV", "15AV") if name in solutions), solutions[models[0].name])
+    against = yardstick(prepared.log, best, reference)
+    durations = sorted({outage.duration for outage in outages})
+    runs: dict[str, Run] = {name: Run(solution, {}) for name, solution in solutions.items()}
+    scored: dict[float, NDArray[np.bool_]] = {}
+    notes = list(prepared.notes)
+    for duration in tracked(durations, len(durations)):
+        chosen = [outage for outage in outages if outage.duration == duration]
+        good = np.ones(len(chosen), dtype=bool)
+        for name, solution in tracked(solutions.items(), len(solutions)):
+            drifted = drift(solution, _events(solution, chosen), duration)
+            found = scores(drifted, against)
+            runs[name].outages[duration] = Replayed(drifted, found, scores(drifted, own(solution)))
+            good &= np.isfinite(found.horizontal).all(axis=1)
+        lost = int((~good).sum())
+        if lost:
+            notes.append(
+                f"{lost} outages of {duration:g} s are not scored: {against.name} has no value there, or a filter failed"
+            )
+        gap = _with_gap(prepared, chosen)
+        if gap.any():
+            notes.append(
+                f"{int(gap.sum())} outages of {duration:g} s are not scored: IMU samples are missing within them"
+            )
+        scored[duration] = good & ~gap
+    return Replay(prepared, against, runs, scored, tuple(notes))
+
+
+def check_outages(prepared: Prepared, model: FilterModel, outages: Sequence[Outage]) -> None:
+    """Raise UsageError unless every outage lies where it can be run."""
+    first = prepared.start_time
+    last = float(prepared.moves.time[-1])
+    if not outages:
+        message = (
+            f"no outage fits: the filter starts at {first:.1f} s, needs {model.settings.settling:g} s to settle, "
+            f"and the log ends at {last:.1f} s"
+        )
+        raise MissingDataError(message)
+    for outage in outages:
+        if outage.start < first + model.settings.settling:
+            message = (
+                f"the outage at {outage.start:g} s begins before the filter has settled: it starts at {first:.1f} s and needs "
+                f"{model.settings.settling:g} s (--settling changes that)"
+            )
+            raise UsageError(message)
+        if outage.start + outage.duration > last:
+            message = f"the outage of {outage.duration:g} s at {outage.start:g} s ends behind the log ({last:.1f} s)"
+            raise UsageError(message)
+
+
+def _events(solution: Solution, outages: Sequence[Outage]) -> NDArray[np.int64]:
+    """Return the last fix up to the start of each outage."""
+    time = solution.found.time[solution.events]
+    at = np.searchsorted(time, np.array([outage.start for outage in outages]) + 1e-3, side="right") - 1
+    return solution.events[np.maximum(at, 0)]
+
+
+def _with_gap(prepared: Prepared, outages: Sequence[Outage]) -> NDArray[np.bool_]:
+    found = np.zeros(len(outages), dtype=bool)
+    for begin, end in prepared.moves.bridged:
+        found |= np.array([o.start < end and o.start + o.duration > begin for o in outages])
+    return found

@@ -1,0 +1,34 @@
+"""Drift of a loosely coupled GNSS/INS filter in outages: by error model, with intervals, and whether its sigma holds.
+
+Every fix of the log is used once; then outages branch off behind the fixes, a sweep of all starts or those of --at, and each
+filter's drift is measured against the best reference there is: the log's truth, RTK-fixed points, or a filter's own run.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from imuwb_outage.parameters import Parameters
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from imuwb.analysis import Review
+    from imuwb.log import Log
+    from imuwb_outage.result import Result
+
+__all__ = ["Parameters", "draw", "run"]
+
+
+def run(logs: Sequence[Log], parameters: Parameters) -> Result:
+    """Return what each filter does in the outages."""
+    from imuwb_outage import compute  # noqa: PLC0415 - help must not wait for numpy
+
+    return compute.run(logs[0], parameters)
+
+
+def draw(result: Result, review: Review) -> None:
+    """Show tables, drift curves, envelopes, tracks and consistency."""
+    from imuwb_outage import show  # noqa: PLC0415 - as above
+
+    show.draw(result, review)

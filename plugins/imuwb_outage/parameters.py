@@ -1,0 +1,157 @@
+"""What can be asked of an outage replay."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path  # noqa: TC003 - the command line reads the annotations as the program runs
+from typing import Annotated, Literal
+
+ALL = "none,15AV,18AV,18AVWD,15AR,27AR,full"
+SHORTEST, LONGEST = 2.0, 600.0  #: s, of an outage
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Options of ``imuwb outage``."""
+
+    error_model: Annotated[Path | None, "the IMU's error model, TOML: from imuwb noise, or written by hand"] = None
+    models: Annotated[str, "filters to compare, by name"] = ALL
+    durations: Annotated[str, "s, of a sweep's outages"] = "30,60"
+    at: Annotated[
+        str, "outages to run, as START:DURATION,... in s from the log's start; else a sweep of all starts"
+    ] = ""
+    random: Annotated[int, "so many starts of a sweep, drawn at random; 0: all"] = 0
+    seed: Annotated[int, "of --random"] = 0
+    reference: Annotated[
+        Literal["best", "truth", "fixed", "own"],
+        "what drift is measured against: the log's truth, RTK-fixed points, a filter's own run, or the best there is",
+    ] = "best"
+    reading: Annotated[
+        Literal["corrected", "as-printed"], "of Quinchia's formulas: what they mean, or what they say"
+    ] = "corrected"
+    receiver: Annotated[str | None, "which GNSS receiver, by its name in imuwb info"] = None
+    mounting: Annotated[str, "deg; roll,pitch,heading of the IMU's axes in the vehicle"] = "0,0,0"
+    lever_arm: Annotated[str, "m; forward,right,down from the IMU to the antenna"] = "0,0,0"
+    gnss_delay: Annotated[str, "s by which a fix's stamp is later than what it shows; auto estimates it"] = "0"
+    clock_rate: Annotated[float, "true seconds in one of the IMU's"] = 1.0
+    skew: Annotated[float, "s by which the accelerometer's stamps are later than the gyro's"] = 0.0
+    turn_on: Annotated[
+        str, "sigmas of turn-on biases as GYRO,ACCEL in deg/s and m/s² for every filter; auto: only full has them"
+    ] = "auto"
+    settling: Annotated[float, "s of fixes before the first outage"] = 60.0
+    every: Annotated[int, "samples between two covariances"] = 10
+    straight: Annotated[float, "m/s; sigma of no slip across and down, 0: off (non-holonomic constraint)"] = 0.0
+    still: Annotated[float, "m/s; sigma of no velocity while standing, 0: off (zero-velocity update)"] = 0.0
+    speed: Annotated[float, "m/s; sigma of the log's own forward speed, 0: off (odometer)"] = 0.0
+    level: Annotated[float, "of all intervals"] = 0.95
+
+    def __post_init__(self) -> None:
+        """Check the texts."""
+        if not 0.5 <= self.level < 1:  # noqa: PLR2004 - an interval at even odds is none
+            message = f"level is {self.level}; it must be at least 0.5 and below 1"
+            raise ValueError(message)
+        for name in ("straight", "still", "speed", "settling"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value >= 0):
+                message = f"{name} is {value}; it must be 0 or more"
+                raise ValueError(message)
+        if not 1 <= self.every <= 100:  # noqa: PLR2004 - a second of most IMUs
+            message = f"every is {self.every} samples; it must be 1 to 100"
+            raise ValueError(message)
+        if not 0.9 < self.clock_rate < 1.1:  # noqa: PLR2004 - a tenth is no clock
+            message = f"clock_rate is {self.clock_rate}; it must be near 1"
+            raise ValueError(message)
+        if self.random < 0:
+            message = f"random is {self.random} starts; it must be 0 or more"
+            raise ValueError(message)
+        self.names()
+        self.outages()
+        self.lengths()
+        self.angles()
+        self.lever()
+        self.delay()
+        self.turn_on_sigmas()
+
+    def names(self) -> tuple[str, ...]:
+        """Return the filters' names."""
+        found = tuple(part.strip() for part in self.models.split(",") if part.strip())
+        unknown = [name for name in found if name not in ALL.split(",")]
+        if unknown or not found or len(set(found)) < len(found):
+            what = f"no filter {unknown[0]!r}" if unknown else "no filter, or one twice"
+            message = f"models: {what}; there are {ALL}"
+            raise ValueError(message)
+        return found
+
+    def lengths(self) -> tuple[float, ...]:
+        """Return the durations of a sweep, s."""
+        found = _numbers("durations", self.durations)
+        _check_lengths("durations", found)
+        return tuple(sorted(set(found)))
+
+    def outages(self) -> tuple[tuple[float, float], ...]:
+        """Return (start, duration) of explicit outages, s."""
+        found: list[tuple[float, float]] = []
+        for part in filter(None, (p.strip() for p in self.at.split(","))):
+            start, mark, length = part.partition(":")
+            try:
+                found.append((float(start), float(length)))
+            except ValueError as error:
+                message = (
+                    f"at: {part!r} is no START:DURATION{'' if mark else ' (a colon is missing)'}; write 120:30,300:60"
+                )
+                raise ValueError(message) from error
+        _check_lengths("at", [length for _, length in found])
+        if any(not math.isfinite(start) for start, _ in found):
+            message = "at: a start is no number"
+            raise ValueError(message)
+        return tuple(sorted(set(found)))
+
+    def angles(self) -> tuple[float, float, float]:
+        """Return roll, pitch and heading of the mounting, deg."""
+        return _three("mounting", self.mounting)
+
+    def lever(self) -> tuple[float, float, float]:
+        """Return the lever arm, m."""
+        return _three("lever_arm", self.lever_arm)
+
+    def delay(self) -> float | None:
+        """Return the delay of fixes, s; None: to be estimated."""
+        if self.gnss_delay == "auto":
+            return None
+        (found,) = _numbers("gnss_delay", self.gnss_delay, 1)
+        return found
+
+    def turn_on_sigmas(self) -> tuple[float, float] | None:
+        """Return sigmas of turn-on biases, rad/s and m/s²; None: auto."""
+        if self.turn_on == "auto":
+            return None
+        gyro, accel = _numbers("turn_on", self.turn_on, 2)
+        if min(gyro, accel) < 0:
+            message = f"turn_on is {self.turn_on!r}; a sigma is 0 or more"
+            raise ValueError(message)
+        return math.radians(gyro), accel
+
+
+def _numbers(name: str, text: str, count: int | None = None) -> tuple[float, ...]:
+    try:
+        found = tuple(float(part) for part in text.split(",") if part.strip())
+    except ValueError as error:
+        message = f"{name} is {text!r}; write numbers with commas between"
+        raise ValueError(message) from error
+    if not found or (count is not None and len(found) != count) or not all(map(math.isfinite, found)):
+        message = f"{name} is {text!r}; it must be {count or 'one or more'} finite number{'s' if count != 1 else ''}"
+        raise ValueError(message)
+    return found
+
+
+def _three(name: str, text: str) -> tuple[float, float, float]:
+    a, b, c = _numbers(name, text, 3)
+    return a, b, c
+
+
+def _check_lengths(name: str, found: tuple[float, ...] | list[float]) -> None:
+    wrong = [length for length in found if not SHORTEST <= length <= LONGEST]
+    if wrong:
+        message = f"{name}: an outage of {wrong[0]:g} s; it must be {SHORTEST:g} to {LONGEST:g} s long"
+        raise ValueError(message)

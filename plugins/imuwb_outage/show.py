@@ -1,0 +1,267 @@
+"""Tables, figures and tracks of an outage replay. Nothing is computed here but what is drawn."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.analysis import Curve, Figure, Table, Vertical
+from imuwb.replay import HORIZONS, drift_curve
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from imuwb.analysis import Review
+    from imuwb.replay import Interval, Scores
+    from imuwb_outage.result import OfDuration, OneOutage, Result
+
+COLORS = {
+    "none": (150, 150, 158), "15AV": (76, 120, 168), "18AV": (84, 162, 75), "18AVWD": (228, 87, 86), "15AR": (242, 142, 43),
+    "27AR": (176, 122, 161), "full": (118, 183, 178),
+}  # fmt: skip
+REFERENCE = (225, 225, 228)
+TRACKS, ROWS, FAINT = 6, 20, 60  #: outages drawn on the map, listed, and drawn as errors
+
+
+def draw(result: Result, review: Review) -> None:
+    """Show what a user asks first: how far, by which filter, and is its sigma right."""
+    for one in result.summary:
+        review.table(_drift_table(one, result))
+    for one in result.summary:
+        review.figure(_drift_figure(one, result))
+    for words in result.verdicts:
+        review.note(words)
+    review.note(f"drift is measured against {result.reference}")
+    for note in result.notes:
+        review.note(note)
+    if result.gnss_delay_interval is not None:
+        low, high = result.gnss_delay_interval
+        review.note(
+            f"fixes are {result.gnss_delay * 1e3:.0f} [{low * 1e3:.0f}, {high * 1e3:.0f}] ms late, by the likelihood of the innovations"
+        )
+    for one in result.summary:
+        if one.paired:
+            review.table(_paired_table(one))
+    _consistency(result, review)
+    _errors(result, review)
+    _tracks(result, review)
+    _outages(result, review)
+    _filters(result, review)
+
+
+def _drift_table(one: OfDuration, result: Result) -> Table:
+    causal = {f.name: f.causal for f in result.filters}
+    rows = tuple(
+        (
+            s.model, f"{s.count} ({s.effective_count})", _metres(s.median_end), _metres(s.p68_end), _metres(s.p95_end),
+            _metres(s.median_max), f"{s.median_vertical:.3g} m", f"{s.median_velocity:.2g} m/s",
+            "—" if s.median_heading is None else f"{np.degrees(s.median_heading):.2g} deg",
+            "—" if s.median_percent is None else f"{s.median_percent:.2g} %", "yes" if causal[s.model] else "no",
+        )
+        for s in one.summaries
+    )  # fmt: skip
+    headings = (
+        "filter", "outages (that do not overlap)", "median at the end", "68 %", "95 %", "median of the largest", "vertical",
+        "velocity", "heading", "of the distance", "causal",
+    )  # fmt: skip
+    caption = "Horizontal errors with intervals of a moving-block bootstrap; vertical, velocity and heading: medians at the end."
+    return Table(f"Drift after {one.duration:g} s without GNSS", headings, rows, caption, wide=True)
+
+
+def _metres(interval: Interval) -> str:
+    return f"{interval.value:.3g} [{interval.lower:.3g}, {interval.upper:.3g}] m"
+
+
+def _scores(result: Result, duration: float) -> Iterator[tuple[str, Scores]]:
+    rows = result.replay.scored[duration]
+    for name, one in result.replay.runs.items():
+        yield name, one.outages[duration].scores.of(rows, duration)
+
+
+def _drift_figure(one: OfDuration, result: Result) -> Figure:
+    curves: list[Curve] = []
+    for name, s in _scores(result, one.duration):
+        if s.start.size:
+            drift = drift_curve(s)
+            curves.append(Curve(name, s.elapsed, drift["median"], COLORS[name], style="curve"))
+            curves.append(Curve("", s.elapsed, drift["p95"], COLORS[name], style="faint"))
+    return Figure(
+        f"Drift in outages of {one.duration:g} s: median, and 95 % (faint)", "time without GNSS [s]", "horizontal error [m]",
+        tuple(curves), x_scale="linear", y_scale="log",
+    )  # fmt: skip
+
+
+def _paired_table(one: OfDuration) -> Table:
+    rows = tuple(
+        (
+            p.model, p.against, _metres(p.median_difference),
+            f"{p.improvement.value * 100:.1f} [{p.improvement.lower * 100:.1f}, {p.improvement.upper * 100:.1f}] %",
+            f"{p.win_rate * 100:.0f} %", f"{p.p_value:.2g}",
+        )
+        for p in one.paired
+    )  # fmt: skip
+    return Table(
+        f"Pairs over the same outages of {one.duration:g} s",
+        ("filter", "against", "median difference at the end", "mean of 1 - filter/against", "better in", "p of no difference"),
+        rows, "Negative differences: the first is better. p: signs of blocks of neighbours flipped.",
+    )  # fmt: skip
+
+
+def _consistency(result: Result, review: Review) -> None:
+    review.tab("Consistency")
+    for one in result.summary:
+        curves = [
+            Curve(name, s.elapsed, s.nees.mean(axis=0) / 2, COLORS[name], style="curve")
+            for name, s in _scores(result, one.duration)
+            if s.start.size
+        ]
+        review.figure(
+            Figure(
+                f"Is sigma right? NEES over its two degrees of freedom, outages of {one.duration:g} s", "time without GNSS [s]",
+                "mean NEES/2 [1]; 1 is right, above: sigma too small", tuple(curves), x_scale="linear", y_scale="log",
+                verticals=tuple(Vertical(h, f"{h:g} s") for h in HORIZONS if h < one.duration),
+            )
+        )  # fmt: skip
+        review.table(_consistency_table(one))
+
+
+def _consistency_table(one: OfDuration) -> Table:
+    rows = tuple(
+        (
+            s.model, f"{c.elapsed:g} s", f"{c.nees_per_dof:.2f}", f"{c.lower:.2f} to {c.upper:.2f}", f"{c.coverage95 * 100:.0f} %",
+            f"{c.ratio:.2f}", f"{s.nis_per_dof:.2f}",
+        )
+        for s in one.summaries
+        for c in s.consistency
+    )  # fmt: skip
+    return Table(
+        f"Consistency in outages of {one.duration:g} s",
+        ("filter", "after", "NEES/2", "would be, if sigma is right", "within 95 % ellipse", "error over sigma", "NIS/dof of the run"),
+        rows,
+    )  # fmt: skip
+
+
+def _errors(result: Result, review: Review) -> None:
+    review.tab("Errors")
+    one = result.summary[-1]
+    for name, s in _scores(result, one.duration):
+        if not s.start.size:
+            continue
+        few = np.unique(np.linspace(0, s.start.size - 1, min(FAINT, s.start.size)).astype(int))
+        x = np.concatenate([np.append(s.elapsed, np.nan) for _ in few])
+        y = np.concatenate([np.append(s.horizontal[i], np.nan) for i in few])
+        sigma = np.median(s.sigma, axis=0)
+        review.figure(
+            Figure(
+                f"{name}: errors of {few.size} outages, and the filter's own sigma", "time without GNSS [s]", "horizontal error [m]",
+                (
+                    Curve("errors", x, y, COLORS[name], style="faint"),
+                    Curve("1 sigma", s.elapsed, sigma, (225, 225, 228), style="curve"),
+                    Curve("3 sigma", s.elapsed, 3 * sigma, (150, 150, 158), style="curve"),
+                ),
+                x_scale="linear", y_scale="linear",
+            )
+        )  # fmt: skip
+
+
+def _tracks(result: Result, review: Review) -> None:
+    review.tab("Tracks")
+    review.track("reference", result.replay.reference.position, REFERENCE)
+    duration = result.summary[-1].duration
+    rows = np.flatnonzero(result.replay.scored[duration])
+    if not rows.size:
+        return
+    first = next(iter(result.replay.runs.values())).outages[duration]
+    apart = _apart(first.scores.start[rows], duration)
+    chosen = rows[apart][np.unique(np.linspace(0, apart.size - 1, min(TRACKS, apart.size)).astype(int))]
+    for name, one in result.replay.runs.items():
+        found = one.outages[duration]
+        for i in chosen:
+            label = f"{name} {found.scores.horizontal[i, -1]:.0f} m"
+            review.track(f"{name}_at_{found.scores.start[i]:.0f}_s", found.drift.state[i, :, :3], COLORS[name], label)
+    review.note(f"tracks of {chosen.size} outages of {duration:g} s of {rows.size}; labels: error at the end")
+
+
+def _apart(
+    start: np.ndarray[tuple[int], np.dtype[np.float64]], duration: float
+) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+    """Return outages that do not overlap."""
+    kept, free = [], -np.inf
+    for i, one in enumerate(start):
+        if one >= free:
+            kept.append(i)
+            free = one + duration
+    return np.array(kept)
+
+
+def _outages(result: Result, review: Review) -> None:
+    review.tab("Outages")
+    names = list(result.replay.runs)
+    listed = sorted(result.outages, key=lambda o: -max(m.end for m in o.models.values()))
+    shown = sorted(listed[:ROWS], key=lambda o: (o.duration, o.start))
+    rows = tuple(_outage_row(one, names) for one in shown)
+    which = f"the {ROWS} worst of {len(listed)}" if len(listed) > ROWS else "all"
+    review.table(Table(
+        f"Outages ({which}): mean / largest / end, horizontal", ("start", "lasts", "mean speed", "motion", *names), rows,
+        f"Against {result.reference}.", wide=True,
+    ))  # fmt: skip
+    if len(result.outages) <= ROWS:
+        review.table(_printed_table(result, names))
+    for one in result.summary:
+        kinds = tuple((kind, *(f"{medians[name]:.3g} m" for name in names)) for kind, medians in one.by_motion.items())
+        review.table(Table(f"Median at the end by motion, {one.duration:g} s", ("motion", *names), kinds))
+
+
+def _outage_row(one: OneOutage, names: list[str]) -> tuple[str, ...]:
+    return (
+        f"{one.start:.1f} s", f"{one.duration:g} s", f"{one.mean_speed * 3.6:.1f} km/h", one.motion,
+        *(f"{one.models[n].mean:.3g} / {one.models[n].max:.3g} / {one.models[n].end:.3g} m" for n in names),
+    )  # fmt: skip
+
+
+def _printed_table(result: Result, names: list[str]) -> Table:
+    """Return Quinchia's tables 9 and 10: each filter against its own run without outage."""
+    rows = [
+        (f"{o.start:.1f} s", f"{o.duration:g} s", f"{o.mean_speed * 3.6:.2f} km/h",
+         *(f"{o.models[n].own_mean:.2f} / {o.models[n].own_max:.2f} m" for n in names))
+        for o in result.outages
+    ]  # fmt: skip
+    if "18AVWD" in names:
+        gains = [
+            tuple(
+                float(
+                    np.mean(
+                        [
+                            1 - getattr(o.models["18AVWD"], part) / max(getattr(o.models[n], part), 1e-9)
+                            for o in result.outages
+                        ]
+                    )
+                )
+                for part in ("own_mean", "own_max")
+            )
+            for n in names
+        ]
+        rows.append(("18AVWD better by", "", "", *(f"{a * 100:.1f} / {b * 100:.1f} %" for a, b in gains)))
+    return Table(
+        "As Quinchia's tables 9 and 10: mean / largest, against each filter's own run", ("start", "lasts", "mean speed", *names),
+        tuple(rows), "Last row: mean over the outages of 1 - 18AVWD/filter, as the paper reckons it.", wide=True,
+    )  # fmt: skip
+
+
+def _filters(result: Result, review: Review) -> None:
+    review.tab("Filters")
+    rows = tuple(
+        (
+            f.name, str(len(f.states)), f.gyros, f.accelerometers, f.reading, f"{f.nis_position:.2f}",
+            "—" if f.nis_velocity is None else f"{f.nis_velocity:.2f}", str(f.refused), "yes" if f.causal else "no",
+            ", ".join(f.left_out) or "—",
+        )
+        for f in result.filters
+    )  # fmt: skip
+    headings = (
+        "filter", "states", "gyro x", "accelerometer x", "formulas", "NIS/3 of positions", "of velocities", "fixes refused",
+        "causal", "no state for",
+    )  # fmt: skip
+    caption = "Nine states are position, velocity and attitude; white noise needs none (Quinchia, table 8). The JSON lists all."
+    review.table(Table("Filters and their states", headings, rows, caption, wide=True))
