@@ -183,7 +183,11 @@ class Chart:
         heights = [28.0 + LEGEND_STEP * i for i in range(len(named))]
         # A label is centred on its point, and as wide on the screen as it is long.
         half = LETTER / 2 * max((len(c.label) for c in named), default=0)
-        center = WIDTH - LEGEND_AIR - max(half, LEGEND_HALF)
+        wide = 2 * max(half, LEGEND_HALF) + 2 * LEGEND_AIR + LEGEND_LINE
+        side = (
+            WIDTH if self._crowd(WIDTH - wide, WIDTH, heights) <= self._crowd(0.0, wide, heights) else wide + LEGEND_AIR
+        )
+        center = side - LEGEND_AIR - max(half, LEGEND_HALF)
         end = center - max(half, LEGEND_HALF) - LEGEND_AIR
         strips = [[(end - LEGEND_LINE, y), (end, y)] for y in heights]
         if not strips:
@@ -199,6 +203,17 @@ class Chart:
             static=True,
         )
         _texts(recording, f"{path}/texts", [((center, y), c.label) for y, c in zip(heights, named, strict=True)], INK)
+
+    def _crowd(self, left: float, right: float, heights: list[float]) -> int:
+        """Return how many points of curves lie where a legend would."""
+        lowest = max(heights, default=0.0) + LEGEND_STEP
+        count = 0
+        for curve in self.figure.curves:
+            for x, y in zip(curve.x.tolist(), curve.y.tolist(), strict=True):
+                if math.isfinite(x) and math.isfinite(y) and (y > 0 or self.figure.y_scale == "linear"):
+                    at, height = self.place(x, y)
+                    count += left <= at <= right and 0 <= height <= lowest
+        return count
 
     def _marks(self, recording: rr.RecordingStream, path: str) -> None:
         marks = [mark for mark in self.figure.marks if self._inside(mark)]

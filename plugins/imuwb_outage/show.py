@@ -40,13 +40,18 @@ def draw(result: Result, review: Review) -> None:
         review.note(
             f"fixes are {result.gnss_delay * 1e3:.0f} [{low * 1e3:.0f}, {high * 1e3:.0f}] ms late, by the likelihood of the innovations"
         )
-    for one in result.summary:
-        if one.paired:
-            review.table(_paired_table(one))
     _consistency(result, review)
     _errors(result, review)
     _tracks(result, review)
     _outages(result, review)
+    review.tab("Comparison")
+    for one in result.summary:
+        if one.paired:
+            review.table(_paired_table(one))
+        kinds = tuple((kind, *(f"{m:.3g} m" for m in medians.values())) for kind, medians in one.by_motion.items())
+        review.table(
+            Table(f"Median at the end by motion, {one.duration:g} s", ("motion", *result.replay.runs), kinds, wide=True)
+        )
     _filters(result, review)
 
 
@@ -104,7 +109,7 @@ def _paired_table(one: OfDuration) -> Table:
     return Table(
         f"Pairs over the same outages of {one.duration:g} s",
         ("filter", "against", "median difference at the end", "mean of 1 - filter/against", "better in", "p of no difference"),
-        rows, "Negative differences: the first is better. p: signs of blocks of neighbours flipped.",
+        rows, "Negative differences: the first is better. p: signs of blocks of neighbours flipped.", wide=True,
     )  # fmt: skip
 
 
@@ -152,6 +157,7 @@ def _errors(result: Result, review: Review) -> None:
         x = np.concatenate([np.append(s.elapsed, np.nan) for _ in few])
         y = np.concatenate([np.append(s.horizontal[i], np.nan) for i in few])
         sigma = np.median(s.sigma, axis=0)
+        top = 1.15 * max(float(3 * sigma[-1]), float(np.quantile(s.horizontal[:, -1], 0.9)))
         review.figure(
             Figure(
                 f"{name}: errors of {few.size} outages, and the filter's own sigma", "time without GNSS [s]", "horizontal error [m]",
@@ -160,7 +166,7 @@ def _errors(result: Result, review: Review) -> None:
                     Curve("1 sigma", s.elapsed, sigma, (225, 225, 228), style="curve"),
                     Curve("3 sigma", s.elapsed, 3 * sigma, (150, 150, 158), style="curve"),
                 ),
-                x_scale="linear", y_scale="linear",
+                x_scale="linear", y_scale="linear", y_limits=(0.0, top),
             )
         )  # fmt: skip
 
@@ -175,12 +181,16 @@ def _tracks(result: Result, review: Review) -> None:
     first = next(iter(result.replay.runs.values())).outages[duration]
     apart = _apart(first.scores.start[rows], duration)
     chosen = rows[apart][np.unique(np.linspace(0, apart.size - 1, min(TRACKS, apart.size)).astype(int))]
-    for name, one in result.replay.runs.items():
-        found = one.outages[duration]
-        for i in chosen:
-            label = f"{name} {found.scores.horizontal[i, -1]:.0f} m"
+    ends = {name: one.outages[duration].scores.horizontal[:, -1] for name, one in result.replay.runs.items()}
+    for i in chosen:
+        best, worst = (choose(ends, key=lambda name: ends[name][i]) for choose in (min, max))
+        for name in sorted(ends, key=lambda name: name == best):
+            found = result.replay.runs[name].outages[duration]
+            label = f"{best} {ends[best][i]:.0f} m, {worst} {ends[worst][i]:.0f} m" if name == best else ""
             review.track(f"{name}_at_{found.scores.start[i]:.0f}_s", found.drift.state[i, :, :3], COLORS[name], label)
-    review.note(f"tracks of {chosen.size} outages of {duration:g} s of {rows.size}; labels: error at the end")
+    review.note(
+        f"tracks of {chosen.size} outages of {duration:g} s of {rows.size}; labels: least and largest error at the end"
+    )
 
 
 def _apart(
@@ -208,9 +218,6 @@ def _outages(result: Result, review: Review) -> None:
     ))  # fmt: skip
     if len(result.outages) <= ROWS:
         review.table(_printed_table(result, names))
-    for one in result.summary:
-        kinds = tuple((kind, *(f"{medians[name]:.3g} m" for name in names)) for kind, medians in one.by_motion.items())
-        review.table(Table(f"Median at the end by motion, {one.duration:g} s", ("motion", *names), kinds))
 
 
 def _outage_row(one: OneOutage, names: list[str]) -> tuple[str, ...]:
