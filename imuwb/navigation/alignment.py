@@ -11,7 +11,6 @@ from imuwb.errors import MissingDataError
 from imuwb.log import SECOND
 from imuwb.navigation.attitude import rotation_of_euler
 from imuwb.navigation.earth import gravity, radii_of_curvature
-from imuwb.navigation.tables import FIX
 
 if TYPE_CHECKING:
     from imuwb.log import Floats, GnssStream, Log
@@ -85,7 +84,8 @@ def align(
         MissingDataError: no fix has a velocity, or none moves fast enough.
     """
     events, settings = found.events, model.settings
-    fixes = np.flatnonzero((events.kind == FIX) & (events.variance[:, 3] > 0) & (events.variance[:, 0] > 0))
+    # A position whose velocity is an event of its own carries it along; who stands has none to tell.
+    fixes = np.flatnonzero((found.fix >= 0) & ((events.variance[:, 3] > 0) | (events.value[:, 3:] != 0).any(axis=1)))
     speed = np.hypot(events.value[fixes, 3], events.value[fixes, 4])
     inside = (found.time[fixes] > moves.time[0] + AROUND) & (found.time[fixes] < moves.time[-1] - AROUND)
     fast = fixes[(speed > settings.start_speed) & inside & (found.time[fixes] > after)]
@@ -99,11 +99,11 @@ def align(
         )
         raise MissingDataError(message)
     event = int(fast[0])
-    velocity = events.value[event, 3:]
-    pace = float(np.hypot(velocity[0], velocity[1]))
-    heading = float(np.arctan2(velocity[1], velocity[0]))
     near = fixes[np.abs(found.time[fixes] - found.time[event]) <= 2 * AROUND]
     acceleration = _slope(found.time[near], events.value[near, 3:])
+    velocity = events.value[event, 3:] + acceleration * model.installation.velocity_delay
+    pace = float(np.hypot(velocity[0], velocity[1]))
+    heading = float(np.arctan2(velocity[1], velocity[0]))
     latitude, height = events.value[event, 0], events.value[event, 2]
     down = float(gravity(latitude, height))
     begin, end = np.searchsorted(moves.time, found.time[event] + np.array([-AROUND, AROUND]))
@@ -119,7 +119,10 @@ def align(
     to_degrees = np.array([1 / (meridian + height), 1 / ((transverse + height) * np.cos(latitude)), -1.0])
     late = events.late[event]
     position = events.value[event, :3] - (arm + velocity * late) * to_degrees
-    sigma = np.sqrt(events.variance[event])
+    usual = np.repeat(settings.velocity_sigma, (2, 1))
+    sigma = np.sqrt(
+        np.where(events.variance[event] > 0, events.variance[event], [*events.variance[event, :3], *usual**2])
+    )
     tilt = np.hypot(np.radians(settings.tilt), sigma[3:5].max() / AROUND / down)
     wide = np.hypot(np.radians(settings.heading), min(sigma[3:5].max() / pace, np.pi))
     covariance = np.diag(np.square([*sigma[:3], *sigma[3:], tilt, tilt, wide]))

@@ -31,7 +31,7 @@ class Corrections:
 
     events: Events
     time: Floats  #: (E,) s from the log's start
-    fix: NDArray[np.int64]  #: (E,) row of the receiver's stream; -1 where the event is no fix
+    fix: NDArray[np.int64]  #: (E,) row of the receiver's stream; below 0 where the event is no fix's position
     notes: tuple[str, ...] = ()
 
 
@@ -63,7 +63,7 @@ def corrections(log: Log, gnss: GnssStream, moves: Measurement, still: Floats, m
         )
         raise MissingDataError(message)
     rows = np.flatnonzero(inside)
-    parts = [_fixes(gnss, rows, own, moves, model, notes)]
+    parts = _fixes(gnss, rows, own, moves, model, notes)
     if model.aids.speed and log.speeds:
         stream = log.speeds[0]
         parts.append(_speeds((stream.time - zero) / SECOND, stream.value, moves, model.aids.speed))
@@ -106,7 +106,7 @@ def _usable(gnss: GnssStream, notes: list[str]) -> NDArray[np.bool_]:
 
 def _fixes(
     gnss: GnssStream, rows: NDArray[np.int64], own: Floats, moves: Measurement, model: FilterModel, notes: list[str]
-) -> tuple[NDArray[Any], ...]:
+) -> list[tuple[NDArray[Any], ...]]:
     settings = model.settings
     value, sigma = np.zeros((rows.size, 6)), np.zeros((rows.size, 6))
     value[:, :3] = gnss.position[rows]
@@ -125,8 +125,20 @@ def _fixes(
         sigma[wild, 3:] = 0.0
         if gnss.velocity_sigma is None:
             notes.append(f"{gnss.name} claims no sigmas of velocity: {settings.velocity_sigma} m/s are taken")
-    at, late = _placed(own[rows], moves)
-    return at, np.full(rows.size, FIX), late, value, sigma**2, own[rows], rows
+    variance = sigma**2
+    if not model.installation.velocity_delay:
+        at, late = _placed(own[rows], moves)
+        return [(at, np.full(rows.size, FIX), late, value, variance, own[rows], rows)]
+    # Position and velocity are of different times: an event each, both gone in an outage.
+    parts: list[tuple[NDArray[Any], ...]] = []
+    for columns, delay, names in ((slice(3), 0.0, rows), (slice(3, 6), model.installation.velocity_delay, -1 - rows)):
+        time = own[rows] - delay
+        some = np.zeros_like(variance)
+        some[:, columns] = variance[:, columns]
+        inside = time > moves.time[0]
+        at, late = _placed(time[inside], moves)
+        parts.append((at, np.full(at.size, FIX), late, value[inside], some[inside], time[inside], names[inside]))
+    return parts
 
 
 def _sigmas(

@@ -67,11 +67,23 @@ class Solution:
         return np.sqrt(np.diagonal(self.track.covariance[self.events], axis1=1, axis2=2))
 
     @property
+    def fix_nis(self) -> Floats:
+        """Return the normalised innovations squared of positions and of velocities, (k, 2), of all fixes behind the start; nan: none."""
+        behind = np.arange(self.found.time.size) > self.start.event
+        return self.track.nis[behind & (self.found.events.kind == FIX)]
+
+    @property
+    def refused(self) -> int:
+        """Return how many positions and velocities of fixes the gate kept out."""
+        fixes = self.found.events.kind == FIX
+        return int((np.isfinite(self.track.nis[fixes]) & ~self.track.used[fixes]).sum())
+
+    @property
     def log_likelihood(self) -> float:
         """Return the log-likelihood of all innovations, of those refused at the gate."""
-        spread = self.track.deviation[self.events]
+        spread = self.track.deviation
         known = np.isfinite(spread)
-        nis = np.minimum(self.track.nis[self.events], self.rules.gate)
+        nis = np.minimum(self.track.nis, self.rules.gate)
         return float(-np.nansum(nis) / 2 - np.log(spread[known]).sum())
 
 
@@ -129,7 +141,7 @@ def solve(
             "(imuwb model check tells what is odd in an error model)"
         )
         raise MissingDataError(message)
-    events = np.flatnonzero((found.events.kind == FIX) & (np.arange(count) >= start.event))
+    events = np.flatnonzero((found.fix >= 0) & (np.arange(count) >= start.event))
     if without is not None:
         at = found.events.at[events]
         events = events[(at <= skip[0]) | (at >= skip[1])]

@@ -46,6 +46,9 @@ class Installation:
     )  #: deg; roll, pitch, heading of the IMU's axes in the vehicle
     lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)  #: m FRD in the vehicle, from the IMU to the antenna
     gnss_delay: float = 0.0  #: s; a fix shows where the IMU was at its own stamp less this
+    velocity_delay: float = (
+        0.0  #: s; a fix's velocity is of a time so much earlier than its position (a mean over its interval)
+    )
     clock_rate: float = 1.0  #: of the IMU's seconds, how many true ones each lasts
     skew: float = 0.0  #: s, by which the accelerometer's stamps are later than the gyro's for the same instant
 

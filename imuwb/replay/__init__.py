@@ -1,10 +1,11 @@
 """Outages replayed: filters over a log, their drift against a reference, and what that says of them."""
 
-from imuwb.replay.delay import estimate_delay
+from imuwb.replay.clocks import Clocks, estimate_clocks
 from imuwb.replay.models import NAMES, model_named
 from imuwb.replay.motion import motion_classes
 from imuwb.replay.reference import Yardstick, own, yardstick
 from imuwb.replay.replay import Outage, Prepared, Replay, Replayed, Run, prepare, replay, run, sweep
+from imuwb.replay.scaled import scaled
 from imuwb.replay.scores import HORIZONS, Scores, scores
 from imuwb.replay.statistics import (
     Consistency,
@@ -17,10 +18,12 @@ from imuwb.replay.statistics import (
     summarize,
     verdict,
 )
+from imuwb.replay.tuning import Tuned, tune
 
 __all__ = [
     "HORIZONS",
     "NAMES",
+    "Clocks",
     "Consistency",
     "Interval",
     "Outage",
@@ -31,20 +34,23 @@ __all__ = [
     "Run",
     "Scores",
     "Summary",
+    "Tuned",
     "Yardstick",
     "compare",
     "drift_curve",
     "effective_count",
-    "estimate_delay",
+    "estimate_clocks",
     "model_named",
     "motion_classes",
     "own",
     "prepare",
     "replay",
     "run",
+    "scaled",
     "scores",
     "summarize",
     "sweep",
+    "tune",
     "verdict",
     "yardstick",
 ]

@@ -172,7 +172,7 @@ def replay(
         chosen = [outage for outage in outages if outage.duration == duration]
         good = np.ones(len(chosen), dtype=bool)
         for name, solution in tracked(solutions.items(), len(solutions)):
-            drifted = drift(solution, _events(solution, chosen), duration)
+            drifted = drift(solution, events_of(solution, chosen), duration)
             found = scores(drifted, against)
             runs[name].outages[duration] = Replayed(drifted, found, scores(drifted, own(solution)))
             good &= np.isfinite(found.horizontal).all(axis=1)
@@ -212,7 +212,7 @@ def check_outages(prepared: Prepared, model: FilterModel, outages: Sequence[Outa
             raise UsageError(message)
 
 
-def _events(solution: Solution, outages: Sequence[Outage]) -> NDArray[np.int64]:
+def events_of(solution: Solution, outages: Sequence[Outage]) -> NDArray[np.int64]:
     """Return the last fix up to the start of each outage."""
     time = solution.found.time[solution.events]
     at = np.searchsorted(time, np.array([outage.start for outage in outages]) + 1e-3, side="right") - 1

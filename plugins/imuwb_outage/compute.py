@@ -8,20 +8,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.errors import UsageError
+from imuwb.errors import MissingDataError, UsageError
 from imuwb.navigation import Aids, FilterModel, Installation, Settings
 from imuwb.replay import (
     HORIZONS,
     Outage,
     Replay,
     compare,
-    estimate_delay,
+    estimate_clocks,
     model_named,
     motion_classes,
     prepare,
     replay,
     summarize,
     sweep,
+    tune,
     verdict,
 )
 from imuwb.stochastic import ImuErrorModel
@@ -48,25 +49,36 @@ def run(log: Log, parameters: Parameters) -> Result:
         message = "outage needs --error-model MODEL.toml: imuwb noise makes one of a still record, or write one by hand"
         raise UsageError(message)
     base = FilterModel(
-        "base", ImuErrorModel.read(parameters.error_model),
+        "base", ImuErrorModel.read(parameters.error_model), scale_factor=parameters.scale_factors(),
         installation=Installation(
-            parameters.angles(), parameters.lever(), parameters.delay() or 0.0, parameters.clock_rate, parameters.skew
+            parameters.angles(), parameters.lever(), parameters.delay() or 0.0, parameters.velocity_delay, parameters.rate() or 1.0, parameters.skew,
         ),
         settings=Settings(every=parameters.every, settling=parameters.settling),
         aids=Aids(parameters.straight, parameters.still, parameters.speed),
     )  # fmt: skip
-    interval = None
-    if parameters.delay() is None:
-        delay = estimate_delay(
-            log,
-            _named("full", base, prepare(log, base, parameters.receiver), parameters),
-            parameters.receiver,
-            parameters.level,
+    clocks = None
+    if parameters.delay() is None or parameters.rate() is None:
+        first = _named("full", base, prepare(log, base, parameters.receiver), parameters)
+        clocks = estimate_clocks(log, first, parameters.receiver, parameters.level, with_rate=parameters.rate() is None)
+        rate = base.installation.clock_rate if clocks.rate is None else clocks.rate.value
+        base = replace(
+            base,
+            installation=replace(
+                base.installation,
+                gnss_delay=clocks.delay.value,
+                velocity_delay=clocks.velocity_delay.value,
+                clock_rate=rate,
+            ),
         )
-        base = replace(base, installation=replace(base.installation, gnss_delay=delay.value))
-        interval = delay.lower, delay.upper
     prepared = prepare(log, base, parameters.receiver)
     models = [_named(name, base, prepared, parameters) for name in parameters.names()]
+    tuned = None
+    if parameters.tune:
+        try:
+            better, tuned = tune(prepared, models[-1], parameters.reference)
+        except ValueError as error:
+            raise MissingDataError(str(error)) from error
+        models.append(replace(better, name="tuned"))
     found = replay(prepared, models, _outages(prepared, base, parameters), reference=parameters.reference)
     durations = tuple(found.scored)
     summary = tuple(_of_duration(found, duration, parameters.level) for duration in durations)
@@ -74,7 +86,7 @@ def run(log: Log, parameters: Parameters) -> Result:
     return Result(
         tuple(one for duration in durations for one in _each(found, duration)), summary,
         tuple(_filter(one) for one in found.runs.values()), found.reference.name, words, found.notes,
-        base.installation.gnss_delay, interval, found,
+        clocks, tuned, found,
     )  # fmt: skip
 
 
@@ -157,7 +169,7 @@ def _of_model(one: Run, duration: float, i: int) -> OfModel:
 
 def _nis(one: Run) -> tuple[float, float | None, float | None]:
     """Return mean NIS over degrees of freedom: of all, of position, of velocity."""
-    nis = one.solution.track.nis[one.solution.events[1:]]
+    nis = one.solution.fix_nis
     position, velocity = (float(np.nanmean(nis[:, k]) / 3) if np.isfinite(nis[:, k]).any() else None for k in (0, 1))
     known = [x for x in (position, velocity) if x is not None]
     return float(np.mean(known)) if known else float("nan"), position, velocity
@@ -166,12 +178,10 @@ def _nis(one: Run) -> tuple[float, float | None, float | None]:
 def _filter(one: Run) -> Filter:
     model, interval = one.solution.model, one.solution.moves.interval
     _, position, velocity = _nis(one)
-    measured = np.isfinite(one.solution.track.nis[one.solution.events])
-    refused = int((measured & ~one.solution.track.used[one.solution.events]).any(axis=1).sum())
     return Filter(
         model.name, model.states(interval), _processes(model, "gyro_x"), _processes(model, "accel_x"),
         model.left_out(interval), model.reading, model.causal,
-        position if position is not None else float("nan"), velocity, refused,
+        position if position is not None else float("nan"), velocity, one.solution.refused,
     )  # fmt: skip
 
 

@@ -34,8 +34,13 @@ class Parameters:
     mounting: Annotated[str, "deg; roll,pitch,heading of the IMU's axes in the vehicle"] = "0,0,0"
     lever_arm: Annotated[str, "m; forward,right,down from the IMU to the antenna"] = "0,0,0"
     gnss_delay: Annotated[str, "s by which a fix's stamp is later than what it shows; auto estimates it"] = "0"
-    clock_rate: Annotated[float, "true seconds in one of the IMU's"] = 1.0
+    velocity_delay: Annotated[
+        float, "s by which a fix's velocity is older than its position; auto delays estimate it"
+    ] = 0.0
+    clock_rate: Annotated[str, "true seconds in one of the IMU's; auto estimates it, with the delay"] = "1"
     skew: Annotated[float, "s by which the accelerometer's stamps are later than the gyro's"] = 0.0
+    scale_factor: Annotated[str, "sigmas of scale factors as GYRO,ACCEL in %, 0: no state"] = "0,0"
+    tune: Annotated[bool, "fit the noise to outages of the first half of the log, and judge it on the second"] = False
     turn_on: Annotated[
         str, "sigmas of turn-on biases as GYRO,ACCEL in deg/s and m/s² for every filter; auto: only full has them"
     ] = "auto"
@@ -59,9 +64,6 @@ class Parameters:
         if not 1 <= self.every <= 100:  # noqa: PLR2004 - a second of most IMUs
             message = f"every is {self.every} samples; it must be 1 to 100"
             raise ValueError(message)
-        if not 0.9 < self.clock_rate < 1.1:  # noqa: PLR2004 - a tenth is no clock
-            message = f"clock_rate is {self.clock_rate}; it must be near 1"
-            raise ValueError(message)
         if self.random < 0:
             message = f"random is {self.random} starts; it must be 0 or more"
             raise ValueError(message)
@@ -71,6 +73,8 @@ class Parameters:
         self.angles()
         self.lever()
         self.delay()
+        self.rate()
+        self.scale_factors()
         self.turn_on_sigmas()
 
     def names(self) -> tuple[str, ...]:
@@ -121,6 +125,24 @@ class Parameters:
             return None
         (found,) = _numbers("gnss_delay", self.gnss_delay, 1)
         return found
+
+    def rate(self) -> float | None:
+        """Return the rate of the IMU's clock; None: to be estimated."""
+        if self.clock_rate == "auto":
+            return None
+        (found,) = _numbers("clock_rate", self.clock_rate, 1)
+        if not 0.9 < found < 1.1:  # noqa: PLR2004 - a tenth is no clock
+            message = f"clock_rate is {found:g}; it must be near 1"
+            raise ValueError(message)
+        return found
+
+    def scale_factors(self) -> tuple[float, float]:
+        """Return sigmas of the scale factors of gyros and accelerometers."""
+        gyro, accel = _numbers("scale_factor", self.scale_factor, 2)
+        if not 0 <= min(gyro, accel) <= max(gyro, accel) <= 50:  # noqa: PLR2004 - half is no sensor
+            message = f"scale_factor is {self.scale_factor!r} %; sigmas are 0 to 50"
+            raise ValueError(message)
+        return gyro / 100, accel / 100
 
     def turn_on_sigmas(self) -> tuple[float, float] | None:
         """Return sigmas of turn-on biases, rad/s and m/s²; None: auto."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from imuwb.replay import Paired, Replay, Summary
+    from imuwb.replay import Clocks, Paired, Replay, Summary, Tuned
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +75,6 @@ class Result:
     reference: str
     verdicts: tuple[str, ...]
     notes: tuple[str, ...]
-    gnss_delay: float  #: s
-    gnss_delay_interval: tuple[float, float] | None  #: s; None: it was given
+    clocks: Clocks | None  #: None: they were given
+    tuned: Tuned | None
     replay: Replay = field(metadata={"document": False})

@@ -13,12 +13,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from imuwb.analysis import Review
-    from imuwb.replay import Interval, Scores
+    from imuwb.replay import Clocks, Interval, Scores, Tuned
     from imuwb_outage.result import OfDuration, OneOutage, Result
 
 COLORS = {
     "none": (150, 150, 158), "15AV": (76, 120, 168), "18AV": (84, 162, 75), "18AVWD": (228, 87, 86), "15AR": (242, 142, 43),
-    "27AR": (176, 122, 161), "full": (118, 183, 178),
+    "27AR": (176, 122, 161), "full": (118, 183, 178), "tuned": (237, 201, 72),
 }  # fmt: skip
 REFERENCE = (225, 225, 228)
 TRACKS, ROWS, FAINT = 6, 20, 60  #: outages drawn on the map, listed, and drawn as errors
@@ -35,11 +35,10 @@ def draw(result: Result, review: Review) -> None:
     review.note(f"drift is measured against {result.reference}")
     for note in result.notes:
         review.note(note)
-    if result.gnss_delay_interval is not None:
-        low, high = result.gnss_delay_interval
-        review.note(
-            f"fixes are {result.gnss_delay * 1e3:.0f} [{low * 1e3:.0f}, {high * 1e3:.0f}] ms late, by the likelihood of the innovations"
-        )
+    if result.clocks is not None:
+        review.note(_clocks_text(result.clocks))
+    if result.tuned is not None:
+        review.note(_tuned_text(result.tuned))
     _consistency(result, review)
     _errors(result, review)
     _tracks(result, review)
@@ -53,6 +52,25 @@ def draw(result: Result, review: Review) -> None:
             Table(f"Median at the end by motion, {one.duration:g} s", ("motion", *result.replay.runs), kinds, wide=True)
         )
     _filters(result, review)
+
+
+def _clocks_text(c: Clocks) -> str:
+    v = c.velocity_delay
+    late = f"fixes are {c.delay.value * 1e3:.0f} [{c.delay.lower * 1e3:.0f}, {c.delay.upper * 1e3:.0f}] ms late"
+    late += f", their velocities {v.value * 1e3:.0f} [{v.lower * 1e3:.0f}, {v.upper * 1e3:.0f}] ms later than their positions"
+    if c.rate is not None:
+        parts = [(x - 1) * 1e6 for x in (c.rate.value, c.rate.lower, c.rate.upper)]
+        late += f", a second of the IMU is longer by {parts[0]:.0f} [{parts[1]:.0f}, {parts[2]:.0f}] millionths"
+    return f"{late}: by the likelihood of the innovations, with white noise {c.noise:.2g} times the model's"
+
+
+def _tuned_text(t: Tuned) -> str:
+    return (
+        f"tuned on {t.fitted} outages before {t.split:.0f} s: white noise of gyros x {t.white[0]:.2g}, of accelerometers "
+        f"x {t.white[1]:.2g}, slower noise x {t.slow[0]:.2g} and x {t.slow[1]:.2g}; on the {t.judged} outages behind, which it "
+        f"has not seen, NEES/2 at the end goes from {t.nees_per_dof[0]:.2f} to {t.nees_per_dof[1]:.2f} and the median error "
+        f"from {t.median_end[0]:.3g} to {t.median_end[1]:.3g} m"
+    )
 
 
 def _drift_table(one: OfDuration, result: Result) -> Table:
