@@ -12,25 +12,23 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 import typer
 
 from imuwb import registry
-from imuwb.cli.common import Common
+from imuwb.cli.common import ANY_LOG, IMU_HELP, Common
 from imuwb.errors import ImuwbError, MissingDataError, UsageError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from imuwb.analysis import Analysis, Table
     from imuwb.log import Log
 
 LOGS, RESULTS = "Logs", "Results"
 KINDS = (("analysis", registry.ANALYSES), ("conditioner", registry.CONDITIONERS), ("reader", registry.READERS))
-DEMO_LOG = "static.mcap"
+DEMO_LOGS = "static.mcap", "drive.mcap"  #: a still one, and one that moves
 LARGE = 256 << 20  #: bytes; from here on an index, where there is one, tells what a log holds
 
 
 def info(
-    log: Annotated[
-        Path, typer.Argument(help="Any log: MCAP, bag, db3, tlog, bin, ulg, CSV, RTKLIB .pos.", metavar="LOG")
-    ],
+    log: Annotated[Path, typer.Argument(help=ANY_LOG, metavar="LOG")],
     *,
     json: Annotated[bool, typer.Option("--json", help="As JSON on stdout.")] = False,
     scan: Annotated[bool, typer.Option("--scan", help="Read every message of a large log too, not its index.")] = False,
@@ -84,13 +82,13 @@ def show_faults(log: Log, show: Callable[[Table | str], None]) -> None:
 
 
 def convert(
-    log: Annotated[Path, typer.Argument(help="Any log.", metavar="LOG")],
+    log: Annotated[Path, typer.Argument(help=ANY_LOG, metavar="LOG")],
     *,
     output: Annotated[
         Path,
         typer.Option("--output", "-o", help="The new log; its suffix, .mcap or .csv, is its format.", metavar="FILE"),
     ],
-    imu: Annotated[str | None, typer.Option("--imu", help="Only this IMU, by its name in `imuwb info`.")] = None,
+    imu: Annotated[str | None, typer.Option("--imu", help=IMU_HELP, metavar="NAME|A+B")] = None,
     start: Annotated[str | None, typer.Option(help="From here on: seconds from the log's start, or ISO.")] = None,
     end: Annotated[str | None, typer.Option(help="Up to here.")] = None,
     time_source: Annotated[
@@ -127,15 +125,28 @@ def convert(
     sources = [log, *([gnss] if gnss is not None else [])]
     check_places([output], sources, force=force)
     found = read_log(log, common)
+    found.streams()
     files = places(found, output)
     check_places(files, sources, force=force)
     show = shower(data=False)
-    for note in found.notes:
+    for note in (*found.notes, *baked_in(found)):
         show(note)
     with progress(f"writing {output.name}") as report:
         write(found, output, report)
     for file in files:
         typer.echo(f"wrote {file}", err=True)
+
+
+def baked_in(log: Log) -> Iterator[str]:
+    """Yield what a log that is written holds for good: what the reader mended, and heights that are none above WGS 84."""
+    from imuwb.log import MEAN_SEA_LEVEL  # noqa: PLC0415 - help must not wait for numpy
+
+    for stream in (*log.imus, *log.gnss, *log.references):
+        for repair in stream.origin.repairs:
+            yield f"{stream.name}: {repair.what} ({repair.count})"
+    for stream in (*log.gnss, *log.references):
+        if stream.origin.above_sea:
+            yield f"{stream.name}: heights are written as they are, {MEAN_SEA_LEVEL}, and the new file says so"
 
 
 def view(recording: Annotated[Path, typer.Argument(help="A recording that imuwb wrote.", metavar="REC.rrd")]) -> None:
@@ -173,19 +184,29 @@ def plugins() -> None:
 
 def demo(
     *,
-    output: Annotated[Path, typer.Option("--output", "-o", help="The recording.", metavar="FILE.rrd")] = Path(
-        "imuwb-demo.rrd"
-    ),
-    force: Annotated[bool, typer.Option("--force", help="Write over a recording that exists.")] = False,
+    output: Annotated[
+        Path,
+        typer.Option(
+            "--output", "-o", help="The noise's recording; -drive is put behind the other's name.", metavar="FILE.rrd"
+        ),
+    ] = Path("imuwb-demo.rrd"),
+    force: Annotated[bool, typer.Option("--force", help="Write over recordings that exist.")] = False,
 ) -> None:
-    """Identify the noise of the sample log; leave a recording to look at, and an error model."""
+    """Identify the noise of a still sample log, and replay GNSS outages of a drive with the error model found."""
     from imuwb.cli.parameters import make  # noqa: PLC0415 - help must not wait
-    from imuwb.cli.perform import perform  # noqa: PLC0415
+    from imuwb.cli.perform import Places, check_places, perform  # noqa: PLC0415
     from imuwb.recipes import noise  # noqa: PLC0415
 
-    log = samples() / DEMO_LOG
-    perform("noise", cast("Analysis", noise), [log], make(noise.Parameters, {}), Common(output=output, force=force))
-    typer.echo(f"look at it: imuwb view {output}", err=True)
+    still, drive = samples() / DEMO_LOGS[0], samples() / DEMO_LOGS[1]
+    common = Common(output=output, force=force)
+    places = Places.of(cast("Analysis", noise), [still], common)
+    driven = output.with_name(f"{output.stem}-drive.rrd")
+    check_places([*places.all(), driven], [still, drive], force=force)
+    perform("noise", cast("Analysis", noise), [still], make(noise.Parameters, {}), common)
+    outage = cast("Any", registry.load(registry.installed(registry.ANALYSES)["outage"]))
+    parameters = make(outage.Parameters, {"error_model": places.model})
+    perform("outage", outage, [drive], parameters, Common(output=driven, force=force))
+    typer.echo(f"look at them: imuwb view {output}, imuwb view {driven}", err=True)
 
 
 def samples() -> Path:
@@ -196,9 +217,9 @@ def samples() -> Path:
     """
     package = Path(__file__).resolve().parent.parent
     for folder in (package / "samples", package.parent / "samples"):
-        if (folder / DEMO_LOG).is_file():
+        if all((folder / log).is_file() for log in DEMO_LOGS):
             return folder
-    message = f"the sample logs are not installed (looked for {package / 'samples' / DEMO_LOG})"
+    message = f"the sample logs are not installed (looked for {package / 'samples' / DEMO_LOGS[0]})"
     raise MissingDataError(message)
 
 
