@@ -25,9 +25,12 @@ from imuwb.errors import MissingDataError
 Floats: TypeAlias = NDArray[np.float64]
 Nanoseconds: TypeAlias = NDArray[np.int64]
 Epoch = Literal["unix", "boot", "log"]
+#: What a repair did to a stream: left rows out, set times anew, put rows in another order, made up values.
+Effect = Literal["lost", "time", "order", "value"]
 
 AXES = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
 SECOND = 1_000_000_000  # nanoseconds
+MEAN_SEA_LEVEL = "above mean sea level"  #: in an origin's units, where heights are not above WGS 84
 
 
 def _frozen(
@@ -101,6 +104,7 @@ class Repair:
 
     what: str
     count: int
+    effect: Effect = "lost"
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +115,11 @@ class Origin:
     frame: str = "FRD"
     epoch: Epoch = "log"
     repairs: tuple[Repair, ...] = ()
+
+    @property
+    def above_sea(self) -> bool:
+        """Whether heights are above mean sea level, for want of those above WGS 84."""
+        return MEAN_SEA_LEVEL in self.units
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -245,6 +254,18 @@ class Log:
             return self.imus[0]
         there = ", ".join(stream.name for stream in (*self.gnss, *self.references)) or "nothing that is read"
         message = f"{self.provenance.path}: no IMU in this log (it has {there}), and the analysis needs one"
+        raise MissingDataError(message)
+
+    def streams(self) -> tuple[ImuStream | GnssStream | Scalars | Reference, ...]:
+        """Return all streams.
+
+        Raises:
+            MissingDataError: there is none; the message says what was found instead.
+        """
+        if found := (*self.imus, *self.gnss, *self.speeds, *self.references):
+            return found
+        why = "; ".join(self.notes) or "nothing in it is of a kind that imuwb reads"
+        message = f"{self.provenance.path}: no stream that can be used: {why}"
         raise MissingDataError(message)
 
     @property

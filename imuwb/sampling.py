@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 SPAN = 100  #: steps over which rounding averages out
 GAP = 1.5  #: intervals: from here on at least one sample is missing
+UNEVEN = 1.8  #: intervals: up to here a step may be one of an uneven clock that leaves none out
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,8 +50,9 @@ def sampling(time: NDArray[np.int64]) -> Sampling:
     if time.size < 2:  # noqa: PLR2004 - a step needs two rows
         return Sampling(float("nan"), (), (), 0.0)
     steps = np.diff(time)
-    if steps.max() <= GAP * steps.min():  # no step can be a gap, however stamps are rounded
-        mean = float(time[-1] - time[0]) / steps.size
+    mean = float(time[-1] - time[0]) / steps.size
+    # No step can be a gap, however stamps are rounded; or the steps differ, but not the number of samples.
+    if steps.max() <= GAP * steps.min() or _is_complete(time, float(steps.max()), mean):
         return Sampling(mean / SECOND, (), (), float(steps.std()) / mean)
     interval, rounding = _interval(time, steps)
     long = steps > GAP * interval + rounding
@@ -60,6 +62,15 @@ def sampling(time: NDArray[np.int64]) -> Sampling:
     gaps = tuple((float(time[i - 1] - time[0]) / SECOND, float(steps[i - 1]) / SECOND) for i in breaks)
     jitter = float(usual.std()) / mean if usual.size else 0.0
     return Sampling(mean / SECOND, gaps, tuple(int(i) for i in breaks), jitter)
+
+
+def _is_complete(time: NDArray[np.int64], longest: float, mean: float) -> bool:
+    """Return whether as many samples come in any span as in any other: a missing one makes a sum longer by an interval."""
+    span = min(SPAN, (time.size - 1) // 2) // 2 * 2  # even: steps that take turns add up to the same
+    if not span or longest > UNEVEN * mean:
+        return False
+    sums = time[span:] - time[:-span]
+    return float(sums.max() - sums.min()) < mean / 2
 
 
 def _interval(time: NDArray[np.int64], steps: NDArray[np.int64]) -> tuple[float, float]:

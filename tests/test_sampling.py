@@ -40,3 +40,22 @@ def test_jitter_is_the_scatter_of_the_steps():
 
 def test_fewer_than_two_samples_have_no_rate():
     assert sampling(np.zeros(1, np.int64)).rate is None
+
+
+@pytest.mark.parametrize("rows", [22, 3002])
+def test_steps_that_take_turns_are_no_gaps(rows):
+    rng = np.random.default_rng(0)
+    steps = np.where(np.arange(rows) % 2, 380, 620) * MS + rng.integers(-5, 6, rows) * MS  # one more short than long
+    found = sampling(np.cumsum(steps))
+    assert found.gaps == ()
+    assert found.rate == pytest.approx(2, rel=0.02)
+
+
+def test_a_missing_sample_among_steps_that_take_turns_is_a_gap():
+    time = np.cumsum(np.where(np.arange(3000) % 2, 620, 380)) * MS
+    assert 1500 in sampling(np.delete(time, 1500)).breaks
+
+
+def test_a_sample_that_is_missing_every_now_and_then_is_no_uneven_clock():
+    time = np.arange(20_000) * 10 * MS
+    assert len(sampling(time[np.arange(time.size) % 101 != 50]).gaps) == 198

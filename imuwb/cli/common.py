@@ -8,6 +8,8 @@ from typing import Annotated, Any, Literal
 
 import typer
 
+ANY_LOG = "Any log: MCAP, bag, db3, tlog, bin, ulg, CSV, RTKLIB .pos."
+IMU_HELP = "Which IMU, by its name in `imuwb info`; A+B takes the gyro of A with the accelerometer of B."
 LOG_PANEL, OUTPUT_PANEL = "How the log is read", "Output"
 
 
@@ -23,7 +25,7 @@ def _out(*flags: str, text: str, metavar: str | None = None) -> Any:  # noqa: AN
 class Common:
     """What every analysis takes."""
 
-    imu: Annotated[str | None, _log("--imu", "Which IMU, by its name in `imuwb info`.", "NAME")] = None
+    imu: Annotated[str | None, _log("--imu", IMU_HELP, "NAME|A+B")] = None
     start: Annotated[str | None, _log("--start", "From here on: seconds from the log's start, or ISO.", "TIME")] = None
     end: Annotated[str | None, _log("--end", "Up to here.", "TIME")] = None
     time_source: Annotated[

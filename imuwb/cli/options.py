@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
-from imuwb.cli.common import Common
+from imuwb.cli.common import ANY_LOG, Common
 from imuwb.cli.parameters import default_of, hints, make, parameters_of
 from imuwb.errors import UsageError
 
@@ -36,7 +36,7 @@ def command_function(name: str, analysis: Analysis) -> Callable[..., None]:
         raise UsageError(message)
     logs = inspect.Parameter(
         "logs", inspect.Parameter.KEYWORD_ONLY,
-        annotation=Annotated[list[Path], typer.Argument(help="What to analyse: MCAP, CSV, RTKLIB .pos.", metavar="LOG...")],
+        annotation=Annotated[list[Path], typer.Argument(help=ANY_LOG, metavar="LOG...")],
     )  # fmt: skip
 
     def command(**values: Any) -> None:  # noqa: ANN401 - each option has its own type

@@ -20,6 +20,7 @@ from imuwb.readers.batch import ReadOptions
 from imuwb.review.document import document
 from imuwb.review.overview import overview
 from imuwb.review.recording import RecordingReview
+from imuwb.review.rrd import MAGIC, is_whole
 from imuwb.writers import write_text
 
 if TYPE_CHECKING:
@@ -209,12 +210,13 @@ def check_place(file: Path, *, force: bool) -> None:
 
 
 def check_recording(path: Path) -> None:
-    """Raise UnreadableLogError unless ``path`` begins as a Rerun recording does."""
-    if not path.is_file():
-        message = f"{path}: no such file"
-        raise UnreadableLogError(message)
+    """Raise UnreadableLogError unless ``path`` is a Rerun recording, and whole."""
+    readers.source.check(path)
     with path.open("rb") as file:
-        magic = file.read(3)
-    if magic != b"RRF":
+        magic = file.read(len(MAGIC))
+    if magic != MAGIC:
         message = f"{path}: no Rerun recording (it begins with {magic!r}); imuwb writes them with --output FILE.rrd"
+        raise UnreadableLogError(message)
+    if not is_whole(path):
+        message = f"{path}: a recording that was cut or damaged: its end mark is missing; make it again"
         raise UnreadableLogError(message)

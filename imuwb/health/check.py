@@ -7,15 +7,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from imuwb.health.channel import channels
 from imuwb.health.clocks import clock_faults
 from imuwb.health.fault import RANK, Fault
-from imuwb.health.inertial import Segment, inertial_faults, segments
+from imuwb.health.inertial import inertial_faults
+from imuwb.health.motion import segments
 from imuwb.health.receivers import receiver_faults
+from imuwb.health.repairs import repair_faults
+from imuwb.health.spikes import lone_samples
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from imuwb.log import Floats, Log, Nanoseconds, Repair
+    from imuwb.health.motion import Segment
+    from imuwb.log import Floats, ImuStream, Log, Nanoseconds, Repair
 
 WINDOWS = 400  #: in which the rate of a stream is counted over a log
 FEWEST = 20  #: rows in a window
@@ -38,7 +43,10 @@ class Health:
 
     streams: tuple[StreamHealth, ...]
     faults: tuple[Fault, ...]
-    segments: tuple[Segment, ...]  #: of the first IMU: still or moving
+    segments: tuple[Segment, ...]  #: of one IMU: still or moving; none where that cannot be told
+    segments_of: (
+        str | None
+    )  #: name of that IMU: the first of which it can be told, else the first; None: none was looked at
 
 
 def check(log: Log, *, lines: bool = True, samples: bool = True) -> Health:
@@ -52,17 +60,28 @@ def check(log: Log, *, lines: bool = True, samples: bool = True) -> Health:
     faults: list[Fault] = []
     found: list[tuple[str, Nanoseconds]] = []
     for name, time, repairs, inertial in _clocks(log):
-        faults += clock_faults(name, log.seconds(time), repairs, inertial=inertial)
+        faults += repair_faults(name, repairs, time.size)
+        faults += clock_faults(name, log.seconds(time), inertial=inertial)
         found.append((name, time))
-    parts = [segments(log, imu) for imu in log.imus if samples]
-    for imu, own in zip(log.imus, parts, strict=False):
-        faults += inertial_faults(log, imu, own, lines=lines)
+    parts: dict[str, tuple[Segment, ...]] = {}
+    for imu in log.imus if samples else ():
+        parts[imu.name], own = _looked_at(log, imu, lines=lines)
+        faults += own
     for gnss in log.gnss:
         faults += receiver_faults(log, gnss)
     faults += _apart(log)
     faults.sort(key=lambda fault: -RANK[fault.severity])
     streams = tuple(_stream(log, name, time, faults) for name, time in found)
-    return Health(streams, tuple(faults), parts[0] if parts else ())
+    told = next((name for name, own in parts.items() if own), next(iter(parts), None))
+    return Health(streams, tuple(faults), parts[told] if told is not None else (), told)
+
+
+def _looked_at(log: Log, imu: ImuStream, *, lines: bool) -> tuple[tuple[Segment, ...], list[Fault]]:
+    """Return when an IMU is still and when it moves, and what is wrong with its samples."""
+    axes = channels(log, imu)
+    lone = {axis: lone_samples(channel) for axis, channel in axes.items()}
+    parts = segments(axes, lone)
+    return parts, list(inertial_faults(log, imu, axes, lone, parts, lines=lines))
 
 
 def _clocks(log: Log) -> Iterator[tuple[str, Nanoseconds, tuple[Repair, ...], bool]]:

@@ -1,4 +1,4 @@
-"""Faults of a stream's clock: gaps, drops of the rate, jitter."""
+"""Faults of a stream's clock: jumps, gaps, drops of the rate, jitter."""
 
 from __future__ import annotations
 
@@ -12,30 +12,62 @@ from imuwb.sampling import sampling
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from imuwb.log import Floats, Repair
+    from numpy.typing import NDArray
+
+    from imuwb.log import Floats
 
 JITTER = 0.2  #: of the interval
 DROPPED = 1.5  #: times the usual step, over a window
 WINDOW = 50  #: steps
 MOSTLY = 0.5  #: share of a stream that is missing, from which on it was recorded in batches
 MANY = 100  #: gaps
-MUCH = 0.01  #: share of a stream that is missing, or was mended, from which on it is a fault
+MUCH = 0.01  #: share of a stream that is missing, from which on it is a fault
+DAY, YEAR = 86_400.0, 31_557_600.0  #: s
+FAR = 10.0  #: times all that is recorded
 
 
-def clock_faults(name: str, time: Floats, repairs: tuple[Repair, ...], *, inertial: bool) -> Iterator[Fault]:
+def clock_faults(name: str, time: Floats, *, inertial: bool) -> Iterator[Fault]:
     """Yield what is wrong with the times of a stream.
 
     Args:
         name: of the stream.
         time: (n,) s from the log's start, rising.
-        repairs: what the reader mended.
         inertial: whether its samples are averaged over time, so that gaps limit averaging times.
     """
-    for repair in repairs:
-        yield Fault(name, repair.what, "fault" if repair.count > MUCH * time.size else "warning", repair.count)
     if time.size < 2:  # noqa: PLR2004 - a step needs two rows
         yield Fault(name, "a single row", "fault", consequence="nothing can be made of it")
         return
+    jumps = _jumps(time)
+    for at in jumps:
+        length = float(time[at] - time[at - 1])
+        what = f"clock jumps by {_long(length)}: {at} rows lie before, {time.size - at} behind"
+        yield Fault(
+            name,
+            what,
+            "fault",
+            1,
+            float(time[at - 1]),
+            length,
+            "two clocks in one stream: keep one side, with --start or --end",
+        )
+    for part in np.split(time, jumps):
+        if part.size > 1:
+            yield from _within(name, part, inertial=inertial)
+
+
+def _jumps(time: Floats) -> NDArray[np.int64]:
+    """Return the rows before which a clock was set: it steps by a day, and by far more than all that is recorded."""
+    steps = np.diff(time)
+    long = steps > DAY
+    return np.flatnonzero(long & (steps > FAR * float(steps[~long].sum()))) + 1
+
+
+def _long(seconds: float) -> str:
+    return f"{seconds / YEAR:.3g} years" if seconds > YEAR else f"{seconds / DAY:.3g} days"
+
+
+def _within(name: str, time: Floats, *, inertial: bool) -> Iterator[Fault]:
+    """Yield gaps, scatter and drops of the rate."""
     clock = sampling(np.rint(time * 1e9).astype(np.int64))
     slow = list(_rate_drops(name, time))
     if clock.gaps and not (slow and len(clock.gaps) > MANY):  # where the rate drops, each step would be a gap

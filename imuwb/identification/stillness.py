@@ -10,7 +10,7 @@ import numpy as np
 from scipy import ndimage
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     from numpy.typing import NDArray
 
@@ -43,42 +43,63 @@ class Stillness:
     quiet_start: float  #: s, likewise
     quiet_end: float  #: s
     moving: bool  #: most of the record is not still: it is no static record at all
+    recorded: tuple[tuple[float, float], ...]  #: s, (start, end) of the spans with samples; shorter breaks are within
 
 
-def stillness(axes: Mapping[str, tuple[Floats, Floats]]) -> Stillness:
-    """Return the disturbances of a record of several axes.
+def stillness(axes: Mapping[str, tuple[Floats, Floats]]) -> Stillness | None:
+    """Return the disturbances of a record of several axes; None where it is too short, or too slow, to tell.
 
     A block of a second is disturbed when its standard deviation is three times the record's usual one,
-    or its mean stands eight standard errors (and a usual deviation) off the running median.
+    or its mean stands eight standard errors (and a usual deviation) off the running median. Seconds without
+    samples are no blocks, however many there are.
 
     Args:
         axes: name -> (time in s, values); the axes need not share a clock, and may have gaps.
     """
     begin = min(float(time[0]) for time, _ in axes.values())
     finish = max(float(time[-1]) for time, _ in axes.values())
-    count = int((finish - begin) / BLOCK)
-    if count < FEWEST_BLOCKS:
-        return Stillness((), begin, finish, moving=False)
-    edges = begin + BLOCK * np.arange(count + 1)
-    scored = {axis: _scores(np.searchsorted(time, edges), values) for axis, (time, values) in axes.items()}
+    blocks = _occupied([time for time, _ in axes.values()], begin, finish)
+    count = blocks.size
+    starts, ends = begin + BLOCK * blocks, begin + BLOCK * (blocks + 1)
+    # What lies between two blocks is empty, so the rows of one end where those of the next begin.
+    edges = np.append(starts, ends[-1:])
+    rows = {axis: np.searchsorted(time, edges) for axis, (time, _) in axes.items()}
+    judged = [axis for axis, row in rows.items() if np.count_nonzero(np.diff(row) >= FEWEST_SAMPLES) >= FEWEST_BLOCKS]
+    if not judged:
+        return None
+    scored = {axis: _scores(rows[axis], axes[axis][1]) for axis in judged}
     scores = {axis: score for axis, (score, _) in scored.items()}
     moving = any(restless for _, restless in scored.values())
     worst = np.max(list(scores.values()), axis=0)
     bad = ndimage.binary_closing(worst > 1, iterations=JOIN) | (worst > 1)
     found = tuple(
         Disturbance(
-            float(edges[start]), float(edges[stop]),
+            float(starts[start]), float(ends[stop - 1]),
             tuple(axis for axis, score in scores.items() if score[start:stop].max() > 1),
             float(worst[start:stop].max() * SCATTER),
         )
         for start, stop in _spans(bad)
     )  # fmt: skip
+    far = np.flatnonzero(np.diff(blocks) > JOIN)
+    last_end = finish if finish < ends[-1] + JOIN * BLOCK else float(ends[-1])
+    recorded = tuple(zip(starts[np.append(0, far + 1)].tolist(), [*ends[far].tolist(), last_end], strict=True))
     quiet = _spans(~bad)
     if not quiet:
-        return Stillness(found, begin, begin, moving=True)
+        return Stillness(found, begin, begin, moving=True, recorded=recorded)
     first, last = max(quiet, key=_length)
     moving |= float(bad.mean()) > 0.5  # noqa: PLR2004 - most of it
-    return Stillness(found, float(edges[first]), finish if last == count else float(edges[last]), moving=moving)
+    end = finish if last == count else float(starts[last])
+    return Stillness(found, float(starts[first]), end, moving=moving, recorded=recorded)
+
+
+def _occupied(times: Iterable[Floats], begin: float, finish: float) -> NDArray[np.int64]:
+    """Return the numbers of the whole blocks that hold a sample of any axis."""
+    found: list[NDArray[np.int64]] = []
+    for time in {id(time): time for time in times}.values():
+        block = ((time - begin) / BLOCK).astype(np.int64)
+        found.append(block[np.append(True, np.diff(block) > 0)])
+    blocks = np.unique(np.concatenate(found))
+    return blocks[blocks < int((finish - begin) / BLOCK)]
 
 
 def _scores(rows: NDArray[np.int64], values: Floats) -> tuple[Floats, bool]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -64,7 +65,15 @@ def reader_of(path: str | Path) -> Reader:
 
 def stream(path: str | Path, options: ReadOptions | None = None) -> Iterator[Batch | Remark]:
     """Yield a log piece by piece, as it stands in the file, with memory bounded by a piece."""
-    return reader_of(path).stream(Path(path), options or ReadOptions())
+    return _parts(reader_of(path), Path(path), options or ReadOptions())
+
+
+def _parts(reader: Reader, path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
+    unused = options.unused(getattr(reader, "uses", [f.name for f in fields(ReadOptions)]))
+    if unused:
+        named = ", ".join(f"--{name.replace('_', '-')}" for name in unused)
+        yield Remark(f"not used: {named}: a {reader.format} log states its own")
+    yield from reader.stream(path, options)
 
 
 def read(
@@ -88,7 +97,7 @@ def read(
     size = path.stat().st_size
     with ThreadPoolExecutor(1) as pool:
         hashed = pool.submit(source.fingerprint, path)
-        parts = _reporting(reader.stream(path, options or ReadOptions()), size, progress)
+        parts = _reporting(_parts(reader, path, options or ReadOptions()), size, progress)
         provenance = Provenance(str(path), reader.format, "", size)
         log = assemble(parts, provenance)
         return Log(

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from imuwb.log import Floats, Nanoseconds
+    from imuwb.log import Effect, Floats, Nanoseconds
     from imuwb.readers.batch import Kind, Remark
 
 #: kind -> the columns it may have
@@ -31,6 +31,9 @@ _COLUMNS = {
     "temperature": ("temperature",),
 }
 _MAY_BE_UNKNOWN = ("velocity", "position_sigma", "velocity_sigma", "fix_type")  #: of a fix
+SET_BACK = "clock set back: time goes on behind it by one nominal step"
+LATE = "rows out of order sorted by time"
+_EFFECTS: dict[str, Effect] = {SET_BACK: "time", LATE: "order"}  #: of a repair that leaves no row out
 FIRST, LAST = np.iinfo(np.int64).max, np.iinfo(np.int64).min  # of no rows
 MOST_STEPS = 10  # back, of a clock that is set now and then
 FEW = 12  # rows; of fewer, nobody can tell which stamp is damaged
@@ -101,7 +104,7 @@ def _grouped(
             for piece in _pieces(part):
                 groups[piece.stream, piece.kind, tuple(piece.columns)].append(piece)
         elif part.stream:
-            repairs[part.stream].append(Repair(part.text, part.count))
+            repairs[part.stream].append(Repair(part.text, part.count, part.effect))
         else:
             notes.append(part.text)
     return groups, repairs, notes
@@ -137,7 +140,11 @@ def _join(batches: list[Batch], noted: list[Repair]) -> _Rows:
         counts["rows whose time cannot be left out"] = int(np.count_nonzero(~possible))
         time, columns = _take(time, columns, possible)
     time, columns = _mend_time(time, columns, counts)
-    repairs = (*first.origin.repairs, *noted, *(Repair(what, count) for what, count in counts.items()))
+    repairs = (
+        *first.origin.repairs,
+        *noted,
+        *(Repair(what, count, _EFFECTS.get(what, "lost")) for what, count in counts.items()),
+    )
     noted.clear()
     return _Rows(first.stream, first.kind, replace(first.origin, repairs=repairs), time, columns)
 
@@ -163,10 +170,10 @@ def _mend_time(
         else:  # no clock is set back as often as this: the rows are in no order at all
             set_back = 0
         if set_back:
-            counts["clock set back: time goes on behind it by one nominal step"] = set_back
+            counts[SET_BACK] = set_back
         late = int(np.count_nonzero(time < np.maximum.accumulate(time)))
         if late:
-            counts["rows out of order sorted by time"] = late
+            counts[LATE] = late
             time, columns = _take(time, columns, np.argsort(time, kind="stable"))
         repeated = np.diff(time, prepend=time[0] - 1) == 0
         if repeated.any():

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from imuwb.readers.batch import Batch, ReadOptions, Remark
 
 format = "bag"  # noqa: A001 - the contract's name
+uses = ("time_source", "frame")
 
 
 def probe(head: bytes) -> bool:

@@ -123,6 +123,7 @@ class Bag:
         self.schemas: dict[int, Schema] = {}
         self.channels: dict[int, Channel] = {}
         self.remarks: list[Remark] = []  #: what was wrong with the container
+        self.above_sea: set[str] = set()  #: a bag does not say it of any topic
 
     def messages(self) -> Iterator[Messages]:
         """Yield the messages of each chunk, or of each block of a bag without chunks."""

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, Protocol
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Literal, Protocol, get_args
 
 from imuwb.errors import UsageError
-from imuwb.log import Origin
+from imuwb.log import Epoch, Origin
+from imuwb.readers.text_columns import check_units
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Collection, Iterator, Mapping
     from pathlib import Path
 
     import numpy as np
     from numpy.typing import NDArray
+
+    from imuwb.log import Effect
 
 Kind = Literal["imu", "gnss", "velocity", "fix", "speed", "temperature", "reference"]
 SLOWEST, FASTEST = 1e-6, 1e8  #: Hz
@@ -29,6 +32,7 @@ class ReadOptions:
     columns: tuple[str, ...] = ()  #: names for a text file's columns, in order
     units: Mapping[str, str] = field(default_factory=dict[str, str])  #: {"gyro": "deg/s", "time": "ms"}
     frame: str | None = None  #: "FRD" or "FLU", for a file that does not say
+    epoch: str | None = None  #: "unix", "boot" or "log": where a text file's times count from
 
     def __post_init__(self) -> None:
         """Check what can be checked before the file is open."""
@@ -41,6 +45,16 @@ class ReadOptions:
         if self.frame not in (None, "FRD", "FLU"):
             message = f"frame {self.frame!r}: it is FRD (forward, right, down) or FLU (forward, left, up)"
             raise UsageError(message)
+        if self.epoch not in (None, *get_args(Epoch)):
+            message = f"epoch {self.epoch!r}: it is unix (UTC), boot (power-up) or log (its start)"
+            raise UsageError(message)
+        check_units(self.units)
+
+    def unused(self, uses: Collection[str]) -> tuple[str, ...]:
+        """Return the names of the options that are given but not among those that a format uses."""
+        silent = ReadOptions()
+        given = (f.name for f in fields(self) if getattr(self, f.name) != getattr(silent, f.name))
+        return tuple(name for name in given if name not in uses)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -68,13 +82,15 @@ class Remark:
     text: str
     stream: str = ""
     count: int = 0
+    effect: Effect = "lost"  #: of the repair
 
 
 class Reader(Protocol):
     """One file format: a module, or any object, with these names.
 
     It may also have ``describe(path) -> LogSummary | None``: what the file says of itself at no cost, such
-    as in an index; None where it says nothing.
+    as in an index, None where it says nothing; and ``uses``, the names of the options that it looks at: that
+    others are given is then told as a note.
     """
 
     format: str

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from imuwb.errors import UnreadableLogError, UsageError
-from imuwb.log import Origin
+from imuwb.log import MEAN_SEA_LEVEL, SECOND, Origin
 from imuwb.readers import text_source
 from imuwb.readers.batch import Batch, ReadOptions, Remark
 from imuwb.readers.sidecar import with_sidecar
-from imuwb.readers.text_cells import LINES, blocks
+from imuwb.readers.text_cells import CELLS, LINES, blocks
 from imuwb.readers.text_clock import clock_of
-from imuwb.readers.text_columns import Column, columns, said_units
+from imuwb.readers.text_columns import Column, above_sea, columns, said_units
+from imuwb.readers.text_trust import DAMAGED, is_number
 from imuwb.units import STANDARD_GRAVITY, UNITS, unit
 
 if TYPE_CHECKING:
@@ -27,11 +28,15 @@ if TYPE_CHECKING:
 
     from imuwb.log import Epoch, Floats
     from imuwb.readers.batch import Kind
+    from imuwb.readers.text_clock import Clock
     from imuwb.readers.text_source import Layout
     from imuwb.units import Unit
 
 format = "csv"  # noqa: A001 - the contract's name
+uses = ("rate", "columns", "units", "frame", "epoch")
 _ANGLES = ("roll", "pitch", "heading")
+UNTIMED = "rows without a usable time left out"
+LEAP = 3600 * SECOND  #: ns forward in time that a damaged file is not trusted with
 MOST_BAD = 0.5  #: with a larger share of unusable rows, the file is not what it is taken for
 
 
@@ -50,9 +55,9 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
         UsageError: the file says neither its columns, its units nor its rate, and nobody else does.
         UnreadableLogError: no row of numbers, or numbers that contradict the stated unit.
     """
-    options, sidecar = with_sidecar(path, options)
-    if sidecar is not None:
-        yield Remark(f"columns, units, rate and frame as {sidecar.name} says")
+    options, beside = with_sidecar(path, options)
+    if beside:
+        yield Remark(beside)
     layout = text_source.layout(path)
     if layout.cut_first:
         yield Remark("first line has fewer cells than the others: left out")
@@ -64,13 +69,9 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     clock = clock_of(path, layout, used, options)
     yield from (Remark(text) for text in clock.remarks)
     bad = Counter[str]()
-    rows = done = unusable = 0
+    done = unusable = 0
     found = checked = False
-    for block, bytes_read in blocks(path, layout, used, clock, bad):
-        time, timed = clock.time(block, rows)
-        rows += block.num_rows
-        values = {column: _floats(block.column(column.name))[timed] for column in used if column.quantity != "time"}
-        bad["rows without a usable time left out"] += int(np.count_nonzero(~timed))
+    for time, values, bytes_read in _rows(path, layout, used, clock, bad):
         missing = [~np.isfinite(cells) for column, cells in values.items() if column.quantity in ("gyro", "accel")]
         unusable += int(np.count_nonzero(np.any(missing, axis=0))) if missing else 0
         for kind, fields, there in _streams(values, options.frame or "FRD"):
@@ -80,19 +81,53 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
             chosen = fields if there is None else {name: array[there] for name, array in fields.items()}
             rows_time = time if there is None else time[there]
             yield Batch(kind, kind, rows_time, chosen, _origin(kind, used, options, clock.epoch), bytes_read)
-        done += int(np.count_nonzero(timed))
+        done += time.size
     if not found and done:
         names = ", ".join(column.name for column in used) or "none that is known"
         yield Remark(
             f"nothing in this file can be used (columns: {names}); a triad needs its x, y and z, a fix latitude and longitude"
         )
-    if not done or unusable + bad[LINES] > MOST_BAD * (rows + bad[LINES]):
+    if not done or unusable + bad[LINES] > MOST_BAD * (done + bad[UNTIMED] + bad[LINES]):
         bad["rows without a number in every used column"] += unusable
         faults = ", ".join(f"{count} {what}" for what, count in bad.items() if count) or "no row"
         message = f"{path}: hardly a row can be used ({faults}); is this a log of numbers, and are its columns as said?"
         raise UnreadableLogError(message)
-    stream_name = "imu" if any(column.quantity in ("gyro", "accel") for column in used) else "gnss"
-    yield from (Remark(what, stream_name, count) for what, count in bad.items() if count)
+    yield from _repairs(layout, used, bad, done)
+
+
+def _rows(
+    path: Path, layout: Layout, used: tuple[Column, ...], clock: Clock, bad: Counter[str]
+) -> Iterator[tuple[NDArray[np.int64], dict[Column, Floats], int]]:
+    """Yield time, values and bytes read of the rows that have a time; of a damaged file, up to where time leaps."""
+    rows, before = 0, None
+    for block, bytes_read in blocks(path, layout, used, clock, bad):
+        time, timed = clock.time(block, rows)
+        rows += block.num_rows
+        bad[UNTIMED] += int(np.count_nonzero(~timed))
+        good = _rising(time, before) if layout.fault else time.size
+        values = {column: _floats(block.column(column.name))[timed] for column in used if column.quantity != "time"}
+        yield time[:good], {column: cells[:good] for column, cells in values.items()}, bytes_read
+        if good < time.size:
+            bad[f"{DAMAGED} ({layout.fault}): it shows where times leap, from where on all is left out"] = 1
+            return
+        before = int(time[-1]) if time.size else before
+
+
+def _repairs(layout: Layout, used: tuple[Column, ...], bad: Counter[str], done: int) -> Iterator[Remark]:
+    name = "imu" if any(column.quantity in ("gyro", "accel") for column in used) else "gnss"
+    if layout.fault and not any(what.startswith(DAMAGED) for what in bad):
+        what = f"{DAMAGED} ({layout.fault}), and no row shows where: any of them may be wrong"
+        yield Remark(what, name, done, "value")
+    for what, count in bad.items():
+        if count:
+            yield Remark(what, name, count, "value" if what == CELLS else "lost")
+
+
+def _rising(time: NDArray[np.int64], before: int | None) -> int:
+    """Return how many times follow the one before, and each other, upwards and without a leap."""
+    steps = np.diff(time, prepend=time[:1] - 1 if before is None else before)
+    odd = np.flatnonzero((steps <= 0) | (steps > LEAP))
+    return int(odd[0]) if odd.size else time.size
 
 
 def _columns(path: Path, layout: Layout, options: ReadOptions) -> tuple[Column, ...]:
@@ -135,7 +170,7 @@ def _with_unit(path: Path, column: Column, found: tuple[Column, ...], layout: La
 
 
 def _is_small(cell: str) -> bool:
-    return text_source.is_number(cell) and abs(float(cell)) < 1e9  # noqa: PLR2004 - nan is not, and damage neither
+    return is_number(cell) and abs(float(cell)) < 1e9  # noqa: PLR2004 - nan is not, and damage neither
 
 
 def _likely(norm: float) -> str | None:
@@ -215,5 +250,6 @@ def _si(values: Floats, unit: Unit) -> Floats:
 def _origin(kind: Kind, used: tuple[Column, ...], options: ReadOptions, epoch: Epoch) -> Origin:
     wanted = ("gyro", "accel") if kind == "imu" else ("latitude", "height")
     units = dict.fromkeys(c.unit.name for c in used if c.unit is not None and c.quantity in wanted)
+    above = f" ({MEAN_SEA_LEVEL})" if kind != "imu" and any(map(above_sea, used)) else ""
     frame = f"{options.frame} (as said)" if options.frame else "FRD (taken as it stands: nobody says)"
-    return Origin(", ".join(units), frame if kind == "imu" else "NED", epoch)
+    return Origin(", ".join(units) + above, frame if kind == "imu" else "NED", epoch)

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from imuwb.errors import UnreadableLogError
-from imuwb.log import Origin
+from imuwb.log import MEAN_SEA_LEVEL, Origin
 from imuwb.readers import source
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.dataflash_records import FMT, FMT_SIZE, HEAD, Tables, formats
 from imuwb.readers.dataflash_text import TextTables
 from imuwb.readers.gps_time import unix_of_gps
 from imuwb.readers.receiver import GpsRows, attitude_at, gps_columns, left_out, usable_fixes, usable_position
+from imuwb.readers.text_trust import DAMAGED
 from imuwb.units import UNITS
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     Columns = Mapping[str, NDArray[Any]]
 
 format = "dataflash"  # noqa: A001 - the contract's name
+uses: tuple[str, ...] = ()
 IMUS, RECEIVERS, ACCURACIES = ("IMU", "IMU2", "IMU3"), ("GPS", "GPS2"), ("GPA", "GPA2")
 SOLUTIONS = ("XKF1", "NKF1", "EKF1")
 WANTED = {*IMUS, *RECEIVERS, *ACCURACIES, *SOLUTIONS, "POS", "ATT", "ISBH", "ISBD", "FMTU", "UNIT", "MULT"}
@@ -97,11 +99,14 @@ def _read_binary(path: Path, trouble: list[str]) -> Tables:
 
 
 def _read_text(path: Path, trouble: list[str]) -> TextTables:
-    tables, rest = TextTables(WANTED), b""
+    tables, rest, fault = TextTables(WANTED), b"", source.packed_fault(path)
     with source.open_unpacked(path) as file:
         for piece in source.pieces(file, trouble):
             *lines, rest = (rest + piece).split(b"\n")
-            tables.take(lines)
+            tables.take(lines, to_first_bad=bool(fault))
+            if fault and tables.bad:
+                trouble.append(f"{DAMAGED} ({fault}): all from the first odd line on is left out")
+                return tables
     tables.take([rest])
     if tables.bad:
         trouble.append(f"{tables.bad} lines that are cut, or hold something else than numbers, left out")
@@ -257,7 +262,7 @@ class _Streams:
         yield from left_out(stream, there)
         if there.any():
             kept = {key: column[there] for key, column in gps_columns(rows).items()}
-            origin = Origin("deg, m (above mean sea level), m/s", "NED", self._epoch)
+            origin = Origin(f"deg, m ({MEAN_SEA_LEVEL}), m/s", "NED", self._epoch)
             yield Batch(stream, "gnss", self._time(columns)[there], kept, origin, self._size)
 
     def _nearest(self, columns: Columns, accuracy: Columns, name: str) -> NDArray[np.float64]:
@@ -300,7 +305,7 @@ class _Streams:
                 columns["attitude"] = attitude_at(boot, self._boot(attitude)[known], turns[known])
         yield from left_out("POS", there)
         if there.any():
-            origin = Origin("deg, m (above mean sea level), m/s", "NED", self._epoch)
+            origin = Origin(f"deg, m ({MEAN_SEA_LEVEL}), m/s", "NED", self._epoch)
             kept = {key: column[there] for key, column in columns.items()}
             yield Batch("POS", "reference", self._time(place)[there], kept, origin, self._size)
 

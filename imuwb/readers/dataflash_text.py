@@ -30,8 +30,8 @@ class TextTables:
         self._rows: dict[str, list[list[float]]] = defaultdict(list)
         self._arrays: dict[str, list[NDArray[np.float64]]] = defaultdict(list)
 
-    def take(self, lines: Iterable[bytes]) -> None:
-        """Keep what lines hold."""
+    def take(self, lines: Iterable[bytes], *, to_first_bad: bool = False) -> None:
+        """Keep what lines hold, on request only up to the first that is cut or holds something else."""
         for line in lines:
             name, _, rest = line.partition(b",")
             record = name.strip().decode("ascii", "replace")
@@ -40,6 +40,8 @@ class TextTables:
             elif record in self._names and record in self._wanted and record not in STATED:
                 self._row(record, rest)
             self.records += bool(record)
+            if to_first_bad and self.bad:
+                return
 
     def table(self, name: str) -> dict[str, NDArray[Any]] | None:
         """Return a record's columns, {field: (n,)}; None where there is none."""

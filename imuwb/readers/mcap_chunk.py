@@ -6,10 +6,12 @@ import struct
 
 from isal import isal_zlib
 
+from imuwb.log import MEAN_SEA_LEVEL
 from imuwb.readers.unpack import unpack, unpack_front
 
+OURS = "imuwb"  #: name of the metadata that imuwb writes
 MAGIC = b"\x89MCAP0\r\n"
-SCHEMA, CHANNEL, MESSAGE, CHUNK, DATA_END = 0x03, 0x04, 0x05, 0x06, 0x0F
+FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, METADATA, DATA_END = 0x02, 0x03, 0x04, 0x05, 0x06, 0x0C, 0x0F
 PREFIX = 9  #: bytes of a record before its content: what it is, u8, and its length, u64
 HEADER = 22  #: bytes of a message before its payload: channel u16, sequence u32, log time u64, publish time u64
 
@@ -21,6 +23,23 @@ def text(content: bytes, at: int) -> tuple[str, int]:
         message = f"a text of {size} bytes does not fit in its record"
         raise ValueError(message)
     return content[at + 4 : at + 4 + size].decode("utf-8", "replace"), at + 4 + size
+
+
+def metadata(content: bytes) -> tuple[str, dict[str, str]]:
+    """Return a metadata record's name and what it says; ValueError or struct.error where it is damaged."""
+    name, at = text(content, 0)
+    end = at + 4 + struct.unpack_from("<I", content, at)[0]
+    at, said = at + 4, dict[str, str]()
+    while at < min(end, len(content)):
+        key, at = text(content, at)
+        said[key], at = text(content, at)
+    return name, said
+
+
+def above_sea_level(record: tuple[str, dict[str, str]]) -> set[str]:
+    """Return the topics of which our own metadata say that heights are above mean sea level."""
+    name, said = record
+    return {topic for topic, what in said.items() if MEAN_SEA_LEVEL in what} if name == OURS else set()
 
 
 def unpacked_chunk(chunk: memoryview) -> bytes | memoryview:

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, BinaryIO
 import numpy as np
 from mcap.reader import make_reader
 
+from imuwb.log import MEAN_SEA_LEVEL
 from imuwb.readers import shapes
 from imuwb.readers.decoders import CannotDecodeError, decoder_of
-from imuwb.readers.mcap_chunk import HEADER, MESSAGE, PREFIX, unpacked_chunk
+from imuwb.readers.mcap_chunk import HEADER, MESSAGE, PREFIX, above_sea_level, metadata, unpacked_chunk
 from imuwb.readers.messages import Channel, Messages, Schema
 from imuwb.readers.summary import LogSummary, StreamSummary
 from imuwb.readers.unpack import LARGEST
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from mcap.records import ChunkIndex
+    from mcap.records import ChunkIndex, MetadataIndex
     from mcap.summary import Summary
 
 UNIX = 10**17  #: ns
@@ -35,7 +36,8 @@ def describe(path: Path) -> LogSummary | None:
             summary = reader.get_summary()
             if summary is None or summary.statistics is None or not summary.chunk_indexes:
                 return None
-            streams = tuple(_streams(file, summary))
+            above = set[str]().union(*(_above_sea(file, index) for index in summary.metadata_indexes))
+            streams = tuple(_streams(file, summary, above))
         except Exception:  # noqa: BLE001 - whatever the library makes of a damaged index
             return None  # reading the messages says what is wrong, and uses what is whole
     note = (
@@ -44,7 +46,12 @@ def describe(path: Path) -> LogSummary | None:
     return LogSummary(str(path), "mcap", "", streams, (note,))
 
 
-def _streams(file: BinaryIO, summary: Summary) -> Iterator[StreamSummary]:
+def _above_sea(file: BinaryIO, index: MetadataIndex) -> set[str]:
+    file.seek(index.offset + PREFIX)
+    return above_sea_level(metadata(file.read(min(index.length - PREFIX, LARGEST))))
+
+
+def _streams(file: BinaryIO, summary: Summary, above: set[str]) -> Iterator[StreamSummary]:
     for number, count in (summary.statistics.channel_message_counts if summary.statistics else {}).items():
         channel, schema = summary.channels[number], summary.schemas.get(summary.channels[number].schema_id)
         ours = None if schema is None else Schema(schema.name, schema.encoding, schema.data)
@@ -62,6 +69,7 @@ def _streams(file: BinaryIO, summary: Summary) -> Iterator[StreamSummary]:
             units, frame = {"imu": ("rad/s, m/s²", "FLU (REP 145)"), "gnss": ("deg, m", "ENU")}.get(
                 recipe.kind, ("°C", "")
             )
+            units += f" ({MEAN_SEA_LEVEL})" if recipe.kind == "gnss" and channel.topic in above else ""
             epoch = "unix" if start > UNIX else "log"
             yield StreamSummary(channel.topic, recipe.kind, count, rate, start, end, epoch, (), (), units, frame)
 

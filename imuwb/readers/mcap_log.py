@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from imuwb.readers.summary import LogSummary
 
 format = "mcap"  # noqa: A001 - the contract's name
+uses = ("time_source", "frame")
 
 
 def probe(head: bytes) -> bool:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO
 
 import numba
 import numpy as np
@@ -24,10 +24,15 @@ from imuwb.readers.mcap_chunk import (
     CHANNEL,
     CHUNK,
     DATA_END,
+    FOOTER,
     HEADER,
     MAGIC,
     MESSAGE,
+    METADATA,
+    PREFIX,
     SCHEMA,
+    above_sea_level,
+    metadata,
     text,
     unpacked_chunk,
     unpacked_front,
@@ -105,6 +110,7 @@ class Recording:
         self.schemas: dict[int, Schema] = {}
         self.channels: dict[int, Channel] = {}
         self.remarks: list[Remark] = []  #: what was wrong with the container
+        self.above_sea: set[str] = set()  #: topics with heights above mean sea level, as our own metadata say
         self.damaged = 0  #: messages left out because their time cannot be
 
     def messages(self) -> Iterator[Messages]:
@@ -135,12 +141,17 @@ class Recording:
                 for i in np.flatnonzero(opcode == CHUNK):
                     yield _chunk(buffer.data[content[i] : content[i] + length[i]], offset + int(content[i]))
                 if last.size:
+                    behind = _behind(
+                        file, offset + int(content[count - 1] + length[count - 1]) if count else offset, size
+                    )
+                    if behind:
+                        yield _nothing(size, behind)
                     return
                 rest, offset = block[end:], offset + end
 
     def _messages(self, piece: _Piece) -> Iterator[Messages]:
         opcode, content, length, raw = piece.opcode, piece.content, piece.length, piece.buffer.data
-        for i in np.flatnonzero((opcode == SCHEMA) | (opcode == CHANNEL)):
+        for i in np.flatnonzero(np.isin(opcode, (SCHEMA, CHANNEL, METADATA))):
             self._declare(int(opcode[i]), bytes(raw[content[i] : content[i] + length[i]]))
         plain = (opcode == MESSAGE) & (length >= HEADER)
         at, sizes = content[plain], length[plain]
@@ -164,13 +175,31 @@ class Recording:
                 encoding, at = text(content, at)
                 size = struct.unpack_from("<I", content, at)[0]
                 self.schemas.setdefault(number, Schema(name, encoding, content[at + 4 : at + 4 + size]))
+            elif opcode == METADATA:
+                self.above_sea |= above_sea_level(metadata(content))
             else:
                 number, schema = struct.unpack_from("<HH", content)
                 topic, at = text(content, 4)
                 encoding, _ = text(content, at)
                 self.channels.setdefault(number, Channel(topic, encoding, schema))
         except (struct.error, ValueError) as error:
-            self.remarks.append(Remark(f"a damaged schema or channel record left out: {error}"))
+            self.remarks.append(Remark(f"a damaged schema, channel or metadata record left out: {error}"))
+
+
+def _behind(file: BinaryIO, at: int, size: int) -> str:
+    """Return what is wrong with what stands behind the messages: index, footer, end mark, and nothing else; empty for nothing."""
+    opcode = None
+    while opcode != FOOTER:
+        file.seek(min(at, size))  # damage may say any length
+        prefix = file.read(PREFIX)
+        if len(prefix) < PREFIX or prefix.startswith(MAGIC):
+            return f"the index at the file's end is cut or damaged at byte {at}: all messages are before it"
+        opcode, at = prefix[0], at + PREFIX + int.from_bytes(prefix[1:], "little")
+    file.seek(min(at, size))
+    if file.read(len(MAGIC)) != MAGIC:
+        return f"the end mark at byte {at} is missing or damaged: all messages are before it"
+    more = size - at - len(MAGIC)
+    return f"{more} bytes behind the end mark are none of MCAP's: not used" if more else ""
 
 
 def _nothing(bytes_read: int, why: str) -> _Piece:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 Timed = TypeVar("Timed", Triad, Scalars, GnssStream, Reference)
 FAR = np.iinfo(np.int64).max
+RULE = "A+B takes the gyro of A with the accelerometer of B"
 LONGEST = 1e9  #: s, thirty years
 
 
@@ -24,17 +25,19 @@ def select(log: Log, imu: str | None = None, start: str | None = None, end: str 
 
     Args:
         log: what was read.
-        imu: an IMU's name; None keeps all.
+        imu: an IMU's name, or two with a + between: the gyro of the first with the accelerometer of the second (the other
+            way round where only that can be, or a name says so); None keeps all.
         start: seconds from the log's start (``"12.5"``) or an ISO time (``"2024-05-01T12:00:00"``,
             UTC unless it says otherwise).
         end: likewise.
 
     Raises:
         MissingDataError: no such IMU (the message lists those there are), or nothing in the span.
-        UsageError: ``start`` or ``end`` is neither seconds nor ISO, or ``end`` is not behind ``start``.
+        UsageError: ``start`` or ``end`` is neither seconds from 0 on nor ISO, ``end`` is not behind ``start``, or one IMU is
+            named twice.
     """
     if imu is not None:
-        log = replace(log, imus=(_named(log, imu),))
+        log = _with_one(log, imu)
     if start is None and end is None:
         return log
     zero, epoch = log.zero or 0, _epoch(log)
@@ -59,34 +62,42 @@ def select(log: Log, imu: str | None = None, start: str | None = None, end: str 
     return cut
 
 
-def _named(log: Log, name: str) -> ImuStream:
+def _with_one(log: Log, name: str) -> Log:
+    """Return the log with one IMU: of that name, or made of two."""
     for imu in log.imus:
         if imu.name == name:
-            return imu
-    composed = _composed(log, name)
-    if composed is not None:
-        return composed
+            return replace(log, imus=(imu,))
+    parts = {part: imu for imu in log.imus for part in (imu.name, *imu.name.split("+"))}
+    splits = [(name[:at], name[at + 1 :]) for at, letter in enumerate(name) if letter == "+"]
+    if any(one and one == other for one, other in splits):
+        message = f"--imu {name}: the same IMU twice; its own name alone takes both its sensors"
+        raise UsageError(message)
+    for one, other in splits:
+        if one in parts and other in parts:
+            return _composed(log, name, (one, parts[one]), (other, parts[other]))
     there = ", ".join(imu.name for imu in log.imus) or "none"
-    message = f"{log.provenance.path}: no IMU called {name!r}; there are: {there}"
+    rule = f"; {RULE}" if splits else ""
+    message = f"{log.provenance.path}: no IMU called {name!r}; there are: {there}{rule}"
     raise MissingDataError(message)
 
 
-def _composed(log: Log, name: str) -> ImuStream | None:
-    """Return the IMU that two names with a + between make: the gyro of one and the accelerometer of the other."""
-    parts = {part: imu for imu in log.imus for part in (imu.name, *imu.name.split("+"))}
-    one, mark, other = name.partition("+")
-    first, second = parts.get(one), parts.get(other)
-    if not mark or first is None or second is None:
-        return None
-    for gyro, accel in ((first, second), (second, first)):
-        named = one if gyro is first else other
+def _composed(log: Log, name: str, first: tuple[str, ImuStream], second: tuple[str, ImuStream]) -> Log:
+    """Return the log with the gyro of one IMU and the accelerometer of another as its only IMU; a note says which is which."""
+    for (gyro_name, gyro), (accel_name, accel) in ((first, second), (second, first)):
+        rate, force = gyro.angular_rate, accel.specific_force
+        if rate is None or force is None or "accel" in gyro_name:
+            continue
         more = tuple(r for r in accel.origin.repairs if r not in gyro.origin.repairs)
         origin = replace(gyro.origin, repairs=(*gyro.origin.repairs, *more))
-        if gyro.angular_rate is not None and accel.specific_force is not None and "accel" not in named:
-            return ImuStream(
-                name, gyro.angular_rate, accel.specific_force, accel.temperature or gyro.temperature, origin
-            )
-    return None
+        imu = ImuStream(name, rate, force, accel.temperature or gyro.temperature, origin)
+        note = f"{name}: the gyro of {gyro_name} with the accelerometer of {accel_name}"
+        return replace(log, imus=(imu,), notes=(*log.notes, note))
+    lack = [f"{part} has no {'gyro' if imu.angular_rate is None else 'accelerometer'}" for part, imu in (first, second)
+            if imu.angular_rate is None or imu.specific_force is None]  # fmt: skip
+    message = (
+        f"{log.provenance.path}: --imu {name} makes no IMU ({', '.join(lack) or 'both name accelerometers'}); {RULE}"
+    )
+    raise MissingDataError(message)
 
 
 def _epoch(log: Log) -> str:
@@ -105,8 +116,8 @@ def _instant(text: str, zero: int, epoch: str) -> int:
         seconds = float(text)
     except ValueError:
         return _date(text, epoch)
-    if not abs(seconds) < LONGEST:
-        message = f"{text!r} s from the log's start is no time in a log"
+    if not 0 <= seconds < LONGEST:
+        message = f"{text!r} s from the log's start is no time in a log; it is 0 or more, or an ISO time"
         raise UsageError(message)
     return zero + round(seconds * SECOND)
 

@@ -19,11 +19,12 @@ _KEYS = {
     "columns": "a list of names",
     "units": 'a table such as { gyro = "deg/s" }',
     "frame": '"FRD" or "FLU"',
+    "epoch": '"unix" (UTC), "boot" (power-up) or "log" (its start)',
 }
 
 
-def with_sidecar(path: Path, options: ReadOptions) -> tuple[ReadOptions, Path | None]:
-    """Return the options with what the log's sidecar says where they are silent, and the sidecar.
+def with_sidecar(path: Path, options: ReadOptions) -> tuple[ReadOptions, str]:
+    """Return the options with what the log's sidecar says where they are silent, and a note of what it says.
 
     Raises:
         UsageError: the sidecar is not TOML, or a key or its value is not one of a sidecar's.
@@ -37,8 +38,9 @@ def with_sidecar(path: Path, options: ReadOptions) -> tuple[ReadOptions, Path | 
                 columns=options.columns or tuple(said.get("columns", ())),
                 units={**said.get("units", {}), **options.units},
                 frame=options.frame or said.get("frame"),
-            ), sidecar
-    return options, None
+                epoch=options.epoch or said.get("epoch"),
+            ), f"{', '.join(said) or 'nothing'} as {sidecar.name} says"
+    return options, ""
 
 
 def _checked(sidecar: Path) -> dict[str, Any]:
@@ -60,7 +62,7 @@ def _checked(sidecar: Path) -> dict[str, Any]:
 def _fits(key: str, value: object) -> bool:
     if key == "rate":
         return isinstance(value, int | float) and not isinstance(value, bool)
-    if key == "frame":
+    if key in ("frame", "epoch"):
         return isinstance(value, str)
     if key == "columns":
         return isinstance(value, list) and all(isinstance(name, str) for name in cast("list[object]", value))

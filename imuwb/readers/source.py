@@ -7,6 +7,8 @@ import hashlib
 import zlib
 from typing import TYPE_CHECKING, BinaryIO, cast
 
+from isal import isal_zlib
+
 from imuwb.errors import UnreadableLogError
 
 if TYPE_CHECKING:
@@ -17,6 +19,8 @@ if TYPE_CHECKING:
 HEAD = 1 << 16
 PIECE = 1 << 16
 BLOCK = 8 << 20  #: bytes read at a time, of a file of records
+_UNPACKING = cast("type[Exception]", isal_zlib.error)  # the library's types call it a value
+GZIP_WINDOW = 31  #: bits: the largest, behind gzip's own header
 GZIP_MAGIC = b"\x1f\x8b"
 
 
@@ -64,6 +68,24 @@ def open_unpacked(path: Path) -> BinaryIO:
     return cast("BinaryIO", _Unpacked(file)) if magic == GZIP_MAGIC else file
 
 
+def packed_fault(path: Path) -> str:
+    """Return why what a gzip file unpacks to may be wrong; nothing where its checksum holds, or the file is only cut.
+
+    A damaged stream goes on unpacking to something: what it holds is text or numbers like the rest, until they are none.
+    """
+    with path.open("rb") as file:
+        piece = file.read(PIECE)
+        while piece.startswith(GZIP_MAGIC):  # one packed file behind the other is one file
+            unpacker = isal_zlib.decompressobj(GZIP_WINDOW)
+            while piece and not unpacker.eof:
+                try:
+                    unpacker.decompress(piece)
+                except _UNPACKING as error:
+                    return str(error)
+                piece = unpacker.unused_data or file.read(PIECE)
+    return ""
+
+
 def is_packed(file: BinaryIO) -> bool:
     """Return whether the file is unpacked as it is read."""
     return isinstance(file, _Unpacked)
@@ -82,6 +104,13 @@ def pieces(file: BinaryIO, trouble: list[str]) -> Iterator[bytes]:
     try:
         while piece := cast("BufferedReader", file).read1(PIECE):
             yield piece
+    except gzip.BadGzipFile as error:
+        if "Not a gzipped file" in str(error):
+            trouble.append("there are bytes behind the end of the packed file: all before is used")
+        else:
+            trouble.append(
+                f"the packed file is damaged ({error}): what unpacks is used, and some of it is not what was written"
+            )
     except (OSError, EOFError, zlib.error) as error:
         trouble.append(f"the packed file is cut or damaged ({error}): what unpacks is used")
 

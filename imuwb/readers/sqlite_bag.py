@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 format = "db3"  # noqa: A001 - the contract's name
+uses = ("time_source", "frame")
 MAGIC = b"SQLite format 3\0"
 ROWS = 4096  #: messages at a time
 LARGEST = 64 << 20  #: bytes of a message; larger ones are images, which are not asked for

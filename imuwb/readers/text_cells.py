@@ -10,6 +10,7 @@ from pyarrow import csv
 
 from imuwb.log import SECOND
 from imuwb.readers import text_source
+from imuwb.readers.text_trust import is_number
 
 if TYPE_CHECKING:
     from collections import Counter
@@ -90,7 +91,7 @@ def _numbers(cells: pa.Array[Any], kind: pa.DataType, bad: Counter[str]) -> pa.A
         times = [None if text is None else _instant(text) for text in texts]
         bad[CELLS] += sum(bool(text) and time is None for text, time in zip(texts, times, strict=True))
         return pa.array(times, pa.int64()).cast(kind)
-    kept = [text if text and text_source.is_number(text) else None for text in texts]
+    kept = [text if text and is_number(text) else None for text in texts]
     bad[CELLS] += sum(bool(text) and keep is None for text, keep in zip(texts, kept, strict=True))
     try:
         return pa.array(kept, pa.string()).cast(kind)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -11,8 +12,9 @@ import pyarrow as pa
 
 from imuwb.errors import UsageError
 from imuwb.log import SECOND
-from imuwb.readers import text_source
-from imuwb.readers.gps_time import leap_seconds, unix_of_gps
+from imuwb.readers.gps_time import ahead_of_utc, leap_seconds, unix_of_gps
+from imuwb.readers.text_columns import scale_of
+from imuwb.readers.text_trust import is_number
 from imuwb.units import unit
 
 if TYPE_CHECKING:
@@ -63,6 +65,8 @@ class Clock:
                 unix_of_gps(weeks[known].astype(np.int64), time[known] // 1_000_000, self.ahead)
                 + time[known] % 1_000_000
             )
+        elif self.ahead:
+            time = time - self.ahead * SECOND
         return time, there
 
     def _nanoseconds(self, cells: pa.Array[Any]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
@@ -91,18 +95,18 @@ def clock_of(path: Path, layout: Layout, used: tuple[Column, ...], options: Read
         if not options.rate:
             message = f"{path}: no time column (columns: {', '.join(c.name for c in used)}); say the rate: --rate HZ"
             raise UsageError(message)
-        return Clock(None, pa.null(), options.rate, "log")
+        return Clock(None, pa.null(), options.rate, cast("Epoch", options.epoch or "log"))
     remarks = ("--rate not used: the file has a time column",) if options.rate else ()
     first = layout.first[column.index].strip().strip('"')
     if _ISO.match(first):
         return Clock(column, pa.timestamp("ns", "UTC" if _ZONE.search(first) else None), 0.0, "unix", remarks)
-    if not text_source.is_number(first):
+    if not is_number(first):
         message = f"{path}: {first!r} in time column {column.name!r} is neither a number nor an ISO time"
         raise UsageError(message)
     value = float(first)
     week = next((one for one in used if one.quantity == "week"), None)
     weeks = layout.first[week.index].strip() if week is not None else ""
-    if week is not None and text_source.is_number(weeks) and 0 <= float(weeks) < LATEST_WEEK and value < LONGEST_WEEK:
+    if week is not None and is_number(weeks) and 0 <= float(weeks) < LATEST_WEEK and value < LONGEST_WEEK:
         if column.unit is None:
             column = replace(column, unit=unit("s" if value < 700_000 else "ms"))  # noqa: PLR2004 - a week has 604 800 s
         remarks = (*remarks, "GPS week and time of week made UTC by the leap seconds of the date")
@@ -118,11 +122,30 @@ def clock_of(path: Path, layout: Layout, used: tuple[Column, ...], options: Read
             f"time column {column.name!r} taken as {cast('Any', column.unit).name} since 1970, as its size tells",
         )
     named = cast("Any", column.unit)
-    epoch: Epoch = "unix" if 5e8 < value * named.factor < 3e9 else "log"  # noqa: PLR2004 - seconds: 1985 to 2065
+    epoch, ahead, said = _counted_from(column, value * named.factor, cast("Epoch | None", options.epoch))
+    remarks = (*remarks, *said)
     whole = named.name in DIGITS and "e" not in first.lower()
     behind = len(first.partition(".")[2])
     kind = pa.decimal128(28, DIGITS[named.name]) if whole and behind <= DIGITS[named.name] else pa.float64()
-    return Clock(column, kind, 0.0, epoch, remarks)
+    return Clock(column, kind, 0.0, epoch, remarks, ahead=ahead)
+
+
+def _counted_from(column: Column, seconds: float, said: Epoch | None) -> tuple[Epoch, int, tuple[str, ...]]:
+    """Return where a column's times count from, the leap seconds that they are ahead of UTC, and what is to be told of it."""
+    if said is not None:
+        return said, 0, ()
+    if not 5e8 < seconds < 3e9:  # noqa: PLR2004 - 1985 to 2065
+        return "log", 0, ()
+    scale = scale_of(column)
+    if scale == "GPS":
+        ahead = ahead_of_utc(datetime.fromtimestamp(seconds, UTC))
+        return (
+            "unix",
+            ahead,
+            (f"time column {column.name!r} is GPS time, as its name says: made UTC by {ahead} leap seconds",),
+        )
+    told = () if scale == "UTC" else (f"time column {column.name!r} taken as UTC: its name says no time scale",)
+    return "unix", 0, told
 
 
 def _unit_by_size(path: Path, column: Column, value: float, first: str) -> str:

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from imuwb.errors import ImuwbError, UsageError
 from imuwb.units import Unit, unit
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 _AXIS = r"[_ .\[]*([xyz])\]?"
 #: quantity -> what its columns are called, lower case, unit taken off
@@ -14,12 +18,12 @@ _NAMES: dict[str, str] = {
     "gyro": rf"(?:imu[_ .])?(?:gyro(?:scope)?s?|gyr|g|omega|w|ang(?:ular)?[_ .]?(?:vel(?:ocity)?|rate)){_AXIS}",
     "accel": rf"(?:imu[_ .])?(?:accel(?:erometer|eration)?s?|acc|a|f|sf|specific[_ .]?force"
     rf"|lin(?:ear)?[_ .]?acc(?:el(?:eration)?)?){_AXIS}",
-    "time": r"t|time|timestamp|time[_ .]?stamp|stamp|t[_ ].*|time[_ ].*|.*[_ ]time|seconds?|utc|unix.*|(?:gps[_ .]?)?(?:tow|sow)|gps[_ .]?(?:s|sec|seconds?)"
+    "time": r"t|gpst|time|timestamp|time[_ .]?stamp|stamp|t[_ ].*|time[_ ].*|.*[_ ]time|seconds?|utc|unix.*|(?:gps[_ .]?)?(?:tow|sow)|gps[_ .]?(?:s|sec|seconds?)"
     r"|(?:seconds?|time)[_ ]of[_ ](?:the[_ ])?week",
     "temperature": r"temp(?:erature)?|t[_ ]?imu|imu[_ .]temp(?:erature)?",
     "latitude": r"(?:gnss[_ .]|gps[_ .])?lat(?:itude)?",
     "longitude": r"(?:gnss[_ .]|gps[_ .])?(?:lon|lng|long|longitude)",
-    "height": r"(?:gnss[_ .]|gps[_ .])?(?:h|hgt|height|alt|altitude|ellipsoidal[_ ]height)",
+    "height": r"(?:gnss[_ .]|gps[_ .])?(?:h|hgt|height|alt|altitude|ellipsoidal[_ ]height)(?:[_ .]?a?msl)?|a?msl",
     "velocity_north": r"vn|v_?north|(?:gnss[_ .])?velocity[_ .]north",
     "velocity_east": r"ve|v_?east|(?:gnss[_ .])?velocity[_ .]east",
     "velocity_down": r"vd|v_?down|(?:gnss[_ .])?velocity[_ .]down",
@@ -34,6 +38,7 @@ _NAMES: dict[str, str] = {
     "roll": r"roll", "pitch": r"pitch", "heading": r"heading|yaw",
     "week": r"(?:gps[_ .]?)?week(?:[_ ]?(?:no|number))?",
 }  # fmt: skip
+_ABOVE_SEA = re.compile(r"(?:^|[^a-z])(?:height|alt)?a?msl(?:[^a-z]|$)")
 _OF_WEEK = re.compile(r"tow|sow|of[_ ](?:the[_ ])?week|gps")
 #: quantity -> the dimension its unit must have
 DIMENSIONS = {
@@ -63,6 +68,17 @@ class Column:
     quantity: str  #: a key of DIMENSIONS
     axis: int  #: 0, 1, 2 for x, y, z; 0 where there is no axis
     unit: Unit | None  #: None: nobody has said it
+
+
+def above_sea(column: Column) -> bool:
+    """Return whether a column is a height above mean sea level, as its name says."""
+    return column.quantity == "height" and _ABOVE_SEA.search(column.name.lower()) is not None
+
+
+def scale_of(column: Column) -> str | None:
+    """Return which time scale a column's name says that it counts on: ``"UTC"``, ``"GPS"``; None where it says none."""
+    words = set(re.split(r"[^a-z0-9]+", column.name.lower()))
+    return "UTC" if "utc" in words else "GPS" if words & {"gps", "gpst"} else None
 
 
 def columns(names: tuple[str, ...], said: dict[str, str]) -> tuple[Column, ...]:
@@ -120,6 +136,14 @@ def _parted(name: str) -> tuple[str, Unit | None]:
         if text.endswith(f"_{suffix}") and len(text) > len(suffix) + 1:
             return text[: -len(suffix) - 1], unit(_SUFFIXES[suffix])
     return text, None
+
+
+def check_units(texts: Mapping[str, str]) -> None:
+    """Raise UsageError unless each quantity is one that text may hold, and its unit measures it."""
+    for quantity, text in said_units(dict(texts)).items():
+        if unit(text).dimension != DIMENSIONS[quantity]:
+            message = f"{text!r} is no unit of {DIMENSIONS[quantity].replace('_', ' ')} ({quantity})"
+            raise UsageError(message)
 
 
 def said_units(texts: dict[str, str]) -> dict[str, str]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from imuwb.errors import UnreadableLogError
 from imuwb.readers import source
+from imuwb.readers.text_trust import DAMAGED, is_number, trusted
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -18,12 +19,6 @@ BLOCK = 1 << 20
 _ASCII = bytes(range(128)) + b"?" * 128
 ROWS_COMPARED = 100  #: that a last line without its end is measured by
 COMMENT = (b"#", b"%", b"//")
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(nan|inf)(inity)?", re.IGNORECASE)
-
-
-def is_number(text: str) -> bool:
-    """Return whether a cell reads as a number (nan and inf are)."""
-    return bool(_NUMBER.fullmatch(text.strip().strip('"')))
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +30,7 @@ class Layout:
     names: tuple[str, ...]  #: of the header; empty where there is none
     first: tuple[str, ...]  #: the cells of the first whole row of numbers
     cut_first: bool  #: the file began in the middle of a line, which is skipped
+    fault: str = ""  #: why what the packed file unpacks to may be wrong; empty where nothing says so
 
 
 def layout(path: Path) -> Layout:
@@ -64,7 +60,7 @@ def layout(path: Path) -> Layout:
     cut_first = not header and len(cells[numeric[0]]) < usual
     first = next((i for i in numeric if len(cells[i]) == usual), numeric[0])
     names = tuple(name.strip().strip('"') for name in cells[header[-1]]) if header else ()
-    return Layout(delimiter, first, names, tuple(cells[first]), cut_first)
+    return Layout(delimiter, first, names, tuple(cells[first]), cut_first, source.packed_fault(path))
 
 
 def _is_numeric(cells: list[str]) -> bool:
@@ -90,7 +86,8 @@ class Rows(io.RawIOBase):
     """The rows of numbers of a text file, as bytes that end with a whole line.
 
     Blank-separated files come out with commas, comment lines are dropped, and a last line that was
-    cut is left out; ``trouble`` says what was found.
+    cut is left out, as is everything from the first odd line on in a packed file whose checksum fails;
+    ``trouble`` says what was found.
     """
 
     def __init__(self, path: Path, layout: Layout) -> None:
@@ -103,7 +100,9 @@ class Rows(io.RawIOBase):
         self._tail = b""
         self._out = b""
         self._skip = layout.skip
-        self._pieces = source.pieces(self._file, self.trouble)
+        # Of a damaged file is told where that shows, not what the unpacking ended with.
+        self._pieces = source.pieces(self._file, [] if layout.fault else self.trouble)
+        self._good = 0  # rows so far, of a damaged file
         self._least: tuple[int, int] | None = None  # cells, and the shortest last one, of the last whole rows
 
     def readable(self) -> bool:
@@ -164,12 +163,27 @@ class Rows(io.RawIOBase):
             data = b"".join(x for x in data.splitlines(keepends=True) if not x.lstrip().startswith(COMMENT))
         if self._layout.delimiter == " ":
             data = re.sub(rb"[ \t]+", b",", re.sub(rb"(?m)^[ \t]+|[ \t]+(?=\r?$)", b"", data))
+        if self._layout.fault:
+            data = self._trusted(data)
         if data.rstrip():
             parts = data.rstrip().rsplit(b"\n", ROWS_COMPARED)  # the first is all that lies before, if there is more
             rows = [row.split(self._mark()) for row in parts[len(parts) > ROWS_COMPARED :]]
             if rows:
                 self._least = (min(map(len, rows)), min(len(row[-1].strip()) for row in rows))
         return data
+
+    def _trusted(self, data: bytes) -> bytes:
+        """Return the rows up to the first that shows the damage; behind it nothing is read."""
+        lines = data.splitlines(keepends=True)
+        good = trusted(lines, self._layout.first, self._mark())
+        self._good += good
+        if good < len(lines):
+            self.trouble.append(
+                f"{DAMAGED} ({self._layout.fault}): it shows behind row {self._good}, from where on all is "
+                "left out; rows before may hold wrong values as well"
+            )
+            self._pieces, self._tail = iter(()), b""
+        return b"".join(lines[:good])
 
     def _mark(self) -> bytes:
         return b"," if self._layout.delimiter == " " else self._layout.delimiter.encode()

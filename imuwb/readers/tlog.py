@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from imuwb.errors import UnreadableLogError
-from imuwb.log import Origin
+from imuwb.log import MEAN_SEA_LEVEL, Origin
 from imuwb.readers import source
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.boot_clock import BootClock, boot_clock
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     Key = tuple[int, int, int]
 
 format = "tlog"  # noqa: A001 - the contract's name
+uses = ("time_source",)
 MICRO, MILLI = 1000, 1_000_000  #: ns
 EARLIEST, LATEST = 946_684_800_000_000, 4_102_444_800_000_000  #: µs of the years 2000 and 2100: what a recorder may say
 SYSTEM_TIME, ATTITUDE, SOLUTION = 2, 30, 33
@@ -70,6 +71,12 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     if not log.frames:
         message = f"{path}: no MAVLink frame whose checksum holds; {log.skipped} bytes belong to none"
         raise UnreadableLogError(message)
+    if log.skipped and not log.rows:
+        message = (
+            f"{path}: {log.frames} MAVLink frames, none of an IMU, a receiver or a clock, and {log.skipped} bytes that belong "
+            "to none; it was cut"
+        )
+        raise UnreadableLogError(message)
     yield from (Remark(text) for text in trouble)
     yield from log.batches(options)
     yield from log.remarks()
@@ -96,6 +103,11 @@ class _Telemetry:
         self._rows: dict[Key, _Rows] = defaultdict(_Rows)
         self._clocks: dict[tuple[int, int], BootClock] = {}
         self._notes: list[Remark] = []
+
+    @property
+    def rows(self) -> int:
+        """Return how many messages of a kind that is used were found."""
+        return sum(len(kept.place) for kept in self._rows.values())
 
     def take(self, data: bytes, offset: int, bytes_read: int, *, last: bool) -> int:
         """Keep the rows of a block; return where the next begins."""
@@ -200,7 +212,7 @@ class _Telemetry:
             what = (
                 "fixes whose own time is frozen" if frozen else "fixes whose own time is 0 or far from that of arrival"
             )
-            self._notes.append(Remark(f"{what}: the recorder's time is used", name, int(bad.sum())))
+            self._notes.append(Remark(f"{what}: the recorder's time is used", name, int(bad.sum()), "time"))
         return np.where(bad, arrived, time)
 
     def _receiver(self, name: str, time: NDArray[np.int64], values: Values) -> Iterator[Batch]:
@@ -221,9 +233,9 @@ class _Telemetry:
         self._notes += left_out(name, there)
         if there.any():
             columns = {key: column[there] for key, column in gps_columns(rows).items()}
-            yield Batch(
-                name, "gnss", time[there], columns, Origin("1e-7 deg, mm, cm/s", "NED", "unix"), self.bytes_read
-            )
+            above = "" if ellipsoid else f" ({MEAN_SEA_LEVEL})"
+            origin = Origin(f"1e-7 deg, mm{above}, cm/s", "NED", "unix")
+            yield Batch(name, "gnss", time[there], columns, origin, self.bytes_read)
 
     def _solution(
         self,
@@ -252,7 +264,7 @@ class _Telemetry:
         if there.any():
             self._notes.append(Remark(f"{name}: heights are above mean sea level"))
         if there.any():
-            origin = Origin("1e-7 deg, mm, cm/s", "NED", "unix")
+            origin = Origin(f"1e-7 deg, mm ({MEAN_SEA_LEVEL}), cm/s", "NED", "unix")
             kept = {key: column[there] for key, column in columns.items()}
             yield Batch(name, "reference", time[there], kept, origin, self.bytes_read)
 

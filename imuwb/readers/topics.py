@@ -8,24 +8,28 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from imuwb.errors import UnreadableLogError
-from imuwb.log import Origin
+from imuwb.log import MEAN_SEA_LEVEL, Origin
 from imuwb.readers import shapes
 from imuwb.readers.batch import Batch, ReadOptions, Remark
 from imuwb.readers.decoders import CannotDecodeError, Decoder, decoder_of
 from imuwb.readers.gather import alike
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
 
+    from imuwb.log import Effect
     from imuwb.readers.decoders import Piece
     from imuwb.readers.messages import Channel, Messages, Schema
     from imuwb.readers.shapes import Recipe
 
 PATIENCE = 100  #: messages after which a channel that shows no field of ours is not looked at again
 UNIX = 10**17  #: ns; a stamp behind March 1973 counts from the Unix epoch
+NO_HEIGHT = "fixes without a height: 0 is used"
+NO_STAMP = "messages without a stamp of their own: the recorder's time is used"
+_EFFECTS: dict[str, Effect] = {NO_HEIGHT: "value", NO_STAMP: "time"}  #: of a repair that leaves no message out
 
 
 class Container(Protocol):
@@ -34,6 +38,7 @@ class Container(Protocol):
     channels: dict[int, Channel]
     schemas: dict[int, Schema]
     remarks: list[Remark]  #: what was wrong with it, as far as it is read
+    above_sea: set[str]  #: topics of which it says that heights are above mean sea level
 
     def messages(self) -> Iterator[Messages]:
         """Yield the messages, buffer by buffer."""
@@ -46,7 +51,7 @@ def streamed(path: Path, container: Container, options: ReadOptions) -> Iterator
     Raises:
         UnreadableLogError: it holds not one message.
     """
-    topics = Topics(container.channels, container.schemas, options)
+    topics = Topics(container.channels, container.schemas, options, container.above_sea)
     for messages in container.messages():
         yield from topics.batches(messages)
     if not topics.count:
@@ -60,8 +65,15 @@ def streamed(path: Path, container: Container, options: ReadOptions) -> Iterator
 class Topics:
     """All channels of a container on their way through it; channels and schemas fill up meanwhile."""
 
-    def __init__(self, channels: Mapping[int, Channel], schemas: Mapping[int, Schema], options: ReadOptions) -> None:
-        """Remember where channels and schemas will be."""
+    def __init__(
+        self,
+        channels: Mapping[int, Channel],
+        schemas: Mapping[int, Schema],
+        options: ReadOptions,
+        above_sea: Collection[str] = (),
+    ) -> None:
+        """Remember where channels and schemas will be, and the topics with heights above mean sea level."""
+        self._above_sea = above_sea
         self.count = 0  #: messages so far
         self._channels, self._schemas, self._options = channels, schemas, options
         self._topics: dict[tuple[str, ...], _Topic] = {}
@@ -81,7 +93,7 @@ class Topics:
             key = channel.topic, channel.message_encoding, schema.name if schema else ""
             found[key].append(rows)
             if key not in self._topics:
-                self._topics[key] = _Topic(channel, schema, self._options)
+                self._topics[key] = _Topic(channel, schema, self._options, above_sea=channel.topic in self._above_sea)
         for key, parts in found.items():
             yield from self._topics[key].batches(
                 messages, parts[0] if len(parts) == 1 else np.sort(np.concatenate(parts))
@@ -98,7 +110,10 @@ class Topics:
 class _Topic:
     """One channel on its way through the file: how to decode it, and what was odd about it."""
 
-    def __init__(self, channel: Channel, schema: Schema | None, options: ReadOptions) -> None:
+    def __init__(
+        self, channel: Channel, schema: Schema | None, options: ReadOptions, *, above_sea: bool = False
+    ) -> None:
+        self.above_sea = above_sea
         self.name = channel.topic
         self.schema = schema.name if schema else ""
         self.options = options
@@ -134,7 +149,7 @@ class _Topic:
         elif not self.recipes:
             yield Remark(f"{self.name}: {self.messages} messages of {self.schema or 'no schema'}, not used")
         for text, count in self.odd.items():
-            yield Remark(text, self.name, count)
+            yield Remark(text, self.name, count, _EFFECTS.get(text, "lost"))
 
     def _batch(
         self, recipe: Recipe, values: Mapping[str, NDArray[Any]], messages: Messages, rows: NDArray[np.int64]
@@ -143,7 +158,7 @@ class _Topic:
         frame = self.options.frame or "FLU"
         columns = recipe.columns(numbers, recipe.prefix, frame)
         if recipe.kind == "gnss" and f"{recipe.prefix}altitude" not in values:
-            self.odd["fixes without a height: 0 is used"] += rows.size
+            self.odd[NO_HEIGHT] += rows.size
         units, stored = {
             "imu": ("rad/s, m/s²", f"{frame} ({'as said' if self.options.frame else 'REP 145'})"),
             "gnss": ("deg, m", "ENU"),
@@ -151,6 +166,7 @@ class _Topic:
             "speed": ("m/s", "forward"),
             "reference": ("rad, m, m/s", "NED"),
         }.get(recipe.kind, ("°C", ""))
+        units += f" ({MEAN_SEA_LEVEL})" if self.above_sea and recipe.kind in ("gnss", "reference") else ""
         time = self._time(recipe, values, messages, rows)
         alone = sum(other.kind == recipe.kind for other in self.recipes) == 1
         name = self.name if alone else f"{self.name}.{recipe.prefix.rstrip('.')}"
@@ -170,7 +186,7 @@ class _Topic:
         if stamps is not None and stamps.max() < UNIX:
             unset[:] = not stamps.any()  # a simulation's clock may well begin at 0
         if unset.any():
-            self.odd["messages without a stamp of their own: the recorder's time is used"] += int(unset.sum())
+            self.odd[NO_STAMP] += int(unset.sum())
         return recorded if stamps is None else np.where(unset, recorded, stamps)
 
 

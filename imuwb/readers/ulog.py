@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from imuwb.errors import UnreadableLogError
-from imuwb.log import Origin
+from imuwb.log import MEAN_SEA_LEVEL, Origin
 from imuwb.navigation import displaced
 from imuwb.readers import source
 from imuwb.readers.batch import Batch, Remark
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     Columns = Mapping[str, NDArray[Any]]
 
 format = "ulog"  # noqa: A001 - the contract's name
+uses: tuple[str, ...] = ()
 COMBINED, INCREMENTS = "sensor_combined", "vehicle_imu"
 RECEIVERS = ("sensor_gps", "vehicle_gps_position")
 GLOBAL, LOCAL, ATTITUDE = "vehicle_global_position", "vehicle_local_position", "vehicle_attitude"
@@ -47,6 +48,7 @@ _SHAPES = {"q": (4,), **dict.fromkeys(("gyro_rad", "accelerometer_m_s2", "delta_
 LONGEST_STEP = 1e6  #: µs between samples of a sensor's own buffer
 INVALID = 2**31 - 1  #: of a relative stamp
 MICRO = 1000  #: ns
+ABOVE_SEA = f" ({MEAN_SEA_LEVEL})"  #: PX4's own solution, and its oldest receivers
 
 
 def probe(head: bytes) -> bool:
@@ -65,8 +67,8 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     buffer = _bytes(path, trouble)
     log = ULogFile()
     log.take(buffer, WANTED)
-    if not log.messages:
-        message = f"{path}: a PX4 log without a whole message"
+    if not log.data:
+        message = f"{path}: a PX4 log without a whole message of data"
         raise UnreadableLogError(message)
     yield from (Remark(text) for text in trouble)
     yield from _Streams(log, path.stat().st_size).all()
@@ -209,28 +211,29 @@ class _Streams:
     def _receivers(self) -> Iterator[Batch | Remark]:
         for topic in RECEIVERS:
             for name, columns in self._topics(topic):
-                position = _position(columns)
-                if position is None:
+                found = _position(columns)
+                if found is None:
                     continue
+                position, above = found
                 there = usable_position(position)
                 yield from left_out(name, there)
                 if not there.any():
                     continue
-                found = {"position": position}
+                known = {"position": position}
                 if {"vel_n_m_s", "vel_e_m_s", "vel_d_m_s"} <= columns.keys():
                     velocity = np.stack([columns[f"vel_{axis}_m_s"].astype(float) for axis in "ned"], axis=1)
                     valid = columns.get("vel_ned_valid", np.ones(len(velocity)))
-                    found["velocity"] = np.where(valid[:, None] > 0, velocity, np.nan)
+                    known["velocity"] = np.where(valid[:, None] > 0, velocity, np.nan)
                 if {"eph", "epv"} <= columns.keys():
-                    found["position_sigma"] = np.stack(
+                    known["position_sigma"] = np.stack(
                         [_positive(columns[key]) for key in ("eph", "eph", "epv")], axis=1
                     )
                 if "s_variance_m_s" in columns:
-                    found["velocity_sigma"] = np.stack([_positive(columns["s_variance_m_s"])] * 3, axis=1)
+                    known["velocity_sigma"] = np.stack([_positive(columns["s_variance_m_s"])] * 3, axis=1)
                 if "fix_type" in columns:
-                    found["fix_type"] = columns["fix_type"].astype(float)
-                kept = {key: column[there] for key, column in found.items()}
-                yield self._batch(name, "gnss", self._boot(columns)[there], kept, "deg, m, m/s")
+                    known["fix_type"] = columns["fix_type"].astype(float)
+                kept = {key: column[there] for key, column in known.items()}
+                yield self._batch(name, "gnss", self._boot(columns)[there], kept, f"deg, m{above}, m/s")
 
     def _solution(self) -> Iterator[Batch]:
         """Yield what the flight controller made of it all, with velocity and attitude beside it."""
@@ -262,7 +265,8 @@ class _Streams:
                 angles = _euler(attitude["q"][known].astype(float))
                 columns["attitude"] = attitude_at(boot, self._boot(attitude)[known], angles)
         if there.any():
-            yield self._batch(name, "reference", boot[there], {k: v[there] for k, v in columns.items()}, "deg, m, m/s")
+            kept = {key: column[there] for key, column in columns.items()}
+            yield self._batch(name, "reference", boot[there], kept, f"deg, m{ABOVE_SEA}, m/s")
 
 
 def _wide(values: NDArray[Any]) -> NDArray[Any]:
@@ -288,8 +292,9 @@ def _unrolled(boot: NDArray[np.int64], columns: Columns) -> tuple[NDArray[np.int
     return time[there], (values * columns["scale"].astype(float)[:, None, None])[there]
 
 
-def _position(columns: Columns) -> NDArray[np.float64] | None:
-    """Return latitude, longitude and height; above the ellipsoid where that is told."""
+def _position(columns: Columns) -> tuple[NDArray[np.float64], str] | None:
+    """Return latitude, longitude and height; above the ellipsoid where that is told, else with a word on it."""
+    above_sea = "" if {"altitude_ellipsoid_m", "alt_ellipsoid"} & columns.keys() else ABOVE_SEA
     if {"latitude_deg", "longitude_deg"} <= columns.keys():
         height = columns.get("altitude_ellipsoid_m", columns.get("altitude_msl_m"))
         scale, above = 1.0, 1.0
@@ -302,7 +307,8 @@ def _position(columns: Columns) -> NDArray[np.float64] | None:
         return None
     if height is None:
         return None
-    return np.stack([np.radians(latitude * scale), np.radians(longitude * scale), height * above], axis=1).astype(float)
+    position = np.stack([np.radians(latitude * scale), np.radians(longitude * scale), height * above], axis=1)
+    return position.astype(float), above_sea
 
 
 def _positive(values: NDArray[Any]) -> NDArray[np.float64]:

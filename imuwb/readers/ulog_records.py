@@ -55,6 +55,7 @@ class ULogFile:
     formats: dict[str, str] = field(default_factory=dict[str, str])
     dropouts: list[int] = field(default_factory=list[int])  #: ms each
     messages: int = 0
+    data: int = 0  #: messages with a topic's data, also of those that are not wanted
     skipped: int = 0  #: bytes that are no message
     misfits: int = 0  #: messages shorter than their topic's definition
     _topics: dict[int, tuple[str, int]] = field(default_factory=dict[int, tuple[str, int]])
@@ -71,6 +72,7 @@ class ULogFile:
             for i in np.flatnonzero((kind == ord("F")) | (kind == ord("A")) | (kind == ord("O"))):
                 self._declare(int(kind[i]), bytes(raw[at[i] : at[i] + size[i]]))
             data = np.flatnonzero((kind == ord("D")) & (size >= 2))  # noqa: PLR2004 - the topic's number
+            self.data += data.size
             for number, rows in alike(gather(buffer, at[data], "<u2"), data):
                 topic = self._topics.get(number)
                 if topic is not None and topic[0] in wanted:

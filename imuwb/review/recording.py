@@ -54,7 +54,7 @@ class _Tab:
         rows.extend(self.series)
         shares.extend([1.6] * len(self.series))
         rows.extend(self.wide)
-        shares.extend([1.5] * len(self.wide))
+        shares.extend([1.9] * len(self.wide))
         for at in range(0, len(self.texts), 2):  # two beside each other, the first table the widest
             pair = self.texts[at : at + 2]
             rows.append(rrb.Horizontal(*pair, column_shares=[1.7, 1.0]) if len(pair) > 1 else pair[0])

@@ -21,12 +21,12 @@ SUFFIXES = (".mcap", ".csv")
 
 
 def places(log: Log, path: Path) -> tuple[Path, ...]:
-    """Return the files that ``write`` would make: CSV has a table for each kind of stream."""
+    """Return the files that ``write`` would make: CSV has a table for each kind of stream, and a sidecar beside it."""
     if path.suffix != ".csv":
         return (path,)
     from imuwb.writers import csv_text  # noqa: PLC0415 - only what is asked for
 
-    return tuple(csv_text.places(log, path).values())
+    return csv_text.places(log, path)
 
 
 def write(log: Log, path: Path, progress: Progress | None = None) -> None:

@@ -1,4 +1,7 @@
-"""CSV with unit-bearing names; numbers in full, so that reading gives back every bit."""
+"""CSV with unit-bearing names; numbers in full, so that reading gives back every bit.
+
+A sidecar beside each table, as the reader takes it, keeps what numbers do not say: the body frame, and where times count from.
+"""
 
 from __future__ import annotations
 
@@ -9,27 +12,37 @@ import pyarrow as pa
 from pyarrow import csv
 
 from imuwb.errors import MissingDataError
-from imuwb.writers.beside import beside
+from imuwb.log import Scalars
+from imuwb.writers.beside import beside, write_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from imuwb.log import Floats, GnssStream, ImuStream, Log, Reference, Scalars
+    from imuwb.log import GnssStream, ImuStream, Log, Reference
 
 ROWS = 1 << 16
 _WAYS = ("north", "east", "down")
 
 
-def places(log: Log, path: Path) -> dict[str, Path]:
-    """Return the files that a log becomes: the IMU's is ``path``, the others' have the kind in their name."""
+def places(log: Log, path: Path) -> tuple[Path, ...]:
+    """Return the files that a log becomes: tables, and beside each what its numbers do not say."""
+    return tuple(file for table in _tables(log, path).values() for file in (table, _sidecar(table)))
+
+
+def _sidecar(table: Path) -> Path:
+    return table.with_name(f"{table.name}.toml")
+
+
+def _tables(log: Log, path: Path) -> dict[str, Path]:
+    """Return the tables by kind: the IMU's is ``path``, the others' have the kind in their name."""
     kinds = {"imu": log.imus, "gnss": log.gnss, "speed": log.speeds, "reference": log.references}
     there = [kind for kind, streams in kinds.items() if streams]
     return {kind: path if kind == there[0] else path.with_name(f"{path.stem}.{kind}.csv") for kind in there}
 
 
 def write_csv(log: Log, path: Path, progress: Callable[[int, int], None] | None = None) -> None:
-    """Write the log's IMU, receiver, speed and reference, each to a table of its own.
+    """Write the log's IMU, receiver, speed and reference, each to a table of its own with a sidecar beside it.
 
     Raises:
         MissingDataError: more than one stream of a kind, or triads on two clocks; one table has room for one clock.
@@ -45,7 +58,8 @@ def write_csv(log: Log, path: Path, progress: Callable[[int, int], None] | None 
     ]  # fmt: skip
     rows = sum(table.num_rows for table in made)
     done = 0
-    for place, table in zip(places(log, path).values(), made, strict=True):
+    epochs = [stream.origin.epoch for stream in (*log.imus, *log.gnss, *log.references)]
+    for (kind, place), table in zip(_tables(log, path).items(), made, strict=True):
         with beside(place) as temporary, temporary.open("wb") as file:
             file.write((",".join(table.column_names) + "\n").encode())
             options = csv.WriteOptions(include_header=False, quoting_style="none")
@@ -54,10 +68,17 @@ def write_csv(log: Log, path: Path, progress: Callable[[int, int], None] | None 
                 if progress is not None:
                     progress(done + min(start + ROWS, table.num_rows), rows)
         done += table.num_rows
+        # A speed has no origin of its own: it runs on the clock of the others.
+        origins = [stream.origin.epoch for stream in kinds[kind] if not isinstance(stream, Scalars)]
+        epoch = (*origins, *epochs, "log")[0]
+        frame = 'frame = "FRD"\n' if kind == "imu" else ""
+        write_text(
+            _sidecar(place), f'# What the numbers of {place.name} do not say themselves.\n{frame}epoch = "{epoch}"\n'
+        )
 
 
 def _gnss_table(gnss: GnssStream) -> pa.Table:
-    columns: dict[str, Any] = {"time_ns": gnss.time, **_position(gnss.position)}
+    columns: dict[str, Any] = {"time_ns": gnss.time, **_position(gnss)}
     for values, name in (
         (gnss.velocity, "velocity_{}_m_s"), (gnss.position_sigma, "sigma_{}_m"), (gnss.velocity_sigma, "sigma_velocity_{}_m_s"),
     ):  # fmt: skip
@@ -73,7 +94,7 @@ def _speed_table(speed: Scalars) -> pa.Table:
 
 
 def _reference_table(reference: Reference) -> pa.Table:
-    columns: dict[str, Any] = {"time_ns": reference.time, **_position(reference.position)}
+    columns: dict[str, Any] = {"time_ns": reference.time, **_position(reference)}
     if reference.velocity is not None:
         columns |= {f"velocity_{way}_m_s": reference.velocity[:, i] for i, way in enumerate(_WAYS)}
     unknown = np.full((reference.time.size, 3), np.nan)
@@ -85,9 +106,10 @@ def _reference_table(reference: Reference) -> pa.Table:
     return pa.table(columns)
 
 
-def _position(position: Floats) -> dict[str, Any]:
-    latitude, longitude, height = position.T
-    return {"latitude_rad": latitude, "longitude_rad": longitude, "height_m": np.ascontiguousarray(height)}
+def _position(stream: GnssStream | Reference) -> dict[str, Any]:
+    latitude, longitude, height = stream.position.T
+    name = "height_msl_m" if stream.origin.above_sea else "height_m"
+    return {"latitude_rad": latitude, "longitude_rad": longitude, name: np.ascontiguousarray(height)}
 
 
 def _table(imu: ImuStream) -> pa.Table:

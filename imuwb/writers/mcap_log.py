@@ -16,6 +16,7 @@ import numpy as np
 import zstandard
 
 from imuwb.errors import MissingDataError
+from imuwb.log import MEAN_SEA_LEVEL
 from imuwb.writers.beside import beside
 from imuwb.writers.ros_messages import definition, stamped, topics
 
@@ -30,9 +31,10 @@ if TYPE_CHECKING:
     Progress = Callable[[int, int], None]
 
 MAGIC = b"\x89MCAP0\r\n"
-HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX, STATISTICS, DATA_END = (
-    0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x07, 0x08, 0x0B, 0x0F,
+HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX, STATISTICS, METADATA, METADATA_INDEX, DATA_END = (
+    0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x07, 0x08, 0x0B, 0x0C, 0x0D, 0x0F,
 )  # fmt: skip
+OURS = "imuwb"  #: name of our metadata
 ROWS = 12_000  #: of the fastest stream in a chunk, about 4 MB
 LAST = 2**63 - 1  #: ns
 STAMPS_END = 2**31 * 10**9  #: ns; seconds of a stamp are an int32
@@ -43,6 +45,7 @@ class _Index:
     """What the summary at the end of the file says."""
 
     chunks: list[bytes] = field(default_factory=list[bytes])
+    metadata: list[bytes] = field(default_factory=list[bytes])
     counts: dict[int, int] = field(default_factory=dict[int, int])
     first: int = 2**63 - 1
     last: int = 0
@@ -60,6 +63,7 @@ def write_mcap(log: Log, path: Path, progress: Progress | None = None) -> None:
         declared = _declarations([(topic.name, topic.schema) for topic in found])
         file.write(declared)
         index = _Index()
+        _write_heights(file, log, index)
         fastest = max(found, key=lambda topic: topic.time.size).time if found else np.empty(0, np.int64)
         begins = [0] * len(found)
         for start in range(0, fastest.size, ROWS):
@@ -77,6 +81,21 @@ def write_mcap(log: Log, path: Path, progress: Progress | None = None) -> None:
                 progress(min(start + ROWS, fastest.size), fastest.size)
         file.write(_record(DATA_END, struct.pack("<I", 0)))
         _write_summary(file, declared, index, len(found))
+
+
+def _write_heights(file: BinaryIO, log: Log, index: _Index) -> None:
+    """Say which streams' heights are above mean sea level, which no message has room for."""
+    said = {
+        stream.name: f"heights are {MEAN_SEA_LEVEL}"
+        for stream in (*log.gnss, *log.references)
+        if stream.origin.above_sea
+    }
+    if not said:
+        return
+    pairs = b"".join(_text(name) + _text(what) for name, what in said.items())
+    record = _record(METADATA, _text(OURS) + struct.pack("<I", len(pairs)) + pairs)
+    index.metadata.append(_record(METADATA_INDEX, struct.pack("<QQ", file.tell(), len(record)) + _text(OURS)))
+    file.write(record)
 
 
 def _write_chunk(file: BinaryIO, parts: list[NDArray[np.void]], index: _Index) -> None:
@@ -117,14 +136,14 @@ def _write_summary(file: BinaryIO, declared: bytes, index: _Index, channels: int
         channels,
         channels,
         0,
-        0,
+        len(index.metadata),
         len(index.chunks),
         first,
         index.last,
         len(counts),
     )
     file.write(_record(STATISTICS, totals + counts))
-    file.write(b"".join(index.chunks))
+    file.write(b"".join([*index.chunks, *index.metadata]))
     file.write(_record(FOOTER, struct.pack("<QQI", start, 0, 0)) + MAGIC)
 
 

@@ -61,7 +61,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     seconds = {sensor: log.seconds(axes[f"{sensor}_x"][0]) for sensor in clocks}
     still = stillness({a: (seconds[a.partition("_")[0]], v) for a, (_, v) in axes.items() if a not in constant})
     # The harmonics of a motion are no lines of the sensor.
-    wanted = replace(parameters, lines=parameters.lines and not still.moving)
+    wanted = replace(parameters, lines=parameters.lines and not (still is not None and still.moving))
 
     def analyse(axis: str) -> AxisResult:
         return _axis(axis, *axes[axis], clocks[axis.partition("_")[0]], wanted, log.band)
@@ -76,9 +76,9 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
         {sensor: 1 / clock.interval for sensor, clock in clocks.items()},
         float(max(end for _, end in spans) - min(start for start, _ in spans)),
         results,
-        still.moving,
-        still.disturbances,
-        (still.quiet_start, still.quiet_end),
+        None if still is None else still.moving,
+        () if still is None else still.disturbances,
+        None if still is None else (still.quiet_start, still.quiet_end),
         (
             *_stillness_notes(still),
             *([FAST] if parameters.fast else []),
@@ -241,7 +241,11 @@ def _nothing(axis: str, why: str) -> AxisResult:
     return AxisResult(none, none, none, none, none, np.empty(0, np.int64), None, unknown, (), None, (), None, None, why)
 
 
-def _stillness_notes(still: Stillness) -> list[str]:
+def _stillness_notes(still: Stillness | None) -> list[str]:
+    if still is None:
+        return [
+            "too short, or too slow, to tell whether the IMU is still: if it moves, what follows is no noise of the sensor"
+        ]
     # Seconds from the log's start, inwards to whole ones: what --start and --end take.
     quiet = f"--start {math.ceil(still.quiet_start)} --end {math.floor(still.quiet_end)}"
     if still.moving:

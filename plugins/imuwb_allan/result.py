@@ -82,8 +82,8 @@ class Result:
     rate_hz: dict[str, float]
     duration: float  #: s
     axes: dict[str, AxisResult]
-    moving: bool  #: most of the record is not still
+    moving: bool | None  #: most of the record is not still; None: too short or too slow to tell
     disturbances: tuple[Disturbance, ...]
-    quiet: tuple[float, float]  #: s from the log's start
+    quiet: tuple[float, float] | None  #: s from the log's start; None likewise
     notes: tuple[str, ...]
     model: str  #: whose figures go into the error model: "allan" or "headline"

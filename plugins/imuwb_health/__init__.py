@@ -26,9 +26,14 @@ class Parameters:
 
 
 def run(logs: Sequence[Log], parameters: Parameters) -> Health:
-    """Return what is wrong with the log."""
+    """Return what is wrong with the log.
+
+    Raises:
+        MissingDataError: it has no stream that can be used.
+    """
     from imuwb.health import check  # noqa: PLC0415 - help must not wait for numpy
 
+    logs[0].streams()
     return check(logs[0], lines=parameters.lines)
 
 

@@ -42,7 +42,11 @@ def draw(result: Health, review: Review) -> None:
         review.figure(_motion(result))
         total = sum(s.end - s.start for s in result.segments)
         moving = sum(s.end - s.start for s in result.segments if s.moving)
-        review.note(f"the IMU is still for {seconds_text(total - moving)} and moves for {seconds_text(moving)}")
+        review.note(
+            f"{result.segments_of} is still for {seconds_text(total - moving)} and moves for {seconds_text(moving)}"
+        )
+    elif result.segments_of is not None:
+        review.note(f"{result.segments_of}: too short, or too slow, to tell whether it is still or moves")
 
 
 def _row(fault: Fault) -> tuple[str, ...]:
@@ -84,6 +88,6 @@ def _motion(result: Health) -> Figure:
     x = np.array([edge for s in result.segments for edge in (s.start, s.end)])
     y = np.array([1.0 if s.moving else 0.0 for s in result.segments for _ in range(2)])
     return Figure(
-        "Still (0) and moving (1)", "time from the log's start [s]", "moving [1]", (Curve("IMU", x, y, (76, 120, 168), style="curve"),),
+        "Still (0) and moving (1)", "time from the log's start [s]", "moving [1]", (Curve(result.segments_of or "IMU", x, y, (76, 120, 168), style="curve"),),
         x_scale="linear", y_scale="linear", y_limits=(-0.2, 1.2),
     )  # fmt: skip

@@ -255,3 +255,64 @@ def test_an_ar_model_of_another_rate_is_wrong_usage(imuwb, tmp_path):
     )
     done = imuwb("simulate", "static", "--error-model", "m.toml", "--hours", "0.01", "-o", "x.csv")
     assert (done.code, "resample" in done.err) == (2, True)
+
+
+def test_a_unit_that_is_none_is_wrong_usage_of_every_format(imuwb, static_mcap, csv_log, rows):
+    for path in (static_mcap, csv_log(rows())):
+        for units in ("gyro=furlong", "gyro=m", "colour=deg"):
+            assert imuwb("info", path, "--units", units).code == 2
+
+
+def test_options_that_a_format_has_no_use_for_are_told(imuwb, static_mcap, csv_log, rows):
+    done = imuwb("info", static_mcap, "--units", "gyro=deg/s", "--rate", "5", "--columns", "a,b")
+    assert done.code == 0
+    assert "not used: --rate, --columns, --units: a mcap log states its own" in done.err
+    assert "not used" not in imuwb("info", static_mcap, "--frame", "FLU").err
+    assert "not used: --time-source" in imuwb("info", csv_log(rows()), "--time-source", "log").err
+
+
+def test_a_clock_that_jumps_by_decades_is_named(imuwb, csv_log, rows):
+    lines = rows(2000)
+    jumped = [f"{float(line.split(',')[0]) + 1.7e9:.2f},{line.partition(',')[2]}" for line in lines[50:]]
+    path = csv_log([*lines[:50], *jumped])
+    done = imuwb("health", path, "-o", "health.rrd", "--json", "-")
+    assert done.code == 0, done.err
+    worst = json.loads(done.out)["result"]["faults"][0]
+    assert worst["what"] == "clock jumps by 53.9 years: 50 rows lie before, 1950 behind"
+    assert "clock jumps" in imuwb("info", path).err
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (None, "a directory"),
+        (b"", "the file is empty"),
+        (b"hello", "no Rerun recording"),
+        (b"RRF2" + bytes(50), "cut or damaged"),
+    ],
+)
+def test_view_says_what_is_wrong_with_a_recording(imuwb, tmp_path, content, says):
+    path = tmp_path / "some.rrd"
+    path.mkdir() if content is None else path.write_bytes(content)
+    done = imuwb("view", path)
+    assert done.code == 4
+    assert says in done.err
+
+
+def test_help_of_an_analysis_names_all_formats(imuwb):
+    told = imuwb("health", "--help").out
+    assert all(name in told for name in ("MCAP", "bag", "db3", "tlog", "bin", "ulg", "CSV", "RTKLIB .pos"))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no limit on the size of files there")
+def test_a_recording_that_does_not_fit_leaves_nothing(static_mcap, tmp_path):
+    import resource
+    import subprocess
+
+    done = subprocess.run(
+        [sys.executable, "-m", "imuwb", "health", static_mcap, "-o", "out.rrd"], capture_output=True, text=True, encoding="utf-8",
+        cwd=tmp_path, check=False, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000)),
+    )  # fmt: skip
+    assert done.returncode == 1
+    assert done.stderr.strip().endswith("out.rrd: cannot be written: File too large")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["static.mcap"]

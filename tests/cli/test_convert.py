@@ -45,7 +45,8 @@ def names(folder):
 def test_mcap_becomes_csv_and_each_file_is_told(imuwb, one, tmp_path):
     done = imuwb("convert", one, "-o", "out.csv")
     assert done.code == 0, done.err
-    files = ["out.csv", "out.gnss.csv", "out.reference.csv", "out.speed.csv"]
+    tables = ["out.csv", "out.gnss.csv", "out.reference.csv", "out.speed.csv"]
+    files = sorted([*tables, *(f"{name}.toml" for name in tables)])
     assert names(tmp_path) == [*files, "run.mcap"]
     assert [name for name in files if f"wrote {name}\n" in done.err] == files
     assert done.out == ""
@@ -119,7 +120,7 @@ def test_another_suffix_is_refused(imuwb, one, tmp_path, name):
     assert names(tmp_path) == ["run.mcap"]
 
 
-@pytest.mark.parametrize("there", ["out.csv", "out.gnss.csv", "out.speed.csv", "out.reference.csv"])
+@pytest.mark.parametrize("there", ["out.csv", "out.csv.toml", "out.gnss.csv", "out.speed.csv", "out.reference.csv"])
 def test_files_that_exist_are_kept_without_force(imuwb, one, tmp_path, there):
     (tmp_path / there).write_bytes(b"mine")
     done = imuwb("convert", one, "-o", "out.csv")
@@ -128,7 +129,7 @@ def test_files_that_exist_are_kept_without_force(imuwb, one, tmp_path, there):
     assert names(tmp_path) == [there, "run.mcap"]
     assert (tmp_path / there).read_bytes() == b"mine"
     assert imuwb("convert", one, "-o", "out.csv", "--force").code == 0
-    assert (tmp_path / there).stat().st_size > 100
+    assert (tmp_path / there).read_bytes() != b"mine"
 
 
 @pytest.mark.parametrize("force", [[], ["--force"]])
@@ -162,3 +163,51 @@ def test_the_receiver_s_file_is_never_an_output(imuwb, one, tmp_path, output):
 def test_a_log_that_is_not_there_leaves_nothing(imuwb, tmp_path):
     assert imuwb("convert", "gone.mcap", "-o", "out.csv").code == 4
     assert names(tmp_path) == []
+
+
+def test_what_was_mended_is_told_as_it_is_written_for_good(imuwb, csv_log, rows):
+    lines = rows()
+    lines[100], lines[101] = lines[101], lines[100]
+    lines[200] = lines[200].replace(lines[200].split(",")[2], "oops")
+    done = imuwb("convert", csv_log(lines), "-o", "out.mcap")
+    assert done.code == 0, done.err
+    assert "imu: rows out of order sorted by time (1)" in done.err
+    assert "imu: cells that are no number, taken as missing (1)" in done.err
+
+
+def test_heights_above_mean_sea_level_are_told_and_kept(imuwb, tmp_path):
+    rows = "".join(f"{i},47,8,{400 + i}\n" for i in range(20))
+    (tmp_path / "fixes.csv").write_text(f"time_s,latitude_deg,longitude_deg,height_msl_m\n{rows}", "utf-8")
+    for source, output in (("fixes.csv", "a.mcap"), ("a.mcap", "b.csv"), ("b.csv", "c.mcap")):
+        done = imuwb("convert", source, "-o", output)
+        assert "heights are written as they are, above mean sea level" in done.err
+    assert "height_msl_m" in (tmp_path / "b.csv").read_text("utf-8")
+    assert read(tmp_path / "c.mcap").gnss[0].origin.above_sea
+    assert "above mean sea level" in imuwb("info", "c.mcap", "--json").out
+
+
+def test_a_log_without_a_stream_is_refused_with_the_reason(imuwb, tmp_path):
+    (tmp_path / "log.csv").write_text("time_s,gyro_x_deg_s,gyro_y_deg_s\n" + "0.1,1,2\n0.2,1,3\n", "utf-8")
+    for command in (("convert", "log.csv", "-o", "out.mcap"), ("health", "log.csv", "-o", "out.rrd")):
+        done = imuwb(*command)
+        assert done.code == 3
+        assert "no stream that can be used" in done.err
+        assert "a triad needs its x, y and z" in done.err
+    assert names(tmp_path) == ["log.csv"]
+
+
+def test_the_same_imu_twice_is_wrong_usage(imuwb, two):
+    assert imuwb("convert", two, "-o", "c.csv", "--imu", "/a+/a").code == 2
+
+
+def test_a_start_before_the_log_is_wrong_usage(imuwb, one):
+    assert imuwb("convert", one, "-o", "c.csv", "--start", "-1").code == 2
+
+
+def test_frame_and_epoch_survive_csv(imuwb, csv_log, rows, tmp_path):
+    path = csv_log(rows())
+    path.with_name("log.csv.toml").write_text('frame = "FLU"\nepoch = "boot"\n', "utf-8")
+    assert imuwb("convert", path, "-o", "out.csv").code == 0
+    (found,), (truth,) = read(tmp_path / "out.csv").imus, read(path).imus
+    assert (found.origin.frame, found.origin.epoch) == ("FRD (as said)", "boot")
+    assert found.specific_force.value.tolist() == truth.specific_force.value.tolist()

@@ -117,3 +117,22 @@ def test_options_of_the_imu_s_text_are_not_the_receiver_s(imuwb, imu_csv, fixes_
     log = read(tmp_path / "both.mcap")
     assert len(log.gnss[0]) == 60
     assert log.imus[0].angular_rate.value.std() == pytest.approx(np.radians(0.01), rel=0.05)
+
+
+def test_a_file_without_a_receiver_is_refused(imuwb, imu_csv, tmp_path):
+    path = imu_csv()
+    (tmp_path / "other.csv").write_bytes(path.read_bytes())
+    done = imuwb("health", path, "--gnss", "other.csv")
+    assert done.code == 3
+    assert "other.csv: no receiver, reference or speed" in done.err
+    assert not list(tmp_path.glob("*.rrd"))
+
+
+def test_a_receiver_of_another_day_is_told(imuwb, imu_csv, rtklib):
+    found = document(imuwb, imu_csv(SINCE_1970 + 86_400), "--gnss", rtklib)
+    assert any("not recorded together" in note for note in found["notes"])
+
+
+def test_a_note_that_both_files_have_is_told_once(imuwb, imu_csv, fixes_csv):
+    found = document(imuwb, imu_csv(), "--gnss", fixes_csv)
+    assert len([n for n in found["notes"] if "taken as UTC" in n]) == 1

@@ -152,3 +152,19 @@ def test_a_real_drive_is_sound_but_for_gaps_of_its_odometer(shared):
     }  # fmt: skip
     moving = sum(s.end - s.start for s in found.segments if s.moving)
     assert moving == pytest.approx(227, abs=10)
+
+
+def test_a_jump_of_the_clock_by_decades_is_a_fault_and_takes_no_memory_by_the_second():
+    imu = imu_of()
+    time = imu.angular_rate.time + np.where(np.arange(N) < 50, 0, 1_716_000_000 * SECOND)
+    parts = (Triad(time, part.value) for part in (imu.angular_rate, imu.specific_force))
+    found = check(log_of(ImuStream("/imu", *parts)))
+    assert [f.what.partition(" by ")[0] for f in found.faults] == ["clock jumps"]
+    assert sum(s.end - s.start for s in found.segments) == pytest.approx(61, abs=1.1)
+
+
+def test_of_several_imus_motion_is_told_of_the_first_of_which_it_can_be():
+    short = Triad(imu_of().angular_rate.time[:500], imu_of().angular_rate.value[:500])
+    found = check(log_of(ImuStream("/short", short, None), imu_of("/long")))
+    assert found.segments_of == "/long"
+    assert found.segments[0].end == pytest.approx(59.99)

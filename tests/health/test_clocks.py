@@ -1,16 +1,17 @@
-"""Faults of a clock: gaps, batches, drops of the rate, jitter, and what the reader mended."""
+"""Faults of a clock: jumps, gaps, batches, drops of the rate, jitter, and what the reader mended."""
 
 import numpy as np
 import pytest
 
 from imuwb.health.clocks import clock_faults
+from imuwb.health.repairs import repair_faults
 from imuwb.log import Repair
 
 N = 6000
 
 
-def found(time, repairs=(), *, inertial=True):
-    return list(clock_faults("imu", np.asarray(time, float), repairs, inertial=inertial))
+def found(time, *, inertial=True):
+    return list(clock_faults("imu", np.asarray(time, float), inertial=inertial))
 
 
 def even(n=N, step=0.01):
@@ -124,9 +125,41 @@ def test_jitter_is_told_in_parts_of_the_interval():
 
 
 def test_what_the_reader_mended_is_counted():
-    few, many = found(even(), (Repair("rows out of order sorted by time", 7), Repair("rows left out", 61)))
-    assert (few.what, few.count, few.severity) == ("rows out of order sorted by time", 7, "warning")
-    assert (many.what, many.count, many.severity) == ("rows left out", 61, "fault")
+    few, many = repair_faults("imu", (Repair("rows left out", 7), Repair("rows left out", 61)), N)
+    assert (few.what, few.count, few.severity) == ("rows left out", 7, "warning")
+    assert (many.count, many.severity) == (61, "fault")
+    assert "holes" in many.consequence
+
+
+@pytest.mark.parametrize(
+    ("effect", "count", "severity", "follows"),
+    [
+        ("time", N, "warning", "not the sensor's own"),
+        ("order", 7, "note", "nothing is lost"),
+        ("value", 7, "warning", "none of the sensor's"),
+    ],
+)
+def test_a_repair_is_as_bad_as_what_it_does(effect, count, severity, follows):
+    (fault,) = repair_faults("imu", (Repair("mended", count, effect),), N)
+    assert fault.severity == severity
+    assert follows in fault.consequence
+
+
+def test_a_clock_that_jumps_by_decades_is_named_and_the_rest_judged_without_it():
+    (jump,) = found(np.concatenate([even(50), 1_716_000_000 + even()]))
+    assert jump.what == "clock jumps by 54.4 years: 50 rows lie before, 6000 behind"
+    assert (jump.severity, jump.start) == ("fault", 0.49)
+    assert "--start" in jump.consequence
+
+
+def test_a_night_between_two_long_recordings_is_a_gap():
+    two_days = even(200_000, 1.0)
+    assert [f.what.partition(":")[0] for f in found(np.concatenate([two_days, two_days + 300_000]))] == ["gaps"]
+
+
+def test_uneven_but_complete_logging_has_no_gaps():
+    time = np.cumsum(np.where(np.arange(3000) % 2, 0.39, 0.61))
+    assert {f.what.partition(" by ")[0] for f in found(time)} == {"stamps scatter"}
 
 
 def test_a_single_row_is_a_fault():

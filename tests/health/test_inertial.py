@@ -161,6 +161,29 @@ def test_a_motion_that_clips_is_saturated():
     assert [f.stream for f in found] == ["/imu gyro_x"] * 2
 
 
+def rounded_peaks(*at, step=0.001):
+    """Return a smooth motion whose largest values are tops that are flat to a step of the sensor."""
+    gyro, accel = still()
+    gyro[:, 0] = 0.5 * motion(0)[:, 0]
+    for k, row in enumerate(at):
+        bump = 3.0 - 0.3 * step * (np.arange(N) - row) ** 2
+        gyro[:, 0] = np.where(bump > 2.5, bump + 1e-9 * k, gyro[:, 0])
+    gyro[:, 0] = np.round(gyro[:, 0] / step) * step
+    return gyro, accel
+
+
+def test_the_rounded_top_of_a_smooth_motion_is_not_saturated():
+    gyro, accel = rounded_peaks(3000)
+    top = np.flatnonzero(gyro[:, 0] == gyro[:, 0].max())
+    assert top.size >= 3
+    assert faults(gyro, accel, "saturated") == []
+
+
+def test_several_tops_at_the_same_value_are_saturated():
+    (fault,) = faults(*rounded_peaks(1000, 3000, 5000), "saturated")
+    assert fault.stream == "/imu gyro_x"
+
+
 def test_the_smallest_step_is_told():
     gyro, accel = still()
     gyro[:, 2] = np.round(gyro[:, 2] / 0.002) * 0.002
@@ -210,6 +233,54 @@ def test_samples_beside_a_gap_are_not_lone(beside):
     assert len(faults(gyro, accel, "lone")) == 1  # without the gap it is
 
 
+def test_a_step_of_a_coarse_sensor_is_no_lone_sample():
+    gyro, accel = still()
+    gyro[:, 0] = 0.0
+    gyro[[500, 1500], 0] = 0.02  # one step, while it hardly ever changes
+    gyro[2500:, 0] = -0.02
+    assert faults(gyro, accel, "lone") == []
+    gyro[3500, 0] = 0.12
+    assert [f.count for f in faults(gyro, accel, "lone")] == [1]
+
+
+def test_samples_are_not_lone_while_the_imu_moves():
+    gyro, accel = still()
+    moved = motion(3)
+    moved[:2000] = 0
+    gyro += 0.1 * moved[:, :3]
+    gyro[4000, 1] += 5.0
+    assert faults(gyro, accel + moved[:, 3:], "lone") == []
+    gyro[1000, 1] += 5.0
+    assert [f.count for f in faults(gyro, accel + moved[:, 3:], "lone")] == [1]
+
+
+def test_many_lone_samples_are_no_motion():
+    gyro, accel = still()
+    gyro[500::500, 1] += 2.0
+    found = check(log_of(gyro, accel))
+    assert [f.count for f in found.faults if "lone" in f.what] == [11]
+    assert [s.moving for s in found.segments] == [False]
+
+
+def test_slow_samples_are_not_judged_to_be_lone():
+    gyro, accel = still()
+    gyro[1000, 0] += 3
+    time = np.arange(N) * (10**9 // 10)
+    imu = ImuStream("/imu", Triad(time, gyro), Triad(time, accel))
+    found = check(Log(Provenance("made.csv", "csv", "", 0), (imu,)), lines=False).faults
+    assert not [f for f in found if "lone" in f.what]
+
+
+@pytest.mark.parametrize(("rows", "rate"), [(900, 100.0), (600, 2.0)], ids=["short", "slow"])
+def test_what_is_too_short_or_too_slow_is_neither_still_nor_moving(rows, rate):
+    gyro, accel = still()
+    time = np.rint(np.arange(rows) * 1e9 / rate).astype(np.int64)
+    imu = ImuStream("/imu", Triad(time, gyro[:rows] + 0.4), Triad(time, accel[:rows] + 5))
+    found = check(Log(Provenance("made.csv", "csv", "", 0), (imu,)))
+    assert (found.segments, found.segments_of) == ((), "/imu")
+    assert not [f for f in found.faults if "while still" in f.what]
+
+
 def test_shaking_is_no_series_of_lone_samples():
     gyro, accel = still()
     gyro[1000:1200] += 5 * np.random.default_rng(9).standard_normal((200, 3))
@@ -240,12 +311,16 @@ def test_lines_are_not_looked_for_where_the_imu_moves_or_nobody_asks():
     assert faults(gyro, accel, "line") == []
 
 
-@pytest.mark.parametrize("gravity", [9.3, 3.4])
-def test_a_gravity_that_cannot_be_is_a_fault(gravity):
+@pytest.mark.parametrize(
+    ("gravity", "severity", "follows"),
+    [(9.3, "warning", "off by -52 mg: a bias or a scale factor to be calibrated"), (3.4, "fault", "units or scale")],
+)
+def test_a_gravity_that_cannot_be_is_told(gravity, severity, follows):
     gyro, accel = still()
     (fault,) = faults(gyro, accel + np.array([0, 0, G - gravity]))
-    assert (fault.stream, fault.severity) == ("/imu accelerometers", "fault")
+    assert (fault.stream, fault.severity) == ("/imu accelerometers", severity)
     assert fault.what == f"gravity is {gravity} m/s² while still"
+    assert fault.consequence.startswith(follows)
     assert (fault.start, fault.length) == (0, pytest.approx(59.99))
 
 

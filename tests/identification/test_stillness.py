@@ -67,3 +67,30 @@ def test_axes_may_have_clocks_gaps_and_a_start_of_their_own():
     assert found.disturbances[0].start == 1400
     assert found.quiet_start == 50
     assert found.quiet_end == 1400
+
+
+def test_seconds_without_samples_cost_nothing_and_are_no_blocks():
+    time = np.arange(6000) / 100
+    time[50:] += 1.7e9  # a clock that is set: decades lie between
+    found = judged({"a": (time, still(6000))})
+    assert found.disturbances == ()
+    assert [tuple(map(round, span)) for span in found.recorded] == [(0, 1), (1_700_000_000, 1_700_000_060)]
+
+
+def test_most_of_what_is_recorded_counts_not_what_is_left_out():
+    values = still(6000)
+    values[2000:] *= 30
+    values[2000:] += 50 * np.sin(np.arange(4000) / 80)
+    time = np.arange(6000) / 100 + np.where(np.arange(6000) < 1000, 0, 1000)
+    assert judged({"a": (time, values)}).moving
+
+
+@pytest.mark.parametrize(("rows", "rate"), [(900, 100), (500, 2)], ids=["short", "slow"])
+def test_too_little_is_not_judged(rows, rate):
+    assert stillness({"a": still(rows)}, 1 / rate) is None
+
+
+def test_a_slow_axis_is_left_out_beside_a_fast_one():
+    found = judged({"fast": (np.arange(3000) / 100, still(3000)), "slow": (np.arange(30) * 1.0, 50 * still(30))})
+    assert found is not None
+    assert found.disturbances == ()

@@ -144,6 +144,14 @@ def test_a_shock_is_told_with_the_quiet_part(log):
     assert any("shock" in note and "--start 2" in note for note in result.notes)
 
 
+def test_a_record_too_short_to_be_still_or_moving_says_so(log):
+    imu = log.imus[0]
+    parts = (Triad(t.time[:150], t.value[:150]) for t in (imu.angular_rate, imu.specific_force))
+    result = run(replace(log, imus=(ImuStream(imu.name, *parts),)))
+    assert (result.moving, result.quiet) == (None, None)
+    assert any("too short, or too slow" in note for note in result.notes)
+
+
 def test_several_imus_are_told(log):
     other = replace(log.imus[0], name="/imu/other")
     assert any("2 IMUs" in note and "--imu" in note for note in run(replace(log, imus=(log.imus[0], other))).notes)

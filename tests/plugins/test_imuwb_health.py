@@ -43,7 +43,7 @@ def test_the_command_shows_the_verdict_and_leaves_a_recording(command, tmp_path)
     code, out, err = command("health", SAMPLE, "-o", "health.rrd")
     out += err
     assert code == 0, err
-    for text in ("Verdict", "good", "temperature stays at 25 °C for 60 min", "the IMU is still for"):
+    for text in ("Verdict", "good", "temperature stays at 25 °C for 60 min", "/imu/data is still for"):
         assert text in " ".join(out.split())
     assert (tmp_path / "health.rrd").read_bytes()[:3] == b"RRF"
     assert (tmp_path / "health.rrd").stat().st_size > 10_000
@@ -54,7 +54,7 @@ def test_the_document_on_stdout_holds_streams_faults_and_segments(command):
     document = json.loads(out)
     assert (code, document["analysis"], document["params"]) == (0, "health", {"lines": True})
     result = document["result"]
-    assert set(result) == {"streams", "faults", "segments"}
+    assert set(result) == {"streams", "faults", "segments", "segments_of"}
     (stream,) = result["streams"]
     assert (stream["name"], stream["verdict"]) == ("/imu/data", "good")
     assert len(stream["rate"]) == len(stream["time"]) == 400

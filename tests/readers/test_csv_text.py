@@ -577,3 +577,102 @@ def test_damaged_text_raises_nothing_but_our_own_errors(text_log, junk, at):
     except (UnreadableLogError, UsageError):
         return
     assert all(len(imu.angular_rate) <= 40 for imu in log.imus if imu.angular_rate)
+
+
+def packed_with(fault, rows=5000):
+    """Return a packed log whose stream is damaged in the middle, and its plain text."""
+    rng = np.random.default_rng(3)
+    values = np.round(rng.standard_normal((rows, 6)), 5)
+    text = f"time_s,{HEADER}\n" + "".join(
+        f"{0.01 * i:.2f}," + ",".join(f"{x:.5f}" for x in row) + "\n" for i, row in enumerate(values)
+    )
+    packed = bytearray(gzip.compress(text.encode()))
+    if fault == "checksum":
+        packed[-8] ^= 0xFF
+    elif fault == "hole":
+        packed[len(packed) // 2 : len(packed) // 2 + 500] = b""
+    elif fault:
+        packed[int(fault * len(packed))] ^= 0xFF
+    return bytes(packed), values
+
+
+class TestDamagedPacked:
+    @pytest.mark.parametrize("fault", [0.5, 0.65, 0.8, "hole"])
+    def test_nothing_behind_the_damage_is_used_and_it_is_told(self, text_log, fault):
+        packed, values = packed_with(fault)
+        (imu,) = read(text_log(packed, "log.csv.gz")).imus
+        rows = np.rint(imu.angular_rate.time / 1e7).astype(int)
+        assert 100 < rows.size < 4900
+        assert rows.tolist() == list(range(rows.size))
+        np.testing.assert_allclose(imu.angular_rate.value, values[: rows.size, :3] * DEG, rtol=1e-12)
+        assert any(what.startswith("the packed file is damaged") for what in repairs(imu))
+
+    def test_a_checksum_that_fails_without_an_odd_row_makes_all_doubtful(self, text_log):
+        (imu,) = read(text_log(packed_with("checksum")[0], "log.csv.gz")).imus
+        (repair,) = imu.origin.repairs
+        assert (repair.count, repair.effect) == (5000, "value")
+        assert "no row shows where" in repair.what
+
+    def test_times_that_leap_end_a_damaged_file(self, text_log):
+        rows = [f"{0.01 * i + (5000 if i >= 60 else 0):.2f},{ROW}" for i in range(100)]
+        packed = bytearray(gzip.compress("\n".join([f"time_s,{HEADER}", *rows, ""]).encode()))
+        packed[-8] ^= 0xFF
+        (imu,) = read(text_log(bytes(packed), "log.csv.gz")).imus
+        assert len(imu.angular_rate) == 60
+        assert any("where times leap" in what for what in repairs(imu))
+
+    def test_bytes_behind_the_end_cost_nothing_and_are_told(self, text_log):
+        (imu,) = read(text_log(packed_with(None)[0] + b"garbage", "log.csv.gz")).imus
+        assert len(imu.angular_rate) == 5000
+        assert any("behind the end of the packed file" in what for what in repairs(imu))
+
+    def test_packed_files_one_behind_the_other_are_sound(self, text_log):
+        text = timed("time_s", "0.0", "0.1")
+        (imu,) = read(text_log(gzip.compress(text.encode()) + gzip.compress(f"0.2,{ROW}\n".encode()))).imus
+        assert (len(imu.angular_rate), repairs(imu)) == (3, {})
+
+
+class TestTimeScale:
+    UNIX = 1_714_564_818
+
+    @pytest.mark.parametrize("name", ["gpst_s", "gps_time_s", "t_gps_s", "t_gpst_unix_s", "time_gps_s"])
+    def test_a_name_of_gps_time_takes_off_leap_seconds(self, text_log, name):
+        log = read(text_log(timed(name, f"{self.UNIX}.5", f"{self.UNIX + 1}.5")))
+        assert log.imus[0].angular_rate.time[0] == (self.UNIX - 18) * 10**9 + 500_000_000
+        assert any("GPS time" in note and "18 leap seconds" in note for note in log.notes)
+
+    @pytest.mark.parametrize("name", ["time_s", "unix_s", "tgpsx_time_s"])
+    def test_another_name_is_taken_as_utc_and_said(self, text_log, name):
+        log = read(text_log(timed(name, f"{self.UNIX}.5", f"{self.UNIX + 1}.5")))
+        assert log.imus[0].angular_rate.time[0] == self.UNIX * 10**9 + 500_000_000
+        assert any("taken as UTC" in note for note in log.notes)
+
+    def test_a_name_of_utc_needs_no_note(self, text_log):
+        log = read(text_log(timed("gps_utc_time_s", f"{self.UNIX}.5", f"{self.UNIX + 1}.5")))
+        assert (log.imus[0].angular_rate.time[0] // 10**9, log.notes) == (self.UNIX, ())
+
+    def test_seconds_since_the_log_s_start_are_no_gps_time(self, text_log):
+        log = read(text_log(timed("gps_time_s", "1.5", "2.5")))
+        assert (log.imus[0].angular_rate.time[0], log.notes) == (1_500_000_000, ())
+
+    @pytest.mark.parametrize("epoch", ["boot", "log", "unix"])
+    def test_a_sidecar_says_where_times_count_from(self, text_log, epoch):
+        log = read(
+            text_log(timed("gps_time_s", f"{self.UNIX}.5", f"{self.UNIX + 1}.5"), sidecar=f'epoch = "{epoch}"\n')
+        )
+        imu = log.imus[0]
+        assert (imu.origin.epoch, imu.angular_rate.time[0] // 10**9) == (epoch, self.UNIX)
+        assert log.notes == ("epoch as log.toml says",)
+
+    def test_another_epoch_is_refused(self, text_log):
+        with pytest.raises(UsageError, match="epoch 'gps': it is unix"):
+            read(text_log(timed("time_s", "0", "1"), sidecar='epoch = "gps"\n'))
+
+
+@pytest.mark.parametrize("name", ["height_msl_m", "alt_amsl_m", "altitude_msl [m]", "msl_m"])
+def test_a_height_above_mean_sea_level_is_known_by_its_name(text_log, name):
+    (fix,) = read(text_log(f"time_s,lat_deg,lon_deg,{name}\n0,47,8,400\n1,47,8,401\n")).gnss
+    assert fix.position[:, 2].tolist() == [400, 401]
+    assert fix.origin.above_sea
+    (fix,) = read(text_log("time_s,lat_deg,lon_deg,height_m\n0,47,8,400\n1,47,8,401\n")).gnss
+    assert not fix.origin.above_sea

@@ -102,7 +102,7 @@ def test_a_composition_of_what_is_not_there_lists_what_is(name):
 
 
 def test_two_gyros_make_no_imu():
-    with pytest.raises(MissingDataError, match="no IMU called"):
+    with pytest.raises(MissingDataError, match="makes no IMU"):
         select(log_of(imu_of("/a", accel=False), imu_of("/b", accel=False)), "/a+/b")
 
 
@@ -110,3 +110,21 @@ def test_what_was_mended_of_the_accelerometer_is_still_told():
     mended = replace(imu_of("/b"), origin=Origin(epoch="unix", repairs=(Repair("rows left out", 3),)))
     (imu,) = select(log_of(imu_of("/a"), mended), "/a+/b").imus
     assert [r.count for r in imu.origin.repairs] == [3]
+
+
+def test_a_file_without_a_receiver_is_refused():
+    with pytest.raises(
+        MissingDataError, match=r"imu\.csv: no receiver, reference or speed to be joined \(it has /imu\)"
+    ):
+        joined(log_of(imu_of()), log_of(imu_of()))
+
+
+@pytest.mark.parametrize(("start", "apart"), [(0, False), (9 * SECOND, False), (10 * SECOND, True), (-(10**12), True)])
+def test_a_receiver_of_another_time_is_told(start, apart):
+    notes = joined(log_of(imu_of()), receiver(start=start)).notes
+    assert any("not recorded together" in note for note in notes) == apart
+
+
+def test_a_note_of_both_is_told_once():
+    log = joined(log_of(imu_of(), notes=("GPS time made UTC",)), receiver())
+    assert log.notes.count("GPS time made UTC") == 1

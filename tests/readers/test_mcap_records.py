@@ -15,7 +15,7 @@ from imuwb.readers.mcap_records import MAGIC, Recording, walk
 
 T = 1_714_564_800 * 10**9
 COUNT = 40
-SCHEMA, CHANNEL, MESSAGE, CHUNK, DATA_END = 3, 4, 5, 6, 15
+FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, METADATA, DATA_END = 2, 3, 4, 5, 6, 12, 15
 PACK = {"": bytes, "zstd": zstandard.compress, "lz4": lz4.frame.compress}
 
 
@@ -61,7 +61,9 @@ def some(ros):
 def by_hand(fresh):
     def write(*records, end=True):
         path = fresh("log.mcap")
-        path.write_bytes(MAGIC + b"".join(records) + (record(DATA_END, bytes(4)) + MAGIC if end else b""))
+        path.write_bytes(
+            MAGIC + b"".join(records) + (record(DATA_END, bytes(4)) + record(FOOTER, bytes(20)) + MAGIC if end else b"")
+        )
         return path
 
     return write
@@ -223,7 +225,7 @@ def test_messages_of_a_channel_nobody_declared_are_told(declared, some, by_hand)
 def test_a_damaged_declaration_is_left_out_and_told(declared, some, by_hand, opcode, content):
     log = read(by_hand(record(opcode, content), declared, some(0)))
     assert numbers(log) == [0, 1, 2, 3]
-    assert log.notes[0].startswith("a damaged schema or channel record left out")
+    assert log.notes[0].startswith("a damaged schema, channel or metadata record left out")
 
 
 def test_records_nobody_knows_are_passed_over(declared, some, by_hand):
@@ -291,3 +293,30 @@ def test_bytes_read_grow_to_the_files_end(declared, some, by_hand):
     assert len(seen) == 5
     assert seen == sorted(seen)
     assert seen[-1] <= path.stat().st_size
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda data: data, ""),
+        (lambda data: data[:-1], "end mark at byte"),
+        (lambda data: data[:-8] + b"12345678", "end mark at byte"),
+        (lambda data: data + b"more" * 5, "20 bytes behind the end mark"),
+        (lambda data: data[:-30], "index at the file's end is cut"),
+    ],
+    ids=["whole", "a byte short", "another mark", "more", "cut"],
+)
+def test_what_stands_behind_the_messages_is_looked_at(whole, change, told):
+    whole.write_bytes(change(whole.read_bytes()))
+    log = read(whole)
+    assert numbers(log) == list(range(COUNT))
+    assert [told in note for note in log.notes] == ([True] if told else [])
+
+
+def test_damaged_metadata_are_told_and_others_are_none_of_ours(by_hand, declared, some):
+    others = record(METADATA, text("theirs") + struct.pack("<I", 0))
+    damaged = record(METADATA, text("imuwb") + struct.pack("<I", 50) + text("/fix") + struct.pack("<I", 99))
+    log = read(by_hand(declared, others, damaged, some(0)))
+    assert numbers(log) == [0, 1, 2, 3]
+    (note,) = log.notes
+    assert "metadata record left out" in note

@@ -163,3 +163,24 @@ def test_a_real_drive(shared):
     assert np.median(np.diff(fix.time)) == 250_000_000
     moved = np.cumsum(np.linalg.norm(fix.velocity[:, :2], axis=1))[-1] * 0.25
     assert moved == pytest.approx(4050, rel=0.02)
+
+
+def test_a_last_line_that_was_cut_inside_its_last_cell_is_left_out(fix_of):
+    text = pos(*(f"2024/05/01 12:00:0{i}.000" for i in range(3)))
+    assert len(fix_of(text[:-1])) == 3  # without its end, but whole
+    fix = fix_of(text[:-2])
+    assert len(fix) == 2
+    assert [(r.what, r.count) for r in fix.origin.repairs] == [("lines that are cut or no numbers left out", 1)]
+
+
+def test_of_a_damaged_packed_file_nothing_behind_the_damage_is_used(text_log):
+    rng = np.random.default_rng(0)
+    rows = [f"2024/05/01 12:{i // 60:02d}:{i % 60:02d}.000 47 8 {rng.uniform(400, 500):.9f} 1" for i in range(3000)]
+    text = "%  UTC latitude(deg) longitude(deg) height(m) Q\n" + "\n".join([*rows, ""])
+    packed = bytearray(gzip.compress(text.encode()))
+    packed[len(packed) // 2] ^= 0xFF
+    log = read(text_log(bytes(packed), "log.pos.gz"))
+    whole = [float(row.split()[4]) for row in rows]
+    assert 100 < len(log.gnss[0]) < 2900
+    assert log.gnss[0].position[:, 2].tolist() == whole[: len(log.gnss[0])]
+    assert any(note.startswith("the packed file is damaged") for note in log.notes)

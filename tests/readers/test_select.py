@@ -45,7 +45,7 @@ def test_an_unknown_imu_lists_those_there_are():
         ("2", "5", [2, 3, 4]),
         ("2.5", None, [3, 4, 5, 6, 7, 8, 9]),
         (None, "1.5", [0, 1]),
-        ("-5", "1", [0]),
+        ("0", "1", [0]),
         ("2024-05-01T12:00:02", "2024-05-01T12:00:05", [2, 3, 4]),
         ("2024-05-01T14:00:02+02:00", "2024-05-01T12:00:05Z", [2, 3, 4]),
         ("2024-05-01 12:00:01.500", "4", [2, 3]),
@@ -114,3 +114,31 @@ def test_the_log_itself_is_not_changed():
     select(log, imu="left", start="2", end="3")
     assert len(log.imus) == 2
     assert len(log.imus[0].angular_rate) == 10
+
+
+@pytest.mark.parametrize("span", [("-5", None), (None, "-1"), ("-0.1", "2")])
+def test_seconds_before_the_log_are_refused(span):
+    with pytest.raises(UsageError, match="0 or more, or an ISO time"):
+        select(log_of(), None, *span)
+
+
+def test_two_imus_make_one_and_a_note_says_which_half_is_whose():
+    log = select(log_of(), "left+right")
+    assert log.notes == ("left+right: the gyro of left with the accelerometer of right",)
+
+
+def test_the_same_imu_twice_is_refused():
+    with pytest.raises(UsageError, match="the same IMU twice"):
+        select(log_of(), "left+left")
+
+
+def test_a_half_that_is_not_there_names_the_rule():
+    with pytest.raises(MissingDataError, match=r"there are: left, right; A\+B takes the gyro of A"):
+        select(log_of(), "left+middle")
+
+
+def test_halves_that_make_no_imu_name_what_they_lack_and_the_rule():
+    log = log_of()
+    log = replace(log, imus=tuple(replace(imu, specific_force=None) for imu in log.imus))
+    with pytest.raises(MissingDataError, match=r"left has no accelerometer, right has no accelerometer\); A\+B"):
+        select(log, "left+right")

@@ -93,3 +93,11 @@ def test_a_flight_controllers_three_imus_and_its_receiver(shared):
         assert len(imu.temperature) == len(imu.angular_rate) == len(imu.specific_force)
         assert ((imu.temperature.value > 20) & (imu.temperature.value < 80)).all()
         assert np.linalg.norm(np.median(imu.specific_force.value, axis=0)) == pytest.approx(9.8, abs=0.5)
+
+
+def test_the_drive_s_imu_and_receiver_are_on_one_clock(shared):
+    (imu,) = read(shared / "drive" / "derived_imu_si_gpst.csv.gz").imus
+    (gnss,) = read(shared / "drive" / "gnss_1934_sf.pos").gnss
+    # The receiver is switched on some seconds before the IMU and off behind it; GPS time would be 18 s ahead.
+    assert abs(int(imu.angular_rate.time[0]) - int(gnss.time[0])) < 5 * SECOND
+    assert abs(int(imu.angular_rate.time[-1]) - int(gnss.time[-1])) < 5 * SECOND

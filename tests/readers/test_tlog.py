@@ -500,3 +500,10 @@ def test_values_at_their_limits_give_a_result(opened):
     log = opened(*rows)
     assert log.gnss == ()
     assert [imu.name for imu in log.imus] == ["SCALED_IMU"]
+
+
+def test_a_file_cut_behind_its_first_frames_is_refused(fresh):
+    path = fresh("log.tlog")
+    path.write_bytes(heartbeat(T) + heartbeat(T + 1) + numbered(1)[0][:20])
+    with pytest.raises(UnreadableLogError, match="2 MAVLink frames, none of an IMU.* it was cut"):
+        read(path)

@@ -410,7 +410,15 @@ def test_messages_of_an_unknown_type_do_no_harm(written):
     assert found.imu().angular_rate.value.tolist() == [[1, 2, 3]]
 
 
-@pytest.mark.parametrize("data", [px4.MAGIC, px4.HEADER, px4.HEADER + b"\xff" * 100])
+@pytest.mark.parametrize(
+    "data",
+    [
+        px4.MAGIC,
+        px4.HEADER,
+        px4.HEADER + b"\xff" * 100,
+        px4.HEADER + px4.defined("sensor_combined", "uint64_t timestamp;"),
+    ],
+)
 def test_a_log_without_a_message_is_refused(fresh, data):
     path = fresh("log.ulg")
     path.write_bytes(data)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from mcap.reader import make_reader
 
 from imuwb.errors import MissingDataError
 from imuwb.log import SECOND, GnssStream, ImuStream, Log, Origin, Provenance, Reference, Scalars, Triad
@@ -181,7 +182,8 @@ def test_slow_streams_are_whole_over_many_chunks(back):
 def test_csv_is_a_file_for_each_kind(fresh):
     path, truth = fresh("run.csv"), everything()
     write(truth, path)
-    names = ["run.csv", "run.gnss.csv", "run.reference.csv", "run.speed.csv"]
+    tables = ["run.csv", "run.gnss.csv", "run.reference.csv", "run.speed.csv"]
+    names = sorted([*tables, *(f"{name}.toml" for name in tables)])
     assert sorted(p.name for p in path.parent.iterdir()) == names
     assert sorted(p.name for p in places(truth, path)) == names
     same_imu(read(path).imus[0], truth.imus[0])
@@ -197,7 +199,7 @@ def test_csv_of_one_kind_is_the_file_itself(fresh, kind):
     truth = replace(log_of(), **{kind: getattr(everything(), kind)})
     path = fresh("run.csv")
     write(truth, path)
-    assert [p.name for p in path.parent.iterdir()] == ["run.csv"]
+    assert sorted(p.name for p in path.parent.iterdir()) == ["run.csv", "run.csv.toml"]
     (found,) = getattr(read(path), kind)
     assert found.time.tolist() == getattr(truth, kind)[0].time.tolist()
 
@@ -295,3 +297,37 @@ def test_other_tools_see_speed_kind_of_fix_and_reference(messages):
         assert list(message.latitude_longitude_height) == truth.position[row].tolist()
         assert list(message.velocity_north_east_down) == truth.velocity[row].tolist()
         assert list(message.roll_pitch_heading) == truth.attitude[row].tolist()
+
+
+@pytest.mark.parametrize("kind", ["gnss", "references"])
+@pytest.mark.parametrize("suffix", [".csv", ".mcap"])
+def test_heights_above_mean_sea_level_stay_so(back, kind, suffix):
+    origin = Origin("deg, m (above mean sea level)", epoch="unix")
+    stream = replace({"gnss": gnss_of(), "references": reference_of()}[kind], origin=origin)
+    (found,) = getattr(back(log_of(**{kind: (stream,)}), suffix), kind)
+    assert "above mean sea level" in found.origin.units
+    np.testing.assert_array_equal(found.position[:, 2], stream.position[:, 2])
+    (found,) = getattr(back(log_of(**{kind: (replace(stream, origin=UNIX),)}), suffix), kind)
+    assert not found.origin.above_sea
+
+
+def test_the_index_of_a_written_file_tells_heights_above_mean_sea_level(fresh):
+    from imuwb.readers import describe
+
+    path = fresh("run.mcap")
+    write(log_of(gnss=(replace(gnss_of(), origin=Origin("m (above mean sea level)", epoch="unix")),)), path)
+    told = describe(path)
+    assert "index" in told.notes[0]
+    assert ["above mean sea level" in s.units for s in told.streams if s.kind == "gnss"] == [True]
+    with path.open("rb") as file:
+        (metadata,) = make_reader(file).iter_metadata()
+    assert (metadata.name, metadata.metadata) == ("imuwb", {"/fix": "heights are above mean sea level"})
+
+
+@pytest.mark.parametrize("epoch", ["unix", "boot", "log"])
+def test_frame_and_epoch_come_back_from_csv(back, epoch):
+    origin = Origin(epoch=epoch)
+    truth = log_of(replace(imu_of(), origin=origin), gnss=(replace(gnss_of(), origin=origin),), speeds=(speed_of(),))
+    found = back(truth, ".csv")
+    assert (found.imus[0].origin.epoch, found.imus[0].origin.frame) == (epoch, "FRD (as said)")
+    assert found.notes == ("frame, epoch as log.csv.toml says",)

@@ -1,0 +1,67 @@
+"""One axis of an IMU as the checks look at it: its clock in seconds, and the steps of its values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.sampling import Sampling, sampling
+from imuwb.units import coefficient_units
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from imuwb.log import Floats, ImuStream, Log
+
+LOOKED_AT = 200_000  #: samples, for what need not be looked for in all
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Channel:
+    """The samples of one axis, which do change."""
+
+    axis: str  #: gyro_x ... accel_z
+    where: str  #: the IMU's name and the axis
+    time: Floats  #: (n,) s from the log's start
+    values: Floats  #: (n,) rad/s or m/s²
+    clock: Sampling
+    levels: Floats  #: (k,) the values there are, rising, of the first samples
+
+    @property
+    def breaks(self) -> NDArray[np.int64]:
+        """Return the rows before which samples are missing."""
+        return np.array(self.clock.breaks, np.int64)
+
+    @property
+    def step(self) -> float:
+        """Return the smallest difference between two values; the LSB where there is one."""
+        gaps = self.gaps
+        return float(gaps.min()) if gaps.size else 0.0
+
+    @property
+    def gaps(self) -> Floats:
+        """Return the differences between neighbouring values, but for rounding."""
+        gaps = np.diff(self.levels)
+        return gaps[gaps > 1e-9 * max(abs(float(self.levels[0])), abs(float(self.levels[-1])), 1e-12)]
+
+
+def channels(log: Log, imu: ImuStream) -> dict[str, Channel]:
+    """Return the axes of an IMU that change at all, by name; those of one sensor share their time."""
+    found: dict[str, Channel] = {}
+    for sensor, triad in (("gyro", imu.angular_rate), ("accel", imu.specific_force)):
+        if triad is None or not len(triad):
+            continue
+        time, clock = log.seconds(triad.time), sampling(triad.time)
+        for column, letter in enumerate("xyz"):
+            axis, values = f"{sensor}_{letter}", triad.value[:, column]
+            if np.ptp(values) > 0:
+                found[axis] = Channel(axis, f"{imu.name} {axis}", time, values, clock, np.unique(values[:LOOKED_AT]))
+    return found
+
+
+def shown(axis: str, value: float) -> str:
+    """Return a rad/s or m/s² value of an axis as people write it."""
+    unit = coefficient_units(axis, "rate")[1]
+    return f"{unit.from_si(value):.4g} {unit.name}"
