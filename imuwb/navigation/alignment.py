@@ -34,8 +34,8 @@ class Alignment:
     velocity: Floats  #: (3,) m/s, NED
     euler: Floats  #: (3,) roll, pitch, heading, rad
     covariance: Floats  #: (9, 9) of the error states
-    gyro_bias: Floats  #: (3,) rad/s, mean while still before the start; 0 without
-    bias_sigma: float | None  #: rad/s, of that mean; None: there was no stillness
+    gyro_bias: Floats  #: (3,) rad/s, mean over a stillness before the start, the earth's rate within; 0 without
+    standing: tuple[int, int] | None  #: first and last (excluded) sample of that stillness
     note: str
 
 
@@ -126,29 +126,33 @@ def align(
     tilt = np.hypot(np.radians(settings.tilt), sigma[3:5].max() / AROUND / down)
     wide = np.hypot(np.radians(settings.heading), min(sigma[3:5].max() / pace, np.pi))
     covariance = np.diag(np.square([*sigma[:3], *sigma[3:], tilt, tilt, wide]))
-    before = still[still[:, 1] < found.time[event]]
-    seconds = float((before[:, 1] - before[:, 0]).sum()) if before.size else 0.0
-    bias, bias_sigma = np.zeros(3), None
-    if seconds >= SECONDS_STILL:
-        mask = np.zeros(moves.time.size, dtype=bool)
-        for a, b in before:
-            mask |= (moves.time > a) & (moves.time <= b)
-        bias = moves.samples.angle[mask].sum(axis=0) / moves.samples.interval[mask].sum()
-        # What is left: the earth's rate, of which the heading is not known while still.
-        bias_sigma = float(7.3e-5 + np.sqrt(moves.samples.angle[mask].var(axis=0).max() / mask.sum()) / moves.interval)
+    standing = _stillness(moves, still, found.time[event])
+    bias = np.zeros(3)
+    if standing is not None:
+        rows = slice(*standing)
+        bias = moves.samples.angle[rows].sum(axis=0) / moves.samples.interval[rows].sum()
     note = (
         f"the filter starts at {found.time[event]:.1f} s, at {pace:.1f} m/s; roll {np.degrees(roll):.1f}, "
         f"pitch {np.degrees(pitch):.1f}, heading {np.degrees(heading) % 360:.1f} deg; "
         + (
-            f"gyro biases from {seconds:.0f} s of standing before"
-            if bias_sigma
+            f"gyro biases from {(standing[1] - standing[0]) * moves.interval:.0f} s of standing before"
+            if standing is not None
             else "no stillness before: gyro biases unknown"
         )
     )
     swing = turn @ np.cross(rate - bias, lever)
     return Alignment(
-        event, int(events.at[event]) + 1, position, velocity - swing, euler, covariance, bias, bias_sigma, note
+        event, int(events.at[event]) + 1, position, velocity - swing, euler, covariance, bias, standing, note
     )
+
+
+def _stillness(moves: Measurement, still: Floats, until: float) -> tuple[int, int] | None:
+    """Return the samples of the last stillness that is long enough."""
+    long = [(a, b) for a, b in still if b < until and b - a >= SECONDS_STILL]
+    if not long:
+        return None
+    begin, end = np.searchsorted(moves.time, long[-1], side="right")
+    return int(begin), int(end)
 
 
 def _slope(time: Floats, values: Floats) -> Floats:

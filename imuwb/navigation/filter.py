@@ -11,6 +11,8 @@ from imuwb.errors import MissingDataError
 from imuwb.navigation import kernel
 from imuwb.navigation.attitude import euler_of_quaternion
 from imuwb.navigation.covariance import NAVIGATION, flat, workspace
+from imuwb.navigation.earth import EARTH_RATE
+from imuwb.navigation.initial import axis_start
 from imuwb.navigation.strapdown import QUATERNION, SIZE, VELOCITY, navigation_state
 from imuwb.navigation.tables import FIX, Rules, Track
 
@@ -113,13 +115,12 @@ def solve(
         MissingDataError: what the filter carries is no number any more; the message says when.
         ValueError: a process that no filter can carry.
     """
-    tables, spread = model.tables(moves.interval, moves.celsius)
+    tables, _ = model.tables(moves.interval, moves.celsius)
     n = int(tables.first[6])
     state = navigation_state(start.position, start.velocity, start.euler)
-    axes, covariance = np.zeros(n - NAVIGATION), np.zeros((n, n))
+    covariance = np.zeros((n, n))
     covariance[:NAVIGATION, :NAVIGATION] = start.covariance
-    covariance[NAVIGATION:, NAVIGATION:] = spread
-    _know_bias(axes, covariance, tables, start)
+    axes, covariance[NAVIGATION:, NAVIGATION:] = _axes_at_start(model, moves, tables, start)
     rows = flat(covariance)
     count = found.events.at.size
     track = Track(
@@ -148,19 +149,26 @@ def solve(
     return Solution(model, moves, found, start, tables, rules, track, events)
 
 
-def _know_bias(axes: Floats, covariance: Floats, tables: AxisTables, start: Alignment) -> None:
-    """Take in the gyros' mean while still, as a measurement of each axis's error."""
-    if start.bias_sigma is None:
-        return
-    for axis in range(3):
-        place = slice(int(tables.first[axis]), int(tables.first[axis + 1]))
-        weight = np.where(tables.scale[place.start - NAVIGATION : place.stop - NAVIGATION], 0.0, 1.0)
-        weight = weight * tables.step[0, place.start - NAVIGATION : place.stop - NAVIGATION]
-        block = covariance[place, place]
-        gain = block @ weight
-        total = weight @ gain
-        if total <= 0:
-            continue
-        total += start.bias_sigma**2
-        axes[place.start - NAVIGATION : place.stop - NAVIGATION] += gain * start.gyro_bias[axis] / total
-        covariance[place, place] = block - np.outer(gain, gain) / total
+def _axes_at_start(
+    model: FilterModel, moves: Measurement, tables: AxisTables, start: Alignment
+) -> tuple[Floats, Floats]:
+    """Return the axes' states at the start, and their covariance: a gyro's mean while it stood is a measurement of its error."""
+    first = tables.first - NAVIGATION
+    states, covariance = np.zeros(first[6]), np.zeros((first[6], first[6]))
+    begin, end = start.standing or (start.sample, start.sample)
+    celsius = moves.celsius[int(moves.samples.regime[start.sample])]
+    for axis, one in enumerate(model.shapings(moves.interval, celsius)):
+        place = slice(int(first[axis]), int(first[axis]) + one.order)
+        if axis >= 3:  # noqa: PLR2004 - accelerometers: their mean is gravity's, by a tilt that is not known
+            covariance[place, place] = axis_start(one, start.sample, 0, 0).covariance
+        else:
+            known = axis_start(one, begin, end - begin, start.sample - end)
+            covariance[place, place] = known.covariance
+            if end > begin:
+                noise = one.white / ((end - begin) * moves.interval) + EARTH_RATE**2 / 3
+                gain = known.cross / (known.variance + noise)
+                states[place] = gain * start.gyro_bias[axis]
+                covariance[place, place] -= np.outer(gain, known.cross)
+        if tables.scale[place.stop : int(first[axis + 1])].any():
+            covariance[place.stop, place.stop] = model.scale_factor[axis // 3] ** 2
+    return states, covariance

@@ -57,10 +57,18 @@ class Shaping:
 
     def over(self, samples: int) -> tuple[Floats, Floats]:
         """Return A and Q of that many samples."""
-        a, q = np.eye(self.order), np.zeros_like(self.Q)
-        for _ in range(samples):
-            a, q = self.A @ a, self.A @ q @ self.A.T + self.Q
-        return a, q
+        return over(self.A, self.Q, samples)
+
+
+def over(a: Floats, q: Floats, samples: int) -> tuple[Floats, Floats]:
+    """Return the transition and the noise of many samples, by doubling."""
+    power, noise = np.eye(a.shape[0]), np.zeros_like(q)
+    while samples:
+        if samples & 1:
+            power, noise = a @ power, a @ noise @ a.T + q
+        a, q = a @ a, a @ q @ a.T + q
+        samples >>= 1
+    return power, noise
 
 
 def shaping(processes: Sum, dt: float, reading: Reading = "corrected") -> Shaping:
