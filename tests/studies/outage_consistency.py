@@ -87,7 +87,9 @@ def main():
     given = parser.parse_args()
     print("# Consistency in matched simulation\n")
     print(f"{given.drives} drives of {given.hours:g} h for each truth; outages of {LENGTH:g} s every {EVERY:g} s.\n")
-    print("| truth and filter | what | mean | 95 % band | within the 95 % ellipse | median error |\n| --- | --- | --- | --- | --- | --- |")
+    print(
+        "| truth and filter | what | mean | 95 % band | within the 95 % ellipse | median error |\n| --- | --- | --- | --- | --- | --- |"
+    )
     for title, model in processes().items():
         jobs, beside = [], {"as printed": [], "denoised first": []}
         for seed in range(given.drives):
