@@ -13,6 +13,8 @@ An analysis is a module (or any object) with
 
 * optionally ``findings(result) -> tuple of Finding``: what it says of each axis in common terms, which
   recipes lay beside what other analyses say;
+* optionally ``outputs(parameters) -> tuple of paths`` and ``write_outputs(result, parameters)``, for files of its own: those
+  that exist are not written over without --force;
 * optionally ``study(cases, parameters) -> result`` and ``draw_study(result, review)``, for ``--study``.
 
 It is registered under the entry-point group ``imuwb.analyses``, or is a single file:

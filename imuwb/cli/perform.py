@@ -40,10 +40,13 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: ob
         step(text)
     grid(common.study)
     places = Places.of(analysis, paths, common)
-    check_places(places.all(), [*paths, *([common.gnss] if common.gnss is not None else [])], force=common.force)
+    plugin = cast("Any", analysis)
+    others: tuple[Path, ...] = plugin.outputs(parameters) if hasattr(analysis, "outputs") else ()
+    check_places(
+        [*places.all(), *others], [*paths, *([common.gnss] if common.gnss is not None else [])], force=common.force
+    )
     read = [conditioned(read_log(path, common), common.through) for path in paths]
     logs = [log for log, _ in read]
-    plugin = cast("Any", analysis)
     with blaming(name, analysis), progress(f"{name}: computing") as report, watched(lambda part: report(part, 1.0)):
         # The study first: a setting that a log cannot have is found before the long work, not behind it.
         studied = plugin.study(cases(logs, common.study), parameters) if common.study else None
@@ -72,7 +75,9 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: ob
         write_text(places.document, text + "\n")
     if places.model is not None:
         write_text(places.model, model)
-    for file in places.all():
+    if others:
+        plugin.write_outputs(result, parameters)
+    for file in (*places.all(), *others):
         typer.echo(f"wrote {file}", err=True)
 
 

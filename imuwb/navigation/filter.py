@@ -59,9 +59,14 @@ class Solution:
         return self.track.state[self.events, VELOCITY : VELOCITY + 3]
 
     @property
+    def quaternion(self) -> Floats:
+        """Return (m, 4) w, x, y, z, of the body to NED."""
+        return self.track.state[self.events, QUATERNION : QUATERNION + 4]
+
+    @property
     def euler(self) -> Floats:
         """Return (m, 3) roll, pitch, heading, rad."""
-        return euler_of_quaternion(self.track.state[self.events, QUATERNION : QUATERNION + 4])
+        return euler_of_quaternion(self.quaternion)
 
     @property
     def sigma(self) -> Floats:

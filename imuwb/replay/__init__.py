@@ -1,10 +1,11 @@
 """Outages replayed: filters over a log, their drift against a reference, and what that says of them."""
 
+from imuwb.replay.budget import Budget, budget
 from imuwb.replay.clocks import Clocks, estimate_clocks
 from imuwb.replay.models import NAMES, model_named
 from imuwb.replay.motion import motion_classes
 from imuwb.replay.reference import Yardstick, own, yardstick
-from imuwb.replay.replay import Outage, Prepared, Replay, Replayed, Run, prepare, replay, run, sweep
+from imuwb.replay.replay import Outage, Prepared, Replay, Replayed, Run, apart, events_of, prepare, replay, run, sweep
 from imuwb.replay.scaled import scaled
 from imuwb.replay.scores import HORIZONS, Scores, scores
 from imuwb.replay.statistics import (
@@ -23,6 +24,7 @@ from imuwb.replay.tuning import Tuned, tune
 __all__ = [
     "HORIZONS",
     "NAMES",
+    "Budget",
     "Clocks",
     "Consistency",
     "Interval",
@@ -36,10 +38,13 @@ __all__ = [
     "Summary",
     "Tuned",
     "Yardstick",
+    "apart",
+    "budget",
     "compare",
     "drift_curve",
     "effective_count",
     "estimate_clocks",
+    "events_of",
     "model_named",
     "motion_classes",
     "own",

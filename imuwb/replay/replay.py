@@ -138,6 +138,15 @@ def sweep(prepared: Prepared, model: FilterModel, duration: float) -> tuple[Outa
     return tuple(kept)
 
 
+def apart(outages: Sequence[Outage]) -> list[Outage]:
+    """Return those of some outages, in order of time, that do not overlap."""
+    kept: list[Outage] = []
+    for outage in outages:
+        if not kept or outage.start >= kept[-1].start + kept[-1].duration:
+            kept.append(outage)
+    return kept
+
+
 def replay(
     prepared: Prepared,
     models: Sequence[FilterModel],

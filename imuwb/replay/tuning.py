@@ -10,7 +10,7 @@ from scipy import optimize
 
 from imuwb.navigation.outages import drift
 from imuwb.replay.reference import yardstick
-from imuwb.replay.replay import Outage, events_of, run, sweep
+from imuwb.replay.replay import Outage, apart, events_of, run, sweep
 from imuwb.replay.scaled import scaled
 from imuwb.replay.scores import scores
 
@@ -59,10 +59,10 @@ def tune(prepared: Prepared, model: FilterModel, reference: str) -> tuple[Filter
         ValueError: too few outages fit into the log; no such reference.
     """
     against = yardstick(prepared.log, run(model, prepared), reference)
-    apart = _apart(sweep(prepared, model, DURATION))
-    split = apart[0].start + SHARE * (apart[-1].start + DURATION - apart[0].start) if apart else 0.0
-    early = [o for o in apart if o.start + o.duration <= split]
-    late = [o for o in apart if o.start >= split]
+    alone = apart(sweep(prepared, model, DURATION))
+    split = alone[0].start + SHARE * (alone[-1].start + DURATION - alone[0].start) if alone else 0.0
+    early = [o for o in alone if o.start + o.duration <= split]
+    late = [o for o in alone if o.start >= split]
     if min(len(early), len(late)) < LEAST:
         message = f"tuning needs {LEAST} outages of {DURATION:g} s that do not overlap in each half of the log; there are {len(early)} and {len(late)}"
         raise ValueError(message)
@@ -91,14 +91,6 @@ def tune(prepared: Prepared, model: FilterModel, reference: str) -> tuple[Filter
         (float(np.nanmean(before.nees[:, -1]) / 2), float(np.nanmean(behind.nees[:, -1]) / 2)),
         (float(np.nanmedian(before.horizontal[:, -1])), float(np.nanmedian(behind.horizontal[:, -1]))),
     )  # fmt: skip
-
-
-def _apart(outages: Sequence[Outage]) -> list[Outage]:
-    kept: list[Outage] = []
-    for outage in outages:
-        if not kept or outage.start >= kept[-1].start + kept[-1].duration:
-            kept.append(outage)
-    return kept
 
 
 def _log_likelihood(found: Scores) -> Floats:

@@ -12,12 +12,13 @@ from imuwb_outage.parameters import Parameters
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from imuwb.analysis import Review
     from imuwb.log import Log
     from imuwb_outage.result import Result
 
-__all__ = ["Parameters", "draw", "run"]
+__all__ = ["Parameters", "draw", "outputs", "run", "write_outputs"]
 
 
 def run(logs: Sequence[Log], parameters: Parameters) -> Result:
@@ -32,3 +33,21 @@ def draw(result: Result, review: Review) -> None:
     from imuwb_outage import show  # noqa: PLC0415 - as above
 
     show.draw(result, review)
+
+
+def outputs(parameters: Parameters) -> tuple[Path, ...]:
+    """Return the files that are written beside the recording."""
+    from imuwb.writers.trajectory import check_trajectory  # noqa: PLC0415 - as above
+
+    if parameters.navigation is None:
+        return ()
+    check_trajectory(parameters.navigation)
+    return (parameters.navigation,)
+
+
+def write_outputs(result: Result, parameters: Parameters) -> None:
+    """Write the last filter's solution."""
+    from imuwb_outage import trajectory  # noqa: PLC0415 - as above
+
+    if parameters.navigation is not None:
+        trajectory.write(result, parameters.navigation)

@@ -14,8 +14,11 @@ from imuwb.replay import (
     HORIZONS,
     Outage,
     Replay,
+    apart,
+    budget,
     compare,
     estimate_clocks,
+    events_of,
     model_named,
     motion_classes,
     prepare,
@@ -32,9 +35,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from imuwb.log import Log
-    from imuwb.replay import Prepared, Run, Scores
+    from imuwb.replay import Budget, Prepared, Run, Scores
     from imuwb_outage.parameters import Parameters
 
+BUDGETED = 30  #: outages
 TESTED = "18AVWD"  #: the paper's claim is about it
 
 
@@ -86,8 +90,17 @@ def run(log: Log, parameters: Parameters) -> Result:
     return Result(
         tuple(one for duration in durations for one in _each(found, duration)), summary,
         tuple(_filter(one) for one in found.runs.values()), found.reference.name, words, found.notes,
-        clocks, tuned, found,
+        clocks, tuned, *_budget(found), found,
     )  # fmt: skip
+
+
+def _budget(found: Replay) -> tuple[Budget, str]:
+    """Return what the last filter's sigma is made of, in the longest outages that do not overlap."""
+    name, last = list(found.runs.items())[-1]
+    duration = max(found.scored)
+    starts = [Outage(float(t), duration) for t in last.outages[duration].scores.start]
+    chosen = apart(starts)[:BUDGETED]
+    return budget(last.solution, events_of(last.solution, chosen), duration), name
 
 
 def _named(name: str, base: FilterModel, prepared: Prepared, parameters: Parameters) -> FilterModel:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from imuwb.replay import Clocks, Paired, Replay, Summary, Tuned
+    from imuwb.replay import Budget, Clocks, Paired, Replay, Summary, Tuned
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,4 +77,6 @@ class Result:
     notes: tuple[str, ...]
     clocks: Clocks | None  #: None: they were given
     tuned: Tuned | None
+    budget: Budget
+    budget_of: str  #: filter
     replay: Replay = field(metadata={"document": False})

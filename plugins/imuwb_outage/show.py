@@ -21,6 +21,10 @@ COLORS = {
     "27AR": (176, 122, 161), "full": (118, 183, 178), "tuned": (237, 201, 72),
 }  # fmt: skip
 REFERENCE = (225, 225, 228)
+PALETTE = (
+    (228, 87, 86), (76, 120, 168), (84, 162, 75), (242, 142, 43), (176, 122, 161), (118, 183, 178), (237, 201, 72),
+)  # fmt: skip
+COMMON = "in common"
 TRACKS, ROWS, FAINT = 6, 20, 60  #: outages drawn on the map, listed, and drawn as errors
 
 
@@ -41,6 +45,7 @@ def draw(result: Result, review: Review) -> None:
         review.note(_tuned_text(result.tuned))
     _consistency(result, review)
     _errors(result, review)
+    _budget(result, review)
     _tracks(result, review)
     _outages(result, review)
     review.tab("Comparison")
@@ -187,6 +192,29 @@ def _errors(result: Result, review: Review) -> None:
                 x_scale="linear", y_scale="linear", y_limits=(0.0, top),
             )
         )  # fmt: skip
+
+
+def _budget(result: Result, review: Review) -> None:
+    review.tab("Budget")
+    b = result.budget
+    order = np.argsort(-np.abs(b.variance[:, -1]))
+    curves = [Curve("all", b.elapsed, np.sqrt(b.total), REFERENCE, style="curve")]
+    for color, i in zip(PALETTE, [i for i in order if b.sources[i] != COMMON], strict=False):
+        curves.append(Curve(b.sources[i], b.elapsed, np.sqrt(b.variance[i]), color, style="curve"))
+    review.figure(
+        Figure(
+            f"What the sigma of {result.budget_of} is made of", "time without GNSS [s]", "horizontal sigma [m]", tuple(curves),
+            x_scale="log", y_scale="log", y_limits=(1e-2, 1.3 * float(np.sqrt(b.total[-1]))),
+        )
+    )  # fmt: skip
+    at = [i for i, t in enumerate(b.elapsed) if t in HORIZONS or i == b.elapsed.size - 1]
+    rows = tuple((b.sources[i], *(f"{b.variance[i, k] / b.total[k] * 100:.1f} %" for k in at)) for i in order)
+    headings = ("source", *(f"after {b.elapsed[k]:g} s" for k in at))
+    caption = (
+        "Shares of the horizontal variance, mean over outages that do not overlap. Sources that hide behind each other at the "
+        "start, such as a tilt and an accelerometer's bias, cancel in common."
+    )
+    review.table(Table(f"Error budget of {result.budget_of}", headings, rows, caption, wide=True))
 
 
 def _tracks(result: Result, review: Review) -> None:

@@ -1,0 +1,80 @@
+"""Trajectories for other tools: TUM (evo), KML (maps on the desk), CSV; MCAP goes the way of logs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.errors import UsageError
+from imuwb.log import SECOND, Log, Provenance
+from imuwb.writers.beside import beside, write_text
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from imuwb.log import Floats, Reference
+
+SUFFIXES = (".tum", ".kml", ".csv", ".mcap")
+MOST_POINTS = 20_000  #: of a KML line
+EARTH_RADIUS = 6_378_137.0
+
+
+def check_trajectory(path: Path) -> None:
+    """Raise UsageError unless the suffix is one of those that are written."""
+    if path.suffix not in SUFFIXES:
+        message = f"{path}: a trajectory ends in {', '.join(SUFFIXES)}"
+        raise UsageError(message)
+
+
+def write_trajectory(reference: Reference, quaternion: Floats, path: Path) -> None:
+    """Write a trajectory; the suffix is the format.
+
+    Args:
+        reference: time, position, velocity and attitude.
+        quaternion: (n, 4) w, x, y, z, of the body to north-east-down.
+        path: the file.
+
+    Raises:
+        UsageError: no such format.
+    """
+    check_trajectory(path)
+    if path.suffix in (".csv", ".mcap"):
+        from imuwb.writers import write  # noqa: PLC0415 - it imports what this module does not need
+
+        write(Log(Provenance(reference.name, "imuwb", "", 0), references=(reference,)), path)
+    elif path.suffix == ".tum":
+        _write_tum(reference, quaternion, path)
+    else:
+        _write_kml(reference, path)
+
+
+def _write_tum(reference: Reference, quaternion: Floats, path: Path) -> None:
+    """Write lines of time in s, x y z in m and a quaternion x y z w, in north, east and down of the first point."""
+    first = reference.position[0]
+    north = (reference.position[:, 0] - first[0]) * EARTH_RADIUS
+    east = (reference.position[:, 1] - first[1]) * EARTH_RADIUS * np.cos(first[0])
+    down = first[2] - reference.position[:, 2]
+    whole, rest = np.divmod(reference.time, SECOND)
+    with beside(path) as temporary, temporary.open("w", encoding="ascii") as file:
+        for i in range(reference.time.size):
+            w, x, y, z = quaternion[i]
+            file.write(
+                f"{whole[i]}.{rest[i]:09d} {north[i]:.4f} {east[i]:.4f} {down[i]:.4f} {x:.9f} {y:.9f} {z:.9f} {w:.9f}\n"
+            )
+
+
+def _write_kml(reference: Reference, path: Path) -> None:
+    rows = slice(None, None, max(1, -(-len(reference) // MOST_POINTS)))
+    places = np.degrees(reference.position[rows, :2])
+    points = " ".join(
+        f"{longitude:.9f},{latitude:.9f},{height:.3f}"
+        for (latitude, longitude), height in zip(places, reference.position[rows, 2], strict=True)
+    )
+    name = reference.name.replace("&", "&amp;").replace("<", "&lt;")
+    write_text(
+        path,
+        '<?xml version="1.0" encoding="UTF-8"?>\n<kml xmlns="http://www.opengis.net/kml/2.2"><Document><Placemark>'
+        f"<name>{name}</name><Style><LineStyle><color>ff4682ff</color><width>3</width></LineStyle></Style>"
+        f"<LineString><coordinates>{points}</coordinates></LineString></Placemark></Document></kml>\n",
+    )
