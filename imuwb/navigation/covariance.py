@@ -45,11 +45,13 @@ class Workspace(NamedTuple):
 
     product: Floats
     weights: Floats
+    transition: Floats  #: the product of all transition matrices since it was the identity, flat; empty: not wanted
 
 
-def workspace() -> Workspace:
-    """Return scratch for ``carry``."""
-    return Workspace(np.zeros(MOST_STATES * STRIDE), np.zeros(MOST_STATES))
+def workspace(*, transition: bool = False) -> Workspace:
+    """Return scratch for ``carry``; with a place for the transition matrix, if a smoother wants it."""
+    product = np.zeros(MOST_STATES * STRIDE)
+    return Workspace(product, np.zeros(MOST_STATES), np.zeros(MOST_STATES * STRIDE if transition else 0))
 
 
 def flat(covariance: Floats) -> Floats:
@@ -116,10 +118,10 @@ def _navigation_rows(
 
 @numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _axis_rows(
-    source: Floats, product: Floats, first: Integers, transition: Floats
+    source: Floats, product: Floats, begin: int, first: Integers, transition: Floats
 ) -> None:  # pragma: no cover - compiled
-    """Write the other rows of the transition matrix times ``source`` into ``product``; columns of navigation are left out."""
-    low, high = _U(NAVIGATION - 1), _U((first[6] + _LANES - 1) // _LANES * _LANES)
+    """Write the other rows of the transition matrix times ``source`` into ``product``, from column ``begin`` on."""
+    low, high = _U(begin), _U((first[6] + _LANES - 1) // _LANES * _LANES)
     for axis in range(6):
         start = first[axis]
         for s in range(start, first[axis + 1]):
@@ -298,7 +300,7 @@ def carry(
             if scale[s]:
                 weights[s] *= state[MEASURED + axis] / span
     _navigation_rows(covariance, product, (n + _LANES - 1) // _LANES * _LANES, state, first, weights)
-    _axis_rows(covariance, product, first, transition)
+    _axis_rows(covariance, product, NAVIGATION - 1, first, transition)
     _navigation_columns(product, covariance, state, first, weights)
     _axis_columns(product, covariance, first, transition)
     for i in range(NAVIGATION):
@@ -307,5 +309,9 @@ def carry(
             covariance[i * STRIDE + j] = mean
             covariance[j * STRIDE + i] = mean
     _add_noise(covariance, state, samples, first, noise, white, inside, cross)
+    if space.transition.size > 0:
+        _navigation_rows(space.transition, product, (n + _LANES - 1) // _LANES * _LANES, state, first, weights)
+        _axis_rows(space.transition, product, 0, first, transition)
+        space.transition[: n * STRIDE] = product[: n * STRIDE]
     for k in range(SPAN, SIZE):
         state[k] = 0.0

@@ -14,7 +14,7 @@ from imuwb.navigation.covariance import NAVIGATION, flat, workspace
 from imuwb.navigation.earth import EARTH_RATE
 from imuwb.navigation.initial import axis_start
 from imuwb.navigation.strapdown import QUATERNION, SIZE, VELOCITY, navigation_state
-from imuwb.navigation.tables import FIX, Rules, Track
+from imuwb.navigation.tables import FIX, Prior, Rules, Track
 
 if TYPE_CHECKING:
     from imuwb.log import Floats
@@ -106,6 +106,8 @@ def solve(
     found: Corrections,
     start: Alignment,
     without: tuple[float, float] | None = None,
+    *,
+    smooth: bool = False,
 ) -> Solution:
     """Run a filter over a log.
 
@@ -115,6 +117,7 @@ def solve(
         found: what corrects it.
         start: where it begins.
         without: s from the log's start; fixes after the one and before the other are not used.
+        smooth: whether to keep what ``smoothed`` needs.
 
     Raises:
         MissingDataError: what the filter carries is no number any more; the message says when.
@@ -131,15 +134,17 @@ def solve(
     track = Track(
         state=np.zeros((count, SIZE)), axes=np.zeros((count, n - NAVIGATION)), covariance=np.zeros((count, n, n)),
         innovation=np.full((count, 6), np.nan), deviation=np.full((count, 6), np.nan), nis=np.full((count, 2), np.nan),
-        used=np.zeros((count, 2), dtype=np.bool_),
+        used=np.zeros((count, 2), dtype=np.bool_), before=_prior(count if smooth else 0, n),
     )  # fmt: skip
     track.state[start.event], track.axes[start.event], track.covariance[start.event] = state, axes, covariance
     skip = (-1, -1)
     if without is not None:
         skip = int(np.searchsorted(moves.time, without[0])), int(np.searchsorted(moves.time, without[1]))
-    rules = rules_of(model)
+    rules, space = rules_of(model), workspace(transition=smooth)
+    if smooth:
+        space.transition[:] = flat(np.eye(n))
     ended, event = kernel.run(
-        state, axes, rows, moves.samples, found.events, rules, tables, workspace(), start.sample, *skip, track
+        state, axes, rows, moves.samples, found.events, rules, tables, space, start.sample, *skip, track
     )
     if ended != kernel.FINE:
         message = (
@@ -152,6 +157,11 @@ def solve(
         at = found.events.at[events]
         events = events[(at <= skip[0]) | (at >= skip[1])]
     return Solution(model, moves, found, start, tables, rules, track, events)
+
+
+def _prior(count: int, n: int) -> Prior:
+    square = count, n, n
+    return Prior(np.zeros((count, SIZE)), np.zeros((count, n - NAVIGATION)), np.zeros(square), np.zeros(square))
 
 
 def _axes_at_start(

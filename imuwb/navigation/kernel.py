@@ -172,7 +172,7 @@ def run(
     """
     n = tables.first[6]
     rows, refused = np.zeros((MOST_ROWS, n)), np.zeros(2, np.int64)
-    done, pending = begin, 0
+    done, pending, prior = begin, 0, track.before
     at, kind = events.at, events.kind
     for e in range(at.size):
         if at[e] < begin:
@@ -186,6 +186,13 @@ def run(
         if state[SPAN] > 0.0:
             carry(covariance, state, pending, int(samples.regime[at[e]]), tables, space)
             pending = 0
+        if prior.state.shape[0] > 0:
+            prior.state[e], prior.axes[e] = state, axes
+            for i in range(n):
+                prior.covariance[e, i] = covariance[i * STRIDE : i * STRIDE + n]
+                prior.transition[e, i] = space.transition[i * STRIDE : i * STRIDE + n]
+                space.transition[i * STRIDE : (i + 1) * STRIDE] = 0.0
+                space.transition[i * STRIDE + i] = 1.0
         update(
             state, axes, covariance, samples, events, e, rules, tables, rows, refused,
             track.innovation[e], track.deviation[e], track.nis[e], track.used[e],

@@ -62,6 +62,15 @@ class Rules(NamedTuple):
     lever: Floats  #: (3,) m FRD, from the IMU to the antenna
 
 
+class Prior(NamedTuple):
+    """What a run leaves of each of its events before it is taken in."""
+
+    state: Floats  #: (E, SIZE)
+    axes: Floats  #: (E, K)
+    covariance: Floats  #: (E, n, n)
+    transition: Floats  #: (E, n, n) from behind the event before
+
+
 class Track(NamedTuple):
     """What a run leaves of each of its events."""
 
@@ -72,3 +81,4 @@ class Track(NamedTuple):
     deviation: Floats  #: (E, 6) its sigma
     nis: Floats  #: (E, 2) of position and of velocity; nan: none
     used: NDArray[np.bool_]  #: (E, 2)
+    before: Prior  #: what a smoother needs besides; empty: it is not wanted

@@ -11,6 +11,7 @@ from scipy.interpolate import CubicHermiteSpline
 from imuwb.log import SECOND
 from imuwb.navigation.attitude import rotation_of_euler
 from imuwb.navigation.earth import radii_of_curvature
+from imuwb.navigation.smoother import smoothed
 
 if TYPE_CHECKING:
     from imuwb.log import Floats, GnssStream, Log, Reference
@@ -25,7 +26,7 @@ class Yardstick:
     """A trajectory of the IMU that drift is measured against, as functions of time."""
 
     name: str
-    kind: str  #: "truth", "fixed" or "own"
+    kind: str  #: "truth", "fixed", "smoothed" or "own"
     time: Floats  #: (n,) s from the log's start
     position: Floats  #: (n, 3) latitude rad, longitude rad, height m
     velocity: Floats  #: (n, 3) m/s, NED
@@ -58,33 +59,51 @@ def _rates(position: Floats, velocity: Floats) -> Floats:
     ], axis=1)  # fmt: skip
 
 
+def is_independent(log: Log, wanted: str = "best") -> bool:
+    """Return whether the reference that is wanted is in the log itself, or no filter need be smoothed for it."""
+    if wanted == "best":
+        return _reference(log) is not None or any(_is_fixed(g) for g in log.gnss)
+    return wanted != "smoothed"
+
+
 def yardstick(log: Log, solution: Solution, wanted: str = "best") -> Yardstick:
-    """Return the best reference of a log: independent truth, RTK-fixed points, or a filter's own run without outage.
+    """Return the best reference of a log: independent truth, RTK-fixed points, or a filter's run over all fixes, smoothed.
 
     Args:
         log: with its references and receivers.
         solution: a filter's run over the whole log: it tells the attitude, by which antenna and IMU differ, and is the last
-            choice itself.
-        wanted: "best", "truth", "fixed" or "own".
+            choice itself; then it must have been kept for smoothing.
+        wanted: "best", "truth", "fixed", "smoothed" or "own" (as it is, not smoothed).
 
     Raises:
         ValueError: the log has not the one wanted.
     """
-    if wanted in ("best", "truth"):
-        whole = [r for r in log.references if r.velocity is not None]
-        if whole:
-            return _truth(log, whole[0])
-    if wanted in ("best", "fixed"):
-        fixed = next((g for g in log.gnss if _is_fixed(g)), None)
-        if fixed is not None:
-            return _fixed(log, fixed, solution)
-    if wanted in ("best", "own"):
+    truth, fixed = _reference(log), next((g for g in log.gnss if _is_fixed(g)), None)
+    if truth is not None and wanted in ("best", "truth"):
+        return _truth(log, truth)
+    if fixed is not None and wanted in ("best", "fixed"):
+        return _fixed(log, fixed, solution)
+    if wanted in ("best", "smoothed"):
+        return _smoothed(solution)
+    if wanted == "own":
         return own(solution)
     message = {
         "truth": "the log holds no reference trajectory with velocities",
         "fixed": "no receiver of the log has RTK-fixed positions with velocities",
     }[wanted]
     raise ValueError(message)
+
+
+def _reference(log: Log) -> Reference | None:
+    return next((r for r in log.references if r.velocity is not None), None)
+
+
+def _smoothed(solution: Solution) -> Yardstick:
+    found = smoothed(solution)
+    return Yardstick(
+        f"{solution.model.name}, all fixes, smoothed", "smoothed", found.time, found.position, found.velocity,
+        np.unwrap(found.euler[:, 2]), found.sigma[:, :3],
+    )  # fmt: skip
 
 
 def own(solution: Solution) -> Yardstick:

@@ -14,7 +14,7 @@ from imuwb.navigation.filter import solve
 from imuwb.navigation.measurement import denoised, measurement
 from imuwb.navigation.outages import drift
 from imuwb.progress import tracked
-from imuwb.replay.reference import own, yardstick
+from imuwb.replay.reference import is_independent, own, yardstick
 from imuwb.replay.scores import Scores, scores
 
 if TYPE_CHECKING:
@@ -119,12 +119,12 @@ def prepare(log: Log, model: FilterModel, receiver: str | None = None) -> Prepar
     return Prepared(log, gnss, moves, still, found, start, (*moves.notes, *found.notes, start.note))
 
 
-def run(model: FilterModel, prepared: Prepared) -> Solution:
-    """Return a filter's run over a whole log."""
+def run(model: FilterModel, prepared: Prepared, *, smooth: bool = False) -> Solution:
+    """Return a filter's run over a whole log; with what a smoother needs, if it is wanted."""
     moves = prepared.moves
     if any(model.wavelet_levels):
         moves = denoised(moves, model.wavelet_levels)
-    return solve(model, moves, prepared.found, prepared.start)
+    return solve(model, moves, prepared.found, prepared.start, smooth=smooth)
 
 
 def sweep(prepared: Prepared, model: FilterModel, duration: float) -> tuple[Outage, ...]:
@@ -160,7 +160,7 @@ def replay(
         prepared: the log.
         models: the filters; their names differ.
         outages: in order of time; those of a duration are run together.
-        reference: "best", "truth", "fixed" or "own".
+        reference: "best", "truth", "fixed", "smoothed" or "own".
 
     Raises:
         UsageError: an outage before the filter has settled, or behind the log's end.
@@ -168,11 +168,10 @@ def replay(
         ValueError: the log has not the reference that is wanted; no process that a filter can carry.
     """
     check_outages(prepared, models[0], outages)
-    solutions: dict[str, Solution] = {}
-    for model in models:
-        solutions[model.name] = run(model, prepared)
-    best = next((solutions[name] for name in ("full", "18AV", "15AV") if name in solutions), solutions[models[0].name])
-    against = yardstick(prepared.log, best, reference)
+    solutions: dict[str, Solution] = {model.name: run(model, prepared) for model in models}
+    best = next((m for name in ("tuned", "full", "18AV", "15AV") for m in models if m.name == name), models[0])
+    alone = is_independent(prepared.log, reference)
+    against = yardstick(prepared.log, solutions[best.name] if alone else run(best, prepared, smooth=True), reference)
     durations = sorted({outage.duration for outage in outages})
     runs: dict[str, Run] = {name: Run(solution, {}) for name, solution in solutions.items()}
     scored: dict[float, NDArray[np.bool_]] = {}

@@ -9,7 +9,7 @@ import numpy as np
 from scipy import optimize
 
 from imuwb.navigation.outages import drift
-from imuwb.replay.reference import yardstick
+from imuwb.replay.reference import is_independent, yardstick
 from imuwb.replay.replay import Outage, apart, events_of, run, sweep
 from imuwb.replay.scaled import scaled
 from imuwb.replay.scores import scores
@@ -58,7 +58,8 @@ def tune(prepared: Prepared, model: FilterModel, reference: str) -> tuple[Filter
     Raises:
         ValueError: too few outages fit into the log; no such reference.
     """
-    against = yardstick(prepared.log, run(model, prepared), reference)
+    smooth = not is_independent(prepared.log, reference)
+    against = yardstick(prepared.log, run(model, prepared, smooth=smooth), reference)
     alone = apart(sweep(prepared, model, DURATION))
     split = alone[0].start + SHARE * (alone[-1].start + DURATION - alone[0].start) if alone else 0.0
     early = [o for o in alone if o.start + o.duration <= split]

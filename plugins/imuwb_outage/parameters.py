@@ -24,8 +24,8 @@ class Parameters:
     random: Annotated[int, "so many starts of a sweep, drawn at random; 0: all"] = 0
     seed: Annotated[int, "of --random"] = 0
     reference: Annotated[
-        Literal["best", "truth", "fixed", "own"],
-        "what drift is measured against: the log's truth, RTK-fixed points, a filter's own run, or the best there is",
+        Literal["best", "truth", "fixed", "smoothed", "own"],
+        "what drift is measured against: the log's truth, RTK-fixed points, all fixes smoothed, a filter's own run, or the best there is",
     ] = "best"
     reading: Annotated[
         Literal["corrected", "as-printed"], "of Quinchia's formulas: what they mean, or what they say"
