@@ -92,6 +92,9 @@ def align(
     if not fixes.size:
         message = "no fix has a velocity: the heading at the start cannot be told"
         raise MissingDataError(message)
+    if not fast.size and (speed > settings.start_speed).any():
+        message = f"no fix behind {after:.1f} s moves faster than {settings.start_speed:g} m/s within the IMU's time"
+        raise MissingDataError(message)
     if not fast.size:
         message = (
             f"the receiver never moves faster than {settings.start_speed:g} m/s (its largest speed is {speed.max():.2f} m/s): "

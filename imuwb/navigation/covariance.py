@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
     Integers = NDArray[np.int64]
+    Whole = int | np.int64
 
 NAVIGATION = 9  #: error states of position, velocity and attitude
 MOST_STATES = 48  #: of a filter
@@ -228,7 +229,7 @@ def _axis_columns(
 
 @numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _add_noise(
-    covariance: Floats, state: Floats, samples: int, first: Integers, noise: Floats, white: Floats, inside: Floats,
+    covariance: Floats, state: Floats, samples: Whole, first: Integers, noise: Floats, white: Floats, inside: Floats,
     cross: Floats,
 ) -> None:  # fmt: skip  # pragma: no cover - compiled
     span = state[SPAN]
@@ -274,7 +275,7 @@ def _add_noise(
 
 @numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def carry(
-    covariance: Floats, state: Floats, samples: int, regime: int, axes: AxisTables, space: Workspace
+    covariance: Floats, state: Floats, samples: Whole, regime: Whole, axes: AxisTables, space: Workspace
 ) -> None:  # pragma: no cover - compiled
     """Carry a covariance on over the span that a state has gathered, and begin a new span.
 
@@ -312,6 +313,7 @@ def carry(
     if space.transition.size > 0:
         _navigation_rows(space.transition, product, (n + _LANES - 1) // _LANES * _LANES, state, first, weights)
         _axis_rows(space.transition, product, 0, first, transition)
-        space.transition[: n * STRIDE] = product[: n * STRIDE]
+        for k in range(n * STRIDE):
+            space.transition[k] = product[k]
     for k in range(SPAN, SIZE):
         state[k] = 0.0

@@ -14,7 +14,7 @@ from imuwb.navigation.covariance import NAVIGATION, flat, workspace
 from imuwb.navigation.earth import EARTH_RATE
 from imuwb.navigation.initial import axis_start
 from imuwb.navigation.strapdown import QUATERNION, SIZE, VELOCITY, navigation_state
-from imuwb.navigation.tables import FIX, Prior, Rules, Track
+from imuwb.navigation.tables import FIX, Marks, Prior, Rules, Track
 
 if TYPE_CHECKING:
     from imuwb.log import Floats
@@ -131,11 +131,7 @@ def solve(
     axes, covariance[NAVIGATION:, NAVIGATION:] = _axes_at_start(model, moves, tables, start)
     rows = flat(covariance)
     count = found.events.at.size
-    track = Track(
-        state=np.zeros((count, SIZE)), axes=np.zeros((count, n - NAVIGATION)), covariance=np.zeros((count, n, n)),
-        innovation=np.full((count, 6), np.nan), deviation=np.full((count, 6), np.nan), nis=np.full((count, 2), np.nan),
-        used=np.zeros((count, 2), dtype=np.bool_), before=_prior(count if smooth else 0, n),
-    )  # fmt: skip
+    track = empty_track(count, n, smooth=smooth)
     track.state[start.event], track.axes[start.event], track.covariance[start.event] = state, axes, covariance
     skip = (-1, -1)
     if without is not None:
@@ -144,7 +140,19 @@ def solve(
     if smooth:
         space.transition[:] = flat(np.eye(n))
     ended, event = kernel.run(
-        state, axes, rows, moves.samples, found.events, rules, tables, space, start.sample, *skip, track
+        state,
+        axes,
+        rows,
+        moves.samples,
+        found.events,
+        rules,
+        tables,
+        space,
+        start.sample,
+        start.event + 1,
+        *skip,
+        no_marks(),
+        track,
     )
     if ended != kernel.FINE:
         message = (
@@ -159,9 +167,22 @@ def solve(
     return Solution(model, moves, found, start, tables, rules, track, events)
 
 
-def _prior(count: int, n: int) -> Prior:
-    square = count, n, n
-    return Prior(np.zeros((count, SIZE)), np.zeros((count, n - NAVIGATION)), np.zeros(square), np.zeros(square))
+def no_marks() -> Marks:
+    """Return no marks: a run goes on behind its last event."""
+    return Marks(np.zeros(0, np.int64), True, np.zeros((0, 10)), np.zeros((0, NAVIGATION, NAVIGATION)))
+
+
+def empty_track(count: int, n: int, *, smooth: bool = False) -> Track:
+    """Return room for a run of so many events and error states; and for what a smoother needs."""
+    before = count if smooth else 0
+    return Track(
+        state=np.zeros((count, SIZE)), axes=np.zeros((count, n - NAVIGATION)), covariance=np.zeros((count, n, n)),
+        innovation=np.full((count, 6), np.nan), deviation=np.full((count, 6), np.nan), nis=np.full((count, 2), np.nan),
+        used=np.zeros((count, 2), dtype=np.bool_),
+        before=Prior(
+            np.zeros((before, SIZE)), np.zeros((before, n - NAVIGATION)), np.zeros((before, n, n)), np.zeros((before, n, n))
+        ),
+    )  # fmt: skip
 
 
 def _axes_at_start(

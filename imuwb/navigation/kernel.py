@@ -2,7 +2,9 @@
 
 A loosely coupled error-state filter with closed-loop feedback (Groves, 14.3): every estimated error is taken out at once, so
 the error state between updates is zero and only its covariance is carried. The covariance is carried on the absolute grid of
-every M-th sample and at events, so that a run without some of the fixes is, bit for bit, what branches off before them.
+every M-th sample and at events, so that what branches off before some fixes is, bit for bit, a run without them.
+
+Arrays are copied by loops and counters have one type, or the compiler makes the same code several times over.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ import numba
 import numpy as np
 
 from imuwb.navigation.covariance import NAVIGATION, STRIDE, carry
-from imuwb.navigation.strapdown import MEASURED, PAST_ANGLE, PAST_STEP, PAST_VELOCITY, SPAN, step
+from imuwb.navigation.strapdown import MEASURED, PAST_ANGLE, PAST_STEP, PAST_VELOCITY, SIZE, SPAN, step
 from imuwb.navigation.tables import FIX, MOST_ROWS
 from imuwb.navigation.update import update
 
@@ -22,45 +24,90 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from imuwb.navigation.covariance import Workspace
-    from imuwb.navigation.tables import AxisTables, Events, Rules, Samples, Track
+    from imuwb.navigation.tables import AxisTables, Events, Marks, Rules, Samples, Track
 
     Floats = NDArray[np.float64]
     Integers = NDArray[np.int64]
+    Whole = int | np.int64
 
 FINE, NOT_FINITE, NOT_POSITIVE = 0, 1, 2  #: how a run ended
+_U = np.uint64
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _axis_error(
+    axes: Floats,
+    at: int,
+    order: int,
+    transition: Floats,
+    weight: Floats,
+    scale: NDArray[np.bool_],
+    measured: float,
+    h: float,
+) -> float:  # pragma: no cover - compiled
+    """Carry one axis's states on by a sample, and return what they add to its increment; orders 1 to 3 unrolled."""
+    a = _U(at)
+    if order == 1:
+        x = transition[0, 0] * axes[a]
+        axes[a] = x
+        return weight[a] * x * (measured if scale[a] else h)
+    b, c = _U(at + 1), _U(at + 2)
+    if order == 2:  # noqa: PLR2004 - as said
+        p = transition[0, 0] * axes[a] + transition[0, 1] * axes[b]
+        q = transition[1, 0] * axes[a] + transition[1, 1] * axes[b]
+        axes[a], axes[b] = p, q
+        return weight[a] * p * (measured if scale[a] else h) + weight[b] * q * (measured if scale[b] else h)
+    if order == 3:  # noqa: PLR2004 - as said
+        x, y, z = axes[a], axes[b], axes[c]
+        p = transition[0, 0] * x + transition[0, 1] * y + transition[0, 2] * z
+        q = transition[1, 0] * x + transition[1, 1] * y + transition[1, 2] * z
+        r = transition[2, 0] * x + transition[2, 1] * y + transition[2, 2] * z
+        axes[a], axes[b], axes[c] = p, q, r
+        total = weight[a] * p * (measured if scale[a] else h) + weight[b] * q * (measured if scale[b] else h)
+        return total + weight[c] * r * (measured if scale[c] else h)
+    total = 0.0
+    moved = np.zeros(order)
+    for i in range(order):
+        for j in range(order):
+            moved[i] += transition[i, j] * axes[at + j]
+    for i in range(order):
+        axes[at + i] = moved[i]
+        total += weight[at + i] * moved[i] * (measured if scale[at + i] else h)
+    return total
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def advance(
-    state: Floats, axes: Floats, covariance: Floats, samples: Samples, begin: int, end: int, with_covariance: bool,
-    every: int, pending: int, tables: AxisTables, space: Workspace,
-) -> int:  # fmt: skip  # pragma: no cover - compiled
+    state: Floats, axes: Floats, covariance: Floats, samples: Samples, begin: Whole, end: Whole, with_covariance: bool,
+    every: int, pending: Whole, tables: AxisTables, space: Workspace,
+) -> Whole:  # fmt: skip  # pragma: no cover - compiled
     """Carry everything on through the samples ``begin`` to ``end`` (excluded); return how many the open span holds."""
     interval, angle, velocity, gap, regimes = (
         samples.interval, samples.angle, samples.velocity, samples.gap, samples.regime
     )  # fmt: skip
-    first, weight, scale, transition = tables.first, tables.step, tables.scale, tables.transition
+    first, scale = tables.first, tables.scale
+    held = regimes[begin] if begin < end else np.int64(0)
+    weight, transition = tables.step[held], tables.transition[held, 1]
     error = np.zeros(6)
     for k in range(begin, end):
         h, regime = interval[k], regimes[k]
+        if regime != held:
+            held = regime
+            weight, transition = tables.step[held], tables.transition[held, 1]
         for axis in range(6):
-            low, high = first[axis], first[axis + 1]
             measured = angle[k, axis] if axis < 3 else velocity[k, axis - 3]  # noqa: PLR2004 - gyros first
             state[MEASURED + axis] += measured
-            if high - low == 1:
-                at = low - NAVIGATION
-                axes[at] *= transition[regime, 1, axis, 0, 0]
-                error[axis] = weight[regime, at] * axes[at] * (measured if scale[at] else h)
-            else:
-                _shift(axes, low - NAVIGATION, high - low, transition[regime, 1, axis])
-                total = 0.0
-                for at in range(low - NAVIGATION, high - NAVIGATION):
-                    total += weight[regime, at] * axes[at] * (measured if scale[at] else h)
-                error[axis] = total
+            order = first[axis + 1] - first[axis]
+            error[axis] = 0.0
+            if order > 0:
+                error[axis] = _axis_error(
+                    axes, first[axis] - NAVIGATION, order, transition[axis], weight, scale, measured, h
+                )
         if gap[k]:
             state[PAST_STEP] = 0.0
-            state[PAST_ANGLE : PAST_ANGLE + 3] = 0.0
-            state[PAST_VELOCITY : PAST_VELOCITY + 3] = 0.0
+            for i in range(3):
+                state[PAST_ANGLE + i] = 0.0
+                state[PAST_VELOCITY + i] = 0.0
         step(
             state, h, angle[k, 0] - error[0], angle[k, 1] - error[1], angle[k, 2] - error[2],
             velocity[k, 0] - error[3], velocity[k, 1] - error[4], velocity[k, 2] - error[5],
@@ -68,76 +115,8 @@ def advance(
         pending += 1
         if with_covariance and (k + 1) % every == 0:
             carry(covariance, state, pending, regime, tables, space)
-            pending = 0
+            pending = np.int64(0)
     return pending
-
-
-@numba.njit(cache=True, nogil=True, error_model="numpy")
-def _shift(axes: Floats, low: int, order: int, transition: Floats) -> None:  # pragma: no cover - compiled
-    """Carry one axis's states on by a sample."""
-    if order == 2:  # noqa: PLR2004 - the most frequent
-        x, y = axes[low], axes[low + 1]
-        axes[low] = transition[0, 0] * x + transition[0, 1] * y
-        axes[low + 1] = transition[1, 0] * x + transition[1, 1] * y
-    elif order == 3:  # noqa: PLR2004
-        x, y, z = axes[low], axes[low + 1], axes[low + 2]
-        axes[low] = transition[0, 0] * x + transition[0, 1] * y + transition[0, 2] * z
-        axes[low + 1] = transition[1, 0] * x + transition[1, 1] * y + transition[1, 2] * z
-        axes[low + 2] = transition[2, 0] * x + transition[2, 1] * y + transition[2, 2] * z
-    elif order > 3:  # noqa: PLR2004
-        moved = np.zeros(order)
-        for i in range(order):
-            for j in range(order):
-                moved[i] += transition[i, j] * axes[low + j]
-        axes[low : low + order] = moved
-
-
-@numba.njit(cache=True, nogil=True, error_model="numpy")
-def branch(
-    state: Floats, axes: Floats, covariance: Floats, samples: Samples, events: Events, rules: Rules, tables: AxisTables,
-    space: Workspace, begin: int, marks: Integers, with_covariance: bool, states: Floats, spreads: Floats,
-) -> int:  # fmt: skip  # pragma: no cover - compiled
-    """Carry a checkpoint on without fixes; the other aids go on. Return how it ended.
-
-    Args:
-        state, axes, covariance: the checkpoint; changed.
-        samples, events, rules, tables, space: as of ``run``.
-        begin: first sample.
-        marks: (L,) samples behind which is written, rising; on the grid of covariances.
-        with_covariance: whether covariances are carried.
-        states: (L, 10) written: position, velocity, quaternion.
-        spreads: (L, 9, 9) written: covariance of position, velocity and attitude.
-    """
-    n = tables.first[6]
-    rows, refused = np.zeros((MOST_ROWS, n)), np.zeros(2, np.int64)
-    innovation, deviation, nis, used = np.empty(6), np.empty(6), np.empty(2), np.zeros(2, np.bool_)
-    at, kind = events.at, events.kind
-    done, pending, e = begin, 0, 0
-    while e < at.size and at[e] < begin:
-        e += 1
-    for m in range(marks.size):
-        while e < at.size and at[e] < marks[m]:
-            if kind[e] != FIX:
-                pending = advance(
-                    state, axes, covariance, samples, done, at[e] + 1, with_covariance, rules.every, pending, tables, space
-                )  # fmt: skip
-                done = at[e] + 1
-                if state[SPAN] > 0.0:
-                    carry(covariance, state, pending, int(samples.regime[at[e]]), tables, space)
-                    pending = 0
-                update(
-                    state, axes, covariance, samples, events, e, rules, tables, rows, refused,
-                    innovation, deviation, nis, used,
-                )  # fmt: skip
-            e += 1
-        pending = advance(
-            state, axes, covariance, samples, done, marks[m], with_covariance, rules.every, pending, tables, space
-        )  # fmt: skip
-        done = marks[m]
-        states[m] = state[:10]
-        for i in range(NAVIGATION):
-            spreads[m, i] = covariance[i * STRIDE : i * STRIDE + NAVIGATION]
-    return sound(state, covariance, n) if with_covariance else FINE
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
@@ -156,51 +135,84 @@ def sound(state: Floats, covariance: Floats, n: int) -> int:  # pragma: no cover
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
+def _copy_square(rows: Floats, n: int, square: Floats) -> None:  # pragma: no cover - compiled
+    for i in range(n):
+        for j in range(n):
+            square[i, j] = rows[i * STRIDE + j]
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
 def run(
     state: Floats, axes: Floats, covariance: Floats, samples: Samples, events: Events, rules: Rules, tables: AxisTables,
-    space: Workspace, begin: int, skip_from: int, skip_to: int, track: Track,
-) -> tuple[int, int]:  # fmt: skip  # pragma: no cover - compiled
-    """Run the filter through all events; return how it ended, and at which event.
+    space: Workspace, begin: int, event: int, skip_from: int, skip_to: int, marks: Marks, track: Track,
+) -> tuple[int, Whole]:  # fmt: skip  # pragma: no cover - compiled
+    """Run the filter from a checkpoint; return how it ended, and at which event.
 
     Args:
-        state, axes, covariance: at the beginning of sample ``begin``; changed.
+        state, axes, covariance: the checkpoint; changed.
         samples, events, rules, tables: the log and the model.
         space: scratch.
         begin: first sample.
+        event: first event.
         skip_from, skip_to: fixes behind samples from the one to the other, both excluded, are not used.
-        track: written.
+        marks: where it is looked at on the way; the run ends at the last of them, or, without any, behind the last event.
+        track: written, if it has room.
     """
     n = tables.first[6]
     rows, refused = np.zeros((MOST_ROWS, n)), np.zeros(2, np.int64)
-    done, pending, prior = begin, 0, track.before
-    at, kind = events.at, events.kind
-    for e in range(at.size):
-        if at[e] < begin:
+    innovation, deviation, nis, used = np.empty(6), np.empty(6), np.empty(2), np.zeros(2, np.bool_)
+    done: Whole = np.int64(begin)
+    pending: Whole = np.int64(0)
+    e, m = np.int64(event), np.int64(0)
+    at, kind, mark, with_covariance = events.at, events.kind, marks.at, marks.with_covariance
+    kept, prior, smoothing = track.state.shape[0] > 0, track.before, track.before.state.shape[0] > 0
+    while m < mark.size or (mark.size == 0 and e < at.size):
+        if mark.size > 0 and (e >= at.size or mark[m] <= at[e]):
+            pending = advance(
+                state, axes, covariance, samples, done, mark[m], with_covariance, rules.every, pending, tables, space
+            )  # fmt: skip
+            done = mark[m]
+            for i in range(10):
+                marks.state[m, i] = state[i]
+            _copy_square(covariance, NAVIGATION, marks.covariance[m])
+            m += 1
             continue
         if kind[e] == FIX and skip_from < at[e] < skip_to:
+            e += 1
             continue
         pending = advance(
-            state, axes, covariance, samples, done, at[e] + 1, True, rules.every, pending, tables, space
+            state, axes, covariance, samples, done, at[e] + 1, with_covariance, rules.every, pending, tables, space
         )  # fmt: skip
         done = at[e] + 1
         if state[SPAN] > 0.0:
             carry(covariance, state, pending, int(samples.regime[at[e]]), tables, space)
-            pending = 0
-        if prior.state.shape[0] > 0:
-            prior.state[e], prior.axes[e] = state, axes
+            pending = np.int64(0)
+        if smoothing:
+            for i in range(SIZE):
+                prior.state[e, i] = state[i]
+            for i in range(axes.size):
+                prior.axes[e, i] = axes[i]
+            _copy_square(covariance, n, prior.covariance[e])
+            _copy_square(space.transition, n, prior.transition[e])
+            for i in range(n * STRIDE):
+                space.transition[i] = 0.0
             for i in range(n):
-                prior.covariance[e, i] = covariance[i * STRIDE : i * STRIDE + n]
-                prior.transition[e, i] = space.transition[i * STRIDE : i * STRIDE + n]
-                space.transition[i * STRIDE : (i + 1) * STRIDE] = 0.0
                 space.transition[i * STRIDE + i] = 1.0
         update(
-            state, axes, covariance, samples, events, e, rules, tables, rows, refused,
-            track.innovation[e], track.deviation[e], track.nis[e], track.used[e],
-        )  # fmt: skip
+            state, axes, covariance, samples, events, e, rules, tables, rows, refused, innovation, deviation, nis, used
+        )
         ended = sound(state, covariance, n)
         if ended != FINE:
             return ended, e
-        track.state[e], track.axes[e] = state, axes
-        for i in range(n):
-            track.covariance[e, i] = covariance[i * STRIDE : i * STRIDE + n]
-    return FINE, at.size
+        if kept:
+            for i in range(6):
+                track.innovation[e, i], track.deviation[e, i] = innovation[i], deviation[i]
+            for i in range(2):
+                track.nis[e, i], track.used[e, i] = nis[i], used[i]
+            for i in range(SIZE):
+                track.state[e, i] = state[i]
+            for i in range(axes.size):
+                track.axes[e, i] = axes[i]
+            _copy_square(covariance, n, track.covariance[e])
+        e += 1
+    return sound(state, covariance, n), e

@@ -15,12 +15,16 @@ from imuwb.navigation.filter_model import degrees
 from imuwb.navigation.tables import Samples
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from imuwb.log import Floats, ImuStream, Log
     from imuwb.navigation.filter_model import Installation
 
 LEAST = 100  #: samples
+FEW = 32  #: samples whose clock is told from their interval alone
 LONGEST_GAP = 10.0  #: s, that is bridged by a straight line; behind a longer one a new log begins
 NOTED_GAP = 0.05  #: s, from which on a bridged gap keeps an outage from being scored
+OTHER_GAP = 1.8  #: intervals of an accelerometer on another clock, from which on samples are missing
 EVEN = 0.6  #: of an interval, that stamps may stray from an even clock whose samples come at even steps
 REGIME = 2.0  #: °C, width of a regime
 
@@ -65,17 +69,23 @@ def measurement(log: Log, imu: ImuStream, installation: Installation, *, thermal
     step = np.diff(own, prepend=own[0] - rate)
     angular = _filled(gyro.value[part], present)
     other = (accel.time - zero) / SECOND - installation.skew
+    apart: list[tuple[float, float]] = []
     if other.size == time.size and np.array_equal(other, time):
         force = _filled(accel.value[part], present)
     else:
         force = _onto(own, step, other, accel.value)
+        lacking = np.flatnonzero(np.diff(other) > OTHER_GAP * np.median(np.diff(other)))
+        apart = [(other[k], other[k + 1]) for k in lacking if other[k + 1] - other[k] > NOTED_GAP]
+        if apart:
+            notes.append(f"the accelerometer lacks samples in {len(apart)} gaps: bridged by straight lines")
         notes.append(
             "the accelerometer has its own clock: its velocity increments are interpolated at the gyro's stamps"
         )
     turn = rotation_of_euler(degrees(installation.mounting))
     regime, celsius = _regimes(imu, own, zero, notes) if thermal else (np.zeros(own.size, np.int64), (None,))
     gaps = _gaps(present)
-    bridged = np.array([[own[a] - step[a], own[b - 1]] for a, b in gaps if (b - a) * rate > NOTED_GAP]).reshape(-1, 2)
+    spans = [(own[a] - step[a], own[b - 1]) for a, b in gaps if (b - a) * rate > NOTED_GAP] + apart
+    bridged = own[0] + (np.array(spans).reshape(-1, 2) - own[0]) * installation.clock_rate
     if gaps:
         notes.append(f"{sum(b - a for a, b in gaps)} samples missing in {len(gaps)} gaps: bridged by straight lines")
     step = step * installation.clock_rate
@@ -120,18 +130,39 @@ def _longest(time: Floats, notes: list[str]) -> slice:
     return slice(a, b)
 
 
-def _even(time: Floats) -> tuple[Floats, float, np.ndarray[tuple[int], np.dtype[np.int64]]]:
-    """Return even stamps, their interval, and which of them each sample has."""
+def _even(time: Floats) -> tuple[Floats, float, NDArray[np.int64]]:
+    """Return even stamps, their interval, and which of them each sample has.
+
+    Every sample takes the nearest stamp of an even clock, and no two the same; where the clock drifts too far for one, steps
+    are counted one by one.
+    """
+    count = min(time.size - 1, FEW)
+    dt = float(np.median(time[count:] - time[:-count])) / count  # gaps are few, and jitter is shared by many
+    start = float(np.median(time[:count] - dt * np.arange(count)))
+    while True:
+        # A clock that is known over some samples is good for as many more.
+        index = _rising(np.rint((time[:count] - start) / dt).astype(np.int64))
+        slope, offset = np.polyfit(index, time[:count] - time[0], 1)
+        dt, start = float(slope), float(time[0] + offset)
+        if count == time.size:
+            break
+        count = min(2 * count, time.size)
+    start, index = start + dt * index[0], index - index[0]
+    if np.abs(time - (start + dt * index)).max() < EVEN * dt:
+        return start + dt * np.arange(index[-1] + 1), dt, index
     steps = np.diff(time)
     dt = float(np.median(steps))
     index = np.concatenate([[0], np.cumsum(np.maximum(np.rint(steps / dt), 1))]).astype(np.int64)
-    slope, start = np.polyfit(index, time, 1)
-    if np.abs(time - (start + slope * index)).max() < EVEN * dt:
-        return start + slope * np.arange(index[-1] + 1), float(slope), index
     return np.interp(np.arange(index[-1] + 1), index, time), dt, index
 
 
-def _filled(values: Floats, present: np.ndarray[tuple[int], np.dtype[np.int64]]) -> Floats:
+def _rising(index: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return whole numbers that rise by one at least: the nearest from below."""
+    count = np.arange(index.size)
+    return np.maximum.accumulate(index - count) + count
+
+
+def _filled(values: Floats, present: NDArray[np.int64]) -> Floats:
     """Return values at all steps; straight lines where there is no sample."""
     if present.size == present[-1] + 1:
         return values
@@ -141,9 +172,13 @@ def _filled(values: Floats, present: np.ndarray[tuple[int], np.dtype[np.int64]])
 
 def _onto(time: Floats, step: Floats, other: Floats, values: Floats) -> Floats:
     """Return averages over the steps of one clock of samples on another: differences of the interpolated integral."""
-    width = np.diff(other, prepend=other[0] - np.median(np.diff(other)))
+    dt = np.median(np.diff(other))
+    width = np.diff(other, prepend=other[0] - dt)
+    # Over a gap the mean of both its sides holds, else the sample behind.
+    before = np.concatenate([values[:1], values[:-1]])
+    held = np.where((width > OTHER_GAP * dt)[:, None], (before + values) / 2, values)
     edges = np.concatenate([[other[0] - width[0]], other])
-    integral = np.concatenate([np.zeros((1, 3)), np.cumsum(values * width[:, None], axis=0)])
+    integral = np.concatenate([np.zeros((1, 3)), np.cumsum(held * width[:, None], axis=0)])
     found = np.empty((time.size, 3))
     for i in range(3):
         at = np.interp(np.concatenate([[time[0] - step[0]], time]), edges, integral[:, i])
@@ -155,7 +190,7 @@ def _onto(time: Floats, step: Floats, other: Floats, values: Floats) -> Floats:
     return found
 
 
-def _gaps(present: np.ndarray[tuple[int], np.dtype[np.int64]]) -> list[tuple[int, int]]:
+def _gaps(present: NDArray[np.int64]) -> list[tuple[int, int]]:
     """Return first and last (excluded) step of each gap."""
     wide = np.flatnonzero(np.diff(present) > 1)
     return [(int(present[k]) + 1, int(present[k + 1])) for k in wide]
@@ -163,7 +198,7 @@ def _gaps(present: np.ndarray[tuple[int], np.dtype[np.int64]]) -> list[tuple[int
 
 def _regimes(
     imu: ImuStream, time: Floats, zero: int, notes: list[str]
-) -> tuple[np.ndarray[tuple[int], np.dtype[np.int64]], tuple[float | None, ...]]:
+) -> tuple[NDArray[np.int64], tuple[float | None, ...]]:
     """Return which regime each step lies in, and the regimes' temperatures."""
     if imu.temperature is None or not len(imu.temperature):
         notes.append(

@@ -11,6 +11,8 @@ import numpy as np
 
 from imuwb.navigation import kernel
 from imuwb.navigation.covariance import NAVIGATION, flat, workspace
+from imuwb.navigation.filter import empty_track
+from imuwb.navigation.tables import Marks
 from imuwb.progress import tracked
 
 if TYPE_CHECKING:
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
     from imuwb.navigation.filter import Solution
 
 EACH = 1.0  #: s between two marks
+BEHIND = np.iinfo(np.int64).max  #: every sample
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -54,21 +57,28 @@ def drift(
         events: (s,) of the solution's events, the last fix before each outage.
         duration: s; the log must go on for as long.
         with_covariance: whether its covariance is carried on, too; else it is that of the checkpoint.
+
+    Raises:
+        ValueError: an outage that goes on behind the log's end.
     """
     marks = marks_of(solution, events, duration)
+    if marks.size and marks.max() > solution.moves.time.size:
+        message = f"an outage of {duration:g} s goes on behind the end of the log"
+        raise ValueError(message)
     count, length = marks.shape
     states, spreads = np.zeros((count, length, 10)), np.zeros((count, length, NAVIGATION, NAVIGATION))
     sound = np.zeros(count, dtype=bool)
     found, track = solution.found, solution.track
+    nothing = empty_track(0, int(solution.tables.first[6]))
 
     def work(part: NDArray[np.int64]) -> None:
         space = workspace()
         for k in part:
             e = int(events[k])
-            ended = kernel.branch(
+            ended, _ = kernel.run(
                 track.state[e].copy(), track.axes[e].copy(), flat(track.covariance[e]), solution.moves.samples,
-                found.events, solution.rules, solution.tables, space, int(found.events.at[e]) + 1, marks[k],
-                with_covariance, states[k], spreads[k],
+                found.events, solution.rules, solution.tables, space, int(found.events.at[e]) + 1, e + 1, -1, BEHIND,
+                Marks(marks[k], with_covariance, states[k], spreads[k]), nothing,
             )  # fmt: skip
             sound[k] = ended == kernel.FINE and bool(np.isfinite(states[k]).all())
 

@@ -83,9 +83,11 @@ def step(
     bx = ax + k * (py * az - pz * ay)
     by = ay + k * (pz * ax - px * az)
     bz = az + k * (px * ay - py * ax)
-    sx = ux + 0.5 * (ay * uz - az * uy) + k * (py * uz - pz * uy + qy * az - qz * ay)
-    sy = uy + 0.5 * (az * ux - ax * uz) + k * (pz * ux - px * uz + qz * ax - qx * az)
-    sz = uz + 0.5 * (ax * uy - ay * ux) + k * (px * uy - py * ux + qx * ay - qy * ax)
+    # Specific force turns with the body: half and a sixth of a rotation series.
+    tx, ty, tz = ay * uz - az * uy, az * ux - ax * uz, ax * uy - ay * ux
+    sx = ux + 0.5 * tx + (ay * tz - az * ty) / 6.0 + k * (py * uz - pz * uy + qy * az - qz * ay)
+    sy = uy + 0.5 * ty + (az * tx - ax * tz) / 6.0 + k * (pz * ux - px * uz + qz * ax - qx * az)
+    sz = uz + 0.5 * tz + (ax * ty - ay * tx) / 6.0 + k * (px * uy - py * ux + qx * ay - qy * ax)
     state[PAST_ANGLE], state[PAST_ANGLE + 1], state[PAST_ANGLE + 2] = ax, ay, az
     state[PAST_VELOCITY], state[PAST_VELOCITY + 1], state[PAST_VELOCITY + 2] = ux, uy, uz
     state[PAST_STEP] = h
@@ -176,7 +178,8 @@ def _mechanize(
     for k in range(interval.size):
         a, u = angle[k], velocity[k]
         step(state, interval[k], a[0], a[1], a[2], u[0], u[1], u[2])
-        track[k] = state[:10]
+        for i in range(10):
+            track[k, i] = state[i]
 
 
 def mechanize(state: Floats, interval: Floats, angle: Floats, velocity: Floats) -> Floats:

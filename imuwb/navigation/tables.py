@@ -62,6 +62,15 @@ class Rules(NamedTuple):
     lever: Floats  #: (3,) m FRD, from the IMU to the antenna
 
 
+class Marks(NamedTuple):
+    """Where a run is looked at between its events; L of them."""
+
+    at: Integers  #: (L,) samples behind which, rising; on the grid of covariances
+    with_covariance: bool  #: whether covariances are carried
+    state: Floats  #: (L, 10) written: position, velocity, quaternion
+    covariance: Floats  #: (L, 9, 9) written: of position, velocity and attitude
+
+
 class Prior(NamedTuple):
     """What a run leaves of each of its events before it is taken in."""
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
     Integers = NDArray[np.int64]
+    Whole = int | np.int64
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
@@ -47,19 +48,24 @@ def _measure(
 ) -> None:  # fmt: skip  # pragma: no cover - compiled
     """Write residuals, estimate less measurement, and how they depend on the error states."""
     first, weight, scale = tables.first, tables.step, tables.scale
-    rows[:] = 0.0
-    residual[:] = 0.0
+    for r in range(MOST_ROWS):
+        residual[r] = 0.0
+        for i in range(rows.shape[1]):
+            rows[r, i] = 0.0
     c = np.empty((3, 3))
     rotation(state, c)
     v = state[VELOCITY : VELOCITY + 3]
     if kind == FIX:
         north, east = _radii(state[LATITUDE], state[HEIGHT])
-        arm = c @ lever
+        arm = np.empty(3)
+        swing = np.empty(3)
+        for i in range(3):
+            arm[i] = c[i, 0] * lever[0] + c[i, 1] * lever[1] + c[i, 2] * lever[2]
         w = state[RATE : RATE + 3]
-        body = np.array([
-            w[1] * lever[2] - w[2] * lever[1], w[2] * lever[0] - w[0] * lever[2], w[0] * lever[1] - w[1] * lever[0]
-        ])  # fmt: skip
-        swing = c @ body
+        bx, by = w[1] * lever[2] - w[2] * lever[1], w[2] * lever[0] - w[0] * lever[2]
+        bz = w[0] * lever[1] - w[1] * lever[0]
+        for i in range(3):
+            swing[i] = c[i, 0] * bx + c[i, 1] * by + c[i, 2] * bz
         residual[0] = (state[LATITUDE] - value[0]) * north + arm[0] + (v[0] + swing[0]) * late
         residual[1] = (state[LONGITUDE] - value[1]) * east + arm[1] + (v[1] + swing[1]) * late
         residual[2] = -(state[HEIGHT] - value[2]) + arm[2] + (v[2] + swing[2]) * late
@@ -154,7 +160,7 @@ def feed_back(state: Floats, axes: Floats, error: Floats, n: int) -> None:  # pr
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def update(
-    state: Floats, axes: Floats, covariance: Floats, samples: Samples, events: Events, e: int, rules: Rules,
+    state: Floats, axes: Floats, covariance: Floats, samples: Samples, events: Events, e: Whole, rules: Rules,
     tables: AxisTables, rows: Floats, refused: Integers, innovation: Floats, deviation: Floats, nis: Floats,
     used: NDArray[np.bool_],
 ) -> None:  # fmt: skip  # pragma: no cover - compiled
@@ -173,10 +179,10 @@ def update(
     _measure(state, kind, events.late[e], events.value[e], rules.lever, tables, regime, rows, residual)
     tried = np.empty(n * STRIDE)
     guess = np.zeros(n)
-    innovation[:] = np.nan
-    deviation[:] = np.nan
-    nis[:] = np.nan
-    used[:] = False
+    for i in range(6):
+        innovation[i] = deviation[i] = np.nan
+    for i in range(2):
+        nis[i], used[i] = np.nan, False
     for group in range(2):
         measured = 0
         for r in range(3 * group, 3 * group + 3):
@@ -184,8 +190,10 @@ def update(
         if measured == 0:
             continue
         for attempt in range(2):
-            tried[:] = covariance[: n * STRIDE]
-            guess[:] = error
+            for i in range(n * STRIDE):
+                tried[i] = covariance[i]
+            for i in range(n):
+                guess[i] = error[i]
             total = 0.0
             for r in range(3 * group, 3 * group + 3):
                 if variance[r] <= 0.0:
@@ -203,13 +211,18 @@ def update(
             if attempt == 0:
                 nis[group] = total
             if total <= rules.gate or attempt == 1:
-                covariance[: n * STRIDE] = tried
-                error[:] = guess
+                for i in range(n * STRIDE):
+                    covariance[i] = tried[i]
+                for i in range(n):
+                    error[i] = guess[i]
                 used[group] = True
-                refused[group] = 0
+                if kind == FIX:
+                    refused[group] = 0
+                break
+            if kind != FIX:
                 break
             refused[group] += 1
-            if kind != FIX or refused[group] <= rules.patience:
+            if refused[group] <= rules.patience:
                 break
             # So many cannot all be wrong: what the filter believes of itself is.
             for r in range(3 * group, 3 * group + 3):

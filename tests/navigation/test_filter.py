@@ -1,0 +1,145 @@
+"""The whole filter against a plain one in numpy, its coarser covariance, and its consistency with the truth."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from imuwb.errors import MissingDataError
+from imuwb.navigation.filter import solve
+from imuwb.navigation.filter_model import Aids, FilterModel, Installation, Settings
+from imuwb.navigation.outages import drift
+from imuwb.navigation.tables import FIX, SPEED, STRAIGHT
+from imuwb.simulation import Odometer, Receiver, drive, mixed_route
+
+from .. import ecef  # noqa: TID252 - tests are no package that has a name
+from . import drives
+from .plain import Plain
+
+LEVER = (1.0, 0.3, -1.2)
+
+
+def model_of(every, **settings):
+    return FilterModel(
+        "mixed", drives.mixed().error_model, scale_factor=(2e-3, 3e-3), installation=Installation(lever_arm=LEVER),
+        settings=Settings(every=every, **settings), aids=Aids(straight=0.2, still=0.05, speed=0.1),
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def town():
+    model = model_of(1)
+    log = drive(model.error_model, mixed_route(210, 2), 5, receiver=Receiver(lever_arm=LEVER), odometer=Odometer())
+    return drives.prepared(model, log=log)
+
+
+def test_a_plain_filter_says_the_same(town):
+    model = model_of(1, gate=1e9)
+    short = SimpleNamespace(**vars(town))
+    keep = town.found.time < town.found.time[town.start.event] + 90
+    events = type(town.found.events)(*(x[keep] for x in town.found.events))
+    short.found = type(town.found)(events, town.found.time[keep], town.found.fix[keep])
+    assert {FIX, SPEED, STRAIGHT} <= set(events.kind[town.start.event :])
+    solution = solve(model, short.moves, short.found, short.start)
+    tables, at = solution.tables, short.start.event
+    told = list(Plain(short, tables, LEVER, solution.track.axes[at], solution.track.covariance[at]).run())
+    assert len(told) > 200
+    for e, state, x, P in told:
+        sigma = np.sqrt(np.diag(P))
+        error = drives.errors(solution.track.state[e, :10], state)
+        assert np.abs(error[:3]).max() < 1e-6, e
+        assert np.abs(error / sigma[:9]).max() < 1e-8
+        assert np.abs((solution.track.axes[e] - x) / sigma[9:]).max() < 1e-8
+        assert np.abs((solution.track.covariance[e] - P) / np.outer(sigma, sigma)).max() < 1e-9
+
+
+def test_every_tenth_covariance_says_nearly_the_same(town):
+    fine, coarse = (solve(model_of(m), town.moves, town.found, town.start) for m in (1, 10))
+    apart = (fine.position - coarse.position) * drives.scale(fine.position[0])
+    late = fine.time > fine.time[0] + 20
+    print(
+        "M=10: rms",
+        np.sqrt((apart[late] ** 2).mean()),
+        "sigma",
+        np.abs(coarse.sigma[late, :9] / fine.sigma[late, :9] - 1).max(),
+    )
+    assert np.sqrt((apart[late] ** 2).mean()) < 0.01
+    assert np.abs(coarse.sigma[late, :9] / fine.sigma[late, :9] - 1).max() < 0.02
+
+
+# Against the truth
+
+
+def truth_at(log, time):
+    (reference,) = log.references
+    at = log.seconds(reference.time)
+    return np.stack([np.interp(time, at, x) for x in reference.position.T], axis=1)
+
+
+@pytest.fixture(scope="module")
+def study():
+    """Return six drives of 20 minutes that the filter's own model made, each with outages of 30 s that do not overlap."""
+    model, found = FilterModel("matched", drives.plain(), settings=Settings(every=10)), []
+    for seed in range(6):
+        made = drives.prepared(model, mixed_route(1200, seed), seed)
+        solution = solve(model, made.moves, made.found, made.start)
+        begin = np.arange(solution.time[0] + 90, solution.time[-1] - 31, 40.0)
+        out = drift(solution, solution.events[np.searchsorted(solution.time, begin)], 30.0)
+        error = (out.state[:, -1, :3] - truth_at(made.log, out.time[:, -1])) * drives.scale(out.state[0, 0, :3])
+        found.append((solution, error, out))
+    return found
+
+
+def test_innovations_of_a_matched_filter_are_as_large_as_it_says(study):
+    for solution, _, _ in study:
+        nis = solution.track.nis[solution.events[1:]]
+        n = np.isfinite(nis[:, 0]).sum()
+        assert solution.track.used[solution.events[1:]].all()
+        assert nis.mean(axis=0) == pytest.approx(3, abs=3.5 * np.sqrt(6 / n))
+        white = solution.track.innovation[solution.events[1:]] / solution.track.deviation[solution.events[1:]]
+        later = np.nanmean(white[1:] * white[:-1], axis=0)
+        assert np.abs(later).max() < 4 / np.sqrt(n)
+
+
+def test_errors_behind_outages_are_as_large_as_it_says(study):
+    nees = []
+    for _, error, out in study:
+        assert out.sound.all()
+        nees.append(np.einsum("si,sij,sj->s", error[:, :2], np.linalg.inv(out.covariance[:, -1, :2, :2]), error[:, :2]))
+    nees = np.concatenate(nees)
+    print("outages", nees.size, "NEES/2", nees.mean() / 2, "within 95 %", (nees < 5.991).mean())
+    assert nees.size > 120
+    assert 0.7 < nees.mean() / 2 < 1.4
+    assert 0.88 < (nees < 5.991).mean() <= 1
+
+
+def test_the_likelihood_is_that_of_the_innovations(study):
+    solution = study[0][0]
+    v = solution.track.innovation[solution.events]
+    s = solution.track.deviation[solution.events]
+    first = np.isfinite(s[:, 0])
+    told = -np.log(s[first]).sum() - np.minimum(solution.track.nis[solution.events][first], 40).sum() / 2
+    assert solution.log_likelihood == pytest.approx(told, rel=1e-9)
+    assert np.isfinite(v[1:]).all()
+
+
+# What cannot be run
+
+
+def test_what_is_no_number_ends_the_run_and_says_when(town):
+    made = SimpleNamespace(**vars(town))
+    angle = made.moves.samples.angle.copy()
+    angle[made.start.sample + 1000] = np.nan
+    moves = replace(made.moves, samples=made.moves.samples._replace(angle=angle))
+    with pytest.raises(MissingDataError, match=r"mixed: at \d+\.\d s a state or a variance is no number"):
+        solve(model_of(10), moves, made.found, made.start)
+
+
+def test_the_start_is_where_it_is_told(town):
+    solution = solve(model_of(10), town.moves, town.found, town.start)
+    assert solution.events[0] == town.start.event
+    assert solution.position[0] == pytest.approx(town.start.position, abs=1e-15)
+    assert solution.euler[0] == pytest.approx(town.start.euler, abs=1e-12)
+    assert solution.velocity[0] == pytest.approx(town.start.velocity)
+    assert ecef.cartesian(solution.position).shape == (solution.events.size, 3)

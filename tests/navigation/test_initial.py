@@ -1,0 +1,40 @@
+"""What a stillness tells of an axis's states, against all its samples at once."""
+
+import numpy as np
+import pytest
+
+from imuwb.navigation.initial import axis_start
+from imuwb.navigation.shaping import shaping
+from imuwb.stochastic import Autoregressive, Constant, GaussMarkov, RandomWalk, Sum, WhiteNoise
+
+DT = 0.01
+SUMS = [
+    Sum((WhiteNoise(1e-3),)),
+    Sum((Constant(0.3),)),
+    Sum((GaussMarkov(0.2, 0.5), Constant(0.3))),
+    Sum((RandomWalk(0.4), GaussMarkov(0.2, 0.05))),
+    Sum((Autoregressive((-1.5, 0.7, -0.1), 0.1, DT), RandomWalk(0.1))),
+]
+
+
+@pytest.mark.parametrize("processes", SUMS, ids=str)
+@pytest.mark.parametrize(("before", "still", "after"), [(0, 40, 0), (7, 40, 13), (30, 0, 5), (20, 1, 1)])
+def test_a_start_is_the_joint_law_of_all_samples(processes, before, still, after):
+    one = shaping(processes, DT)
+    p, n = one.order, before + still + after
+    # x(k) = A^k x(0) + sum of A^(k-j) w(j), all k from 0 on as one vector.
+    powers = [np.linalg.matrix_power(one.A, k) for k in range(n + 1)]
+    whole = np.zeros(((n + 1) * p, (n + 1) * p))
+    for k in range(n + 1):
+        for j in range(k + 1):
+            whole[k * p : (k + 1) * p, j * p : (j + 1) * p] = powers[k - j]
+    drive = np.kron(np.eye(n + 1), one.Q)
+    drive[:p, :p] = one.P0
+    joint = whole @ drive @ whole.T
+    mean = np.zeros((n + 1, p))
+    mean[before + 1 : before + still + 1] = one.c / max(still, 1)
+    found = axis_start(one, before, still, after)
+    last = np.eye((n + 1) * p)[n * p :]
+    assert found.covariance == pytest.approx(last @ joint @ last.T, rel=1e-9, abs=1e-14)
+    assert found.cross == pytest.approx(last @ joint @ mean.ravel(), rel=1e-9, abs=1e-14)
+    assert found.variance == pytest.approx(mean.ravel() @ joint @ mean.ravel(), rel=1e-9, abs=1e-14)
