@@ -43,7 +43,7 @@ class Installation:
         0.0,
         0.0,
         0.0,
-    )  #: deg; roll, pitch, heading of the IMU's axes in the vehicle
+    )  #: deg; roll, pitch, heading that turn vectors from vehicle to IMU
     lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)  #: m FRD in the vehicle, from the IMU to the antenna
     gnss_delay: float = 0.0  #: s; a fix shows where the IMU was at its own stamp less this
     velocity_delay: float = (

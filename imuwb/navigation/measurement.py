@@ -81,7 +81,7 @@ def measurement(log: Log, imu: ImuStream, installation: Installation, *, thermal
         notes.append(
             "the accelerometer has its own clock: its velocity increments are interpolated at the gyro's stamps"
         )
-    turn = rotation_of_euler(degrees(installation.mounting))
+    turn = rotation_of_euler(degrees(installation.mounting)).T  # from the IMU's axes to the vehicle's
     regime, celsius = _regimes(imu, own, zero, notes) if thermal else (np.zeros(own.size, np.int64), (None,))
     gaps = _gaps(present)
     spans = [(own[a] - step[a], own[b - 1]) for a, b in gaps if (b - a) * rate > NOTED_GAP] + apart

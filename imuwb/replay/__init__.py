@@ -2,10 +2,25 @@
 
 from imuwb.replay.budget import Budget, budget
 from imuwb.replay.clocks import Clocks, estimate_clocks
+from imuwb.replay.degraded import Degradation, degraded
 from imuwb.replay.models import NAMES, model_named
 from imuwb.replay.motion import motion_classes
+from imuwb.replay.mounting import Mounting, estimate_mounting
 from imuwb.replay.reference import Yardstick, own, yardstick
-from imuwb.replay.replay import Outage, Prepared, Replay, Replayed, Run, apart, events_of, prepare, replay, run, sweep
+from imuwb.replay.replay import (
+    Outage,
+    Prepared,
+    Replay,
+    Replayed,
+    Run,
+    apart,
+    events_of,
+    own_outages,
+    prepare,
+    replay,
+    run,
+    sweep,
+)
 from imuwb.replay.scaled import scaled
 from imuwb.replay.scores import HORIZONS, Scores, scores
 from imuwb.replay.statistics import (
@@ -27,7 +42,9 @@ __all__ = [
     "Budget",
     "Clocks",
     "Consistency",
+    "Degradation",
     "Interval",
+    "Mounting",
     "Outage",
     "Paired",
     "Prepared",
@@ -41,13 +58,16 @@ __all__ = [
     "apart",
     "budget",
     "compare",
+    "degraded",
     "drift_curve",
     "effective_count",
     "estimate_clocks",
+    "estimate_mounting",
     "events_of",
     "model_named",
     "motion_classes",
     "own",
+    "own_outages",
     "prepare",
     "replay",
     "run",

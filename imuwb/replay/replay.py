@@ -14,6 +14,7 @@ from imuwb.navigation.filter import solve
 from imuwb.navigation.measurement import denoised, measurement
 from imuwb.navigation.outages import drift
 from imuwb.progress import tracked
+from imuwb.replay.degraded import degraded
 from imuwb.replay.reference import is_independent, own, yardstick
 from imuwb.replay.scores import Scores, scores
 
@@ -29,8 +30,10 @@ if TYPE_CHECKING:
     from imuwb.navigation.filter_model import FilterModel
     from imuwb.navigation.measurement import Measurement
     from imuwb.navigation.outages import Drift
+    from imuwb.replay.degraded import Degradation
     from imuwb.replay.reference import Yardstick
 
+OWN, OWN_SHARE = 3.0, 2.5  #: s, and usual intervals, from which on a span without fixes is an outage
 SPACING = 0.95  #: s; a sweep starts at fixes at least so far apart
 
 
@@ -88,13 +91,14 @@ class Replay:
     notes: tuple[str, ...]
 
 
-def prepare(log: Log, model: FilterModel, receiver: str | None = None) -> Prepared:
+def prepare(log: Log, model: FilterModel, receiver: str | None = None, worse: Degradation | None = None) -> Prepared:
     """Return a log as filters take it: all of them begin alike.
 
     Args:
         log: an IMU and a receiver.
         model: its settings; which error model it has does not matter.
         receiver: name of the receiver; None: the first.
+        worse: how its fixes are made worse first; the reference is not.
 
     Raises:
         MissingDataError: no IMU, no receiver, too few fixes, no motion.
@@ -110,7 +114,7 @@ def prepare(log: Log, model: FilterModel, receiver: str | None = None) -> Prepar
     if not named:
         message = f"no receiver {receiver!r}; there are {', '.join(g.name for g in log.gnss)}"
         raise UsageError(message)
-    gnss = named[0]
+    gnss = named[0] if worse is None else degraded(named[0], worse)
     thermal = any(axis.thermal for axis in model.error_model.axes.values())
     moves = measurement(log, log.imu(), model.installation, thermal=thermal)
     still = standing(moves, log, gnss)
@@ -136,6 +140,18 @@ def sweep(prepared: Prepared, model: FilterModel, duration: float) -> tuple[Outa
         if not kept or t - kept[-1].start >= SPACING:
             kept.append(Outage(float(t), duration))
     return tuple(kept)
+
+
+def own_outages(prepared: Prepared, model: FilterModel) -> tuple[Outage, ...]:
+    """Return the outages that a log has itself, in whole seconds: spans between fixes that a filter can use.
+
+    They can be scored where a reference goes on meanwhile: the log's truth, or all fixes smoothed.
+    """
+    time = prepared.found.time[prepared.found.fix >= 0]
+    first = prepared.start_time + model.settings.settling
+    usual = float(np.median(np.diff(time)))
+    long = np.flatnonzero(np.diff(time) > max(OWN, OWN_SHARE * usual))
+    return tuple(Outage(float(time[k]), float(np.floor(time[k + 1] - time[k]))) for k in long if time[k] >= first)
 
 
 def apart(outages: Sequence[Outage]) -> list[Outage]:

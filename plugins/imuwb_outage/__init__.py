@@ -39,15 +39,19 @@ def outputs(parameters: Parameters) -> tuple[Path, ...]:
     """Return the files that are written beside the recording."""
     from imuwb.writers.trajectory import check_trajectory  # noqa: PLC0415 - as above
 
-    if parameters.navigation is None:
-        return ()
-    check_trajectory(parameters.navigation)
-    return (parameters.navigation,)
+    if parameters.navigation is not None:
+        check_trajectory(parameters.navigation)
+    return tuple(path for path in (parameters.navigation, parameters.save_filter) if path is not None)
 
 
 def write_outputs(result: Result, parameters: Parameters) -> None:
-    """Write the last filter's solution."""
-    from imuwb_outage import trajectory  # noqa: PLC0415 - as above
+    """Write the last filter's solution, and the filter."""
+    from imuwb.navigation.filter_document import write_filter  # noqa: PLC0415 - as above
+    from imuwb.writers import write_text  # noqa: PLC0415
+    from imuwb_outage import trajectory  # noqa: PLC0415
 
     if parameters.navigation is not None:
         trajectory.write(result, parameters.navigation)
+    if parameters.save_filter is not None:
+        last = list(result.replay.runs.values())[-1].solution.model
+        write_text(parameters.save_filter, write_filter(last))

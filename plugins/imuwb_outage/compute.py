@@ -10,17 +10,21 @@ import numpy as np
 
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.navigation import Aids, FilterModel, Installation, Settings
+from imuwb.navigation.filter_document import read_filter
 from imuwb.replay import (
     HORIZONS,
+    Degradation,
     Outage,
     Replay,
     apart,
     budget,
     compare,
     estimate_clocks,
+    estimate_mounting,
     events_of,
     model_named,
     motion_classes,
+    own_outages,
     prepare,
     replay,
     summarize,
@@ -29,6 +33,7 @@ from imuwb.replay import (
     verdict,
 )
 from imuwb.stochastic import ImuErrorModel
+from imuwb_outage.parameters import OWN
 from imuwb_outage.result import Filter, OfDuration, OfModel, OneOutage, Result
 
 if TYPE_CHECKING:
@@ -49,17 +54,11 @@ def run(log: Log, parameters: Parameters) -> Result:
         UsageError: no error model, an outage where none can be.
         MissingDataError: what the log lacks.
     """
-    if parameters.error_model is None:
-        message = "outage needs --error-model MODEL.toml: imuwb noise makes one of a still record, or write one by hand"
-        raise UsageError(message)
-    base = FilterModel(
-        "base", ImuErrorModel.read(parameters.error_model), scale_factor=parameters.scale_factors(),
-        installation=Installation(
-            parameters.angles(), parameters.lever(), parameters.delay() or 0.0, parameters.velocity_delay, parameters.rate() or 1.0, parameters.skew,
-        ),
-        settings=Settings(every=parameters.every, settling=parameters.settling),
-        aids=Aids(parameters.straight, parameters.still, parameters.speed),
-    )  # fmt: skip
+    base = _base(parameters)
+    mounting = None
+    if parameters.angles() is None:
+        mounting = estimate_mounting(log, parameters.receiver, parameters.level)
+        base = replace(base, installation=replace(base.installation, mounting=mounting.angles))
     clocks = None
     if parameters.delay() is None or parameters.rate() is None:
         first = _named("full", base, prepare(log, base, parameters.receiver), parameters)
@@ -74,8 +73,11 @@ def run(log: Log, parameters: Parameters) -> Result:
                 clock_rate=rate,
             ),
         )
-    prepared = prepare(log, base, parameters.receiver)
+    worse = Degradation(**parameters.degradation(), seed=parameters.seed) if parameters.degrade else None
+    prepared = prepare(log, base, parameters.receiver, worse)
     models = [_named(name, base, prepared, parameters) for name in parameters.names()]
+    if parameters.filter is not None:
+        models.append(base)
     tuned = None
     if parameters.tune:
         try:
@@ -90,7 +92,34 @@ def run(log: Log, parameters: Parameters) -> Result:
     return Result(
         tuple(one for duration in durations for one in _each(found, duration)), summary,
         tuple(_filter(one) for one in found.runs.values()), found.reference.name, words, found.notes,
-        clocks, tuned, *_budget(found), found,
+        clocks, mounting, tuned, *_budget(found), found,
+    )  # fmt: skip
+
+
+def _base(parameters: Parameters) -> FilterModel:
+    """Return the filter that is given, or one of the error model with the settings that are given.
+
+    Raises:
+        UsageError: neither an error model nor a filter; a filter of one of our own names.
+    """
+    if parameters.filter is not None:
+        base = read_filter(parameters.filter)
+        if base.name in (*parameters.names(), "tuned"):
+            base = replace(base, name=f"{base.name} of {parameters.filter.name}")
+        if parameters.error_model is not None:
+            base = replace(base, error_model=ImuErrorModel.read(parameters.error_model))
+        return base
+    if parameters.error_model is None:
+        message = "outage needs --error-model MODEL.toml: imuwb noise makes one of a still record, or write one by hand"
+        raise UsageError(message)
+    return FilterModel(
+        "base", ImuErrorModel.read(parameters.error_model), scale_factor=parameters.scale_factors(),
+        installation=Installation(
+            parameters.angles() or (0.0, 0.0, 0.0), parameters.lever(), parameters.delay() or 0.0, parameters.velocity_delay,
+            parameters.rate() or 1.0, parameters.skew,
+        ),
+        settings=Settings(every=parameters.every, settling=parameters.settling),
+        aids=Aids(parameters.straight, parameters.still, parameters.speed),
     )  # fmt: skip
 
 
@@ -114,6 +143,8 @@ def _named(name: str, base: FilterModel, prepared: Prepared, parameters: Paramet
 
 
 def _outages(prepared: Prepared, base: FilterModel, parameters: Parameters) -> Sequence[Outage]:
+    if parameters.at == OWN:
+        return own_outages(prepared, base)
     if parameters.outages():
         return [Outage(start, duration) for start, duration in parameters.outages()]
     found: list[Outage] = []

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path  # noqa: TC003 - the command line reads the annotations as the program runs
 from typing import Annotated, Literal
 
+OWN = "own"
 ALL = "none,15AV,18AV,18AVWD,15AR,27AR,full"
 SHORTEST, LONGEST = 2.0, 600.0  #: s, of an outage
 
@@ -27,11 +28,16 @@ class Parameters:
         Literal["best", "truth", "fixed", "smoothed", "own"],
         "what drift is measured against: the log's truth, RTK-fixed points, all fixes smoothed, a filter's own run, or the best there is",
     ] = "best"
+    filter: Annotated[Path | None, "a filter of --save-filter, run besides; its settings hold for all"] = None
+    save_filter: Annotated[Path | None, "write the last filter, as TOML"] = None
+    degrade: Annotated[str, "make fixes worse, as noise=M,jump=M,every=S: added noise and jumps"] = ""
     reading: Annotated[
         Literal["corrected", "as-printed"], "of Quinchia's formulas: what they mean, or what they say"
     ] = "corrected"
     receiver: Annotated[str | None, "which GNSS receiver, by its name in imuwb info"] = None
-    mounting: Annotated[str, "deg; roll,pitch,heading of the IMU's axes in the vehicle"] = "0,0,0"
+    mounting: Annotated[
+        str, "deg; roll,pitch,heading that turn vectors from the vehicle's axes to the IMU's; auto estimates them"
+    ] = "0,0,0"
     lever_arm: Annotated[str, "m; forward,right,down from the IMU to the antenna"] = "0,0,0"
     gnss_delay: Annotated[str, "s by which a fix's stamp is later than what it shows; auto estimates it"] = "0"
     velocity_delay: Annotated[
@@ -77,6 +83,7 @@ class Parameters:
         self.lever()
         self.delay()
         self.rate()
+        self.degradation()
         self.scale_factors()
         self.turn_on_sigmas()
 
@@ -99,7 +106,9 @@ class Parameters:
     def outages(self) -> tuple[tuple[float, float], ...]:
         """Return (start, duration) of explicit outages, s."""
         found: list[tuple[float, float]] = []
-        for part in filter(None, (p.strip() for p in self.at.split(","))):
+        if self.at == OWN:
+            return ()
+        for part in [p.strip() for p in self.at.split(",") if p.strip()]:
             start, mark, length = part.partition(":")
             try:
                 found.append((float(start), float(length)))
@@ -114,8 +123,10 @@ class Parameters:
             raise ValueError(message)
         return tuple(sorted(set(found)))
 
-    def angles(self) -> tuple[float, float, float]:
-        """Return roll, pitch and heading of the mounting, deg."""
+    def angles(self) -> tuple[float, float, float] | None:
+        """Return roll, pitch and heading of the mounting, deg; None: to be estimated."""
+        if self.mounting == "auto":
+            return None
         return _three("mounting", self.mounting)
 
     def lever(self) -> tuple[float, float, float]:
@@ -127,6 +138,20 @@ class Parameters:
         if self.gnss_delay == "auto":
             return None
         (found,) = _numbers("gnss_delay", self.gnss_delay, 1)
+        return found
+
+    def degradation(self) -> dict[str, float]:
+        """Return noise, jump and every, those that are given."""
+        found: dict[str, float] = {}
+        for part in [p.strip() for p in self.degrade.split(",") if p.strip()]:
+            name, _, text = part.partition("=")
+            if name not in ("noise", "jump", "every"):
+                message = f"degrade: {part!r}; write noise=M,jump=M,every=S"
+                raise ValueError(message)
+            (found[name],) = _numbers("degrade", text, 1)
+            if found[name] < 0 or (name == "every" and found[name] < 1):
+                message = f"degrade: {part!r} cannot be"
+                raise ValueError(message)
         return found
 
     def rate(self) -> float | None:

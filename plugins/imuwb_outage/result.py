@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from imuwb.replay import Budget, Clocks, Paired, Replay, Summary, Tuned
+    from imuwb.replay import Budget, Clocks, Mounting, Paired, Replay, Summary, Tuned
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +76,7 @@ class Result:
     verdicts: tuple[str, ...]
     notes: tuple[str, ...]
     clocks: Clocks | None  #: None: they were given
+    mounting: Mounting | None  #: likewise
     tuned: Tuned | None
     budget: Budget
     budget_of: str  #: filter

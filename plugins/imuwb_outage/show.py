@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+import rerun as rr
 
 from imuwb.analysis import Curve, Figure, Table, Vertical
+from imuwb.navigation.filter_document import write_filter
 from imuwb.replay import HORIZONS, drift_curve
 
 if TYPE_CHECKING:
@@ -20,12 +22,17 @@ COLORS = {
     "none": (150, 150, 158), "15AV": (76, 120, 168), "18AV": (84, 162, 75), "18AVWD": (228, 87, 86), "15AR": (242, 142, 43),
     "27AR": (176, 122, 161), "full": (118, 183, 178), "tuned": (237, 201, 72),
 }  # fmt: skip
+OTHER = (255, 157, 167)
 REFERENCE = (225, 225, 228)
 PALETTE = (
     (228, 87, 86), (76, 120, 168), (84, 162, 75), (242, 142, 43), (176, 122, 161), (118, 183, 178), (237, 201, 72),
 )  # fmt: skip
 COMMON = "in common"
 TRACKS, ROWS, FAINT = 6, 20, 60  #: outages drawn on the map, listed, and drawn as errors
+
+
+def _color(name: str) -> tuple[int, int, int]:
+    return COLORS.get(name, OTHER)
 
 
 def draw(result: Result, review: Review) -> None:
@@ -41,6 +48,12 @@ def draw(result: Result, review: Review) -> None:
         review.note(note)
     if result.clocks is not None:
         review.note(_clocks_text(result.clocks))
+    if result.mounting is not None:
+        roll, pitch, heading = result.mounting.angles
+        review.note(
+            f"mounting, from the log itself: roll {roll:.2f}, pitch {pitch:.2f}, heading {heading:.2f} "
+            f"± {result.mounting.heading_half_width:.2f} deg"
+        )
     if result.tuned is not None:
         review.note(_tuned_text(result.tuned))
     _consistency(result, review)
@@ -112,8 +125,8 @@ def _drift_figure(one: OfDuration, result: Result) -> Figure:
     for name, s in _scores(result, one.duration):
         if s.start.size:
             drift = drift_curve(s)
-            curves.append(Curve(name, s.elapsed, drift["median"], COLORS[name], style="curve"))
-            curves.append(Curve("", s.elapsed, drift["p95"], COLORS[name], style="faint"))
+            curves.append(Curve(name, s.elapsed, drift["median"], _color(name), style="curve"))
+            curves.append(Curve("", s.elapsed, drift["p95"], _color(name), style="faint"))
     return Figure(
         f"Drift in outages of {one.duration:g} s: median, and 95 % (faint)", "time without GNSS [s]", "horizontal error [m]",
         tuple(curves), x_scale="linear", y_scale="log",
@@ -140,7 +153,7 @@ def _consistency(result: Result, review: Review) -> None:
     review.tab("Consistency")
     for one in result.summary:
         curves = [
-            Curve(name, s.elapsed, s.nees.mean(axis=0) / 2, COLORS[name], style="curve")
+            Curve(name, s.elapsed, s.nees.mean(axis=0) / 2, _color(name), style="curve")
             for name, s in _scores(result, one.duration)
             if s.start.size
         ]
@@ -185,7 +198,7 @@ def _errors(result: Result, review: Review) -> None:
             Figure(
                 f"{name}: errors of {few.size} outages, and the filter's own sigma", "time without GNSS [s]", "horizontal error [m]",
                 (
-                    Curve("errors", x, y, COLORS[name], style="faint"),
+                    Curve("errors", x, y, _color(name), style="faint"),
                     Curve("1 sigma", s.elapsed, sigma, (225, 225, 228), style="curve"),
                     Curve("3 sigma", s.elapsed, 3 * sigma, (150, 150, 158), style="curve"),
                 ),
@@ -233,7 +246,7 @@ def _tracks(result: Result, review: Review) -> None:
         for name in sorted(ends, key=lambda name: name == best):
             found = result.replay.runs[name].outages[duration]
             label = f"{best} {ends[best][i]:.0f} m, {worst} {ends[worst][i]:.0f} m" if name == best else ""
-            review.track(f"{name}_at_{found.scores.start[i]:.0f}_s", found.drift.state[i, :, :3], COLORS[name], label)
+            review.track(f"{name}_at_{found.scores.start[i]:.0f}_s", found.drift.state[i, :, :3], _color(name), label)
     review.note(
         f"tracks of {chosen.size} outages of {duration:g} s of {rows.size}; labels: least and largest error at the end"
     )
@@ -318,3 +331,6 @@ def _filters(result: Result, review: Review) -> None:
     )  # fmt: skip
     caption = "Nine states are position, velocity and attitude; white noise needs none (Quinchia, table 8). The JSON lists all."
     review.table(Table("Filters and their states", headings, rows, caption, wide=True))
+    for name, one in result.replay.runs.items():
+        text = write_filter(one.solution.model)
+        review.recording.log(f"filter_models/{name.replace(' ', '_')}", rr.TextDocument(text), static=True)

@@ -153,7 +153,7 @@ def test_axes_are_turned_into_the_vehicles(mounting):
     from scipy.spatial.transform import Rotation
 
     found, plain = found_of(log_of(EVEN), Installation(mounting=mounting)), found_of(log_of(EVEN))
-    turn = Rotation.from_euler("ZYX", mounting[::-1], degrees=True)
+    turn = Rotation.from_euler("ZYX", mounting[::-1], degrees=True).inv()  # it turns vectors from vehicle to IMU
     assert found.samples.angle == pytest.approx(turn.apply(plain.samples.angle), abs=1e-15)
     assert found.samples.velocity == pytest.approx(turn.apply(plain.samples.velocity), abs=1e-15)
 
