@@ -32,48 +32,7 @@ if TYPE_CHECKING:
 
 FINE, NOT_FINITE, NOT_POSITIVE = 0, 1, 2  #: how a run ended
 _U = np.uint64
-
-
-@numba.njit(cache=True, nogil=True, error_model="numpy")
-def _axis_error(
-    axes: Floats,
-    at: int,
-    order: int,
-    transition: Floats,
-    weight: Floats,
-    scale: NDArray[np.bool_],
-    measured: float,
-    h: float,
-) -> float:  # pragma: no cover - compiled
-    """Carry one axis's states on by a sample, and return what they add to its increment; orders 1 to 3 unrolled."""
-    a = _U(at)
-    if order == 1:
-        x = transition[0, 0] * axes[a]
-        axes[a] = x
-        return weight[a] * x * (measured if scale[a] else h)
-    b, c = _U(at + 1), _U(at + 2)
-    if order == 2:  # noqa: PLR2004 - as said
-        p = transition[0, 0] * axes[a] + transition[0, 1] * axes[b]
-        q = transition[1, 0] * axes[a] + transition[1, 1] * axes[b]
-        axes[a], axes[b] = p, q
-        return weight[a] * p * (measured if scale[a] else h) + weight[b] * q * (measured if scale[b] else h)
-    if order == 3:  # noqa: PLR2004 - as said
-        x, y, z = axes[a], axes[b], axes[c]
-        p = transition[0, 0] * x + transition[0, 1] * y + transition[0, 2] * z
-        q = transition[1, 0] * x + transition[1, 1] * y + transition[1, 2] * z
-        r = transition[2, 0] * x + transition[2, 1] * y + transition[2, 2] * z
-        axes[a], axes[b], axes[c] = p, q, r
-        total = weight[a] * p * (measured if scale[a] else h) + weight[b] * q * (measured if scale[b] else h)
-        return total + weight[c] * r * (measured if scale[c] else h)
-    total = 0.0
-    moved = np.zeros(order)
-    for i in range(order):
-        for j in range(order):
-            moved[i] += transition[i, j] * axes[at + j]
-    for i in range(order):
-        axes[at + i] = moved[i]
-        total += weight[at + i] * moved[i] * (measured if scale[at + i] else h)
-    return total
+_ONE, _TWO = _U(1), _U(2)
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
@@ -88,7 +47,7 @@ def advance(
     first, scale = tables.first, tables.scale
     held = regimes[begin] if begin < end else np.int64(0)
     weight, transition = tables.step[held], tables.transition[held, 1]
-    error = np.zeros(6)
+    error, moved = np.zeros(6), np.zeros(STRIDE)
     for k in range(begin, end):
         h, regime = interval[k], regimes[k]
         if regime != held:
@@ -97,12 +56,38 @@ def advance(
         for axis in range(6):
             measured = angle[k, axis] if axis < 3 else velocity[k, axis - 3]  # noqa: PLR2004 - gyros first
             state[MEASURED + axis] += measured
-            order = first[axis + 1] - first[axis]
-            error[axis] = 0.0
-            if order > 0:
-                error[axis] = _axis_error(
-                    axes, first[axis] - NAVIGATION, order, transition[axis], weight, scale, measured, h
-                )
+            # A view of a table would be counted; three numbers are not.
+            order, at = first[axis + 1] - first[axis], _U(first[axis] - NAVIGATION)
+            total = 0.0
+            if order == 1:
+                x = transition[axis, 0, 0] * axes[at]
+                axes[at] = x
+                total = weight[at] * x * (measured if scale[at] else h)
+            elif order == 2:  # noqa: PLR2004 - loops of up to three unrolled
+                x, y = axes[at], axes[at + _ONE]
+                p = transition[axis, 0, 0] * x + transition[axis, 0, 1] * y
+                q = transition[axis, 1, 0] * x + transition[axis, 1, 1] * y
+                axes[at], axes[at + _ONE] = p, q
+                total = weight[at] * p * (measured if scale[at] else h)
+                total += weight[at + _ONE] * q * (measured if scale[at + _ONE] else h)
+            elif order == 3:  # noqa: PLR2004 - as said
+                x, y, z = axes[at], axes[at + _ONE], axes[at + _TWO]
+                p = transition[axis, 0, 0] * x + transition[axis, 0, 1] * y + transition[axis, 0, 2] * z
+                q = transition[axis, 1, 0] * x + transition[axis, 1, 1] * y + transition[axis, 1, 2] * z
+                r = transition[axis, 2, 0] * x + transition[axis, 2, 1] * y + transition[axis, 2, 2] * z
+                axes[at], axes[at + _ONE], axes[at + _TWO] = p, q, r
+                total = weight[at] * p * (measured if scale[at] else h)
+                total += weight[at + _ONE] * q * (measured if scale[at + _ONE] else h)
+                total += weight[at + _TWO] * r * (measured if scale[at + _TWO] else h)
+            elif order > 3:  # noqa: PLR2004 - as said
+                for i in range(order):
+                    moved[i] = 0.0
+                    for j in range(order):
+                        moved[i] += transition[axis, i, j] * axes[at + _U(j)]
+                for i in range(order):
+                    axes[at + _U(i)] = moved[i]
+                    total += weight[at + _U(i)] * moved[i] * (measured if scale[at + _U(i)] else h)
+            error[axis] = total
         if gap[k]:
             state[PAST_STEP] = 0.0
             for i in range(3):
