@@ -1,6 +1,7 @@
 """Outages replayed: filters over a log, their drift against a reference, and what that says of them."""
 
 from imuwb.replay.budget import Budget, budget
+from imuwb.replay.choice import Choice, choose
 from imuwb.replay.clocks import Clocks, estimate_clocks
 from imuwb.replay.degraded import Degradation, degraded
 from imuwb.replay.models import NAMES, model_named
@@ -40,6 +41,7 @@ __all__ = [
     "HORIZONS",
     "NAMES",
     "Budget",
+    "Choice",
     "Clocks",
     "Consistency",
     "Degradation",
@@ -57,6 +59,7 @@ __all__ = [
     "Yardstick",
     "apart",
     "budget",
+    "choose",
     "compare",
     "degraded",
     "drift_curve",

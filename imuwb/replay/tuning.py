@@ -9,6 +9,7 @@ import numpy as np
 from scipy import optimize
 
 from imuwb.navigation.outages import drift
+from imuwb.replay.choice import log_likelihood
 from imuwb.replay.reference import is_independent, yardstick
 from imuwb.replay.replay import Outage, apart, events_of, run, sweep
 from imuwb.replay.scaled import scaled
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from imuwb.replay.scores import Scores
 
 DURATION = 30.0  #: s, of the outages
-AT = (5, 10, 20, 30)  #: s into them, at which errors count
 SHARE = 0.5  #: of the log that is fitted to
 LEAST = 4  #: outages on each side
 STEP = 1.0  #: of the first simplex, in the log of a factor
@@ -75,7 +75,7 @@ def tune(prepared: Prepared, model: FilterModel, reference: str) -> tuple[Filter
         return tried, scores(drift(solution, events_of(solution, outages), DURATION), against)
 
     def misfit(factors: Floats) -> float:
-        value = -float(np.nanmean(_log_likelihood(of(factors, early)[1]))) * len(early)
+        value = -float(np.nanmean(log_likelihood(of(factors, early)[1]))) * len(early)
         return value + float((factors**2).sum()) / (2 * PRIOR**2)
 
     start = np.zeros(4)
@@ -88,15 +88,7 @@ def tune(prepared: Prepared, model: FilterModel, reference: str) -> tuple[Filter
     g, a, slow_g, slow_a = (float(f) for f in np.exp(best.x))
     return tuned, Tuned(
         (g, a), (slow_g, slow_a), len(early), len(late), float(split),
-        (float(np.nanmean(_log_likelihood(before))), float(np.nanmean(_log_likelihood(behind)))),
+        (float(np.nanmean(log_likelihood(before))), float(np.nanmean(log_likelihood(behind)))),
         (float(np.nanmean(before.nees[:, -1]) / 2), float(np.nanmean(behind.nees[:, -1]) / 2)),
         (float(np.nanmedian(before.horizontal[:, -1])), float(np.nanmedian(behind.horizontal[:, -1]))),
     )  # fmt: skip
-
-
-def _log_likelihood(found: Scores) -> Floats:
-    """Return the mean over some seconds of the log-likelihood of the horizontal errors, by outage."""
-    at = [int(np.argmin(np.abs(found.elapsed - second))) for second in AT]
-    covariance = found.covariance[:, at]
-    determinant = covariance[..., 0, 0] * covariance[..., 1, 1] - covariance[..., 0, 1] ** 2
-    return (-found.nees[:, at] / 2 - np.log(determinant) / 2 - np.log(2 * np.pi)).mean(axis=1)

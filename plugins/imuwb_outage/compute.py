@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.errors import MissingDataError, UsageError
+from imuwb.log import AXES
 from imuwb.navigation import Aids, FilterModel, Installation, Settings
 from imuwb.navigation.filter_document import read_filter
 from imuwb.replay import (
@@ -18,6 +19,7 @@ from imuwb.replay import (
     Replay,
     apart,
     budget,
+    choose,
     compare,
     estimate_clocks,
     estimate_mounting,
@@ -76,6 +78,12 @@ def run(log: Log, parameters: Parameters) -> Result:
     worse = Degradation(**parameters.degradation(), seed=parameters.seed) if parameters.degrade else None
     prepared = prepare(log, base, parameters.receiver, worse)
     models = [_named(name, base, prepared, parameters) for name in parameters.names()]
+    if parameters.levels():
+        denoised = _named("18AVWD", base, prepared, parameters)
+        models.extend(
+            replace(denoised, name=f"18AVWD at {level}", wavelet_levels=(level,) * len(AXES))
+            for level in parameters.levels()
+        )
     if parameters.filter is not None:
         models.append(base)
     tuned = None
@@ -184,7 +192,8 @@ def _of_duration(found: Replay, duration: float, level: float) -> OfDuration:
         }
         for s in summaries
     }  # fmt: skip
-    return OfDuration(duration, few, tuple(summaries), tuple(paired), by_motion)
+    choice = choose(kept, duration) if rows.any() else None
+    return OfDuration(duration, few, tuple(summaries), tuple(paired), by_motion, choice)
 
 
 def _each(found: Replay, duration: float) -> list[OneOutage]:

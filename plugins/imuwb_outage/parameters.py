@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 
 OWN = "own"
 ALL = "none,15AV,18AV,18AVWD,15AR,27AR,full"
+DEEPEST = 12  #: level of denoising
 SHORTEST, LONGEST = 2.0, 600.0  #: s, of an outage
 
 
@@ -18,6 +19,9 @@ class Parameters:
 
     error_model: Annotated[Path | None, "the IMU's error model, TOML: from imuwb noise, or written by hand"] = None
     models: Annotated[str, "filters to compare, by name"] = ALL
+    wavelet: Annotated[
+        str, "levels of denoising to try besides, as 3..8 or 4,6: 18AVWD at each, for the choice; else table 7's"
+    ] = ""
     durations: Annotated[str, "s, of a sweep's outages"] = "30,60"
     at: Annotated[
         str, "outages to run, as START:DURATION,... in s from the log's start; else a sweep of all starts"
@@ -77,6 +81,7 @@ class Parameters:
             message = f"random is {self.random} starts; it must be 0 or more"
             raise ValueError(message)
         self.names()
+        self.levels()
         self.outages()
         self.lengths()
         self.angles()
@@ -96,6 +101,17 @@ class Parameters:
             message = f"models: {what}; there are {ALL}"
             raise ValueError(message)
         return found
+
+    def levels(self) -> tuple[int, ...]:
+        """Return the levels of denoising to try."""
+        first, mark, last = self.wavelet.partition("..")
+        texts = [t.strip() for t in self.wavelet.split(",")] if not mark else [first.strip(), last.strip()]
+        if not self.wavelet:
+            return ()
+        if not all(t.isdecimal() and 1 <= int(t) <= DEEPEST for t in texts) or (mark and int(first) > int(last)):
+            message = f"wavelet is {self.wavelet!r}; write levels from 1 to {DEEPEST}, as 3..8 or 4,6"
+            raise ValueError(message)
+        return tuple(range(int(first), int(last) + 1)) if mark else tuple(dict.fromkeys(int(t) for t in texts))
 
     def lengths(self) -> tuple[float, ...]:
         """Return the durations of a sweep, s."""

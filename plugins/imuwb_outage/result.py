@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from imuwb.replay import Budget, Clocks, Mounting, Paired, Replay, Summary, Tuned
+    from imuwb.replay import Budget, Choice, Clocks, Mounting, Paired, Replay, Summary, Tuned
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +47,7 @@ class OfDuration:
     summaries: tuple[Summary, ...]
     paired: tuple[Paired, ...]
     by_motion: dict[str, dict[str, float]]  #: motion -> filter -> median error at the end, m
+    choice: Choice | None  #: None: too few outages, or one filter
 
 
 @dataclass(frozen=True, slots=True)

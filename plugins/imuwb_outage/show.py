@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from imuwb.analysis import Review
-    from imuwb.replay import Clocks, Interval, Scores, Tuned
+    from imuwb.replay import Choice, Clocks, Interval, Scores, Tuned
     from imuwb_outage.result import OfDuration, OneOutage, Result
 
 COLORS = {
@@ -41,8 +41,34 @@ def draw(result: Result, review: Review) -> None:
         review.table(_drift_table(one, result))
     for one in result.summary:
         review.figure(_drift_figure(one, result))
+    _notes(result, review)
+    _consistency(result, review)
+    _errors(result, review)
+    _budget(result, review)
+    _tracks(result, review)
+    _outages(result, review)
+    review.tab("Comparison")
+    for one in result.summary:
+        if one.choice is not None:
+            review.table(_choice_table(one.choice))
+        if one.paired:
+            review.table(_paired_table(one))
+        kinds = tuple((kind, *(f"{m:.3g} m" for m in medians.values())) for kind, medians in one.by_motion.items())
+        review.table(
+            Table(f"Median at the end by motion, {one.duration:g} s", ("motion", *result.replay.runs), kinds, wide=True)
+        )
+    _filters(result, review)
+
+
+def _notes(result: Result, review: Review) -> None:
     for words in result.verdicts:
         review.note(words)
+    for one in result.summary:
+        if one.choice is not None:
+            best = one.choice.candidates[0]
+            review.note(
+                f"{one.duration:g} s: {best.model} makes the errors likeliest, chosen in {best.folds} of {one.choice.folds} blocks"
+            )
     review.note(f"drift is measured against {result.reference}")
     for note in result.notes:
         review.note(note)
@@ -56,20 +82,6 @@ def draw(result: Result, review: Review) -> None:
         )
     if result.tuned is not None:
         review.note(_tuned_text(result.tuned))
-    _consistency(result, review)
-    _errors(result, review)
-    _budget(result, review)
-    _tracks(result, review)
-    _outages(result, review)
-    review.tab("Comparison")
-    for one in result.summary:
-        if one.paired:
-            review.table(_paired_table(one))
-        kinds = tuple((kind, *(f"{m:.3g} m" for m in medians.values())) for kind, medians in one.by_motion.items())
-        review.table(
-            Table(f"Median at the end by motion, {one.duration:g} s", ("motion", *result.replay.runs), kinds, wide=True)
-        )
-    _filters(result, review)
 
 
 def _clocks_text(c: Clocks) -> str:
@@ -147,6 +159,19 @@ def _paired_table(one: OfDuration) -> Table:
         ("filter", "against", "median difference at the end", "mean of 1 - filter/against", "better in", "p of no difference"),
         rows, "Negative differences: the first is better. p: signs of blocks of neighbours flipped.", wide=True,
     )  # fmt: skip
+
+
+def _choice_table(c: Choice) -> Table:
+    rows = tuple(
+        (x.model, f"{x.log_likelihood:.2f}", f"{x.median_end:.3g} m", f"{x.folds} of {c.folds}") for x in c.candidates
+    )
+    caption = (
+        f"By cross-validation over {c.folds} blocks of time: a filter chosen on the other blocks has log-likelihood "
+        f"{c.unseen_log_likelihood:.2f} and median error {c.unseen_median_end:.3g} m on outages it was not chosen on. "
+        "The likelihood counts both: small errors, and a sigma that fits them."
+    )
+    headings = ("filter", "log-likelihood of an outage", "median at the end", "chosen in")
+    return Table(f"Which filter, for outages of {c.duration:g} s", headings, rows, caption, wide=True)
 
 
 def _consistency(result: Result, review: Review) -> None:
