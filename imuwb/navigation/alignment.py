@@ -13,6 +13,8 @@ from imuwb.navigation.attitude import rotation_of_euler
 from imuwb.navigation.earth import gravity, radii_of_curvature
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from imuwb.log import Floats, GnssStream, Log
     from imuwb.navigation.events import Corrections
     from imuwb.navigation.filter_model import FilterModel
@@ -21,6 +23,9 @@ if TYPE_CHECKING:
 AROUND = 1.0  #: s before and after the start over which accelerations are taken
 SLOW = 0.5  #: m/s, below which a receiver may stand still
 QUIET = 4.0  #: times the quietest tenth's scatter, up to which a second is still
+NEAR = 5.0  #: s between positions that tell a velocity
+CLEAR = 3.0  #: sigmas of a velocity
+HARDEST = 8.0  #: m/s², of a vehicle
 SECONDS_STILL = 5.0  #: s of stillness that tell the gyros' bias
 
 
@@ -84,27 +89,12 @@ def align(
         MissingDataError: no fix has a velocity, or none moves fast enough.
     """
     events, settings = found.events, model.settings
-    # A position whose velocity is an event of its own carries it along; who stands has none to tell.
-    fixes = np.flatnonzero((found.fix >= 0) & ((events.variance[:, 3] > 0) | (events.value[:, 3:] != 0).any(axis=1)))
-    speed = np.hypot(events.value[fixes, 3], events.value[fixes, 4])
-    inside = (found.time[fixes] > moves.time[0] + AROUND) & (found.time[fixes] < moves.time[-1] - AROUND)
-    fast = fixes[(speed > settings.start_speed) & inside & (found.time[fixes] > after)]
-    if not fixes.size:
-        message = "no fix has a velocity: the heading at the start cannot be told"
-        raise MissingDataError(message)
-    if not fast.size and (speed > settings.start_speed).any():
-        message = f"no fix behind {after:.1f} s moves faster than {settings.start_speed:g} m/s within the IMU's time"
-        raise MissingDataError(message)
-    if not fast.size:
-        message = (
-            f"the receiver never moves faster than {settings.start_speed:g} m/s (its largest speed is {speed.max():.2f} m/s): "
-            "heading cannot be observed, and a drift without it means nothing"
-        )
-        raise MissingDataError(message)
-    event = int(fast[0])
-    near = fixes[np.abs(found.time[fixes] - found.time[event]) <= 2 * AROUND]
-    acceleration = _slope(found.time[near], events.value[near, 3:])
-    velocity = events.value[event, 3:] + acceleration * model.installation.velocity_delay
+    fixes, velocities, spread = _velocities(found, settings.velocity_sigma)
+    first = _first_fast(moves, found, fixes, velocities, spread, settings.start_speed, after)
+    event, time = int(fixes[first]), found.time[fixes]
+    near = np.abs(time - time[first]) <= 2 * AROUND
+    acceleration = _slope(time[near], velocities[near])
+    velocity = velocities[first] + acceleration * model.installation.velocity_delay
     pace = float(np.hypot(velocity[0], velocity[1]))
     heading = float(np.arctan2(velocity[1], velocity[0]))
     latitude, height = events.value[event, 0], events.value[event, 2]
@@ -122,10 +112,8 @@ def align(
     to_degrees = np.array([1 / (meridian + height), 1 / ((transverse + height) * np.cos(latitude)), -1.0])
     late = events.late[event]
     position = events.value[event, :3] - (arm + velocity * late) * to_degrees
-    usual = np.repeat(settings.velocity_sigma, (2, 1))
-    sigma = np.sqrt(
-        np.where(events.variance[event] > 0, events.variance[event], [*events.variance[event, :3], *usual**2])
-    )
+    sigma = np.sqrt(events.variance[event])
+    sigma[3:] = np.where(sigma[3:] > 0, sigma[3:], spread[first])
     tilt = np.hypot(np.radians(settings.tilt), sigma[3:5].max() / AROUND / down)
     wide = np.hypot(np.radians(settings.heading), min(sigma[3:5].max() / pace, np.pi))
     covariance = np.diag(np.square([*sigma[:3], *sigma[3:], tilt, tilt, wide]))
@@ -147,6 +135,59 @@ def align(
     return Alignment(
         event, int(events.at[event]) + 1, position, velocity - swing, euler, covariance, bias, standing, note
     )
+
+
+def _first_fast(
+    moves: Measurement, found: Corrections, fixes: NDArray[np.int64], velocities: Floats, spread: Floats, enough: float,
+    after: float,
+) -> int:  # fmt: skip
+    """Return the first of some fixes that moves fast enough, as does the next."""
+    if not fixes.size:
+        message = "no fix has a velocity, nor do positions follow each other: the heading at the start cannot be told"
+        raise MissingDataError(message)
+    time, speed = found.time[fixes], np.hypot(velocities[:, 0], velocities[:, 1])
+    inside = (time > moves.time[0] + AROUND) & (time < moves.time[-1] - AROUND)
+    fast = (speed > np.maximum(enough, CLEAR * spread)) & inside
+    # One that stands alone is a spike: the next must move alike.
+    step = np.hypot(*np.diff(velocities[:, :2], axis=0).T)
+    alike = np.append(step < HARDEST * np.diff(time) + CLEAR * spread[1:], False)
+    fast &= alike & np.append(fast[1:], False)
+    if not fast.any():
+        message = (
+            f"the receiver never moves faster than {enough:g} m/s for two fixes (its median speed is "
+            f"{np.median(speed):.2f} m/s): heading cannot be observed, and a drift without it means nothing"
+        )
+        raise MissingDataError(message)
+    fast &= time > after
+    if not fast.any():
+        message = f"no fix behind {after:.1f} s moves faster than {enough:g} m/s within the IMU's time"
+        raise MissingDataError(message)
+    return int(np.argmax(fast))
+
+
+def _velocities(found: Corrections, usual: tuple[float, float]) -> tuple[NDArray[np.int64], Floats, Floats]:
+    """Return the fixes with a velocity, (k,) events, the velocities, (k, 3) m/s NED, and their horizontal sigmas, (k,).
+
+    A position whose velocity is an event of its own carries it along. Where no fix tells one, positions do: each from its
+    neighbours.
+    """
+    events = found.events
+    places = np.flatnonzero(found.fix >= 0)
+    told = (events.variance[places, 3] > 0) | (events.value[places, 3:] != 0).any(axis=1)
+    if told.any():
+        fixes = places[told]
+        spread = np.sqrt(events.variance[fixes, 3:5].max(axis=1))
+        return fixes, events.value[fixes, 3:], np.where(spread > 0, spread, usual[0])
+    span = found.time[places[2:]] - found.time[places[:-2]]
+    meridian, transverse = radii_of_curvature(events.value[places[1:-1], 0])
+    moved = events.value[places[2:], :3] - events.value[places[:-2], :3]
+    height, latitude = events.value[places[1:-1], 2], events.value[places[1:-1], 0]
+    ned = np.stack([
+        moved[:, 0] * (meridian + height), moved[:, 1] * (transverse + height) * np.cos(latitude), -moved[:, 2]
+    ], axis=1)  # fmt: skip
+    near = span < NEAR
+    spread = np.sqrt(2 * events.variance[places[1:-1], :2].max(axis=1)) / span
+    return places[1:-1][near], (ned / span[:, None])[near], spread[near]
 
 
 def _stillness(moves: Measurement, still: Floats, until: float) -> tuple[int, int] | None:

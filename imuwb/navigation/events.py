@@ -122,7 +122,7 @@ def _fixes(
         wild = (np.abs(value[:, 3:]) > IMPOSSIBLE).any(axis=1)
         if wild.any():
             notes.append(f"{gnss.name}: {int(wild.sum())} velocities above {IMPOSSIBLE:g} m/s are not used")
-        sigma[wild, 3:] = 0.0
+        sigma[wild, 3:] = value[wild, 3:] = 0.0
         if gnss.velocity_sigma is None:
             notes.append(f"{gnss.name} claims no sigmas of velocity: {settings.velocity_sigma} m/s are taken")
     variance = sigma**2

@@ -85,13 +85,13 @@ class Solution:
         fixes = self.found.events.kind == FIX
         return int((np.isfinite(self.track.nis[fixes]) & ~self.track.used[fixes]).sum())
 
-    @property
-    def log_likelihood(self) -> float:
-        """Return the log-likelihood of all innovations, of those refused at the gate."""
-        spread = self.track.deviation
-        known = np.isfinite(spread)
-        nis = np.minimum(self.track.nis, self.rules.gate)
-        return float(-np.nansum(nis) / 2 - np.log(spread[known]).sum())
+    def log_likelihood_of(self, first: int, last: int) -> float:
+        """Return the log-likelihood of the innovations of the fixes between two rows of the receiver's, those refused at the gate."""
+        row = np.where(self.found.fix < 0, -1 - self.found.fix, self.found.fix)
+        counted = (self.found.events.kind == FIX) & (row >= first) & (row <= last)
+        spread = self.track.deviation[counted]
+        nis = np.minimum(self.track.nis[counted], self.rules.gate)
+        return float(-np.nansum(nis) / 2 - np.log(spread[np.isfinite(spread)]).sum())
 
 
 def rules_of(model: FilterModel) -> Rules:

@@ -151,6 +151,7 @@ def run(
     e, m = np.int64(event), np.int64(0)
     at, kind, mark, with_covariance = events.at, events.kind, marks.at, marks.with_covariance
     kept, prior, smoothing = track.state.shape[0] > 0, track.before, track.before.state.shape[0] > 0
+    spare, seen = np.empty(covariance.size), np.empty(SIZE)
     while m < mark.size or (mark.size == 0 and e < at.size):
         if mark.size > 0 and (e >= at.size or mark[m] <= at[e]):
             pending = advance(
@@ -159,7 +160,14 @@ def run(
             done = mark[m]
             for i in range(10):
                 marks.state[m, i] = state[i]
-            _copy_square(covariance, NAVIGATION, marks.covariance[m])
+            # A span is ended here in a copy: what comes behind goes on as if nobody had looked.
+            for i in range(spare.size):
+                spare[i] = covariance[i]
+            if with_covariance and pending > 0:
+                for i in range(SIZE):
+                    seen[i] = state[i]
+                carry(spare, seen, pending, int(samples.regime[mark[m] - 1]), tables, space)
+            _copy_square(spare, NAVIGATION, marks.covariance[m])
             m += 1
             continue
         if kind[e] == FIX and skip_from < at[e] < skip_to:

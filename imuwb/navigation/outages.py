@@ -31,6 +31,7 @@ class Drift:
 
     event: NDArray[np.int64]  #: (s,) the last fix before each, among the solution's events
     start: Floats  #: (s,) s from the log's start
+    elapsed: Floats  #: (L,) s since the start, to a sample
     mark: NDArray[np.int64]  #: (s, L) sample behind which
     time: Floats  #: (s, L) s from the log's start
     state: Floats  #: (s, L, 10) latitude rad, longitude rad, height m, velocity NED m/s, quaternion
@@ -39,12 +40,15 @@ class Drift:
 
 
 def marks_of(solution: Solution, events: NDArray[np.int64], duration: float) -> NDArray[np.int64]:
-    """Return the samples behind which outages are looked at: each second, on the grid of the covariance; (s, L)."""
-    every, interval = solution.model.settings.every, solution.moves.interval
+    """Return the samples behind which outages are looked at: each second, and at their end; (s, L)."""
     first = solution.found.events.at[events] + 1
-    seconds = np.arange(EACH, duration + EACH / 2, EACH)
-    samples = first[:, None] + seconds / interval
-    return (np.ceil(samples / every - 1e-9) * every).astype(np.int64)
+    return first[:, None] + np.rint(seconds_of(duration) / solution.moves.interval).astype(np.int64)
+
+
+def seconds_of(duration: float) -> Floats:
+    """Return when outages are looked at, s since their start: each second, and at the end."""
+    whole = np.arange(EACH, duration + 1e-6, EACH)
+    return whole if whole.size and duration - whole[-1] < 1e-6 else np.append(whole, duration)  # noqa: PLR2004 - rounding
 
 
 def drift(
@@ -88,4 +92,6 @@ def drift(
         for _ in tracked(pool.map(work, parts), len(parts)):
             pass
     time = solution.moves.time[marks - 1]
-    return Drift(events, solution.moves.time[found.events.at[events]], marks, time, states, spreads, sound)
+    return Drift(
+        events, solution.moves.time[found.events.at[events]], seconds_of(duration), marks, time, states, spreads, sound
+    )

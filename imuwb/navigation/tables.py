@@ -65,7 +65,7 @@ class Rules(NamedTuple):
 class Marks(NamedTuple):
     """Where a run is looked at between its events; L of them."""
 
-    at: Integers  #: (L,) samples behind which, rising; on the grid of covariances
+    at: Integers  #: (L,) samples behind which, rising
     with_covariance: bool  #: whether covariances are carried
     state: Floats  #: (L, 10) written: position, velocity, quaternion
     covariance: Floats  #: (L, 9, 9) written: of position, velocity and attitude

@@ -14,7 +14,7 @@ import numpy as np
 
 from imuwb.log import AXES
 from imuwb.navigation.covariance import NAVIGATION
-from imuwb.navigation.outages import drift
+from imuwb.navigation.outages import drift, seconds_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -61,7 +61,7 @@ def budget(solution: Solution, events: NDArray[np.int64], duration: float) -> Bu
         sources[name] = _horizontal(replace(solution, track=empty, tables=tables), events, duration)
     variance = np.array(list(sources.values()))
     shared = total - variance.sum(axis=0)
-    elapsed = np.arange(1.0, total.size + 1)
+    elapsed = seconds_of(duration)
     return Budget((*sources, COMMON), elapsed, np.vstack([variance, shared]), total)
 
 

@@ -19,9 +19,12 @@ if TYPE_CHECKING:
     from imuwb.log import Floats, Log
     from imuwb.navigation.filter_model import FilterModel
 
-COARSE = np.arange(-0.5, 0.51, 0.1)  #: s
-STEPS = np.array([0.05, 0.1, 2e-4, 0.5])  #: of both delays, s, rate, and log of the noise: the first simplex
-SMALL = np.array([0.01, 0.01, 2e-5, 0.1])  #: likewise, of the curvature
+DELAYS = np.arange(-0.5, 0.51, 0.1)  #: s, of the first grid
+RATES = np.array([-2e-3, -1e-3, -5e-4, 0.0, 5e-4, 1e-3, 2e-3])  #: likewise
+STEPS = np.array([0.05, 0.1, 3e-4, 0.5])  #: of both delays, s, rate, and log of the noise: the first simplex
+SMALL = np.array([0.01, 0.01, 2e-5, 0.1])  #: likewise, where the curvature begins to be looked for
+RISE = 2.0  #: of the misfit, over which it is taken: what is jagged below does not count
+ENDS = 3  #: fixes at each end that do not count: a delay takes some in or out
 LOUD = np.log(3.0)  #: log of the factor of white noise at the start: vehicles shake
 
 
@@ -29,69 +32,93 @@ LOUD = np.log(3.0)  #: log of the factor of white noise at the start: vehicles s
 class Clocks:
     """A receiver's delay and an IMU's clock, with intervals."""
 
-    delay: Interval  #: s by which a fix's stamp is later than where its position shows the IMU
-    velocity_delay: Interval  #: s by which its velocity is older than that
-    rate: Interval | None  #: true seconds in one of the IMU's; None: it was not asked for
+    delay: (
+        Interval | None
+    )  #: s by which a fix's stamp is later than where its position shows the IMU; None: it was given
+    velocity_delay: Interval | None  #: s by which its velocity is older than that; likewise
+    rate: Interval | None  #: true seconds in one of the IMU's; likewise
     noise: float  #: factor of the model's white noise under which the log is most likely
 
 
-def estimate_clocks(log: Log, model: FilterModel, receiver: str | None, level: float, *, with_rate: bool) -> Clocks:
-    """Return delay and rate where the innovations of a filter are most likely, its white noise scaled along with them.
+def estimate_clocks(
+    log: Log, model: FilterModel, receiver: str | None, level: float, *, with_delay: bool = True, with_rate: bool
+) -> Clocks:
+    """Return delays and rate where the innovations of a filter are most likely, its white noise scaled along with them.
 
-    Intervals are of the curvature there.
+    The same fixes count whatever the delay. Intervals are of the curvature there; infinite, where there is none.
 
     Args:
         log: the log.
-        model: a filter; its own delay and rate are where the search begins.
-        receiver: name of the receiver; None: the first.
+        model: a filter; its own delays and rate are where the search begins.
+        receiver: name of the receiver; None: the one that tells most.
         level: of the intervals.
-        with_rate: whether the clock's rate is sought, too.
+        with_delay: whether the delays of positions and velocities are sought.
+        with_rate: whether the clock's rate is sought.
 
     Raises:
         MissingDataError: as ``prepare``.
     """
     before = model.installation
+    rows = np.unique(prepare(log, model, receiver).found.fix)
+    counted = (int(rows[max(0, np.searchsorted(rows, 0))]) + ENDS, int(rows[-1]) - ENDS)
 
     def misfit(delay: float, later: float, rate: float, noise: float) -> float:
         factor = float(np.exp(noise))
         tried = replace(
             model, error_model=scaled(model.error_model, (factor, factor)),
-            installation=replace(before, gnss_delay=before.gnss_delay + delay, velocity_delay=before.velocity_delay + later, clock_rate=before.clock_rate + rate),
+            installation=replace(
+                before, gnss_delay=before.gnss_delay + delay, velocity_delay=before.velocity_delay + later or 1e-9,
+                clock_rate=before.clock_rate + rate,
+            ),
         )  # fmt: skip
-        return -run(tried, prepare(log, tried, receiver)).log_likelihood
+        return -run(tried, prepare(log, tried, receiver)).log_likelihood_of(*counted)
 
-    coarse = float(COARSE[int(np.argmin([misfit(float(d), 1e-6, 0.0, LOUD) for d in COARSE]))])
-    free = np.array([True, True, with_rate, True])
+    delays = DELAYS if with_delay else np.zeros(1)
+    rates = RATES if with_rate else np.zeros(1)
+    grid = [(misfit(float(d), 0.0, float(r), LOUD), float(d), float(r)) for r in rates for d in delays]
+    _, coarse, rate = min(grid)
+    free = np.array([with_delay, with_delay, with_rate, True])
 
     def objective(x: Floats) -> float:
         full = np.zeros(4)
         full[free] = x
         return misfit(*(float(v) for v in full))
 
-    start = np.array([coarse, 1e-6, 0.0, LOUD])[free]
-    simplex = np.vstack([start, start + np.diag(STEPS[free])])
+    start = np.array([coarse, 0.0, rate, LOUD])[free]
     best = optimize.minimize(
         objective, start, method="Nelder-Mead",
-        options={"initial_simplex": simplex, "xatol": 1e-5, "fatol": 0.05, "maxfev": 300},
+        options={
+            "initial_simplex": np.vstack([start, start + np.diag(STEPS[free])]), "xatol": 1e-5, "fatol": 0.05, "maxfev": 300,
+        },
     )  # fmt: skip
-    spread = _covariance(objective, best.x, SMALL[free])
-    half = normal_limit(level) * np.sqrt(np.maximum(np.diagonal(spread), 0.0))
-    delay = before.gnss_delay + float(best.x[0])
-    rate = None
-    if with_rate:
-        value = before.clock_rate + float(best.x[2])
-        rate = Interval(value, value - float(half[2]), value + float(half[2]))
-    later = before.velocity_delay + float(best.x[1])
+    spread = np.diagonal(_covariance(objective, best.x, SMALL[free]))
+    half = normal_limit(level) * np.sqrt(np.where(spread > 0, spread, np.inf))
+    value, width = np.zeros(4), np.zeros(4)
+    value[free], width[free] = best.x, half
+    first = before.gnss_delay, before.velocity_delay, before.clock_rate
+    delay, later, slope = (
+        Interval(f + float(v), f + float(v - w), f + float(v + w))
+        for f, v, w in zip(first, value[:3], width[:3], strict=True)
+    )
     return Clocks(
-        Interval(delay, delay - float(half[0]), delay + float(half[0])),
-        Interval(later, later - float(half[1]), later + float(half[1])), rate, float(np.exp(best.x[-1])),
-    )  # fmt: skip
+        delay if with_delay else None,
+        later if with_delay else None,
+        slope if with_rate else None,
+        float(np.exp(value[3])),
+    )
 
 
 def _covariance(objective: Callable[[Floats], float], at: Floats, step: Floats) -> Floats:
     """Return the inverse of a function's curvature, by differences."""
     n = at.size
     centre = objective(at)
+    step = step.copy()
+    for i in range(n):
+        unit = np.eye(n)[i]
+        for _ in range(8):
+            if objective(at + step[i] * unit) + objective(at - step[i] * unit) - 2 * centre >= 2 * RISE:
+                break
+            step[i] *= 1.6
     hessian = np.zeros((n, n))
     for i in range(n):
         for j in range(i + 1):

@@ -14,6 +14,7 @@ from imuwb.navigation.alignment import standing
 from imuwb.navigation.attitude import euler_of_rotation, rotation_of_euler
 from imuwb.navigation.filter_model import Installation
 from imuwb.navigation.measurement import measurement
+from imuwb.replay.replay import receiver_of
 
 if TYPE_CHECKING:
     from imuwb.log import Log
@@ -49,7 +50,7 @@ def estimate_mounting(log: Log, receiver: str | None, level: float) -> Mounting:
     Raises:
         MissingDataError: no velocities, no stillness, too little acceleration.
     """
-    gnss = next((g for g in log.gnss if receiver in (None, g.name)), None)
+    gnss = receiver_of(log, receiver) if log.gnss else None
     if gnss is None or gnss.velocity is None:
         message = (
             f"{log.provenance.path}: the mounting can be estimated only with a receiver's velocities; give --mounting"

@@ -110,17 +110,30 @@ def prepare(log: Log, model: FilterModel, receiver: str | None = None, worse: De
             "(an outage replay needs fixes to take away)"
         )
         raise MissingDataError(message)
-    named = [g for g in log.gnss if receiver in (None, g.name)]
-    if not named:
-        message = f"no receiver {receiver!r}; there are {', '.join(g.name for g in log.gnss)}"
-        raise UsageError(message)
-    gnss = named[0] if worse is None else degraded(named[0], worse)
+    chosen = receiver_of(log, receiver)
+    gnss = chosen if worse is None else degraded(chosen, worse)
+    several = ()
+    if len(log.gnss) > 1 and receiver is None:
+        several = (f"of {len(log.gnss)} receivers {gnss.name} is taken; --receiver names another",)
     thermal = any(axis.thermal for axis in model.error_model.axes.values())
     moves = measurement(log, log.imu(), model.installation, thermal=thermal)
     still = standing(moves, log, gnss)
     found = corrections(log, gnss, moves, still, model)
     start = align(moves, found, still, model)
-    return Prepared(log, gnss, moves, still, found, start, (*moves.notes, *found.notes, start.note))
+    return Prepared(log, gnss, moves, still, found, start, (*several, *moves.notes, *found.notes, start.note))
+
+
+def receiver_of(log: Log, name: str | None) -> GnssStream:
+    """Return a receiver by its name; without one, that which tells most: velocities, then sigmas, then most fixes.
+
+    Raises:
+        UsageError: no receiver of that name.
+    """
+    named = [g for g in log.gnss if name in (None, g.name)]
+    if not named:
+        message = f"no receiver {name!r}; there are {', '.join(g.name for g in log.gnss)}"
+        raise UsageError(message)
+    return max(named, key=lambda g: (g.velocity is not None, g.position_sigma is not None, len(g)))
 
 
 def run(model: FilterModel, prepared: Prepared, *, smooth: bool = False) -> Solution:
@@ -134,7 +147,10 @@ def run(model: FilterModel, prepared: Prepared, *, smooth: bool = False) -> Solu
 def sweep(prepared: Prepared, model: FilterModel, duration: float) -> tuple[Outage, ...]:
     """Return an outage behind every fix, once a second, from when the filter has settled to the end of the log."""
     time = prepared.found.time[prepared.found.fix >= 0]
-    first, last = prepared.start_time + model.settings.settling, min(time[-1], prepared.moves.time[-1]) - duration
+    first, last = (
+        prepared.start_time + model.settings.settling,
+        min(time[-1], prepared.moves.time[-1] - prepared.moves.interval) - duration,
+    )
     kept: list[Outage] = []
     for t in time[(time >= first) & (time <= last)]:
         if not kept or t - kept[-1].start >= SPACING:
@@ -205,12 +221,15 @@ def replay(
             notes.append(
                 f"{lost} outages of {duration:g} s are not scored: {against.name} has no value there, or a filter failed"
             )
-        gap = _with_gap(prepared, chosen)
+        gap = with_gap(prepared, chosen)
         if gap.any():
             notes.append(
                 f"{int(gap.sum())} outages of {duration:g} s are not scored: IMU samples are missing within them"
             )
         scored[duration] = good & ~gap
+    if not any(rows.any() for rows in scored.values()):
+        message = f"{prepared.log.provenance.path}: no outage can be scored: {'; '.join(notes[len(prepared.notes) :])}"
+        raise MissingDataError(message)
     return Replay(prepared, against, runs, scored, tuple(notes))
 
 
@@ -224,6 +243,9 @@ def check_outages(prepared: Prepared, model: FilterModel, outages: Sequence[Outa
             f"and the log ends at {last:.1f} s"
         )
         raise MissingDataError(message)
+    time = prepared.found.time[prepared.found.fix >= 0]
+    usual = float(np.median(np.diff(time)))
+    fixes: set[tuple[float, float]] = set()
     for outage in outages:
         if outage.start < first + model.settings.settling:
             message = (
@@ -231,9 +253,20 @@ def check_outages(prepared: Prepared, model: FilterModel, outages: Sequence[Outa
                 f"{model.settings.settling:g} s (--settling changes that)"
             )
             raise UsageError(message)
-        if outage.start + outage.duration > last:
+        if outage.start + outage.duration > last - prepared.moves.interval:
             message = f"the outage of {outage.duration:g} s at {outage.start:g} s ends behind the log ({last:.1f} s)"
             raise UsageError(message)
+        before = float(time[np.searchsorted(time, outage.start + 1e-3, side="right") - 1])
+        if outage.start - before > OWN_SHARE * usual:
+            message = (
+                f"the outage at {outage.start:g} s begins where the log has no fixes: the last is at {before:.1f} s; "
+                "--at own runs the outages that a log has itself"
+            )
+            raise UsageError(message)
+        if (before, outage.duration) in fixes:
+            message = f"two outages of {outage.duration:g} s begin behind the same fix, at {before:.1f} s"
+            raise UsageError(message)
+        fixes.add((before, outage.duration))
 
 
 def events_of(solution: Solution, outages: Sequence[Outage]) -> NDArray[np.int64]:
@@ -243,7 +276,8 @@ def events_of(solution: Solution, outages: Sequence[Outage]) -> NDArray[np.int64
     return solution.events[np.maximum(at, 0)]
 
 
-def _with_gap(prepared: Prepared, outages: Sequence[Outage]) -> NDArray[np.bool_]:
+def with_gap(prepared: Prepared, outages: Sequence[Outage]) -> NDArray[np.bool_]:
+    """Return which outages have IMU samples missing within them."""
     found = np.zeros(len(outages), dtype=bool)
     for begin, end in prepared.moves.bridged:
         found |= np.array([o.start < end and o.start + o.duration > begin for o in outages])

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from imuwb.replay.reference import Yardstick
 
 HORIZONS = (5.0, 10.0, 30.0, 60.0)  #: s
+LEAST = 0.01  #: of a covariance's trace, that a difference of two keeps
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -52,13 +53,27 @@ class Scores:
 
     def of(self, rows: NDArray[np.bool_] | NDArray[np.int64], duration: float) -> Scores:
         """Return some of the outages, up to a duration."""
-        kept = self.elapsed <= duration + 0.5
+        kept = self.elapsed <= duration + 1e-6
         return Scores(
             self.start[rows], self.elapsed[kept], *(
                 part[rows][:, kept]
                 for part in (self.north_east, self.covariance, self.vertical, self.velocity, self.heading, self.distance)
             )
         )  # fmt: skip
+
+
+def _difference(covariance: Floats, sigma: Floats, against: Yardstick) -> Floats:
+    """Return the covariance of a drift less its reference.
+
+    An independent reference's own adds. A run over all fixes knows all that the drift knows, and more: its error is what is left
+    of the drift's, and theirs differ by what the fixes brought, the difference of the covariances.
+    """
+    own = sigma[..., None] ** 2 * np.eye(2)
+    if against.kind in ("truth", "fixed"):
+        return covariance + own
+    values, vectors = np.linalg.eigh(covariance - own)
+    least = LEAST * np.trace(covariance, axis1=-2, axis2=-1)[..., None]
+    return (vectors * np.maximum(values, least)[..., None, :]) @ np.swapaxes(vectors, -1, -2)
 
 
 def scores(drift: Drift, against: Yardstick) -> Scores:
@@ -68,14 +83,13 @@ def scores(drift: Drift, against: Yardstick) -> Scores:
     off = drift.state[..., :3] - position
     north = off[..., 0] * (meridian + position[..., 2])
     east = off[..., 1] * (transverse + position[..., 2]) * np.cos(position[..., 0])
-    covariance = drift.covariance[..., :2, :2] + sigma[..., :2, None] ** 2 * np.eye(2)
+    covariance = _difference(drift.covariance[..., :2, :2], sigma[..., :2], against)
     turned = euler_of_quaternion(drift.state[..., 6:10])[..., 2] - heading
     speed = np.hypot(velocity[..., 0], velocity[..., 1])
-    elapsed = np.arange(1.0, drift.time.shape[1] + 1)
     step = np.diff(np.concatenate([drift.start[:, None], drift.time], axis=1), axis=1)
     unsound = ~drift.sound[:, None]
     return Scores(
-        drift.start, elapsed,
+        drift.start, drift.elapsed,
         np.where(unsound[..., None], np.nan, np.stack([north, east], axis=-1)), covariance,
         np.where(unsound, np.nan, off[..., 2]),
         np.hypot(*np.moveaxis(drift.state[..., 3:5] - velocity[..., :2], -1, 0)),

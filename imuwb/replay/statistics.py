@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 DRAWS = 1000
 EXACT = 12  #: blocks, up to which all signs are tried
 SEED = 0
+FEWEST = 5  #: outages that do not overlap, below which there are no intervals and no verdict
 LIMIT_95 = 5.991  #: chi-squared of two degrees of freedom
 
 
@@ -91,9 +92,9 @@ def effective_count(start: Floats, duration: float) -> int:
 
 def block_length(start: Floats, duration: float) -> int:
     """Return how many neighbours an outage overlaps with: the length of a block."""
-    if start.size < 2:  # noqa: PLR2004 - no neighbours
-        return 1
-    return max(1, int(np.ceil(start.size / max(effective_count(start, duration), 1))))
+    ordered = np.sort(start)
+    behind = np.searchsorted(ordered, ordered + duration - 1e-6)
+    return int((behind - np.arange(ordered.size)).max(initial=1))
 
 
 def resampled(count: int, block: int) -> NDArray[np.int64]:
@@ -107,6 +108,8 @@ def resampled(count: int, block: int) -> NDArray[np.int64]:
 
 def quantile(values: Floats, share: float, rows: NDArray[np.int64], level: float) -> Interval:
     """Return a quantile with its bootstrap interval."""
+    if rows.shape[0] == 0:
+        return Interval(float(np.quantile(values, share)), float("nan"), float("nan"))
     drawn = np.quantile(values[rows], share, axis=1)
     low, high = np.quantile(drawn, [(1 - level) / 2, (1 + level) / 2])
     return Interval(float(np.quantile(values, share)), float(low), float(high))
@@ -129,6 +132,8 @@ def summarize(
         return None
     effective = effective_count(found.start, duration)
     rows = resampled(found.start.size, block_length(found.start, duration))
+    if effective < FEWEST:
+        rows = rows[:0]  # so few tell no interval
     end, largest = found.horizontal[:, -1], found.horizontal.max(axis=1)
     driven = found.distance[:, -1]
     far = driven > duration  # more than a metre a second
@@ -158,9 +163,11 @@ def compare(model: str, one: Scores, against: str, other: Scores, duration: floa
     a, b = one.horizontal[:, -1], other.horizontal[:, -1]
     block = block_length(one.start, duration)
     rows = resampled(a.size, block)
+    if effective_count(one.start, duration) < FEWEST:
+        rows = rows[:0]
     share = np.where(b > 0, 1 - a / np.where(b > 0, b, 1), 0.0)
     means = share[rows].mean(axis=1)
-    low, high = np.quantile(means, [(1 - level) / 2, (1 + level) / 2])
+    low, high = np.quantile(means, [(1 - level) / 2, (1 + level) / 2]) if means.size else (np.nan, np.nan)
     return Paired(
         model, against, duration, quantile(a - b, 0.5, rows, level),
         Interval(float(share.mean()), float(low), float(high)), float((a < b).mean()), sign_flip(np.log((a + 1e-3) / (b + 1e-3)), block),
@@ -192,6 +199,8 @@ def verdict(summary: Summary) -> str:
     if not summary.consistency:
         return f"{summary.model}: no outage long enough to judge its sigma"
     last = summary.consistency[-1]
+    if summary.effective_count < FEWEST:
+        return f"{summary.model}: {summary.effective_count} outages that do not overlap are too few to judge its sigma"
     if last.lower <= last.nees_per_dof <= last.upper:
         return (
             f"{summary.model}: sigma can be believed after {last.elapsed:g} s "

@@ -11,7 +11,7 @@ from scipy import optimize
 from imuwb.navigation.outages import drift
 from imuwb.replay.choice import log_likelihood
 from imuwb.replay.reference import is_independent, yardstick
-from imuwb.replay.replay import Outage, apart, events_of, run, sweep
+from imuwb.replay.replay import Outage, apart, events_of, run, sweep, with_gap
 from imuwb.replay.scaled import scaled
 from imuwb.replay.scores import scores
 
@@ -60,7 +60,8 @@ def tune(prepared: Prepared, model: FilterModel, reference: str) -> tuple[Filter
     """
     smooth = not is_independent(prepared.log, reference)
     against = yardstick(prepared.log, run(model, prepared, smooth=smooth), reference)
-    alone = apart(sweep(prepared, model, DURATION))
+    swept = sweep(prepared, model, DURATION)
+    alone = apart([o for o, broken in zip(swept, with_gap(prepared, swept), strict=True) if not broken])
     split = alone[0].start + SHARE * (alone[-1].start + DURATION - alone[0].start) if alone else 0.0
     early = [o for o in alone if o.start + o.duration <= split]
     late = [o for o in alone if o.start >= split]

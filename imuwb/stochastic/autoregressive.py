@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from imuwb.log import Floats
 
 
+ROUNDING = 1e-9  #: of a pole's magnitude: the roots of a set with one at 1 come out just below
+
+
 @dataclass(frozen=True, slots=True)
 class Autoregressive(Addable):
     """x(n) = -sum alpha_k x(n-k) + beta0 w(n) (Quinchia, eq. 9); valid at its own step only.
@@ -39,7 +42,7 @@ class Autoregressive(Addable):
         object.__setattr__(self, "alpha", tuple(float(a) for a in self.alpha))
         poles = np.roots([1.0, *self.alpha])
         worst = max(np.abs(poles), default=0.0)
-        if worst >= 1:
+        if worst >= 1 - ROUNDING:
             message = f"this AR set is not stable: it has a pole of magnitude {worst:.6g} (it must be below 1)"
             raise ValueError(message)
 

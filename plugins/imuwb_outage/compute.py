@@ -64,17 +64,13 @@ def run(log: Log, parameters: Parameters) -> Result:
     clocks = None
     if parameters.delay() is None or parameters.rate() is None:
         first = _named("full", base, prepare(log, base, parameters.receiver), parameters)
-        clocks = estimate_clocks(log, first, parameters.receiver, parameters.level, with_rate=parameters.rate() is None)
-        rate = base.installation.clock_rate if clocks.rate is None else clocks.rate.value
-        base = replace(
-            base,
-            installation=replace(
-                base.installation,
-                gnss_delay=clocks.delay.value,
-                velocity_delay=clocks.velocity_delay.value,
-                clock_rate=rate,
-            ),
-        )
+        clocks = estimate_clocks(
+            log, first, parameters.receiver, parameters.level, with_delay=parameters.delay() is None,
+            with_rate=parameters.rate() is None,
+        )  # fmt: skip
+        estimates = {"gnss_delay": clocks.delay, "velocity_delay": clocks.velocity_delay, "clock_rate": clocks.rate}
+        known = {name: found.value for name, found in estimates.items() if found is not None}
+        base = replace(base, installation=replace(base.installation, **known))
     worse = Degradation(**parameters.degradation(), seed=parameters.seed) if parameters.degrade else None
     prepared = prepare(log, base, parameters.receiver, worse)
     models = [_named(name, base, prepared, parameters) for name in parameters.names()]
@@ -93,13 +89,20 @@ def run(log: Log, parameters: Parameters) -> Result:
         except ValueError as error:
             raise MissingDataError(str(error)) from error
         models.append(replace(better, name="tuned"))
-    found = replay(prepared, models, _outages(prepared, base, parameters), reference=parameters.reference)
+    if base.aids.speed and not log.speeds:
+        message = f"{log.provenance.path}: no speed in this log: --speed has nothing to use"
+        raise MissingDataError(message)
+    try:
+        found = replay(prepared, models, _outages(prepared, base, parameters), reference=parameters.reference)
+    except ValueError as error:
+        message = f"{log.provenance.path}: {error}"
+        raise MissingDataError(message) from error
     durations = tuple(found.scored)
     summary = tuple(_of_duration(found, duration, parameters.level) for duration in durations)
     words = tuple(f"{one.duration:g} s: {verdict(s)}" for one in summary for s in one.summaries)
     return Result(
         tuple(one for duration in durations for one in _each(found, duration)), summary,
-        tuple(_filter(one) for one in found.runs.values()), found.reference.name, words, found.notes,
+        tuple(_filter(one, causal=log.causal) for one in found.runs.values()), found.reference.name, words, found.notes,
         clocks, mounting, tuned, *_budget(found), found,
     )  # fmt: skip
 
@@ -172,7 +175,8 @@ def _of_duration(found: Replay, duration: float, level: float) -> OfDuration:
     summaries = [
         s
         for name, one in found.runs.items()
-        if (s := summarize(name, duration, kept[name], HORIZONS, _nis(one)[0], level)) is not None
+        if (s := summarize(name, duration, kept[name], tuple(sorted({*HORIZONS, duration})), _nis(one)[0], level))
+        is not None
     ]
     pairs = [pair for pair in permutations(kept, 2) if pair[0] == TESTED] if TESTED in kept else []
     if not pairs:
@@ -202,13 +206,13 @@ def _each(found: Replay, duration: float) -> list[OneOutage]:
     return [
         OneOutage(
             float(first.start[i]), duration, float(first.distance[i, -1] / duration), str(motion[i]),
-            {name: _of_model(one, duration, int(i)) for name, one in found.runs.items()},
+            {name: _of_model(one, duration, int(i), causal=found.prepared.log.causal) for name, one in found.runs.items()},
         )
         for i in np.flatnonzero(found.scored[duration])
     ]  # fmt: skip
 
 
-def _of_model(one: Run, duration: float, i: int) -> OfModel:
+def _of_model(one: Run, duration: float, i: int, *, causal: bool) -> OfModel:
     s: Scores = one.outages[duration].scores
     own = one.outages[duration].own.horizontal[i]
     error, driven = s.horizontal[i], float(s.distance[i, -1])
@@ -216,7 +220,7 @@ def _of_model(one: Run, duration: float, i: int) -> OfModel:
     return OfModel(
         float(error.mean()), float(error.max()), float(error[-1]), float(s.vertical[i, -1]), float(s.velocity[i, -1]),
         heading if np.isfinite(heading) else None, float(error[-1] / driven * 100) if driven > duration else None,
-        float(s.sigma[i, -1]), float(s.nees[i, -1]), one.solution.model.causal, float(own.mean()), float(own.max()),
+        float(s.sigma[i, -1]), float(s.nees[i, -1]), one.solution.model.causal and causal, float(own.mean()), float(own.max()),
     )  # fmt: skip
 
 
@@ -228,13 +232,14 @@ def _nis(one: Run) -> tuple[float, float | None, float | None]:
     return float(np.mean(known)) if known else float("nan"), position, velocity
 
 
-def _filter(one: Run) -> Filter:
+def _filter(one: Run, *, causal: bool) -> Filter:
     model, interval = one.solution.model, one.solution.moves.interval
     _, position, velocity = _nis(one)
     return Filter(
         model.name, model.states(interval), _processes(model, "gyro_x"), _processes(model, "accel_x"),
-        model.left_out(interval), model.reading, model.causal,
+        model.left_out(interval), model.reading, model.causal and causal,
         position if position is not None else float("nan"), velocity, one.solution.refused,
+        int(np.isfinite(one.solution.fix_nis).sum()),
     )  # fmt: skip
 
 

@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 
 OWN = "own"
 ALL = "none,15AV,18AV,18AVWD,15AR,27AR,full"
+FARTHEST, LONGEST_ARM = 10.0, 500.0  #: s, m
 DEEPEST = 12  #: level of denoising
 SHORTEST, LONGEST = 2.0, 600.0  #: s, of an outage
 
@@ -74,6 +75,14 @@ class Parameters:
             if not (math.isfinite(value) and value >= 0):
                 message = f"{name} is {value}; it must be 0 or more"
                 raise ValueError(message)
+        for name, largest in (("velocity_delay", 10.0), ("skew", 1.0)):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and abs(value) <= largest):
+                message = f"{name} is {value} s; it must be within {largest:g} s of 0"
+                raise ValueError(message)
+        if self.at.strip() and not self.outages() and self.at != OWN:
+            message = f"at is {self.at!r}; write START:DURATION,... such as 200:30,430:60"
+            raise ValueError(message)
         if not 1 <= self.every <= 100:  # noqa: PLR2004 - a second of most IMUs
             message = f"every is {self.every} samples; it must be 1 to 100"
             raise ValueError(message)
@@ -97,7 +106,7 @@ class Parameters:
         found = tuple(part.strip() for part in self.models.split(",") if part.strip())
         unknown = [name for name in found if name not in ALL.split(",")]
         if unknown or not found or len(set(found)) < len(found):
-            what = f"no filter {unknown[0]!r}" if unknown else "no filter, or one twice"
+            what = f"no filter {unknown[0]!r}" if unknown else ("one is named twice" if found else "none is named")
             message = f"models: {what}; there are {ALL}"
             raise ValueError(message)
         return found
@@ -130,7 +139,7 @@ class Parameters:
                 found.append((float(start), float(length)))
             except ValueError as error:
                 message = (
-                    f"at: {part!r} is no START:DURATION{'' if mark else ' (a colon is missing)'}; write 120:30,300:60"
+                    f"at: {part!r} is no START:DURATION{'' if mark else ' (a colon is missing)'}; write 200:30,430:60"
                 )
                 raise ValueError(message) from error
         _check_lengths("at", [length for _, length in found])
@@ -147,13 +156,20 @@ class Parameters:
 
     def lever(self) -> tuple[float, float, float]:
         """Return the lever arm, m."""
-        return _three("lever_arm", self.lever_arm)
+        found = _three("lever_arm", self.lever_arm)
+        if max(map(abs, found)) > LONGEST_ARM:
+            message = f"lever_arm is {self.lever_arm} m; no vehicle is longer than {LONGEST_ARM:g} m"
+            raise ValueError(message)
+        return found
 
     def delay(self) -> float | None:
         """Return the delay of fixes, s; None: to be estimated."""
         if self.gnss_delay == "auto":
             return None
         (found,) = _numbers("gnss_delay", self.gnss_delay, 1)
+        if abs(found) > FARTHEST:
+            message = f"gnss_delay is {found:g} s; it must be within {FARTHEST:g} s of 0"
+            raise ValueError(message)
         return found
 
     def degradation(self) -> dict[str, float]:
@@ -193,8 +209,8 @@ class Parameters:
         if self.turn_on == "auto":
             return None
         gyro, accel = _numbers("turn_on", self.turn_on, 2)
-        if min(gyro, accel) < 0:
-            message = f"turn_on is {self.turn_on!r}; a sigma is 0 or more"
+        if not (0 <= gyro <= 1000 and 0 <= accel <= 100):  # noqa: PLR2004 - more is no sensor
+            message = f"turn_on is {self.turn_on!r}; sigmas are 0 to 1000 deg/s and 0 to 100 m/s²"
             raise ValueError(message)
         return math.radians(gyro), accel
 

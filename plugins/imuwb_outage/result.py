@@ -63,7 +63,8 @@ class Filter:
     causal: bool
     nis_position: float  #: mean normalised innovation squared over its degrees of freedom
     nis_velocity: float | None
-    refused: int  #: fixes
+    refused: int  #: positions and velocities of fixes
+    fixes: int  #: positions and velocities behind the start
 
 
 @dataclass(frozen=True, eq=False, slots=True)

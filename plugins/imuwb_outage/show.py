@@ -9,13 +9,13 @@ import rerun as rr
 
 from imuwb.analysis import Curve, Figure, Table, Vertical
 from imuwb.navigation.filter_document import write_filter
-from imuwb.replay import HORIZONS, drift_curve
+from imuwb.replay import HORIZONS, Interval, drift_curve
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from imuwb.analysis import Review
-    from imuwb.replay import Choice, Clocks, Interval, Scores, Tuned
+    from imuwb.replay import Choice, Clocks, Scores, Tuned
     from imuwb_outage.result import OfDuration, OneOutage, Result
 
 COLORS = {
@@ -28,6 +28,10 @@ PALETTE = (
     (228, 87, 86), (76, 120, 168), (84, 162, 75), (242, 142, 43), (176, 122, 161), (118, 183, 178), (237, 201, 72),
 )  # fmt: skip
 COMMON = "in common"
+MISFIT, REFUSED = (
+    3.0,
+    0.1,
+)  #: NIS over its degrees of freedom, and share of fixes refused, of a filter that does not fit
 TRACKS, ROWS, FAINT = 6, 20, 60  #: outages drawn on the map, listed, and drawn as errors
 
 
@@ -53,7 +57,7 @@ def draw(result: Result, review: Review) -> None:
             review.table(_choice_table(one.choice))
         if one.paired:
             review.table(_paired_table(one))
-        kinds = tuple((kind, *(f"{m:.3g} m" for m in medians.values())) for kind, medians in one.by_motion.items())
+        kinds = tuple((kind, *(f"{number(m)} m" for m in medians.values())) for kind, medians in one.by_motion.items())
         review.table(
             Table(f"Median at the end by motion, {one.duration:g} s", ("motion", *result.replay.runs), kinds, wide=True)
         )
@@ -63,6 +67,13 @@ def draw(result: Result, review: Review) -> None:
 def _notes(result: Result, review: Review) -> None:
     for words in result.verdicts:
         review.note(words)
+    for f in result.filters:
+        worst = max(f.nis_position, f.nis_velocity or 0.0)
+        if worst > MISFIT or f.refused > REFUSED * f.fixes:
+            review.note(
+                f"{f.name} does not fit this log: its innovations are {np.sqrt(worst):.1f} times larger than it thinks, "
+                f"{f.refused} of {f.fixes} fixes are refused at the gate"
+            )
     for one in result.summary:
         if one.choice is not None:
             best = one.choice.candidates[0]
@@ -85,13 +96,24 @@ def _notes(result: Result, review: Review) -> None:
 
 
 def _clocks_text(c: Clocks) -> str:
-    v = c.velocity_delay
-    late = f"fixes are {c.delay.value * 1e3:.0f} [{c.delay.lower * 1e3:.0f}, {c.delay.upper * 1e3:.0f}] ms late"
-    late += f", their velocities {v.value * 1e3:.0f} [{v.lower * 1e3:.0f}, {v.upper * 1e3:.0f}] ms later than their positions"
+    said: list[str] = []
+    if c.delay is not None and c.velocity_delay is not None:
+        said.append(f"fixes are {_signed(c.delay, 1e3, 'ms late', 'ms early')}")
+        said.append(
+            f"their velocities are {_signed(c.velocity_delay, 1e3, 'ms older', 'ms younger')} than their positions"
+        )
     if c.rate is not None:
-        parts = [(x - 1) * 1e6 for x in (c.rate.value, c.rate.lower, c.rate.upper)]
-        late += f", a second of the IMU is longer by {parts[0]:.0f} [{parts[1]:.0f}, {parts[2]:.0f}] millionths"
-    return f"{late}: by the likelihood of the innovations, with white noise {c.noise:.2g} times the model's"
+        longer = Interval(c.rate.value - 1, c.rate.lower - 1, c.rate.upper - 1)
+        said.append(f"a second of the IMU is {_signed(longer, 1e6, 'millionths longer', 'millionths shorter')}")
+    return f"{', '.join(said)}: by the likelihood of the innovations, with white noise {c.noise:.2g} times the model's"
+
+
+def _signed(x: Interval, factor: float, above: str, below: str) -> str:
+    """Return a value of either sign with its interval in words."""
+    sign = 1 if x.value >= 0 else -1
+    ends = sorted((sign * x.lower * factor, sign * x.upper * factor))
+    told = f" [{ends[0]:.0f}, {ends[1]:.0f}]" if np.isfinite(ends).all() else " (nothing bounds it)"
+    return f"{abs(x.value) * factor:.0f}{told} {above if sign > 0 else below}"
 
 
 def _tuned_text(t: Tuned) -> str:
@@ -108,9 +130,9 @@ def _drift_table(one: OfDuration, result: Result) -> Table:
     rows = tuple(
         (
             s.model, f"{s.count} ({s.effective_count})", _metres(s.median_end), _metres(s.p68_end), _metres(s.p95_end),
-            _metres(s.median_max), f"{s.median_vertical:.3g} m", f"{s.median_velocity:.2g} m/s",
+            _metres(s.median_max), f"{number(s.median_vertical)} m", f"{number(s.median_velocity)} m/s",
             "—" if s.median_heading is None else f"{np.degrees(s.median_heading):.2g} deg",
-            "—" if s.median_percent is None else f"{s.median_percent:.2g} %", "yes" if causal[s.model] else "no",
+            "—" if s.median_percent is None else f"{number(s.median_percent)} %", "yes" if causal[s.model] else "no",
         )
         for s in one.summaries
     )  # fmt: skip
@@ -123,7 +145,14 @@ def _drift_table(one: OfDuration, result: Result) -> Table:
 
 
 def _metres(interval: Interval) -> str:
-    return f"{interval.value:.3g} [{interval.lower:.3g}, {interval.upper:.3g}] m"
+    if not np.isfinite(interval.lower):
+        return f"{number(interval.value)} m"
+    return f"{number(interval.value)} [{number(interval.lower)}, {number(interval.upper)}] m"
+
+
+def number(value: float) -> str:
+    """Return a figure with three digits, never as a power of ten."""
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"  # noqa: PLR2004 - three digits
 
 
 def _scores(result: Result, duration: float) -> Iterator[tuple[str, Scores]]:
@@ -156,14 +185,15 @@ def _paired_table(one: OfDuration) -> Table:
     )  # fmt: skip
     return Table(
         f"Pairs over the same outages of {one.duration:g} s",
-        ("filter", "against", "median difference at the end", "mean of 1 - filter/against", "better in", "p of no difference"),
+        ("filter", "against", "median difference at the end", "mean of 1 - filter/against", "better in", "p of no difference (of log ratios)"),
         rows, "Negative differences: the first is better. p: signs of blocks of neighbours flipped.", wide=True,
     )  # fmt: skip
 
 
 def _choice_table(c: Choice) -> Table:
     rows = tuple(
-        (x.model, f"{x.log_likelihood:.2f}", f"{x.median_end:.3g} m", f"{x.folds} of {c.folds}") for x in c.candidates
+        (x.model, f"{x.log_likelihood:.2f}", f"{number(x.median_end)} m", f"{x.folds} of {c.folds}")
+        for x in c.candidates
     )
     caption = (
         f"By cross-validation over {c.folds} blocks of time: a filter chosen on the other blocks has log-likelihood "
@@ -235,7 +265,7 @@ def _errors(result: Result, review: Review) -> None:
 def _budget(result: Result, review: Review) -> None:
     review.tab("Budget")
     b = result.budget
-    order = np.argsort(-np.abs(b.variance[:, -1]))
+    order = sorted(range(len(b.sources)), key=lambda i: (b.sources[i] == COMMON, -b.variance[i, -1]))
     curves = [Curve("all", b.elapsed, np.sqrt(b.total), REFERENCE, style="curve")]
     for color, i in zip(PALETTE, [i for i in order if b.sources[i] != COMMON], strict=False):
         curves.append(Curve(b.sources[i], b.elapsed, np.sqrt(b.variance[i]), color, style="curve"))
@@ -292,10 +322,22 @@ def _apart(
 def _outages(result: Result, review: Review) -> None:
     review.tab("Outages")
     names = list(result.replay.runs)
-    listed = sorted(result.outages, key=lambda o: -max(m.end for m in o.models.values()))
-    shown = sorted(listed[:ROWS], key=lambda o: (o.duration, o.start))
+    listed = sorted(result.outages, key=lambda o: -min(m.end for m in o.models.values()))
+    shown = listed
+    if len(listed) > ROWS:
+        shown = []
+        for one in listed:
+            if len(shown) < ROWS and all(
+                one.start + one.duration <= o.start or one.start >= o.start + o.duration for o in shown
+            ):
+                shown.append(one)
+    shown = sorted(shown, key=lambda o: (o.duration, o.start))
     rows = tuple(_outage_row(one, names) for one in shown)
-    which = f"the {ROWS} worst of {len(listed)}" if len(listed) > ROWS else "all"
+    which = (
+        f"the {len(shown)} worst of {len(listed)} that do not overlap, by the best filter"
+        if len(listed) > ROWS
+        else "all"
+    )
     review.table(Table(
         f"Outages ({which}): mean / largest / end, horizontal", ("start", "lasts", "mean speed", "motion", *names), rows,
         f"Against {result.reference}.", wide=True,
@@ -307,7 +349,7 @@ def _outages(result: Result, review: Review) -> None:
 def _outage_row(one: OneOutage, names: list[str]) -> tuple[str, ...]:
     return (
         f"{one.start:.1f} s", f"{one.duration:g} s", f"{one.mean_speed * 3.6:.1f} km/h", one.motion,
-        *(f"{one.models[n].mean:.3g} / {one.models[n].max:.3g} / {one.models[n].end:.3g} m" for n in names),
+        *(f"{number(one.models[n].mean)} / {number(one.models[n].max)} / {number(one.models[n].end)} m" for n in names),
     )  # fmt: skip
 
 
@@ -318,7 +360,9 @@ def _printed_table(result: Result, names: list[str]) -> Table:
          *(f"{o.models[n].own_mean:.2f} / {o.models[n].own_max:.2f} m" for n in names))
         for o in result.outages
     ]  # fmt: skip
+    caption = ""
     if "18AVWD" in names:
+        caption = "Last row: mean over the outages of 1 - 18AVWD/filter, as the paper reckons it."
         gains = [
             tuple(
                 float(
@@ -336,7 +380,7 @@ def _printed_table(result: Result, names: list[str]) -> Table:
         rows.append(("18AVWD better by", "", "", *(f"{a * 100:.1f} / {b * 100:.1f} %" for a, b in gains)))
     return Table(
         "As Quinchia's tables 9 and 10: mean / largest, against each filter's own run", ("start", "lasts", "mean speed", *names),
-        tuple(rows), "Last row: mean over the outages of 1 - 18AVWD/filter, as the paper reckons it.", wide=True,
+        tuple(rows), caption, wide=True,
     )  # fmt: skip
 
 
