@@ -94,6 +94,26 @@ class Solution:
         return float(-np.nansum(nis) / 2 - np.log(spread[np.isfinite(spread)]).sum())
 
 
+def axis_errors(solution: Solution) -> tuple[Floats, Floats]:
+    """Return what a filter takes its axes' errors for at each fix, and the sigmas; scale factors left out.
+
+    Returns:
+        twice (m, 6) rad/s and m/s², ``gyro_x`` ... ``accel_z``.
+    """
+    tables, events = solution.tables, solution.events
+    regime = solution.moves.samples.regime[solution.found.events.at[events]]
+    weight = np.where(tables.scale, 0.0, tables.step[regime])
+    states, covariance = solution.track.axes[events], solution.track.covariance[events]
+    found, variance = np.zeros((events.size, 6)), np.zeros((events.size, 6))
+    for axis in range(6):
+        place = slice(int(tables.first[axis]) - NAVIGATION, int(tables.first[axis + 1]) - NAVIGATION)
+        own = weight[:, place]
+        found[:, axis] = (own * states[:, place]).sum(axis=1)
+        behind = slice(place.start + NAVIGATION, place.stop + NAVIGATION)
+        variance[:, axis] = np.einsum("ei,eij,ej->e", own, covariance[:, behind, behind], own)
+    return found, np.sqrt(np.maximum(variance, 0.0))
+
+
 def rules_of(model: FilterModel) -> Rules:
     """Return what holds for a whole run of a model."""
     settings = model.settings

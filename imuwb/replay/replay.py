@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from imuwb.replay.reference import Yardstick
 
 OWN, OWN_SHARE = 3.0, 2.5  #: s, and usual intervals, from which on a span without fixes is an outage
+LEAST_SETTLING = 10.0  #: s of fixes before any outage
 SPACING = 0.95  #: s; a sweep starts at fixes at least so far apart
 
 
@@ -208,6 +209,13 @@ def replay(
     runs: dict[str, Run] = {name: Run(solution, {}) for name, solution in solutions.items()}
     scored: dict[float, NDArray[np.bool_]] = {}
     notes = list(prepared.notes)
+    early = [o for o in outages if o.start < prepared.start_time + models[0].settings.settling - SPACING]
+    if early:
+        notes.append(
+            f"{len(early)} outages begin before the filter has had {models[0].settings.settling:g} s of fixes: it starts at "
+            f"{prepared.start_time:.1f} s, the first of them at {early[0].start:.1f} s"
+        )
+    known = len(notes)
     for duration in tracked(durations, len(durations)):
         chosen = [outage for outage in outages if outage.duration == duration]
         good = np.ones(len(chosen), dtype=bool)
@@ -228,7 +236,7 @@ def replay(
             )
         scored[duration] = good & ~gap
     if not any(rows.any() for rows in scored.values()):
-        message = f"{prepared.log.provenance.path}: no outage can be scored: {'; '.join(notes[len(prepared.notes) :])}"
+        message = f"{prepared.log.provenance.path}: no outage can be scored: {'; '.join(notes[known:])}"
         raise MissingDataError(message)
     return Replay(prepared, against, runs, scored, tuple(notes))
 
@@ -247,10 +255,10 @@ def check_outages(prepared: Prepared, model: FilterModel, outages: Sequence[Outa
     usual = float(np.median(np.diff(time)))
     fixes: set[tuple[float, float]] = set()
     for outage in outages:
-        if outage.start < first + model.settings.settling:
+        if outage.start < first + LEAST_SETTLING:
             message = (
                 f"the outage at {outage.start:g} s begins before the filter has settled: it starts at {first:.1f} s and needs "
-                f"{model.settings.settling:g} s (--settling changes that)"
+                f"{LEAST_SETTLING:g} s at the very least"
             )
             raise UsageError(message)
         if outage.start + outage.duration > last - prepared.moves.interval:

@@ -200,7 +200,7 @@ def verdict(summary: Summary) -> str:
         return f"{summary.model}: no outage long enough to judge its sigma"
     last = summary.consistency[-1]
     if summary.effective_count < FEWEST:
-        return f"{summary.model}: {summary.effective_count} outages that do not overlap are too few to judge its sigma"
+        return f"outages that do not overlap are too few to judge a sigma: {summary.effective_count}"
     if last.lower <= last.nees_per_dof <= last.upper:
         return (
             f"{summary.model}: sigma can be believed after {last.elapsed:g} s "

@@ -99,7 +99,7 @@ def run(log: Log, parameters: Parameters) -> Result:
         raise MissingDataError(message) from error
     durations = tuple(found.scored)
     summary = tuple(_of_duration(found, duration, parameters.level) for duration in durations)
-    words = tuple(f"{one.duration:g} s: {verdict(s)}" for one in summary for s in one.summaries)
+    words = tuple(dict.fromkeys(f"{one.duration:g} s: {verdict(s)}" for one in summary for s in one.summaries))
     return Result(
         tuple(one for duration in durations for one in _each(found, duration)), summary,
         tuple(_filter(one, causal=log.causal) for one in found.runs.values()), found.reference.name, words, found.notes,

@@ -7,15 +7,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 import rerun as rr
 
-from imuwb.analysis import Curve, Figure, Table, Vertical
+from imuwb.analysis import AXIS_COLORS, Curve, Figure, Series, Table, Vertical
+from imuwb.navigation.filter import axis_errors
 from imuwb.navigation.filter_document import write_filter
 from imuwb.replay import HORIZONS, Interval, drift_curve
+from imuwb.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from imuwb.analysis import Review
-    from imuwb.replay import Choice, Clocks, Scores, Tuned
+    from imuwb.replay import Choice, Clocks, Run, Scores, Tuned
     from imuwb_outage.result import OfDuration, OneOutage, Result
 
 COLORS = {
@@ -49,6 +51,7 @@ def draw(result: Result, review: Review) -> None:
     _consistency(result, review)
     _errors(result, review)
     _budget(result, review)
+    _biases(result, review)
     _tracks(result, review)
     _outages(result, review)
     review.tab("Comparison")
@@ -83,6 +86,7 @@ def _notes(result: Result, review: Review) -> None:
     review.note(f"drift is measured against {result.reference}")
     for note in result.notes:
         review.note(note)
+    review.note(_aids_text(result.replay.runs))
     if result.clocks is not None:
         review.note(_clocks_text(result.clocks))
     if result.mounting is not None:
@@ -93,6 +97,16 @@ def _notes(result: Result, review: Review) -> None:
         )
     if result.tuned is not None:
         review.note(_tuned_text(result.tuned))
+
+
+def _aids_text(runs: dict[str, Run]) -> str:
+    aids = next(iter(runs.values())).solution.model.aids
+    said = [
+        f"{what} (sigma {sigma:g} m/s)"
+        for what, sigma in (("no slip", aids.straight), ("standing still", aids.still), ("the log's speed", aids.speed))
+        if sigma
+    ]
+    return f"besides fixes the filters use {', '.join(said)}" if said else "filters use fixes alone: no other aid"
 
 
 def _clocks_text(c: Clocks) -> str:
@@ -283,6 +297,30 @@ def _budget(result: Result, review: Review) -> None:
         "start, such as a tilt and an accelerometer's bias, cancel in common."
     )
     review.table(Table(f"Error budget of {result.budget_of}", headings, rows, caption, wide=True))
+
+
+def _biases(result: Result, review: Review) -> None:
+    """Show what the last filter takes its sensors' errors for, with three sigma."""
+    review.tab("Biases")
+    name, last = list(result.replay.runs.items())[-1]
+    found, sigma = axis_errors(last.solution)
+    log = result.replay.prepared.log
+    time = (log.zero or 0) + np.rint(last.solution.time * 1e9).astype(np.int64)
+    epoch = log.imu().origin.epoch
+    for sensor, unit, factor, rows in (
+        ("gyros", "deg/h", np.degrees(3600.0), slice(0, 3)), ("accelerometers", "mg", 1e3 / STANDARD_GRAVITY, slice(3, 6)),
+    ):  # fmt: skip
+        values = np.stack(
+            [
+                part[:, i] * factor
+                for i in range(rows.start, rows.stop)
+                for part in (found, found - 3 * sigma, found + 3 * sigma)
+            ],
+            axis=1,
+        )
+        names = tuple(f"{axis}{end}" for axis in "xyz" for end in ("", " -3 sigma", " +3 sigma"))
+        colors = tuple((*AXIS_COLORS[axis], alpha) for axis in "xyz" for alpha in (255, 90, 90))
+        review.series(Series(f"Errors of the {sensor} by {name}", unit, time, values, names, colors, epoch))
 
 
 def _tracks(result: Result, review: Review) -> None:

@@ -32,15 +32,19 @@ LIMIT = 5.991
 INTERVAL = 0.01
 
 
-def processes():
-    """Return the four truths, by name."""
-    sensor = preset("3dm-gx3-25-gm")
-    base = FilterModel("base", sensor)
-    truths = {}
-    for title, name in (("WN + GM", "15AV"), ("WN + GM + RW", "18AV"), ("WN + AR(1)", "15AR"), ("WN + AR(3)", "27AR")):
-        model = model_named(name, base, interval=INTERVAL)
-        truths[title] = replace(model, name=title)
-    return truths
+TRUTHS = {"WN + GM": "15AV", "WN + GM + RW": "18AV", "WN + AR(1)": "15AR", "WN + AR(3)": "27AR"}
+
+
+def filter_of(title):
+    """Return the filter of a truth."""
+    base = FilterModel("base", preset("3dm-gx3-25-gm"))
+    return replace(model_named(TRUTHS[title], base, interval=INTERVAL), name=title)
+
+
+def driven(model, hours, seed):
+    """Return a drive whose sensor is what a filter believes."""
+    sensor = ImuErrorModel(model.name, {a: AxisModel(m.processes) for a, m in model.error_model.axes.items()})
+    return drive(sensor, mixed_route(hours * 3600, seed), seed)
 
 
 def one(job):
@@ -90,11 +94,11 @@ def main():
     print(
         "| truth and filter | what | mean | 95 % band | within the 95 % ellipse | median error |\n| --- | --- | --- | --- | --- | --- |"
     )
-    for title, model in processes().items():
+    for title in TRUTHS:
+        model = filter_of(title)
         jobs, beside = [], {"as printed": [], "denoised first": []}
         for seed in range(given.drives):
-            sensor = ImuErrorModel(title, {a: AxisModel(m.processes) for a, m in model.error_model.axes.items()})
-            log = drive(sensor, mixed_route(given.hours * 3600, seed), seed)
+            log = driven(model, given.hours, seed)
             jobs.append((log, model))
             if seed == 0:
                 beside["as printed"].append((log, replace(model, reading="as printed")))

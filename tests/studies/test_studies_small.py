@@ -151,3 +151,31 @@ def test_thinning_changes_little(load):
     for name, most in zip(module.NAMES, found[1].column("largest, % of the half width"), strict=True):
         if "Q" not in name:
             assert most < 20, name
+
+
+def test_matched_filters_know_their_errors(load):
+    module = load("outage_consistency")
+    model = module.filter_of("WN + GM + RW")
+    results = [module.one((module.driven(model, 0.5, seed), model)) for seed in range(3)]
+    nis = np.concatenate([r[0] for r in results])
+    nees = np.concatenate([r[1] for r in results])
+    assert len(nees) >= 36
+    assert stats.chi2.cdf(np.nansum(nis), np.isfinite(nis).sum() * 3) == pytest.approx(0.5, abs=0.5 - RARE)
+    # neighbours share a bias: half as many count
+    for at in range(nees.shape[1]):
+        tail = stats.chi2.cdf(nees[:, at].mean() / 2 * len(nees), len(nees))
+        assert RARE < tail < 1 - RARE, at
+    printed = module.one((module.driven(model, 0.5, 0), module.replace(model, reading="as printed")))
+    assert printed[1][:, 2].mean() < 0.3 * 2
+
+
+def test_denoising_changes_little_in_quinchias_outages(load):
+    module = load("turin")
+    base = module.FilterModel("base", module.preset("3dm-gx3-25"))
+    filters = [module.model_named(name, base, interval=0.01) for name in ("18AV", "18AVWD")]
+    bare = [module.model_named("none", base, interval=0.01)]
+    found = module.one(("turin-1", 0, filters, bare))
+    assert sorted(found["9/10"]) == [1, 2, 3]
+    for models in found["9/10"].values():
+        assert models["18AVWD"] == pytest.approx(models["18AV"], rel=0.1, abs=1.0)
+    assert all(0 < m["none"][1] < 1000 for m in found["6"].values())
