@@ -242,6 +242,10 @@ class Review(Protocol):
         """
         ...
 
+    def chart(self, name: str, position: Floats, color: tuple[int, int, int]) -> None:
+        """Show a trajectory, (n, 3) latitude rad, longitude rad, height m, on a map; the viewer fetches it from the network."""
+        ...
+
     def note(self, text: str) -> None:
         """Say something a reader of the result must know."""
         ...

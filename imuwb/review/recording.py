@@ -42,6 +42,7 @@ class _Tab:
     wide: list[rrb.View] = field(default_factory=list[rrb.View])
     notes: list[str] = field(default_factory=list[str])
     tracks: int = 0
+    charts: int = 0
     origin: Floats | None = None  #: latitude rad, longitude rad, height m, from which tracks are drawn
 
     def layout(self) -> rrb.Container | rrb.View | None:
@@ -247,6 +248,19 @@ class RecordingReview:
                                   background=rrb.Background(color=BACKGROUND, kind="SolidColor"))
             )  # fmt: skip
         self._tab.tracks += 1
+
+    def chart(self, name: str, position: Floats, color: tuple[int, int, int]) -> None:
+        """Show a trajectory on a map, which the viewer fetches from the network."""
+        path = f"{self._tab.path}/map"
+        points = np.degrees(position[:: max(1, len(position) // 10_000), :2])
+        self._stream.log(
+            f"{path}/{self._tab.charts}_{name.strip('/').replace('/', '_').replace(' ', '_')}",
+            rr.GeoLineStrings(lat_lon=[points], colors=[color], radii=rr.Radius.ui_points(2.0)),
+            static=True,
+        )
+        if not self._tab.charts:
+            self._tab.figures.append(rrb.MapView(origin=path, name=f"Map of {name}"))
+        self._tab.charts += 1
 
     def close(self) -> Path:
         """Write the blueprint and put the file in its place; the review cannot be used behind this."""

@@ -103,7 +103,7 @@ def run(log: Log, parameters: Parameters) -> Result:
     return Result(
         tuple(one for duration in durations for one in _each(found, duration)), summary,
         tuple(_filter(one, causal=log.causal) for one in found.runs.values()), found.reference.name, words, found.notes,
-        clocks, mounting, tuned, *_budget(found), found,
+        clocks, mounting, tuned, *_budget(found), parameters.map, found,
     )  # fmt: skip
 
 

@@ -60,6 +60,7 @@ class Parameters:
     straight: Annotated[float, "m/s; sigma of no slip across and down, 0: off (non-holonomic constraint)"] = 0.0
     still: Annotated[float, "m/s; sigma of no velocity while standing, 0: off (zero-velocity update)"] = 0.0
     speed: Annotated[float, "m/s; sigma of the log's own forward speed, 0: off (odometer)"] = 0.0
+    map: Annotated[bool, "also draw tracks on a map, which the viewer fetches from the network"] = False
     navigation: Annotated[
         Path | None, "also write the last filter's solution with all fixes: .csv, .tum, .kml or .mcap"
     ] = None

@@ -82,4 +82,5 @@ class Result:
     tuned: Tuned | None
     budget: Budget
     budget_of: str  #: filter
+    on_map: bool = field(metadata={"document": False})
     replay: Replay = field(metadata={"document": False})

@@ -326,7 +326,14 @@ def _biases(result: Result, review: Review) -> None:
 def _tracks(result: Result, review: Review) -> None:
     review.tab("Tracks")
     review.track("reference", result.replay.reference.position, REFERENCE)
-    duration = result.summary[-1].duration
+    if result.on_map:
+        review.chart("reference", result.replay.reference.position, (60, 60, 66))
+    few = len(result.outages) <= ROWS
+    for duration in [one.duration for one in (result.summary if few else result.summary[-1:])]:
+        _tracks_of(result, review, duration)
+
+
+def _tracks_of(result: Result, review: Review, duration: float) -> None:
     rows = np.flatnonzero(result.replay.scored[duration])
     if not rows.size:
         return
@@ -338,10 +345,13 @@ def _tracks(result: Result, review: Review) -> None:
         best, worst = (choose(ends, key=lambda name: ends[name][i]) for choose in (min, max))
         for name in sorted(ends, key=lambda name: name == best):
             found = result.replay.runs[name].outages[duration]
-            label = f"{best} {ends[best][i]:.0f} m, {worst} {ends[worst][i]:.0f} m" if name == best else ""
-            review.track(f"{name}_at_{found.scores.start[i]:.0f}_s", found.drift.state[i, :, :3], _color(name), label)
+            label = f"{best} {number(ends[best][i])} m, {worst} {number(ends[worst][i])} m" if name == best else ""
+            if result.on_map:
+                review.chart(f"{name} at {found.scores.start[i]:.0f} s", found.drift.state[i, :, :3], _color(name))
+            path = f"{name}_at_{found.scores.start[i]:.0f}_s".replace(" ", "_")
+            review.track(path, found.drift.state[i, :, :3], _color(name), label)
     review.note(
-        f"tracks of {chosen.size} outages of {duration:g} s of {rows.size}; labels: least and largest error at the end"
+        f"tracks of {chosen.size} of {rows.size} outages of {duration:g} s; labels: least and largest error at the end"
     )
 
 
@@ -381,7 +391,21 @@ def _outages(result: Result, review: Review) -> None:
         f"Against {result.reference}.", wide=True,
     ))  # fmt: skip
     if len(result.outages) <= ROWS:
+        review.figure(_compared(result, names))
         review.table(_printed_table(result, names))
+
+
+def _compared(result: Result, names: list[str]) -> Figure:
+    """Return Quinchia's figure 26: largest and mean error of each outage, by filter."""
+    x = np.arange(1.0, len(result.outages) + 1)
+    curves = [
+        Curve(name, x, np.array([o.models[name].max for o in result.outages]), _color(name), style="line")
+        for name in names
+    ]
+    return Figure(
+        "Largest horizontal error of each outage (as Quinchia's figure 26)", "outage, in the order of the table",
+        "horizontal error [m]", tuple(curves), x_scale="linear", y_scale="log", x_limits=(0.5, len(result.outages) + 0.5),
+    )  # fmt: skip
 
 
 def _outage_row(one: OneOutage, names: list[str]) -> tuple[str, ...]:
