@@ -16,7 +16,7 @@ import numba
 import numpy as np
 
 from imuwb.navigation.covariance import NAVIGATION, STRIDE, carry
-from imuwb.navigation.strapdown import MEASURED, PAST_ANGLE, PAST_STEP, PAST_VELOCITY, SIZE, SPAN, step
+from imuwb.navigation.strapdown import MEASURED, PAST_ANGLE, PAST_STEP, PAST_VELOCITY, SIZE, step
 from imuwb.navigation.tables import FIX, MOST_ROWS
 from imuwb.navigation.update import update
 
@@ -153,33 +153,33 @@ def run(
     kept, prior, smoothing = track.state.shape[0] > 0, track.before, track.before.state.shape[0] > 0
     spare, seen = np.empty(covariance.size), np.empty(SIZE)
     while m < mark.size or (mark.size == 0 and e < at.size):
-        if mark.size > 0 and (e >= at.size or mark[m] <= at[e]):
-            pending = advance(
-                state, axes, covariance, samples, done, mark[m], with_covariance, rules.every, pending, tables, space
-            )  # fmt: skip
-            done = mark[m]
-            for i in range(10):
-                marks.state[m, i] = state[i]
-            # A span is ended here in a copy: what comes behind goes on as if nobody had looked.
+        looking = mark.size > 0 and (e >= at.size or mark[m] <= at[e])
+        if not looking and kind[e] == FIX and skip_from < at[e] < skip_to:
+            e += 1
+            continue
+        end = mark[m] if looking else at[e] + 1
+        pending = advance(
+            state, axes, covariance, samples, done, end, with_covariance, rules.every, pending, tables, space
+        )
+        done = end
+        # Where it is only looked at, a span is ended in a copy: what comes behind goes on as if nobody had looked.
+        if looking:
             for i in range(spare.size):
                 spare[i] = covariance[i]
-            if with_covariance and pending > 0:
-                for i in range(SIZE):
-                    seen[i] = state[i]
-                carry(spare, seen, pending, int(samples.regime[mark[m] - 1]), tables, space)
+            for i in range(SIZE):
+                seen[i] = state[i]
+        if with_covariance and pending > 0:
+            carry(
+                spare if looking else covariance, seen if looking else state, pending, int(samples.regime[end - 1]), tables,
+                space,
+            )  # fmt: skip
+        if looking:
+            for i in range(10):
+                marks.state[m, i] = state[i]
             _copy_square(spare, NAVIGATION, marks.covariance[m])
             m += 1
             continue
-        if kind[e] == FIX and skip_from < at[e] < skip_to:
-            e += 1
-            continue
-        pending = advance(
-            state, axes, covariance, samples, done, at[e] + 1, with_covariance, rules.every, pending, tables, space
-        )  # fmt: skip
-        done = at[e] + 1
-        if state[SPAN] > 0.0:
-            carry(covariance, state, pending, int(samples.regime[at[e]]), tables, space)
-            pending = np.int64(0)
+        pending = np.int64(0)
         if smoothing:
             for i in range(SIZE):
                 prior.state[e, i] = state[i]

@@ -345,7 +345,11 @@ def _tracks_of(result: Result, review: Review, duration: float) -> None:
         best, worst = (choose(ends, key=lambda name: ends[name][i]) for choose in (min, max))
         for name in sorted(ends, key=lambda name: name == best):
             found = result.replay.runs[name].outages[duration]
-            label = f"{best} {number(ends[best][i])} m, {worst} {number(ends[worst][i])} m" if name == best else ""
+            label = (
+                f"{best} {number(float(ends[best][i]))} m, {worst} {number(float(ends[worst][i]))} m"
+                if name == best
+                else ""
+            )
             if result.on_map:
                 review.chart(f"{name} at {found.scores.start[i]:.0f} s", found.drift.state[i, :, :3], _color(name))
             path = f"{name}_at_{found.scores.start[i]:.0f}_s".replace(" ", "_")
