@@ -68,9 +68,7 @@ def square(rows: Floats, n: int) -> Floats:
     return rows.reshape(*rows.shape[:-1], MOST_STATES, STRIDE)[..., :n, :n]
 
 
-@numba.njit(
-    cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, no_cpython_wrapper=True, no_cfunc_wrapper=True
-)
+@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _navigation_rows(
     source: Floats, product: Floats, columns: int, state: Floats, first: Integers, weights: Floats
 ) -> None:  # pragma: no cover - compiled
@@ -119,9 +117,7 @@ def _navigation_rows(
         product[_N8 + j] = pd + span * dd
 
 
-@numba.njit(
-    cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, no_cpython_wrapper=True, no_cfunc_wrapper=True
-)
+@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _axis_rows(
     source: Floats, product: Floats, begin: int, first: Integers, transition: Floats
 ) -> None:  # pragma: no cover - compiled
@@ -141,9 +137,7 @@ def _axis_rows(
                         product[row + j] += weight * source[other + j]
 
 
-@numba.njit(
-    cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, no_cpython_wrapper=True, no_cfunc_wrapper=True
-)
+@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _navigation_columns(
     product: Floats, covariance: Floats, state: Floats, first: Integers, weights: Floats
 ) -> None:  # pragma: no cover - compiled
@@ -189,9 +183,7 @@ def _navigation_columns(
         covariance[row + _U(8)] = pd + span * dd
 
 
-@numba.njit(
-    cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, no_cpython_wrapper=True, no_cfunc_wrapper=True
-)
+@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _axis_columns(
     product: Floats, covariance: Floats, first: Integers, transition: Floats
 ) -> None:  # pragma: no cover - compiled
@@ -235,9 +227,7 @@ def _axis_columns(
                     covariance[_U(s * STRIDE + i)] = total
 
 
-@numba.njit(
-    cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, no_cpython_wrapper=True, no_cfunc_wrapper=True
-)
+@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _add_noise(
     covariance: Floats, state: Floats, samples: Whole, first: Integers, noise: Floats, white: Floats, inside: Floats,
     cross: Floats,

@@ -112,9 +112,7 @@ def _cross(rows: Floats, row: int, arm: Floats) -> None:  # pragma: no cover - c
     rows[row + 2, 6], rows[row + 2, 7] = -arm[1], arm[0]
 
 
-@numba.njit(
-    cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, no_cpython_wrapper=True, no_cfunc_wrapper=True
-)
+@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _scalar(
     covariance: Floats, error: Floats, n: int, row: Floats, residual: float, variance: float, gain: Floats
 ) -> tuple[float, float]:  # pragma: no cover - compiled
