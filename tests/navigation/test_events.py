@@ -221,11 +221,36 @@ def test_a_mounting_error_is_in_the_level(town):
 def test_no_motion_means_no_heading(town, moves):
     slow = taken(town, moves, velocity=array(town, "velocity") * 0.01)
     with pytest.raises(
-        MissingDataError, match=r"never moves faster than 3 m/s \(its largest speed is 0\.\d+ m/s\): heading"
+        MissingDataError,
+        match=r"never moves faster than 3 m/s for two fixes \(its median speed is 0\.\d+ m/s\): heading",
     ):
         align(moves, slow, np.zeros((0, 2)), MODEL)
-    with pytest.raises(MissingDataError, match="no fix has a velocity: the heading at the start cannot be told"):
-        align(moves, taken(town, moves, velocity=None, velocity_sigma=None), np.zeros((0, 2)), MODEL)
+
+
+def test_without_velocities_positions_tell_the_start(town, moves):
+    found = taken(town, moves, velocity=None, velocity_sigma=None)
+    start = align(moves, found, np.zeros((0, 2)), MODEL)
+    told = align(moves, taken(town, moves), np.zeros((0, 2)), MODEL, found.time[start.event] - 0.05)
+    assert told.event == start.event
+    sigma = np.sqrt(np.diag(start.covariance))
+    assert np.abs((start.velocity - told.velocity)[:2] / sigma[3:5]).max() < 4
+    off = np.angle(np.exp(1j * (start.euler - told.euler)))
+    assert np.abs(off / sigma[[6, 7, 8]]).max() < 4
+    assert sigma[8] > np.sqrt(told.covariance[8, 8])  # positions tell it worse
+    assert sigma[3] > 5 * np.sqrt(told.covariance[3, 3])
+
+
+def test_without_velocities_and_far_apart_there_is_no_heading(town, moves):
+    gnss = town.gnss[0]
+    some = replace(
+        gnss, velocity=None, velocity_sigma=None,
+        **{n: getattr(gnss, n)[::15] for n in ("time", "position", "position_sigma", "fix_type") if getattr(gnss, n) is not None},
+    )  # fmt: skip
+    found = corrections(town, some, moves, np.zeros((0, 2)), MODEL)
+    with pytest.raises(
+        MissingDataError, match="no fix has a velocity, nor do positions follow each other: the heading"
+    ):
+        align(moves, found, np.zeros((0, 2)), MODEL)
 
 
 def test_a_start_can_be_asked_for_later(town, moves):

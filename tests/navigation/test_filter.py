@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from imuwb.errors import MissingDataError
+from imuwb.navigation.alignment import align
+from imuwb.navigation.events import corrections
 from imuwb.navigation.filter import solve
 from imuwb.navigation.filter_model import Aids, FilterModel, Installation, Settings
 from imuwb.navigation.outages import drift
@@ -119,9 +121,27 @@ def test_the_likelihood_is_that_of_the_innovations(study):
     v = solution.track.innovation[solution.events]
     s = solution.track.deviation[solution.events]
     first = np.isfinite(s[:, 0])
-    told = -np.log(s[first]).sum() - np.minimum(solution.track.nis[solution.events][first], 40).sum() / 2
-    assert solution.log_likelihood == pytest.approx(told, rel=1e-9)
+    each = -np.log(s[first]).sum(axis=1) - np.minimum(solution.track.nis[solution.events][first], 40).sum(axis=1) / 2
+    row = solution.found.fix[solution.events][first]
+    assert solution.log_likelihood_of(0, int(row[-1])) == pytest.approx(each.sum(), rel=1e-9)
+    assert solution.log_likelihood_of(int(row[5]), int(row[80])) == pytest.approx(each[5:81].sum(), rel=1e-9)
+    assert solution.log_likelihood_of(int(row[-1]) + 1, 10**6) == 0
     assert np.isfinite(v[1:]).all()
+
+
+def test_the_likelihood_counts_velocities_of_their_own_time(town):
+    model = replace(model_of(10), installation=Installation(lever_arm=LEVER, velocity_delay=0.3))
+    found = corrections(town.log, town.log.gnss[0], town.moves, town.still, model)
+    solution = solve(model, town.moves, found, align(town.moves, found, town.still, model))
+    track, fix = solution.track, found.fix
+    rows = fix[solution.events[20]], fix[solution.events[70]]
+    chosen = [
+        e for e in range(fix.size) if found.events.kind[e] == FIX and rows[0] <= max(fix[e], -1 - fix[e]) <= rows[1]
+    ]
+    assert len(chosen) == 2 * (rows[1] - rows[0] + 1)
+    told = -sum(np.log(d[np.isfinite(d)]).sum() for d in track.deviation[chosen])
+    told -= sum(min(n, 40) / 2 for n in track.nis[chosen].ravel() if np.isfinite(n))
+    assert solution.log_likelihood_of(*map(int, rows)) == pytest.approx(told, rel=1e-9)
 
 
 # What cannot be run

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from imuwb.log import AXES
+from imuwb.navigation import outages
 from imuwb.navigation.filter import solve
 from imuwb.navigation.filter_model import Aids, FilterModel, Installation, Settings
 from imuwb.navigation.outages import drift, marks_of
@@ -116,23 +117,40 @@ def test_a_branch_takes_the_aids_at_its_fixs_own_sample(town):
     assert np.array_equal(out.state[0], runs[0][0])
 
 
-def test_looking_at_marks_changes_nothing(town):
-    model = model_of(15, ALL_AIDS)
+@pytest.mark.parametrize("aids", [NO_AIDS, ALL_AIDS], ids=["alone", "aided"])
+def test_looking_at_marks_changes_nothing(town, aids, monkeypatch):
+    """However often it is looked at: the end is that of a run that nobody looks at, before its next fix."""
+    model = model_of(27, aids, 7)
     made = drives.prepared(model, log=town)
     plain = solve(model, made.moves, made.found, made.start)
-    out, _, _ = both(town, model)
-    again = drift(plain, plain.events[[10, 60, 110]], SECONDS)
-    assert np.array_equal(out.state, again.state)
-    assert np.array_equal(out.covariance, again.covariance)
+    chosen = plain.events[[10, 60, 110]]
+    assert ((made.found.events.at[plain.events[[41, 91, 141]]] + 1) % 7).any()  # off the grid of the covariance
+    for k, event in enumerate(chosen):
+        (behind,) = plain.events[np.flatnonzero(plain.events == event) + 31]
+        begin, end = (float(made.moves.time[made.found.events.at[e]]) for e in (event, behind))
+        outs = []
+        for each in (0.013, 0.37, 1.0, 1e9):
+            monkeypatch.setattr(outages, "EACH", each)
+            outs.append(drift(plain, chosen[k : k + 1], end - begin))
+        assert [o.elapsed.size > 1 for o in outs] == [True, True, True, False]
+        run = solve(model, made.moves, made.found, made.start, without=(begin, end), smooth=True)
+        for out in outs:
+            assert out.time[0, -1] == end
+            assert np.array_equal(out.state[0, -1], run.track.before.state[behind, :10])
+            assert np.array_equal(out.covariance[0, -1], run.track.before.covariance[behind, :9, :9])
 
 
-def test_marks_are_each_second_on_the_grid(town):
+@pytest.mark.parametrize("seconds", [30.0, 12.345, 0.4])
+def test_marks_are_each_second_and_the_end_to_a_sample(town, seconds):
     model = model_of(15, NO_AIDS)
-    out, _, _ = both(town, model)
-    assert (out.mark % EVERY == 0).all()
-    told = out.start[:, None] + np.arange(1, 31)
-    assert (out.time - told >= -1e-6).all()
-    assert (out.time - told < EVERY / 100).all()
+    made = drives.prepared(model, log=town)
+    solution = solve(model, made.moves, made.found, made.start)
+    out = drift(solution, solution.events[[10, 60, 110]], seconds)
+    told = [*range(1, int(seconds) + 1)] + ([seconds] if seconds % 1 else [])
+    assert out.elapsed.tolist() == told
+    assert np.array_equal(out.mark, made.found.events.at[out.event][:, None] + 1 + np.rint(out.elapsed * drives.HZ))
+    assert np.abs(out.time - out.start[:, None] - out.elapsed).max() <= 0.5 / drives.HZ + 1e-6
+    assert out.time == pytest.approx(made.moves.time[out.mark - 1], abs=0)
 
 
 def test_outages_do_not_know_of_each_other(town):
@@ -173,7 +191,7 @@ def test_every_tenth_covariance_drifts_nearly_the_same(town, states):
         solution = solve(model, made.moves, made.found, made.start)
         outs.append(drift(solution, solution.events[20:150:10], 60.0))
     fine, coarse = outs
-    assert np.array_equal(fine.mark, coarse.mark)  # fixes lie on the grid
+    assert np.array_equal(fine.mark, coarse.mark)
     apart = (coarse.state[:, -1, :3] - fine.state[:, -1, :3]) * drives.scale(fine.state[0, 0, :3])
     one, other = (np.sqrt(np.diagonal(o.covariance, axis1=2, axis2=3)) for o in (fine, coarse))
     print(states, "M=10 after 60 s: rms", np.sqrt((apart**2).mean()), "m, sigma", np.abs(other / one - 1).max())

@@ -52,8 +52,9 @@ def drift_of(start, time, state, covariance, sound=True):
     count, length = time.shape
     zeros = np.zeros((count, length), np.int64)
     return Drift(
-        np.zeros(count, np.int64), np.asarray(start, float), zeros, time, state, covariance, np.full(count, sound)
-    )
+        np.zeros(count, np.int64), np.asarray(start, float), np.arange(1.0, length + 1), zeros, time, state, covariance,
+        np.full(count, sound),
+    )  # fmt: skip
 
 
 def error_model(white=(2e-4, 2e-3), turn_on=(1e-3, 0.02), slow=None):

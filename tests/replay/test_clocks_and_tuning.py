@@ -32,7 +32,8 @@ def test_the_delay_of_a_receiver(clocks):
 
 @pytest.mark.xfail(
     strict=True,
-    reason="curvature by steps of 0.01 s, half an interval of the IMU: jumps of fixes from sample to sample, an interval of no width",
+    reason="the start's own velocity counts or not by the delay, and velocities are a stair of the IMU's interval: curvature "
+    "by 0.01 s is of its steps",
 )
 def test_the_delay_of_a_receiver_is_within_its_interval(clocks):
     assert clocks.delay.lower < LATENCY < clocks.delay.upper
@@ -50,7 +51,7 @@ def faster(log, rate):
 
 
 @pytest.mark.xfail(
-    strict=True, reason="the simplex of rates (2e-4) ends in a local maximum, and the interval is ten times too narrow"
+    strict=True, reason="as of the delay: steps of rate that move fixes by less than a sample tell no curvature"
 )
 def test_the_rate_of_the_imus_clock(late):
     """A second of an IMU whose stamps run 1.5 in a thousand fast lasts 1/1.0015 true ones."""
@@ -87,10 +88,11 @@ def test_noise_is_found_by_outages_and_holds_in_others(loud):
 
 
 @pytest.mark.xfail(
-    strict=True, reason="an outage over a bridged gap counts for tuning: white noise x 14, NEES/2 from 0.99 to 0.016"
+    strict=True,
+    reason="the first outage behind a bridged gap: the filter is off, and its covariance does not know of the gap",
 )
 def test_outages_over_a_gap_of_the_imu_are_not_tuned_to():
-    drive = made.town(420, 3, seed=5, model=made.error_model(white=(1e-3, 1e-2), turn_on=(2e-4, 5e-3)))
+    drive = made.town(480, 3, seed=5, model=made.error_model(white=(1e-3, 1e-2), turn_on=(2e-4, 5e-3)))
     imu = drive.log.imus[0]
     second = (imu.angular_rate.time - drive.log.zero) / SECOND
     keep = (second < 150) | (second > 158)

@@ -213,10 +213,7 @@ def test_without_static_samples_the_model_is_simulated_the_same_each_time():
     assert one.error_model.axes == other.error_model.axes
 
 
-LUCKY = pytest.mark.xfail(strict=True, reason="a pole of exactly 1 passes where np.roots rounds it to 0.999999999999")
-
-
-@pytest.mark.parametrize("column", [pytest.param(c, marks=LUCKY if c in (1, 2, 4, 5) else ()) for c in range(6)])
+@pytest.mark.parametrize("column", range(6))
 def test_table_2_as_printed_is_refused_by_its_pole(column):
     if not TABLES.is_file():
         pytest.skip(f"{TABLES} is not there: the papers' figures are not part of the repository")
