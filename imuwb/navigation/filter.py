@@ -144,6 +144,8 @@ def solve(
         ValueError: a process that no filter can carry.
     """
     tables, _ = model.tables(moves.interval, moves.celsius)
+    if moves.loose is not None:
+        tables.white[-1] += moves.loose
     n = int(tables.first[6])
     state = navigation_state(start.position, start.velocity, start.euler)
     covariance = np.zeros((n, n))

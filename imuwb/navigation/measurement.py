@@ -26,6 +26,7 @@ LONGEST_GAP = 10.0  #: s, that is bridged by a straight line; behind a longer on
 NOTED_GAP = 0.05  #: s, from which on a bridged gap keeps an outage from being scored
 OTHER_GAP = 1.8  #: intervals of an accelerometer on another clock, from which on samples are missing
 EVEN = 0.6  #: of an interval, that stamps may stray from an even clock whose samples come at even steps
+HOLDS, AFTER = 0.5, 10  #: s for which a vehicle's motion holds on; samples behind a gap that still count as within
 REGIME = 2.0  #: °C, width of a regime
 
 
@@ -38,6 +39,7 @@ class Measurement:
     samples: Samples
     celsius: tuple[float | None, ...]  #: the temperature of each regime
     bridged: Floats  #: (g, 2) s from the log's start: gaps without samples, begin and end
+    loose: Floats | None  #: (6,) unit²/Hz; white noise that stands for what is not known within them; the last regime's
     notes: tuple[str, ...] = ()
 
 
@@ -89,6 +91,15 @@ def measurement(log: Log, imu: ImuStream, installation: Installation, *, thermal
     if gaps:
         notes.append(f"{sum(b - a for a, b in gaps)} samples missing in {len(gaps)} gaps: bridged by straight lines")
     step = step * installation.clock_rate
+    loose = None
+    if len(spans):
+        within = np.zeros(own.size, dtype=bool)
+        for begin, end in spans:
+            within |= (own > begin) & (own <= end + AFTER * rate)
+        # What the vehicle did meanwhile is like what it does else, and holds on for a while.
+        usual = np.concatenate([(angular[~within] @ turn.T).var(axis=0), (force[~within] @ turn.T).var(axis=0)])
+        loose = 2 * HOLDS * usual
+        regime, celsius = np.where(within, len(celsius), regime), (*celsius, celsius[int(np.bincount(regime).argmax())])
     samples = Samples(
         interval=step,
         angle=np.ascontiguousarray(angular @ turn.T) * step[:, None],
@@ -96,7 +107,7 @@ def measurement(log: Log, imu: ImuStream, installation: Installation, *, thermal
         gap=np.zeros(own.size, np.bool_),
         regime=regime,
     )
-    return Measurement(true, rate * installation.clock_rate, samples, celsius, bridged, tuple(notes))
+    return Measurement(true, rate * installation.clock_rate, samples, celsius, bridged, loose, tuple(notes))
 
 
 def denoised(moves: Measurement, levels: tuple[int, ...]) -> Measurement:

@@ -59,8 +59,9 @@ def estimate_clocks(
         MissingDataError: as ``prepare``.
     """
     before = model.installation
-    rows = np.unique(prepare(log, model, receiver).found.fix)
-    counted = (int(rows[max(0, np.searchsorted(rows, 0))]) + ENDS, int(rows[-1]) - ENDS)
+    untouched = prepare(log, model, receiver)
+    row = untouched.found.fix
+    counted = (int(row[untouched.start.event]) + ENDS, int(row.max()) - ENDS)
 
     def misfit(delay: float, later: float, rate: float, noise: float) -> float:
         factor = float(np.exp(noise))
@@ -82,16 +83,25 @@ def estimate_clocks(
     def objective(x: Floats) -> float:
         full = np.zeros(4)
         full[free] = x
+        full[1] -= full[0]  # sought: when positions are, and when velocities are; they hardly depend on each other
         return misfit(*(float(v) for v in full))
 
-    start = np.array([coarse, 0.0, rate, LOUD])[free]
+    start = np.array([coarse, coarse, rate, LOUD])[free]
     best = optimize.minimize(
         objective, start, method="Nelder-Mead",
         options={
             "initial_simplex": np.vstack([start, start + np.diag(STEPS[free])]), "xatol": 1e-5, "fatol": 0.05, "maxfev": 300,
         },
     )  # fmt: skip
-    spread = np.diagonal(_covariance(objective, best.x, SMALL[free]))
+    # A velocity counts at a sample: over less than a few of them its likelihood is a stair.
+    length = float(np.ptp(untouched.moves.time))
+    least = np.array([2.0, 2.0, 4.0 / length, 0.0]) * untouched.moves.interval
+    covariance = _covariance(objective, best.x, np.maximum(SMALL, least)[free])
+    if with_delay:
+        turn = np.eye(best.x.size)
+        turn[1, 0] = -1.0  # back to how much older velocities are
+        covariance, best.x = turn @ covariance @ turn.T, turn @ best.x
+    spread = np.diagonal(covariance)
     half = normal_limit(level) * np.sqrt(np.where(spread > 0, spread, np.inf))
     value, width = np.zeros(4), np.zeros(4)
     value[free], width[free] = best.x, half

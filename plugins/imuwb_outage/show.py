@@ -135,7 +135,7 @@ def _tuned_text(t: Tuned) -> str:
         f"tuned on {t.fitted} outages before {t.split:.0f} s: white noise of gyros x {t.white[0]:.2g}, of accelerometers "
         f"x {t.white[1]:.2g}, slower noise x {t.slow[0]:.2g} and x {t.slow[1]:.2g}; on the {t.judged} outages behind, which it "
         f"has not seen, NEES/2 at the end goes from {t.nees_per_dof[0]:.2f} to {t.nees_per_dof[1]:.2f} and the median error "
-        f"from {t.median_end[0]:.3g} to {t.median_end[1]:.3g} m"
+        f"from {number(t.median_end[0])} to {number(t.median_end[1])} m"
     )
 
 
@@ -162,6 +162,13 @@ def _metres(interval: Interval) -> str:
     if not np.isfinite(interval.lower):
         return f"{number(interval.value)} m"
     return f"{number(interval.value)} [{number(interval.lower)}, {number(interval.upper)}] m"
+
+
+def _percent(interval: Interval) -> str:
+    told = f"{interval.value * 100:.1f}"
+    if np.isfinite(interval.lower):
+        told += f" [{interval.lower * 100:.1f}, {interval.upper * 100:.1f}]"
+    return f"{told} %"
 
 
 def number(value: float) -> str:
@@ -192,7 +199,7 @@ def _paired_table(one: OfDuration) -> Table:
     rows = tuple(
         (
             p.model, p.against, _metres(p.median_difference),
-            f"{p.improvement.value * 100:.1f} [{p.improvement.lower * 100:.1f}, {p.improvement.upper * 100:.1f}] %",
+            _percent(p.improvement),
             f"{p.win_rate * 100:.0f} %", f"{p.p_value:.2g}",
         )
         for p in one.paired
@@ -211,7 +218,7 @@ def _choice_table(c: Choice) -> Table:
     )
     caption = (
         f"By cross-validation over {c.folds} blocks of time: a filter chosen on the other blocks has log-likelihood "
-        f"{c.unseen_log_likelihood:.2f} and median error {c.unseen_median_end:.3g} m on outages it was not chosen on. "
+        f"{c.unseen_log_likelihood:.2f} and median error {number(c.unseen_median_end)} m on outages it was not chosen on. "
         "The likelihood counts both: small errors, and a sigma that fits them."
     )
     headings = ("filter", "log-likelihood of an outage", "median at the end", "chosen in")

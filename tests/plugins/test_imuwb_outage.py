@@ -407,7 +407,6 @@ def test_one_outage_is_no_verdict(log, toml):
     assert drift.rows[0][2] == f"{of['median_end']:.3g} m"
 
 
-@pytest.mark.xfail(strict=True, reason="the improvement of pairs is written '99.3 [nan, nan] %'")
 def test_too_few_outages_show_no_nan(log, toml):
     found = imuwb_outage.run([log], Parameters(error_model=toml, models="none,full", at="140:10,160:10,180:10"))
     shown = Shown()
