@@ -33,7 +33,7 @@ def degraded(gnss: GnssStream, how: Degradation) -> GnssStream:
     time = (gnss.time - gnss.time[0]) / SECOND
     at = 0.0
     while how.jump and at < time[-1]:
-        at += rng.exponential(how.every)
+        at += STAYS + rng.exponential(max(how.every - STAYS, 0.0))
         angle = rng.uniform(0, 2 * np.pi)
         rows = (time >= at) & (time < at + STAYS)
         off[rows, :2] += how.jump * np.array([np.cos(angle), np.sin(angle)])

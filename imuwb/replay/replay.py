@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 
 OWN, OWN_SHARE = 3.0, 2.5  #: s, and usual intervals, from which on a span without fixes is an outage
 LEAST_SETTLING = 10.0  #: s of fixes before any outage
+WORSE = 3.0  #: times the usual sigma, of a degraded fix
 SPACING = 0.95  #: s; a sweep starts at fixes at least so far apart
 
 
@@ -160,11 +161,18 @@ def sweep(prepared: Prepared, model: FilterModel, duration: float) -> tuple[Outa
 
 
 def own_outages(prepared: Prepared, model: FilterModel) -> tuple[Outage, ...]:
-    """Return the outages that a log has itself, in whole seconds: spans between fixes that a filter can use.
+    """Return the outages that a log has itself, in whole seconds: spans between fixes that are as good as most.
 
-    They can be scored where a reference goes on meanwhile: the log's truth, or all fixes smoothed.
+    A fix is degraded when its sigma is three times the usual one, or its type below the usual one: those within a span are not
+    used. They can be scored where a reference goes on meanwhile: the log's truth, or all fixes smoothed.
     """
-    time = prepared.found.time[prepared.found.fix >= 0]
+    places = np.flatnonzero(prepared.found.fix >= 0)
+    variance = prepared.found.events.variance[places, 0]
+    good = variance <= WORSE**2 * np.median(variance)
+    if prepared.gnss.fix_type is not None:
+        kind = prepared.gnss.fix_type[prepared.found.fix[places]]
+        good &= kind >= np.median(kind)
+    time = prepared.found.time[places[good]]
     first = prepared.start_time + model.settings.settling
     usual = float(np.median(np.diff(time)))
     long = np.flatnonzero(np.diff(time) > max(OWN, OWN_SHARE * usual))
