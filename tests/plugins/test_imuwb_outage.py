@@ -73,7 +73,7 @@ class Shown:
 
     def __init__(self) -> None:
         self.tabs, self.figures, self.tables, self.notes, self.tracks, self.logged = [], [], [], [], [], []
-        self.serieses, self.charts = [], []
+        self.all_series, self.charts = [], []
         self.recording = SimpleNamespace(log=lambda path, *_, **__: self.logged.append(path))
 
     def tab(self, name):
@@ -89,7 +89,7 @@ class Shown:
         self.notes.append(text)
 
     def series(self, series):
-        self.serieses.append(series)
+        self.all_series.append(series)
 
     def chart(self, name, *_):
         self.charts.append(name)
