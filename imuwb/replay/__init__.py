@@ -35,6 +35,7 @@ from imuwb.replay.statistics import (
     summarize,
     verdict,
 )
+from imuwb.replay.true_errors import true_errors
 from imuwb.replay.tuning import Tuned, tune
 
 __all__ = [
@@ -78,6 +79,7 @@ __all__ = [
     "scores",
     "summarize",
     "sweep",
+    "true_errors",
     "tune",
     "verdict",
     "yardstick",

@@ -31,6 +31,7 @@ from imuwb.replay import (
     replay,
     summarize,
     sweep,
+    true_errors,
     tune,
     verdict,
 )
@@ -103,7 +104,7 @@ def run(log: Log, parameters: Parameters) -> Result:
     return Result(
         tuple(one for duration in durations for one in _each(found, duration)), summary,
         tuple(_filter(one, causal=log.causal) for one in found.runs.values()), found.reference.name, words, found.notes,
-        clocks, mounting, tuned, *_budget(found), parameters.map, found,
+        clocks, mounting, tuned, *_budget(found), true_errors(prepared), parameters.map, found,
     )  # fmt: skip
 
 

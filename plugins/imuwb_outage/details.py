@@ -69,6 +69,14 @@ def biases(result: Result, review: Review) -> None:
         names = tuple(f"{axis}{end}" for axis in "xyz" for end in ("", " -3 sigma", " +3 sigma"))
         colors = tuple((*AXIS_COLORS[axis], alpha) for axis in "xyz" for alpha in (255, 90, 90))
         review.series(Series(f"Errors of the {sensor} by {name}", unit, time, values, names, colors, epoch))
+        if result.true_errors is not None:
+            when, errors = result.true_errors
+            review.series(
+                Series(
+                    f"True errors of the {sensor}, means over half a minute", unit, (log.zero or 0) + np.rint(when * 1e9).astype(np.int64),
+                    errors[:, rows] * factor, ("x", "y", "z"), tuple((*AXIS_COLORS[axis], 255) for axis in "xyz"), epoch,
+                )
+            )  # fmt: skip
 
 
 def tracks(result: Result, review: Review) -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from imuwb.log import Floats
     from imuwb.replay import Budget, Choice, Clocks, Mounting, Paired, Replay, Summary, Tuned
 
 
@@ -82,5 +83,6 @@ class Result:
     tuned: Tuned | None
     budget: Budget
     budget_of: str  #: filter
+    true_errors: tuple[Floats, Floats] | None = field(metadata={"document": False})  #: s; rad/s and m/s², (k, 6)
     on_map: bool = field(metadata={"document": False})
     replay: Replay = field(metadata={"document": False})
