@@ -90,8 +90,9 @@ def _navigation_rows(
             product[row + j] = 0.0
         for s in range(first[axis], first[axis + 1]):
             weight, other = weights[s - NAVIGATION], _U(s * STRIDE)
-            for j in range(n):
-                product[row + j] += weight * source[other + j]
+            if weight != 0.0:  # of a lattice's states one counts
+                for j in range(n):
+                    product[row + j] += weight * source[other + j]
     for j in range(n):
         gx, gy, gz = product[_N0 + j], product[_N1 + j], product[_N2 + j]
         ax, ay, az = product[_N3 + j], product[_N4 + j], product[_N5 + j]
@@ -125,16 +126,38 @@ def _axis_rows(
     low, high = _U(begin), _U((first[6] + _LANES - 1) // _LANES * _LANES)
     for axis in range(6):
         start = first[axis]
-        for s in range(start, first[axis + 1]):
-            row, other = _U(s * STRIDE), _U(start * STRIDE)
-            weight = transition[axis, s - start, 0]
+        order = first[axis + 1] - start
+        one, two, three = _U(start * STRIDE), _U((start + 1) * STRIDE), _U((start + 2) * STRIDE)
+        if order == 1:
+            a = transition[axis, 0, 0]
             for j in range(low, high):
-                product[row + j] = weight * source[other + j]
-            for t in range(start + 1, first[axis + 1]):
-                weight, other = transition[axis, s - start, t - start], _U(t * STRIDE)
-                if weight != 0.0:
-                    for j in range(low, high):
-                        product[row + j] += weight * source[other + j]
+                product[one + j] = a * source[one + j]
+        elif order == 2:  # noqa: PLR2004 - loops of up to three unrolled
+            a, b = transition[axis, 0, 0], transition[axis, 0, 1]
+            c, d = transition[axis, 1, 0], transition[axis, 1, 1]
+            for j in range(low, high):
+                x, y = source[one + j], source[two + j]
+                product[one + j] = a * x + b * y
+                product[two + j] = c * x + d * y
+        elif order == 3:  # noqa: PLR2004 - as said
+            a, b, c = transition[axis, 0, 0], transition[axis, 0, 1], transition[axis, 0, 2]
+            d, e, f = transition[axis, 1, 0], transition[axis, 1, 1], transition[axis, 1, 2]
+            g, h, k = transition[axis, 2, 0], transition[axis, 2, 1], transition[axis, 2, 2]
+            for j in range(low, high):
+                x, y, z = source[one + j], source[two + j], source[three + j]
+                product[one + j] = a * x + b * y + c * z
+                product[two + j] = d * x + e * y + f * z
+                product[three + j] = g * x + h * y + k * z
+        else:
+            for s in range(start, first[axis + 1]):
+                row = _U(s * STRIDE)
+                for j in range(low, high):
+                    product[row + j] = 0.0
+                for t in range(start, first[axis + 1]):
+                    weight, other = transition[axis, s - start, t - start], _U(t * STRIDE)
+                    if weight != 0.0:
+                        for j in range(low, high):
+                            product[row + j] += weight * source[other + j]
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
