@@ -543,7 +543,7 @@ def test_readmes_example_is_one_of_several():
 def test_readmes_outages_can_be_run_on_readmes_drive(toml):
     from imuwb.simulation import planned_route
 
-    (at,) = {m for e in EXAMPLES for m in re.findall(r"--at (\S+)", e)}
+    (at,) = {m for e in EXAMPLES for m in re.findall(r"--at (\d\S*)", e)}
     log = drive(sensor(), planned_route("turin-1"), 1, rate=20.0, receiver=Receiver())
     found = imuwb_outage.run([log], Parameters(error_model=toml, models="none", at=at))
     assert len(found.outages) == 2
