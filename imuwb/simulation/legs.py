@@ -6,13 +6,12 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from imuwb.simulation.profile import SLOWING_DOWN, SPEEDING_UP
-
 if TYPE_CHECKING:
     import numpy as np
 
 KMH = 1 / 3.6  #: m/s
 SHORTEST_TURN = 4.0  #: s
+SPEEDING_UP, SLOWING_DOWN = 1.4, 1.8  #: m/s², on purpose
 SETTLING = 8.0  #: s of going on behind a stop or a turn
 
 

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.interpolate import BSpline
 
+from imuwb.simulation.legs import SLOWING_DOWN, SPEEDING_UP
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -21,7 +23,6 @@ if TYPE_CHECKING:
 DEGREE = 5
 MARGIN = 3  #: control points beyond each end that a value there depends on
 STEP = 0.5  #: s between control points
-SPEEDING_UP, SLOWING_DOWN = 1.4, 1.8  #: m/s², on purpose
 UNEVEN = 0.03  #: by which part a driver misses the speed he means
 UNEVEN_STEP = 4.0  #: s, in which he notices
 TAPER = 8.0  #: s, in which a pinned speed goes over to what was meant
