@@ -36,7 +36,7 @@ def axis_start(one: Shaping, before: int, still: int, after: int) -> AxisStart:
         after: samples from its end to the start.
     """
     p = one.order
-    a, q = over(one.A, one.Q, before)
+    a, q = one.over(before)
     first = a @ one.P0 @ a.T + q
     # The sum of the errors is carried along as one more state.
     wide = np.zeros((p + 1, p + 1))
@@ -48,6 +48,6 @@ def axis_start(one: Shaping, before: int, still: int, after: int) -> AxisStart:
     start = np.zeros((p + 1, p + 1))
     start[:p, :p] = first
     joint = power @ start @ power.T + total
-    a, q = over(one.A, one.Q, after)
+    a, q = one.over(after)
     count = max(still, 1)
     return AxisStart(a @ joint[:p, :p] @ a.T + q, a @ joint[:p, p] / count, float(joint[p, p]) / count**2)

@@ -16,7 +16,7 @@ import numba
 import numpy as np
 
 from imuwb.navigation.covariance import NAVIGATION, STRIDE, carry
-from imuwb.navigation.strapdown import MEASURED, PAST_ANGLE, PAST_STEP, PAST_VELOCITY, SIZE, step
+from imuwb.navigation.strapdown import MEASURED, SIZE, step
 from imuwb.navigation.tables import FIX, MOST_ROWS
 from imuwb.navigation.update import update
 
@@ -41,8 +41,8 @@ def advance(
     every: int, pending: Whole, tables: AxisTables, space: Workspace,
 ) -> Whole:  # fmt: skip  # pragma: no cover - compiled
     """Carry everything on through the samples ``begin`` to ``end`` (excluded); return how many the open span holds."""
-    interval, angle, velocity, gap, regimes = (
-        samples.interval, samples.angle, samples.velocity, samples.gap, samples.regime
+    interval, angle, velocity, regimes = (
+        samples.interval, samples.angle, samples.velocity, samples.regime
     )  # fmt: skip
     first, scale = tables.first, tables.scale
     held = regimes[begin] if begin < end else np.int64(0)
@@ -88,11 +88,6 @@ def advance(
                     axes[at + _U(i)] = moved[i]
                     total += weight[at + _U(i)] * moved[i] * (measured if scale[at + _U(i)] else h)
             error[axis] = total
-        if gap[k]:
-            state[PAST_STEP] = 0.0
-            for i in range(3):
-                state[PAST_ANGLE + i] = 0.0
-                state[PAST_VELOCITY + i] = 0.0
         step(
             state, h, angle[k, 0] - error[0], angle[k, 1] - error[1], angle[k, 2] - error[2],
             velocity[k, 0] - error[3], velocity[k, 1] - error[4], velocity[k, 2] - error[5],

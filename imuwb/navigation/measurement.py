@@ -104,7 +104,6 @@ def measurement(log: Log, imu: ImuStream, installation: Installation, *, thermal
         interval=step,
         angle=np.ascontiguousarray(angular @ turn.T) * step[:, None],
         velocity=np.ascontiguousarray(force @ turn.T) * step[:, None],
-        gap=np.zeros(own.size, np.bool_),
         regime=regime,
     )
     return Measurement(true, rate * installation.clock_rate, samples, celsius, bridged, loose, tuple(notes))

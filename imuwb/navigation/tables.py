@@ -39,7 +39,6 @@ class Samples(NamedTuple):
     interval: Floats  #: (n,) s
     angle: Floats  #: (n, 3) rad, integral of the measured angular rate
     velocity: Floats  #: (n, 3) m/s, of the measured specific force
-    gap: NDArray[np.bool_]  #: (n,) whether samples are missing before this one, so that nothing goes before it
     regime: NDArray[np.int64]  #: (n,) which of the model's tables holds
 
 

@@ -187,10 +187,9 @@ def sign_flip(differences: Floats, block: int) -> float:
     return float((np.abs(signs @ sums) >= observed * (1 - 1e-12)).mean())
 
 
-def drift_curve(found: Scores, rows: NDArray[np.int64] | None = None) -> dict[str, Floats]:
+def drift_curve(found: Scores) -> dict[str, Floats]:
     """Return the median, 68 and 95 % quantiles of the horizontal error at each second, m."""
-    values = found.horizontal if rows is None else found.horizontal[rows]
-    low, middle, high = np.quantile(values, [0.5, 0.68, 0.95], axis=0)
+    low, middle, high = np.quantile(found.horizontal, [0.5, 0.68, 0.95], axis=0)
     return {"median": low, "p68": middle, "p95": high}
 
 

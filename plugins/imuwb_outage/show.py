@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import Curve, Figure, Table, Vertical
-from imuwb.replay import HORIZONS, drift_curve
+from imuwb.analysis import Curve, Figure, Table
+from imuwb.replay import drift_curve
 from imuwb_outage import details
 from imuwb_outage.colors import color_of
 from imuwb_outage.words import metres, notes, number, percent
@@ -128,7 +128,6 @@ def _consistency(result: Result, review: Review) -> None:
             Figure(
                 f"Is sigma right? NEES over its two degrees of freedom, outages of {one.duration:g} s", "time without GNSS [s]",
                 "mean NEES/2 [1]; 1 is right, above: sigma too small", tuple(curves), x_scale="linear", y_scale="log",
-                verticals=tuple(Vertical(h, f"{h:g} s") for h in HORIZONS if h < one.duration),
             )
         )  # fmt: skip
         review.table(_consistency_table(one))

@@ -95,9 +95,7 @@ def taken(f, kind, value, variance, *, late=0.0, gate=1e9, patience=5, refused=N
         refused=np.zeros(2, np.int64) if refused is None else refused, innovation=np.empty(6), deviation=np.empty(6),
         nis=np.empty(2), used=np.empty(2, np.bool_), P=flat(f.P),
     )  # fmt: skip
-    samples = Samples(
-        np.full(1, 0.01), np.zeros((1, 3)), np.zeros((1, 3)), np.zeros(1, np.bool_), np.zeros(1, np.int64)
-    )
+    samples = Samples(np.full(1, 0.01), np.zeros((1, 3)), np.zeros((1, 3)), np.zeros(1, np.int64))
     events = Events(np.zeros(1, np.int64), np.array([kind]), np.array([late]), value[None], variance[None])
     update(
         out.state, out.axes, out.P, samples, events, 0, Rules(1, gate, patience, LEVER), f.tables, out.rows, out.refused,

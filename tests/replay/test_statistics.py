@@ -288,8 +288,5 @@ def test_verdict_of_short_outages():
 def test_drift_curve_in_plain_numpy():
     found = correlated(50, 4, 9)
     curve = drift_curve(found)
-    chosen = np.arange(0, 50, 3)
     for name, share in (("median", 50), ("p68", 68), ("p95", 95)):
         assert curve[name] == pytest.approx(np.percentile(np.linalg.norm(found.north_east, axis=2), share, axis=0))
-        few = np.linalg.norm(found.north_east[chosen], axis=2)
-        assert drift_curve(found, chosen)[name] == pytest.approx(np.percentile(few, share, axis=0))

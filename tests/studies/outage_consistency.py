@@ -7,7 +7,7 @@ of each: the readings "as printed", and wavelet denoising before a filter that k
 
 Bands: a mean over n outages of two degrees of freedom each lies within chi-squared's 95 % quantiles over 2n, were they independent.
 
-Command: ``python tests/studies/outage_consistency.py [--drives 4] > tests/studies/outage_consistency.md`` (about 6 minutes).
+Command: ``python tests/studies/outage_consistency.py [--drives 4] > tests/studies/outage_consistency.md`` (some 20 minutes on two cores).
 Seeds: 0, 1, ...; of routes likewise.
 """
 
