@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
 
-import numba
 import numpy as np
 
+from imuwb.compiled import compiled
 from imuwb.identification import noise_type
 from imuwb.identification.allan_statistics import equivalent_degrees_of_freedom
 from imuwb.identification.averaging import averaging_factors
@@ -163,7 +163,7 @@ def _with_bridges(
     return factor[known], np.nan_to_num(variance[known]), terms[known], loss[known]
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _integrate(values: Floats, center: float, out: Floats) -> None:  # pragma: no cover - compiled
     total = 0.0
     out[0] = 0.0
@@ -184,7 +184,7 @@ def integrated(values: Floats) -> Floats:
     return _phase(np.ascontiguousarray(values, dtype=np.float64), float(values.mean()))
 
 
-@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
+@compiled(reorder=True)
 def _sum_of_squares(
     early: NDArray[Any], middle: NDArray[Any], late: NDArray[Any]
 ) -> float:  # pragma: no cover - compiled
@@ -196,7 +196,7 @@ def _sum_of_squares(
     return total
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _sums(phase: Floats, factors: NDArray[np.int64], block: int, out: Floats) -> None:  # pragma: no cover - compiled
     """Add the squares of all factors block by block, so that a block is fetched from memory once."""
     n = phase.size
@@ -217,7 +217,7 @@ def sums_of_squares(phase: Floats, factors: NDArray[np.int64]) -> Floats:
     return out
 
 
-@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
+@compiled(reorder=True)
 def _bends(piece: Floats, ramp: Floats, out: NDArray[np.float32]) -> float:  # pragma: no cover - compiled
     """Write a piece less the straight line through its ends; return the mean square."""
     total, first = 0.0, piece[0]
@@ -229,7 +229,7 @@ def _bends(piece: Floats, ramp: Floats, out: NDArray[np.float32]) -> float:  # p
     return total / piece.size
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _single_sums(
     phase: Floats, factors: NDArray[np.int64], block: int, out: Floats
 ) -> None:  # pragma: no cover - compiled
@@ -287,7 +287,7 @@ def thinned_sums_of_squares(phase: Floats, factors: NDArray[np.int64]) -> Floats
     return out
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _halved(phase: Floats) -> Floats:  # pragma: no cover - compiled
     """Return every second value, moved to the front: new memory would cost more than the sums."""
     for k in range((phase.size + 1) // 2):

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-import numba
 import numpy as np
 from scipy import fft, linalg
 
+from imuwb.compiled import compiled
 from imuwb.identification.burg import burg
 from imuwb.identification.distributions import chi_square_tail, normal_limit
 from imuwb.stochastic import Autoregressive
@@ -189,7 +189,7 @@ def _whiteness(parts: Sequence[Floats], alpha: Floats, order: int) -> Whiteness:
     return Whiteness(order, statistic, float(chi_square_tail(statistic, WHITE_LAGS)), float(np.abs(r).max()))
 
 
-@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
+@compiled(reorder=True)
 def _errors(values: Floats, alpha: Floats) -> Floats:  # pragma: no cover - compiled
     """Return x(n) + sum alpha_k x(n-k) wherever all of it is there."""
     p = alpha.size
@@ -203,7 +203,7 @@ def _errors(values: Floats, alpha: Floats) -> Floats:  # pragma: no cover - comp
     return out
 
 
-@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
+@compiled(reorder=True)
 def _products(values: Floats, lags: int) -> Floats:  # pragma: no cover - compiled
     """Return sum x(i) x(i+k) for k = 0 ... lags."""
     out = np.zeros(lags + 1)

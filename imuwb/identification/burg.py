@@ -9,8 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numba
 import numpy as np
+
+from imuwb.compiled import compiled
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -65,7 +66,7 @@ def burg(values: Floats, orders: int, breaks: Sequence[int] = ()) -> Burg:
     return Burg(mean, values.size, tuple(alpha), np.array(variance))
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _sweep(
     forward: Floats, backward: Floats, edges: NDArray[np.int64], order: int, reflection: float
 ) -> tuple[float, float]:  # pragma: no cover - compiled
@@ -93,7 +94,7 @@ def _sweep(
     return product, squares
 
 
-@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
+@compiled(reorder=True)
 def _update(f: Floats, b: Floats, reflection: float) -> None:  # pragma: no cover - compiled
     for i in range(f.size):
         x, y = f[i], b[i]
@@ -101,7 +102,7 @@ def _update(f: Floats, b: Floats, reflection: float) -> None:  # pragma: no cove
         b[i] = y + reflection * x
 
 
-@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
+@compiled(reorder=True)
 def _sums(f: Floats, b: Floats) -> tuple[float, float]:  # pragma: no cover - compiled
     product = squares = 0.0
     for i in range(f.size):

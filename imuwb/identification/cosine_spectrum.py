@@ -13,10 +13,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numba
 import numpy as np
 from scipy import fft, special
 
+from imuwb.compiled import compiled
 from imuwb.stochastic import FlickerNoise, GaussMarkov, Quantization
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ def cosine_spectrum(values: Floats, dt: float, lines: Sequence[tuple[float, floa
     )  # fmt: skip
 
 
-@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
+@compiled(reorder=True)
 def _straight_line(values: Floats) -> tuple[float, float]:  # pragma: no cover - compiled
     """Return the mean, and the slope per sample, of the least-squares line."""
     n = values.size
@@ -133,14 +133,14 @@ def _straight_line(values: Floats) -> tuple[float, float]:  # pragma: no cover -
     return values[0] + total / n, moment / (n * (float(n) * n - 1.0) / 12.0)
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _without_line(values: Floats, level: float, slope: float, out: Floats) -> None:  # pragma: no cover - compiled
     middle = (values.size - 1) / 2.0
     for k in range(values.size):
         out[k] = values[k] - level - slope * (k - middle)
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _binned(
     coefficients: Floats, edges: NDArray[np.int64], first: NDArray[np.int64], last: NDArray[np.int64]
 ) -> tuple[Floats, NDArray[np.int64]]:  # pragma: no cover - compiled

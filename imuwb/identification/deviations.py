@@ -9,9 +9,9 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import TYPE_CHECKING, Literal
 
-import numba
 import numpy as np
 
+from imuwb.compiled import compiled
 from imuwb.identification.allan import AllanDeviation, allan, integrated
 from imuwb.identification.averaging import averaging_factors
 from imuwb.identification.distributions import chi_square_limits
@@ -91,7 +91,7 @@ def deviation(
     )
 
 
-@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
+@compiled(reorder=True)
 def _third(a: Floats, b: Floats, c: Floats, d: Floats) -> float:  # pragma: no cover - compiled
     """Return the sum of (d - 3 c + 3 b - a)²."""
     total = 0.0

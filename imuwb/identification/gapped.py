@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numba
 import numpy as np
+
+from imuwb.compiled import compiled
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -50,7 +51,7 @@ def bridged(
     return variance, terms, clear
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _block_differences(
     count: Floats, total: Floats, square: Floats, m: int, least: float
 ) -> tuple[float, float, int]:  # pragma: no cover - compiled

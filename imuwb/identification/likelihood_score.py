@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numba
 import numpy as np
+
+from imuwb.compiled import compiled
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 LEAST_SHARE = 1e-14  #: of a density; nothing is smaller
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def add_bins(
     squared: Floats, power: Floats, count: Floats, design: Floats, information: Floats, target: Floats
 ) -> float:  # pragma: no cover - compiled
@@ -52,7 +53,7 @@ def add_bins(
     return deviance
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def add_low(
     squared: Floats,
     low: Floats,
@@ -99,7 +100,7 @@ def add_low(
     return deviance, slope, sigma
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _whitener(
     squared: Floats, parts: Floats, chosen: NDArray[np.int64]
 ) -> tuple[Floats, float]:  # pragma: no cover - compiled
@@ -125,7 +126,7 @@ def _whitener(
     return white, log_determinant
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _product(lower: Floats, vector: Floats) -> Floats:  # pragma: no cover - compiled
     found = np.zeros(vector.size)
     for i in range(vector.size):
@@ -134,7 +135,7 @@ def _product(lower: Floats, vector: Floats) -> Floats:  # pragma: no cover - com
     return found
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _add_shapes(
     white: Floats,
     parts: Floats,
@@ -160,7 +161,7 @@ def _add_shapes(
                 information[u, t] += both
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _factored(a: Floats) -> bool:  # pragma: no cover - compiled
     """Replace the lower half of a matrix by its Cholesky factor; False where it is not positive definite."""
     for j in range(a.shape[0]):
@@ -176,7 +177,7 @@ def _factored(a: Floats) -> bool:  # pragma: no cover - compiled
     return True
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _inverse(lower: Floats) -> Floats:  # pragma: no cover - compiled
     """Return the inverse of a lower triangular matrix."""
     n = lower.shape[0]
@@ -190,7 +191,7 @@ def _inverse(lower: Floats) -> Floats:  # pragma: no cover - compiled
     return found
 
 
-@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
+@compiled(reorder=True)
 def _whitened(
     white: Floats, part: Floats, chosen: NDArray[np.int64], out: Floats
 ) -> None:  # pragma: no cover - compiled
@@ -211,7 +212,7 @@ def _whitened(
             out[i, j] = out[j, i] = total
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _without(along: Floats, a: Floats) -> None:  # pragma: no cover - compiled
     """Project a symmetric matrix off a direction of length 1 (or none: 0), on both sides."""
     n = along.size

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numba
 import numpy as np
+
+from imuwb.compiled import compiled
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,7 +31,7 @@ def exponent(phase: NDArray[np.float64]) -> int | None:
     return None if np.isnan(delta) else int(np.clip(round(2 - 2 * delta), -2, 2))
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _order(series: NDArray[np.float64]) -> float:  # pragma: no cover - compiled
     """Return the order of fractional differencing; nan where nothing varies. ``series`` is used up."""
     n = series.size

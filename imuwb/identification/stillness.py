@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numba
 import numpy as np
 from scipy import ndimage
+
+from imuwb.compiled import compiled
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -130,7 +131,7 @@ def _scores(rows: NDArray[np.int64], values: Floats) -> tuple[Floats, bool]:
     return score, restless
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _block_sums(values: Floats, rows: NDArray[np.int64]) -> tuple[Floats, Floats]:  # pragma: no cover - compiled
     """Return the sums, and the sums of squares, of what lies between rows; from the first value, for the digits' sake."""
     sums, squares = np.zeros(rows.size - 1), np.zeros(rows.size - 1)

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-import numba
 import numpy as np
 from scipy import fft, linalg, optimize, special
 
+from imuwb.compiled import compiled
 from imuwb.identification.allan_problem import scaled_inverse
 from imuwb.identification.coefficient import READ_OUT, Coefficient, interval
 from imuwb.identification.distributions import chi_square_tail, normal_quantile
@@ -94,7 +94,7 @@ def wavelet_variance(values: Floats, dt: float) -> WaveletVariance:
     return WaveletVariance(values.size, dt, 2.0**levels * dt, np.array(variances), np.array(terms))
 
 
-@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
+@compiled(reorder=True)
 def _level(values: Floats, step: int, smooth: Floats, detail: Floats) -> tuple[Floats, float]:  # pragma: no cover
     """Return the smoothed series, and the mean square of the details."""
     count = values.size - 3 * step

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numba
 import numpy as np
 from scipy import fft
+
+from imuwb.compiled import compiled
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -41,7 +42,7 @@ def welch(values: Floats, dt: float, size: int) -> tuple[Floats, int]:
     return total, count
 
 
-@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"}, error_model="numpy")
+@compiled(reorder=True)
 def _tapered(values: Floats, window: Floats, out: Floats) -> None:  # pragma: no cover - compiled
     """Take the least-squares line off, and taper."""
     n = values.size
@@ -55,7 +56,7 @@ def _tapered(values: Floats, window: Floats, out: Floats) -> None:  # pragma: no
         out[k] = (values[k] - mean - slope * (k - middle)) * window[k]
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _add_power(transform: NDArray[np.complex128], total: Floats) -> None:  # pragma: no cover - compiled
     for k in range(total.size):
         total[k] += transform[k].real ** 2 + transform[k].imag ** 2

@@ -16,11 +16,11 @@ the compiler works on four columns at once.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
-import numba
 import numpy as np
 
+from imuwb.compiled import compiled
 from imuwb.navigation.earth import EQUATORIAL_RADIUS
 from imuwb.navigation.strapdown import CORIOLIS, EARTH, GRAVITY, MEASURED, PUSHED, SIZE, SPAN, TURNED
 
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from imuwb.navigation.tables import AxisTables
+    from imuwb.navigation.workspace import Workspace
 
     Floats = NDArray[np.float64]
     Integers = NDArray[np.int64]
@@ -39,20 +40,6 @@ STRIDE = 48
 _LANES = 4  #: columns are worked on in multiples of it
 _U = np.uint64
 _N0, _N1, _N2, _N3, _N4, _N5, _N6, _N7, _N8 = (_U(row * STRIDE) for row in range(9))
-
-
-class Workspace(NamedTuple):
-    """Scratch of one thread, zero outside what is used."""
-
-    product: Floats
-    weights: Floats
-    transition: Floats  #: the product of all transition matrices since it was the identity, flat; empty: not wanted
-
-
-def workspace(*, transition: bool = False) -> Workspace:
-    """Return scratch for ``carry``; with a place for the transition matrix, if a smoother wants it."""
-    product = np.zeros(MOST_STATES * STRIDE)
-    return Workspace(product, np.zeros(MOST_STATES), np.zeros(MOST_STATES * STRIDE if transition else 0))
 
 
 def flat(covariance: Floats) -> Floats:
@@ -68,7 +55,7 @@ def square(rows: Floats, n: int) -> Floats:
     return rows.reshape(*rows.shape[:-1], MOST_STATES, STRIDE)[..., :n, :n]
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@compiled(arrays=False)
 def _navigation_rows(
     source: Floats, product: Floats, columns: int, state: Floats, first: Integers, weights: Floats
 ) -> None:  # pragma: no cover - compiled
@@ -118,12 +105,12 @@ def _navigation_rows(
         product[_N8 + j] = pd + span * dd
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@compiled(arrays=False)
 def _axis_rows(
-    source: Floats, product: Floats, begin: int, first: Integers, transition: Floats
+    source: Floats, product: Floats, begin: np.uint64, first: Integers, transition: Floats
 ) -> None:  # pragma: no cover - compiled
     """Write the other rows of the transition matrix times ``source`` into ``product``, from column ``begin`` on."""
-    low, high = _U(begin), _U((first[6] + _LANES - 1) // _LANES * _LANES)
+    low, high = begin, _U((first[6] + _LANES - 1) // _LANES * _LANES)
     for axis in range(6):
         start = first[axis]
         order = first[axis + 1] - start
@@ -160,7 +147,7 @@ def _axis_rows(
                             product[row + j] += weight * source[other + j]
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@compiled(arrays=False)
 def _navigation_columns(
     product: Floats, covariance: Floats, state: Floats, first: Integers, weights: Floats
 ) -> None:  # pragma: no cover - compiled
@@ -206,7 +193,7 @@ def _navigation_columns(
         covariance[row + _U(8)] = pd + span * dd
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@compiled(arrays=False)
 def _axis_columns(
     product: Floats, covariance: Floats, first: Integers, transition: Floats
 ) -> None:  # pragma: no cover - compiled
@@ -250,7 +237,7 @@ def _axis_columns(
                     covariance[_U(s * STRIDE + i)] = total
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@compiled(arrays=False)
 def _add_noise(
     covariance: Floats, state: Floats, samples: Whole, first: Integers, noise: Floats, white: Floats, inside: Floats,
     cross: Floats,
@@ -296,7 +283,7 @@ def _add_noise(
             covariance[i * STRIDE + j] += span * span / 3.0 * accel
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@compiled(arrays=False)
 def carry(
     covariance: Floats, state: Floats, samples: Whole, regime: Whole, axes: AxisTables, space: Workspace
 ) -> None:  # pragma: no cover - compiled
@@ -313,7 +300,6 @@ def carry(
     span = state[SPAN]
     if span <= 0.0:
         return
-    # A field of a tuple is counted at each look at it: each is looked at once.
     first, output, scale, weights = axes.first, axes.output[regime, samples], axes.scale, space.weights
     transition, noise, white = axes.transition[regime, samples], axes.noise[regime, samples], axes.white[regime]
     inside, cross, product = axes.inside[regime, samples], axes.cross[regime, samples], space.product
@@ -323,8 +309,13 @@ def carry(
             weights[s] = output[s]
             if scale[s]:
                 weights[s] *= state[MEASURED + axis] / span
-    _navigation_rows(covariance, product, (n + _LANES - 1) // _LANES * _LANES, state, first, weights)
-    _axis_rows(covariance, product, NAVIGATION - 1, first, transition)
+    for turn in range(0 if space.transition.size > 0 else 1, 2):
+        source = covariance if turn == 1 else space.transition
+        _navigation_rows(source, product, (n + _LANES - 1) // _LANES * _LANES, state, first, weights)
+        _axis_rows(source, product, _U(turn * (NAVIGATION - 1)), first, transition)
+        if turn == 0:
+            for k in range(n * STRIDE):
+                source[k] = product[k]
     _navigation_columns(product, covariance, state, first, weights)
     _axis_columns(product, covariance, first, transition)
     for i in range(NAVIGATION):
@@ -333,10 +324,5 @@ def carry(
             covariance[i * STRIDE + j] = mean
             covariance[j * STRIDE + i] = mean
     _add_noise(covariance, state, samples, first, noise, white, inside, cross)
-    if space.transition.size > 0:
-        _navigation_rows(space.transition, product, (n + _LANES - 1) // _LANES * _LANES, state, first, weights)
-        _axis_rows(space.transition, product, 0, first, transition)
-        for k in range(n * STRIDE):
-            space.transition[k] = product[k]
     for k in range(SPAN, SIZE):
         state[k] = 0.0

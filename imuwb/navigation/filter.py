@@ -10,11 +10,12 @@ import numpy as np
 from imuwb.errors import MissingDataError
 from imuwb.navigation import kernel
 from imuwb.navigation.attitude import euler_of_quaternion
-from imuwb.navigation.covariance import NAVIGATION, flat, workspace
+from imuwb.navigation.covariance import NAVIGATION, flat
 from imuwb.navigation.earth import EARTH_RATE
 from imuwb.navigation.initial import axis_start
 from imuwb.navigation.strapdown import QUATERNION, SIZE, VELOCITY, navigation_state
 from imuwb.navigation.tables import FIX, Marks, Prior, Rules, Track
+from imuwb.navigation.workspace import workspace
 
 if TYPE_CHECKING:
     from imuwb.log import Floats
@@ -158,7 +159,7 @@ def solve(
     skip = (-1, -1)
     if without is not None:
         skip = int(np.searchsorted(moves.time, without[0])), int(np.searchsorted(moves.time, without[1]))
-    rules, space = rules_of(model), workspace(transition=smooth)
+    rules, space = rules_of(model), workspace(n, transition=smooth)
     if smooth:
         space.transition[:] = flat(np.eye(n))
     ended, event = kernel.run(

@@ -12,19 +12,19 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numba
 import numpy as np
 
+from imuwb.compiled import compiled
 from imuwb.navigation.covariance import NAVIGATION, STRIDE, carry
 from imuwb.navigation.strapdown import MEASURED, SIZE, step
-from imuwb.navigation.tables import FIX, MOST_ROWS
+from imuwb.navigation.tables import FIX
 from imuwb.navigation.update import update
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from imuwb.navigation.covariance import Workspace
     from imuwb.navigation.tables import AxisTables, Events, Marks, Rules, Samples, Track
+    from imuwb.navigation.workspace import Workspace
 
     Floats = NDArray[np.float64]
     Integers = NDArray[np.int64]
@@ -35,7 +35,7 @@ _U = np.uint64
 _ONE, _TWO = _U(1), _U(2)
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled(arrays=False)
 def advance(
     state: Floats, axes: Floats, covariance: Floats, samples: Samples, begin: Whole, end: Whole, with_covariance: bool,
     every: int, pending: Whole, tables: AxisTables, space: Workspace,
@@ -47,7 +47,7 @@ def advance(
     first, scale = tables.first, tables.scale
     held = regimes[begin] if begin < end else np.int64(0)
     weight, transition = tables.step[held], tables.transition[held, 1]
-    error, moved = np.zeros(6), np.zeros(STRIDE)
+    error, moved = space.error, space.moved
     for k in range(begin, end):
         h, regime = interval[k], regimes[k]
         if regime != held:
@@ -99,7 +99,7 @@ def advance(
     return pending
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled(arrays=False)
 def sound(state: Floats, covariance: Floats, n: int) -> int:  # pragma: no cover - compiled
     """Return whether a state and its variances are numbers that can be."""
     for i in range(10):
@@ -114,14 +114,14 @@ def sound(state: Floats, covariance: Floats, n: int) -> int:  # pragma: no cover
     return FINE
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
-def _copy_square(rows: Floats, n: int, square: Floats) -> None:  # pragma: no cover - compiled
+@compiled(arrays=False)
+def _copy_square(rows: Floats, n: Whole, square: Floats) -> None:  # pragma: no cover - compiled
     for i in range(n):
         for j in range(n):
             square[i, j] = rows[i * STRIDE + j]
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled(arrays=False)
 def run(
     state: Floats, axes: Floats, covariance: Floats, samples: Samples, events: Events, rules: Rules, tables: AxisTables,
     space: Workspace, begin: int, event: int, skip_from: int, skip_to: int, marks: Marks, track: Track,
@@ -139,14 +139,14 @@ def run(
         track: written, if it has room.
     """
     n = tables.first[6]
-    rows, refused = np.zeros((MOST_ROWS, n)), np.zeros(2, np.int64)
-    innovation, deviation, nis, used = np.empty(6), np.empty(6), np.empty(2), np.zeros(2, np.bool_)
+    weighing, spare, seen = space.weighing, space.spare, space.seen
+    for i in range(2):
+        weighing.refused[i] = 0
     done: Whole = np.int64(begin)
     pending: Whole = np.int64(0)
     e, m = np.int64(event), np.int64(0)
     at, kind, mark, with_covariance = events.at, events.kind, marks.at, marks.with_covariance
     kept, prior, smoothing = track.state.shape[0] > 0, track.before, track.before.state.shape[0] > 0
-    spare, seen = np.empty(covariance.size), np.empty(SIZE)
     while m < mark.size or (mark.size == 0 and e < at.size):
         looking = mark.size > 0 and (e >= at.size or mark[m] <= at[e])
         if not looking and kind[e] == FIX and skip_from < at[e] < skip_to:
@@ -171,7 +171,7 @@ def run(
         if looking:
             for i in range(10):
                 marks.state[m, i] = state[i]
-            _copy_square(spare, NAVIGATION, marks.covariance[m])
+            _copy_square(spare, np.int64(NAVIGATION), marks.covariance[m])
             m += 1
             continue
         pending = np.int64(0)
@@ -186,17 +186,15 @@ def run(
                 space.transition[i] = 0.0
             for i in range(n):
                 space.transition[i * STRIDE + i] = 1.0
-        update(
-            state, axes, covariance, samples, events, e, rules, tables, rows, refused, innovation, deviation, nis, used
-        )
+        update(state, axes, covariance, samples, events, e, rules, tables, weighing)
         ended = sound(state, covariance, n)
         if ended != FINE:
             return ended, e
         if kept:
             for i in range(6):
-                track.innovation[e, i], track.deviation[e, i] = innovation[i], deviation[i]
+                track.innovation[e, i], track.deviation[e, i] = weighing.innovation[i], weighing.deviation[i]
             for i in range(2):
-                track.nis[e, i], track.used[e, i] = nis[i], used[i]
+                track.nis[e, i], track.used[e, i] = weighing.nis[i], weighing.used[i]
             for i in range(SIZE):
                 track.state[e, i] = state[i]
             for i in range(axes.size):

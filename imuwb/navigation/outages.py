@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.navigation import kernel
-from imuwb.navigation.covariance import NAVIGATION, flat, workspace
+from imuwb.navigation.covariance import NAVIGATION, flat
 from imuwb.navigation.filter import empty_track
 from imuwb.navigation.tables import Marks
+from imuwb.navigation.workspace import workspace
 from imuwb.progress import tracked
 
 if TYPE_CHECKING:
@@ -73,10 +74,11 @@ def drift(
     states, spreads = np.zeros((count, length, 10)), np.zeros((count, length, NAVIGATION, NAVIGATION))
     sound = np.zeros(count, dtype=bool)
     found, track = solution.found, solution.track
-    nothing = empty_track(0, int(solution.tables.first[6]))
+    n = int(solution.tables.first[6])
+    nothing = empty_track(0, n)
 
     def work(part: NDArray[np.int64]) -> None:
-        space = workspace()
+        space = workspace(n)
         for k in part:
             e = int(events[k])
             ended, _ = kernel.run(

@@ -16,9 +16,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numba
 import numpy as np
 
+from imuwb.compiled import compiled
 from imuwb.navigation.attitude import quaternion_of_rotation, rotation_of_euler
 from imuwb.navigation.earth import (
     CENTRIFUGAL_RATIO,
@@ -63,7 +63,7 @@ def navigation_state(position: Floats, velocity: Floats, euler: Floats) -> Float
     return state
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled(arrays=False)
 def step(
     state: Floats, h: float, ax: float, ay: float, az: float, ux: float, uy: float, uz: float
 ) -> None:  # pragma: no cover - compiled
@@ -171,7 +171,7 @@ def step(
     state[PUSHED + 2] += gd
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled(arrays=False)
 def _mechanize(
     state: Floats, interval: Floats, angle: Floats, velocity: Floats, track: Floats
 ) -> None:  # pragma: no cover - compiled

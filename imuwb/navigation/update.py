@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numba
 import numpy as np
 
+from imuwb.compiled import compiled
 from imuwb.navigation.covariance import NAVIGATION, STRIDE
 from imuwb.navigation.earth import ECCENTRICITY_SQUARED, EQUATORIAL_RADIUS
 from imuwb.navigation.strapdown import HEIGHT, LATITUDE, LONGITUDE, QUATERNION, RATE, VELOCITY
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from imuwb.navigation.tables import AxisTables, Events, Rules, Samples
+    from imuwb.navigation.workspace import Weighing
 
     Floats = NDArray[np.float64]
-    Integers = NDArray[np.int64]
     Whole = int | np.int64
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled(arrays=False)
 def rotation(state: Floats, c: Floats) -> None:  # pragma: no cover - compiled
     """Write C_b_n of a state."""
     w, x, y, z = state[QUATERNION], state[QUATERNION + 1], state[QUATERNION + 2], state[QUATERNION + 3]
@@ -32,7 +32,7 @@ def rotation(state: Floats, c: Floats) -> None:  # pragma: no cover - compiled
     c[2, 0], c[2, 1], c[2, 2] = 2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled(arrays=False)
 def _radii(latitude: float, height: float) -> tuple[float, float]:  # pragma: no cover - compiled
     """Return metres per radian of latitude and of longitude."""
     squared = 1.0 - ECCENTRICITY_SQUARED * math.sin(latitude) ** 2
@@ -41,24 +41,22 @@ def _radii(latitude: float, height: float) -> tuple[float, float]:  # pragma: no
     return meridian + height, (transverse + height) * math.cos(latitude)
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled(arrays=False)
 def _measure(
     state: Floats, kind: int, late: float, value: Floats, lever: Floats, tables: AxisTables, regime: int,
-    rows: Floats, residual: Floats,
+    space: Weighing,
 ) -> None:  # fmt: skip  # pragma: no cover - compiled
     """Write residuals, estimate less measurement, and how they depend on the error states."""
     first, weight, scale = tables.first, tables.step, tables.scale
+    rows, residual, c, arm, swing = space.rows, space.residual, space.turn, space.arm, space.swing
     for r in range(MOST_ROWS):
         residual[r] = 0.0
         for i in range(rows.shape[1]):
             rows[r, i] = 0.0
-    c = np.empty((3, 3))
     rotation(state, c)
     v = state[VELOCITY : VELOCITY + 3]
     if kind == FIX:
         north, east = _radii(state[LATITUDE], state[HEIGHT])
-        arm = np.empty(3)
-        swing = np.empty(3)
         for i in range(3):
             arm[i] = c[i, 0] * lever[0] + c[i, 1] * lever[1] + c[i, 2] * lever[2]
         w = state[RATE : RATE + 3]
@@ -73,8 +71,8 @@ def _measure(
             residual[3 + i] = v[i] + swing[i] - value[3 + i]
             rows[i, i] = 1.0
             rows[3 + i, 3 + i] = 1.0
-        _cross(rows, 0, arm)
-        _cross(rows, 3, swing)
+        for i in range(0, 6, 3):
+            _cross(rows, i, arm if i == 0 else swing)
         # The lever turns by the rate less the gyros' error: C (b x l).
         for axis in range(3):
             for i in range(3):
@@ -104,7 +102,7 @@ def _measure(
                 rows[at, 6 + i] = v[one] * c[two, axis] - v[two] * c[one, axis]
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled(arrays=False)
 def _cross(rows: Floats, row: int, arm: Floats) -> None:  # pragma: no cover - compiled
     """Write [arm x] phi: what an attitude error makes of an arm, (I - [phi x]) arm less arm."""
     rows[row, 7], rows[row, 8] = -arm[2], arm[1]
@@ -112,7 +110,7 @@ def _cross(rows: Floats, row: int, arm: Floats) -> None:  # pragma: no cover - c
     rows[row + 2, 6], rows[row + 2, 7] = -arm[1], arm[0]
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@compiled(arrays=False)
 def _scalar(
     covariance: Floats, error: Floats, n: int, row: Floats, residual: float, variance: float, gain: Floats
 ) -> tuple[float, float]:  # pragma: no cover - compiled
@@ -137,7 +135,7 @@ def _scalar(
     return innovation, total
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled(arrays=False)
 def feed_back(state: Floats, axes: Floats, error: Floats, n: int) -> None:  # pragma: no cover - compiled
     """Take estimated errors out of a state."""
     north, east = _radii(state[LATITUDE], state[HEIGHT])
@@ -158,27 +156,20 @@ def feed_back(state: Floats, axes: Floats, error: Floats, n: int) -> None:  # pr
         axes[s - NAVIGATION] += error[s]
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled(arrays=False)
 def update(
     state: Floats, axes: Floats, covariance: Floats, samples: Samples, events: Events, e: Whole, rules: Rules,
-    tables: AxisTables, rows: Floats, refused: Integers, innovation: Floats, deviation: Floats, nis: Floats,
-    used: NDArray[np.bool_],
+    tables: AxisTables, space: Weighing,
 ) -> None:  # fmt: skip  # pragma: no cover - compiled
-    """Take one event in: first what concerns position, then velocity, each gated by its normalised innovation squared.
-
-    Args:
-        refused: (2,) how many positions and velocities were refused one behind the other.
-        innovation, deviation: (6,) measured less predicted, and its sigma, written; nan where nothing is measured.
-        nis: (2,) of position and velocity, written.
-        used: (2,) whether they were, written.
-    """
+    """Take one event in: first what concerns position, then velocity, each gated by its normalised innovation squared."""
     n = tables.first[6]
     kind, variance = events.kind[e], events.variance[e]
-    residual, error, gain = np.empty(MOST_ROWS), np.zeros(n), np.empty(n)
+    rows, residual, error, guess, tried = space.rows, space.residual, space.error, space.guess, space.tried
+    innovation, deviation, nis, used, refused = space.innovation, space.deviation, space.nis, space.used, space.refused
     regime = int(samples.regime[events.at[e]])
-    _measure(state, kind, events.late[e], events.value[e], rules.lever, tables, regime, rows, residual)
-    tried = np.empty(n * STRIDE)
-    guess = np.zeros(n)
+    _measure(state, kind, events.late[e], events.value[e], rules.lever, tables, regime, space)
+    for i in range(n):
+        error[i] = guess[i] = 0.0
     for i in range(6):
         innovation[i] = deviation[i] = np.nan
     for i in range(2):
@@ -204,7 +195,7 @@ def update(
                         before -= rows[r, j] * error[j]
                         for i in range(n):
                             spread += rows[r, j] * rows[r, i] * covariance[j * STRIDE + i]
-                got, its = _scalar(tried, guess, n, rows[r], residual[r], variance[r], gain)
+                got, its = _scalar(tried, guess, n, rows[r], residual[r], variance[r], space.gain)
                 total += got * got / its
                 if attempt == 0:
                     innovation[r], deviation[r] = -before, math.sqrt(spread)

@@ -12,9 +12,9 @@ import struct
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numba
 import numpy as np
 
+from imuwb.compiled import compiled
 from imuwb.log import SECOND
 from imuwb.readers.ahead import ahead
 from imuwb.readers.batch import Remark
@@ -48,12 +48,12 @@ class Records:
     end: int  #: behind the last whole record
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def _u32(buffer: NDArray[np.uint8], at: int) -> int:  # pragma: no cover - compiled
     return int(buffer[at]) | int(buffer[at + 1]) << 8 | int(buffer[at + 2]) << 16 | int(buffer[at + 3]) << 24
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def _is(buffer: NDArray[np.uint8], at: int, name: NDArray[np.uint8]) -> bool:  # pragma: no cover - compiled
     for k in range(name.size):  # noqa: SIM110 - no generators in compiled code
         if buffer[at + k] != name[k]:
@@ -61,7 +61,7 @@ def _is(buffer: NDArray[np.uint8], at: int, name: NDArray[np.uint8]) -> bool:  #
     return True
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def _walk(
     buffer: NDArray[np.uint8], names: tuple[NDArray[np.uint8], ...], tables: NDArray[np.int64]
 ) -> tuple[int, int]:  # pragma: no cover - compiled

@@ -12,9 +12,9 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-import numba
 import numpy as np
 
+from imuwb.compiled import compiled
 from imuwb.readers.gather import gather
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ def _format(body: bytes) -> Format | None:
     return Format(name.rstrip(b"\0").decode(), size, tuple(fields)) if offset == size else None
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def _walk(
     buffer: NDArray[np.uint8],
     last: bool,  # noqa: FBT001 - compiled code is called by place

@@ -11,9 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numba
 import numpy as np
 
+from imuwb.compiled import compiled
 from imuwb.readers.mavlink_seeds import SEEDS
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ class Frames:
     end: int  #: from here on nothing is whole
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def _span(buffer: NDArray[np.uint8], frame: int) -> tuple[int, int]:  # pragma: no cover - compiled
     """Return where the payload of a frame ends, and where the frame does."""
     end = frame + (6 if buffer[frame] == FIRST else 10) + int(buffer[frame + 1])
@@ -70,14 +70,14 @@ def _span(buffer: NDArray[np.uint8], frame: int) -> tuple[int, int]:  # pragma: 
     return end, end + (15 if signed else 2)
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def _number(buffer: NDArray[np.uint8], frame: int) -> int:  # pragma: no cover - compiled
     if buffer[frame] == FIRST:
         return int(buffer[frame + 5])
     return int(buffer[frame + 7]) | int(buffer[frame + 8]) << 8 | int(buffer[frame + 9]) << 16
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def _holds(
     buffer: NDArray[np.uint8], frame: int, end: int, seeds: NDArray[np.int16], steps: NDArray[np.uint16]
 ) -> bool:  # pragma: no cover - compiled
@@ -93,14 +93,14 @@ def _holds(
     return False
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def _begins(buffer: NDArray[np.uint8], record: int) -> bool:  # pragma: no cover - compiled
     """Return whether a record seems to begin here; the end of the file is as good."""
     frame = record + STAMP
     return record == buffer.size or (frame < buffer.size and FIRST >= buffer[frame] >= SECOND_VERSION)
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def _scan(
     buffer: NDArray[np.uint8],
     last: bool,  # noqa: FBT001 - compiled code is called by place

@@ -14,9 +14,9 @@ import struct
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, BinaryIO
 
-import numba
 import numpy as np
 
+from imuwb.compiled import compiled
 from imuwb.readers.ahead import ahead
 from imuwb.readers.batch import Remark
 from imuwb.readers.gather import gather
@@ -52,7 +52,7 @@ LOG_TIME, PUBLISH_TIME = 6, 14  #: where they stand in a message
 AHEAD = 2  #: pieces that are unpacked while others are decoded
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def _walk(
     buffer: NDArray[np.uint8],
     start: int,

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numba
+from imuwb.compiled import compiled
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def pick(
     view: NDArray[Any], at: NDArray[np.int64], size: int, found: NDArray[Any]
 ) -> None:  # pragma: no cover - compiled

@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-import numba
 import numpy as np
 
+from imuwb.compiled import compiled
 from imuwb.readers.gather import alike, gather
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def segments(buffer: NDArray[np.uint8]) -> list[tuple[int, int]]:
     return [(a, b) for a, b in pairwise(edges) if b > a]
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def _behind(buffer: NDArray[np.uint8], at: int, known: NDArray[np.bool_]) -> int:  # pragma: no cover - compiled
     """Return where the message that begins here ends; -1 where none does."""
     if at + 3 > buffer.size or not known[buffer[at + 2]]:
@@ -125,7 +125,7 @@ def _behind(buffer: NDArray[np.uint8], at: int, known: NDArray[np.bool_]) -> int
     return at + 3 + size if size > 0 and at + 3 + size <= buffer.size else -1
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def _chained(
     buffer: NDArray[np.uint8], at: int, links: int, known: NDArray[np.bool_]
 ) -> bool:  # pragma: no cover - compiled
@@ -139,7 +139,7 @@ def _chained(
     return True
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def _walk(
     buffer: NDArray[np.uint8], known: NDArray[np.bool_], tables: NDArray[np.int64]
 ) -> tuple[int, int]:  # pragma: no cover - compiled
@@ -172,7 +172,7 @@ def _walk(
     return count, skipped + buffer.size - at
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def _ends_well(buffer: NDArray[np.uint8], behind: int, known: NDArray[np.bool_]) -> bool:  # pragma: no cover - compiled
     """Return whether what follows begins as a message that only the file's end cuts."""
     size = int(buffer[behind]) | int(buffer[behind + 1]) << 8

@@ -8,9 +8,10 @@ from scipy import signal
 from scipy.linalg import solve_discrete_lyapunov
 
 from imuwb.log import AXES
-from imuwb.navigation.covariance import carry, flat, square, workspace
+from imuwb.navigation.covariance import carry, flat, square
 from imuwb.navigation.filter_model import FilterModel, Settings
 from imuwb.navigation.strapdown import MEASURED, step
+from imuwb.navigation.workspace import workspace
 from imuwb.simulation import mixed_route
 from imuwb.stochastic import AxisModel, Constant, ImuErrorModel, Sum
 
@@ -35,7 +36,7 @@ def moves():
 def carried(moves, model, covariance, every, steps=None):
     """Return the covariance that the kernel carries along a drive, and the tables."""
     tables, _ = model.tables(1 / drives.HZ)
-    state, rows, space = moves.start.copy(), flat(covariance), workspace()
+    state, rows, space = moves.start.copy(), flat(covariance), workspace(covariance.shape[0])
     steps = moves.h.size if steps is None else steps
     for k in range(steps):
         state[MEASURED : MEASURED + 3] += moves.angle[k]

@@ -10,6 +10,7 @@ from imuwb.navigation.filter_model import FilterModel
 from imuwb.navigation.strapdown import RATE, navigation_state
 from imuwb.navigation.tables import FIX, SPEED, STILL, STRAIGHT, Events, Rules, Samples
 from imuwb.navigation.update import feed_back, update
+from imuwb.navigation.workspace import workspace
 
 from .. import ecef  # noqa: TID252 - tests are no package that has a name
 from . import drives
@@ -90,19 +91,14 @@ VARIANCES = {
 
 def taken(f, kind, value, variance, *, late=0.0, gate=1e9, patience=5, refused=None, state=None):
     """Return all that ``update`` leaves."""
-    out = SimpleNamespace(
-        state=(f.state if state is None else state).copy(), axes=f.axes.copy(), rows=np.zeros((6, f.n)),
-        refused=np.zeros(2, np.int64) if refused is None else refused, innovation=np.empty(6), deviation=np.empty(6),
-        nis=np.empty(2), used=np.empty(2, np.bool_), P=flat(f.P),
-    )  # fmt: skip
+    state, axes, covariance = (f.state if state is None else state).copy(), f.axes.copy(), flat(f.P)
     samples = Samples(np.full(1, 0.01), np.zeros((1, 3)), np.zeros((1, 3)), np.zeros(1, np.int64))
     events = Events(np.zeros(1, np.int64), np.array([kind]), np.array([late]), value[None], variance[None])
-    update(
-        out.state, out.axes, out.P, samples, events, 0, Rules(1, gate, patience, LEVER), f.tables, out.rows, out.refused,
-        out.innovation, out.deviation, out.nis, out.used,
-    )  # fmt: skip
-    out.P = square(out.P, f.n)
-    return out
+    weighing = workspace(f.n).weighing
+    if refused is not None:
+        weighing = weighing._replace(refused=refused)
+    update(state, axes, covariance, samples, events, 0, Rules(1, gate, patience, LEVER), f.tables, weighing)
+    return SimpleNamespace(state=state, axes=axes, P=square(covariance, f.n), **weighing._asdict())
 
 
 def kalman(P, h, r, variance):

@@ -1,0 +1,57 @@
+"""Compiled code is kept, and believed only while nothing it was made of has changed."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from imuwb.compiled import compiled
+
+INNER = "from imuwb.compiled import compiled\n\n\n@compiled()\ndef inner(x):\n    return x + {}\n"
+OUTER = "from imuwb.compiled import compiled\nfrom inner import inner\n\n\n@compiled()\ndef outer(x):\n    return inner(x)\n"
+ASK = "import outer, inner; print(outer.outer(1), sum(outer.outer.stats.cache_hits.values()))"
+
+
+def asked(folder):
+    """Return what a new process computes with the modules of a folder, and how often it took kept code."""
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder / "kept"), "PYTHONPATH": str(folder)}
+    environment["PYTHONDONTWRITEBYTECODE"] = "1"
+    done = subprocess.run([sys.executable, "-c", ASK], capture_output=True, text=True, check=True, env=environment)
+    return [int(word) for word in done.stdout.split()]
+
+
+def test_code_is_kept_until_what_it_calls_has_changed(tmp_path):
+    (tmp_path / "inner.py").write_text(INNER.format(1))
+    (tmp_path / "outer.py").write_text(OUTER)
+    assert asked(tmp_path) == [2, 0]
+    assert asked(tmp_path) == [2, 1]
+    (tmp_path / "inner.py").write_text(INNER.format(5))
+    assert asked(tmp_path) == [6, 0]
+
+
+def test_sums_are_reordered_only_where_that_is_allowed():
+    def total(values):
+        found = 0.0
+        for value in values:
+            found += value
+        return found
+
+    values = np.random.default_rng(0).standard_normal(100_001)
+    in_order = 0.0
+    for value in values.tolist():
+        in_order += value
+    assert compiled()(total)(values) == in_order
+    assert compiled(reorder=True)(total)(values) != in_order
+    assert compiled(reorder=True)(total)(values) == pytest.approx(in_order, rel=1e-9)
+
+
+def test_what_makes_no_arrays_may_be_handed_some():
+    def doubled(values):
+        for i in range(values.size):
+            values[i] *= 2
+
+    values = np.arange(5.0)
+    compiled(arrays=False)(doubled)(values)
+    assert values.tolist() == [0, 2, 4, 6, 8]
