@@ -34,16 +34,16 @@ def test_code_is_kept_until_what_it_calls_has_changed(tmp_path):
 @compiled()
 def summed(values):
     total = 0.0
-    for value in values:
-        total += value
+    for i in range(values.size):
+        total += values[i]
     return total
 
 
 @compiled(reorder=True)
 def summed_in_any_order(values):
     total = 0.0
-    for value in values:
-        total += value
+    for i in range(values.size):
+        total += values[i]
     return total
 
 
