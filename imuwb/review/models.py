@@ -153,10 +153,20 @@ def _other_terms(axis: str, model: AxisModel) -> list[str]:
             else:
                 parts.append(f"{field} {value:.6g} {'Hz' if field == 'frequency' else 's'}")
         said.append(f"{term.name.replace('_', ' ')}: {', '.join(parts)}")
-    for field in ("bandwidth", "group_delay", "lsb", "range", "scale_factor"):
+    return said + _deterministic_terms(model)
+
+
+def _deterministic_terms(model: AxisModel) -> list[str]:
+    said: list[str] = []
+    for field in ("bias", "scale_factor", "bandwidth", "group_delay", "lsb", "range"):
         value = getattr(model, field)
         if value:
             said.append(f"{field.replace('_', ' ')} {value:.6g}")
+    for name, points in (("bias", model.thermal_bias), ("scale factor", model.thermal_scale_factor)):
+        if points:
+            said.append(
+                f"{name} by temperature, {len(points)} set-points from {points[0][0]:g} to {points[-1][0]:g} °C"
+            )
     if model.thermal:
         said.append(
             f"by temperature, {len(model.thermal)} set-points from {model.thermal[0][0]:g} to {model.thermal[-1][0]:g} °C"

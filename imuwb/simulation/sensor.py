@@ -10,6 +10,7 @@ from scipy import signal
 
 from imuwb.errors import UsageError
 from imuwb.log import AXES, SECOND, ImuStream, Origin, Scalars, Triad
+from imuwb.stochastic import shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -21,7 +22,6 @@ START = 1_704_067_200 * SECOND  #: 2024-01-01T00:00:00Z, so that the same seed g
 LONGEST = 2**31  #: samples
 ABSOLUTE_ZERO, HOTTEST = -273.15, 1000.0  #: °C
 ROOM_TEMPERATURE = 25.0  #: °C
-GYROS = 3  #: axes before the first accelerometer
 
 
 def stamps(count: int, rate: float) -> Nanoseconds:
@@ -70,8 +70,9 @@ class Sensor:
             UsageError: a bandwidth that cannot be, an axis that states no ``lsb``, an AR set of another rate.
         """
         values = np.empty((2, time.size, 3))
+        shows = shown(self.model, motion, None if self.celsius is None else np.array(self.celsius))
         for i, (axis, stream) in enumerate(zip(AXES, streams, strict=True)):
-            values[i // 3, :, i % 3] = self._axis(axis, motion, rate, np.random.default_rng(stream))
+            values[i // 3, :, i % 3] = self._axis(axis, shows, rate, np.random.default_rng(stream))
             if progress is not None:
                 progress(i + 1, len(AXES))
         if not np.isfinite(values).all():
@@ -87,10 +88,10 @@ class Sensor:
     def _axis(self, axis: str, motion: tuple[Floats, Floats], rate: float, rng: np.random.Generator) -> Floats:
         place = AXES.index(axis)
         model = self.model.axes.get(axis)
+        true = motion[place // 3][:, place % 3]
         if model is None:
-            return motion[place // 3][:, place % 3]
-        shown = _shown(model, place, motion)
-        values = shown + self._noise(model, shown.size, rate, rng)
+            return true
+        values = true + self._noise(model, true.size, rate, rng)
         return _quantized(values, model, axis) if self.quantize else values
 
     def _noise(self, model: AxisModel, n: int, rate: float, rng: np.random.Generator) -> Floats:
@@ -107,17 +108,6 @@ class Sensor:
         sections = signal.butter(2, cutoff, fs=rate, output="sos")
         settled = signal.sosfilt_zi(sections) * noise[0]
         return signal.sosfilt(sections, noise, zi=settled)[0]
-
-
-def _shown(model: AxisModel, place: int, motion: tuple[Floats, Floats]) -> Floats:
-    """Return the motion as the deterministic terms of axis ``place`` show it, (n,)."""
-    triad, force = motion[place // 3], motion[1]
-    true = triad[:, place % 3]
-    others = [k for k in range(3) if k != place % 3]
-    crossed = sum(c * triad[:, k] for c, k in zip(model.cross_coupling, others, strict=True))
-    bent = model.scale_factor_nonlinear * np.abs(true) / model.range if model.range else 0.0
-    leaked = force @ np.array(model.g_sensitivity) if place < GYROS else 0.0
-    return (1 + model.scale_factor + bent) * true + crossed + leaked
 
 
 def _quantized(values: Floats, model: AxisModel, axis: str) -> Floats:

@@ -5,6 +5,7 @@ spectrum, it can be sampled, and it can be given to a filter.
 """
 
 from imuwb.stochastic.autoregressive import Autoregressive
+from imuwb.stochastic.deterministic import corrected, is_ideal, is_thermal, shown
 from imuwb.stochastic.error_model import AxisModel, ImuErrorModel
 from imuwb.stochastic.processes import (
     Constant,
@@ -37,4 +38,8 @@ __all__ = [
     "Stationary",
     "Sum",
     "WhiteNoise",
+    "corrected",
+    "is_ideal",
+    "is_thermal",
+    "shown",
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from imuwb.errors import UsageError
 from imuwb.log import AXES
@@ -16,9 +16,14 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
+Thermal: TypeAlias = tuple[tuple[float, float], ...]  #: (°C, value), rising
+
+
 @dataclass(frozen=True, slots=True)
 class AxisModel:
     """One sensor axis. SI: rad/s for a gyro, m/s² for an accelerometer.
+
+    Between set-points everything is linear in temperature, beyond them it is held.
 
     Raises:
         ValueError: a term that cannot be, or set-points that do not rise or differ in their processes.
@@ -30,7 +35,10 @@ class AxisModel:
     #: a coefficient, such as "K", that was looked for and not found -> its upper limit
     limits: Mapping[str, float] = field(default_factory=dict[str, float])
     thermal: tuple[tuple[float, Sum], ...] = ()  #: (°C, the same processes at that temperature), rising
+    bias: float = 0.0  #: measured = true + b, the part that is the same at each turn-on
     scale_factor: float = 0.0  #: measured = (1 + s) true
+    thermal_bias: Thermal = ()  #: (°C, bias at that temperature), rising, in place of ``bias``
+    thermal_scale_factor: Thermal = ()  #: likewise of ``scale_factor``
     scale_factor_nonlinear: float = 0.0  #: s2 in s2 |true|/range, as a fraction of the true value
     cross_coupling: tuple[float, float] = (0.0, 0.0)  #: rad, of the two other axes in the order x, y, z
     g_sensitivity: tuple[float, float, float] = (0.0, 0.0, 0.0)  #: rad/s per m/s²; gyros only
@@ -47,13 +55,14 @@ class AxisModel:
                 message = f"{name} is {value}; it must be positive"
                 raise ValueError(message)
         shapes = {tuple((type(t), len(getattr(t, "alpha", ()))) for t in s.terms) for _, s in self.thermal}
-        celsius = [t for t, _ in self.thermal]
-        if len(shapes) > 1 or any(b <= a for a, b in pairwise(celsius)):
-            message = f"the set-points {celsius} °C must rise, and have the same processes"
-            raise ValueError(message)
+        for points in (self.thermal, self.thermal_bias, self.thermal_scale_factor):
+            celsius = [t for t, _ in points]
+            if len(shapes) > 1 or any(b <= a for a, b in pairwise(celsius)):
+                message = f"the set-points {celsius} °C must rise, and have the same processes"
+                raise ValueError(message)
 
     def at(self, celsius: float | None) -> Sum:
-        """Return the processes at a temperature: parameters linear between set-points, held beyond them.
+        """Return the processes at a temperature.
 
         Raises:
             ValueError: what lies between two set-points is no process (an AR set that is not stable).

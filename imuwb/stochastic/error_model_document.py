@@ -31,8 +31,10 @@ _PLAIN = {"Tc": "s", "frequency": "Hz", "dt": "s"}
 #: deterministic term of an axis -> dimension of its unit; "sensor": that of the axis
 _TERMS = {
     "scale_factor": "dimensionless", "scale_factor_nonlinear": "dimensionless", "bandwidth": "frequency",
-    "group_delay": "time", "lsb": "sensor", "range": "sensor",
+    "group_delay": "time", "lsb": "sensor", "range": "sensor", "bias": "sensor",
 }  # fmt: skip
+#: a term's values by temperature -> the term
+_CURVES = {"thermal_bias": "bias", "thermal_scale_factor": "scale_factor"}
 _VECTORS = {"cross_coupling": 2, "g_sensitivity": 3}
 
 
@@ -63,6 +65,9 @@ def _axis_table(axis: str, model: AxisModel) -> dict[str, object]:
         name: f"{value!r} {_unit_of(axis, name).name}" for name in _TERMS if (value := getattr(model, name))
     }
     table |= {name: list(getattr(model, name)) for name in _VECTORS if any(getattr(model, name))}
+    for name, term in _CURVES.items():
+        if points := getattr(model, name):
+            table[name] = [{"celsius": t, "value": f"{value!r} {_unit_of(axis, term).name}"} for t, value in points]
     table["processes"] = _process_rows(axis, model.processes, model.intervals)
     if model.limits:
         table["not_identified"] = {
@@ -140,6 +145,8 @@ def _axis(axis: str, table: dict[str, object], where: str) -> AxisModel:
                 point = _table(row, place)
                 celsius = _number(point.get("celsius"), f"{place}.celsius")
                 thermal.append((celsius, _sum(axis, point.get("processes", []), f"{place} at {celsius} °C", {})))
+        elif key in _CURVES:
+            terms[key] = tuple(_point(axis, _CURVES[key], row, place) for row in _list(content, place))
         elif key in _TERMS:
             terms[key] = _si(content, _unit_of(axis, key), place)
         elif key in _VECTORS:
@@ -148,11 +155,20 @@ def _axis(axis: str, table: dict[str, object], where: str) -> AxisModel:
                 _refuse(place, content, f"{_VECTORS[key]} numbers")
             terms[key] = numbers
         else:
-            known = ", ".join((*_TERMS, *_VECTORS, "processes", "not_identified", "thermal"))
+            known = ", ".join((*_TERMS, *_VECTORS, *_CURVES, "processes", "not_identified", "thermal"))
             _refuse(where, key, f"one of {known}")
     return _made(
         AxisModel, where, processes=processes, intervals=intervals, limits=limits, thermal=tuple(thermal), **terms
     )
+
+
+def _point(axis: str, term: str, row: object, where: str) -> tuple[float, float]:
+    """Return a term at a temperature."""
+    point = _table(row, where)
+    if odd := set(point) - {"celsius", "value"}:
+        _refuse(where, min(odd), "celsius or value")
+    celsius = _number(point.get("celsius"), f"{where}.celsius")
+    return celsius, _si(point.get("value"), _unit_of(axis, term), f"{where} at {celsius} °C")
 
 
 def _limits(axis: str, content: object, where: str) -> dict[str, float]:

@@ -1,0 +1,112 @@
+"""The deterministic terms of an error model, put upon a motion and taken off a measurement.
+
+With s the scale factor, s2 its non-linear part, c the cross-couplings and G the g-sensitivity (Hassaballa, eq. 1 and 2):
+
+    measured = (1 + s + s2 |true|/range) true + c . others + G . force + b
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.log import AXES
+from imuwb.stochastic.error_model import AxisModel
+
+if TYPE_CHECKING:
+    from imuwb.log import Floats
+    from imuwb.stochastic.error_model import ImuErrorModel, Thermal
+
+GYROS = 3  #: axes before the first accelerometer
+CLOSE = 1e-14  #: of the largest value, to which a measurement is corrected
+MOST_TURNS = 200
+NOTHING = AxisModel()
+
+
+def is_ideal(model: ImuErrorModel) -> bool:
+    """Return whether a model has no deterministic term."""
+    names = ("bias", "scale_factor", "scale_factor_nonlinear", "thermal_bias", "thermal_scale_factor")
+    return not any(
+        any(getattr(axis, name) for name in names) or any(axis.cross_coupling) or any(axis.g_sensitivity)
+        for axis in model.axes.values()
+    )
+
+
+def is_thermal(model: ImuErrorModel) -> bool:
+    """Return whether a model has deterministic terms that depend on temperature."""
+    return any(axis.thermal_bias or axis.thermal_scale_factor for axis in model.axes.values())
+
+
+def shown(model: ImuErrorModel, motion: tuple[Floats, Floats], celsius: Floats | None) -> tuple[Floats, Floats]:
+    """Return a motion as sensors without noise show it.
+
+    Args:
+        model: its deterministic terms.
+        motion: (n, 3) rad/s and (n, 3) m/s², true.
+        celsius: (n,) or (); None: unknown, so that what is the same at all temperatures counts.
+    """
+    rate, force = motion
+    gyro = np.stack([_axis(model, i, rate, celsius) + _leaked(model, i, force) for i in range(GYROS)], axis=1)
+    return gyro, np.stack([_axis(model, GYROS + i, force, celsius) for i in range(GYROS)], axis=1)
+
+
+def corrected(model: ImuErrorModel, measured: tuple[Floats, Floats], celsius: Floats | None) -> tuple[Floats, Floats]:
+    """Return the motion that sensors without noise would show so: the inverse of ``shown``.
+
+    Args:
+        model: its deterministic terms.
+        measured: (n, 3) rad/s and (n, 3) m/s².
+        celsius: as of ``shown``.
+
+    Raises:
+        ValueError: terms so large that a measurement has no such motion.
+    """
+    rate, force = measured
+    force = np.stack(_solved(model, GYROS, force, celsius), axis=1)
+    leaked = np.stack([np.broadcast_to(_leaked(model, i, force), len(rate)) for i in range(GYROS)], axis=1)
+    return np.stack(_solved(model, 0, rate - leaked, celsius), axis=1), force
+
+
+def _axis(model: ImuErrorModel, place: int, triad: Floats, celsius: Floats | None) -> Floats:
+    """Return what axis ``place`` shows of its triad's (n, 3) motion."""
+    axis = model.axes.get(AXES[place], NOTHING)
+    true = triad[:, place % 3]
+    return _gain(axis, true, celsius) * true + _crossed(axis, place, triad) + _at(axis.thermal_bias, axis.bias, celsius)
+
+
+def _gain(axis: AxisModel, true: Floats, celsius: Floats | None) -> Floats:
+    bent = axis.scale_factor_nonlinear * np.abs(true) / axis.range if axis.range else 0.0
+    return np.asarray(1 + _at(axis.thermal_scale_factor, axis.scale_factor, celsius) + bent)
+
+
+def _crossed(axis: AxisModel, place: int, triad: Floats) -> Floats:
+    others = [k for k in range(3) if k != place % 3]
+    return axis.cross_coupling[0] * triad[:, others[0]] + axis.cross_coupling[1] * triad[:, others[1]]
+
+
+def _leaked(model: ImuErrorModel, place: int, force: Floats) -> Floats:
+    return force @ np.array(model.axes.get(AXES[place], NOTHING).g_sensitivity)
+
+
+def _at(points: Thermal, plain: float, celsius: Floats | None) -> Floats | float:
+    """Return a term at temperatures."""
+    if not points or celsius is None:
+        return plain
+    return np.interp(celsius, [t for t, _ in points], [value for _, value in points])
+
+
+def _solved(model: ImuErrorModel, first: int, measured: Floats, celsius: Floats | None) -> list[Floats]:
+    """Return the triad's motion, by turns: what an axis shows less what is known of the others, over its gain."""
+    axes = [model.axes.get(AXES[first + i], NOTHING) for i in range(3)]
+    true = np.array(measured)
+    close = CLOSE * max(float(np.abs(measured).max(initial=0.0)), 1e-300)
+    for _ in range(MOST_TURNS):
+        before = true.copy()
+        for i, axis in enumerate(axes):
+            bias = _at(axis.thermal_bias, axis.bias, celsius)
+            true[:, i] = (measured[:, i] - bias - _crossed(axis, i, true)) / _gain(axis, true[:, i], celsius)
+        if not np.abs(true - before).max(initial=0.0) > close:
+            return [true[:, i] for i in range(3)]
+    message = f"{model.name}: its scale factors and cross-couplings are so large that no motion is shown as measured"
+    raise ValueError(message)
