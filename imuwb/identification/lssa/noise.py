@@ -1,0 +1,174 @@
+"""The structure of a series' noise, and what is estimated of it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from scipy import linalg, optimize
+
+from imuwb.identification.burg import burg
+from imuwb.identification.lssa.whitening import Chain, dense, first_order, gauss_markov, random_walk, recursion, white
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from imuwb.identification.lssa.trigonometric import Lattice
+    from imuwb.identification.lssa.whitening import Whitening
+
+    Floats = NDArray[np.float64]
+
+Kind = Literal["local", "white", "autoregressive", "gauss-markov", "random-walk", "covariance"]
+TURNS = 3  #: of estimating noise and constituents by turns
+MOST_ORDERS = 64
+SLOWEST = 10.0  #: records, a correlation time beyond which Gauss-Markov noise is a random walk
+FASTEST = 0.05  #: intervals, below which it is white
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Noise:
+    """A structure; its level is always estimated.
+
+    ``local``: no structure is known; the noise at a frequency is what its neighbours show.
+
+    Raises:
+        ValueError: an order or a correlation time that cannot be.
+    """
+
+    kind: Kind = "white"
+    order: int = 0  #: of autoregressive noise
+    correlation_time: float | None = None  #: s, of Gauss-Markov noise; None: estimated
+    covariance: Floats | None = field(default=None, repr=False)  #: (n, n)
+
+    def __post_init__(self) -> None:
+        """Check the parameters."""
+        if self.kind == "autoregressive" and not 1 <= self.order <= MOST_ORDERS:
+            message = f"autoregressive noise of order {self.order}; it must be 1 to {MOST_ORDERS}"
+            raise ValueError(message)
+        if self.correlation_time is not None and not 0 < self.correlation_time < math.inf:
+            message = f"a correlation time of {self.correlation_time} s; it must be above 0"
+            raise ValueError(message)
+        if self.kind == "covariance" and self.covariance is None:
+            message = "noise of a known covariance needs the covariance"
+            raise ValueError(message)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class NoiseFit:
+    """A structure with its parameters."""
+
+    noise: Noise
+    whitening: Whitening
+    alpha: Floats  #: (p,) of Quinchia's eq. 9; empty but for autoregressive noise
+    correlation_time: float | None = None  #: s
+
+    @property
+    def parameters(self) -> int:
+        """Return how many were estimated besides the level."""
+        return self.alpha.size + int(self.correlation_time is not None and self.noise.correlation_time is None)
+
+
+def fitted_noise(
+    time: Floats, values: Floats, columns: Floats, lattice: Lattice | None, noise: Noise, weights: Floats | None = None
+) -> NoiseFit:
+    """Return the noise of a series: its parameters and its constituents are estimated by turns.
+
+    Args:
+        time: (n,) s.
+        values: (n,).
+        columns: (n, k) of constituents.
+        lattice: of the stamps.
+        noise: the structure.
+        weights: (n,) of white noise.
+
+    Raises:
+        ValueError: weights with other noise, AR(p) on no lattice or with too many gaps, a covariance of another size.
+    """
+    n, nothing = time.size, np.empty(0)
+    if weights is not None:
+        if (
+            noise.kind not in ("white", "local")
+            or weights.shape != (n,)
+            or not (weights >= 0).all()
+            or not weights.any()
+        ):
+            message = "weights are of white noise, one a sample, none below 0; with other noise its covariance weighs"
+            raise ValueError(message)
+        return NoiseFit(noise, white(n, weights), nothing)
+    if noise.kind in ("white", "local"):
+        return NoiseFit(noise, white(n), nothing)
+    if noise.kind == "random-walk":
+        return NoiseFit(noise, random_walk(time), nothing)
+    if noise.covariance is not None:
+        if len(noise.covariance) != n:
+            message = f"a covariance of {len(noise.covariance)} samples for a series of {n}"
+            raise ValueError(message)
+        return NoiseFit(noise, dense(noise.covariance), nothing)
+    if noise.kind == "gauss-markov" and noise.correlation_time is not None:
+        return NoiseFit(noise, gauss_markov(time, noise.correlation_time), nothing, noise.correlation_time)
+    residual = _without(columns, values)
+    found = None
+    for _ in range(TURNS):
+        found = _estimated(time, lattice, residual, noise)
+        rows = found.whitening.rows(np.column_stack([columns, values]))
+        share = linalg.lstsq(rows[:, :-1], rows[:, -1], check_finite=False)[0] if columns.shape[1] else nothing
+        residual = values - columns @ share
+    assert found is not None  # noqa: S101 - there is a turn
+    return found
+
+
+def _without(columns: Floats, values: Floats) -> Floats:
+    if not columns.shape[1]:
+        return values
+    return values - columns @ linalg.lstsq(columns, values, check_finite=False)[0]
+
+
+def _estimated(time: Floats, lattice: Lattice | None, residual: Floats, noise: Noise) -> NoiseFit:
+    if noise.kind == "gauss-markov":
+        return _gauss_markov(time, residual, noise)
+    if lattice is None:
+        message = "autoregressive noise needs evenly spaced samples; Gauss-Markov noise, or 'local', does not"
+        raise ValueError(message)
+    steps = np.diff(lattice.index)
+    if noise.order == 1 and (steps > 1).any():
+        return _first_order(residual, steps, noise)
+    alpha = burg(residual, noise.order, (np.flatnonzero(steps > 1) + 1).tolist()).alpha[noise.order]
+    even = recursion(lattice.index, lattice.interval, alpha) if noise.order > 1 else first_order(steps, float(alpha[0]))
+    return NoiseFit(noise, even, alpha)
+
+
+def _first_order(residual: Floats, steps: NDArray[np.int64], noise: Noise) -> NoiseFit:
+    """Return AR(1) over gaps, by likelihood."""
+    best = _smallest(
+        lambda a: _misfit(first_order(steps, a), residual), np.linspace(-0.98, 0.98, 15), (-0.999999, 0.999999)
+    )
+    return NoiseFit(noise, first_order(steps, best), np.array([best]))
+
+
+def _gauss_markov(time: Floats, residual: Floats, noise: Noise) -> NoiseFit:
+    """Return the correlation time, by likelihood."""
+    limits = np.log([FASTEST * float(np.median(np.diff(time))), SLOWEST * float(time[-1])])
+    best = _smallest(
+        lambda x: _misfit(gauss_markov(time, math.exp(x)), residual),
+        np.linspace(limits[0], limits[1], 25),
+        tuple(limits),
+    )
+    return NoiseFit(noise, gauss_markov(time, math.exp(best)), np.empty(0), math.exp(best))
+
+
+def _misfit(chain: Chain, residual: Floats) -> float:
+    """Return -2 log likelihood with the level at its best."""
+    rows = chain.rows(residual[:, None])[:, 0]
+    return float(rows.size * np.log(np.mean(rows**2)) - 2 * np.log(chain.scale).sum())
+
+
+def _smallest(misfit: Callable[[float], float], tried: Floats, limits: tuple[float, ...]) -> float:
+    """Return where a misfit is smallest: the best of a grid, made finer."""
+    values = [misfit(float(x)) for x in tried]
+    k = int(np.argmin(values))
+    bounds = (tried[k - 1] if k else limits[0], tried[k + 1] if k + 1 < tried.size else limits[-1])
+    return float(optimize.minimize_scalar(misfit, bounds=bounds, method="bounded", options={"xatol": 1e-9}).x)

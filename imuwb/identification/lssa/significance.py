@@ -1,0 +1,147 @@
+"""How large a spectral value must be.
+
+Everything is said in exceedances: minus the logarithm of the probability that noise alone reaches a value at one frequency.
+With the level estimated from the whole residual that follows from the share s of nu degrees of freedom (Pagiatakis 1999),
+-(nu - 2)/2 log(1 - s); with ``local`` noise from the F distribution of a value over the mean of its neighbours.
+
+A record of m frequencies shows a large value somewhere by chance far more often than one frequency does. The level of the
+record counts how often the exceedance of noise climbs over a limit from one frequency to the next, whose correlation is the
+spectral window's (S. O. Rice 1944, on a grid).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import optimize, special
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from imuwb.identification.lssa.spectrum import Spectrum
+
+    Floats = NDArray[np.float64]
+
+NEIGHBOURS = 50  #: Fourier frequencies on each side, at most
+LEAST_NEIGHBOURS = 4
+SKIPPED = 2  #: of them nearest, into which a line leaks
+LOWEST = SKIPPED + LEAST_NEIGHBOURS  #: cycles that a record holds at least of a line that is told from local noise
+NODES = 64
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Significance:
+    """What noise alone would show; m frequencies."""
+
+    exceedance: Floats  #: (m,)
+    level: Floats  #: (m,) of the noise, the quadratic form that a line of noise takes off on the average, halved
+    one: float  #: exceedance that is significant at one frequency that was chosen before
+    record: float  #: that is significant anywhere in the record
+    probability: float  #: 1 - the level of both
+
+    def share_limit(self, freedom: int) -> tuple[float, float]:
+        """Return the shares s of both limits, where the noise's level is that of the whole residual."""
+        one, record = (float(-np.expm1(-2 * x / (freedom - 2))) for x in (self.one, self.record))
+        return one, record
+
+    def limit(self, spectrum: Spectrum, exceedance: float) -> Floats:
+        """Return the density, (m,) unit²/Hz, that a line needs for an exceedance."""
+        safe = np.where(spectrum.reduction > 0, spectrum.reduction, 1.0)
+        scale = np.where(spectrum.reduction > 0, spectrum.density / safe, 0.0)
+        return scale * self.level * 2 * exceedance
+
+
+def significance(spectrum: Spectrum, level: float = 0.99) -> Significance:
+    """Return what is significant in a spectrum.
+
+    Args:
+        spectrum: of the series.
+        level: of both limits.
+    """
+    freedom = spectrum.adjusted.freedom
+    if spectrum.adjusted.noise.noise.kind == "local":
+        around, count = _neighbours(spectrum.reduction, spectrum.oversampling)
+        ratio = np.divide(spectrum.reduction, around, out=np.zeros_like(around), where=around > 0)
+        exceedance, noise = count.astype(float) * np.log1p(ratio / np.maximum(count, 1)), 0.5 * around
+        possible = int(np.count_nonzero(count))
+    else:
+        exceedance = -0.5 * (freedom - 2) * np.log1p(-np.minimum(spectrum.share, 1 - 1e-15))
+        noise = np.full(exceedance.size, spectrum.adjusted.rest / freedom)
+        possible = exceedance.size
+    alpha = 1 - level
+    record = record_limit(alpha, possible, round(correlation(spectrum), 6))
+    return Significance(exceedance, noise, float(-np.log(alpha)), record, alpha)
+
+
+def correlation(spectrum: Spectrum) -> float:
+    """Return how noise at one frequency and at the next go together: the size of the spectral window, 0 to 1."""
+    time = spectrum.adjusted.time
+    return float(np.abs(np.mean(np.exp(2j * np.pi * spectrum.grid.step * time))))
+
+
+@cache
+def record_limit(alpha: float, count: int, together: float) -> float:
+    """Return the exceedance that noise reaches at any of ``count`` frequencies with probability ``alpha``.
+
+    Args:
+        alpha: probability.
+        count: frequencies side by side.
+        together: correlation of neighbours.
+    """
+    wanted = np.log1p(-alpha)
+
+    def beyond(u: float) -> float:
+        return _log_quiet(u, count, together) - wanted
+
+    return float(optimize.brentq(beyond, 1e-3, 60 + np.log(count)))
+
+
+def record_probability(exceedance: float, count: int, together: float) -> float:
+    """Return the probability that noise reaches an exceedance at any of ``count`` frequencies."""
+    return float(-np.expm1(_log_quiet(max(exceedance, 1e-3), count, together)))
+
+
+def _log_quiet(u: float, count: int, together: float) -> float:
+    """Return the log probability that no frequency reaches u: none begins to, and the first does not."""
+    climbing = np.exp(-u) - _both(u, together)
+    return float(-(count - 1) * -np.log1p(-min(climbing, 0.999)) + np.log1p(-np.exp(-u)))
+
+
+def _both(u: float, together: float) -> float:
+    """Return the probability that two neighbours reach u: of squared sizes of complex normal numbers so correlated."""
+    rho = together**2
+    if rho < 1e-12:  # noqa: PLR2004 - as good as none
+        return float(np.exp(-2 * u))
+    nodes, weights = _quadrature()
+    x = u + nodes
+    tail = 1 - special.chndtr(2 * u / (1 - rho), 2, 2 * rho * x / (1 - rho))
+    return float(np.exp(-u) * (weights @ tail))
+
+
+@cache
+def _quadrature() -> tuple[Floats, Floats]:
+    return np.polynomial.laguerre.laggauss(NODES)
+
+
+def _neighbours(reduction: Floats, oversampling: int) -> tuple[Floats, NDArray[np.int64]]:
+    """Return the mean of the Fourier frequencies around each, and how many these are (none near zero frequency)."""
+    m, k = reduction.size, oversampling
+    rows = -(-m // k)
+    table = np.zeros((rows, k))
+    table.ravel()[:m] = reduction
+    sums = np.concatenate([np.zeros((1, k)), np.cumsum(table, axis=0)])
+    row = np.arange(rows)
+    # grid index 0 is one step above zero: in cycles (row k + column + 1) / k
+    reach = np.minimum(NEIGHBOURS, row // 2)
+    last = rows - 1 - (m % k != 0)
+    low = np.maximum(row - SKIPPED - reach, 0)
+    high = np.minimum(row + SKIPPED + reach, last)
+    before = np.maximum(row - SKIPPED, low)
+    after = np.minimum(row + SKIPPED, high)
+    total = sums[before] - sums[low] + sums[high + 1] - sums[after + 1]
+    count = (before - low + high - after) * (row >= LOWEST) * (reach >= LEAST_NEIGHBOURS // 2)
+    mean = np.divide(total, count[:, None], out=np.zeros_like(total), where=count[:, None] > 0)
+    return mean.ravel()[:m], np.repeat(count, k)[:m]

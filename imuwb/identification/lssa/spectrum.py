@@ -1,0 +1,215 @@
+"""Least-squares spectra: how much of a series each line takes up, together with what else it is known to hold.
+
+P. Vanicek (1969); S. D. Pagiatakis, Stochastic significance of peaks in the least-squares spectrum, J. Geodesy 73 (1999);
+El-Diasty, eq. 5 to 13.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import linalg
+
+from imuwb.identification.lssa.equations import equations, right_sides
+from imuwb.identification.lssa.noise import Noise, fitted_noise
+from imuwb.identification.lssa.trigonometric import grid_of, lattice_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from imuwb.identification.lssa.constituents import Constituents
+    from imuwb.identification.lssa.equations import Equations
+    from imuwb.identification.lssa.noise import NoiseFit
+    from imuwb.identification.lssa.trigonometric import Grid, Lattice
+
+    Floats = NDArray[np.float64]
+    Complexes = NDArray[np.complex128]
+
+FEWEST = 16  #: rows beyond the constituents
+RANK = 1e-6  #: of a column's length, that must be left when the columns before are taken off
+WHITE = Noise()
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Adjusted:
+    """A series with its noise and its constituents known."""
+
+    time: Floats  #: (n,) s, from the first sample on
+    interval: float  #: s, usual
+    lattice: Lattice | None
+    noise: NoiseFit
+    names: tuple[str, ...]  #: of the k constituents
+    basis: Floats  #: (rows, k) whitened constituents, orthonormal
+    residual: Floats  #: (rows,) whitened series without them
+    coefficients: Floats  #: (k,) of the constituents
+    sigma: Floats  #: (k,) their standard errors
+
+    @property
+    def rest(self) -> float:
+        """Return the quadratic form of the residual."""
+        return float(np.einsum("i,i", self.residual, self.residual))
+
+    @property
+    def freedom(self) -> int:
+        """Return the degrees of freedom that the constituents leave."""
+        return self.noise.whitening.count - self.basis.shape[1]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Spectrum:
+    """A least-squares spectrum; m frequencies."""
+
+    adjusted: Adjusted
+    grid: Grid
+    equations: Equations
+    oversampling: int
+    reduction: Floats  #: (m,) quadratic form that a line takes off the residual
+    complex_amplitude: Complexes  #: (m,) a - ib of a cos(omega t) + b sin(omega t), t from the first sample
+
+    @property
+    def frequency(self) -> Floats:
+        """Return the frequencies, (m,) Hz."""
+        return self.grid.frequency
+
+    @property
+    def share(self) -> Floats:
+        """Return s of El-Diasty's eq. 11, (m,) from 0 to 1."""
+        rest = self.adjusted.rest
+        return np.minimum(self.reduction / rest, 1.0) if rest > 0 else np.zeros_like(self.reduction)
+
+    @property
+    def percent(self) -> Floats:
+        """Return it in per cent."""
+        return 100 * self.share
+
+    @property
+    def decibels(self) -> Floats:
+        """Return signal to noise, eq. 12, (m,) dB: what the paper calls a density in decibels."""
+        share = np.clip(self.share, 1e-300, 1 - 1e-16)
+        return 10 * np.log10(share / (1 - share))
+
+    @property
+    def printed_density(self) -> Floats:
+        """Return eq. 13 as printed, (m,) quadratic form of the signal over frequency, not over a bandwidth."""
+        return self.reduction / self.frequency
+
+    @property
+    def amplitude(self) -> Floats:
+        """Return (m,) peak amplitudes."""
+        return np.abs(self.complex_amplitude)
+
+    @property
+    def density(self) -> Floats:
+        """Return A²T/2, (m,) unit²/Hz, one-sided: on even, equal samples what a Fourier transform gives."""
+        return self.amplitude**2 * self.adjusted.time.size * self.adjusted.interval / 2
+
+    def without(self, residual: Floats) -> Spectrum:
+        """Return the spectrum of another residual, such as that without lines already found."""
+        adjusted = replace(self.adjusted, residual=residual)
+        return _spectrum(adjusted, self.grid, self.equations, self.oversampling)
+
+
+def adjust(
+    time: Floats,
+    values: Floats,
+    constituents: Constituents,
+    noise: Noise = WHITE,
+    *,
+    interval: float | None = None,
+    weights: Floats | None = None,
+) -> Adjusted:
+    """Return a series' noise and constituents.
+
+    Args:
+        time: (n,) s, rising; spacing may be unequal.
+        values: (n,) of any unit.
+        constituents: what it is known to hold.
+        noise: its structure; what is not given of it is estimated.
+        interval: s, usual; None: the median step.
+        weights: (n,) inverse variances up to a factor; with white noise only.
+
+    Raises:
+        ValueError: times that do not rise, constituents that cannot be told apart, too few samples, a singular covariance.
+    """
+    values = np.asarray(values, dtype=float)
+    if time.shape != values.shape or time.ndim != 1 or time.size < FEWEST or not np.isfinite(values).all():
+        message = (
+            f"times {time.shape} and values {values.shape}; they must be of one length, at least {FEWEST}, and finite"
+        )
+        raise ValueError(message)
+    steps = np.diff(time)
+    if not steps.min() > 0:
+        at = int(np.argmin(steps > 0))
+        message = f"times must rise: {time[at + 1]:.9g} s follows {time[at]:.9g} s (sample {at + 1})"
+        raise ValueError(message)
+    columns, names = constituents.columns(time), constituents.names
+    if noise.kind == "random-walk" and names[:1] == ("constant",):
+        columns, names = columns[:, 1:], names[1:]  # its level is not known by itself
+    time = time - time[0]
+    usual = float(np.median(steps)) if interval is None else interval
+    lattice = lattice_of(time, usual)
+    found = fitted_noise(time, values, columns, lattice, noise, weights)
+    rows = found.whitening.rows(np.column_stack([columns, values]))
+    basis, triangle = _orthonormal(rows[:, :-1], names)
+    if rows.shape[0] - basis.shape[1] < FEWEST:
+        message = f"{found.whitening.count} samples and {basis.shape[1]} constituents; at least {FEWEST} must remain"
+        raise ValueError(message)
+    share = basis.T @ rows[:, -1]
+    residual = rows[:, -1] - basis @ share
+    residual -= basis @ (basis.T @ residual)  # once more, for large offsets
+    inverse = linalg.solve_triangular(triangle, np.eye(len(triangle)))
+    level = float(np.einsum("i,i", residual, residual)) / (found.whitening.count - basis.shape[1])
+    sigma = np.sqrt(level * np.einsum("ij,ij->i", inverse, inverse))
+    return Adjusted(time, usual, lattice, found, names, basis, residual, inverse @ share, sigma)
+
+
+def least_squares_spectrum(adjusted: Adjusted, *, highest: float | None = None, oversampling: int = 2) -> Spectrum:
+    """Return the spectrum of a series.
+
+    Args:
+        adjusted: from ``adjust``.
+        highest: Hz; None: half the usual rate.
+        oversampling: frequencies to each cycle more that the record holds; 1: those of Fourier.
+
+    Raises:
+        ValueError: a highest frequency below the first.
+    """
+    top = 0.5 / adjusted.interval if highest is None else highest
+    if not top * float(adjusted.time[-1]) >= 1:
+        message = f"a highest frequency of {top:g} Hz: the record of {adjusted.time[-1]:g} s holds no cycle of it"
+        raise ValueError(message)
+    grid = grid_of(adjusted.time, adjusted.lattice, top, oversampling)
+    known = equations(adjusted.time, adjusted.lattice, adjusted.noise.whitening, adjusted.basis, grid)
+    return _spectrum(adjusted, grid, known, oversampling)
+
+
+def _spectrum(adjusted: Adjusted, grid: Grid, known: Equations, oversampling: int) -> Spectrum:
+    whitening = adjusted.noise.whitening
+    right = right_sides(adjusted.time, adjusted.lattice, whitening, adjusted.residual[:, None], grid)[0]
+    reduction, amplitude = known.solve(right)
+    return Spectrum(adjusted, grid, known, oversampling, reduction, amplitude)
+
+
+def _orthonormal(columns: Floats, names: tuple[str, ...]) -> tuple[Floats, Floats]:
+    """Return Q and R of whitened constituents."""
+    if not columns.shape[1]:
+        return columns, np.empty((0, 0))
+    length = np.sqrt(np.einsum("ij,ij->j", columns, columns))
+    products = columns.T @ columns / np.outer(np.maximum(length, 1e-300), np.maximum(length, 1e-300))
+    for k in range(length.size):
+        # what the columns before leave of this one, of length 1
+        share = linalg.lstsq(products[:k, :k], products[:k, k], check_finite=False)[0] if k else np.empty(0)
+        if not length[k] or products[k, k] - products[:k, k] @ share < RANK**2:
+            message = (
+                f"the {names[k]} cannot be told from {', '.join(names[:k]) or 'noise'}: "
+                "leave it out (a jump must lie within the record, a line apart from others)"
+            )
+            raise ValueError(message)
+    basis, triangle = columns, np.eye(length.size)
+    for _ in range(2):  # the second time for rounding (Yamamoto and others 2015)
+        upper = linalg.cholesky(basis.T @ basis)
+        basis = linalg.solve_triangular(upper, basis.T, trans="T").T
+        triangle = upper @ triangle
+    return np.ascontiguousarray(basis), triangle

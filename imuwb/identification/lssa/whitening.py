@@ -1,0 +1,189 @@
+"""Rows that noise of a known structure makes equal and independent: C^-1 = W' W, without ever forming C.
+
+* ``Chain``: each sample holds on to the one before, over any interval: white (with weights), first-order Gauss-Markov or
+  AR(1), random walk.
+* ``Recursion``: AR(p) on an even lattice; rows whose p predecessors are all there.
+* ``Dense``: any covariance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+from scipy import linalg
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+MOST_DENSE = 20_000  #: samples with a covariance of their own
+CONDITION = 1e-12  #: of the largest pivot, below which a covariance is singular
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Chain:
+    """Row i: scale_i (x_i - hold_i x_(i-1))."""
+
+    hold: Floats  #: (n,) 0 ... 1; of the first: 0
+    scale: Floats  #: (n,); 0 for a row that says nothing
+
+    def rows(self, columns: Floats) -> Floats:
+        """Return the whitened rows of (n, k)."""
+        found = columns * self.scale[:, None]
+        if not self.plain:
+            found[1:] -= (self.scale * self.hold)[1:, None] * columns[:-1]
+        return found
+
+    def back(self, rows: Floats) -> Floats:
+        """Return W' times (n, k) rows."""
+        found = rows * self.scale[:, None]
+        if not self.plain:
+            found[:-1] -= self.hold[1:, None] * found[1:]
+        return found
+
+    @property
+    def count(self) -> int:
+        """Return how many rows say something."""
+        return int(np.count_nonzero(self.scale))
+
+    @property
+    def plain(self) -> bool:
+        """Return whether samples are independent."""
+        return not self.hold.any()
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Recursion:
+    """Row i: x_i + sum alpha_k x_(i-k)."""
+
+    alpha: Floats  #: (p,) of Quinchia's eq. 9
+    interval: float  #: s
+    kept: NDArray[np.int64]  #: samples whose p predecessors are the p samples before
+
+    def rows(self, columns: Floats) -> Floats:
+        """Return the whitened rows of (n, k)."""
+        found = columns[self.kept].copy()
+        for k, alpha in enumerate(self.alpha, 1):
+            found += alpha * columns[self.kept - k]
+        return found
+
+    def gain(self, frequency: Floats) -> NDArray[np.complex128]:
+        """Return what becomes of exp(i omega t)."""
+        turn = np.exp(-2j * np.pi * np.outer(np.arange(1, self.alpha.size + 1), frequency * self.interval))
+        return np.asarray(1 + self.alpha @ turn, dtype=np.complex128)
+
+    @property
+    def count(self) -> int:
+        """Return the number of rows."""
+        return self.kept.size
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Dense:
+    """Rows: L^-1 x, C = L L'."""
+
+    factor: Floats  #: (n, n) L
+
+    def rows(self, columns: Floats) -> Floats:
+        """Return the whitened rows of (n, k)."""
+        return np.asarray(linalg.solve_triangular(self.factor, columns, lower=True, check_finite=False))
+
+    @property
+    def count(self) -> int:
+        """Return the number of rows."""
+        return len(self.factor)
+
+
+Whitening: TypeAlias = Chain | Recursion | Dense
+
+
+def white(n: int, weights: Floats | None = None) -> Chain:
+    """Return the rows of independent samples.
+
+    Args:
+        n: samples.
+        weights: (n,) inverse variances, up to a common factor; 0: the sample does not count.
+    """
+    return Chain(np.zeros(n), np.ones(n) if weights is None else np.sqrt(weights))
+
+
+def random_walk(time: Floats) -> Chain:
+    """Return the rows of a random walk, which are its steps; its level is not known.
+
+    Args:
+        time: (n,) s, rising.
+    """
+    hold, scale = np.ones(time.size), np.zeros(time.size)
+    hold[0] = 0.0
+    scale[1:] = 1 / np.sqrt(np.diff(time))
+    return Chain(hold, scale)
+
+
+def gauss_markov(time: Floats, correlation_time: float) -> Chain:
+    """Return the rows of a first-order Gauss-Markov process of variance 1.
+
+    Args:
+        time: (n,) s, rising.
+        correlation_time: s.
+    """
+    passed = np.concatenate([[np.inf], np.diff(time) / correlation_time])
+    return Chain(np.exp(-passed), 1 / np.sqrt(-np.expm1(-2 * passed)))
+
+
+def first_order(steps: NDArray[np.int64], alpha: float) -> Chain:
+    """Return the rows of AR(1), x(n) = -alpha x(n-1) + w(n), also across gaps.
+
+    Args:
+        steps: (n - 1,) intervals between samples, whole ones.
+        alpha: within -1 and 1.
+    """
+    hold = np.concatenate([[0.0], (-alpha) ** steps])
+    return Chain(hold, 1 / np.sqrt(1 - hold**2))
+
+
+def recursion(index: NDArray[np.int64], interval: float, alpha: Floats) -> Recursion:
+    """Return the rows of AR(p) on a lattice.
+
+    Raises:
+        ValueError: gaps leave fewer than half of the rows.
+    """
+    p = alpha.size
+    kept = np.arange(p, index.size)
+    kept = kept[index[p:] - index[: index.size - p] == p]
+    if 2 * kept.size < index.size:
+        message = (
+            f"AR({p}) needs {p} samples before each: gaps leave {kept.size} of {index.size} rows; "
+            "AR(1) and Gauss-Markov noise carry across gaps"
+        )
+        raise ValueError(message)
+    return Recursion(alpha, interval, kept)
+
+
+def dense(covariance: Floats) -> Dense:
+    """Return the rows of a covariance.
+
+    Raises:
+        ValueError: no covariance, singular, or too large.
+    """
+    n = len(covariance)
+    if covariance.shape != (n, n) or n > MOST_DENSE:
+        message = (
+            f"a covariance of {' x '.join(map(str, covariance.shape))}; it must be square, of at most {MOST_DENSE}"
+        )
+        raise ValueError(message)
+    scale = float(np.abs(np.diagonal(covariance)).max())
+    if not np.isfinite(covariance).all() or not np.abs(covariance - covariance.T).max() <= 1e-9 * scale:
+        message = "a covariance must be symmetric, of finite numbers"
+        raise ValueError(message)
+    try:
+        factor = np.asarray(linalg.cholesky(covariance, lower=True, check_finite=False))
+    except linalg.LinAlgError as error:
+        message = f"the covariance is singular, or none: {error}; some combination of samples would have no noise"
+        raise ValueError(message) from error
+    if np.diagonal(factor).min() ** 2 < CONDITION * scale:
+        message = "the covariance is singular to rounding; some combination of samples would have no noise"
+        raise ValueError(message)
+    return Dense(factor)
