@@ -24,6 +24,11 @@ def normal_limit(level: float) -> float:
     return normal_quantile((1 + level) / 2)
 
 
+def student_limit(level: float, freedom: float) -> float:
+    """Return t: a Student variable lies within +-t with probability ``level``."""
+    return float(special.stdtrit(freedom, (1 + level) / 2))
+
+
 def chi_square_quantile(probability: float, freedom: ArrayLike) -> Any:  # noqa: ANN401 - a number for a number, an array for an array
     """Return what a chi-square variable stays below with this probability."""
     return 2 * special.gammaincinv(np.asarray(freedom, dtype=np.float64) / 2, probability)

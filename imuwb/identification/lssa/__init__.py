@@ -1,6 +1,7 @@
 """Least-squares spectral analysis: lines of unevenly spaced, weighted, coloured series, and what noise they stand in."""
 
 from imuwb.identification.lssa.constituents import TRENDS, Constituents
+from imuwb.identification.lssa.drifting import DriftingLine, drifting_lines
 from imuwb.identification.lssa.hypotheses import Hypothesis, is_autoregressive, is_random_walk, words
 from imuwb.identification.lssa.noise import Noise, NoiseFit
 from imuwb.identification.lssa.peaks import Extraction, Peak, extract
@@ -12,6 +13,7 @@ __all__ = [
     "TRENDS",
     "Adjusted",
     "Constituents",
+    "DriftingLine",
     "Extraction",
     "Hypothesis",
     "Noise",
@@ -21,6 +23,7 @@ __all__ = [
     "Spectrum",
     "UsableBand",
     "adjust",
+    "drifting_lines",
     "extract",
     "is_autoregressive",
     "is_random_walk",
