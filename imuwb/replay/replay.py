@@ -14,6 +14,7 @@ from imuwb.navigation.filter import solve
 from imuwb.navigation.measurement import denoised, measurement
 from imuwb.navigation.outages import drift
 from imuwb.progress import tracked
+from imuwb.replay.corrected import corrected_log
 from imuwb.replay.degraded import degraded
 from imuwb.replay.reference import is_independent, own, yardstick
 from imuwb.replay.scores import Scores, scores
@@ -94,17 +95,17 @@ class Replay:
 
 
 def prepare(log: Log, model: FilterModel, receiver: str | None = None, worse: Degradation | None = None) -> Prepared:
-    """Return a log as filters take it: all of them begin alike.
+    """Return a log as filters take it, without what the error model knows of its sensors: all of them begin alike.
 
     Args:
-        log: an IMU and a receiver.
-        model: its settings; which error model it has does not matter.
+        log: an IMU and a receiver; samples that ``corrected_log`` has corrected are taken as they are.
+        model: its settings, and the deterministic terms of its error model; its noise does not matter.
         receiver: name of the receiver; None: the first.
         worse: how its fixes are made worse first; the reference is not.
 
     Raises:
         MissingDataError: no IMU, no receiver, too few fixes, no motion.
-        UsageError: no receiver of that name.
+        UsageError: no receiver of that name; deterministic terms that cannot be.
     """
     if not log.gnss:
         message = (
@@ -117,12 +118,15 @@ def prepare(log: Log, model: FilterModel, receiver: str | None = None, worse: De
     several = ()
     if len(log.gnss) > 1 and receiver is None:
         several = (f"of {len(log.gnss)} receivers {gnss.name} is taken; --receiver names another",)
+    log, taken_off = corrected_log(log, model.error_model)
     thermal = any(axis.thermal for axis in model.error_model.axes.values())
     moves = measurement(log, log.imu(), model.installation, thermal=thermal)
     still = standing(moves, log, gnss)
     found = corrections(log, gnss, moves, still, model)
     start = align(moves, found, still, model)
-    return Prepared(log, gnss, moves, still, found, start, (*several, *moves.notes, *found.notes, start.note))
+    return Prepared(
+        log, gnss, moves, still, found, start, (*several, *taken_off, *moves.notes, *found.notes, start.note)
+    )
 
 
 def receiver_of(log: Log, name: str | None) -> GnssStream:

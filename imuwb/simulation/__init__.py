@@ -1,22 +1,38 @@
 """Logs of known truth: what a sensor of a given error model would have put out."""
 
+from imuwb.simulation.bench import Site
+from imuwb.simulation.chamber import chamber, set_points
 from imuwb.simulation.drive import drive
 from imuwb.simulation.plans import PlannedOutage, mixed_route, planned_outages, planned_route
 from imuwb.simulation.presets import preset, preset_names
+from imuwb.simulation.rate_table import RateTable, rate_table
 from imuwb.simulation.receiver import Odometer, Receiver
 from imuwb.simulation.route import Route
+from imuwb.simulation.six_position import Positions, six_position
 from imuwb.simulation.static import static
+from imuwb.simulation.thermal import Temperature
+from imuwb.simulation.tolerances import Tolerances, specimen
 
 __all__ = [
     "Odometer",
     "PlannedOutage",
+    "Positions",
+    "RateTable",
     "Receiver",
     "Route",
+    "Site",
+    "Temperature",
+    "Tolerances",
+    "chamber",
     "drive",
     "mixed_route",
     "planned_outages",
     "planned_route",
     "preset",
     "preset_names",
+    "rate_table",
+    "set_points",
+    "six_position",
+    "specimen",
     "static",
 ]

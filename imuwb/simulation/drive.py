@@ -15,6 +15,7 @@ from imuwb.errors import UsageError
 from imuwb.log import AXES, Log, Origin, Provenance, Reference
 from imuwb.simulation.receiver import Receiver
 from imuwb.simulation.sensor import LONGEST, Sensor, stamps
+from imuwb.simulation.thermal import recipe_of, temperature
 from imuwb.simulation.vibration import vibration as shaking
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
     from imuwb.simulation.receiver import Odometer
     from imuwb.simulation.route import Route
+    from imuwb.simulation.thermal import Temperature
     from imuwb.stochastic import ImuErrorModel
 
 LOWEST_RATE, HIGHEST_RATE = 20.0, 10_000.0  #: Hz; below, four nodes no longer follow a sample's motion
@@ -37,7 +39,7 @@ def drive(
     receiver: Receiver = RECEIVER,
     odometer: Odometer | None = None,
     truth_rate: float = 10.0,
-    celsius: float | None = None,
+    celsius: float | Temperature | None = None,
     quantize: bool = False,
     bandwidth: float | None = None,
     vibration: float = 0.0,
@@ -53,7 +55,8 @@ def drive(
         receiver: the GNSS receiver.
         odometer: None: there is none.
         truth_rate: Hz; every n-th sample of the IMU that comes nearest to it.
-        celsius: the sensor's temperature all the while; None: 25, and the model's own processes.
+        celsius: the sensor's temperature, the same all the while or over time; None: 25, and the model's own processes
+            where it has no thermal table.
         quantize: round to each axis's ``lsb``, and clip to its ``range``.
         bandwidth: Hz, of the noise; None: the axis's own, if it states one.
         vibration: m/s² rms of each accelerometer axis.
@@ -69,7 +72,7 @@ def drive(
     if not 0 < truth_rate <= rate:
         message = f"a truth at {truth_rate} Hz: it must be above 0, and at most the IMU's {rate:g} Hz"
         raise UsageError(message)
-    sensor = Sensor(model, celsius, quantize, bandwidth)
+    sensor = Sensor(model, temperature(celsius), quantize, bandwidth)
     n = round(samples)
     time = stamps(n, rate)
     *axes, of_receiver, of_vibration = np.random.SeedSequence(seed).spawn(len(AXES) + 2)
@@ -80,7 +83,7 @@ def drive(
     told = np.arange(0, n, max(1, round(rate / truth_rate)))
     state = route.state(told / rate)
     truth = Reference("truth", time[told], state.position, state.velocity, state.attitude, Origin("SI", "FRD", "unix"))
-    recipe = f"{model.to_toml()}|{seed}|{rate}|{receiver}|{odometer}|{truth_rate}|{celsius}|{quantize}|{bandwidth}|{vibration}"
+    recipe = f"{model.to_toml()}|{seed}|{rate}|{receiver}|{odometer}|{truth_rate}|{recipe_of(celsius)}|{quantize}|{bandwidth}|{vibration}"
     return Log(
         Provenance(f"drive {route.name} of {model.name}", "simulation", _digest(recipe, route), 0),
         imus=(sensor.measure(time, rate, (rates, forces), axes, progress),),

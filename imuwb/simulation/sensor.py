@@ -10,18 +10,18 @@ from scipy import signal
 
 from imuwb.errors import UsageError
 from imuwb.log import AXES, SECOND, ImuStream, Origin, Scalars, Triad
+from imuwb.simulation.thermal_noise import thermal_noise
 from imuwb.stochastic import shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from imuwb.log import Floats, Nanoseconds
+    from imuwb.simulation.thermal import Temperature
     from imuwb.stochastic import AxisModel, ImuErrorModel
 
 START = 1_704_067_200 * SECOND  #: 2024-01-01T00:00:00Z, so that the same seed gives the same bytes
 LONGEST = 2**31  #: samples
-ABSOLUTE_ZERO, HOTTEST = -273.15, 1000.0  #: °C
-ROOM_TEMPERATURE = 25.0  #: °C
 
 
 def stamps(count: int, rate: float) -> Nanoseconds:
@@ -31,23 +31,13 @@ def stamps(count: int, rate: float) -> Nanoseconds:
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """An IMU and how it is run.
-
-    Raises:
-        UsageError: a temperature that no sensor is at.
-    """
+    """An IMU and how it is run."""
 
     model: ImuErrorModel
-    celsius: float | None = None  #: None: 25, and the model's own processes where it has no thermal table
+    celsius: Temperature
     quantize: bool = False  #: round to each axis's ``lsb``, and clip to its ``range``
     #: Hz; the noise goes through a Butterworth low-pass of second order. None: the axis's own bandwidth, if it states one
     bandwidth: float | None = None
-
-    def __post_init__(self) -> None:
-        """Check the temperature."""
-        if self.celsius is not None and not ABSOLUTE_ZERO < self.celsius < HOTTEST:
-            message = f"a temperature of {self.celsius} °C: no sensor is at it"
-            raise UsageError(message)
 
     def measure(
         self,
@@ -70,33 +60,40 @@ class Sensor:
             UsageError: a bandwidth that cannot be, an axis that states no ``lsb``, an AR set of another rate.
         """
         values = np.empty((2, time.size, 3))
-        shows = shown(self.model, motion, None if self.celsius is None else np.array(self.celsius))
+        seconds = (time - time[0]) / SECOND
+        same = self.celsius.constant
+        celsius = self.celsius.at(seconds) if same is None else np.array(same)
+        shows = shown(self.model, motion, celsius)
         for i, (axis, stream) in enumerate(zip(AXES, streams, strict=True)):
-            values[i // 3, :, i % 3] = self._axis(axis, shows, rate, np.random.default_rng(stream))
+            values[i // 3, :, i % 3] = self._axis(axis, shows, celsius, rate, np.random.default_rng(stream))
             if progress is not None:
                 progress(i + 1, len(AXES))
         if not np.isfinite(values).all():
             message = f"{self.model.name}: its figures are so large that the samples overflow"
             raise UsageError(message)
-        seconds = np.arange(0, time.size, max(1, round(rate)))
-        celsius = np.full(seconds.size, ROOM_TEMPERATURE if self.celsius is None else self.celsius)
-        temperature = Scalars("/imu/temperature", time[seconds], celsius)
+        told = slice(None, None, max(1, round(rate)))
+        thermometer = Scalars("/imu/temperature", time[told], self.celsius.at(seconds[told]))
         return ImuStream(
-            "/imu/data", Triad(time, values[0]), Triad(time, values[1]), temperature, Origin("SI", "FRD", "unix")
+            "/imu/data", Triad(time, values[0]), Triad(time, values[1]), thermometer, Origin("SI", "FRD", "unix")
         )
 
-    def _axis(self, axis: str, motion: tuple[Floats, Floats], rate: float, rng: np.random.Generator) -> Floats:
+    def _axis(
+        self, axis: str, motion: tuple[Floats, Floats], celsius: Floats, rate: float, rng: np.random.Generator
+    ) -> Floats:
         place = AXES.index(axis)
         model = self.model.axes.get(axis)
         true = motion[place // 3][:, place % 3]
         if model is None:
             return true
-        values = true + self._noise(model, true.size, rate, rng)
+        values = true + self._noise(model, celsius, true.size, rate, rng)
         return _quantized(values, model, axis) if self.quantize else values
 
-    def _noise(self, model: AxisModel, n: int, rate: float, rng: np.random.Generator) -> Floats:
+    def _noise(self, model: AxisModel, celsius: Floats, n: int, rate: float, rng: np.random.Generator) -> Floats:
         try:
-            noise = model.at(self.celsius).sample(n, 1 / rate, rng)
+            if celsius.ndim:
+                noise = thermal_noise(model, celsius, 1 / rate, rng)
+            else:
+                noise = model.at(float(celsius)).sample(n, 1 / rate, rng)
         except (ValueError, OverflowError) as error:  # an AR set of another rate, or one that is not stable in between
             raise UsageError(str(error)) from error
         cutoff = self.bandwidth if self.bandwidth is not None else model.bandwidth

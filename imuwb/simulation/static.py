@@ -10,11 +10,13 @@ import numpy as np
 from imuwb.errors import UsageError
 from imuwb.log import AXES, Log, Provenance
 from imuwb.simulation.sensor import LONGEST, Sensor, stamps
+from imuwb.simulation.thermal import recipe_of, temperature
 from imuwb.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from imuwb.simulation.thermal import Temperature
     from imuwb.stochastic import ImuErrorModel
 
 
@@ -24,7 +26,7 @@ def static(
     rate: float,
     seed: int,
     *,
-    celsius: float | None = None,
+    celsius: float | Temperature | None = None,
     quantize: bool = False,
     bandwidth: float | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -36,7 +38,8 @@ def static(
         duration: s.
         rate: Hz.
         seed: the same seed, model, rate and duration give the same log.
-        celsius: the sensor's temperature; None: 25, and the model's own processes where it has no thermal table.
+        celsius: the sensor's temperature, the same all the while or over time; None: 25, and the model's own processes
+            where it has no thermal table.
         quantize: round to each axis's ``lsb``, and clip to its ``range``.
         bandwidth: Hz; each axis's noise goes through a Butterworth low-pass of second order. None: the
             axis's own bandwidth, if it states one.
@@ -49,10 +52,10 @@ def static(
     if not 1e-3 <= rate <= 1e6 or not 2 <= samples <= LONGEST:  # noqa: PLR2004 - a rate needs two samples
         message = f"{duration} s at {rate} Hz are {samples} samples; there must be 2 to {LONGEST}, at 0.001 Hz to 1 MHz"
         raise UsageError(message)
-    sensor = Sensor(model, celsius, quantize, bandwidth)
+    sensor = Sensor(model, temperature(celsius), quantize, bandwidth)
     n = round(samples)
     still = np.broadcast_to(np.zeros(3), (n, 3)), np.broadcast_to(np.array([0.0, 0.0, -STANDARD_GRAVITY]), (n, 3))
     imu = sensor.measure(stamps(n, rate), rate, still, np.random.SeedSequence(seed).spawn(len(AXES)), progress)
-    recipe = f"{model.to_toml()}|{duration}|{rate}|{seed}|{celsius}|{quantize}|{bandwidth}"
+    recipe = f"{model.to_toml()}|{duration}|{rate}|{seed}|{recipe_of(celsius)}|{quantize}|{bandwidth}"
     digest = hashlib.sha256(recipe.encode()).hexdigest()
     return Log(Provenance(f"simulation of {model.name}", "simulation", f"sha256:{digest}", 0), imus=(imu,))

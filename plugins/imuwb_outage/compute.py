@@ -21,6 +21,7 @@ from imuwb.replay import (
     budget,
     choose,
     compare,
+    corrected_log,
     estimate_clocks,
     estimate_mounting,
     events_of,
@@ -58,6 +59,7 @@ def run(log: Log, parameters: Parameters) -> Result:
         MissingDataError: what the log lacks.
     """
     base = _base(parameters)
+    log, _ = corrected_log(log, base.error_model)
     mounting = None
     if parameters.angles() is None:
         mounting = estimate_mounting(log, parameters.receiver, parameters.level)

@@ -1,0 +1,88 @@
+"""A climate chamber: a still IMU, recorded at one temperature after the other."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.errors import UsageError
+from imuwb.simulation.static import static
+from imuwb.simulation.thermal import ABSOLUTE_ZERO, temperature
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from imuwb.log import Log
+    from imuwb.stochastic import ImuErrorModel
+
+MOST = 200  #: set-points
+CLOSE = 1e-9  #: of a step, by which the last set-point may miss the end
+FINE = 1000  #: a seed knows temperatures to a thousandth of a degree
+
+
+def set_points(first: float, last: float, step: float) -> tuple[float, ...]:
+    """Return the temperatures from the first to the last, °C, a step apart; the last is one of them if it is a whole step.
+
+    Raises:
+        UsageError: a step that does not lead from one to the other, or too small a one; a temperature that no sensor is at.
+    """
+    for celsius in (first, last):
+        temperature(celsius)  # says what is wrong with it
+    if not math.isfinite(step) or step * (last - first) < 0 or (step == 0 and first != last):
+        message = f"set-points from {first:g} to {last:g} °C in steps of {step:g} °C: the step must lead from one to the other"
+        raise UsageError(message)
+    count = 1 if first == last else math.floor((last - first) / step + CLOSE) + 1
+    if count > MOST:
+        message = f"{count} set-points from {first:g} to {last:g} °C in steps of {step:g} °C; there may be {MOST}"
+        raise UsageError(message)
+    if abs(step) * FINE < 1 and count > 1:
+        message = f"a step of {step:g} °C; it must be {1 / FINE:g} °C or more"
+        raise UsageError(message)
+    return tuple(round(first + k * step, 9) for k in range(count))
+
+
+def chamber(
+    model: ImuErrorModel,
+    points: Sequence[float],
+    duration: float,
+    rate: float,
+    seed: int,
+    *,
+    quantize: bool = False,
+    bandwidth: float | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Iterator[Log]:
+    """Yield the static log of each set-point; a turn-on bias is drawn anew at each.
+
+    Args:
+        model: the sensor.
+        points: °C; each has noise of its own, whichever others there are.
+        duration: s, of each log.
+        rate: Hz.
+        seed: the same seed gives the same log at a temperature.
+        quantize: as of ``static``.
+        bandwidth: likewise.
+        progress: called with (set-points done, set-points).
+
+    Raises:
+        UsageError: as ``static``.
+    """
+    for k, celsius in enumerate(points):
+        mixed = np.random.SeedSequence([seed, round((celsius - ABSOLUTE_ZERO) * FINE)])
+        own = int(mixed.generate_state(1, np.uint64)[0])
+        yield static(model, duration, rate, own, celsius=celsius, quantize=quantize, bandwidth=bandwidth)
+        if progress is not None:
+            progress(k + 1, len(points))
+
+
+def names(points: Sequence[float]) -> tuple[str, ...]:
+    """Return a name for each set-point's log, such as ``03_minus-10C``: they sort as they were recorded."""
+    width = len(str(len(points)))
+    return tuple(f"{k + 1:0{width}d}_{_word(c)}C" for k, c in enumerate(points))
+
+
+def _word(celsius: float) -> str:
+    sign = "minus-" if celsius < 0 else "plus-" if celsius > 0 else ""
+    return f"{sign}{abs(celsius):g}"

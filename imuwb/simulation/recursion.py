@@ -1,0 +1,22 @@
+"""A first-order recursion whose factor changes from step to step."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.compiled import compiled
+
+if TYPE_CHECKING:
+    from imuwb.log import Floats
+
+
+@compiled()
+def carried(start: float, factor: Floats, steps: Floats) -> Floats:  # pragma: no cover - compiled
+    """Return x(k) = factor(k) x(k-1) + steps(k) of (n,) factors and steps, the start first: (n + 1,)."""
+    found = np.empty(steps.size + 1)
+    found[0] = start
+    for k in range(steps.size):
+        found[k + 1] = factor[k] * found[k] + steps[k]
+    return found

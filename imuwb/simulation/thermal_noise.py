@@ -1,0 +1,145 @@
+"""The noise of a sensor whose temperature changes.
+
+Amplitudes multiply a process of unit amplitude, sample by sample; steps of a random walk and of a ramp are scaled before
+they are added up; what shapes a process (a correlation time, a frequency, the coefficients of an AR set) changes within the
+recursion, whose state goes on: the output never jumps. The variance at any time is that of the temperature at that time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy import signal
+
+from imuwb.stochastic import (
+    Autoregressive,
+    Constant,
+    FlickerNoise,
+    GaussMarkov,
+    Quantization,
+    RandomWalk,
+    RateRamp,
+    Sinusoid,
+    WhiteNoise,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from imuwb.log import Floats
+    from imuwb.stochastic import AxisModel
+
+    Parameters = Mapping[str, Floats]  #: of a process -> (n,) at each sample
+
+PIECE = 0.25  #: °C, over which an AR set is held
+SMALL = 1e-3  #: dt/Tc, below which a difference of tanh cancels
+
+
+def thermal_noise(model: AxisModel, celsius: Floats, dt: float, rng: np.random.Generator) -> Floats:
+    """Return an axis's noise at temperatures, a sample each.
+
+    Args:
+        model: its processes at set-points.
+        celsius: (n,) °C.
+        dt: s.
+        rng: of all draws; the terms are drawn one after the other.
+
+    Returns:
+        (n,) in the axis's unit.
+
+    Raises:
+        ValueError: an AR set of another step, or one that is not stable between two set-points; a process that has no
+            rule for a changing temperature.
+    """
+    if not model.thermal:
+        return model.processes.sample(celsius.size, dt, rng)
+    total = np.zeros(celsius.size)
+    for place, term in enumerate(model.thermal[0][1].terms):
+        if isinstance(term, Autoregressive):
+            total += _autoregressive(model, place, celsius, dt, rng)
+            continue
+        if type(term) not in RULES:
+            message = f"{term} has no rule for a temperature that changes"
+            raise ValueError(message)
+        total += RULES[type(term)](_parameters(model, place, celsius), dt, rng)
+    return total
+
+
+def _parameters(model: AxisModel, place: int, celsius: Floats) -> Parameters:
+    """Return a term's parameters at each sample, as ``AxisModel.at`` has them."""
+    terms: list[Any] = [sums.terms[place] for _, sums in model.thermal]
+    points = [t for t, _ in model.thermal]
+    return {f.name: np.interp(celsius, points, [getattr(term, f.name) for term in terms]) for f in fields(terms[0])}
+
+
+def _times(unit: Any, name: str) -> Callable[[Parameters, float, np.random.Generator], Floats]:  # noqa: ANN401 - any process
+    """Return the rule of a process that has an amplitude only."""
+
+    def rule(p: Parameters, dt: float, rng: np.random.Generator) -> Floats:
+        return p[name] * unit.sample(p[name].size, dt, rng)
+
+    return rule
+
+
+def _random_walk(p: Parameters, dt: float, rng: np.random.Generator) -> Floats:
+    steps = rng.standard_normal((2, p["K"].size)) * (p["K"] * np.sqrt(dt))
+    # As of a walk at one temperature: the mean of a step's ends, and a bridge of variance 1/12.
+    return np.cumsum(steps[0]) - steps[0] / 2 + steps[1] / np.sqrt(12)
+
+
+def _rate_ramp(p: Parameters, dt: float, rng: np.random.Generator) -> Floats:
+    del rng
+    return dt * (np.cumsum(p["R"]) - p["R"] / 2)
+
+
+def _sinusoid(p: Parameters, dt: float, rng: np.random.Generator) -> Floats:
+    turns = p["frequency"] * dt
+    middle = 2 * np.pi * (np.cumsum(turns) - turns / 2) + rng.uniform(0, 2 * np.pi)
+    return p["amplitude"] * np.sinc(turns) * np.sin(middle)
+
+
+def _gauss_markov(p: Parameters, dt: float, rng: np.random.Generator) -> Floats:
+    """Return averages over dt: given both ends of a step, of mean (a + b) tanh(x/2)/x with x = dt/Tc, and normal about it."""
+    from imuwb.simulation.recursion import carried  # noqa: PLC0415 - numba is slow to import, and seldom needed
+
+    x = dt / p["Tc"]
+    start = rng.standard_normal()
+    noise = rng.standard_normal((2, x.size))
+    ends = carried(start, np.exp(-x), np.sqrt(-np.expm1(-2 * x)) * noise[0])
+    share = np.tanh(x / 2) / x
+    apart = np.where(x < SMALL, x / 6, 2 * (1 - 2 * share) / x)  # variance about the mean; 2 (x - 2 tanh(x/2))/x²
+    return p["sigma"] * ((ends[:-1] + ends[1:]) * share + np.sqrt(apart) * noise[1])
+
+
+def _autoregressive(model: AxisModel, place: int, celsius: Floats, dt: float, rng: np.random.Generator) -> Floats:
+    """Return a series whose set is changed every quarter of a degree, while its past goes on."""
+    edges = np.flatnonzero(np.diff(np.floor(celsius / PIECE))) + 1
+    found: list[Floats] = []
+    past = np.empty(0)  # the newest first
+    for piece in np.split(celsius, edges):
+        term: Any = model.at(float(piece.mean())).terms[place]
+        if not found:
+            order = len(term.alpha)
+            past = term.sample(order, dt, rng)[::-1] if order else past
+        driving = term.beta0 * rng.standard_normal(piece.size)
+        taps = [1.0, *term.alpha]
+        state = signal.lfiltic([1.0], taps, past)
+        values = signal.lfilter([1.0], taps, driving, zi=state)[0] if past.size else driving
+        past = np.concatenate([values[::-1][: past.size], past])[: past.size]
+        found.append(values)
+    return np.concatenate(found)
+
+
+#: what to do with each process; of an AR set the recursion itself changes
+RULES: dict[type, Callable[[Parameters, float, np.random.Generator], Floats]] = {
+    WhiteNoise: _times(WhiteNoise(1.0), "N"),
+    Quantization: _times(Quantization(1.0), "Q"),
+    FlickerNoise: _times(FlickerNoise(1.0), "B"),
+    Constant: _times(Constant(1.0), "sigma"),
+    RandomWalk: _random_walk,
+    RateRamp: _rate_ramp,
+    GaussMarkov: _gauss_markov,
+    Sinusoid: _sinusoid,
+}
