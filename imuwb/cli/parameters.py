@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from imuwb.errors import UsageError
+from imuwb.units import UNITS
 
 
 def parameters_of(kind: Any) -> list[inspect.Parameter]:  # noqa: ANN401 - a dataclass of the plugin's
@@ -22,7 +23,7 @@ def parameters_of(kind: Any) -> list[inspect.Parameter]:  # noqa: ANN401 - a dat
             text = next((note for note in notes if isinstance(note, str)), "")
         flag = f"--{f.name.replace('_', '-')}"
         flags = f"{flag}/--no-{flag[2:]}" if base is bool else flag
-        option = typer.Option(flags, help=text[:1].upper() + text[1:] + ("." if text and text[-1] not in ".)" else ""))
+        option = typer.Option(flags, help=_sentence(text))
         options.append(
             inspect.Parameter(
                 f.name, inspect.Parameter.KEYWORD_ONLY, default=default_of(f), annotation=Annotated[base, option]
@@ -50,3 +51,10 @@ def hints(kind: Any) -> dict[str, Any]:  # noqa: ANN401 - any dataclass
     """Return the annotations of a dataclass's fields, in order."""
     found = typing.get_type_hints(kind, include_extras=True)
     return {f.name: found[f.name] for f in fields(kind)}
+
+
+def _sentence(text: str) -> str:
+    """Return a help text as a sentence; a unit at its beginning stays as it is written."""
+    first = text.partition(" ")[0].rstrip(",;:")
+    begin = text[:1] if first in UNITS else text[:1].upper()
+    return begin + text[1:] + ("." if text and text[-1] not in ".)" else "")
