@@ -9,13 +9,17 @@ An analysis is a module (or any object) with
   MissingDataError when a log has not what it needs.
 * ``draw(result, review)``: shows the result; computes nothing.
 * optionally ``LOGS = (fewest, most)`` (default one log; most may be None), and
-  ``error_model(result) -> ImuErrorModel``.
+  ``error_model(result) -> ImuErrorModel``; with ``LEAVES_MODEL`` the model is saved unasked, beside the recording: as
+  ``.error-model.toml``, or, where it is a text, with that in its place.
 
 * optionally ``findings(result) -> tuple of Finding``: what it says of each axis in common terms, which
   recipes lay beside what other analyses say;
 * optionally ``outputs(parameters) -> tuple of paths`` and ``write_outputs(result, parameters)``, for files of its own: those
   that exist are not written over without --force;
 * optionally ``study(cases, parameters) -> result`` and ``draw_study(result, review)``, for ``--study``.
+
+An analysis of several methods has ``METHODS`` instead, {name: module}, each an analysis as above: they become
+commands of a group, and the result's JSON has the method among its parameters.
 
 It is registered under the entry-point group ``imuwb.analyses``, or is a single file:
 ``imuwb ./mine.py LOG``. Its docstring's first line is its help. This module imports nothing heavy, so

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
@@ -59,6 +60,21 @@ def _root(
 
 
 def _add(app: typer.Typer, name: str, analysis: Analysis, origin: str) -> None:
+    short = Path(name).stem if name.endswith(".py") else name
+    methods: object = getattr(analysis, "METHODS", None)
+    if methods is None:
+        _add_command(app, name, short, analysis, origin)
+        return
+    if not isinstance(methods, Mapping) or not methods:
+        message = f"{origin}: METHODS must be a mapping of names to analyses; it is {methods!r}"
+        raise UsageError(message)
+    group = typer.Typer(no_args_is_help=True, help=(cast("Any", analysis).__doc__ or name).strip())
+    for method, module in cast("Mapping[str, Analysis]", methods).items():
+        _add_command(group, method, f"{short} {method}", module, f"{origin}, {method}")
+    app.add_typer(group, name=name, rich_help_panel=ANALYSES)
+
+
+def _add_command(app: typer.Typer, name: str, full: str, analysis: Analysis, origin: str) -> None:
     missing = [part for part in ("Parameters", "run", "draw") if not hasattr(analysis, part)]
     if missing:
         message = f"{origin}: a plugin has Parameters, run and draw; this one lacks {', '.join(missing)}"
@@ -66,7 +82,6 @@ def _add(app: typer.Typer, name: str, analysis: Analysis, origin: str) -> None:
     if not is_dataclass(analysis.Parameters):
         message = f"{origin}: Parameters must be a dataclass; it is {analysis.Parameters!r}"
         raise UsageError(message)
-    short = Path(name).stem if name.endswith(".py") else name
-    function = command_function(short, analysis)
-    text = (cast("Any", analysis).__doc__ or short).strip()
+    function = command_function(full, analysis)
+    text = (cast("Any", analysis).__doc__ or full).strip()
     app.command(name, help=text, short_help=text.splitlines()[0], rich_help_panel=ANALYSES)(function)

@@ -48,5 +48,5 @@ def command_function(name: str, analysis: Analysis) -> Callable[..., None]:
 
     cast("Any", command).__signature__ = inspect.Signature([logs, *own, *shared])
     command.__annotations__ = {p.name: p.annotation for p in (logs, *own, *shared)}
-    command.__name__ = name.replace("-", "_")
+    command.__name__ = name.replace("-", "_").replace(" ", "_")
     return command

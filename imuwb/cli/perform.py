@@ -111,8 +111,8 @@ class Places:
             message = f"--output {output}: a recording ends in .rrd"
             raise UsageError(message)
         model = common.save_model
-        if model is None and getattr(analysis, "LEAVES_MODEL", False):
-            model = output.with_name(f"{stem(output)}.error-model.toml")
+        if model is None and (kind := getattr(analysis, "LEAVES_MODEL", False)):
+            model = output.with_name(f"{stem(output)}.{kind if isinstance(kind, str) else 'error-model'}.toml")
         to_stdout = common.json == "-"
         return Places(output, Path(common.json) if common.json and not to_stdout else None, model, to_stdout)
 

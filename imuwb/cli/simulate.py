@@ -1,4 +1,4 @@
-"""imuwb simulate: logs of known truth, of a still IMU and of a drive."""
+"""imuwb simulate: logs of known truth, of a still IMU, of a climate chamber, and of a drive."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from imuwb.cli import simulate_calibration
 from imuwb.errors import UsageError
 
 if TYPE_CHECKING:
@@ -18,6 +19,9 @@ DRIVE, SENSOR, GNSS, ODOMETER = "The drive", "The IMU", "The GNSS receiver", "Th
 
 app = typer.Typer(no_args_is_help=True, help="Logs of known truth: of a still IMU, or of a drive with GNSS.")
 
+app.command("six-position")(simulate_calibration.six_position)
+app.command("rate-table")(simulate_calibration.rate_table)
+
 _Output = Annotated[
     Path, typer.Option("--output", "-o", help="The log; its suffix, .mcap or .csv, is its format.", metavar="FILE")
 ]
@@ -28,7 +32,15 @@ _Model = Annotated[
 _Rate = Annotated[float, typer.Option(help="Samples a second, Hz.", metavar="HZ", rich_help_panel=SENSOR)]
 _Seed = Annotated[int, typer.Option(help="Of all noise; the same seed gives the same log.", min=0)]
 _Temperature = Annotated[
-    float | None, typer.Option(help="Of the sensor all the while, °C.", metavar="CELSIUS", rich_help_panel=SENSOR)
+    str | None,
+    typer.Option(
+        help="Of the sensor, °C: 25 all the while, -40:70 from the start to the end, or 0:-30,600:-30,1200:45, corners s:°C.",
+        metavar="CELSIUS|FROM:TO|S:CELSIUS,...",
+        rich_help_panel=SENSOR,
+    ),
+]
+_Preset = Annotated[
+    str | None, typer.Option(help="A published sensor (an unknown name lists them).", rich_help_panel=SENSOR)
 ]
 _Quantize = Annotated[bool, typer.Option("--quantize", help="Round to the model's lsb.", rich_help_panel=SENSOR)]
 _Bandwidth = Annotated[
@@ -42,9 +54,7 @@ _Force = Annotated[bool, typer.Option("--force", help="Write over a file that ex
 def static(
     *,
     output: _Output,
-    preset: Annotated[
-        str | None, typer.Option(help="A published sensor (an unknown name lists them).", rich_help_panel=SENSOR)
-    ] = None,
+    preset: _Preset = None,
     error_model: _Model = None,
     hours: Annotated[float, typer.Option(help="Duration in hours.")] = 1.0,
     rate: _Rate = 100.0,
@@ -56,9 +66,11 @@ def static(
 ) -> None:
     """A still IMU with the noise of a published sensor, or of a model of yours."""
     from imuwb import simulation  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.cli.temperatures import temperature_of  # noqa: PLC0415
     from imuwb.cli.terminal import progress  # noqa: PLC0415
 
     model = _sensor(preset, "--preset", error_model)
+    celsius = temperature_of(temperature, hours * 3600)
     _check(output, force=force)
     with progress("simulating") as report:
         log = simulation.static(
@@ -66,12 +78,54 @@ def static(
             hours * 3600,
             rate,
             seed,
-            celsius=temperature,
+            celsius=celsius,
             quantize=quantize,
             bandwidth=bandwidth,
             progress=report,
         )
     _write(log, output, force=force)
+
+
+@app.command()
+def chamber(
+    *,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="The folder of the logs, one a set-point.", metavar="FOLDER")
+    ],
+    first: Annotated[float, typer.Option("--from", help="The first set-point, °C.", metavar="CELSIUS")] = -30.0,
+    last: Annotated[float, typer.Option("--to", help="The last one, °C.", metavar="CELSIUS")] = 60.0,
+    step: Annotated[float, typer.Option(help="From one to the next, °C; below 0 it grows colder.")] = 10.0,
+    hours: Annotated[float, typer.Option(help="Duration of each log in hours.")] = 3.0,
+    preset: _Preset = None,
+    error_model: _Model = None,
+    rate: _Rate = 100.0,
+    seed: _Seed = 0,
+    quantize: _Quantize = False,
+    bandwidth: _Bandwidth = None,
+    force: Annotated[bool, typer.Option("--force", help="Write into a folder that holds files.")] = False,
+) -> None:
+    """A still IMU in a climate chamber: a log at each temperature. For one log that ramps: static --temperature -40:70."""
+    from imuwb.cli.terminal import progress  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.simulation import chamber as recorded  # noqa: PLC0415
+    from imuwb.simulation import set_points  # noqa: PLC0415
+    from imuwb.simulation.chamber import names  # noqa: PLC0415
+    from imuwb.stochastic import is_thermal  # noqa: PLC0415
+    from imuwb.writers import write  # noqa: PLC0415
+
+    model = _sensor(preset, "--preset", error_model)
+    points = set_points(first, last, step)
+    files = [output / f"{name}.mcap" for name in names(points)]
+    _check_folder(output, files, force=force)
+    if not is_thermal(model) and not any(axis.thermal for axis in model.axes.values()):
+        typer.echo(f"note: {model.name} says nothing of temperature: all set-points have the same noise", err=True)
+    with progress("simulating") as report:
+        logs = recorded(
+            model, points, hours * 3600, rate, seed, quantize=quantize, bandwidth=bandwidth, progress=report
+        )
+        for log, file in zip(logs, files, strict=True):
+            output.mkdir(exist_ok=True)
+            write(log, file)
+            typer.echo(f"wrote {file}", err=True)
 
 
 @app.command()
@@ -99,9 +153,7 @@ def drive(
     truth_rate: Annotated[
         float, typer.Option(help="Of the true trajectory in the log, Hz.", metavar="HZ", rich_help_panel=DRIVE)
     ] = 10.0,
-    sensor: Annotated[
-        str | None, typer.Option(help="A published sensor (an unknown name lists them).", rich_help_panel=SENSOR)
-    ] = None,
+    sensor: _Preset = None,
     error_model: _Model = None,
     rate: _Rate = 100.0,
     seed: _Seed = 0,
@@ -143,10 +195,12 @@ def drive(
 ) -> None:
     """A car with an IMU and GNSS, and the truth; prints a preset's outages as imuwb outage takes them."""
     from imuwb import simulation  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.cli.temperatures import temperature_of  # noqa: PLC0415
     from imuwb.cli.terminal import progress  # noqa: PLC0415
 
     model = _sensor(sensor, "--sensor", error_model)
     route = _route(preset, duration, route_seed)
+    celsius = temperature_of(temperature, route.duration)
     receiver = simulation.Receiver(
         gnss_rate,
         _triple("--position-sigma", position_sigma),
@@ -167,7 +221,7 @@ def drive(
             receiver=receiver,
             odometer=simulation.Odometer(scale_error=odometer_scale, step=odometer_step) if odometer else None,
             truth_rate=truth_rate,
-            celsius=temperature,
+            celsius=celsius,
             quantize=quantize,
             bandwidth=bandwidth,
             vibration=vibration,
@@ -219,6 +273,30 @@ def _check(output: Path, *, force: bool) -> None:
         message = f"--output {output}: a log is written as {' or '.join(SUFFIXES)}"
         raise UsageError(message)
     check_place(output, force=force)
+
+
+def _check_folder(folder: Path, files: list[Path], *, force: bool) -> None:
+    """Say before the work when a folder could not be filled, or holds what would be taken for its logs."""
+    from imuwb.cli.perform import check_place  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.writers import SUFFIXES  # noqa: PLC0415
+
+    if folder.suffix in SUFFIXES:
+        message = f"--output {folder}: chamber writes a folder of logs, one a set-point; give it a name without {folder.suffix}"
+        raise UsageError(message)
+    if not folder.is_dir():
+        check_place(folder, force=False)
+        return
+    held = sorted(set(folder.iterdir()) - set(files))
+    if held or any(file.exists() for file in files):
+        if not force:
+            message = (
+                f"--output {folder}: the folder holds files; --force writes over logs of these names, or choose another"
+            )
+            raise UsageError(message)
+        if held:
+            typer.echo(f"note: {folder} holds {len(held)} other files, such as {held[0].name}: they stay", err=True)
+    for file in files:
+        check_place(file, force=force)
 
 
 def _write(log: Log, output: Path, *, force: bool) -> None:

@@ -48,12 +48,13 @@ def document(
     notes: Sequence[str],
     study: object = None,
 ) -> str:
-    """Return the JSON text of a result."""
-    settings = cast("Mapping[str, object]", plain(parameters))
+    """Return the JSON text of a result; of an analysis with methods, ``"calibration six-position"``, both are told."""
+    name, _, method = analysis.partition(" ")
+    settings = {**({"method": method} if method else {}), **cast("Mapping[str, object]", plain(parameters))}
     content = {
         "imuwb": version,
         "schema": SCHEMA,
-        "analysis": analysis,
+        "analysis": name,
         "level": settings.get("level"),
         "logs": [_log(log) for log in logs],
         "params": settings,

@@ -8,7 +8,7 @@ import numpy as np
 
 from imuwb.analysis import AXIS_COLORS, Series
 from imuwb.readers import summarize
-from imuwb.review.tables import streams_table
+from imuwb.review.tables import streams_of_many, streams_table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,12 +17,19 @@ if TYPE_CHECKING:
     from imuwb.review.recording import RecordingReview
 
 TRACKS = ((242, 142, 43), (118, 183, 178), (176, 122, 161))
+MANY = 3  #: logs; more have no tab each
 LOOKED_AT = 100_000  #: samples, for the middle and the spread of what is drawn
 STILL = 0.1  #: largest spread of an axis, as a share of the distance between axes, that is drawn about its median
 
 
 def overview(logs: Sequence[Log], review: RecordingReview) -> None:
-    """Show the streams of each log over time, its tracks, and a table of what was read."""
+    """Show the streams of each log over time, its tracks, and a table of what was read; of many logs the table alone."""
+    if len(logs) > MANY:
+        review.tab("Overview")
+        review.table(streams_of_many([summarize(log) for log in logs]))
+        for note in dict.fromkeys(note for log in logs for note in log.notes):
+            review.note(note)
+        return
     for log in logs:
         review.tab("Overview" if len(logs) == 1 else f"Overview {log.provenance.path}")
         for imu in log.imus:

@@ -9,26 +9,26 @@ from imuwb.analysis import Table
 from imuwb.log import SECOND
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from imuwb.readers.summary import LogSummary, StreamSummary
+
+HEADINGS = (
+    "stream", "kind", "rows", "rate", "duration", "start", "gaps", "units in file", "frame in file", "repairs",
+)  # fmt: skip
 
 
 def streams_table(summary: LogSummary) -> Table:
     """Return a table of a log's streams: counts, rates, times, gaps and repairs."""
     rows = tuple(_row(stream) for stream in summary.streams)
     caption = f"{summary.path} ({summary.format}{', ' if summary.hash else ''}{summary.hash[:19]}{'…' if summary.hash else ''})"
-    headings = (
-        "stream",
-        "kind",
-        "rows",
-        "rate",
-        "duration",
-        "start",
-        "gaps",
-        "units in file",
-        "frame in file",
-        "repairs",
-    )
-    return Table("Streams", headings, rows, caption)
+    return Table("Streams", HEADINGS, rows, caption)
+
+
+def streams_of_many(summaries: Sequence[LogSummary]) -> Table:
+    """Return one table of the streams of many logs."""
+    rows = tuple((summary.path, *_row(stream)) for summary in summaries for stream in summary.streams)
+    return Table(f"Streams of {len(summaries)} logs", ("log", *HEADINGS), rows, wide=True)
 
 
 def _row(stream: StreamSummary) -> tuple[str, ...]:

@@ -144,5 +144,5 @@ def _turn(before: Floats, after: Floats, count: int, rate: float) -> tuple[Float
     share = (np.arange(count) + 0.5) / count
     speed = angle * np.pi / 2 * np.sin(np.pi * share) / (count / rate)
     gone = angle * (1 - np.cos(np.pi * share)) / 2
-    up = Rotation.from_rotvec(-gone[:, None] * axis).apply(before)
-    return speed[:, None] * axis, up
+    up = np.asarray(Rotation.from_rotvec(-gone[:, None] * axis).apply(before), dtype=np.float64)
+    return np.asarray(speed[:, None] * axis, dtype=np.float64), up

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from imuwb.stochastic.error_model import ImuErrorModel, Thermal
 
 GYROS = 3  #: axes before the first accelerometer
-CLOSE = 1e-14  #: of the largest value, to which a measurement is corrected
+CLOSE = 1e-14  #: of the largest value, measured or true, to which a measurement is corrected
 MOST_TURNS = 200
 NOTHING = AxisModel()
 
@@ -100,12 +100,14 @@ def _solved(model: ImuErrorModel, first: int, measured: Floats, celsius: Floats 
     """Return the triad's motion, by turns: what an axis shows less what is known of the others, over its gain."""
     axes = [model.axes.get(AXES[first + i], NOTHING) for i in range(3)]
     true = np.array(measured)
-    close = CLOSE * max(float(np.abs(measured).max(initial=0.0)), 1e-300)
+    largest = float(np.abs(measured).max(initial=0.0))
     for _ in range(MOST_TURNS):
         before = true.copy()
         for i, axis in enumerate(axes):
             bias = _at(axis.thermal_bias, axis.bias, celsius)
             true[:, i] = (measured[:, i] - bias - _crossed(axis, i, true)) / _gain(axis, true[:, i], celsius)
+        # Of the motion too: what shows as nothing may be one, against a bias.
+        close = CLOSE * max(largest, float(np.abs(true).max(initial=0.0)))
         if not np.abs(true - before).max(initial=0.0) > close:
             return [true[:, i] for i in range(3)]
     message = f"{model.name}: its scale factors and cross-couplings are so large that no motion is shown as measured"

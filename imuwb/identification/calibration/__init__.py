@@ -1,0 +1,53 @@
+"""Calibration: deterministic errors from still positions and from a rate table; arrays in, frozen results out."""
+
+from imuwb.identification.calibration.clipping import clipped
+from imuwb.identification.calibration.estimate import AxisCalibration, Estimate
+from imuwb.identification.calibration.faces import face_name, faces
+from imuwb.identification.calibration.gyro_static import static_gyros
+from imuwb.identification.calibration.magnitude import without_attitudes
+from imuwb.identification.calibration.means import Means, means
+from imuwb.identification.calibration.positions import (
+    PositionCalibration,
+    PrintedCalibration,
+    as_printed,
+    known_attitudes,
+    six_position,
+)
+from imuwb.identification.calibration.rate_table import (
+    Conditions,
+    RateRun,
+    RateTableCalibration,
+    RunFit,
+    bends,
+    rate_table,
+)
+from imuwb.identification.calibration.staircase import Staircase, matched, turned_axis
+from imuwb.identification.calibration.steady import shared, steady
+
+__all__ = [
+    "AxisCalibration",
+    "Conditions",
+    "Estimate",
+    "Means",
+    "PositionCalibration",
+    "PrintedCalibration",
+    "RateRun",
+    "RateTableCalibration",
+    "RunFit",
+    "Staircase",
+    "as_printed",
+    "bends",
+    "clipped",
+    "face_name",
+    "faces",
+    "known_attitudes",
+    "matched",
+    "means",
+    "rate_table",
+    "shared",
+    "six_position",
+    "static_gyros",
+    "steady",
+    "turned_axis",
+    "without_attitudes",
+]

@@ -1,0 +1,139 @@
+"""Least squares with two sources of error: known noise of each row, and an extra one whose size the residuals tell."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import optimize, special
+
+from imuwb.identification.calibration.estimate import Estimate, estimate
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+CHANCE = 0.2  #: at which residuals are called larger than noise makes them; a late alarm would cost coverage
+WEAK = 1e-7  #: smallest singular value over the largest, of a design with columns of length 1
+RANGE = 12.0  #: decades below the residuals' variance in which the extra variance is looked for
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LinearFit:
+    """Parameters of y = X p + noise + extra error."""
+
+    value: Floats  #: (m,)
+    covariance: Floats  #: (m, m)
+    freedom: Floats  #: (m,) of each parameter's variance
+    residual: Floats  #: (n,)
+    extra: float  #: variance of the extra error where its pattern is 1
+    extra_freedom: float  #: rows beyond the parameters
+    probability: float  #: of residuals as large as these by noise alone
+
+    def estimate(self, place: int, level: float, factor: float = 1.0) -> Estimate:
+        """Return a parameter times a factor, with its interval."""
+        variance = float(self.covariance[place, place])
+        return estimate(factor * float(self.value[place]), factor**2 * variance, float(self.freedom[place]), level)
+
+
+def is_determined(design: Floats) -> bool:
+    """Return whether no column of a design, (n, m), is made of the others."""
+    if len(design) < design.shape[1]:
+        return False
+    size = np.linalg.norm(design, axis=0)
+    if not (size > 0).all():
+        return False
+    singular = np.linalg.svd(design / size, compute_uv=False)
+    return bool(singular[-1] > WEAK * singular[0])
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Noise:
+    """Variances of n rows, and how well they are known."""
+
+    variance: Floats  #: (n,)
+    source: NDArray[np.int64]  #: (n,) rows of one source share one estimate
+    freedom: Floats  #: (n,) degrees of freedom of that estimate
+
+
+def fit_linear(design: Floats, y: Floats, noise: Noise, pattern: Floats | None, *, always: bool) -> LinearFit:
+    """Return the weighted least-squares fit.
+
+    Row i has the variance ``noise.variance[i] + extra pattern[i]``; the extra variance is that of the restricted likelihood.
+    Degrees of freedom are Satterthwaite's, from what is known of both variances.
+
+    Args:
+        design: (n, m).
+        y: (n,).
+        noise: of the rows.
+        pattern: (n,) shares of the extra error, 0 or more; None: there is none.
+        always: allow for the extra error even where residuals do not show it.
+
+    Raises:
+        ValueError: the rows leave parameters open.
+    """
+    if not is_determined(design):
+        message = f"{design.shape[1]} parameters are not determined by these {len(design)} rows"
+        raise ValueError(message)
+    variance = np.maximum(noise.variance, np.finfo(float).tiny * 1e20)
+    rest = len(y) - design.shape[1]
+    _, residual = _solved(design, y, variance)
+    chance = float(special.chdtrc(rest, float((residual**2 / variance).sum()))) if rest else 1.0
+    wanted = pattern is not None and rest > 0 and pattern.any() and (always or chance < CHANCE)
+    extra = _restricted(design, y, variance, pattern) if wanted and pattern is not None else 0.0
+    total = variance + (0.0 if pattern is None else extra * pattern)
+    value, residual = _solved(design, y, total)
+    covariance: Floats = np.asarray(np.linalg.inv(design.T @ (design / total[:, None])), dtype=np.float64)
+    changing = _uncertainty(design, covariance, total, variance, noise)
+    if wanted and pattern is not None:
+        changing = changing + _extra_uncertainty(design, covariance, total, pattern)
+    with np.errstate(divide="ignore"):
+        degrees = 2 * np.diag(covariance) ** 2 / changing
+    return LinearFit(value, covariance, np.clip(degrees, 1.0, 1e6), residual, extra, float(rest), chance)
+
+
+def _solved(design: Floats, y: Floats, variance: Floats) -> tuple[Floats, Floats]:
+    root = np.sqrt(variance)
+    value: Floats = np.asarray(np.linalg.lstsq(design / root[:, None], y / root, rcond=None)[0], dtype=np.float64)
+    return value, y - design @ value
+
+
+def _restricted(design: Floats, y: Floats, variance: Floats, pattern: Floats) -> float:
+    """Return the extra variance of the largest restricted likelihood (REML)."""
+    _, residual = _solved(design, y, np.ones_like(y))
+    top = float((residual**2).sum()) / max(float(pattern.mean()), 1e-12) + float(variance.max())
+
+    def cost(extra: float) -> float:
+        total = variance + extra * pattern
+        _, left = _solved(design, y, total)
+        information = design.T @ (design / total[:, None])
+        return float(np.log(total).sum() + np.linalg.slogdet(information)[1] + (left**2 / total).sum())
+
+    def cost_at(decade: float) -> float:
+        return cost(top * 10**decade)
+
+    found = optimize.minimize_scalar(cost_at, bounds=(-RANGE, 1.0), method="bounded", options={"xatol": 1e-4})
+    best = top * 10 ** float(found.x)
+    return best if cost(best) < cost(0.0) else 0.0
+
+
+def _uncertainty(design: Floats, covariance: Floats, total: Floats, variance: Floats, noise: Noise) -> Floats:
+    """Return the variance of each parameter's variance that the noise's uncertain variance makes."""
+    effect = (covariance @ design.T / total) ** 2 * variance  # (m, n): of a relative change of a row's variance
+    found = np.zeros(len(covariance))
+    for source in np.unique(noise.source):
+        rows = noise.source == source
+        found += effect[:, rows].sum(axis=1) ** 2 * 2 / float(noise.freedom[rows].min())
+    return found
+
+
+def _extra_uncertainty(design: Floats, covariance: Floats, total: Floats, pattern: Floats) -> Floats:
+    """Return likewise for the extra variance, from its restricted information."""
+    inverse = np.diag(1 / total)
+    project = inverse - inverse @ design @ covariance @ design.T @ inverse
+    weighted = project * pattern
+    information = float(np.trace(weighted @ weighted)) / 2
+    effect = (covariance @ design.T / total) ** 2 @ pattern
+    return effect**2 / max(information, np.finfo(float).tiny)

@@ -1,0 +1,129 @@
+"""Accelerometers without equipment: whatever the attitude, what is still feels one gravity.
+
+Positions need no known attitude, so the result knows no case: its frame has the x axis of the x accelerometer, and the y axis
+in the plane of the x and y accelerometers. In it measured = A force + b with a lower triangular A: three scale factors, three
+cross-couplings (x into y, x and y into z), and the parameters are those that make |A⁻¹ (measured - b)| = g.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.identification.calibration.estimate import AxisCalibration, Estimate
+from imuwb.identification.calibration.least_squares import LinearFit, Noise, fit_linear, is_determined
+from imuwb.identification.calibration.positions import PositionCalibration
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from imuwb.identification.calibration.means import Means
+
+    Floats = NDArray[np.float64]
+
+FEWEST = 9  #: positions: as many as parameters
+CLOSE = 1e-12  #: relative change of the parameters at which turns end
+MOST_TURNS = 60
+#: of the design's columns, the smallest singular value over the largest; below, positions lie too close to each other
+WEAKEST = 0.02
+_LOWER = np.tril_indices(3)
+
+
+def without_attitudes(means: Means, gravity: float, level: float, *, raw: bool = False) -> PositionCalibration:
+    """Return bias, scale factors and the three cross-couplings that show without known attitudes.
+
+    Args:
+        means: of the accelerometers, P positions, at least 9, spread over all directions.
+        gravity: m/s².
+        level: of the intervals.
+        raw: in counts or volts.
+
+    Raises:
+        ValueError: too few positions, or positions that leave parameters open.
+    """
+    if len(means.value) < FEWEST:
+        message = f"{len(means.value)} positions; nine parameters without known attitudes take {FEWEST} or more"
+        raise ValueError(message)
+    matrix, bias = _start(means.value, gravity, raw=raw)
+    design, y, fit = np.empty(0), np.empty(0), None
+    for _ in range(MOST_TURNS):
+        design, y, variance = _linearised(means, matrix, bias, gravity)
+        if not _spread(design):
+            message = (
+                "the positions point into too few directions to tell nine parameters apart; "
+                "turn the sensor so that each axis points up, down and aslant"
+            )
+            raise ValueError(message)
+        fit = fit_linear(design, y, _noise(means, variance), np.ones(len(y)), always=False)
+        matrix, bias, change = _moved(matrix, bias, fit.value, gravity)
+        if change < CLOSE:
+            break
+    else:
+        message = "no parameters make these positions feel one gravity; is each of them still, and the unit right?"
+        raise ValueError(message)
+    force: Floats = np.asarray(np.linalg.solve(matrix, (means.value - bias).T).T, dtype=np.float64)
+    return _result(means, fit, matrix, bias, force, gravity, level)
+
+
+def _start(value: Floats, gravity: float, *, raw: bool) -> tuple[Floats, Floats]:
+    """Return a first gain and bias: none of either, or what the extremes of counts say."""
+    if not raw:
+        return np.eye(3), np.zeros(3)
+    low, high = value.min(axis=0), value.max(axis=0)
+    return np.diag((high - low) / (2 * gravity)), (high + low) / 2
+
+
+def _linearised(means: Means, matrix: Floats, bias: Floats, gravity: float) -> tuple[Floats, Floats, Floats]:
+    """Return the design (P, 9: bias, then A by rows), what is missing to one gravity, and its variance."""
+    inverse = np.linalg.inv(matrix)
+    force = (means.value - bias) @ inverse.T
+    size = np.linalg.norm(force, axis=1)
+    along = force / size[:, None] @ inverse  # change of |force| with each reading
+    slope = np.concatenate([along, along[:, _LOWER[0]] * force[:, _LOWER[1]]], axis=1)
+    return slope, size - gravity, (along**2 * means.variance).sum(axis=1)
+
+
+def _noise(means: Means, variance: Floats) -> Noise:
+    count = len(variance)
+    return Noise(variance, np.zeros(count, dtype=np.int64), np.full(count, float(means.freedom.sum())))
+
+
+def _spread(design: Floats) -> bool:
+    if not np.isfinite(design).all() or not is_determined(design):
+        return False
+    singular = np.linalg.svd(design / np.linalg.norm(design, axis=0), compute_uv=False)
+    return bool(singular[-1] > WEAKEST * singular[0])
+
+
+def _moved(matrix: Floats, bias: Floats, change: Floats, gravity: float) -> tuple[Floats, Floats, float]:
+    step = np.zeros((3, 3))
+    step[_LOWER] = change[3:]
+    size = float(np.abs(np.diag(matrix)).max())
+    relative = max(float(np.abs(step).max()) / size, float(np.abs(change[:3]).max()) / (size * gravity))
+    return matrix + step, bias + change[:3], relative
+
+
+def _result(
+    means: Means, fit: LinearFit, matrix: Floats, bias: Floats, force: Floats, gravity: float, level: float
+) -> PositionCalibration:
+    at = {(int(i), int(j)): 3 + k for k, (i, j) in enumerate(zip(*_LOWER, strict=True))}
+
+    def found(place: int, value: float) -> Estimate:
+        e = fit.estimate(place, level)  # the last change is 0, its interval the parameter's
+        half = (e.upper - e.lower) / 2
+        return Estimate(value, e.sigma, value - half, value + half)
+
+    axes = tuple(
+        AxisCalibration(
+            found(i, float(bias[i])),
+            found(at[i, i], float(matrix[i, i]) - 1),
+            None,
+            tuple(found(at[i, j], float(matrix[i, j])) if (i, j) in at else None for j in range(3) if j != i),  # type: ignore[arg-type]
+        )
+        for i in range(3)
+    )
+    size = np.linalg.norm(force, axis=1, keepdims=True)
+    true = force / size * gravity
+    residual = means.value - bias - true @ matrix.T
+    return PositionCalibration(axes, true, residual, np.sqrt(means.variance), None, fit.extra_freedom, fit.probability)  # type: ignore[arg-type]

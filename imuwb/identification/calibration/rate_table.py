@@ -1,0 +1,193 @@
+"""Gyros on a rate table: bias, scale factor, its non-linear part, and cross-couplings (Hassaballa, 3.1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import special
+
+from imuwb.identification.calibration.estimate import AxisCalibration, Estimate, estimate
+from imuwb.identification.calibration.gyro_static import EARTH_RATE, MIDDLE
+from imuwb.identification.calibration.least_squares import LinearFit, Noise, fit_linear, is_determined
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from imuwb.identification.calibration.means import Means
+
+    Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class RateRun:
+    """One run of the table with one axis along the table's."""
+
+    name: str
+    axis: int  #: which gyro turns
+    rate: Floats  #: (k,) rad/s of each step
+    length: Floats  #: (k,) s
+    means: Means  #: of the gyros, k steps
+    up: float | None = None  #: +1: the turned axis points up, -1: down, 0: level; None: not known
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class RunFit:
+    """What a run's steps leave."""
+
+    offset: tuple[Estimate, Estimate, Estimate]  #: of each gyro with this attitude, unit of the samples
+    residual: Floats  #: (k, 3)
+    sigma: Floats  #: (k, 3) of the means' noise
+    probability: tuple[float, float, float]  #: of residuals as large as these by noise alone
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class RateTableCalibration:
+    """Gyros from runs of a rate table."""
+
+    axes: tuple[AxisCalibration, AxisCalibration, AxisCalibration]
+    runs: tuple[RunFit, ...]  #: as the runs that were given
+
+
+@dataclass(frozen=True, slots=True)
+class Conditions:
+    """What is known of the table."""
+
+    latitude: float | None = None  #: rad; None: not known
+    misplacement: float = 0.0  #: rad, rms, of the sensor's axis against the table's
+    full_range: float | None = None  #: rad/s, of which the non-linear part is a share; None: it is left out
+    forces_known: bool = False  #: g-sensitivity is off the samples: offsets of all runs are one bias
+    level: float = 0.95
+
+
+def rate_table(runs: Sequence[RateRun], conditions: Conditions) -> RateTableCalibration:
+    """Return what runs tell; axes that none turns have a bias and couplings alone.
+
+    A run's offset holds what gravity makes of g-sensitivity in its attitude. So the bias is the mean over runs, with the
+    interval of their scatter, unless forces are known; of one run alone, it is that attitude's.
+
+    Args:
+        runs: each with one axis along the table's, which stands upright; an axis may be turned by several.
+        conditions: of the table.
+
+    Raises:
+        ValueError: a run whose steps do not part its offset from its scale factor.
+    """
+    fits = [[_fit(run, axis, conditions) for axis in range(3)] for run in runs]
+    axes = tuple(_axis(axis, runs, [fit[axis] for fit in fits], conditions) for axis in range(3))
+    found = tuple(
+        RunFit(
+            tuple(fit.estimate(0, conditions.level) for fit in three),  # type: ignore[arg-type]
+            np.stack([fit.residual for fit in three], axis=1),
+            np.sqrt(run.means.variance),
+            tuple(fit.probability for fit in three),  # type: ignore[arg-type]
+        )
+        for run, three in zip(runs, fits, strict=True)
+    )
+    return RateTableCalibration(axes, found)  # type: ignore[arg-type]
+
+
+def bends(rate: Floats, full_range: float | None) -> bool:
+    """Return whether rates part a non-linear scale factor from the linear one: two magnitudes, one of them turned both ways."""
+    return full_range is not None and np.unique(np.abs(rate[rate != 0])).size > 1 and rate.size > 3  # noqa: PLR2004 - and a row to spare
+
+
+def _fit(run: RateRun, axis: int, conditions: Conditions) -> LinearFit:
+    columns = [np.ones_like(run.rate), run.rate]
+    if axis == run.axis and bends(run.rate, conditions.full_range):
+        columns.append(run.rate * np.abs(run.rate) / (conditions.full_range or 1.0))
+    design = np.stack(columns, axis=1)
+    if not is_determined(design):
+        message = (
+            f"{run.name}: {np.unique(run.rate).size} different rates do not part bias and scale factor; turn both ways"
+        )
+        raise ValueError(message)
+    earth = _earth_across(run, conditions) if axis != run.axis else np.zeros_like(run.rate)
+    variance = run.means.variance[:, axis]
+    count = run.rate.size
+    noise = Noise(variance + earth, np.zeros(count, dtype=np.int64), np.full(count, run.means.freedom[axis]))
+    value = run.means.value[:, axis] - (_vertical(run, conditions) if axis == run.axis else 0.0)
+    return fit_linear(design, value, noise, np.ones(count), always=False)
+
+
+def _vertical(run: RateRun, conditions: Conditions) -> float:
+    """Return the earth's rate along the turned axis, rad/s, as far as it is known."""
+    if conditions.latitude is None or run.up is None:
+        return 0.0
+    return EARTH_RATE * float(np.sin(conditions.latitude)) * run.up
+
+
+def _earth_across(run: RateRun, conditions: Conditions) -> Floats:
+    """Return the variance that the earth's horizontal rate leaves in a step's mean: it goes round with the table."""
+    horizontal = EARTH_RATE * (MIDDLE if conditions.latitude is None else float(np.cos(conditions.latitude)))
+    left = np.minimum(1.0, 2 / np.maximum(np.abs(run.rate) * run.length, 1e-12))
+    return (horizontal * left) ** 2 / 2
+
+
+def _axis(axis: int, runs: Sequence[RateRun], fits: Sequence[LinearFit], conditions: Conditions) -> AxisCalibration:
+    level = conditions.level
+    own = [fit for run, fit in zip(runs, fits, strict=True) if run.axis == axis]
+    scale = _joined([(fit.value[1] - 1, fit.covariance[1, 1], fit.freedom[1]) for fit in own], level)
+    bent = [(fit.value[2], fit.covariance[2, 2], fit.freedom[2]) for fit in own if len(fit.value) > 2]  # noqa: PLR2004 - offset, gain, bend
+    crossed: list[Estimate | None] = []
+    for other in (k for k in range(3) if k != axis):
+        tilt = conditions.misplacement**2 * _gain(fits, runs, axis) ** 2
+        rows = [
+            (fit.value[1], fit.covariance[1, 1] + tilt, _with_known(fit.covariance[1, 1], tilt, float(fit.freedom[1])))
+            for run, fit in zip(runs, fits, strict=True)
+            if run.axis == other
+        ]
+        crossed.append(_joined(rows, level))
+    return AxisCalibration(_bias(axis, runs, fits, conditions), scale, _joined(bent, level), (crossed[0], crossed[1]))
+
+
+def _gain(fits: Sequence[LinearFit], runs: Sequence[RateRun], axis: int) -> float:
+    """Return the gain of an axis, by which a tilt shows; 1 where it is not known."""
+    own = [float(fit.value[1]) for run, fit in zip(runs, fits, strict=True) if run.axis == axis]
+    return own[0] if own else 1.0
+
+
+def _with_known(variance: float, known: float, freedom: float) -> float:
+    """Return the degrees of freedom of a variance with a known one on top."""
+    return freedom * ((variance + known) / variance) ** 2 if variance > 0 else 1e6
+
+
+def _bias(axis: int, runs: Sequence[RateRun], fits: Sequence[LinearFit], conditions: Conditions) -> Estimate:
+    unknown = [
+        (EARTH_RATE * MIDDLE) ** 2 if run.axis == axis and (conditions.latitude is None or run.up is None) else 0.0
+        for run in runs
+    ]
+    rows = [
+        (fit.value[0], fit.covariance[0, 0] + more, float(fit.freedom[0]))
+        for fit, more in zip(fits, unknown, strict=True)
+    ]
+    if len(rows) == 1 or conditions.forces_known:
+        found = _joined(rows, conditions.level)
+        assert found is not None  # noqa: S101 - there is a run
+        return found
+    offsets = np.array([value for value, *_ in rows])
+    spread = float(offsets.var(ddof=1)) / offsets.size
+    inner = sum(variance for _, variance, _ in rows) / len(rows) ** 2
+    # The scatter holds the noise as well; by chance it may come out below it.
+    return estimate(float(offsets.mean()), max(spread, inner), len(rows) - 1, conditions.level)
+
+
+def _joined(rows: Sequence[tuple[float, float, float]], level: float) -> Estimate | None:
+    """Return the weighted mean of (value, variance, degrees of freedom); None of none.
+
+    Where they lie farther apart than their variances allow (chi-square, 5 %), its variance grows so that they do not.
+    """
+    if not rows:
+        return None
+    value, variance, freedom = (np.array(part, dtype=np.float64) for part in zip(*rows, strict=True))
+    weight = 1 / np.maximum(variance, np.finfo(float).tiny * 1e20)
+    mean = float(weight @ value / weight.sum())
+    own = 1 / weight.sum()
+    degrees = own**2 / float(((weight / weight.sum()) ** 4 * variance**2 / freedom).sum())
+    square, rest = float(weight @ (value - mean) ** 2), len(rows) - 1
+    if rest and special.chdtrc(rest, square) < 0.05:  # noqa: PLR2004 - the level that the docstring says
+        return estimate(mean, own * square / rest, rest, level)
+    return estimate(mean, own, degrees, level)

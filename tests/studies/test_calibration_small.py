@@ -1,0 +1,40 @@
+"""The study with few sensors: its figures must lie within what chance allows."""
+
+import sys
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+
+import pytest
+from scipy import stats
+
+HERE = Path(__file__).parent
+RARE = 1e-4
+
+
+@pytest.fixture(scope="module")
+def tables():
+    sys.path.insert(0, str(HERE))
+    spec = spec_from_file_location("study_calibration", HERE / "calibration.py")
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    yield module.study(records=4, workers=1)
+    sys.path.remove(str(HERE))
+
+
+def test_intervals_hold_the_truth(tables):
+    summary = tables[0]
+    assert summary.column("method") == (
+        "six-position", "rate-table", "multi-position, attitudes known", "multi-position, attitudes unknown",
+    )  # fmt: skip
+    for share, count in zip(summary.column("inside, pooled"), summary.column("parameters"), strict=True):
+        assert share.of == 4 * count
+        # Parameters of a record share their residuals' variance, so that misses come together: a third of them count.
+        assert stats.binom.cdf(share.count // 3, share.of // 3, 0.95) > RARE
+
+
+def test_what_is_left_is_the_sensors_noise(tables):
+    *_, whole = tables[1].rows
+    share, *ratios = whole[1:]
+    assert stats.binom.cdf(share.count, share.of, 0.95) > RARE
+    for mean in ratios:
+        assert abs(mean.off) < 4
