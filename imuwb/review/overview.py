@@ -23,31 +23,32 @@ STILL = 0.1  #: largest spread of an axis, as a share of the distance between ax
 
 
 def overview(logs: Sequence[Log], review: RecordingReview) -> None:
-    """Show the streams of each log over time, its tracks, and a table of what was read; of many logs the table alone."""
-    if len(logs) > MANY:
+    """Show the streams of each log over time, its tracks, and a table of what was read; of many logs the first stands for all."""
+    many = len(logs) > MANY
+    if many:
         review.tab("Overview")
         review.table(streams_of_many([summarize(log) for log in logs]))
-        for note in dict.fromkeys(note for log in logs for note in log.notes):
-            review.note(note)
-        return
-    for log in logs:
+    for log in logs[:1] if many else logs:
         review.tab("Overview" if len(logs) == 1 else f"Overview {log.provenance.path}")
-        for imu in log.imus:
-            if imu.angular_rate is not None:
-                review.series(_triad(imu, imu.angular_rate, "angular rate", "gyro", "deg/s", np.degrees(1.0)))
-            if imu.specific_force is not None:
-                review.series(_triad(imu, imu.specific_force, "specific force", "accel", "m/s²", 1.0))
-            if imu.temperature is not None:
-                t, epoch = imu.temperature, imu.origin.epoch
-                title = f"{imu.name} temperature"
-                review.series(
-                    Series(title, "°C", t.time, t.value[:, None], ("temperature",), ((200, 200, 200),), epoch)
-                )
-        for gnss, color in zip(log.gnss, TRACKS, strict=False):
-            review.track(gnss.name, gnss.position, color)
-        review.table(streams_table(summarize(log)))
-        for note in log.notes:
-            review.note(note)
+        _streams(log, review)
+        if not many:
+            review.table(streams_table(summarize(log)))
+    for note in dict.fromkeys(note for log in logs for note in log.notes):
+        review.note(note)
+
+
+def _streams(log: Log, review: RecordingReview) -> None:
+    for imu in log.imus:
+        if imu.angular_rate is not None:
+            review.series(_triad(imu, imu.angular_rate, "angular rate", "gyro", "deg/s", np.degrees(1.0)))
+        if imu.specific_force is not None:
+            review.series(_triad(imu, imu.specific_force, "specific force", "accel", "m/s²", 1.0))
+        if imu.temperature is not None:
+            t, epoch = imu.temperature, imu.origin.epoch
+            title = f"{imu.name} temperature"
+            review.series(Series(title, "°C", t.time, t.value[:, None], ("temperature",), ((200, 200, 200),), epoch))
+    for gnss, color in zip(log.gnss, TRACKS, strict=False):
+        review.track(gnss.name, gnss.position, color)
 
 
 def _triad(imu: ImuStream, triad: Triad, what: str, sensor: str, unit: str, scale: float) -> Series:
