@@ -10,7 +10,7 @@ from imuwb.errors import UsageError
 @pytest.mark.parametrize(
     ("text", "named"),
     [
-        ("nope", "no such conditioner; there are bandwidth, bias, decimate, kaiser, wavelet"),
+        ("nope", "no such conditioner; there are bandwidth, bias, correction, decimate, kaiser, wavelet"),
         (":", "no such conditioner"),
         ("wavelet:depth=3", "wavelet: no parameter 'depth'; there are levels"),
         ("bandwidth", "bandwidth: it needs cutoff"),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from imuwb.cli.simulate.options import SENSOR, Quantize, Rate, check_folder
 from imuwb.errors import UsageError
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from imuwb.simulation import Site
     from imuwb.stochastic import ImuErrorModel
 
-SENSOR, BENCH = "The IMU", "The bench"
+BENCH = "The bench"
 TRUTH, ATTITUDES = "truth.toml", "attitudes.csv"
 
 _Output = Annotated[Path, typer.Option("--output", "-o", help="The folder of the logs.", metavar="FOLDER")]
@@ -39,12 +40,10 @@ _Model = Annotated[
         rich_help_panel=SENSOR,
     ),
 ]
-_Rate = Annotated[float, typer.Option(help="Samples a second, Hz.", metavar="HZ", rich_help_panel=SENSOR)]
 _Seed = Annotated[int, typer.Option(help="Of the sensor and all noise; the same seed gives the same logs.", min=0)]
 _Temperature = Annotated[
     float | None, typer.Option(help="Of the sensor, °C.", metavar="CELSIUS", rich_help_panel=SENSOR)
 ]
-_Quantize = Annotated[bool, typer.Option("--quantize", help="Round to the model's lsb.", rich_help_panel=SENSOR)]
 _Misplacement = Annotated[
     float, typer.Option(help="rms of each of two tilts, deg.", metavar="DEG", rich_help_panel=BENCH)
 ]
@@ -74,10 +73,10 @@ def six_position(
     ] = False,
     latitude: _Latitude = None,
     height: _Height = 0.0,
-    rate: _Rate = 100.0,
+    rate: Rate = 100.0,
     seed: _Seed = 0,
     temperature: _Temperature = None,
-    quantize: _Quantize = False,
+    quantize: Quantize = False,
     kind: _Format = "mcap",
     force: _Force = False,
 ) -> None:
@@ -86,7 +85,7 @@ def six_position(
     from imuwb.cli.terminal import progress  # noqa: PLC0415
 
     model = _specimen(preset, error_model, seed)
-    _check(output, force=force)
+    check_folder(output, [], force=force)
     with progress("simulating") as report:
         made = simulation.six_position(
             model,
@@ -119,10 +118,10 @@ def rate_table(
     misplacement: _Misplacement = 0.05,
     latitude: _Latitude = None,
     height: _Height = 0.0,
-    rate: _Rate = 100.0,
+    rate: Rate = 100.0,
     seed: _Seed = 0,
     temperature: _Temperature = None,
-    quantize: _Quantize = False,
+    quantize: Quantize = False,
     kind: _Format = "mcap",
     force: _Force = False,
 ) -> None:
@@ -136,7 +135,7 @@ def rate_table(
     except ValueError as error:
         message = f"--rates {rates!r}: write deg/s with commas between, as 10,50,100"
         raise UsageError(message) from error
-    _check(output, force=force)
+    check_folder(output, [], force=force)
     with progress("simulating") as report:
         made = simulation.rate_table(
             model,
@@ -180,23 +179,6 @@ def _site(latitude: float | None, height: float) -> Site:
         raise UsageError(message)
     angle = math.radians(latitude)
     return Site(float(gravity(np.array([angle]), np.array([height]))[0]), angle)
-
-
-def _check(folder: Path, *, force: bool) -> None:
-    """Say before the work when the folder could not be filled, or holds what would be mixed with the logs."""
-    from imuwb.cli.perform import check_place  # noqa: PLC0415 - help must not wait for numpy
-    from imuwb.writers import SUFFIXES  # noqa: PLC0415
-
-    if folder.suffix in SUFFIXES:
-        message = f"--output {folder}: a folder of logs is written; give it a name without {folder.suffix}"
-        raise UsageError(message)
-    if not folder.is_dir():
-        check_place(folder, force=False)
-    elif any(folder.iterdir()) and not force:
-        message = (
-            f"--output {folder}: the folder holds files; --force writes over those of the same names, or choose another"
-        )
-        raise UsageError(message)
 
 
 def _write(logs: Mapping[str, Log], folder: Path, kind: str, texts: Mapping[str, str], *, force: bool) -> None:
