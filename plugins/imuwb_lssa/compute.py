@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from imuwb.axes import Axis
-    from imuwb.identification.lssa import Adjusted, Extraction, Hypothesis, Significance, Spectrum
+    from imuwb.identification.lssa import Extraction, Hypothesis, Significance, Spectrum
     from imuwb.log import Floats, Log
     from imuwb_lssa.parameters import Parameters
 
@@ -61,7 +61,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
         message = f"{log.provenance.path}: {imu.name}: no axis has a spectrum: {next(iter(results.values())).why_none}"
         raise MissingDataError(message)
     notes = [f"{name}: {r.why_none}" for name, r in results.items() if r.why_none]
-    notes += _band_notes(results)
+    notes += _band_notes(results, parameters)
     return Result(
         imu.name, parameters.level, parameters.confidence, parameters.noise, parameters.scale, results, tuple(notes)
     )
@@ -72,11 +72,14 @@ def _noise(parameters: Parameters) -> Noise:
     if not file:
         return Noise(cast("object", kind), order, correlation_time)  # type: ignore[arg-type]
     try:
-        covariance = np.load(Path(file), allow_pickle=False)
-    except (OSError, ValueError) as error:
-        message = f"--noise covariance:{file}: cannot be read as a numpy array: {error}"
+        covariance = np.asarray(np.load(Path(file), allow_pickle=False)).astype(float, casting="same_kind")
+    except (OSError, EOFError, ValueError, TypeError) as error:
+        message = f"--noise covariance:{file}: cannot be read as one array of numbers (.npy): {error}"
         raise UsageError(message) from error
-    return Noise("covariance", covariance=np.asarray(covariance, dtype=float))
+    if covariance.ndim != 2:  # noqa: PLR2004 - rows and columns
+        message = f"--noise covariance:{file}: an array of shape {covariance.shape}; a covariance is square, n x n"
+        raise UsageError(message)
+    return Noise("covariance", covariance=covariance)
 
 
 def _check_forced(log: Log, axes: dict[str, Axis], constituents: Constituents) -> None:
@@ -95,7 +98,7 @@ def _check_forced(log: Log, axes: dict[str, Axis], constituents: Constituents) -
 def _axis(
     axis: Axis, parameters: Parameters, constituents: Constituents, noise: Noise, zero: int, band: float
 ) -> AxisResult:
-    why = unsuitable(axis.longest, FEWEST)
+    why = unsuitable(axis.values, FEWEST)  # gaps do no harm
     if why is not None:
         return _nothing(why)
     time = (axis.time - zero) / SECOND
@@ -104,18 +107,21 @@ def _axis(
         usable = usable_band(adjusted)
         highest = min(x for x in (parameters.highest, band, usable.highest) if x is not None)
         spectrum = least_squares_spectrum(adjusted, highest=highest, oversampling=parameters.oversampling)
+        part, series = _longest(axis, time, constituents)
     except ValueError as error:
         return _nothing(str(error))
     found = extract(spectrum, parameters.level, parameters.confidence, parameters.peaks)
     chosen = _chosen(found)
-    shown, one, record = _scaled(spectrum, found.found, parameters.scale, chosen)
+    shown, one, record = _scaled(spectrum, found.left_found, parameters.scale, chosen)
     local = noise.kind == "local"
     critical = (None, None) if local else tuple(100 * s for s in found.found.share_limit(adjusted.freedom))
-    fourier = power_spectrum(axis.longest, axis.clock.interval)
+    frequency, density = _fourier(axis)
+    lines = _named(_lines(series, axis.clock.interval, found, parameters, highest))
+    noise_alone = _without_lines(series, adjusted.time[part], lines)
     return AxisResult(
-        spectrum.frequency[chosen], spectrum.percent[chosen], spectrum.density[chosen], shown, one, record, fourier.frequency,
-        fourier.density, critical[0], critical[1], _named(_lines(axis, found, parameters, highest)), _constituents(spectrum, parameters.confidence),
-        _hypotheses(axis, time, constituents, parameters), tuple(float(a) for a in adjusted.noise.alpha),
+        spectrum.frequency[chosen], spectrum.percent[chosen], spectrum.density[chosen], shown, one, record, frequency, density,
+        critical[0], critical[1], lines, _constituents(spectrum, parameters.confidence),
+        _hypotheses(noise_alone, parameters), tuple(float(a) for a in adjusted.noise.alpha),
         adjusted.noise.correlation_time, spectrum.frequency.size, usable.lowest, usable.highest, usable.mirror, None,
     )  # fmt: skip
 
@@ -124,6 +130,14 @@ def _nothing(why: str) -> AxisResult:
     return AxisResult(
         NONE, NONE, NONE, NONE, NONE, NONE, NONE, NONE, None, None, (), (), (), (), None, 0, 0.0, 0.0, None, why
     )
+
+
+def _fourier(axis: Axis) -> tuple[Floats, Floats]:
+    """Return Welch's spectrum of the longest part without gaps, where that is long enough."""
+    if unsuitable(axis.longest, FEWEST) is not None:
+        return NONE, NONE
+    found = power_spectrum(axis.longest, axis.clock.interval)
+    return found.frequency, found.density
 
 
 def _chosen(found: Extraction) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
@@ -143,7 +157,7 @@ def _scaled(
         whole = spectrum.density, found.limit(spectrum, found.one), found.limit(spectrum, found.record)
     else:
         rest = spectrum.adjusted.rest
-        shares = [2 * x * found.level / rest for x in (found.one, found.record)]
+        shares = [found.reduction(spectrum, x) / rest for x in (found.one, found.record)]
         if scale == "percent":
             whole = spectrum.percent, 100 * shares[0], 100 * shares[1]
         elif scale == "decibels":
@@ -160,9 +174,31 @@ def _scaled(
     return whole[0][chosen], one, record
 
 
-def _lines(axis: Axis, found: Extraction, parameters: Parameters, highest: float) -> list[PeakResult]:
+def _longest(axis: Axis, time: Floats, constituents: Constituents) -> tuple[slice, Floats]:
+    """Return the longest part without gaps, and its series without constituents."""
+    series = adjust(time, axis.values, constituents, interval=axis.clock.interval).residual
+    edges = np.array([0, *axis.clock.breaks, series.size])
+    at = int(np.argmax(np.diff(edges)))
+    part = slice(int(edges[at]), int(edges[at + 1]))
+    return part, np.ascontiguousarray(series[part])
+
+
+def _without_lines(series: Floats, time: Floats, lines: Sequence[PeakResult]) -> Floats:
+    """Return a series without its steady lines, which are no noise.
+
+    Args:
+        series: (n,).
+        time: (n,) s from the axis's first sample on.
+        lines: those found.
+    """
+    for line in lines:
+        if line.phase is not None:
+            series = series - line.amplitude * np.cos(2 * np.pi * line.frequency * time + line.phase)
+    return series
+
+
+def _lines(series: Floats, dt: float, found: Extraction, parameters: Parameters, highest: float) -> list[PeakResult]:
     """Return steady and drifting lines, the largest first."""
-    series, dt = axis.longest, axis.clock.interval
     drifting, steady = drifting_lines(series, dt, found.peaks, parameters.level, parameters.confidence)
     spread = float(np.var(series))
     lines = [
@@ -177,9 +213,9 @@ def _lines(axis: Axis, found: Extraction, parameters: Parameters, highest: float
             line.frequency, line.frequency - line.resolution, line.frequency + line.resolution, line.amplitude, line.lower,
             line.upper, None, None, None, 50 * line.amplitude**2 / spread, None, True, line.in_both_halves, False, "",
         )
-        for line in drifting if line.frequency <= highest and parameters.peaks
+        for line in drifting if line.frequency <= highest
     ]  # fmt: skip
-    return sorted(lines, key=lambda line: -line.amplitude)
+    return sorted(lines, key=lambda line: -line.amplitude)[: parameters.peaks]
 
 
 def _named(lines: Sequence[PeakResult]) -> tuple[PeakResult, ...]:
@@ -213,16 +249,13 @@ def _constituents(spectrum: Spectrum, confidence: float) -> tuple[ConstituentRes
     return tuple(rows)
 
 
-def _hypotheses(
-    axis: Axis, time: Floats, constituents: Constituents, parameters: Parameters
-) -> tuple[HypothesisResult, ...]:
-    """Return tests of the longest part without gaps."""
-    series = adjust(time, axis.values, constituents, interval=axis.clock.interval).residual
-    edges = np.array([0, *axis.clock.breaks, series.size])
-    at = int(np.argmax(np.diff(edges)))
-    part = series[edges[at] : edges[at + 1]]
+def _hypotheses(series: Floats, parameters: Parameters) -> tuple[HypothesisResult, ...]:
+    """Return tests of a series without gaps."""
     try:
-        tests = (is_random_walk(part, parameters.level), is_autoregressive(part, parameters.order, parameters.level))
+        tests = (
+            is_random_walk(series, parameters.level),
+            is_autoregressive(series, parameters.order, parameters.level),
+        )
     except ValueError:
         return ()
     return tuple(_hypothesis(test, parameters) for test in tests)
@@ -230,12 +263,12 @@ def _hypotheses(
 
 def _hypothesis(test: Hypothesis, parameters: Parameters) -> HypothesisResult:
     return HypothesisResult(
-        test.name, test.tenable, test.p_value, test.correlation_p, test.octave_p, tuple(float(a) for a in test.alpha),
+        test.name, test.tenable, test.p_value, test.correlations, test.octaves, tuple(float(a) for a in test.alpha),
         tuple(float(s) for s in test.sigma), float(test.octave_power[0]), words(test, parameters.level, parameters.confidence),
     )  # fmt: skip
 
 
-def _band_notes(results: dict[str, AxisResult]) -> list[str]:
+def _band_notes(results: dict[str, AxisResult], parameters: Parameters) -> list[str]:
     said: dict[str, str] = {}
     for name, r in results.items():
         sensor = name.partition("_")[0]
@@ -244,6 +277,8 @@ def _band_notes(results: dict[str, AxisResult]) -> list[str]:
             said[sensor] = (
                 f"{sensor}: the spacing of its samples tells lines of {r.lowest:.3g} to {r.highest:.5g} Hz apart{also}"
             )
+            if parameters.highest is not None and parameters.highest > r.highest * (1 + 1e-9):
+                said[sensor] += f"; nothing is looked for from there to the {parameters.highest:g} Hz of --highest"
     return list(said.values())
 
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-MOST_OVERSAMPLING, MOST_PEAKS = 8, 50
+MOST_OVERSAMPLING, MOST_PEAKS, MOST_ORDERS = 8, 50, 64
 
 
 @dataclass(frozen=True)
@@ -67,6 +67,9 @@ class Parameters:
         except ValueError as error:
             message = f"{name} is {text!r}; it must be numbers with commas between, such as 0.5,1.5"
             raise ValueError(message) from error
+        if len(set(found)) < len(found):
+            message = f"{name} is {text!r}; each must be there once"
+            raise ValueError(message)
         if not all(least < x < math.inf for x in found):
             message = f"{name} is {text!r}; each must be {'a number' if least < 0 else f'above {least:g}'}"
             raise ValueError(message)
@@ -80,9 +83,9 @@ class Parameters:
         """
         kind, _, rest = self.noise.partition(":")
         try:
-            if kind == "ar":
+            if kind == "ar" and 1 <= int(rest or 1) <= MOST_ORDERS:
                 return "autoregressive", int(rest or 1), None, ""
-            if kind == "gauss-markov":
+            if kind == "gauss-markov" and (not rest or 0 < float(rest) < math.inf):
                 return kind, 0, float(rest) if rest else None, ""
             if kind == "covariance" and rest:
                 return kind, 0, None, rest
@@ -91,7 +94,7 @@ class Parameters:
         except ValueError:
             pass
         message = (
-            f"noise is {self.noise!r}; it must be local, white, ar:P, gauss-markov, gauss-markov:SECONDS, random-walk, "
+            f"noise is {self.noise!r}; it must be local, white, ar:P with P from 1 to {MOST_ORDERS}, gauss-markov, gauss-markov:SECONDS, random-walk, "
             "or covariance:FILE.npy"
         )
         raise ValueError(message)

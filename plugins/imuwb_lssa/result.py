@@ -9,6 +9,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from imuwb.identification.lssa import ChiSquare
+
     Floats = NDArray[np.float64]
 
 
@@ -40,8 +42,8 @@ class HypothesisResult:
     hypothesis: str
     tenable: bool
     p_value: float
-    correlation_p: float  #: of short lags (Ljung-Box)
-    octave_p: float  #: of slow drifts (Bartlett, octaves)
+    correlations: ChiSquare  #: of short lags (Ljung and Box)
+    octaves: ChiSquare  #: of slow drifts (Bartlett)
     alpha: tuple[float, ...]  #: x(n) = -sum alpha x(n-k) + w(n)
     alpha_sigma: tuple[float, ...]
     lowest_octave: float  #: power of the slowest octave over the mean: 1 if tenable

@@ -11,10 +11,12 @@ from imuwb.units import coefficient_units
 
 if TYPE_CHECKING:
     from imuwb.analysis import Review
+    from imuwb.identification.lssa import ChiSquare
     from imuwb_lssa.result import AxisResult, PeakResult, Result
 
 _UNITS = {"gyro": ("deg/s", np.pi / 180), "accel": ("m/s²", 1.0)}
 _SENSORS = {"gyro": "gyroscopes", "accel": "accelerometers"}
+NOTHING_DB = -150.0  #: dB, below which a spectrum says nothing
 LABELLED = 5  #: lines whose frequency stands beside them
 ONE_COLOR, RECORD_COLOR, FOURIER_COLOR = (150, 150, 155), (230, 159, 0), (120, 120, 125)
 
@@ -45,11 +47,15 @@ def _figure(axis: str, found: AxisResult, result: Result) -> Figure:
         "printed": (1.0, "quadratic form over f, eq. 13 as printed [1/Hz]"),
     }[result.scale]
     level = f"{100 * result.level:g} %"
+    nothing = NOTHING_DB if result.scale == "decibels" else 0.0
     curves = [
-        Curve(f"{axis.replace('_', ' ')}, highest in each bin", found.frequency, found.shown / scale, AXIS_COLORS[axis[-1]], style="curve"),
-        Curve(f"{level}, one frequency", found.frequency, found.shown_one / scale, ONE_COLOR, style="curve"),
-        Curve(f"{level}, whole record", found.frequency, found.shown_record / scale, RECORD_COLOR, style="curve"),
-    ]  # fmt: skip
+        Curve(name, found.frequency[values > nothing], values[values > nothing] / scale, color, style="curve")
+        for name, values, color in (
+            (f"{axis.replace('_', ' ')}, highest in each bin", found.shown, AXIS_COLORS[axis[-1]]),
+            (f"{level}, one frequency", found.shown_one, ONE_COLOR),
+            (f"{level}, whole record", found.shown_record, RECORD_COLOR),
+        )
+    ]
     if result.scale == "density":
         curves.append(
             Curve(
@@ -125,16 +131,20 @@ def _verdict(peak: PeakResult) -> str:
 
 def _hypotheses(result: Result) -> Table:
     rows = tuple(
-        (axis, f"H0: {test.hypothesis}", test.words, _probability(test.correlation_p), _probability(test.octave_p), f"{test.lowest_octave:.3g} times")
+        (axis, f"H0: {test.hypothesis}", test.words, _statistic(test.correlations), _statistic(test.octaves), f"{test.lowest_octave:.3g} times")
         for axis, found in result.axes.items()
         for test in found.hypotheses
     )  # fmt: skip
     caption = (
         f"At {100 * result.level:g} %; C is of b(k+1) = C b(k) + e (El-Diasty), the negative of alpha in x(n) = -alpha x(n-1) + w(n). "
-        "Tests of whitened samples: short lags by Ljung and Box, slow drifts by Bartlett's test of the octaves' powers."
+        "Tests of whitened samples without steady lines, the longest part without gaps: short lags by Ljung and Box, slow drifts by Bartlett's test of the octaves' powers."
     )
-    headings = ("axis", "hypothesis", "what the tests say", "p, short lags", "p, slow drifts", "slowest octave has")
+    headings = ("axis", "hypothesis", "what the tests say", "short lags", "slow drifts", "slowest octave has")
     return Table("What the noise is", headings, rows, caption, wide=True)
+
+
+def _statistic(test: ChiSquare) -> str:
+    return f"{test.value:.4g} of chi-square {test.freedom}, p {_probability(test.probability)}"
 
 
 def _constituents(result: Result) -> Table:

@@ -2,7 +2,7 @@
 
 from imuwb.identification.lssa.constituents import TRENDS, Constituents
 from imuwb.identification.lssa.drifting import DriftingLine, drifting_lines
-from imuwb.identification.lssa.hypotheses import Hypothesis, is_autoregressive, is_random_walk, words
+from imuwb.identification.lssa.hypotheses import ChiSquare, Hypothesis, is_autoregressive, is_random_walk, words
 from imuwb.identification.lssa.noise import Noise, NoiseFit
 from imuwb.identification.lssa.peaks import Extraction, Peak, extract
 from imuwb.identification.lssa.significance import Significance, significance
@@ -12,6 +12,7 @@ from imuwb.identification.lssa.usable import UsableBand, usable_band
 __all__ = [
     "TRENDS",
     "Adjusted",
+    "ChiSquare",
     "Constituents",
     "DriftingLine",
     "Extraction",

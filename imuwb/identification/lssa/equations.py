@@ -148,5 +148,5 @@ def _dense(time: Floats, whitening: Dense, basis: Floats, grid: Grid) -> Floats:
         found[3, part] = np.einsum("ij,ij->j", both, both).reshape(2, width).sum(axis=0)
         both -= basis @ (basis.T @ both)
         c, s = both[:, :width], both[:, width:]
-        found[:, part] = np.einsum("ij,ij->j", c, c), np.einsum("ij,ij->j", c, s), np.einsum("ij,ij->j", s, s)
+        found[:3, part] = np.einsum("ij,ij->j", c, c), np.einsum("ij,ij->j", c, s), np.einsum("ij,ij->j", s, s)
     return found

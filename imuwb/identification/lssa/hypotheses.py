@@ -25,6 +25,15 @@ LAGS = 20
 FIRST_OCTAVE = 4  #: frequencies in the lowest band
 
 
+@dataclass(frozen=True, slots=True)
+class ChiSquare:
+    """A statistic, and how probable one as large is if the structure is right."""
+
+    value: float
+    freedom: int
+    probability: float
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Hypothesis:
     """A structure of the noise, and whether it is tenable."""
@@ -33,8 +42,8 @@ class Hypothesis:
     order: int  #: p; 0 of the random walk
     tenable: bool
     p_value: float
-    correlation_p: float  #: of short lags
-    octave_p: float  #: of slow drifts
+    correlations: ChiSquare  #: of short lags (Ljung and Box)
+    octaves: ChiSquare  #: of slow drifts (Bartlett)
     alpha: Floats  #: (p,) x(n) = -sum alpha x(n-k) + w(n)
     sigma: Floats  #: (p,) standard errors if the structure is right
     octave_frequency: Floats  #: (b,) cycles a sample, middle of each octave
@@ -81,27 +90,29 @@ def _tested(name: str, order: int, rows: Floats, alpha: Floats, level: float, n:
     if not rows.any():
         message = "the series is constant, or its steps are: there is no noise to test"
         raise ValueError(message)
-    correlation_p = _correlations(rows, order)
-    frequency, power, octave_p = _octaves(rows)
-    p_value = min(1.0, 2 * min(correlation_p, octave_p))
+    correlations = _correlations(rows, order)
+    frequency, power, octaves = _octaves(rows)
+    p_value = min(1.0, 2 * min(correlations.probability, octaves.probability))
     sigma = _standard_errors(alpha, n) if order else np.empty(0)
-    return Hypothesis(
-        name, order, p_value > 1 - level, p_value, correlation_p, octave_p, alpha, sigma, frequency, power
-    )
+    return Hypothesis(name, order, p_value > 1 - level, p_value, correlations, octaves, alpha, sigma, frequency, power)
 
 
-def _correlations(rows: Floats, parameters: int) -> float:
-    """Return the probability of the first lags' correlations (Ljung and Box)."""
+def _correlations(rows: Floats, parameters: int) -> ChiSquare:
+    """Return the statistic of the first lags' correlations (Ljung and Box)."""
     n, lags = rows.size, LAGS + parameters
     length = fft.next_fast_len(n + lags + 1, real=True)
     power = np.abs(fft.rfft(rows, length)) ** 2
     covariance = fft.irfft(power, length)[: lags + 1]
     r = covariance[1:] / covariance[0]
-    return float(chi_square_tail(n * (n + 2) * np.sum(r**2 / (n - np.arange(1, lags + 1))), lags - parameters))
+    return _chi_square(n * (n + 2) * float(np.sum(r**2 / (n - np.arange(1, lags + 1)))), lags - parameters)
 
 
-def _octaves(rows: Floats) -> tuple[Floats, Floats, float]:
-    """Return the middle frequencies of octaves, their power, and the probability that they are equal (Bartlett)."""
+def _chi_square(value: float, freedom: int) -> ChiSquare:
+    return ChiSquare(value, freedom, float(chi_square_tail(value, freedom)))
+
+
+def _octaves(rows: Floats) -> tuple[Floats, Floats, ChiSquare]:
+    """Return the middle frequencies of octaves, their power, and the statistic of its being equal (Bartlett)."""
     power = np.abs(fft.rfft(rows)[1 : (rows.size + 1) // 2]) ** 2
     edges = [0, FIRST_OCTAVE]
     while 2 * edges[-1] < power.size:
@@ -115,7 +126,7 @@ def _octaves(rows: Floats) -> tuple[Floats, Floats, float]:
     statistic = whole * np.log(pooled) - freedom @ np.log(mean)
     statistic /= 1 + (np.sum(1 / freedom) - 1 / whole) / (3 * (count.size - 1))
     middle = np.sqrt((np.array(edges[:-1]) + 1) * np.array(edges[1:])) / rows.size
-    return middle, mean / pooled, float(chi_square_tail(statistic, count.size - 1))
+    return middle, mean / pooled, _chi_square(float(statistic), count.size - 1)
 
 
 def _standard_errors(alpha: Floats, n: int) -> Floats:

@@ -41,6 +41,15 @@ class Significance:
     one: float  #: exceedance that is significant at one frequency that was chosen before
     record: float  #: that is significant anywhere in the record
     probability: float  #: 1 - the level of both
+    neighbours: NDArray[np.int64] | None  #: (m,) that the level is the mean of; None: it is that of the whole residual
+
+    def reduction(self, spectrum: Spectrum, exceedance: float) -> Floats:
+        """Return the quadratic form, (m,), that a line must take off for an exceedance; 0 where there is no level."""
+        if self.neighbours is None:
+            adjusted = spectrum.adjusted
+            return np.full(self.level.size, -adjusted.rest * np.expm1(-2 * exceedance / (adjusted.freedom - 2)))
+        count = np.maximum(self.neighbours, 1)
+        return 2 * self.level * count * np.expm1(exceedance / count)
 
     def share_limit(self, freedom: int) -> tuple[float, float]:
         """Return the shares s of both limits, where the noise's level is that of the whole residual."""
@@ -51,7 +60,7 @@ class Significance:
         """Return the density, (m,) unit²/Hz, that a line needs for an exceedance."""
         safe = np.where(spectrum.reduction > 0, spectrum.reduction, 1.0)
         scale = np.where(spectrum.reduction > 0, spectrum.density / safe, 0.0)
-        return scale * self.level * 2 * exceedance
+        return scale * self.reduction(spectrum, exceedance)
 
 
 def significance(spectrum: Spectrum, level: float = 0.99) -> Significance:
@@ -66,14 +75,14 @@ def significance(spectrum: Spectrum, level: float = 0.99) -> Significance:
         around, count = _neighbours(spectrum.reduction, spectrum.oversampling)
         ratio = np.divide(spectrum.reduction, around, out=np.zeros_like(around), where=around > 0)
         exceedance, noise = count.astype(float) * np.log1p(ratio / np.maximum(count, 1)), 0.5 * around
-        possible = int(np.count_nonzero(count))
+        possible = max(int(np.count_nonzero(count)), 1)
     else:
         exceedance = -0.5 * (freedom - 2) * np.log1p(-np.minimum(spectrum.share, 1 - 1e-15))
         noise = np.full(exceedance.size, spectrum.adjusted.rest / freedom)
-        possible = exceedance.size
+        count, possible = None, exceedance.size
     alpha = 1 - level
     record = record_limit(alpha, possible, round(correlation(spectrum), 6))
-    return Significance(exceedance, noise, float(-np.log(alpha)), record, alpha)
+    return Significance(exceedance, noise, float(-np.log(alpha)), record, alpha, count)
 
 
 def correlation(spectrum: Spectrum) -> float:

@@ -14,7 +14,7 @@ from scipy import linalg
 
 from imuwb.identification.lssa.equations import equations, right_sides
 from imuwb.identification.lssa.noise import Noise, fitted_noise
-from imuwb.identification.lssa.trigonometric import grid_of, lattice_of
+from imuwb.identification.lssa.trigonometric import ROUNDED, grid_of, lattice_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -150,6 +150,9 @@ def adjust(
     time = time - time[0]
     usual = float(np.median(steps)) if interval is None else interval
     lattice = lattice_of(time, usual)
+    if lattice is None and noise.kind == "autoregressive":
+        lattice = lattice_of(time, usual, ROUNDED)  # which it takes rounded stamps for
+    usual = usual if lattice is None else lattice.interval
     found = fitted_noise(time, values, columns, lattice, noise, weights)
     rows = found.whitening.rows(np.column_stack([columns, values]))
     basis, triangle = _orthonormal(rows[:, :-1], names)
@@ -197,7 +200,8 @@ def _orthonormal(columns: Floats, names: tuple[str, ...]) -> tuple[Floats, Float
     if not columns.shape[1]:
         return columns, np.empty((0, 0))
     length = np.sqrt(np.einsum("ij,ij->j", columns, columns))
-    products = columns.T @ columns / np.outer(np.maximum(length, 1e-300), np.maximum(length, 1e-300))
+    unit = np.where(length > 0, length, 1.0)
+    products = columns.T @ columns / np.outer(unit, unit)
     for k in range(length.size):
         # what the columns before leave of this one, of length 1
         share = linalg.lstsq(products[:k, :k], products[:k, k], check_finite=False)[0] if k else np.empty(0)

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     Complexes = NDArray[np.complex128]
 
 ACCURACY = 1e-11  #: of the uneven transform, relative to the sum of all strengths
-STRAY = 1e-7  #: cycles of the highest frequency, by which a stamp may miss the lattice
+STRAY = 6e-6  #: intervals, by which a stamp may miss the lattice: whole nanoseconds at 10 kHz
+ROUNDED = 0.05  #: intervals, by which it may where noise needs a lattice
 PADDED = 8.0  #: times as long as its samples, that a lattice may be
 
 
@@ -45,18 +46,28 @@ class Grid:
         return np.arange(1, self.count + 1, dtype=np.float64) * self.step
 
 
-def lattice_of(time: Floats, interval: float) -> Lattice | None:
+def lattice_of(time: Floats, interval: float, stray: float = STRAY) -> Lattice | None:
     """Return the lattice that stamps lie on; None: on none.
 
     Args:
         time: (n,) s, rising, from 0 on.
-        interval: s, which samples have as a rule.
+        interval: s, which samples have as a rule; where half of them are missing, the shortest step is what they have.
+        stray: intervals, by which a stamp may miss it.
     """
-    index = np.rint(time / interval).astype(np.int64)
-    if index[-1] >= PADDED * time.size or np.diff(index).min(initial=1) < 1:
+    found = _lattice(time, interval, stray)
+    return _lattice(time, float(np.diff(time).min()), stray) if found is None else found
+
+
+def _lattice(time: Floats, interval: float, stray: float) -> Lattice | None:
+    steps = np.rint(np.diff(time) / interval).astype(np.int64)  # an interval a little off must not add up
+    if steps.min(initial=1) < 1:
+        return None
+    steps //= np.gcd.reduce(steps)
+    index = np.concatenate([[0], np.cumsum(steps)])
+    if index[-1] >= PADDED * time.size:
         return None
     interval = float(time[-1] / index[-1])
-    return Lattice(interval, index) if np.abs(time - index * interval).max() < STRAY * 2 * interval else None
+    return Lattice(interval, index) if np.abs(time - index * interval).max() < stray * interval else None
 
 
 def grid_of(time: Floats, lattice: Lattice | None, highest: float, oversampling: int) -> Grid:
@@ -100,6 +111,15 @@ def sums(time: Floats, lattice: Lattice | None, strengths: Floats, grid: Grid, m
         row[:] = spectrum[np.where(mirrored, grid.length - where, where)]
         np.conjugate(row, out=row, where=~mirrored)  # numpy's transform has the other sign
     return found
+
+
+def summit(values: Floats, k: int) -> float:
+    """Return where between its neighbours a parabola has its top, in steps."""
+    if not 0 < k < values.size - 1:
+        return 0.0
+    before, here, after = values[k - 1 : k + 2]
+    bend = before - 2 * here + after
+    return float(np.clip(0.5 * (before - after) / bend, -0.5, 0.5)) if bend < 0 else 0.0
 
 
 def _uneven(phase: Floats, strengths: Floats, count: int) -> Complexes:

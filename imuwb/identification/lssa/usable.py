@@ -6,14 +6,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy import fft
 
-from imuwb.identification.lssa.trigonometric import Grid, sums
+from imuwb.identification.lssa.trigonometric import Grid, summit, sums
 
 if TYPE_CHECKING:
     from imuwb.identification.lssa.spectrum import Adjusted
+    from imuwb.identification.lssa.trigonometric import Lattice
 
 MIRRORED = 0.5  #: share of a line's power that another frequency shows, from which on it is the same line
 FAR = 8.0  #: usual rates, up to which mirrors are looked for
+LOOKED_AT = 1 << 15  #: samples, which are enough to see them
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,9 +39,10 @@ def usable_band(adjusted: Adjusted) -> UsableBand:
     time, interval = adjusted.time, adjusted.interval
     lowest = 1 / float(time[-1])
     if adjusted.lattice is not None:
-        rate = 1 / adjusted.lattice.interval
-        return UsableBand(lowest, rate / 2, rate)
-    step = 0.5 * lowest
+        mirror = _within(adjusted.lattice)
+        return UsableBand(lowest, mirror / 2, mirror)
+    time = time[: min(time.size, LOOKED_AT)]
+    step = 0.5 / float(time[-1])
     count = int(FAR / interval / step)
     window = np.abs(sums(time, None, np.ones((1, time.size)), Grid(step, count))[0]) ** 2 / time.size**2
     begin = int(0.25 / interval / step)  # the window's own peak is behind
@@ -48,5 +52,20 @@ def usable_band(adjusted: Adjusted) -> UsableBand:
     top = begin + int(high[0])
     while top + 1 < count and window[top + 1] > window[top]:
         top += 1
-    mirror = (top + 1) * step
+    mirror = (top + 1 + summit(window, top)) * step
     return UsableBand(lowest, mirror / 2, mirror)
+
+
+def _within(lattice: Lattice) -> float:
+    """Return the mirror of a lattice: its rate, or less where most of its points are missing in turns."""
+    index = lattice.index[:LOOKED_AT]
+    length = 2 * fft.next_fast_len(2 * (int(index[-1]) + 1), real=True)
+    window = np.abs(fft.rfft(np.bincount(index, minlength=length).astype(float))) ** 2 / index.size**2
+    begin = length // 4
+    high = np.flatnonzero(window[begin:] > MIRRORED)
+    if not high.size:
+        return 1 / lattice.interval
+    top = begin + int(high[0])
+    while top + 1 < window.size and window[top + 1] > window[top]:
+        top += 1
+    return top / (length * lattice.interval)
