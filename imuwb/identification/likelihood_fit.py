@@ -20,7 +20,7 @@ from imuwb.identification.likelihood_problem import LikelihoodProblem
 from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, Sum, WhiteNoise
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Collection, Sequence
 
     from numpy.typing import NDArray
 
@@ -103,9 +103,20 @@ def fit_cosine_spectrum(
     if problem.power.size < FEWEST_BINS:
         message = f"only {problem.power.size} bins of the spectrum lie below {highest:.3g} Hz; it takes {FEWEST_BINS}"
         raise ValueError(message)
+    return fit_problem(problem, level)
+
+
+def fit_problem(problem: LikelihoodProblem, level: float = 0.95, *, without: Collection[str] = ()) -> LikelihoodFit:
+    """Fit the sum Q, N, B, K to the cosine coefficients of one record, or of several side by side.
+
+    Args:
+        problem: of these four.
+        level: of the intervals and limits.
+        without: terms that are known to be absent; their limits are given all the same.
+    """
     problem, misfit, freedom = explained(problem)
     probability = float(chi_square_tail(misfit, freedom))
-    everything = list(range(len(TERMS)))
+    everything = [t for t, letter in enumerate(TERMS) if letter not in without]
     steady, sloping = (problem.solve(everything, ramp=ramp) for ramp in (False, True))
     # Restricted likelihoods with and without a ramp do not compare; the plain ones do.
     known = sloping.ramp_sigma > 0  # not so where a line hides all of the lowest coefficients
@@ -113,7 +124,7 @@ def fit_cosine_spectrum(
     best = sloping if ramped else steady
     # A sum that does not explain the spectrum has wider intervals than its statistics say (Birge).
     inflation = max(misfit / freedom, 1.0) if probability < ACCEPTED else 1.0
-    coefficients = profiled(problem, best, level, ramped=bool(ramped), inflation=inflation)
+    coefficients = profiled(problem, best, level, ramped=bool(ramped), inflation=inflation, terms=everything)
     coefficients["R"] = _ramp(sloping, level, inflation, ramped=bool(ramped))
     terms: list[Process] = [TERMS[x](c.value) for x in TERMS if (c := coefficients[x]).value]
     if ramped:
@@ -174,18 +185,28 @@ def _misfit(problem: LikelihoodProblem, solution: Solution, tolerated: float = 0
 
 
 def profiled(
-    problem: LikelihoodProblem, best: Solution, level: float, *, ramped: bool, inflation: float
+    problem: LikelihoodProblem,
+    best: Solution,
+    level: float,
+    *,
+    ramped: bool,
+    inflation: float,
+    terms: Sequence[int] | None = None,
 ) -> dict[str, Coefficient]:
-    """Return Q, N, B and K with their intervals, or their limits."""
-    profile = _Profile(problem, best, ramped=bool(ramped), inflation=inflation)
+    """Return Q, N, B and K with their intervals, or their limits; ``terms`` are those that may be there, all unless told."""
+    there = range(len(TERMS)) if terms is None else terms
+    profile = _Profile(problem, best, ramped=bool(ramped), inflation=inflation, terms=there)
     return {letter: replace(profile.coefficient(t, level), at=READ_OUT[letter]) for t, letter in enumerate(TERMS)}
 
 
 class _Profile:
     """How much less likely the record gets as one term's size leaves its likeliest, the others following."""
 
-    def __init__(self, problem: LikelihoodProblem, best: Solution, *, ramped: bool, inflation: float) -> None:
+    def __init__(
+        self, problem: LikelihoodProblem, best: Solution, *, ramped: bool, inflation: float, terms: Sequence[int]
+    ) -> None:
         self._problem, self._best, self._ramped, self._inflation = problem, best, ramped, inflation
+        self._terms = terms
 
     def coefficient(self, term: int, level: float) -> Coefficient:
         """Return the size of a term with its interval, or its limit."""
@@ -204,7 +225,7 @@ class _Profile:
 
     def _loss(self, term: int, size: float) -> float:
         best = self._best
-        others = [t for t in range(best.squared.size) if t != term]
+        others = [t for t in self._terms if t != term]
         held = np.eye(best.squared.size)[term] * size
         there = self._problem.solve(others, ramp=self._ramped, start=best.squared, held=held)
         return (there.deviance - best.deviance) / self._inflation

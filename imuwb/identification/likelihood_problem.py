@@ -119,6 +119,11 @@ class LikelihoodProblem:
         """Return -2 log likelihood of these squares."""
         return self._score(squared, ramp=ramp).deviance
 
+    def slope(self, squared: Floats, *, ramp: bool = False) -> tuple[Floats, Floats]:
+        """Return the derivative of the log likelihood by the squares, (t,), and Fisher's information, (t, t)."""
+        now = self._score(squared, ramp=ramp)
+        return now.target - now.information @ squared, now.information
+
     def _start(self, free: list[int]) -> Floats:
         weight = np.sqrt(self.count) / self.power.clip(self.power.max() * LEAST_SHARE)
         columns = self.design[:, free] * weight[:, None]

@@ -1,0 +1,127 @@
+"""Functions of temperature through estimates with errors, each a linear map of the estimates.
+
+Positive coefficients are fitted in their logarithm. A value between the set-points is weights times the estimates, so its
+variance follows from theirs, whatever the function; what the function itself misses between set-points comes on top, from
+leaving one out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from imuwb.identification.distributions import normal_limit
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+Kind = Literal["constant", "linear", "arrhenius", "quadratic", "cubic", "piecewise", "spline"]
+KELVIN = 273.15
+REFERENCE = 25.0  #: °C, about which polynomials are written
+SCALE = 50.0  #: °C
+DEGREES: dict[Kind, int] = {"constant": 0, "linear": 1, "quadratic": 2, "cubic": 3}
+#: simplest first
+KINDS: tuple[Kind, ...] = ("constant", "linear", "arrhenius", "quadratic", "cubic", "piecewise", "spline")
+
+
+def parameters_of(kind: Kind, points: int) -> int:
+    """Return how many parameters a function has that is fitted to so many points."""
+    if kind in ("piecewise", "spline"):
+        return points
+    return 2 if kind == "arrhenius" else DEGREES[kind] + 1
+
+
+def weights(kind: Kind, at: Floats, celsius: Floats, sigma: Floats) -> Floats:
+    """Return the weights of the estimates in the function's values, (m, k).
+
+    Args:
+        kind: of function.
+        at: (m,) °C.
+        celsius: (k,) °C of the estimates, rising.
+        sigma: (k,) their standard errors.
+    """
+    identity = np.eye(celsius.size)
+    if kind == "piecewise":
+        return np.stack([np.interp(at, celsius, row) for row in identity], axis=1)
+    if kind == "spline":
+        return np.asarray(CubicSpline(celsius, identity, bc_type="natural")(at), dtype=np.float64)
+    here = _basis(kind, celsius) / sigma[:, None]
+    return _basis(kind, at) @ np.linalg.lstsq(here, identity / sigma[:, None], rcond=1e-13)[0]
+
+
+def _basis(kind: Kind, celsius: Floats) -> Floats:
+    if kind == "arrhenius":
+        return np.stack([np.ones_like(celsius), 1000 / (celsius + KELVIN) - 1000 / (REFERENCE + KELVIN)], axis=1)
+    return ((celsius - REFERENCE) / SCALE)[:, None] ** np.arange(DEGREES[kind] + 1)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class TemperatureFunction:
+    """A coefficient as a function of temperature; beyond its set-points it is held."""
+
+    kind: Kind
+    celsius: Floats  #: (k,) °C of the estimates, rising
+    estimate: Floats  #: (k,) the estimates, or their logarithms
+    sigma: Floats  #: (k,) of those
+    logarithmic: bool
+    excess: float  #: variance, likewise, by which the function misses what lies between set-points
+
+    def at(self, celsius: Floats, level: float = 0.95) -> tuple[Floats, Floats, Floats]:
+        """Return values, and the lower and upper ends of intervals that hold the sensor's own value there, (m,)."""
+        inside = np.clip(celsius, self.celsius[0], self.celsius[-1])
+        map_to = weights(self.kind, inside, self.celsius, self.sigma)
+        middle = map_to @ self.estimate
+        half = normal_limit(level) * np.sqrt(map_to**2 @ self.sigma**2 + self.excess * self._missing(inside))
+        ends = middle, middle - half, middle + half
+        return tuple(np.exp(end) for end in ends) if self.logarithmic else ends  # type: ignore[return-value]
+
+    def _missing(self, at: Floats) -> Floats:
+        """Return the share of the excess that counts, (m,).
+
+        All of it; for a function through the set-points that of a Brownian bridge between two, of which leaving one out
+        showed one twice as long.
+        """
+        if self.kind not in ("piecewise", "spline"):
+            return np.ones(at.size)
+        place = np.clip(np.searchsorted(self.celsius, at) - 1, 0, self.celsius.size - 2)
+        share = (at - self.celsius[place]) / (self.celsius[place + 1] - self.celsius[place])
+        return 2 * share * (1 - share)
+
+    @property
+    def text(self) -> str:
+        """Return the function as one writes it, T in °C."""
+        name = "ln value" if self.logarithmic else "value"
+        if self.kind in ("piecewise", "spline"):
+            how = "straight lines between" if self.kind == "piecewise" else "a natural cubic spline through"
+            return f"{how} {self.celsius.size} set-points"
+        basis = _basis(self.kind, self.celsius) / self.sigma[:, None]
+        found = np.linalg.lstsq(basis, self.estimate / self.sigma, rcond=1e-13)[0]
+        if self.kind == "arrhenius":
+            return f"{name} = {found[0]:.4g} {1000 * found[1]:+.4g} K (1/(T + 273.15) - 1/298.15)"
+        terms = [f"{c / SCALE**k:+.4g} (T - 25)^{k}" for k, c in enumerate(found)][1:]
+        return " ".join([f"{name} = {found[0]:.4g}", *terms]).replace("^1", "")
+
+
+def fitted(kind: Kind, celsius: Floats, estimate: Floats, sigma: Floats, *, logarithmic: bool) -> TemperatureFunction:
+    """Return a function of that kind through the estimates."""
+    missed, expected = left_out(kind, celsius, estimate, sigma)
+    excess = float(np.mean(missed**2 - expected)) if missed.size else 0.0
+    return TemperatureFunction(kind, celsius, estimate, sigma, logarithmic, max(excess, 0.0))
+
+
+def left_out(kind: Kind, celsius: Floats, estimate: Floats, sigma: Floats) -> tuple[Floats, Floats]:
+    """Return by how much each inner estimate is missed by the function of the others, and the variance that is due to errors."""
+    missed, expected = [], []
+    for i in range(1, celsius.size - 1):
+        others = np.arange(celsius.size) != i
+        if parameters_of(kind, int(others.sum())) > others.sum():
+            continue
+        row = weights(kind, celsius[i : i + 1], celsius[others], sigma[others])[0]
+        missed.append(float(estimate[i] - row @ estimate[others]))
+        expected.append(float(sigma[i] ** 2 + row**2 @ sigma[others] ** 2))
+    return np.array(missed), np.array(expected)

@@ -1,0 +1,78 @@
+"""An axis's findings over temperature as an error model."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.identification.likelihood_fit import TERMS
+from imuwb.stochastic import AxisModel, Sum
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from imuwb.identification.temperature.axis import AxisTemperatures
+    from imuwb.identification.temperature.functions import TemperatureFunction
+
+    Floats = NDArray[np.float64]
+
+STEP = 5.0  #: °C between set-points of a model at most: it is linear between them
+
+
+def axis_model(found: AxisTemperatures, reference: float = 25.0, *, gravity: bool = False) -> AxisModel:
+    """Return an axis's model: processes and bias by temperature, each as the function that was chosen.
+
+    Args:
+        found: the axis.
+        reference: °C; what the model says where no temperature is known.
+        gravity: whether a mean holds gravity, of which one attitude cannot tell the bias: then biases are the change
+            from that at the reference temperature.
+    """
+    laws = {letter: law.function for letter in TERMS if (law := found.laws[letter]).function is not None}
+    lowest, highest = found.points[0].celsius, found.points[-1].celsius
+    at_reference = float(np.clip(reference, lowest, highest))
+    inside = [p.celsius for p in found.points]
+    steps = np.linspace(lowest, highest, int(np.ceil((highest - lowest) / STEP)) + 1)
+    celsius: Floats = np.unique(np.concatenate([steps, inside, [at_reference]]).round(2))
+    varies = any(law.kind != "constant" for law in laws.values())
+    thermal = tuple((float(t), _sum(laws, float(t))) for t in celsius) if varies else ()
+    bias, thermal_bias = _bias(found, celsius, at_reference, gravity=gravity)
+    return AxisModel(
+        _sum(laws, at_reference),
+        _intervals(laws, at_reference, found.level),
+        {letter: law.limit for letter, law in found.laws.items() if law.limit is not None},
+        thermal=thermal,
+        bias=bias,
+        thermal_bias=thermal_bias,
+    )
+
+
+def _value(law: TemperatureFunction, celsius: float) -> float:
+    return float(law.at(np.array([celsius]))[0][0])
+
+
+def _sum(laws: dict[str, TemperatureFunction], celsius: float) -> Sum:
+    return Sum(tuple(TERMS[letter](_value(law, celsius)) for letter, law in laws.items()))
+
+
+def _intervals(laws: dict[str, TemperatureFunction], celsius: float, level: float) -> dict[str, tuple[float, float]]:
+    found: dict[str, tuple[float, float]] = {}
+    for i, (letter, law) in enumerate(laws.items()):
+        _, lower, upper = law.at(np.array([celsius]), level)
+        found[f"{i}.{letter}"] = float(lower[0]), float(upper[0])
+    return found
+
+
+def _bias(
+    found: AxisTemperatures, celsius: Floats, reference: float, *, gravity: bool
+) -> tuple[float, tuple[tuple[float, float], ...]]:
+    law = found.laws["bias"].function if "bias" in found.laws else None
+    if law is None:
+        return 0.0, ()
+    at_reference = _value(law, reference)
+    if law.kind == "constant":
+        return (0.0 if gravity else at_reference), ()
+    values = law.at(celsius)[0] - (at_reference if gravity else 0.0)
+    bias = 0.0 if gravity else at_reference
+    return bias, tuple((float(t), float(v)) for t, v in zip(celsius, values, strict=True))

@@ -1,0 +1,165 @@
+"""What all temperatures together say of Q, B and K, were each one value, N being each temperature's own.
+
+Square by square each record alone bounds them badly, and cannot have less than none of them: estimates that are mixed afterwards
+lean to one side the more there are. So the likelihoods are climbed together, by Fisher scoring, N eliminated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import optimize
+
+from imuwb.identification.coefficient import READ_OUT, Coefficient, interval
+from imuwb.identification.distributions import normal_quantile
+from imuwb.identification.likelihood_fit import TERMS
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Sequence
+
+    from numpy.typing import NDArray
+
+    from imuwb.identification.temperature.set_point import SetPoint
+
+    Floats = NDArray[np.float64]
+
+ROUNDS, CLOSE = 60, 1e-3  #: and the change of the deviance at which scoring ends
+LEAST_STEP = 1e-3
+DOUBLINGS, HALVINGS = 30, 6  #: of a square within which a limit is sought
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Pooled:
+    """The likeliest squares."""
+
+    squares: Floats  #: (k, t)
+    deviance: float
+    information: Floats  #: (t, t) of the common ones, what is each temperature's own eliminated
+
+
+def pooled(points: Sequence[SetPoint], level: float = 0.95, own: Collection[str] = ()) -> dict[str, Coefficient]:
+    """Return the coefficients that are common to all temperatures, with intervals or limits.
+
+    Args:
+        points: one of each temperature.
+        level: of the intervals and limits.
+        own: letters, besides N, that each temperature has its own of.
+    """
+    absent = {letter for point in points for letter in point.absent}
+    common = [t for t, letter in enumerate(TERMS) if letter not in {"N", *own, *absent}]
+    mine = [t for t, letter in enumerate(TERMS) if letter in {"N", *own} and letter not in absent]
+    start = np.array([[(p.coefficients[letter].value or 0.0) ** 2 for letter in TERMS] for p in points])
+    start[:, common] = np.median(start[:, common], axis=0)
+    best = _climbed(points, start, common, mine)
+    letters = list(TERMS)
+    return {letters[t]: _coefficient(points, best, t, common, mine, level) for t in common}
+
+
+def _coefficient(
+    points: Sequence[SetPoint], best: Pooled, term: int, common: list[int], mine: list[int], level: float
+) -> Coefficient:
+    square, at = float(best.squares[0, term]), READ_OUT[list(TERMS)[term]]
+    if square > 0:
+        active = [t for t in common if best.squares[0, t] > 0]
+        inside = best.information[np.ix_(active, active)]
+        size = np.sqrt(inside.diagonal())
+        inverse = np.linalg.pinv(inside / np.outer(size, size), rcond=1e-12, hermitian=True)
+        place = active.index(term)
+        ends = interval(square, float(inverse[place, place]) ** 0.5 / float(size[place]), level)
+        if ends[0] > 0:
+            return Coefficient(square**0.5, *ends, at)
+    return Coefficient(None, None, _limit(points, best, term, common, mine, level) ** 0.5, at)
+
+
+def _limit(
+    points: Sequence[SetPoint], best: Pooled, term: int, common: list[int], mine: list[int], level: float
+) -> float:
+    """Return the square at which the likelihood of all has fallen by what a limit takes, the others following."""
+    reach = normal_quantile(level) ** 2
+    others = [t for t in common if t != term]
+
+    def loss(square: float) -> float:
+        start = best.squares.copy()
+        start[:, term] = square
+        return _climbed(points, start, others, mine).deviance - best.deviance
+
+    low = float(best.squares[0, term])
+    high = low + normal_quantile(level) / float(best.information[term, term]) ** 0.5
+    for _ in range(DOUBLINGS):
+        if loss(high) > reach:
+            break
+        low, high = high, 2 * high
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if loss(middle) < reach else (low, middle)
+    return high
+
+
+def _climbed(points: Sequence[SetPoint], squares: Floats, common: list[int], mine: list[int]) -> Pooled:
+    """Return the likeliest squares: one for all of ``common``, each temperature's own of ``mine``, the others as they are."""
+    deviance = _deviance(points, squares)
+    information = np.zeros((squares.shape[1], squares.shape[1]))
+    for _ in range(ROUNDS):
+        wanted, information = _target(points, squares, common, mine)
+        step, now = 1.0, np.inf
+        while step > LEAST_STEP:
+            following = squares + step * (wanted - squares)
+            now = _deviance(points, following)
+            if now <= deviance + 1e-9 * abs(deviance):
+                break
+            step /= 2
+        if not now <= deviance:
+            break
+        done, squares, deviance = deviance - now <= CLOSE, squares + step * (wanted - squares), now
+        if done:
+            break
+    return Pooled(squares, deviance, information)
+
+
+def _target(points: Sequence[SetPoint], squares: Floats, common: list[int], mine: list[int]) -> tuple[Floats, Floats]:
+    """Return the squares that the slopes here point to, none negative, and the information of the common ones."""
+    count = squares.shape[1]
+    total, target = np.zeros((count, count)), np.zeros(count)
+    parts: list[tuple[Floats, Floats, Floats]] = []
+    for point, square in zip(points, squares, strict=True):
+        slope, information = (part / point.inflation for part in point.problem.slope(square, ramp=point.ramped))
+        inner = _inverse(information[np.ix_(mine, mine)])
+        across = information[np.ix_(common, mine)] @ inner
+        total[np.ix_(common, common)] += (
+            information[np.ix_(common, common)] - across @ information[np.ix_(mine, common)]
+        )
+        target[common] += slope[common] - across @ slope[mine]
+        parts.append((slope, information, inner))
+    wanted = squares.copy()
+    if common:
+        here = squares[0, common]
+        inside = total[np.ix_(common, common)]
+        wanted[:, common] = _nonnegative(inside, inside @ here + target[common])
+    for row, (slope, information, inner) in enumerate(parts):
+        change = wanted[row, common] - squares[row, common]
+        moved = squares[row, mine] + inner @ (slope[mine] - information[np.ix_(mine, common)] @ change)
+        wanted[row, mine] = np.maximum(moved, squares[row, mine] / 10)
+    return wanted, total
+
+
+def _inverse(matrix: Floats) -> Floats:
+    size = np.sqrt(matrix.diagonal()).clip(1e-150)
+    return np.linalg.pinv(matrix / np.outer(size, size), rcond=1e-12, hermitian=True) / np.outer(size, size)
+
+
+def _nonnegative(information: Floats, target: Floats) -> Floats:
+    """Return the p >= 0 that makes p'Ip/2 - p'b least."""
+    size = np.sqrt(information.diagonal()).clip(1e-150)
+    values, vectors = np.linalg.eigh(information / np.outer(size, size))
+    kept = values > values[-1] * 1e-12
+    root = (vectors[:, kept] * np.sqrt(values[kept])).T
+    right = (vectors[:, kept] / np.sqrt(values[kept])).T @ (target / size)
+    return optimize.nnls(root, right)[0] / size
+
+
+def _deviance(points: Sequence[SetPoint], squares: Floats) -> float:
+    return sum(
+        p.problem.deviance(square, ramp=p.ramped) / p.inflation for p, square in zip(points, squares, strict=True)
+    )

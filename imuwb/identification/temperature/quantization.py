@@ -1,0 +1,36 @@
+"""Quantization that no temperature shows is left out of all of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from imuwb.identification.coefficient import Coefficient
+from imuwb.identification.likelihood_fit import fit_problem
+from imuwb.identification.temperature.pooled import pooled
+from imuwb.identification.temperature.set_point import LETTERS, SetPoint
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+def settled(points: Sequence[SetPoint], level: float = 0.95) -> tuple[tuple[SetPoint, ...], dict[str, Coefficient]]:
+    """Return set-points of one axis, and what is common to all; without quantization where all together do not show it.
+
+    Quantization and random walk share the spectrum's upper end: one that is free to be there at each temperature, and is not,
+    doubles the error of N. Its limits stay those of the fit in which it was free.
+    """
+    together = pooled(points, level)
+    if together["Q"].value is not None:
+        return tuple(points), together
+    without = tuple(_without_quantization(p, level) for p in points)
+    return without, pooled(without, level) | {"Q": together["Q"]}
+
+
+def _without_quantization(point: SetPoint, level: float) -> SetPoint:
+    if point.coefficients["Q"].value is None:
+        return replace(point, absent=("Q",))
+    fit = fit_problem(point.problem, level, without="Q")
+    coefficients = {letter: fit.coefficients[letter] for letter in LETTERS}
+    absent = Coefficient(None, None, point.coefficients["Q"].upper, point.coefficients["Q"].at)
+    return replace(point, coefficients=coefficients | {"Q": absent}, fit=fit, absent=("Q",))

@@ -1,0 +1,172 @@
+"""Where in a log the temperature is one: all of it, its plateaus, or the bins of a ramp."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+Cut = Literal["set-point", "plateaus", "bins"]
+STEADY = 2.0  #: °C; a log whose temperature spans no more is one set-point
+PLATEAU = 1.0  #: °C, that a plateau spans at most
+DWELL = 3.0  #: times the time that the log takes on average for that span; a plateau lasts longer
+MOST = 0.5  #: of the log; plateaus hold at least so much, else it is a ramp
+TURN = 2.0  #: °C; a ramp that goes back by more has turned
+WIDTHS = (5.0, 10.0, 20.0)  #: °C of a bin, the first that holds enough, else the last
+ENOUGH = 20_000  #: samples of the median bin
+BLOCK, BLOCKS = 5.0, 4000  #: s, over which a thermometer is averaged at least, and blocks of a log at most
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """A part of a log at one temperature."""
+
+    start: float  #: s
+    end: float  #: s
+    celsius: float  #: mean
+    spread: float  #: °C, standard deviation of the thermometer
+    nominal: float  #: °C: a bin's middle, else the mean; stretches of one nominal temperature belong together
+    rising: bool | None  #: whether the temperature came from below; None: unknown
+
+
+def stretches(
+    time: Floats, celsius: Floats, rate: float, cut: Cut | None = None, width: float = 0.0
+) -> tuple[Cut, tuple[Stretch, ...]]:
+    """Return how a log was cut, and its stretches in the order of time.
+
+    Args:
+        time: (n,) s of the thermometer's readings, rising.
+        celsius: (n,) °C.
+        rate: Hz of the sensor's samples, of which a bin shall hold enough.
+        cut: None: a set-point where the temperature spans at most 2 °C, plateaus where they hold half of the time, else bins.
+        width: °C of a bin; 0: 5, or 10 or 20 where 5 hold too few samples.
+    """
+    at, mean = _blocks(time, celsius)
+    plateaus = _plateaus(at, mean)
+    if cut is None:
+        held = sum(float(at[b] - at[a]) for a, b in plateaus)
+        longest = float(at[-1] - at[0])
+        cut = "set-point" if np.ptp(mean) <= STEADY else "plateaus" if held >= MOST * longest else "bins"
+    if cut == "set-point":
+        return cut, (_stretch(time, celsius, time[0], time[-1], None, None),)
+    if cut == "plateaus":
+        levels = [float(mean[a : b + 1].mean()) for a, b in plateaus]
+        came = [None, *(now > before for before, now in pairwise(levels))]
+        return cut, tuple(
+            _stretch(time, celsius, at[a], at[b], None, up) for (a, b), up in zip(plateaus, came, strict=True)
+        )
+    width = width or _wide_enough(at, mean, rate)
+    return cut, tuple(_stretch(time, celsius, at[a], at[b], middle, up) for a, b, middle, up in _bins(mean, width))
+
+
+def _stretch(
+    time: Floats,
+    celsius: Floats,
+    start: float,
+    end: float,
+    nominal: float | None,
+    rising: bool | None,  # noqa: FBT001 - data
+) -> Stretch:
+    inside = celsius[(time >= start) & (time <= end)]
+    mean = float(inside.mean())
+    return Stretch(float(start), float(end), mean, float(inside.std()), mean if nominal is None else nominal, rising)
+
+
+def _blocks(time: Floats, celsius: Floats) -> tuple[Floats, Floats]:
+    """Return the times and means of blocks, which a thermometer's noise and steps hardly move; the first and last time count."""
+    length = max(BLOCK, float(time[-1] - time[0]) / BLOCKS)
+    number = ((time - time[0]) / length).astype(np.int64)
+    count = np.bincount(number)
+    full = count > 0
+    at = np.bincount(number, time)[full] / count[full]
+    at[0], at[-1] = time[0], time[-1]
+    return at, np.bincount(number, celsius)[full] / count[full]
+
+
+def _plateaus(at: Floats, mean: Floats) -> list[tuple[int, int]]:
+    """Return the first and last block of each plateau, in order: the longest, then the longest beside it, and so on."""
+    travelled = float(np.abs(np.diff(mean)).sum())
+    dwell = DWELL * PLATEAU * float(at[-1] - at[0]) / max(travelled, PLATEAU)
+    found: list[tuple[int, int]] = []
+    open_parts = [(0, at.size)]
+    while open_parts:
+        begin, end = open_parts.pop()
+        if end - begin < 2:  # noqa: PLR2004 - a span has two ends
+            continue
+        a, b = max(_windows(mean[begin:end]), key=lambda w: at[begin + w[1]] - at[begin + w[0]])
+        if at[begin + b] - at[begin + a] < dwell:
+            continue
+        found.append((begin + a, begin + b))
+        open_parts += [(begin, begin + a), (begin + b + 1, end)]
+    return sorted(found)
+
+
+def _windows(mean: Floats) -> Iterator[tuple[int, int]]:
+    """Yield the longest window within a plateau's span that ends at each block."""
+    low: deque[int] = deque()
+    high: deque[int] = deque()
+    start = 0
+    for i, value in enumerate(mean.tolist()):
+        while low and mean[low[-1]] >= value:
+            low.pop()
+        while high and mean[high[-1]] <= value:
+            high.pop()
+        low.append(i)
+        high.append(i)
+        while mean[high[0]] - mean[low[0]] > PLATEAU:
+            start += 1
+            for queue in (low, high):
+                if queue[0] < start:
+                    queue.popleft()
+        yield start, i
+
+
+def _legs(mean: Floats) -> list[tuple[int, int]]:
+    """Return the first and last block of each rising or falling leg."""
+    turns, low, high, way = [0], 0, 0, 0
+    for i in range(mean.size):
+        low = i if mean[i] <= mean[low] else low
+        high = i if mean[i] >= mean[high] else high
+        if way >= 0 and mean[high] - mean[i] > TURN:
+            turns += [high] if way else []
+            way, low = -1, i
+            high = i
+        elif way <= 0 and mean[i] - mean[low] > TURN:
+            turns += [low] if way else []
+            way, low = 1, i
+            high = i
+    edges = sorted({*turns, mean.size - 1})
+    return list(pairwise(edges))
+
+
+def _bins(mean: Floats, width: float) -> list[tuple[int, int, float, bool]]:
+    """Return the first and last block, the middle and the direction of each bin that a leg goes through."""
+    found: list[tuple[int, int, float, bool]] = []
+    for begin, end in _legs(mean):
+        leg = mean[begin : end + 1]
+        rising = bool(leg[-1] > leg[0])
+        along = np.maximum.accumulate(leg) if rising else np.minimum.accumulate(leg)
+        number = np.floor(along / width).astype(np.int64)
+        for k in np.unique(number):
+            inside = np.flatnonzero(number == k)
+            if inside.size > 1:
+                found.append((begin + int(inside[0]), begin + int(inside[-1]), (float(k) + 0.5) * width, rising))
+    return sorted(found)
+
+
+def _wide_enough(at: Floats, mean: Floats, rate: float) -> float:
+    for width in WIDTHS:
+        bins = _bins(mean, width)
+        if bins and float(np.median([at[b] - at[a] for a, b, *_ in bins])) * rate >= ENOUGH:
+            return width
+    return WIDTHS[-1]

@@ -1,0 +1,106 @@
+"""What a bias that follows the temperature puts into a record, taken out together with the noise's identification.
+
+Within a stretch the bias is taken to be a parabola of the temperature and a straight line in time. What these span is left out
+of the lowest cosine coefficients (restricted likelihood), so that a thermal drift passes neither for flicker nor
+for a random walk, and what it takes of them is not counted as evidence against these.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import linalg
+
+from imuwb.identification.cosine_spectrum import LOW, cosine_spectrum
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from imuwb.identification.cosine_spectrum import CosineSpectrum
+    from imuwb.identification.likelihood_problem import LikelihoodProblem
+
+    Floats = NDArray[np.float64]
+
+MOVED = 0.2  #: °C; a stretch whose smoothed temperature spans less has no thermal trend
+KNOTS = 40  #: means over a stretch that the thermometer is smoothed to
+SAME = 1e-6  #: of a trend's size, below which what is left of it beside the others is rounding
+
+
+def smooth_temperature(time: Floats, celsius: Floats, at: Floats) -> Floats:
+    """Return a thermometer's readings smoothed and brought to other times, (m,) °C.
+
+    Args:
+        time: (n,) s of the readings.
+        celsius: (n,) °C.
+        at: (m,) s, rising, of a stretch.
+    """
+    inside = (time >= at[0]) & (time <= at[-1])
+    if np.count_nonzero(inside) < 2:  # noqa: PLR2004 - a straight line between the readings around
+        return np.interp(at, time, celsius)
+    t, c = time[inside], celsius[inside]
+    parts = min(KNOTS, t.size)
+    edges = np.linspace(0, t.size, parts + 1).astype(np.int64)[:-1]
+    count = np.diff(np.append(edges, t.size))
+    knots, means = np.add.reduceat(t, edges) / count, np.add.reduceat(c, edges) / count
+    found = np.interp(at, knots, means)
+    for ends, side in ((slice(0, 2), at < knots[0]), (slice(-2, None), at > knots[-1])):
+        (t0, t1), (c0, c1) = knots[ends], means[ends]
+        found[side] = c0 + (c1 - c0) / (t1 - t0) * (at[side] - t0)
+    return found
+
+
+def trend_of(n: int, celsius: Floats | None) -> Floats:
+    """Return the columns that a drift is made of, (n, p): a line in time, and a parabola of a temperature that moves."""
+    line = np.linspace(-1, 1, n)
+    if celsius is None or np.ptp(celsius) < MOVED:
+        return line[:, None]
+    warm = (celsius - celsius.mean()) / np.ptp(celsius)
+    return np.stack([line, warm, warm**2], axis=1)
+
+
+def without_trend(values: Floats, trend: Floats) -> Floats:
+    """Return values less their mean and what a least-squares fit of the trend's columns explains, (n,)."""
+    columns = trend - trend.mean(axis=0)
+    rest = values - values.mean()
+    squares, products = np.einsum("ip,iq->pq", columns, columns), np.einsum("ip,i->p", columns, rest)
+    return rest - np.einsum("ip,p->i", columns, np.linalg.lstsq(squares, products, rcond=1e-12)[0])
+
+
+def lowest(trend: Floats, dt: float) -> Floats:
+    """Return the lowest cosine coefficients of a trend's columns, (32, p)."""
+    spectra = [cosine_spectrum(np.ascontiguousarray(column), dt) for column in trend.T[1:]]
+    line = cosine_spectrum(np.zeros(len(trend)), dt).trend()  # a line is what a spectrum takes off beforehand
+    return np.stack([line, *(spectrum.low for spectrum in spectra)], axis=1).reshape(LOW, -1)
+
+
+def restricted(problem: LikelihoodProblem, spectrum: CosineSpectrum, trend: Floats) -> LikelihoodProblem:
+    """Return the problem of what is left of the lowest coefficients when a trend, (32, p), is taken out of them."""
+    columns = trend[spectrum.index - 1]
+    size = np.linalg.norm(columns, axis=0)
+    own = size > SAME * (spectrum.n * spectrum.dt) ** 0.5
+    own[0] = True  # the line, whose coefficients have another scale
+    kept = columns[:, own] / size[own].clip(1e-300)
+    left = np.asarray(linalg.null_space(kept.T, rcond=SAME), dtype=np.float64)
+    parts = left.T @ problem.parts @ left
+    return replace(problem, low=left.T @ problem.low, trend=np.zeros(left.shape[1]), parts=parts, ramp=0.0)
+
+
+def joined(problems: Sequence[LikelihoodProblem]) -> LikelihoodProblem:
+    """Return the problem of several records of one sensor: their coefficients side by side. Each has had its trend taken out."""
+    if len(problems) == 1:
+        return problems[0]
+    order = np.argsort(np.concatenate([p.frequency for p in problems]), kind="stable")
+
+    def together(name: str) -> Floats:
+        return np.concatenate([getattr(p, name) for p in problems])
+
+    terms = problems[0].parts.shape[0]
+    parts = np.stack([linalg.block_diag(*(p.parts[t] for p in problems)) for t in range(terms)])
+    return replace(
+        problems[0], low=together("low"), trend=together("trend"), parts=parts, frequency=together("frequency")[order],
+        power=together("power")[order], count=together("count")[order], design=together("design")[order],
+    )  # fmt: skip

@@ -1,0 +1,58 @@
+"""The slope of the Allan curve where white noise rules it: free, beside the -1/2 that it should be (El-Diasty, 4.1)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.identification.allan_fit import SHARE, Region
+from imuwb.identification.allan_problem import whitener
+from imuwb.identification.allan_statistics import moments
+from imuwb.identification.distributions import normal_limit
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from imuwb.identification.allan import AllanDeviation
+    from imuwb.identification.coefficient import Coefficient
+    from imuwb.stochastic import Sum
+
+    Floats = NDArray[np.float64]
+
+MOST = 10  #: octaves; longer averaging times add next to nothing
+
+
+def white_slope(
+    curve: AllanDeviation, processes: Sum, coefficients: Mapping[str, Coefficient], level: float = 0.95
+) -> Region | None:
+    """Return the averaging times that random walk rules, and a free line's slope there; None where there are no two.
+
+    The line is fitted by generalised least squares, with the covariance that the curve's points have under the sum.
+
+    Args:
+        curve: octaves.
+        processes: the sum that was identified.
+        coefficients: Q, N, B and K of it.
+        level: of the slope's interval.
+    """
+    white = coefficients["N"].value
+    if white is None:
+        return None
+    share = white**2 / curve.averaging_time / processes.allan_variance(curve.averaging_time, curve.dt)
+    inside = np.flatnonzero((share > SHARE) & (curve.deviation > 0))
+    if inside.size < 2:  # noqa: PLR2004 - a slope needs two points
+        return None
+    inside = np.arange(inside[0], inside[-1] + 1)[:MOST]
+    factor, tau, variance = (a[inside] for a in (curve.factor, curve.averaging_time, curve.deviation**2))
+    n = int(curve.terms[0]) + 2 * int(curve.factor[0]) - 1
+    squared = np.array([(coefficients[letter].value or 0.0) ** 2 for letter in "QNBK"])
+    spread = moments(tuple(int(m) for m in factor), n).covariance(squared, 0.0, curve.dt)
+    whiten = whitener(spread / np.outer(variance, variance))
+    design = whiten @ np.stack([np.ones(tau.size), np.log(tau)], axis=1)
+    inverse = np.linalg.inv(design.T @ design)
+    slope = float((inverse @ design.T @ (whiten @ np.log(variance)))[1]) / 2
+    half = normal_limit(level) * float(inverse[1, 1]) ** 0.5 / 2
+    return Region("N", float(tau[0]), float(tau[-1]), slope, slope - half, slope + half, -0.5)

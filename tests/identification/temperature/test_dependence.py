@@ -1,0 +1,94 @@
+import numpy as np
+import pytest
+from scipy import stats
+
+from imuwb.identification.temperature import Record, heterogeneity, identify, over_temperature
+from imuwb.identification.temperature.dependence import DRAWS, depends
+from imuwb.identification.temperature.pooled import pooled
+from imuwb.identification.temperature.quantization import settled
+from imuwb.stochastic import FlickerNoise, Sum, WhiteNoise
+
+DT = 0.01
+
+
+def chamber(sizes, seed, n=20_000, flicker=0.0):
+    rng = np.random.default_rng(seed)
+    return [
+        identify([Record(Sum((WhiteNoise(size), FlickerNoise(flicker))[: 1 + (flicker > 0)]).sample(n, DT, rng), 0.0, 10.0 * k)], DT)
+        for k, size in enumerate(sizes)
+    ]  # fmt: skip
+
+
+def test_heterogeneity_is_the_weighted_sum_of_squares():
+    values, sigmas = np.array([1.0, 2.0, 4.0]), np.array([1.0, 0.5, 2.0])
+    weights = [1, 4, 0.25]
+    mean = sum(w * v for w, v in zip(weights, values, strict=True)) / sum(weights)
+    by_hand = sum(w * (v - mean) ** 2 for w, v in zip(weights, values, strict=True))
+    found = heterogeneity(values, sigmas, 0.05)
+    assert found.statistic == pytest.approx(by_hand)
+    assert found.p_value == pytest.approx(stats.chi2.sf(by_hand, 2))
+    assert found.critical == pytest.approx(stats.chi2.ppf(0.95, 2))
+    assert found.depends == (by_hand > found.critical)
+    assert heterogeneity(values[:1], sigmas[:1]) is None
+
+
+def test_the_score_test_of_n_is_that_of_its_estimates():
+    points = settled(chamber([0.005, 0.00505, 0.0049, 0.005], 2))[0]
+    score = depends(points, "N")
+    values = np.log([p.coefficients["N"].value for p in points])
+    sigmas = np.array([np.log(p.coefficients["N"].upper / p.coefficients["N"].lower) / (2 * 1.96) for p in points])
+    wald = heterogeneity(values, sigmas)
+    assert score.statistic == pytest.approx(wald.statistic, rel=0.1)
+    assert score.common.lower < 0.005 < score.common.upper
+    assert score.distribution == "chi-square(3)"
+
+
+def test_a_change_of_a_tenth_is_found_and_none_is_not():
+    assert depends(chamber(np.linspace(0.005, 0.0055, 5), 2), "N").depends is True
+    assert depends(chamber([0.005] * 5, 3), "N").p_value > 1e-4
+
+
+def test_the_law_of_an_unsure_coefficient_is_drawn_and_wider():
+    points = chamber([0.005] * 6, 4, flicker=0.002)
+    found = depends(points, "B")
+    assert found.distribution.startswith("drawn from scaled chi-squares")
+    assert found.critical > stats.chi2.ppf(0.95, 5)  # skewed: a longer tail
+    assert 1 / (DRAWS + 1) <= found.p_value <= 1
+    assert found.common.lower < 0.002 < found.common.upper
+
+
+def test_a_flicker_that_grows_is_found():
+    rng = np.random.default_rng(5)
+    points = [
+        identify([Record(Sum((WhiteNoise(0.005), FlickerNoise(b))).sample(40_000, DT, rng), 0.0, t)], DT)
+        for t, b in ((-20.0, 0.002), (20.0, 0.004), (60.0, 0.012))
+    ]
+    assert depends(points, "B").depends is True
+    law = over_temperature(points).laws["B"]
+    assert law.function is not None
+    assert law.function.kind == "piecewise"
+
+
+def test_what_is_not_there_has_no_test_but_a_limit_better_than_any():
+    points = chamber([0.005] * 6, 6)
+    found = depends(points, "K", pooled(points)["K"])
+    assert found.depends is None
+    assert found.p_value is None
+    assert 0 < found.common.upper < min(p.coefficients["K"].upper for p in points)
+    assert depends(points[:1], "N") is None
+    with pytest.raises(ValueError, match="1 set-points; .* takes two"):
+        over_temperature(points[:1])
+
+
+def test_a_limit_that_all_temperatures_give_together_holds():
+    rng = np.random.default_rng(7)
+    sensor, held = Sum((WhiteNoise(0.005), FlickerNoise(0.0006))), []
+    for _ in range(15):
+        points = [identify([Record(sensor.sample(4000, DT, rng), 0.0, 1.0 * k)], DT) for k in range(5)]
+        held.append(pooled(points)["B"].upper >= 0.0006)
+    assert stats.binom.cdf(sum(held), 15, 0.95) > 1e-4
+
+
+def test_size_of_the_test_of_n():
+    found = [depends(chamber([0.005] * 3, 100 + seed, n=2000), "N").depends for seed in range(25)]
+    assert stats.binom.sf(sum(map(bool, found)) - 1, 25, 0.05) > 1e-4

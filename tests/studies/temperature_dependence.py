@@ -1,0 +1,143 @@
+"""Does the test "the same at all temperatures" err as often as it says, and does it find a change of N?
+
+Six set-points of 5 minutes at 100 Hz, one after the other, by ``identify`` and ``over_temperature``, of sensors in which nothing depends on
+temperature: white noise alone; white noise, flicker and random walk (a gyro of 0.3 deg/√h, 7.2 deg/h, 15.8 deg/h^1.5);
+with quantization besides. And a ramp of 110 °C in 2 h, cut into 22 bins of 5 °C, with a bias that follows the temperature
+by 1 deg/s and a parabola. Wanted: the test of N, at 5 %, rejects in 3.5 to 6.5 % of records where nothing depends on temperature.
+
+Power: N changes linearly by so many per cent from the coldest to the hottest set-point. Wanted: at 10 % the test
+rejects in at least 90 % of records.
+
+Command: ``python tests/studies/temperature_dependence.py`` (150 records: about 6 minutes in one process).
+Seeds: record r of case c uses ``SeedSequence([c, r])``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from study_report import Share, Table, main, over_records, verdict
+
+from imuwb.identification.temperature import Record, identify, over_temperature, smooth_temperature, stretches
+from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, Sum, WhiteNoise
+
+QUESTION = "Size and power of the tests of dependence on temperature"
+RATE, MINUTES, RAMP_HOURS, DEGREE = 100.0, 5.0, 2.0, np.pi / 180
+CELSIUS = np.linspace(-30, 60, 6)
+WHITE, FLICKER, WALK = WhiteNoise(0.005 * DEGREE), FlickerNoise(0.002 * DEGREE), RandomWalk(7.3e-5 * DEGREE)
+SENSORS = {
+    "white noise": Sum((WHITE,)),
+    "white noise, flicker, random walk": Sum((WHITE, FLICKER, WALK)),
+    "with quantization": Sum((WHITE, FLICKER, WALK, Quantization(9.1e-4 * DEGREE))),
+}
+RAMP = "a ramp with thermal drift"
+CHANGES = (0.0025, 0.005, 0.01, 0.02, 0.1)  #: of N over the set-points
+LETTERS = ("N", "B", "K", "alpha", "bias")
+SIZE, LOW, HIGH, POWER = 0.05, 0.035, 0.065, 0.9
+
+
+def set_points(case, seed, change, minutes):
+    """Return {what: whether it was found to depend on temperature} of one chamber."""
+    rng = np.random.default_rng(np.random.SeedSequence([case, seed]))
+    sensor = list(SENSORS.values())[case % len(SENSORS)]
+    n = round(minutes * 60 * RATE)
+    points = []
+    whole = sensor.sample(n * CELSIUS.size, 1 / RATE, rng)
+    for k, t in enumerate(CELSIUS):
+        x = whole[k * n : (k + 1) * n]
+        scale = 1 + change * (t - CELSIUS[0]) / np.ptp(CELSIUS)
+        x = x + WHITE.N * (scale**2 - 1) ** 0.5 * rng.standard_normal(n) * RATE**0.5
+        points.append(identify([Record(x, k * minutes * 60, float(t))], 1 / RATE))
+    return _decisions(over_temperature(points, size=SIZE))
+
+
+def ramp(seed, hours):
+    """Return the same of one ramp."""
+    rng = np.random.default_rng(np.random.SeedSequence([len(SENSORS), seed]))
+    n = round(hours * 3600 * RATE)
+    t = np.arange(n) / RATE
+    celsius = np.linspace(-40, 70, n)
+    x = SENSORS["white noise, flicker, random walk"].sample(n, 1 / RATE, rng)
+    x += DEGREE * ((celsius - 20) / 110 + 0.3 * ((celsius - 20) / 55) ** 2)
+    time = np.arange(0, t[-1], 1.0)
+    read = np.interp(time, t, celsius) + 0.1 * rng.standard_normal(time.size)
+    points = []
+    for s in stretches(time, read, RATE, "bins", 5.0)[1]:
+        at = t[slice(*np.searchsorted(t, [s.start, s.end]))]
+        inside = slice(round(at[0] * RATE), round(at[0] * RATE) + at.size)
+        points.append(
+            identify([Record(x[inside], at[0], s.celsius, smooth_temperature(time, read, at), True)], 1 / RATE)
+        )
+    return _decisions(over_temperature(points, size=SIZE))
+
+
+def _decisions(found):
+    return {what: None if (d := found.dependence[what]) is None else d.depends for what in LETTERS}
+
+
+def study(records=150, ramps=None, minutes=MINUTES, hours=RAMP_HOURS, workers=1):
+    """Return the tables: a summary, sizes, and power."""
+    ramps = records // 6 if ramps is None else ramps
+    few = max(records // 5, 1)
+    sizes = {
+        name: over_records(set_points, [(case, seed, 0.0, minutes) for seed in range(records)], workers)
+        for case, name in enumerate(SENSORS)
+    }
+    sizes[RAMP] = over_records(ramp, [(seed, hours) for seed in range(ramps)], workers)
+    powers = {
+        change: over_records(set_points, [(1 + 3 * (1 + i), seed, change, minutes) for seed in range(few)], workers)
+        for i, change in enumerate(CHANGES)
+    }
+    return _summary(sizes, powers), _sizes(sizes), _powers(powers)
+
+
+def share(found, what):
+    """Return how often it was said to depend, among those in which there was anything to test."""
+    told = [one[what] for one in found if one[what] is not None]
+    return Share(sum(told), len(told))
+
+
+def _summary(sizes, powers):
+    rows = [
+        (
+            f"size, N: {name}",
+            f"{100 * LOW:g} to {100 * HIGH:g} %",
+            s := share(found, "N"),
+            verdict(LOW <= s.value <= HIGH),
+        )
+        for name, found in sizes.items()
+    ]
+    pooled = share([one for found in sizes.values() for one in found], "N")
+    rows.append(
+        ("size, N: all together", f"{100 * LOW:g} to {100 * HIGH:g} %", pooled, verdict(LOW <= pooled.value <= HIGH))
+    )
+    most = share(powers[CHANGES[-1]], "N")
+    rows.append(
+        (f"power for {100 * CHANGES[-1]:g} % of N", f"at least {100 * POWER:g} %", most, verdict(most.value >= POWER))
+    )
+    return Table("What was wanted", ("figure", "wanted", "reached", "verdict"), tuple(rows))
+
+
+def _sizes(sizes):
+    note = (
+        "Share of records in which the test at 5 % says that it depends on temperature, which it does not; of all in which there was a sure "
+        "trace of it (how many). The ramp's bias does depend on it."
+    )
+    rows = []
+    for name, found in sizes.items():
+        shares = [share(found, what) for what in LETTERS]
+        rows.append((name, *(f"{s} of {s.of}" for s in shares)))
+    return Table("Size", ("sensor", *LETTERS), tuple(rows), note)
+
+
+def _powers(powers):
+    rows = [(f"{100 * change:g} %", share(found, "N")) for change, found in powers.items()]
+    error = 100 / (2 * MINUTES * 60 * RATE) ** 0.5
+    note = f"White noise, flicker and random walk. The standard error of N at one set-point is {error:.2f} % or more."
+    return Table("Power", ("change of N over 90 °C", "found"), tuple(rows), note)
+
+
+if __name__ == "__main__":
+    main(
+        __file__, QUESTION, study, 150,
+        lambda n: f"seeds (c, 0..{n - 1}) for sensors c, (3, 0..{n // 6 - 1}) for ramps, 0..{n // 5 - 1} for each power",
+    )  # fmt: skip

@@ -1,0 +1,59 @@
+"""The studies of temperature with few, short records: what they reach must lie within what chance allows."""
+
+import sys
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+
+import pytest
+from scipy import stats
+
+HERE = Path(__file__).parent
+RARE = 1e-4
+
+
+@pytest.fixture(scope="module")
+def load():
+    """Load a study by its path, as ``python tests/studies/NAME.py`` would find its neighbours."""
+    sys.path.insert(0, str(HERE))
+
+    def loaded(name):
+        spec = spec_from_file_location(f"study_{name}", HERE / f"{name}.py")
+        module = module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return module
+
+    yield loaded
+    sys.path.remove(str(HERE))
+
+
+def test_the_test_of_dependence_errs_seldom_and_finds_a_tenth(load):
+    module = load("temperature_dependence")
+    summary, sizes, powers = module.study(records=2, ramps=0, minutes=0.5)
+    pooled = summary.rows[4][2]
+    assert pooled.of == 6
+    assert stats.binom.sf(pooled.count - 1, pooled.of, 0.05) > RARE
+    assert len(sizes.rows) == 4
+    assert powers.rows[-1][1].value == 1
+
+
+def test_a_chamber_holds_the_published_figures(load, monkeypatch):
+    module = load("chamber")
+    monkeypatch.setattr(module, "PRESETS", ("motionpakii",))
+    monkeypatch.setattr(module, "CELSIUS", (-30, 30))
+    monkeypatch.setattr(module, "TABULATED", (-30, 30))
+    summary, white, *ar1 = module.study(seeds=1, hours=0.02)
+    inside = summary.rows[0][2]
+    assert inside.of == 12
+    assert stats.binom.cdf(inside.count, 12, 0.95) > RARE
+    assert white.rows[0][1] == "2.2292"  # table 1
+    assert len(ar1) == 4
+
+
+def test_a_ramp_reaches_its_bound(load):
+    module = load("ramp")
+    summary, bins = module.study(records=2, hours=0.3)
+    ratio = float(summary.rows[0][2])
+    assert 0.3 < ratio < 2
+    held = summary.rows[3][2]
+    assert stats.binom.cdf(held.count, held.of, 0.95) > RARE
+    assert len(bins.rows) >= 4
