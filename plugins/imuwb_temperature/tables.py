@@ -150,7 +150,7 @@ def functions(result: Result) -> Table:
         if (law := found.functions.get(name)) is not None
     ]  # fmt: skip
     caption = (
-        "Values in SI, T in °C. Cross-validation takes the simplest function that predicts set-points left out within a standard error of the best. Between the set-points of "
+        "Values in SI, T in °C. Cross-validation takes the simplest function that agrees with the set-points, and predicts one left out within a standard error of the best; straight lines between them where none does. Between the set-points of "
         "a model, 5 °C apart at most, it is linear; beyond the outer ones it is held."
     )
     return Table(
@@ -174,7 +174,7 @@ def candidates(result: Result) -> Table:
     kinds = ("constant", "linear", "arrhenius", "quadratic", "cubic", "piecewise", "spline")
     caption = (
         "Mean square of the error of predicting an inner set-point from the others, over its standard error; about 1 to 2 is as good as can be. * is "
-        "taken: the simplest within a standard error of the best."
+        "taken: the simplest that agrees with the set-points within a standard error of the best; none: straight lines between them."
     )
     return Table("Cross-validation", ("axis", "what", *kinds), tuple(rows), caption, wide=True)
 

@@ -1,4 +1,4 @@
-"""Which function of temperature? Leave-one-out cross-validation, and the simplest that is not surely worse than the best."""
+"""Which function of temperature? The simplest that agrees with the set-points and predicts one left out not surely worse than the best."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 FEWEST = 4  #: set-points for a cross-validation
+CONTRADICTED = 1e-3  #: probability of a fit as bad, below which a function is none
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,9 +86,14 @@ def choose_function(
         if parameters_of(kind, celsius.size - 1) < celsius.size and (logarithmic or kind != "arrhenius")
     }
     candidates = _candidates(squares, celsius, estimate, sigma)
-    taken = next(c for c in candidates if c.behind <= c.behind_sigma)
+    # Few set-points scatter much: one far off must not excuse a function that the others contradict.
+    tenable = [c for c in candidates if c.fit_probability is None or c.fit_probability > CONTRADICTED]
+    taken = next((c for c in tenable if c.behind <= c.behind_sigma), None)
+    if taken is None:
+        why = "no smooth function agrees with the set-points: straight lines between them"
+        return Choice(fitted("piecewise", celsius, estimate, sigma, logarithmic=logarithmic), candidates, why)
     if taken.kind in ("linear", "arrhenius"):  # as simple as each other
-        taken = min((c for c in candidates if c.kind in ("linear", "arrhenius")), key=lambda c: c.error)
+        taken = min((c for c in tenable if c.kind in ("linear", "arrhenius")), key=lambda c: c.error)
     why = "cross-validation"
     return Choice(fitted(taken.kind, celsius, estimate, sigma, logarithmic=logarithmic), candidates, why)
 

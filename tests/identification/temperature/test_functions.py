@@ -121,3 +121,13 @@ def test_a_formula_can_be_put_in():
     assert function.text == "value = 1 +0.5 (T - 25) +0.25 (T - 25)^2"
     assert isinstance(function, TemperatureFunction)
     assert parameters_of("spline", 10) == 10
+
+
+def test_a_function_that_the_set_points_contradict_is_not_taken():
+    celsius = np.array([-30.0, -15, 0, 15, 30, 45, 60])
+    sharp = np.interp(celsius, [-30, 0, 30, 60], [0.8, 0.48, 0.67, 0.67])  # as of a published sensor
+    found = choose_function(celsius, sharp, np.full(7, 0.003), logarithmic=True)
+    assert found.function.kind == "piecewise"
+    assert found.function.at(celsius)[0] == pytest.approx(np.exp(sharp), rel=1e-9)
+    loose = choose_function(celsius, sharp, np.full(7, 0.3), logarithmic=True)
+    assert loose.function.kind in ("constant", "linear", "arrhenius")
