@@ -23,6 +23,7 @@ import numpy as np
 from imuwb.compiled import compiled
 from imuwb.navigation.earth import EQUATORIAL_RADIUS
 from imuwb.navigation.strapdown import CORIOLIS, EARTH, GRAVITY, MEASURED, PUSHED, SIZE, SPAN, TURNED
+from imuwb.navigation.workspace import MOST_STATES, STRIDE
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -35,8 +36,6 @@ if TYPE_CHECKING:
     Whole = int | np.int64
 
 NAVIGATION = 9  #: error states of position, velocity and attitude
-MOST_STATES = 48  #: of a filter
-STRIDE = 48
 _LANES = 4  #: columns are worked on in multiples of it
 _U = np.uint64
 _N0, _N1, _N2, _N3, _N4, _N5, _N6, _N7, _N8 = (_U(row * STRIDE) for row in range(9))

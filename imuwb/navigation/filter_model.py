@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.log import AXES
-from imuwb.navigation.covariance import MOST_STATES, NAVIGATION
+from imuwb.navigation.covariance import NAVIGATION
 from imuwb.navigation.shaping import Reading, Shaping, shaping
 from imuwb.navigation.tables import AxisTables
+from imuwb.navigation.workspace import MOST_STATES
 
 if TYPE_CHECKING:
     from imuwb.log import Floats

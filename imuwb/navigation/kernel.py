@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.compiled import compiled
-from imuwb.navigation.covariance import NAVIGATION, STRIDE, carry
+from imuwb.navigation.covariance import NAVIGATION, carry
 from imuwb.navigation.strapdown import MEASURED, SIZE, step
 from imuwb.navigation.tables import FIX
 from imuwb.navigation.update import update
+from imuwb.navigation.workspace import STRIDE
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

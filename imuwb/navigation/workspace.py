@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from imuwb.navigation.covariance import MOST_STATES, STRIDE
 from imuwb.navigation.strapdown import SIZE
 from imuwb.navigation.tables import MOST_ROWS
 
@@ -14,6 +13,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
+
+
+MOST_STATES = 48  #: of a filter
+STRIDE = 48  #: of a matrix's flat rows: numbers from one to the next, known when the loops are compiled
 
 
 class Weighing(NamedTuple):

@@ -5,9 +5,9 @@ import pytest
 from scipy import signal
 
 from imuwb.log import AXES
-from imuwb.navigation.covariance import MOST_STATES
 from imuwb.navigation.filter_model import FilterModel, Settings
 from imuwb.navigation.shaping import FLICKER_BAND, lattice, shaping
+from imuwb.navigation.workspace import MOST_STATES
 from imuwb.stochastic import (
     Autoregressive,
     AxisModel,
