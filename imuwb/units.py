@@ -80,6 +80,7 @@ UNITS: dict[str, Unit] = {
     "°C": Unit("°C", "temperature", 1.0),
     "K": Unit("K", "temperature", 1.0, -273.15),
     "cdegC": Unit("cdegC", "temperature", 1e-2),
+    "°F": Unit("°F", "temperature", 5 / 9, -160 / 9),
 }
 
 #: What people write, and the name it has in the table (matched after ``_canonical``).
@@ -89,6 +90,7 @@ _ALIASES = {
     "m/s2": "m/s²", "ms-2": "m/s²", "m/ss": "m/s²", "m/sec²": "m/s²", "gee": "g", "mgee": "mg", "ug": "µg",
     "μg": "µg", "ug/√hz": "µg/√Hz", "μg/√hz": "µg/√Hz", "sec": "s", "seconds": "s", "msec": "ms",
     "usec": "us", "µs": "us", "μs": "us", "nsec": "ns", "degc": "°C", "c": "°C", "celsius": "°C",
+    "degf": "°F", "f": "°F", "fahrenheit": "°F",
     "degree": "deg", "degrees": "deg", "°": "deg", "mps": "m/s", "kmh": "km/h", "kph": "km/h",
     "deg/√hr": "deg/√h", "°/√h": "deg/√h", "m/s/√hr": "m/s/√h", "degs": "deg/s", "": "1",
 }  # fmt: skip

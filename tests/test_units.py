@@ -46,6 +46,8 @@ def test_one_of_each(name, si):
 
 def test_kelvin_has_an_offset():
     assert to_si(273.15, "K") == 0.0
+    assert to_si(32.0, "degF") == pytest.approx(0.0, abs=1e-12)
+    assert from_si(100.0, "°F") == pytest.approx(212.0)
     assert from_si(25.0, "K") == 298.15
     assert to_si(2512, "cdegC") == pytest.approx(25.12)
 

@@ -37,7 +37,7 @@ def shower(*, data: bool) -> Callable[[Table | str], None]:
         table = RichTable(title=escape(what.title), title_justify="left", title_style="bold", caption=escape(what.caption) or None,
                           caption_justify="left")  # fmt: skip
         for heading in what.headings:
-            table.add_column(heading)
+            table.add_column(escape(heading))
         for row in what.rows:
             # A value and its unit stay on one line where they can.
             table.add_row(*(re.sub(r"(?<=[\d\]]) (?=\S+$)", "\N{NO-BREAK SPACE}", escape(cell)) for cell in row))

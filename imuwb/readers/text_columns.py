@@ -54,7 +54,7 @@ _SUFFIXES = {
     "deg_s": "deg/s", "degs": "deg/s", "dps": "deg/s", "deg_per_s": "deg/s", "rad_s": "rad/s", "rads": "rad/s",
     "rad_per_s": "rad/s", "mrad_s": "mrad/s", "deg_h": "deg/h", "m_s2": "m/s²", "m_s_2": "m/s²", "ms2": "m/s²",
     "mps2": "m/s²", "m_per_s2": "m/s²", "mg": "mg", "g": "g", "s": "s", "sec": "s", "ms": "ms", "us": "us",
-    "ns": "ns", "c": "°C", "degc": "°C", "deg_c": "°C", "k": "K", "deg": "deg", "rad": "rad", "m": "m", "mm": "mm",
+    "ns": "ns", "c": "°C", "degc": "°C", "deg_c": "°C", "k": "K", "degf": "°F", "deg_f": "°F", "f": "°F", "deg": "deg", "rad": "rad", "m": "m", "mm": "mm",
     "m_s": "m/s", "mps": "m/s", "dege7": "degE7",
 }  # fmt: skip
 

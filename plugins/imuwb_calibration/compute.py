@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 RANGES = (2, 4, 8, 16, 32, 64, 128)  #: g, usual ones
 UNLIKELY = 0.01
+STRANGE = 0.2  #: of what positions show, left over by the fit: they stand elsewhere
 
 
 def six_position(logs: Sequence[Log], p: SixPosition) -> PositionResult:
@@ -64,11 +65,15 @@ def multi_position(logs: Sequence[Log], p: MultiPosition) -> PositionResult:
                 "attitudes are not known: the x axis is the x accelerometer's and y lies in the plane of x and y, so the cross-couplings "
                 "y and z into x, and z into y, are 0 by definition"
             )
+            notes.append(
+                "the non-linear part is left out: a scale factor holds about three quarters of what it makes of one gravity"
+            )
         else:
             force = gravity * _ups(p.attitudes, len(found))
             full_range = _full_range(p.range, base, gravity)
             tilt = None if p.misplacement is None else float(np.radians(p.misplacement))
             fit = calibration.known_attitudes(accel, force, p.level, full_range=full_range, misplacement=tilt)
+            _check_attitudes(p.attitudes, accel, fit)
             if fit.axes[0].scale_factor_nonlinear is None:
                 notes.append(
                     "these positions do not part the non-linear scale factor from the linear one: it is left out"
@@ -114,6 +119,23 @@ def _ups(path: Path, count: int) -> Floats:
         message = f"--attitudes {path}: {roll.size} attitudes for {count} still positions; it must have one for each, in order"
         raise UsageError(message)
     return np.stack([np.sin(pitch), -np.sin(roll) * np.cos(pitch), -np.cos(roll) * np.cos(pitch)], axis=1)
+
+
+def _check_attitudes(path: Path, accel: Means, fit: PositionCalibration) -> None:
+    """Raise UsageError where the means do not go with the attitudes, as those of another order, or of another frame."""
+    left = float(np.linalg.norm(fit.residual) / np.linalg.norm(accel.value - accel.value.mean(axis=0)))
+    turned = [k for k, axis in zip("xyz", fit.axes, strict=True) if axis.scale_factor and axis.scale_factor.value < -1]
+    if left > STRANGE or turned:
+        message = (
+            f"--attitudes {path}: the positions do not stand as it says"
+            + (
+                f" (accel {', '.join(turned)} would show the opposite)"
+                if turned
+                else f" ({100 * left:.0f} % of what they show is left over)"
+            )
+            + "; it must have a row for each position, in their order, of roll and pitch forward-right-down: 0, 0 is level, z down"
+        )
+        raise UsageError(message)
 
 
 def _full_range(given: float | None, base: ImuErrorModel | None, gravity: float) -> float:
@@ -220,6 +242,13 @@ def _remarks(p: Positions, gravity: tuple[float, str], fit: PositionCalibration)
     if fit.misplacement is None and fit.freedom and fit.probability < UNLIKELY:
         said.append(
             f"residuals are larger than noise makes them (probability {fit.probability:.1e}): the intervals allow for it"
+        )
+    told = getattr(p, "misplacement", None)
+    chance = "below 1e-6" if fit.probability < 1e-6 else f"{fit.probability:.1e}"  # noqa: PLR2004 - as good as none
+    if told is not None and fit.freedom and fit.probability < UNLIKELY:
+        said.append(
+            f"residuals are larger than noise and --misplacement {told:g} make them (probability {chance}): "
+            "the intervals are too narrow; without --misplacement the residuals tell"
         )
     if fit.misplacement is None and not fit.freedom:
         said.append("as many parameters as positions: nothing is left over to judge the fit by; more positions would")

@@ -47,6 +47,9 @@ def condition(log: Log, path: Path) -> tuple[Log, Found]:
     if is_ideal(model):
         message = f"correction: {path}: the model has no bias, scale factor, cross-coupling or g-sensitivity to take off; imuwb calibration finds them"
         raise UsageError(message)
+    if any(step.name == "correction" and step.parameters == f"model={path}" for step in log.conditioning):
+        message = f"correction: {path}: its terms are taken off already; give it once"
+        raise UsageError(message)
     log.imu()
     imus = tuple(_imu(log, imu, model, path) for imu in log.imus)
     said = [text for name, text in TERMS.items() if any(_any(getattr(axis, name)) for axis in model.axes.values())]

@@ -87,9 +87,8 @@ def _function(name: str, axis: str, law: Law, found: AxisTemperatures, reference
     offset = _reference_bias(axis, found, reference) if name == "bias" else 0.0
     value, lower, upper = (part - offset for part in function.at(celsius, found.level))
     how = f"{law.how}: {law.choice.why}" if law.choice.why else law.how
-    return FunctionResult(
-        function.kind, function.text, how, law.limit, law.choice.candidates, celsius, value, lower, upper
-    )
+    text = f"{function.text}, gravity's part of the mean in it" if offset else function.text
+    return FunctionResult(function.kind, text, how, law.limit, law.choice.candidates, celsius, value, lower, upper)
 
 
 def _dependence(found: AxisTemperatures) -> DependenceResult:

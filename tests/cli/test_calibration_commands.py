@@ -77,7 +77,7 @@ def test_one_log_in_csv_and_its_attitudes(imuwb, tmp_path):
     )
     assert done.code == 0, done.err
     log = tmp_path / "one" / "positions.csv"
-    for options in ((), ("--attitudes", tmp_path / "one" / "attitudes.csv")):
+    for options in ((), ("--attitudes", tmp_path / "one" / "attitudes.txt")):
         done = imuwb("calibration", "multi-position", log, *options, "-o", "m.rrd", "--force")
         assert done.code == 0, done.err
 

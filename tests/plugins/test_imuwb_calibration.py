@@ -184,19 +184,33 @@ def test_many_positions_with_and_without_attitudes(sensor, tmp_path):
     free = run("multi-position", logs)
     assert near(free.parameters["accel_z"]["bias"], sensor.axes["accel_z"].bias, 8)  # the bend is no parameter here
     assert "cross_coupling_y" not in free.parameters["accel_x"]
-    path = tmp_path / "attitudes.csv"
+    path = tmp_path / "attitudes.txt"
     rows = "\n".join(f"{r},{p}" for r, p in np.degrees(made.attitudes))
     path.write_text(f"roll_deg,pitch_deg\n{rows}\n", "utf-8")
     known = run("multi-position", logs, attitudes=path, range=2.0)
     true = sensor.axes["accel_x"]
     assert near(known.parameters["accel_x"]["scale_factor_nonlinear"], true.scale_factor_nonlinear)
     assert near(known.parameters["accel_x"]["cross_coupling_z"], true.cross_coupling[1])
+    assert any("three quarters" in note for note in free.notes)
+    off = named(simulation.six_position(sensor, 13, positions=14, seconds=15, rate=50, misplacement=TILT).logs)
+    sure = run("multi-position", off, attitudes=path, misplacement=0.0)
+    assert any("--misplacement 0 make them" in note and "too narrow" in note for note in sure.notes)
+    assert not any("too narrow" in note for note in known.notes)
     path.write_text("roll_deg,pitch_deg\n0,0\n", "utf-8")
     with pytest.raises(UsageError, match="1 attitudes for 14 still positions"):
         run("multi-position", logs, attitudes=path)
     path.write_text("roll,pitch\n0,x\n", "utf-8")
     with pytest.raises(UsageError, match="columns roll_deg and pitch_deg"):
         run("multi-position", logs, attitudes=path)
+
+
+def test_attitudes_of_other_positions_or_of_another_frame(sensor, tmp_path):
+    made = simulation.six_position(sensor, 13, positions=14, seconds=15, rate=50)
+    path, logs, told = tmp_path / "attitudes.txt", named(made.logs), np.degrees(made.attitudes)
+    for rows, why in ((told[[1, 0, *range(2, 14)]], "% of what they show"), (told * [-1, 1], "accel y would show")):
+        path.write_text("roll_deg,pitch_deg\n" + "\n".join(f"{r},{p}" for r, p in rows) + "\n", "utf-8")
+        with pytest.raises(UsageError, match=f"do not stand as it says.*{why}.*in their order"):
+            run("multi-position", logs, attitudes=path)
 
 
 def test_many_positions_held_by_hand(sensor):
@@ -256,6 +270,12 @@ def test_clipped_samples(cube, turns):
     cut = [changed(log, "gyro", lambda v: np.clip(v, -1.2, 1.2)) for log in turns]
     with pytest.raises(MissingDataError, match=r"gyro . is clipped at -?1.2"):
         run("rate-table", cut, rates=RATES)
+
+
+def test_a_gyro_that_stands_at_its_range_in_every_step_it_shows(turns):
+    held = changed(turns[0], "gyro", apply=lambda w: np.column_stack([np.clip(w[:, 0], -0.05, 0.05), w[:, 1:]]))
+    with pytest.raises(MissingDataError, match=r"gyro x is clipped at"):
+        run("rate-table", [held], rates=RATES)
 
 
 def test_logs_of_different_rates(cube, sensor):

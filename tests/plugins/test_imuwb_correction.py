@@ -101,6 +101,14 @@ def test_what_it_cannot_do(save, tmp_path):
         imuwb_correction.condition(Log(Provenance("made.csv", "csv", "sha256:0", 0)), save(**AXES))
 
 
+def test_a_model_is_taken_off_once(save):
+    samples = triad(np.ones((4, 3)), 10)
+    model = save(**AXES)
+    once, _ = imuwb_correction.condition(log(samples, samples), model)
+    with pytest.raises(UsageError, match=r"model.toml: its terms are taken off already; give it once"):
+        imuwb_correction.condition(once, model)
+
+
 def test_what_was_taken_off_is_drawn(save, shown):
     _, found = imuwb_correction.condition(log(None, triad(np.zeros((50, 3)), 100)), save(**AXES))
     imuwb_correction.draw(found, shown)

@@ -89,6 +89,12 @@ def test_the_model_is_a_function_of_temperature_and_reads_back(result):
     assert "log0.csv sha256:0; log1.csv" in model.provenance["log"]
 
 
+def test_a_function_of_an_accelerometers_mean_says_that_gravity_is_in_it():
+    warm = run([log_at(t, k, bias=9.8) for k, t in enumerate((0.0, 40.0))], function="constant")
+    assert warm.axes["accel_z"].functions["bias"].text.endswith("gravity's part of the mean in it")
+    assert "gravity" not in warm.axes["gyro_z"].functions["bias"].text
+
+
 def test_everything_is_drawn(result, shown):
     imuwb_temperature.draw(result, shown)
     assert shown.tabs == ["Allan gyro", "Allan accel", "B and K", "AR(1)", "Bias", "Functions"]

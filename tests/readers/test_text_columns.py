@@ -20,7 +20,7 @@ def meaning(name, **said):
         ("linear_acceleration.x", "accel", 0, None), ("ax_g", "accel", 0, "g"), ("g_x", "gyro", 0, None),
         ("time_s", "time", 0, "s"), ("time_ns", "time", 0, "ns"), ("t [ms]", "time", 0, "ms"),
         ("timestamp", "time", 0, None), ("unix_us", "time", 0, "us"), ("temperature_c", "temperature", 0, "°C"),
-        ("temp [K]", "temperature", 0, "K"), ("lat_deg", "latitude", 0, "deg"), ("lon_degE7", "longitude", 0, "degE7"),
+        ("temp [K]", "temperature", 0, "K"), ("temp [°F]", "temperature", 0, "°F"), ("temperature_f", "temperature", 0, "°F"), ("lat_deg", "latitude", 0, "deg"), ("lon_degE7", "longitude", 0, "degE7"),
         ("alt_m", "height", 0, "m"), ("vn", "velocity_north", 0, None), ("vd_m_s", "velocity_down", 0, "m/s"),
         ("gnss_lat", "latitude", 0, None), ("sd_n", "sigma_north", 0, None), ("fix_type", "fix_type", 0, "1"),
     ],

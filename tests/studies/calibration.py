@@ -132,7 +132,7 @@ def record(seed):
         many = simulation.six_position(
             model, seed, positions=POSITIONS, seconds=30 * MINUTES, rate=RATE, misplacement=tilt, site=site()
         )
-        path = Path(folder) / "attitudes.csv"
+        path = Path(folder) / "attitudes.txt"
         text = "\n".join(f"{a:.9f},{b:.9f}" for a, b in np.degrees(many.attitudes))
         path.write_text(f"roll_deg,pitch_deg\n{text}\n", "utf-8")
         known = calibrate("multi-position", many.logs, attitudes=path, range=RANGE)

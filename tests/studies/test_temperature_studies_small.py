@@ -28,7 +28,7 @@ def load():
 
 def test_the_test_of_dependence_errs_seldom_and_finds_a_tenth(load):
     module = load("temperature_dependence")
-    summary, sizes, powers = module.study(records=2, ramps=0, minutes=0.5)
+    summary, sizes, powers = module.study(records=2, ramps=0, minutes=0.5, workers=1)
     pooled = summary.rows[4][2]
     assert pooled.of == 6
     assert stats.binom.sf(pooled.count - 1, pooled.of, 0.05) > RARE

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from imuwb.stochastic import ImuErrorModel
 
 BENCH = "The bench"
-TRUTH, ATTITUDES = "truth.toml", "attitudes.csv"
+TRUTH, ATTITUDES = "truth.toml", "attitudes.txt"
 
 _Output = Annotated[Path, typer.Option("--output", "-o", help="The folder of the logs.", metavar="FOLDER")]
 _Preset = Annotated[

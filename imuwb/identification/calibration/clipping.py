@@ -18,6 +18,8 @@ FINE = 8  #: values of a stretch that is not clipped
 def clipped(stretches: Sequence[NDArray[np.float64]]) -> NDArray[np.bool_]:
     """Return which axes of which stretches are clipped, (P, 3): many samples at one extreme, where others take many values.
 
+    An axis that shows nothing but its largest value, where another stretch differs and another axis is noisy, is clipped too.
+
     Args:
         stretches: each (n, 3).
     """
@@ -28,4 +30,11 @@ def clipped(stretches: Sequence[NDArray[np.float64]]) -> NDArray[np.bool_]:
         for p, count in enumerate(counts):
             at_end = max(int(count[0]), int(count[-1])) > SHARE * count.sum()
             found[p, axis] = at_end and count.size < usual and usual >= FINE
+    for p, s in enumerate(stretches):
+        values = [np.unique(column).size for column in s.T]
+        for axis in np.flatnonzero((np.array(values) == 1) & (max(values) >= FINE)):
+            elsewhere = np.abs([other[0, axis] for other in stretches])
+            found[p, axis] |= elsewhere[p] == elsewhere.max() and any(
+                (other[:, axis] != s[0, axis]).any() for other in stretches
+            )
     return found

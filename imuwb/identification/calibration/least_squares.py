@@ -89,8 +89,8 @@ def fit_linear(design: Floats, y: Floats, noise: Noise, pattern: Floats | None, 
     changing = _uncertainty(design, covariance, total, variance, noise)
     if wanted and pattern is not None:
         changing = changing + _extra_uncertainty(design, covariance, total, pattern)
-    with np.errstate(divide="ignore"):
-        degrees = 2 * np.diag(covariance) ** 2 / changing
+    degrees = np.full(len(covariance), np.inf)  # where nothing is uncertain
+    np.divide(2 * np.diag(covariance) ** 2, changing, out=degrees, where=changing > 0)
     return LinearFit(value, covariance, np.clip(degrees, 1.0, 1e6), residual, extra, float(rest), chance)
 
 
