@@ -290,3 +290,10 @@ def estimate_text(coefficient: AnyCoefficient, unit: Unit) -> str:
     if high > low and value > 0:
         digits = min(max(math.floor(2 - math.floor(math.log10((high - low) / value))), 3), 6)
     return f"{value:.{digits}g} [{low:.{digits}g}, {high:.{digits}g}] {unit.name}"
+
+
+def decimals(width: float) -> int:
+    """Return how many decimals a value is worth whose interval is so wide: two digits of the width."""
+    if not (width > 0 and math.isfinite(width)):
+        return 6
+    return min(max(1 - math.floor(math.log10(width)), 0), 9)

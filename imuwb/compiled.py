@@ -18,7 +18,7 @@ def compiled(*, reorder: bool = False, arrays: bool = True) -> Callable[[Functio
 
     Args:
         reorder: whether sums may be taken in another order, several at a time.
-        arrays: whether the function makes arrays. One that does not is not made to count those it is handed, which costs a
+        arrays: whether the function makes arrays. One that does not is not made to count those it is handed, which costs about a
             third of the time in loops of a microsecond, and a quarter of the compiler's; its products and sums are fused.
     """
     options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}

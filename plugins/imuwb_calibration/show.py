@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import AXIS_COLORS, Curve, Figure, Table
-from imuwb_calibration.words import decimals, display, interval_text
+from imuwb.analysis import AXIS_COLORS, Curve, Figure, Table, decimals
+from imuwb_calibration.words import display, interval_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import AXIS_COLORS, Curve, Figure, Table
+from imuwb.analysis import AXIS_COLORS, Curve, Figure, Table, decimals
 from imuwb_calibration.show import REFERENCE, parameter_table, trace_figure
-from imuwb_calibration.words import decimals, display, interval_text
+from imuwb_calibration.words import display, interval_text
 
 if TYPE_CHECKING:
     from imuwb.analysis import Review

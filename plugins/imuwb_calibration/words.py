@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from imuwb.analysis import decimals
 from imuwb.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -38,10 +39,3 @@ def interval_text(p: Parameter | None) -> str:
     value, low, high = p.value / factor, p.lower / factor, p.upper / factor
     digits = decimals(high - low)
     return f"{value:.{digits}f} [{low:.{digits}f}, {high:.{digits}f}] {unit}"
-
-
-def decimals(width: float) -> int:
-    """Return how many decimals an interval of that width is worth: two of its own digits."""
-    if not (width > 0 and math.isfinite(width)):
-        return 6
-    return min(max(1 - math.floor(math.log10(width)), 0), 9)

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from imuwb.axes import Axis
-    from imuwb.identification.lssa import Extraction, Hypothesis, Significance, Spectrum
+    from imuwb.identification.lssa import Extraction, Hypothesis, Kind, Significance, Spectrum
     from imuwb.log import Floats, Log
     from imuwb_lssa.parameters import Parameters
 
@@ -70,7 +70,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
 def _noise(parameters: Parameters) -> Noise:
     kind, order, correlation_time, file = parameters.structure()
     if not file:
-        return Noise(cast("object", kind), order, correlation_time)  # type: ignore[arg-type]
+        return Noise(cast("Kind", kind), order, correlation_time)
     try:
         covariance = np.asarray(np.load(Path(file), allow_pickle=False)).astype(float, casting="same_kind")
     except (OSError, EOFError, ValueError, TypeError) as error:

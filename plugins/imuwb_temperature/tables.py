@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from imuwb.analysis import Table, estimate_text
+from imuwb.analysis import Table, decimals, estimate_text
 from imuwb.units import coefficient_units
 from imuwb_temperature.tell import NAMES, told
 
@@ -72,7 +72,8 @@ def _cell(point: TemperatureResult, name: str, unit: Unit | None) -> str:
         return "—"
     if name == "bias":
         low, value, high = (unit.from_si(v or 0.0) for v in (found.lower, found.value, found.upper))
-        return f"{value:.5g} [{low:.5g}, {high:.5g}]"
+        digits = decimals(high - low)
+        return f"{value:.{digits}f} [{low:.{digits}f}, {high:.{digits}f}]"
     return estimate_text(found, unit).removesuffix(f" {unit.name}")
 
 

@@ -1,24 +1,14 @@
 """The study with few sensors: its figures must lie within what chance allows."""
 
-import sys
-from importlib.util import module_from_spec, spec_from_file_location
-from pathlib import Path
-
 import pytest
 from scipy import stats
 
-HERE = Path(__file__).parent
 RARE = 1e-4
 
 
 @pytest.fixture(scope="module")
-def tables():
-    sys.path.insert(0, str(HERE))
-    spec = spec_from_file_location("study_calibration", HERE / "calibration.py")
-    module = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    yield module.study(records=4, workers=1)
-    sys.path.remove(str(HERE))
+def tables(load):
+    return load("calibration").study(records=4, workers=1)
 
 
 def test_intervals_hold_the_truth(tables):

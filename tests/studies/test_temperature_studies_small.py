@@ -1,29 +1,8 @@
 """The studies of temperature with few, short records: what they reach must lie within what chance allows."""
 
-import sys
-from importlib.util import module_from_spec, spec_from_file_location
-from pathlib import Path
-
-import pytest
 from scipy import stats
 
-HERE = Path(__file__).parent
 RARE = 1e-4
-
-
-@pytest.fixture(scope="module")
-def load():
-    """Load a study by its path, as ``python tests/studies/NAME.py`` would find its neighbours."""
-    sys.path.insert(0, str(HERE))
-
-    def loaded(name):
-        spec = spec_from_file_location(f"study_{name}", HERE / f"{name}.py")
-        module = module_from_spec(spec)
-        spec.loader.exec_module(module)
-        return module
-
-    yield loaded
-    sys.path.remove(str(HERE))
 
 
 def test_the_test_of_dependence_errs_seldom_and_finds_a_tenth(load):

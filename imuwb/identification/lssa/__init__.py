@@ -3,7 +3,7 @@
 from imuwb.identification.lssa.constituents import TRENDS, Constituents
 from imuwb.identification.lssa.drifting import DriftingLine, drifting_lines
 from imuwb.identification.lssa.hypotheses import ChiSquare, Hypothesis, is_autoregressive, is_random_walk, words
-from imuwb.identification.lssa.noise import Noise, NoiseFit
+from imuwb.identification.lssa.noise import Kind, Noise, NoiseFit
 from imuwb.identification.lssa.peaks import Extraction, Peak, extract
 from imuwb.identification.lssa.significance import Significance, significance
 from imuwb.identification.lssa.spectrum import Adjusted, Spectrum, adjust, least_squares_spectrum
@@ -17,6 +17,7 @@ __all__ = [
     "DriftingLine",
     "Extraction",
     "Hypothesis",
+    "Kind",
     "Noise",
     "NoiseFit",
     "Peak",

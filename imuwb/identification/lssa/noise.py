@@ -66,11 +66,6 @@ class NoiseFit:
     alpha: Floats  #: (p,) of Quinchia's eq. 9; empty but for autoregressive noise
     correlation_time: float | None = None  #: s
 
-    @property
-    def parameters(self) -> int:
-        """Return how many were estimated besides the level."""
-        return self.alpha.size + int(self.correlation_time is not None and self.noise.correlation_time is None)
-
 
 def fitted_noise(
     time: Floats, values: Floats, columns: Floats, lattice: Lattice | None, noise: Noise, weights: Floats | None = None
