@@ -28,7 +28,8 @@ if TYPE_CHECKING:
         writers,
     )
     from imuwb.log import Log
-    from imuwb.readers import describe, read, select
+    from imuwb.readers import describe, read
+    from imuwb.selection import select
     from imuwb.stochastic import ImuErrorModel
 
 __all__ = [
@@ -60,7 +61,7 @@ _HOMES = {
     "ImuErrorModel": "imuwb.stochastic",
     "read": "imuwb.readers",
     "describe": "imuwb.readers",
-    "select": "imuwb.readers",
+    "select": "imuwb.selection",
 }
 
 

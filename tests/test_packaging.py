@@ -11,15 +11,19 @@ ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
 
 
-def test_plugin_folders_are_packages_are_entry_points():
-    folders = {p.parent.name for p in (ROOT / "plugins").glob("*/__init__.py")}
-    listed = {Path(p).name for p in PROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]} - {"imuwb"}
+def test_plugin_folders_are_entry_points():
+    folders = {f"imuwb_plugins.{p.parent.name}" for p in (ROOT / "plugins" / "imuwb_plugins").glob("*/__init__.py")}
     points = PROJECT["project"]["entry-points"]
-    plugins = {module for group in ("imuwb.analyses", "imuwb.conditioners") for module in points[group].values()}
-    linted = set(PROJECT["tool"]["importlinter"]["root_packages"]) - {"imuwb"}
-    assert folders == listed == plugins == linted
+    plugins = [module for group in ("imuwb.analyses", "imuwb.conditioners") for module in points[group].values()]
+    assert sorted(folders) == sorted(plugins)
     for group in ("imuwb.analyses", "imuwb.conditioners"):
         assert set(points[group].values()) <= {point.value for point in entry_points(group=group)}
+
+
+def test_every_package_is_in_the_wheel_by_name():
+    listed = PROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]
+    assert {Path(p).name for p in listed} == set(PROJECT["tool"]["importlinter"]["root_packages"])
+    assert all((ROOT / p / "__init__.py").is_file() for p in listed)
 
 
 def test_every_reader_is_an_entry_point_and_keeps_the_contract():

@@ -13,7 +13,6 @@ from imuwb import __version__, registry
 from imuwb.cli import commands, model, simulate
 from imuwb.cli.options import command_function
 from imuwb.errors import UsageError
-from imuwb.recipes import noise
 
 if TYPE_CHECKING:
     from imuwb.analysis import Analysis
@@ -32,7 +31,6 @@ def build(arguments: list[str]) -> typer.Typer:
         app.command(name, rich_help_panel=panel)(command)
     app.add_typer(simulate.app, name="simulate", rich_help_panel=commands.LOGS)
     app.add_typer(model.app, name="model", rich_help_panel=commands.RESULTS)
-    _add(app, "noise", cast("Analysis", noise), noise.__name__)
     for name, point in registry.installed(registry.ANALYSES).items():
         analysis = registry.load(point)
         if analysis is not None:

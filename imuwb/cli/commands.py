@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 LOGS, RESULTS = "Logs", "Results"
 KINDS = (("analysis", registry.ANALYSES), ("conditioner", registry.CONDITIONERS), ("reader", registry.READERS))
+DEMO = "noise", "outage"
 DEMO_LOGS = "static.mcap", "drive.mcap"  #: a still one, and one that moves
 LARGE = 256 << 20  #: bytes; from here on an index, where there is one, tells what a log holds
 
@@ -45,11 +46,12 @@ def info(
     """Streams, rates, gaps, clocks, units, frames and repairs of a log."""
     from imuwb import readers  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.terminal import shower  # noqa: PLC0415
+    from imuwb.readers.bytes import source  # noqa: PLC0415
     from imuwb.review.document import plain  # noqa: PLC0415
     from imuwb.review.tables import streams_table  # noqa: PLC0415
 
     common = Common(time_source=time_source, rate=rate, columns=columns, units=units, frame=frame)
-    readers.source.check(log)
+    source.check(log)
     large = log.stat().st_size > LARGE
     read = None
     if not large or scan:
@@ -195,15 +197,14 @@ def demo(
     """Identify the noise of a still sample log, and replay GNSS outages of a drive with the error model found."""
     from imuwb.cli.parameters import make  # noqa: PLC0415 - help must not wait
     from imuwb.cli.perform import Places, check_places, perform  # noqa: PLC0415
-    from imuwb.recipes import noise  # noqa: PLC0415
 
+    noise, outage = (cast("Analysis", registry.load(registry.installed(registry.ANALYSES)[name])) for name in DEMO)
     still, drive = samples() / DEMO_LOGS[0], samples() / DEMO_LOGS[1]
     common = Common(output=output, force=force)
-    places = Places.of(cast("Analysis", noise), [still], common)
+    places = Places.of(noise, [still], common)
     driven = output.with_name(f"{output.stem}-drive.rrd")
     check_places([*places.all(), driven], [still, drive], force=force)
-    perform("noise", cast("Analysis", noise), [still], make(noise.Parameters, {}), common)
-    outage = cast("Any", registry.load(registry.installed(registry.ANALYSES)["outage"]))
+    perform("noise", noise, [still], make(noise.Parameters, {}), common)
     parameters = make(outage.Parameters, {"error_model": places.model})
     perform("outage", outage, [drive], parameters, Common(output=driven, force=force))
     typer.echo(f"look at them: imuwb view {output}, imuwb view {driven}", err=True)

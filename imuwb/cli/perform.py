@@ -17,6 +17,7 @@ from imuwb.cli.through import Step, cases, conditioned, grid, step
 from imuwb.errors import ImuwbError, UnreadableLogError, UsageError
 from imuwb.progress import watched
 from imuwb.readers.batch import ReadOptions
+from imuwb.readers.bytes import source
 from imuwb.review.document import document
 from imuwb.review.overview import overview
 from imuwb.review.recording import RecordingReview
@@ -216,7 +217,7 @@ def check_place(file: Path, *, force: bool) -> None:
 
 def check_recording(path: Path) -> None:
     """Raise UnreadableLogError unless ``path`` is a Rerun recording, and whole."""
-    readers.source.check(path)
+    source.check(path)
     with path.open("rb") as file:
         magic = file.read(len(MAGIC))
     if magic != MAGIC:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from imuwb.geodesy import radii_of_curvature
 from imuwb.health.fault import Fault, runs
-from imuwb.navigation import radii_of_curvature
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -1,19 +1,19 @@
 """Noise identification: arrays in, frozen results out. No module here knows a file or a viewer."""
 
-from imuwb.identification.allan import AllanDeviation, allan, allan_of_axes
-from imuwb.identification.allan_fit import AllanFit, CorrelationTime, Region, fit_allan
-from imuwb.identification.allan_statistics import equivalent_degrees_of_freedom
-from imuwb.identification.autocorrelation import Autocorrelation, GaussMarkovFit, autocorrelation
-from imuwb.identification.autoregressive import AutoregressiveFit, fit_autoregressive
-from imuwb.identification.averaging import averaging_factors
-from imuwb.identification.burg import Burg, burg
+from imuwb.identification.allan_variance.averaging import averaging_factors
+from imuwb.identification.allan_variance.fit import AllanFit, CorrelationTime, Region, fit_allan
+from imuwb.identification.allan_variance.moments import equivalent_degrees_of_freedom
+from imuwb.identification.allan_variance.overlapping import AllanDeviation, allan, allan_of_axes
+from imuwb.identification.allan_variance.relatives import deviation
 from imuwb.identification.coefficient import Coefficient
-from imuwb.identification.cosine_spectrum import CosineSpectrum, cosine_spectrum
-from imuwb.identification.deviations import deviation
-from imuwb.identification.likelihood_fit import LikelihoodFit, fit_cosine_spectrum, fit_likelihood, spectrum_without
-from imuwb.identification.lines import Line, find_lines
-from imuwb.identification.model_choice import Candidate, ModelChoice, choose_model
-from imuwb.identification.spectrum import PowerSpectrum, SpectralFit, fit_spectrum, power_spectrum
+from imuwb.identification.correlation.autocorrelation import Autocorrelation, GaussMarkovFit, autocorrelation
+from imuwb.identification.correlation.autoregressive import AutoregressiveFit, fit_autoregressive
+from imuwb.identification.correlation.burg import Burg, burg
+from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum, cosine_spectrum
+from imuwb.identification.likelihood.fit import LikelihoodFit, fit_cosine_spectrum, fit_likelihood, spectrum_without
+from imuwb.identification.likelihood.model_choice import Candidate, ModelChoice, choose_model
+from imuwb.identification.spectral.lines import Line, find_lines
+from imuwb.identification.spectral.spectrum import PowerSpectrum, SpectralFit, fit_spectrum, power_spectrum
 from imuwb.identification.stationarity import Stationarity, stationarity
 from imuwb.identification.stillness import Disturbance, Stillness, stillness
 from imuwb.identification.wavelet_variance import WaveletFit, WaveletVariance, fit_wavelet_variance, wavelet_variance

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from imuwb.identification.distributions import chi_square_limits, normal_limit
+from imuwb.statistics.distributions import chi_square_limits, normal_limit
 
 FEWEST_DEGREES = 3.0  #: of freedom of a square, for an interval that does not begin at 0
 #: averaging time at which IEEE reads a coefficient off its own line (B: off the flat part)

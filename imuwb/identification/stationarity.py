@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.identification.allan import allan
-from imuwb.identification.distributions import chi_square_tail
-from imuwb.identification.welch import independent, welch
+from imuwb.identification.allan_variance.overlapping import allan
+from imuwb.identification.spectral.welch import independent, welch
+from imuwb.statistics.distributions import chi_square_tail
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -15,10 +15,10 @@ import numpy as np
 from scipy import fft, linalg, optimize, special
 
 from imuwb.compiled import compiled
-from imuwb.identification.allan_problem import scaled_inverse
+from imuwb.identification.allan_variance.problem import scaled_inverse
 from imuwb.identification.coefficient import READ_OUT, Coefficient, interval
-from imuwb.identification.distributions import chi_square_tail, normal_quantile
-from imuwb.identification.likelihood_fit import ACCEPTED, TERMS
+from imuwb.identification.likelihood.fit import ACCEPTED, TERMS
+from imuwb.statistics.distributions import chi_square_tail, normal_quantile
 from imuwb.stochastic import Sum
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from imuwb.identification.lines import Line
+    from imuwb.identification.spectral.lines import Line
     from imuwb.stochastic import Process
 
     Floats = NDArray[np.float64]

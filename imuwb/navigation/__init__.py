@@ -6,7 +6,6 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from imuwb.navigation.earth import displaced, gravity, radii_of_curvature
     from imuwb.navigation.filter import Solution, solve
     from imuwb.navigation.filter_model import Aids, FilterModel, Installation, Settings
     from imuwb.navigation.outages import Drift, drift
@@ -19,17 +18,13 @@ __all__ = [
     "Installation",
     "Settings",
     "Solution",
-    "displaced",
     "drift",
-    "gravity",
     "mechanize",
     "navigation_state",
-    "radii_of_curvature",
     "solve",
 ]
 
 _HOMES = {
-    "earth": ("displaced", "gravity", "radii_of_curvature"),
     "filter": ("Solution", "solve"),
     "filter_model": ("Aids", "FilterModel", "Installation", "Settings"),
     "outages": ("Drift", "drift"),

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.errors import MissingDataError
+from imuwb.geodesy.attitude import rotation_of_euler
+from imuwb.geodesy.earth import gravity, radii_of_curvature
 from imuwb.log import SECOND
-from imuwb.navigation.attitude import rotation_of_euler
-from imuwb.navigation.earth import gravity, radii_of_curvature
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

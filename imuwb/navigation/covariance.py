@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.compiled import compiled
-from imuwb.navigation.earth import EQUATORIAL_RADIUS
+from imuwb.geodesy.earth import EQUATORIAL_RADIUS
 from imuwb.navigation.strapdown import CORIOLIS, EARTH, GRAVITY, MEASURED, PUSHED, SIZE, SPAN, TURNED
 from imuwb.navigation.workspace import MOST_STATES, STRIDE
 

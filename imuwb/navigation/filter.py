@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.errors import MissingDataError
+from imuwb.geodesy.attitude import euler_of_quaternion
+from imuwb.geodesy.earth import EARTH_RATE
 from imuwb.navigation import kernel
-from imuwb.navigation.attitude import euler_of_quaternion
 from imuwb.navigation.covariance import NAVIGATION, flat
-from imuwb.navigation.earth import EARTH_RATE
 from imuwb.navigation.initial import axis_start
 from imuwb.navigation.strapdown import QUATERNION, SIZE, VELOCITY, navigation_state
 from imuwb.navigation.tables import FIX, Marks, Prior, Rules, Track

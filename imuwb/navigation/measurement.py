@@ -9,8 +9,8 @@ import numpy as np
 
 from imuwb.conditioning import denoise
 from imuwb.errors import MissingDataError
+from imuwb.geodesy.attitude import rotation_of_euler
 from imuwb.log import SECOND
-from imuwb.navigation.attitude import rotation_of_euler
 from imuwb.navigation.filter_model import degrees
 from imuwb.navigation.tables import Samples
 

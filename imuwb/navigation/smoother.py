@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from imuwb.navigation.attitude import euler_of_rotation, rotation_of_quaternion
+from imuwb.geodesy.attitude import euler_of_rotation, rotation_of_quaternion
+from imuwb.geodesy.earth import radii_of_curvature
 from imuwb.navigation.covariance import NAVIGATION
-from imuwb.navigation.earth import radii_of_curvature
 from imuwb.navigation.strapdown import QUATERNION, VELOCITY
 
 if TYPE_CHECKING:

@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.compiled import compiled
-from imuwb.navigation.attitude import quaternion_of_rotation, rotation_of_euler
-from imuwb.navigation.earth import (
+from imuwb.geodesy.attitude import quaternion_of_rotation, rotation_of_euler
+from imuwb.geodesy.earth import (
     CENTRIFUGAL_RATIO,
     EARTH_RATE,
     ECCENTRICITY_SQUARED,

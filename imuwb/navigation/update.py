@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.compiled import compiled
+from imuwb.geodesy.earth import ECCENTRICITY_SQUARED, EQUATORIAL_RADIUS
 from imuwb.navigation.covariance import NAVIGATION
-from imuwb.navigation.earth import ECCENTRICITY_SQUARED, EQUATORIAL_RADIUS
 from imuwb.navigation.strapdown import HEIGHT, LATITUDE, LONGITUDE, QUATERNION, RATE, VELOCITY
 from imuwb.navigation.tables import FIX, MOST_ROWS, SPEED, STILL
 from imuwb.navigation.workspace import STRIDE

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, cast
 
 from imuwb import registry
 from imuwb.errors import UnreadableLogError
+from imuwb.joining import joined
 from imuwb.log import Log, Provenance
-from imuwb.readers import source
-from imuwb.readers.assemble import assemble
+from imuwb.readers.assembly.assemble import assemble
 from imuwb.readers.batch import Batch, ReadOptions, Remark
-from imuwb.readers.join import joined
-from imuwb.readers.select import select
-from imuwb.readers.summary import LogSummary, summarize
+from imuwb.readers.bytes import source
+from imuwb.selection import select
+from imuwb.summary import LogSummary, summarize
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal, Protocol, get_args
 
 from imuwb.errors import UsageError
 from imuwb.log import Epoch, Origin
-from imuwb.readers.text_columns import check_units
+from imuwb.readers.text.column_names import check_units
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping

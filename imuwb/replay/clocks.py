@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import optimize
 
-from imuwb.identification.distributions import normal_limit
 from imuwb.replay.replay import prepare, run
 from imuwb.replay.scaled import scaled
 from imuwb.replay.statistics import Interval
+from imuwb.statistics.distributions import normal_limit
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from imuwb.geodesy.earth import displaced
 from imuwb.log import SECOND
-from imuwb.navigation.earth import displaced
 
 if TYPE_CHECKING:
     from imuwb.log import GnssStream

@@ -20,7 +20,7 @@ import numpy as np
 
 from imuwb.conditioning import denoise
 from imuwb.errors import UsageError
-from imuwb.identification.burg import burg
+from imuwb.identification.correlation.burg import burg
 from imuwb.log import AXES
 from imuwb.stochastic import (
     Autoregressive,

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.errors import MissingDataError
-from imuwb.identification.distributions import normal_limit
+from imuwb.geodesy.attitude import euler_of_rotation, rotation_of_euler
 from imuwb.log import SECOND
 from imuwb.navigation.alignment import standing
-from imuwb.navigation.attitude import euler_of_rotation, rotation_of_euler
 from imuwb.navigation.filter_model import Installation
 from imuwb.navigation.measurement import measurement
 from imuwb.replay.replay import receiver_of
+from imuwb.statistics.distributions import normal_limit
 
 if TYPE_CHECKING:
     from imuwb.log import Log

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
+from imuwb.geodesy.attitude import rotation_of_euler
+from imuwb.geodesy.earth import radii_of_curvature
 from imuwb.log import SECOND
-from imuwb.navigation.attitude import rotation_of_euler
-from imuwb.navigation.earth import radii_of_curvature
 from imuwb.navigation.smoother import smoothed
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.navigation.attitude import euler_of_quaternion
-from imuwb.navigation.earth import radii_of_curvature
+from imuwb.geodesy.attitude import euler_of_quaternion
+from imuwb.geodesy.earth import radii_of_curvature
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

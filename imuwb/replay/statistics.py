@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.identification.distributions import chi_square_quantile
+from imuwb.statistics.distributions import chi_square_quantile
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

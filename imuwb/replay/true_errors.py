@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from imuwb.geodesy.attitude import rotation_of_euler, rotation_of_quaternion
 from imuwb.log import SECOND
-from imuwb.navigation.attitude import rotation_of_euler, rotation_of_quaternion
 from imuwb.navigation.strapdown import QUATERNION, VELOCITY, mechanize, navigation_state
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from imuwb.log import SECOND
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from imuwb.readers.summary import LogSummary, StreamSummary
+    from imuwb.summary import LogSummary, StreamSummary
 
 HEADINGS = (
     "stream", "kind", "rows", "rate", "duration", "start", "gaps", "units in file", "frame in file", "repairs",

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.errors import UsageError
+from imuwb.geodesy.attitude import rotation_of_euler
+from imuwb.geodesy.earth import displaced
 from imuwb.log import GnssStream, Origin, Scalars
-from imuwb.navigation.attitude import rotation_of_euler
-from imuwb.navigation.earth import displaced
 from imuwb.simulation.route import earth_rate
 from imuwb.simulation.sensor import stamps
 

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from imuwb.navigation.attitude import rotation_of_euler
-from imuwb.navigation.earth import EARTH_RATE, gravity, radii_of_curvature
+from imuwb.geodesy.attitude import rotation_of_euler
+from imuwb.geodesy.earth import EARTH_RATE, gravity, radii_of_curvature
 
 if TYPE_CHECKING:
     from imuwb.log import Floats

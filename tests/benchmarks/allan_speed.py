@@ -101,8 +101,8 @@ def cold(samples):
 def warm(samples):
     """Every later process: compiled code comes from the cache; what is cached in memory is cleared before each run."""
     from imuwb.identification import allan, allan_of_axes, equivalent_degrees_of_freedom, fit_allan
-    from imuwb.identification.allan import sums_of_squares
-    from imuwb.identification.allan_statistics import moments
+    from imuwb.identification.allan_variance.moments import moments
+    from imuwb.identification.allan_variance.overlapping import sums_of_squares
 
     name, tau = times(samples.shape[1])
 

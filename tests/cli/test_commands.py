@@ -161,7 +161,7 @@ def test_plugin_parameters_are_checked_with_their_reason(imuwb, static_mcap, tmp
 
 def test_plugins_are_listed(imuwb):
     done = imuwb("plugins")
-    for name in ("allan", "mcap", "csv", "rtklib", "imuwb_allan"):
+    for name in ("allan", "mcap", "csv", "rtklib", "imuwb_plugins.allan"):
         assert name in done.out
 
 

@@ -106,7 +106,7 @@ def test_nothing_left_is_missing_data(imuwb, static_mcap):
 def test_conditioners_are_listed(imuwb):
     done = imuwb("plugins")
     for name in ("bandwidth", "bias", "decimate", "kaiser", "wavelet"):
-        assert f"imuwb_{name}" in done.out
+        assert f"imuwb_plugins.{name}" in done.out
 
 
 def test_a_grid_has_every_combination():

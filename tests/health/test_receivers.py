@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from imuwb.geodesy import radii_of_curvature
 from imuwb.health import check
 from imuwb.log import SECOND, GnssStream, Log, Provenance
-from imuwb.navigation import radii_of_curvature
 
 N, RATE = 600, 5
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from imuwb.errors import MissingDataError
+from imuwb.geodesy.attitude import rotation_of_euler
 from imuwb.log import Scalars
 from imuwb.navigation.alignment import align, standing
-from imuwb.navigation.attitude import rotation_of_euler
 from imuwb.navigation.events import LEAST_SIGMA, corrections
 from imuwb.navigation.filter_model import Aids, FilterModel, Installation, Settings
 from imuwb.navigation.measurement import measurement

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from imuwb.navigation.attitude import euler_of_quaternion
+from imuwb.geodesy.attitude import euler_of_quaternion
 from imuwb.navigation.strapdown import SIZE, mechanize, navigation_state
 from imuwb.simulation import mixed_route, planned_route
 

@@ -104,7 +104,7 @@ def _mcaps(folder, mcap, ros):
 
 def _bags(folder, _mcap, ros):
     try:
-        from .bag_writer import Topic, write_bag
+        from .containers.bag_writer import Topic, write_bag
     except pytest.skip.Exception:
         return
     rows = [(T + i * 10**7, ros.imu(T + i * 10**7, *_imu_values(i), code=ros.ROS_1)) for i in range(300)]
@@ -129,7 +129,7 @@ def _database(folder, _mcap, ros):
 
 def _telemetry(folder, _mcap, _ros):
     try:
-        from .mavlink_writer import frame, record
+        from .flight.mavlink_writer import frame, record
     except pytest.skip.Exception:
         return
     records = []
@@ -152,7 +152,7 @@ def _telemetry(folder, _mcap, _ros):
 
 
 def _dataflash(folder, _mcap, _ros):
-    from . import dataflash_writer as ardupilot
+    from .flight import dataflash_writer as ardupilot
 
     rows = ardupilot.flight(300)
     (folder / "flight.bin").write_bytes(ardupilot.binary(rows))
@@ -160,7 +160,7 @@ def _dataflash(folder, _mcap, _ros):
 
 
 def _ulog(folder, _mcap, _ros):
-    from . import ulog_writer as px4
+    from .flight import ulog_writer as px4
 
     rows = [{"timestamp": px4.START + 5000 * i, "timestamp_sample": px4.START + 5000 * i - 100, "device_id": 7,
              "temperature": 30 + i / 100, "x": i / 1000, "z": -9.8} for i in range(200)]  # fmt: skip

@@ -7,7 +7,7 @@ import pytest
 from scipy import signal
 
 from imuwb.errors import UsageError
-from imuwb.navigation.attitude import rotation_of_euler
+from imuwb.geodesy.attitude import rotation_of_euler
 from imuwb.readers import read
 from imuwb.simulation import (
     Odometer,

@@ -29,13 +29,13 @@ from pathlib import Path
 import numpy as np
 from study_report import Mean, Share, Table, main, over_records, verdict
 
-import imuwb_correction
 from imuwb import simulation
+from imuwb.geodesy.earth import gravity
 from imuwb.identification import allan, fit_allan, power_spectrum
 from imuwb.log import AXES
-from imuwb.navigation.earth import gravity
 from imuwb.stochastic import Sum, WhiteNoise
-from imuwb_calibration import METHODS
+from imuwb_plugins import correction
+from imuwb_plugins.calibration import METHODS
 
 QUESTION = "Calibration of a simulated MPU-6050: do the intervals hold?"
 RATES, LATITUDE, TILT = (10.0, 50.0, 100.0), 45.0, 0.05
@@ -152,7 +152,7 @@ def left(model, found, log, folder):
     """Return, by axis, whether the corrected record's N interval holds the sensor's own, and N and densities over the true ones."""
     path = folder / "both.toml"
     path.write_text(found.to_toml(), "utf-8")
-    clean, _ = imuwb_correction.condition(log, imuwb_correction.Parameters(path))
+    clean, _ = correction.condition(log, correction.Parameters(path))
     rows = []
     for axis, (_, values) in clean.imu().axes().items():
         white = next(t.N for t in model.axes[axis].processes.terms if isinstance(t, WhiteNoise))

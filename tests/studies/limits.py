@@ -20,7 +20,7 @@ from scipy import stats
 from study_report import Share, Table, main, over_records
 
 from imuwb.identification import allan, averaging_factors, fit_allan
-from imuwb.identification.allan_statistics import moments
+from imuwb.identification.allan_variance.moments import moments
 from imuwb.simulation import preset
 from imuwb.stochastic import FlickerNoise, RandomWalk, Sum, WhiteNoise
 

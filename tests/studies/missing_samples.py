@@ -21,7 +21,7 @@ import numpy as np
 from study_report import Mean, Share, Table, main, over_records, verdict
 
 from imuwb.identification import allan
-from imuwb.identification.allan import BRIDGE
+from imuwb.identification.allan_variance.overlapping import BRIDGE
 from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, Sum, WhiteNoise
 
 QUESTION = "Allan variances of records with samples missing"

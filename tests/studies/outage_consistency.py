@@ -19,11 +19,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from imuwb.identification.distributions import chi_square_quantile
 from imuwb.navigation import FilterModel, drift
 from imuwb.replay import model_named, prepare, run, scores, yardstick
 from imuwb.replay.replay import Outage, events_of
 from imuwb.simulation import drive, mixed_route, preset
+from imuwb.statistics.distributions import chi_square_quantile
 from imuwb.stochastic import AxisModel, ImuErrorModel
 
 HOURS, EVERY, LENGTH, SETTLE = 4.0, 90.0, 60.0, 300.0

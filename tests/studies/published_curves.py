@@ -24,7 +24,7 @@ from scipy import stats
 from study_report import Table, main
 
 from imuwb.identification import AllanDeviation, equivalent_degrees_of_freedom, fit_allan
-from imuwb.identification.term_selection import ACCEPTED
+from imuwb.identification.allan_variance.term_selection import ACCEPTED
 
 QUESTION = "Published Allan curves, fitted"
 CURVES = Path(__file__).parents[2] / ".." / "shared" / "data" / "vectors" / "smac_avar"

@@ -20,11 +20,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from imuwb.identification.distributions import chi_square_quantile
 from imuwb.log import AXES
 from imuwb.navigation import FilterModel, drift
 from imuwb.replay import Outage, events_of, model_named, prepare, run, scores, yardstick
 from imuwb.simulation import Temperature, drive, mixed_route
+from imuwb.statistics.distributions import chi_square_quantile
 from imuwb.stochastic import AxisModel, Constant, GaussMarkov, ImuErrorModel, Sum, WhiteNoise
 from imuwb.units import unit
 

@@ -7,8 +7,8 @@ import pytest
 
 import imuwb
 from imuwb.errors import UsageError
+from imuwb.geodesy.attitude import quaternion_of_rotation, rotation_of_euler
 from imuwb.log import Reference
-from imuwb.navigation.attitude import quaternion_of_rotation, rotation_of_euler
 from imuwb.writers.trajectory import write_trajectory
 
 N = 50

@@ -169,7 +169,7 @@ def _specimen(preset: str | None, error_model: Path | None, seed: int) -> ImuErr
 def _site(latitude: float | None, height: float) -> Site:
     import numpy as np  # noqa: PLC0415 - help must not wait for it
 
-    from imuwb.navigation.earth import gravity  # noqa: PLC0415
+    from imuwb.geodesy.earth import gravity  # noqa: PLC0415
     from imuwb.simulation import Site  # noqa: PLC0415
 
     if latitude is None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from imuwb.identification.lines import find_lines
+from imuwb.identification.spectral.lines import find_lines
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from imuwb.identification.lines import Line
     from imuwb.identification.lssa.peaks import Peak
+    from imuwb.identification.spectral.lines import Line
 
     Floats = NDArray[np.float64]
 

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import fft
 
-from imuwb.identification.burg import burg
-from imuwb.identification.distributions import chi_square_tail, normal_limit
+from imuwb.identification.correlation.burg import burg
+from imuwb.statistics.distributions import chi_square_tail, normal_limit
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

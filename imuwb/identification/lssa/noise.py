@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from scipy import linalg, optimize
 
-from imuwb.identification.burg import burg
+from imuwb.identification.correlation.burg import burg
 from imuwb.identification.lssa.whitening import Chain, dense, first_order, gauss_markov, random_walk, recursion, white
 
 if TYPE_CHECKING:

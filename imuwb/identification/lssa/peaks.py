@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import linalg, ndimage
 
-from imuwb.identification.distributions import normal_limit
 from imuwb.identification.lssa.significance import correlation, record_probability, significance
 from imuwb.identification.lssa.trigonometric import summit, sums
 from imuwb.identification.lssa.whitening import Recursion
+from imuwb.statistics.distributions import normal_limit
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import linalg
 
-from imuwb.identification.distributions import normal_limit
+from imuwb.statistics.distributions import normal_limit
 from imuwb.stochastic import FlickerNoise, RandomWalk, WhiteNoise
 
 if TYPE_CHECKING:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from imuwb.identification.distributions import chi_square_tail
 from imuwb.identification.temperature.functions import (
     KINDS,
     TemperatureFunction,
@@ -14,6 +13,7 @@ from imuwb.identification.temperature.functions import (
     parameters_of,
     weights,
 )
+from imuwb.statistics.distributions import chi_square_tail
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

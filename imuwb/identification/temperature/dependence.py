@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.identification.coefficient import READ_OUT, Coefficient, interval
-from imuwb.identification.distributions import chi_square_quantile, chi_square_tail
-from imuwb.identification.likelihood_fit import TERMS
+from imuwb.identification.likelihood.fit import TERMS
+from imuwb.statistics.distributions import chi_square_quantile, chi_square_tail
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.identification.autoregressive import fit_autoregressive
+from imuwb.identification.correlation.autoregressive import fit_autoregressive
 from imuwb.identification.temperature.record import residuals
 
 if TYPE_CHECKING:

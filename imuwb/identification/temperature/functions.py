@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from imuwb.identification.distributions import normal_limit
+from imuwb.statistics.distributions import normal_limit
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

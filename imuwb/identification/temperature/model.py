@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.identification.likelihood_fit import TERMS
+from imuwb.identification.likelihood.fit import TERMS
 from imuwb.stochastic import AxisModel, Sum
 
 if TYPE_CHECKING:

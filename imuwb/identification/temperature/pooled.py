@@ -13,8 +13,8 @@ import numpy as np
 from scipy import optimize
 
 from imuwb.identification.coefficient import READ_OUT, Coefficient, interval
-from imuwb.identification.distributions import normal_quantile
-from imuwb.identification.likelihood_fit import TERMS
+from imuwb.identification.likelihood.fit import TERMS
+from imuwb.statistics.distributions import normal_quantile
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from imuwb.identification.coefficient import Coefficient
-from imuwb.identification.likelihood_fit import fit_problem
+from imuwb.identification.likelihood.fit import fit_problem
 from imuwb.identification.temperature.pooled import pooled
 from imuwb.identification.temperature.set_point import LETTERS, SetPoint
 

@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.identification.allan import allan
+from imuwb.identification.allan_variance.overlapping import allan
 from imuwb.identification.coefficient import Coefficient, interval
-from imuwb.identification.distributions import normal_limit
-from imuwb.identification.likelihood_fit import (
+from imuwb.identification.likelihood.fit import (
     ACCEPTED,
     FEWEST_BINS,
     TERMS,
@@ -22,13 +21,14 @@ from imuwb.identification.likelihood_fit import (
     fit_problem,
     spectrum_without,
 )
-from imuwb.identification.likelihood_problem import LikelihoodProblem
-from imuwb.identification.lines import find_lines
+from imuwb.identification.likelihood.problem import LikelihoodProblem
+from imuwb.identification.spectral.lines import find_lines
 from imuwb.identification.temperature.bias import Mean
 from imuwb.identification.temperature.first_order import first_order_of
 from imuwb.identification.temperature.record import residuals
 from imuwb.identification.temperature.thermal_trend import joined, lowest, restricted
 from imuwb.identification.temperature.white_slope import white_slope
+from imuwb.statistics.distributions import normal_limit
 from imuwb.stochastic import RateRamp
 
 if TYPE_CHECKING:
@@ -36,10 +36,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from imuwb.identification.allan import AllanDeviation
-    from imuwb.identification.allan_fit import Region
-    from imuwb.identification.cosine_spectrum import CosineSpectrum
-    from imuwb.identification.lines import Line
+    from imuwb.identification.allan_variance.fit import Region
+    from imuwb.identification.allan_variance.overlapping import AllanDeviation
+    from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
+    from imuwb.identification.spectral.lines import Line
     from imuwb.identification.temperature.first_order import FirstOrder
     from imuwb.identification.temperature.record import Record
 

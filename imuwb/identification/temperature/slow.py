@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from imuwb.identification.likelihood_fit import TERMS
+from imuwb.identification.likelihood.fit import TERMS
 from imuwb.stochastic import Sum
 
 if TYPE_CHECKING:

@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import linalg
 
-from imuwb.identification.cosine_spectrum import LOW, cosine_spectrum
+from imuwb.identification.likelihood.cosine_spectrum import LOW, cosine_spectrum
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from imuwb.identification.cosine_spectrum import CosineSpectrum
-    from imuwb.identification.likelihood_problem import LikelihoodProblem
+    from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
+    from imuwb.identification.likelihood.problem import LikelihoodProblem
 
     Floats = NDArray[np.float64]
 

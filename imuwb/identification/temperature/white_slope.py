@@ -6,17 +6,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.identification.allan_fit import SHARE, Region
-from imuwb.identification.allan_problem import whitener
-from imuwb.identification.allan_statistics import moments
-from imuwb.identification.distributions import normal_limit
+from imuwb.identification.allan_variance.fit import SHARE, Region
+from imuwb.identification.allan_variance.moments import moments
+from imuwb.identification.allan_variance.problem import whitener
+from imuwb.statistics.distributions import normal_limit
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
-    from imuwb.identification.allan import AllanDeviation
+    from imuwb.identification.allan_variance.overlapping import AllanDeviation
     from imuwb.identification.coefficient import Coefficient
     from imuwb.stochastic import Sum
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from imuwb.identification.burg import burg
+from imuwb.identification.correlation.burg import burg
 from imuwb.identification.lssa import Constituents, Noise, adjust, least_squares_spectrum
 
 DT = 0.01

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from imuwb.identification.likelihood_fit import TERMS
+from imuwb.identification.likelihood.fit import TERMS
 from imuwb.identification.temperature import Record, identify
 from imuwb.identification.temperature.pooled import pooled
 from imuwb.stochastic import FlickerNoise, Quantization, Sum, WhiteNoise

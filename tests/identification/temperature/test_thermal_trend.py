@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 from scipy import fft
 
-from imuwb.identification.cosine_spectrum import cosine_spectrum
-from imuwb.identification.likelihood_fit import TERMS, fit_problem
-from imuwb.identification.likelihood_problem import LikelihoodProblem
+from imuwb.identification.likelihood.cosine_spectrum import cosine_spectrum
+from imuwb.identification.likelihood.fit import TERMS, fit_problem
+from imuwb.identification.likelihood.problem import LikelihoodProblem
 from imuwb.identification.temperature.thermal_trend import joined, lowest, restricted, trend_of, without_trend
 from imuwb.stochastic import FlickerNoise, RandomWalk, Sum, WhiteNoise
 

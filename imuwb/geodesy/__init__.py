@@ -1,0 +1,22 @@
+"""The Earth and directions on it: the WGS 84 ellipsoid, gravity, and attitudes."""
+
+from imuwb.geodesy.attitude import (
+    euler_of_quaternion,
+    euler_of_rotation,
+    quaternion_of_rotation,
+    rotation_of_euler,
+    rotation_of_quaternion,
+)
+from imuwb.geodesy.earth import EARTH_RATE, displaced, gravity, radii_of_curvature
+
+__all__ = [
+    "EARTH_RATE",
+    "displaced",
+    "euler_of_quaternion",
+    "euler_of_rotation",
+    "gravity",
+    "quaternion_of_rotation",
+    "radii_of_curvature",
+    "rotation_of_euler",
+    "rotation_of_quaternion",
+]

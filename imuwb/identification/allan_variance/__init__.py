@@ -1,0 +1,1 @@
+"""Allan variances, their moments, and the sum of processes that explains them."""

@@ -1,0 +1,190 @@
+"""The linear problem of an Allan curve: squares of coefficients from correlated Allan variances."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import linalg, optimize
+
+from imuwb.identification.allan_variance.moments import Moments, equivalent_degrees_of_freedom, moments
+from imuwb.statistics.distributions import chi_square_tail, pearson3_quantile
+from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, WhiteNoise
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from imuwb.identification.allan_variance.overlapping import AllanDeviation
+    from imuwb.identification.spectral.lines import Line
+
+    Floats = NDArray[np.float64]
+
+PROCESSES = {"Q": Quantization, "N": WhiteNoise, "B": FlickerNoise, "K": RandomWalk, "R": RateRamp}
+LETTERS = tuple(PROCESSES)
+ROUNDS = 6
+LEAST_EIGENVALUE = 1e-9  #: of a correlation matrix
+
+
+def _thinned_by_gaps(curve: AllanDeviation, chosen: NDArray[np.int64], n: int) -> Floats:
+    """Return how much wider than in a record of n samples without gaps each Allan variance scatters, at least 1."""
+    whole = [
+        equivalent_degrees_of_freedom(int(m), n, int(a))
+        for m, a in zip(curve.factor[chosen], curve.noise_type[chosen], strict=True)
+    ]
+    if (curve.terms[chosen] >= n + 1 - 2 * curve.factor[chosen]).all():
+        return np.ones(chosen.size)
+    return np.sqrt(np.maximum(np.array(whole) / curve.degrees_of_freedom[chosen], 1.0))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Problem:
+    """Allan variances to be explained: design @ (Q², N², B², K², R²) + lines."""
+
+    dt: float
+    tau: Floats  #: (k,)
+    variance: Floats  #: (k,) less what the lines make
+    design: Floats  #: (k, 5)
+    by_lines: Floats  #: (k,) what the lines make
+    of_lines: Floats  #: (k, k) covariance from the lines' own uncertainty
+    moments: Moments
+
+    @staticmethod
+    def of(curve: AllanDeviation, chosen: NDArray[np.int64], lines: Sequence[Line]) -> Problem:
+        """Return the problem of a curve's chosen points, with what the lines make of it taken off."""
+        factor, tau = curve.factor[chosen], curve.averaging_time[chosen]
+        n = int(curve.terms[0]) + 2 * int(curve.factor[0]) - 1
+        factor_fits = factor <= n // 2
+        chosen, factor, tau = chosen[factor_fits], factor[factor_fits], tau[factor_fits]
+        variance = curve.deviation[chosen] ** 2
+        if not variance.all():
+            message = "the Allan variance is 0: the channel is constant"
+            raise ValueError(message)
+        units = [PROCESSES[letter](1.0) for letter in LETTERS]
+        design = np.stack([unit.allan_variance(tau, curve.dt) for unit in units], axis=1)
+        of_lines, by_lines = np.zeros((tau.size, tau.size)), np.zeros(tau.size)
+        for line in lines:
+            part = line.process(curve.dt).allan_variance(tau, curve.dt)
+            variance, by_lines = variance - part, by_lines + part
+            of_lines += np.outer(part, part) * (line.power_sigma / line.amplitude**2) ** 2
+        known = moments(tuple(int(m) for m in factor), n).scaled(_thinned_by_gaps(curve, chosen, n))
+        return Problem(curve.dt, tau, variance, design, by_lines, of_lines, known)
+
+    def since(self, first: int) -> Problem:
+        """Return the problem without its ``first`` shortest averaging times."""
+        rest = slice(first, None)
+        m = self.moments
+        kept = Moments(m.factor[rest], m.squares[rest, rest], m.linear[rest, rest])
+        return Problem(
+            self.dt,
+            self.tau[rest],
+            self.variance[rest],
+            self.design[rest],
+            self.by_lines[rest],
+            self.of_lines[rest, rest],
+            kept,
+        )
+
+    def covariance(self, squared: Floats) -> Floats:
+        """Return the covariance of the variances if these coefficients are true."""
+        return self.moments.covariance(squared[:4], float(np.sqrt(squared[4])), self.dt) + self.of_lines
+
+    def whiten(self, squared: Floats, columns: Floats) -> Floats:
+        """Return columns in which the errors, if these coefficients are true, are independent and of size 1."""
+        return whitener(self.covariance(squared)) @ columns
+
+    def misfit(self, squared: Floats) -> tuple[float, float]:
+        """Return chi-square of the residual, and minus twice the log likelihood if its law were Gaussian."""
+        whiten = whitener(self.covariance(squared))
+        chi2 = float(np.sum((whiten @ (self.variance - self.design @ squared)) ** 2))
+        return chi2, chi2 - 2 * float(np.linalg.slogdet(whiten)[1])
+
+    def strangeness(self, squared: Floats) -> float:
+        """Return the probability that chance puts any point as far, up or down, from what the sum makes there.
+
+        The residual alone does not tell: a variance of a hundredth of the expected one is less than one
+        standard deviation away where there are few degrees of freedom. Its chi-square law tells.
+        """
+        expected = self.design @ squared + self.by_lines
+        freedom = 2 * expected**2 / np.diag(self.covariance(squared)).clip(1e-300)
+        ratio = (self.variance + self.by_lines) / expected * freedom
+        tails = 2 * np.minimum(below := chi_square_tail(ratio, freedom), 1 - below)
+        return float(min(tails.min() * tails.size, 1.0))
+
+    def solve(self, active: Sequence[int], held: Floats | None = None, rounds: int = ROUNDS) -> tuple[Floats, Floats]:
+        """Return the squares, none negative, of the active terms (0 elsewhere), and the covariance of those.
+
+        ``held``: (5,) squares of other terms that are in the sum, but not free.
+        """
+        if not active:  # the library's solver does not survive a matrix without columns
+            message = "a fit needs at least one term"
+            raise ValueError(message)
+        squared = np.zeros(5)
+        held = np.zeros(5) if held is None else held
+        variance = self.variance - self.design @ held
+        weight = 1 / self.variance.clip(np.abs(self.variance).max() * 1e-12)
+        scaled = self.design[:, active] * weight[:, None]
+        squared[list(active)] = optimize.nnls(scaled, variance * weight)[0]
+        columns = self.design[:, active]
+        information = np.eye(len(active))
+        for _ in range(rounds):
+            white = self.whiten(squared + held, columns)
+            size = np.linalg.norm(white, axis=0)
+            fitted = optimize.nnls(white / size, self.whiten(squared + held, variance))[0] / size
+            before = squared[list(active)]
+            squared[list(active)] = fitted
+            information = white.T @ white
+            if np.allclose(before, fitted, rtol=1e-5, atol=0):
+                break
+        return squared, scaled_inverse(information)
+
+    def added(self, squared: Floats, active: Sequence[int], extra: int) -> Estimate:
+        """Return the free estimate of one more term's square, and how it scatters if ``squared`` is true."""
+        columns = self.design[:, [*active, extra]]
+        covariance = self.covariance(squared)
+        whiten = whitener(covariance)
+        white = whiten @ columns
+        size = np.linalg.norm(white, axis=0)
+        inverse = np.asarray(linalg.pinvh((white / size).T @ (white / size)))
+        weights = (inverse @ (white / size).T @ whiten)[-1] / size[-1]
+        # Each Allan variance is about a scaled chi-square, whose third cumulant is 8 E³ / edf² = 2 var² / E.
+        expected = self.design @ squared
+        scatter = np.diag(covariance)
+        sigma = float(np.sqrt(inverse[-1, -1]) / size[-1])
+        third = np.divide(2 * weights**3 * scatter**2, expected, out=np.zeros_like(expected), where=expected > 0)
+        skewness = float(third.sum()) / sigma**3
+        return Estimate(float(weights @ self.variance), sigma, skewness)
+
+
+def scaled_inverse(information: Floats) -> Floats:
+    """Return the pseudo-inverse of a matrix whose rows may be of very different size: squares of Q and of K are 1e17 apart."""
+    size = np.sqrt(np.diag(information))
+    size = np.where(size > 0, size, 1.0)
+    return np.asarray(linalg.pinvh(information / np.outer(size, size))) / np.outer(size, size)
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A term's square, estimated freely, and how such an estimate scatters."""
+
+    value: float
+    sigma: float
+    skewness: float
+
+    def quantile(self, probability: float) -> float:
+        """Return how far above the truth the estimate is found with this probability, in sigmas (Pearson III)."""
+        skewness = float(np.clip(self.skewness, 0.0, 4.0))
+        return pearson3_quantile(probability, skewness)
+
+
+def whitener(covariance: Floats) -> Floats:
+    """Return W with W covariance W' = 1.
+
+    Far from the truth, points may hang together so closely that rounding shows: the least eigenvalue is held.
+    """
+    size = np.sqrt(np.diag(covariance))
+    size = np.where(size > 0, size, size.max() or 1.0)  # a ramp alone does not scatter
+    values, vectors = linalg.eigh(covariance / np.outer(size, size))
+    return (vectors / np.sqrt(np.maximum(values, LEAST_EIGENVALUE))).T / size

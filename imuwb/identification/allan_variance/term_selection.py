@@ -1,0 +1,111 @@
+"""Which terms a curve shows, and from which averaging time on their sum explains it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.statistics.distributions import chi_square_tail
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from imuwb.identification.allan_variance.problem import Problem
+
+    Floats = NDArray[np.float64]
+
+ACCEPTED = 1e-3  #: probability of a misfit as large; below it the sum does not explain the curve
+MUCH = 15.0  #: chi-square that a left-out point, or a term that comes back, must be worth
+FEWEST_POINTS = 6  #: that a fit is left with
+BEYOND_DOUBT = 8.0  #: sigmas; a term this large is not tried without
+
+
+def begin(problem: Problem) -> int:
+    """Return how many of the shortest averaging times to leave out so that the sum explains the rest.
+
+    A sensor's own filter, or its resonances, bend the short end of the curve; no sum of these processes
+    follows. There the points are sure, so a misfit is large: a cut must take away far more of it than the
+    points it leaves out would have by chance. Nothing is left out when no cut helps.
+    """
+    misfits: list[float] = []
+    for first in range(max(problem.tau.size - FEWEST_POINTS, 1)):
+        part = problem.since(first)
+        try:
+            squared, _, active = select(part, 0.95)
+        except ValueError:  # nothing is left so far out; an earlier begin may do
+            if not first:
+                raise
+            break
+        chi2, _ = part.misfit(squared)
+        pays = not first or misfits[0] - chi2 > MUCH * (first + 1)
+        if pays and chi_square_tail(chi2, max(part.tau.size - len(active), 1)) > ACCEPTED:
+            return first
+        misfits.append(chi2)
+    gains = [misfits[0] - chi2 - MUCH * (first + 1) for first, chi2 in enumerate(misfits)]
+    return int(np.argmax(gains)) if max(gains) > 0 else 0
+
+
+def select(problem: Problem, level: float) -> tuple[Floats, Floats, list[int]]:
+    """Fit the terms that chance does not explain: all at first, the weakest left out one by one.
+
+    A term can lose its place to another that loses its own later (a ramp and a random walk look alike
+    over the last octaves), so those left out are tried again at the end; and where what is left does not
+    explain the curve, the term that makes it much more likely comes back for good.
+    """
+    active, kept = list(range(5)), set[int]()
+    tried: set[tuple[int, ...]] = set()
+    while True:
+        active = _without_weak(problem, active, kept, level)
+        tried.add(tuple(active))
+        squared, covariance = problem.solve(active)
+        rest = [t for t in range(5) if t not in active and tuple(sorted((*active, t))) not in tried]
+        ratios = {t: _ratio(problem, squared, active, t, level) for t in rest}
+        back = max(ratios, key=ratios.__getitem__, default=None)
+        if back is None or ratios[back] <= 1:
+            back = _missing(problem, squared, active, rest)
+            kept |= set() if back is None else {back}
+        if back is None:
+            return squared, covariance, active
+        active = sorted((*active, back))
+        tried.add(tuple(active))
+
+
+def _missing(problem: Problem, squared: Floats, active: list[int], rest: list[int]) -> int | None:
+    """Return the term without which the curve is not explained, and is far less likely; None where there is none."""
+    chi2, surprise = problem.misfit(squared)
+    if not rest or chi_square_tail(chi2, max(problem.tau.size - len(active), 1)) > ACCEPTED:
+        return None
+    surprises = {t: problem.misfit(problem.solve(sorted((*active, t)))[0])[1] for t in rest}
+    best = min(surprises, key=surprises.__getitem__)
+    return best if surprise - surprises[best] > MUCH else None
+
+
+def _without_weak(problem: Problem, active: list[int], kept: set[int], level: float) -> list[int]:
+    """Return the terms that are each larger than chance makes them in their absence, and those to be kept."""
+    while len(active) > 1:
+        squared, covariance = problem.solve(active)
+        zero = [t for t in active if squared[t] == 0]
+        if len(zero) == len(active):
+            message = "nothing of the curve is left for these processes behind its lines"
+            raise ValueError(message)
+        if zero:
+            active = [t for t in active if t not in zero]
+            continue
+        ratios: dict[int, float] = {}
+        for place, t in enumerate(active):
+            rest = [u for u in active if u != t]
+            if t in kept or squared[t] > BEYOND_DOUBT * np.sqrt(covariance[place, place]):
+                continue
+            ratios[t] = _ratio(problem, problem.solve(rest)[0], rest, t, level)
+        weakest = min(ratios, key=ratios.__getitem__, default=None)
+        if weakest is None or ratios[weakest] > 1:
+            break
+        active = [t for t in active if t != weakest]
+    return active
+
+
+def _ratio(problem: Problem, squared: Floats, active: list[int], term: int, level: float) -> float:
+    """Return a term's size over the size that chance gives it, one time in 2/(1 - level), in its absence."""
+    estimate = problem.added(squared, active, term)
+    return estimate.value / (estimate.sigma * estimate.quantile((1 + level) / 2))

@@ -1,0 +1,1 @@
+"""Autocorrelation and autoregressive models."""

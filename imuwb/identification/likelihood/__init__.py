@@ -1,0 +1,1 @@
+"""The likelihood of a record in cosines, and the sums of processes that it prefers."""

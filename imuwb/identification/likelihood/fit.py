@@ -1,0 +1,252 @@
+"""The sum Q, N, B, K, R that makes a record likeliest, with intervals from its likelihood.
+
+What the Allan variance condenses to some twenty correlated figures, the likelihood of the cosine
+coefficients keeps: its errors are near the Cramer-Rao bound. A term's value is its likeliest size. One
+that is likeliest to be absent has none, and an upper limit; one whose interval begins at 0 may be absent.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.identification.allan_variance.problem import scaled_inverse
+from imuwb.identification.coefficient import READ_OUT, Coefficient, interval
+from imuwb.identification.likelihood.cosine_spectrum import cosine_spectrum
+from imuwb.identification.likelihood.problem import LikelihoodProblem
+from imuwb.statistics.distributions import chi_square_quantile, chi_square_tail, normal_limit, normal_quantile
+from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, Sum, WhiteNoise
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Sequence
+
+    from numpy.typing import NDArray
+
+    from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
+    from imuwb.identification.likelihood.problem import Solution
+    from imuwb.identification.spectral.lines import Line
+    from imuwb.stochastic import Process
+
+    Floats = NDArray[np.float64]
+
+TERMS: dict[str, Callable[[float], Process]] = {
+    "Q": Quantization, "N": WhiteNoise, "B": FlickerNoise, "K": RandomWalk,
+}  # fmt: skip
+RAMP_EVIDENCE = 10.8  #: fall of the deviance for which a ramp is taken into the sum; chance makes it in about 1 %
+ACCEPTED = 1e-3  #: probability of a misfit as large; below it the sum does not explain the spectrum
+TOLERATED = (
+    0.02  #: of a density, by which a real sensor may miss the sum where it is fitted; intervals are widened by it
+)
+MUCH = 15.0  #: chi-square that leaving out another group of bins must be worth
+GROUP = 2**0.5  #: last frequency over first, of the bins that are judged together
+FEWEST_GROUPS = 8
+FEWEST_BINS = 20  #: of the spectrum, below the frequency up to which it is used
+FARTHEST = 60  #: doublings of a square within which the end of its interval is sought
+SURE = 300.0  #: degrees of freedom of a term; beyond, its interval is that of a scaled chi-square
+LINE_BINS = 6.0  #: of the line search, left out on both sides of a line
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LikelihoodFit:
+    """A sum of processes fitted to a record by likelihood."""
+
+    level: float
+    coefficients: dict[str, Coefficient]  #: Q, N, B, K, R
+    processes: Sum  #: the terms that have a value
+    deviance: float  #: -2 log likelihood, but for a constant of the record
+    highest: float  #: Hz, up to which the sum explains the spectrum
+    misfit: float  #: chi-square over its degrees of freedom, up to there
+    probability: float  #: of a misfit as large by chance
+
+    @property
+    def identified(self) -> Sum:
+        """Return the terms whose interval does not begin at 0."""
+        sure = [x for x in TERMS if (c := self.coefficients[x]).value is not None and (c.lower or 0.0) > 0]
+        ramp = [term for term in self.processes.terms if isinstance(term, RateRamp)]
+        return Sum((*(TERMS[x](self.coefficients[x].value or 0.0) for x in sure), *ramp))
+
+
+def spectrum_without(values: Floats, dt: float, lines: Sequence[Line] = ()) -> CosineSpectrum:
+    """Return a record's cosine coefficients, those near lines left out."""
+    return cosine_spectrum(values, dt, [(line.frequency, LINE_BINS * line.resolution) for line in lines])
+
+
+def fit_likelihood(values: Floats, dt: float, lines: Sequence[Line] = (), *, level: float = 0.95) -> LikelihoodFit:
+    """Fit the sum to an evenly spaced record without gaps.
+
+    Args:
+        values: (n,) samples.
+        dt: s.
+        lines: sinusoids found in the spectrum; their frequencies are left out.
+        level: of the intervals and limits.
+
+    Raises:
+        ValueError: fewer than 256 samples, or a constant channel.
+    """
+    if np.ptp(values) == 0:
+        message = "the channel is constant"
+        raise ValueError(message)
+    return fit_cosine_spectrum(spectrum_without(values, dt, lines), level=level)
+
+
+def fit_cosine_spectrum(
+    spectrum: CosineSpectrum, *, level: float = 0.95, highest: float = float("inf")
+) -> LikelihoodFit:
+    """Fit the sum to a record's cosine coefficients up to a frequency, Hz: a filter has changed what lies above.
+
+    Raises:
+        ValueError: too little lies below.
+    """
+    problem = LikelihoodProblem.of(spectrum, [make(1.0) for make in TERMS.values()]).below(highest)
+    if problem.power.size < FEWEST_BINS:
+        message = f"only {problem.power.size} bins of the spectrum lie below {highest:.3g} Hz; it takes {FEWEST_BINS}"
+        raise ValueError(message)
+    return fit_problem(problem, level)
+
+
+def fit_problem(problem: LikelihoodProblem, level: float = 0.95, *, without: Collection[str] = ()) -> LikelihoodFit:
+    """Fit the sum Q, N, B, K to the cosine coefficients of one record, or of several side by side.
+
+    Args:
+        problem: of these four.
+        level: of the intervals and limits.
+        without: terms that are known to be absent; their limits are given all the same.
+    """
+    problem, misfit, freedom = explained(problem)
+    probability = float(chi_square_tail(misfit, freedom))
+    everything = [t for t, letter in enumerate(TERMS) if letter not in without]
+    steady, sloping = (problem.solve(everything, ramp=ramp) for ramp in (False, True))
+    # Restricted likelihoods with and without a ramp do not compare; the plain ones do.
+    known = sloping.ramp_sigma > 0  # not so where a line hides all of the lowest coefficients
+    ramped = known and steady.deviance - (sloping.deviance + 2 * np.log(sloping.ramp_sigma)) > RAMP_EVIDENCE
+    best = sloping if ramped else steady
+    # A sum that does not explain the spectrum has wider intervals than its statistics say (Birge).
+    inflation = max(misfit / freedom, 1.0) if probability < ACCEPTED else 1.0
+    coefficients = profiled(problem, best, level, ramped=bool(ramped), inflation=inflation, terms=everything)
+    coefficients["R"] = _ramp(sloping, level, inflation, ramped=bool(ramped))
+    terms: list[Process] = [TERMS[x](c.value) for x in TERMS if (c := coefficients[x]).value]
+    if ramped:
+        terms.append(RateRamp(sloping.ramp))
+    return LikelihoodFit(
+        level,
+        coefficients,
+        Sum(tuple(terms)),
+        best.deviance,
+        float(problem.frequency[-1]),
+        misfit / freedom,
+        probability,
+    )
+
+
+def _ramp(sloping: Solution, level: float, inflation: float, *, ramped: bool) -> Coefficient:
+    size, sigma = abs(sloping.ramp), sloping.ramp_sigma * inflation**0.5
+    z = normal_limit(level)
+    if sigma == 0:
+        return Coefficient(None, None, float("inf"), READ_OUT["R"])
+    if not ramped:
+        return Coefficient(None, None, float(size + normal_quantile(level) * sigma), READ_OUT["R"])
+    return Coefficient(float(size), float(max(size - z * sigma, 0.0)), float(size + z * sigma), READ_OUT["R"])
+
+
+def explained(problem: LikelihoodProblem) -> tuple[LikelihoodProblem, float, float]:
+    """Return the problem up to the frequency to which the sum explains it, chi-square and its degrees of freedom.
+
+    A sensor's own filter, or its resonances, bend the spectrum's upper end, where the bins are sure; no sum of
+    these processes follows. A cut must take away far more misfit than the bins it leaves out would have by chance.
+    """
+    top = float(problem.frequency[-1])
+    groups = int(np.log(top / problem.frequency[0]) / np.log(GROUP))
+    found: list[tuple[LikelihoodProblem, float, float]] = []
+    for cut in range(max(groups - FEWEST_GROUPS, 1)):
+        part = problem.below(top / GROUP**cut * (1 + 1e-12))
+        solution = part.solve(range(len(TERMS)))
+        misfit, freedom = _misfit(part, solution)
+        found.append((part, misfit, freedom))
+        pays = not cut or found[0][1] - misfit > MUCH * (cut + 1)
+        if pays and chi_square_tail(_misfit(part, solution, TOLERATED)[0], freedom) > ACCEPTED:
+            return found[-1]
+    gains = [found[0][1] - misfit - MUCH * (cut + 1) for cut, (_, misfit, _) in enumerate(found)]
+    return found[int(np.argmax(gains)) if max(gains) > 0 else 0]
+
+
+def _misfit(problem: LikelihoodProblem, solution: Solution, tolerated: float = 0.0) -> tuple[float, float]:
+    """Return chi-square of the mean power, group by group of bins, and its degrees of freedom.
+
+    ``tolerated`` is a relative error of the sum that is not held against it.
+    """
+    density = problem.design @ solution.squared
+    group = (np.log(problem.frequency[-1] / problem.frequency) / np.log(GROUP)).astype(np.int64)
+    count = np.bincount(group, problem.count)
+    excess = np.bincount(group, problem.count * (problem.power / density - 1))
+    chi2 = float(np.sum(excess**2 / (2 * count.clip(1) + (tolerated * count) ** 2)))
+    return chi2, float(max(count.size - np.count_nonzero(solution.squared), 1))
+
+
+def profiled(
+    problem: LikelihoodProblem,
+    best: Solution,
+    level: float,
+    *,
+    ramped: bool,
+    inflation: float,
+    terms: Sequence[int] | None = None,
+) -> dict[str, Coefficient]:
+    """Return Q, N, B and K with their intervals, or their limits; ``terms`` are those that may be there, all unless told."""
+    there = range(len(TERMS)) if terms is None else terms
+    profile = _Profile(problem, best, ramped=bool(ramped), inflation=inflation, terms=there)
+    return {letter: replace(profile.coefficient(t, level), at=READ_OUT[letter]) for t, letter in enumerate(TERMS)}
+
+
+class _Profile:
+    """How much less likely the record gets as one term's size leaves its likeliest, the others following."""
+
+    def __init__(
+        self, problem: LikelihoodProblem, best: Solution, *, ramped: bool, inflation: float, terms: Sequence[int]
+    ) -> None:
+        self._problem, self._best, self._ramped, self._inflation = problem, best, ramped, inflation
+        self._terms = terms
+
+    def coefficient(self, term: int, level: float) -> Coefficient:
+        """Return the size of a term with its interval, or its limit."""
+        value = float(self._best.squared[term])
+        if value == 0:
+            return Coefficient(None, None, self._end(term, normal_quantile(level) ** 2, upward=True) ** 0.5, None)
+        free = np.flatnonzero(self._best.squared > 0)
+        covariance = scaled_inverse(self._best.information[np.ix_(free, free)])
+        place = int(np.flatnonzero(free == term)[0])
+        freedom = 2 * value**2 / (float(covariance[place, place]) * self._inflation)
+        if freedom > SURE:
+            return Coefficient(value**0.5, *interval(value, (2 / freedom) ** 0.5 * value, level), None)
+        reach = float(chi_square_quantile(level, 1))
+        lower, upper = (self._end(term, reach, upward=upward) for upward in (False, True))
+        return Coefficient(value**0.5, lower**0.5, upper**0.5, None)
+
+    def _loss(self, term: int, size: float) -> float:
+        best = self._best
+        others = [t for t in self._terms if t != term]
+        held = np.eye(best.squared.size)[term] * size
+        there = self._problem.solve(others, ramp=self._ramped, start=best.squared, held=held)
+        return (there.deviance - best.deviance) / self._inflation
+
+    def _end(self, term: int, reach: float, *, upward: bool) -> float:
+        """Return the square at which the likelihood has fallen by ``reach``; 0 where it never does downward."""
+        best = self._best
+        value = float(best.squared[term])
+        if not upward and self._loss(term, 0.0) < reach:
+            return 0.0
+        sigma = float(best.information[term, term]) ** -0.5
+        inner, outer = value, value
+        for _ in range(FARTHEST):  # outward until the end lies between
+            outer = outer / 2 if not upward else max(2 * outer, value + sigma)
+            if self._loss(term, outer) > reach:
+                break
+            inner = outer
+        else:  # the likelihood is flat, as of a record that is no noise
+            return outer if upward else 0.0
+        inner = max(inner, 1e-3 * outer)
+        for _ in range(7):  # to a hundredth of a factor of two
+            middle = (inner * outer) ** 0.5
+            inner, outer = (middle, outer) if self._loss(term, middle) < reach else (inner, middle)
+        return (inner * outer) ** 0.5

@@ -1,0 +1,231 @@
+"""Which sum of processes explains a record best: by information criterion, and on the half it was not fitted to.
+
+All sums are judged by one likelihood, of the same cosine coefficients. A Gauss-Markov term's correlation time is
+sought on a grid and refined; an autoregressive model enters with Burg's coefficients.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.identification.likelihood.cosine_spectrum import FEWEST
+from imuwb.identification.likelihood.fit import TERMS, spectrum_without
+from imuwb.identification.likelihood.problem import CLOSE, LikelihoodProblem
+from imuwb.stochastic import GaussMarkov, Sum
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
+    from imuwb.identification.likelihood.problem import Solution
+    from imuwb.identification.spectral.lines import Line
+    from imuwb.stochastic import Autoregressive, Process
+
+    Floats = NDArray[np.float64]
+
+#: Letters of ``TERMS``; M is a Gauss-Markov term. Those with Q are tried where a record shows any.
+SUMS = ("N", "NB", "NK", "NBK", "NM", "NMK", "NMM", "QN", "QNB", "QNK", "QNBK", "QNM", "QNMK", "QNMM")
+GRID = 12  #: correlation times that are tried
+SEARCHING = 0.05  #: change of the deviance that ends a solution while correlation times are sought
+SWEEPS = 3
+REFINEMENTS = 6
+QUANTIZED = 2.7  #: fall of the deviance for which sums with quantization are tried
+CLEAR = 10.0  #: difference of information criteria that is called clear (Kass and Raftery 1995)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Candidate:
+    """One sum, and how well it explains the record."""
+
+    name: str  #: such as "N + GM + K"
+    processes: Sum  #: at its likeliest; terms of size 0 left out
+    parameters: int  #: free ones
+    deviance: float  #: -2 log likelihood, but for a constant
+    aic: float
+    bic: float
+    out_of_sample: float | None  #: deviance of each half under the other half's fit, added up
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ModelChoice:
+    """Candidates, the best by BIC first."""
+
+    candidates: tuple[Candidate, ...]
+    highest: float  #: Hz, up to which they were judged
+    clear: bool  #: the best is better than the next by 10, and does best out of sample as well
+
+    @property
+    def best(self) -> Candidate:
+        """Return the sum of the least BIC."""
+        return self.candidates[0]
+
+
+def choose_model(
+    values: Floats,
+    dt: float,
+    lines: Sequence[Line] = (),
+    *,
+    highest: float | None = None,
+    sums: Sequence[str] = SUMS,
+    models: Sequence[Autoregressive] = (),
+    spectrum: CosineSpectrum | None = None,
+) -> ModelChoice:
+    """Compare sums of processes on an evenly spaced record without gaps.
+
+    Args:
+        values: (n,) samples.
+        dt: s.
+        lines: sinusoids; their frequencies are left out.
+        highest: Hz; what lies above (a sensor's own filter) is left out.
+        sums: texts of the letters Q, N, B, K, and M for a Gauss-Markov process.
+        models: autoregressive models of this record, compared as they are.
+        spectrum: of the record, where it is at hand.
+
+    Raises:
+        ValueError: fewer than 512 samples, an unknown letter.
+    """
+    if values.size < 2 * FEWEST:
+        message = f"{values.size} samples are too few to compare sums; it takes {2 * FEWEST}"
+        raise ValueError(message)
+    half = values.size // 2
+    first, second = (
+        _Record(spectrum_without(part, dt, lines), highest) for part in (values[:half], values[half : 2 * half])
+    )
+    whole = _Record(spectrum_without(values, dt, lines) if spectrum is None else spectrum, highest)
+    without, everything = (whole.fit(text).deviance for text in ("NBK", "QNBK"))
+    if without - everything < QUANTIZED:
+        sums = [text for text in sums if "Q" not in text]
+    found: list[Candidate] = []
+    for text in sorted(sums, key=lambda text: text.count("M")):
+        if text.count("M") > 1 and len(sums) > 1 and not _gauss_markov_may_win(found):
+            continue
+        fitted = whole.fit(text)
+        a, b = first.fit(text, fitted.times), second.fit(text, fitted.times)
+        out = first.deviance(b.processes, b.squared) + second.deviance(a.processes, a.squared)
+        k = len(text) + text.count("M")
+        name = " + ".join(text).replace("M", "GM")
+        found.append(_candidate(name, fitted.sum(), k, fitted.deviance, whole.count, out))
+    for model in models:
+        one = np.ones(1)
+        deviance = whole.deviance([model], one)
+        found.append(_candidate(
+            f"AR({len(model.alpha)})", Sum((model,)), len(model.alpha) + 1, deviance, whole.count, None
+        ))  # fmt: skip
+    ranked = sorted(found, key=lambda c: c.bic)
+    tested = [c.out_of_sample for c in ranked if c.out_of_sample is not None]
+    best = ranked[0]
+    clear = (
+        len(ranked) > 1 and ranked[1].bic - best.bic > CLEAR and best.out_of_sample in (None, min(tested, default=None))
+    )
+    return ModelChoice(tuple(ranked), float(whole.problem([TERMS["N"](1.0)]).frequency[-1]), clear)
+
+
+def _gauss_markov_may_win(found: Sequence[Candidate]) -> bool:
+    """Return whether sums with one Gauss-Markov term are not clearly worse than those with flicker, which two would imitate."""
+    one, flicker = (min((c.bic for c in found if word in c.name.split(" + ")), default=np.inf) for word in ("GM", "B"))
+    return bool(one < flicker + CLEAR)
+
+
+def _candidate(name: str, processes: Sum, k: int, deviance: float, n: float, out: float | None) -> Candidate:
+    return Candidate(name, processes, k, deviance, deviance + 2 * k, deviance + k * float(np.log(n)), out)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Fitted:
+    processes: list[Process]  #: of size 1
+    squared: Floats
+    deviance: float
+    times: tuple[float, ...]  #: correlation times, s
+
+    def sum(self) -> Sum:
+        kinds = {type(make(1.0)): make for make in TERMS.values()}
+        terms: list[Process] = []
+        for process, square in zip(self.processes, self.squared, strict=True):
+            size = float(square) ** 0.5
+            if size > 0:
+                terms.append(
+                    GaussMarkov(size, process.Tc) if isinstance(process, GaussMarkov) else kinds[type(process)](size)
+                )
+        return Sum(tuple(terms))
+
+
+class _Record:
+    """The coefficients of a record, and what was already computed of them."""
+
+    def __init__(self, spectrum: CosineSpectrum, highest: float | None) -> None:
+        self._spectrum, self._highest = spectrum, highest
+        self._parts: dict[Process, tuple[Floats, Floats]] = {}
+        self._last: dict[int, Floats] = {}
+        self._inside = slice(None) if highest is None else spectrum.frequency <= highest
+        self.count = float(spectrum.count[self._inside].sum() + spectrum.low.size)
+
+    def problem(self, processes: Sequence[Process]) -> LikelihoodProblem:
+        s, inside = self._spectrum, self._inside
+        for process in processes:
+            if process not in self._parts:
+                self._parts[process] = s.covariance(process), s.density(process)[inside]
+        covariances, densities = zip(*(self._parts[process] for process in processes), strict=True)
+        return LikelihoodProblem(
+            s.low, s.trend(), np.stack(covariances), s.frequency[inside], s.power[inside],
+            s.count[inside].astype(np.float64), np.stack(densities, axis=1), s.ramp,
+        )  # fmt: skip
+
+    def deviance(self, processes: Sequence[Process], squared: Floats) -> float:
+        return self.problem(processes).deviance(squared)
+
+    def fit(self, text: str, times: tuple[float, ...] = ()) -> _Fitted:
+        """Return the likeliest sum of this shape; correlation times are sought anew, or only near those given."""
+        fixed = [TERMS[letter](1.0) for letter in text if letter != "M"]
+        count = text.count("M")
+        if not count:
+            return self._solved(fixed, ())
+        s = self._spectrum
+        ends = np.log(3 * s.dt), np.log(s.n * s.dt / 2)
+        chosen = [float(np.log(t)) for t in times]
+        for _ in range(count - len(chosen)):  # one more term at a time, wherever it helps most
+            grid = np.linspace(*ends, GRID)
+            chosen.append(float(min(grid, key=lambda t: self._deviance(fixed, [*chosen, float(t)]))))
+        step = (ends[1] - ends[0]) / (GRID - 1) if not times else 0.5
+        # Two terms share what either explains: each is refined in turn, at first from afar, until neither moves.
+        for sweep in range(SWEEPS if count > 1 and not times else 1):
+            for place in range(count):
+                chosen[place] = self._refined(fixed, chosen, place, step * (2.0 if count > 1 and not sweep else 1.0))
+        return self._solved(fixed, tuple(float(np.exp(t)) for t in sorted(chosen)))
+
+    def _refined(self, fixed: list[Process], chosen: list[float], place: int, step: float) -> float:
+        """Return the best value near a chosen one, by golden section."""
+
+        def at(t: float) -> float:
+            return self._deviance(fixed, [*chosen[:place], t, *chosen[place + 1 :]])
+
+        ratio = (5**0.5 - 1) / 2
+        low, high = chosen[place] - step, chosen[place] + step
+        a, b = high - ratio * (high - low), low + ratio * (high - low)
+        at_a, at_b = at(a), at(b)
+        for _ in range(REFINEMENTS):
+            if at_a < at_b:
+                high, b, at_b = b, a, at_a
+                a = high - ratio * (high - low)
+                at_a = at(a)
+            else:
+                low, a, at_a = a, b, at_b
+                b = low + ratio * (high - low)
+                at_b = at(b)
+        return a if at_a < at_b else b
+
+    def _deviance(self, fixed: list[Process], log_times: list[float]) -> float:
+        return self._solved(fixed, tuple(float(np.exp(t)) for t in log_times), SEARCHING).deviance
+
+    def _solved(self, fixed: list[Process], times: tuple[float, ...], close: float = CLOSE) -> _Fitted:
+        processes = [*fixed, *(GaussMarkov(1.0, t) for t in times)]
+        # Correlation times that are near each other have like squares.
+        near = self._last.get(len(processes)) if times else None
+        start = None if near is None else near.clip(near.max() * 1e-9)
+        solution: Solution = self.problem(processes).solve(range(len(processes)), ramp=False, start=start, close=close)
+        self._last[len(processes)] = solution.squared
+        return _Fitted(processes, solution.squared, solution.deviance, times)

@@ -1,0 +1,162 @@
+"""The likelihood of a sum of processes, given a record's cosine coefficients.
+
+The coefficients are Gaussian with a covariance linear in the squares of the processes' sizes: the lowest ones
+jointly, those of a bin independently and with one density (Whittle). Squares are found by Fisher
+scoring, none negative; a ramp is estimated along with them (restricted likelihood: what the ramp takes
+of the lowest coefficients is not counted as scatter).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import optimize
+
+from imuwb.identification.likelihood.score import LEAST_SHARE, add_bins, add_low
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
+    from imuwb.stochastic import Process
+
+    Floats = NDArray[np.float64]
+
+ROUNDS = 60
+CLOSE = 1e-4  #: change of the deviance at which scoring ends
+FAINT = 1e-3  #: of a rough estimate, from which a term that was absent starts
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Solution:
+    """The likeliest squares of some terms."""
+
+    squared: Floats  #: (t,) of all terms, 0 where one is left out
+    deviance: float  #: -2 log likelihood
+    information: Floats  #: (t, t) Fisher's, of the squares
+    ramp: float  #: unit/s; 0 where it is left out
+    ramp_sigma: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LikelihoodProblem:
+    """Cosine coefficients, and what t processes of size 1 make of them."""
+
+    low: Floats  #: (l,)
+    trend: Floats  #: (l,) of a ramp of 1
+    parts: Floats  #: (t, l, l) covariances
+    frequency: Floats  #: (k,) Hz
+    power: Floats  #: (k,)
+    count: Floats  #: (k,)
+    design: Floats  #: (k, t) densities
+    ramp: float  #: taken off beforehand
+
+    @staticmethod
+    def of(spectrum: CosineSpectrum, processes: Sequence[Process]) -> LikelihoodProblem:
+        """Return the problem of a spectrum and the processes that may be in it, each of size 1."""
+        return LikelihoodProblem(
+            spectrum.low, spectrum.trend(), np.stack([spectrum.covariance(p) for p in processes]), spectrum.frequency,
+            spectrum.power, spectrum.count.astype(np.float64), np.stack([spectrum.density(p) for p in processes], axis=1),
+            spectrum.ramp,
+        )  # fmt: skip
+
+    def below(self, frequency: float) -> LikelihoodProblem:
+        """Return the problem without the bins above a frequency, Hz."""
+        kept = self.frequency <= frequency
+        return replace(
+            self,
+            frequency=self.frequency[kept],
+            power=self.power[kept],
+            count=self.count[kept],
+            design=self.design[kept],
+        )
+
+    def solve(
+        self,
+        active: Sequence[int],
+        *,
+        ramp: bool = True,
+        start: Floats | None = None,
+        held: Floats | None = None,
+        close: float = CLOSE,
+    ) -> Solution:
+        """Return the likeliest squares of the active terms.
+
+        Args:
+            active: indices of the free terms.
+            ramp: estimate a ramp too.
+            start: (t,) where to begin.
+            held: (t,) squares of terms that are in the sum, but not free.
+            close: change of the deviance at which scoring ends.
+        """
+        free = list(active)
+        held = np.zeros(self.design.shape[1]) if held is None else held
+        squared = self._start(free) + held
+        if start is not None:  # a term that was absent may be needed now that another is held
+            squared[free] = np.where(start[free] > 0, start[free], FAINT * squared[free])
+        now = self._score(squared, ramp=ramp)
+        for _ in range(ROUNDS):
+            rows = np.ix_(free, free)
+            target = now.target[free] - now.information[np.ix_(free, range(held.size))] @ held
+            wanted = held.copy()
+            wanted[free] += _nonnegative(now.information[rows], target)
+            step, new = 1.0, self._score(wanted, ramp=ramp)
+            while not new.deviance <= now.deviance + 1e-9 * abs(now.deviance) and step > 1e-3:  # noqa: PLR2004 - a thousandth
+                step /= 2
+                new = self._score(squared + step * (wanted - squared), ramp=ramp)
+            squared = squared + step * (wanted - squared)
+            done = abs(now.deviance - new.deviance) <= close
+            now = new
+            if done:
+                break
+        return Solution(squared, now.deviance, now.information, now.ramp + self.ramp * ramp, now.ramp_sigma)
+
+    def deviance(self, squared: Floats, *, ramp: bool = False) -> float:
+        """Return -2 log likelihood of these squares."""
+        return self._score(squared, ramp=ramp).deviance
+
+    def slope(self, squared: Floats, *, ramp: bool = False) -> tuple[Floats, Floats]:
+        """Return the derivative of the log likelihood by the squares, (t,), and Fisher's information, (t, t)."""
+        now = self._score(squared, ramp=ramp)
+        return now.target - now.information @ squared, now.information
+
+    def _start(self, free: list[int]) -> Floats:
+        weight = np.sqrt(self.count) / self.power.clip(self.power.max() * LEAST_SHARE)
+        columns = self.design[:, free] * weight[:, None]
+        size = np.linalg.norm(columns, axis=0)
+        squared = np.zeros(self.design.shape[1])
+        squared[free] = optimize.nnls(columns / size, self.power * weight)[0] / size
+        if not squared.any():
+            squared[free] = self.power.mean() / self.design[:, free].mean(axis=0) / len(free)
+        return squared
+
+    def _score(self, squared: Floats, *, ramp: bool) -> _Score:
+        information, target = np.zeros((squared.size, squared.size)), np.zeros(squared.size)
+        bins = add_bins(squared, self.power, self.count, self.design, information, target)
+        low, slope, sigma = add_low(squared, self.low, self.trend, self.parts, self.ramp, ramp, information, target)
+        return _Score(bins + low, information, target, slope, sigma)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Score:
+    """Deviance, Fisher information I, and target b: the squares p with I p = b are the next step."""
+
+    deviance: float
+    information: Floats
+    target: Floats
+    ramp: float
+    ramp_sigma: float
+
+
+def _nonnegative(information: Floats, target: Floats) -> Floats:
+    """Return the p >= 0 that makes p'Ip/2 - p'b least."""
+    size = np.sqrt(information.diagonal()).clip(1e-150)
+    values, vectors = np.linalg.eigh(information / (size[:, None] * size))
+    kept = values > values[-1] * 1e-13
+    root = (vectors[:, kept] * np.sqrt(values[kept])).T
+    right = (vectors[:, kept] / np.sqrt(values[kept])).T @ (target / size)
+    return optimize.nnls(root, right)[0] / size

@@ -1,0 +1,1 @@
+"""Power spectral densities and the lines in them."""

@@ -1,0 +1,1 @@
+"""From the pieces that readers yield to the streams of a Log."""

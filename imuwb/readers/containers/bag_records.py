@@ -1,0 +1,236 @@
+"""The container of ROS 1: a bag's records, chunks and messages, found without a Python step per message.
+
+Every record is a header of named fields and data. The index at the end is not used, so bags that were cut, or never
+indexed, are read like all others up to where they end.
+
+Specification: http://wiki.ros.org/Bags/Format/2.0
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.compiled import compiled
+from imuwb.log import SECOND
+from imuwb.readers.batch import Remark
+from imuwb.readers.bytes.ahead import ahead
+from imuwb.readers.bytes.gather import gather
+from imuwb.readers.bytes.source import extended
+from imuwb.readers.bytes.unpack import unpack, unpack_front
+from imuwb.readers.containers.messages import Channel, Messages, Schema
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+MAGIC = b"#ROSBAG V2.0\n"
+MESSAGE, CHUNK, CONNECTION = 0x02, 0x05, 0x07
+AHEAD = 2  #: chunks that are unpacked while others are decoded
+_OP, _CONNECTION, _TIME = b"op=", b"conn=", b"time="
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Records:
+    """Where the records of a buffer lie."""
+
+    opcode: NDArray[np.uint8]
+    header: NDArray[np.int64]  #: where the fields begin
+    connection: NDArray[np.int64]  #: where its number stands; -1 where there is none
+    time: NDArray[np.int64]  #: likewise
+    data: NDArray[np.int64]
+    length: NDArray[np.int64]  #: of the data
+    end: int  #: behind the last whole record
+
+
+@compiled()
+def _u32(buffer: NDArray[np.uint8], at: int) -> int:  # pragma: no cover - compiled
+    return int(buffer[at]) | int(buffer[at + 1]) << 8 | int(buffer[at + 2]) << 16 | int(buffer[at + 3]) << 24
+
+
+@compiled()
+def _is(buffer: NDArray[np.uint8], at: int, name: NDArray[np.uint8]) -> bool:  # pragma: no cover - compiled
+    for k in range(name.size):  # noqa: SIM110 - no generators in compiled code
+        if buffer[at + k] != name[k]:
+            return False
+    return True
+
+
+@compiled()
+def _walk(
+    buffer: NDArray[np.uint8], names: tuple[NDArray[np.uint8], ...], tables: NDArray[np.int64]
+) -> tuple[int, int]:  # pragma: no cover - compiled
+    """Fill the table (when it has room) with the whole records; return their number and end."""
+    count, at, size = 0, 0, buffer.size
+    while at + 8 <= size:
+        header = _u32(buffer, at)
+        if at + 8 + header > size:
+            break
+        length = _u32(buffer, at + 4 + header)
+        if at + 8 + header + length > size:
+            break
+        if tables.size:
+            tables[0, count], tables[1, count] = 0, at + 4
+            tables[2, count] = tables[3, count] = -1
+            tables[4, count], tables[5, count] = at + 8 + header, length
+            field, end = at + 4, at + 4 + header
+            while field + 4 < end:
+                width = _u32(buffer, field)
+                if field + 4 + width > end:
+                    break
+                for k in range(3):
+                    if width == names[k].size + (1, 4, 8)[k] and _is(buffer, field + 4, names[k]):
+                        value = field + 4 + names[k].size
+                        tables[0 if k == 0 else k + 1, count] = buffer[value] if k == 0 else value
+                field += 4 + width
+        count += 1
+        at += 8 + header + length
+    return count, at
+
+
+def walk(buffer: NDArray[np.uint8]) -> Records:
+    """Return the whole records from the beginning of a buffer."""
+    names = tuple(np.frombuffer(name, np.uint8) for name in (_OP, _CONNECTION, _TIME))
+    count, end = _walk(buffer, names, np.empty((0, 0), np.int64))
+    tables = np.empty((6, count), np.int64)
+    if count:
+        _walk(buffer, names, tables)
+    opcode, header, connection, time, data, length = tables
+    return Records(opcode.astype(np.uint8), header, connection, time, data, length, end)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Piece:
+    """A block of the file, or an unpacked chunk."""
+
+    buffer: NDArray[np.uint8]
+    records: Records
+    bytes_read: int  #: of the file, up to its end
+    remarks: tuple[Remark, ...] = ()
+
+
+class Bag:
+    """A ROS 1 bag, read from its beginning to its end; connections fill up on the way."""
+
+    def __init__(self, path: Path) -> None:
+        """Remember the file; nothing is read yet."""
+        self.path = path
+        self.schemas: dict[int, Schema] = {}
+        self.channels: dict[int, Channel] = {}
+        self.remarks: list[Remark] = []  #: what was wrong with the container
+        self.above_sea: set[str] = set()  #: a bag does not say it of any topic
+
+    def messages(self) -> Iterator[Messages]:
+        """Yield the messages of each chunk, or of each block of a bag without chunks."""
+        for piece in ahead(self._pieces(), AHEAD):
+            self.remarks.extend(piece.remarks)
+            yield from self._messages(piece)
+
+    def _pieces(self) -> Iterator[_Piece]:
+        with self.path.open("rb") as file:
+            size = self.path.stat().st_size
+            file.seek(len(MAGIC))
+            rest, offset = b"", len(MAGIC)
+            while (block := extended(file, rest, _whole(rest), size - offset)) is not None:
+                buffer = np.frombuffer(block, np.uint8)
+                records = walk(buffer)
+                yield _Piece(buffer, records, offset + len(block))
+                for i in np.flatnonzero(records.opcode == CHUNK):
+                    start = int(records.data[i])
+                    head = bytes(buffer[records.header[i] : start - 4])
+                    yield _chunk(buffer.data[start : start + int(records.length[i])], head, offset + start)
+                rest, offset = block[records.end :], offset + records.end
+            if rest:
+                yield _cut_end(rest, offset)
+
+    def _messages(self, piece: _Piece) -> Iterator[Messages]:
+        records, buffer = piece.records, piece.buffer
+        for i in np.flatnonzero(records.opcode == CONNECTION):
+            self._declare(piece, int(i))
+        plain = np.flatnonzero((records.opcode == MESSAGE) & (records.connection >= 0) & (records.time >= 0))
+        if plain.size:
+            number = gather(buffer, records.connection[plain], "<u4").astype(np.int64)
+            stamp = gather(buffer, records.time[plain], "<u4", 2).astype(np.int64)
+            time = stamp[:, 0] * SECOND + stamp[:, 1]
+            start = records.data[plain]
+            yield Messages(buffer, number, time, time, start, records.length[plain], piece.bytes_read)
+
+    def _declare(self, piece: _Piece, i: int) -> None:
+        records, raw = piece.records, piece.buffer.data
+        start, length = int(records.data[i]), int(records.length[i])
+        outer = _fields(bytes(raw[int(records.header[i]) : start - 4]))
+        inner = _fields(bytes(raw[start : start + length]))
+        number = outer.get("conn", b"")
+        if len(number) != 4 or "type" not in inner:  # noqa: PLR2004 - u32
+            self.remarks.append(Remark("a damaged connection record left out"))
+            return
+        connection = int.from_bytes(number, "little")
+        topic = inner.get("topic", outer.get("topic", b"")).decode("utf-8", "replace")
+        self.channels.setdefault(connection, Channel(topic, "ros1", connection))
+        name = inner["type"].decode("utf-8", "replace")
+        self.schemas.setdefault(connection, Schema(name, "ros1msg", inner.get("message_definition", b"")))
+
+
+def _whole(rest: bytes) -> int:
+    """Return the size of the record that begins here, as far as it can be known."""
+    if len(rest) < 4:  # noqa: PLR2004 - u32
+        return 0
+    header = int.from_bytes(rest[:4], "little")
+    if len(rest) < 8 + header:
+        return 8 + header
+    return 8 + header + int.from_bytes(rest[4 + header : 8 + header], "little")
+
+
+def _fields(header: bytes) -> dict[str, bytes]:
+    """Return the named fields of a header, as far as they are whole."""
+    found: dict[str, bytes] = {}
+    at = 0
+    while at + 4 <= len(header):
+        width = struct.unpack_from("<I", header, at)[0]
+        name, mark, value = header[at + 4 : at + 4 + width].partition(b"=")
+        if not mark or at + 4 + width > len(header):
+            break
+        found[name.decode("utf-8", "replace")] = value
+        at += 4 + width
+    return found
+
+
+def _said(header: bytes) -> tuple[str, int]:
+    """Return a chunk's compression, and the size it unpacks to."""
+    fields = _fields(header)
+    return fields.get("compression", b"none").decode("utf-8", "replace"), int.from_bytes(
+        fields.get("size", b""), "little"
+    )
+
+
+def _chunk(packed: memoryview, header: bytes, offset: int) -> _Piece:
+    compression, size = _said(header)
+    try:
+        buffer = np.frombuffer(unpack(packed, compression, size), np.uint8)
+    except ValueError as error:
+        nothing = np.empty(0, np.uint8)
+        return _Piece(
+            nothing, walk(nothing), offset + len(packed), (Remark(f"chunk at byte {offset} left out: {error}"),)
+        )
+    records = walk(buffer)
+    remarks: list[Remark] = []
+    if records.end < buffer.size:
+        remarks.append(Remark(f"chunk at byte {offset}: its last {buffer.size - records.end} bytes are no record"))
+    return _Piece(buffer, records, offset + len(packed), tuple(remarks))
+
+
+def _cut_end(rest: bytes, offset: int) -> _Piece:
+    """Return what is whole in a last record that is not."""
+    what = f"the file ends at byte {offset + len(rest)} inside a record that begins at byte {offset}: what was whole before it is used"
+    header = int.from_bytes(rest[:4], "little")
+    unpacked = b""
+    if len(rest) > 8 + header and _fields(rest[4 : 4 + header]).get("op") == bytes([CHUNK]):
+        compression, size = _said(rest[4 : 4 + header])
+        unpacked = unpack_front(memoryview(rest)[8 + header :], compression, size)
+    buffer = np.frombuffer(unpacked, np.uint8)
+    return _Piece(buffer, walk(buffer), offset + len(rest), (Remark(what),))

@@ -1,0 +1,195 @@
+"""Payloads to arrays of the fields a recipe asks for: ROS by byte layout, protobuf and JSON by their decoders."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any, Literal, Protocol, cast
+
+import numpy as np
+
+from imuwb.readers.bytes.gather import gather
+from imuwb.readers.containers import ros_layout
+from imuwb.readers.containers.shapes import REFERENCE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+
+    from numpy.typing import NDArray
+
+    from imuwb.readers.containers.messages import Channel, Messages, Schema
+
+    Rows = NDArray[np.int64]
+    #: the wanted fields, and which messages they are of
+    Piece = tuple[Mapping[str, NDArray[Any]], Rows]
+
+ARRAYS = ("covariance", *REFERENCE)  #: fields that are read as arrays
+FIRST = 16  #: messages looked at before a channel that describes itself is given up
+
+
+class CannotDecodeError(Exception):
+    """A channel whose messages cannot be decoded; the text says why."""
+
+
+class Decoder(Protocol):
+    """Decodes the messages of one channel."""
+
+    def fields(self, messages: Messages, rows: Rows) -> list[str]:
+        """Return the dotted paths of the messages' numbers; those of the rows given may be looked at."""
+        ...
+
+    def decode(self, messages: Messages, rows: Rows, paths: tuple[str, ...]) -> Iterator[Piece]:
+        """Yield the fields in pieces; messages that do not fit are in none."""
+        ...
+
+
+def decoder_of(channel: Channel, schema: Schema | None) -> Decoder:
+    """Return what decodes a channel.
+
+    Raises:
+        CannotDecodeError: nothing does.
+    """
+    encoding = channel.message_encoding
+    if encoding == "cdr":
+        return _RosDecoder(schema, "cdr")
+    if encoding == "ros1":
+        return _RosDecoder(schema, "ros1")
+    if encoding == "json":
+        return _ObjectDecoder(json.loads)
+    if encoding == "protobuf":
+        return _ObjectDecoder(_protobuf(schema))
+    message = f"message encoding {encoding!r} is not one of cdr, ros1, protobuf and json"
+    raise CannotDecodeError(message)
+
+
+class _RosDecoder:
+    def __init__(self, schema: Schema | None, wire: Literal["cdr", "ros1"]) -> None:
+        if schema is None or schema.encoding not in ("ros2msg", "ros1msg"):
+            message = f"schema encoding {schema.encoding if schema else 'none'!r} is not ros1msg or ros2msg"
+            raise CannotDecodeError(message)
+        definition = schema.data.decode("utf-8", "replace")
+        if any(line.strip() == "---" for line in definition.splitlines()):
+            message = "a service's events, not a measurement"
+            raise CannotDecodeError(message)
+        try:
+            self._plan = ros_layout.plan(schema.name, definition)
+        except ros_layout.UnknownLayoutError as error:
+            raise CannotDecodeError(str(error)) from error
+        self._wire: Literal["cdr", "ros1"] = wire
+
+    def fields(self, messages: Messages, rows: Rows) -> list[str]:
+        del messages, rows  # the definition says it all
+        fields = [step for step in self._plan if isinstance(step, ros_layout.Field)]
+        # An array is no number: a "latitude" of two is not one.
+        return [f.path for f in fields if not f.count or f.path.rpartition(".")[2].endswith(ARRAYS)]
+
+    def decode(self, messages: Messages, rows: Rows, paths: tuple[str, ...]) -> Iterator[Piece]:
+        start, length = messages.start[rows], messages.length[rows]
+        for group in ros_layout.groups(self._plan, paths, self._wire, messages.buffer, start, length):
+            yield _gathered(messages.buffer, start[group.rows], group.places), rows[group.rows]
+
+
+def _gathered(
+    buffer: NDArray[np.uint8], at: NDArray[np.int64], places: tuple[ros_layout.Place, ...]
+) -> dict[str, NDArray[Any]]:
+    """Return fields; numbers that stand behind each other, such as x, y and z, are columns of one array."""
+    found: dict[str, NDArray[Any]] = {}
+    first = 0
+    while first < len(places):
+        one, behind = places[first], first + 1
+        while behind < len(places) and _continues(places[behind - 1], places[behind]):
+            behind += 1
+        if behind == first + 1:
+            found[one.path] = gather(buffer, at + one.offset, one.kind, one.count)
+        else:
+            block = gather(buffer, at + one.offset, one.kind, behind - first)
+            found |= {place.path: block[:, i] for i, place in enumerate(places[first:behind])}
+        first = behind
+    return found
+
+
+def _continues(one: ros_layout.Place, other: ros_layout.Place) -> bool:
+    return one.kind == other.kind and not one.count and not other.count and one.end == other.offset
+
+
+class _ObjectDecoder:
+    """Payloads that become an object each; the first that decodes shows the fields."""
+
+    def __init__(self, unpack: Callable[[bytes], object]) -> None:
+        self._unpack = unpack
+
+    def fields(self, messages: Messages, rows: Rows) -> list[str]:
+        for row in rows[:FIRST]:
+            try:
+                return list(_paths(self._unpack(_payload(messages, row))))
+            except Exception:  # noqa: BLE001, S112 - a damaged message teaches nothing; the next may
+                continue
+        return []
+
+    def decode(self, messages: Messages, rows: Rows, paths: tuple[str, ...]) -> Iterator[Piece]:
+        table: list[list[float | list[float]]] = []
+        kept: list[int] = []
+        for row in rows:
+            try:
+                message = self._unpack(_payload(messages, row))
+                numbers = [_dig(message, path) for path in paths]
+                if table and [np.shape(x) for x in numbers] != [np.shape(x) for x in table[0]]:
+                    continue  # an array of another length than the first message's
+                table.append(numbers)
+                kept.append(int(row))
+            except Exception:  # noqa: BLE001, S112 - whatever a damaged message raises, it is left out
+                continue
+        if kept:
+            arrays = [np.array(column) for column in zip(*table, strict=True)]
+            yield dict(zip(paths, arrays, strict=True)), np.array(kept)
+
+
+def _payload(messages: Messages, row: int) -> bytes:
+    start = int(messages.start[row])
+    return messages.buffer[start : start + int(messages.length[row])].tobytes()
+
+
+def _protobuf(schema: Schema | None) -> Callable[[bytes], object]:
+    from mcap.records import Schema as McapSchema  # noqa: PLC0415 - heavy, and few logs need it
+    from mcap_protobuf.decoder import DecoderFactory  # noqa: PLC0415
+
+    if schema is None:
+        message = "protobuf without a schema"
+        raise CannotDecodeError(message)
+    try:
+        decoder = DecoderFactory().decoder_for(
+            "protobuf", McapSchema(id=1, data=schema.data, encoding=schema.encoding, name=schema.name)
+        )
+    except Exception as error:
+        message = f"its protobuf schema is damaged ({type(error).__name__}: {error})"
+        raise CannotDecodeError(message) from error
+    if decoder is None:
+        message = f"{schema.name} is no protobuf schema"
+        raise CannotDecodeError(message)
+    return decoder
+
+
+def _paths(message: Any, prefix: str = "", depth: int = 0) -> Iterator[str]:  # noqa: ANN401 - whatever a decoder makes
+    """Yield the dotted paths of a decoded message's numbers and arrays of numbers."""
+    if depth > ros_layout.DEEPEST:
+        return
+    if isinstance(message, dict):
+        for name, value in cast("dict[str, object]", message).items():
+            yield from _paths(value, f"{prefix}.{name}" if prefix else name, depth + 1)
+    elif hasattr(message, "DESCRIPTOR"):
+        for field in message.DESCRIPTOR.fields:
+            name = f"{prefix}.{field.name}" if prefix else str(field.name)
+            yield from _paths(getattr(message, field.name), name, depth + 1)
+    elif isinstance(message, int | float) or (hasattr(message, "__len__") and not isinstance(message, str | bytes)):
+        yield prefix
+
+
+def _dig(message: object, path: str) -> float | list[float]:
+    whole, first, _ = path.partition("[0]")
+    for name in whole.split("."):
+        message = cast("dict[str, object]", message)[name] if isinstance(message, dict) else getattr(message, name)
+    if first:
+        numbers = cast("list[float]", message)
+        return float(numbers[0]) if len(numbers) else 0.0
+    if path.endswith("covariance"):
+        return [float(x) for x in cast("list[float]", message)]
+    return float(cast("float", message))

@@ -1,0 +1,94 @@
+"""What an MCAP file says of itself at its end: streams, counts and times, without reading the messages."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, BinaryIO
+
+import numpy as np
+from mcap.reader import make_reader
+
+from imuwb.log import MEAN_SEA_LEVEL
+from imuwb.readers.bytes.unpack import LARGEST
+from imuwb.readers.containers import shapes
+from imuwb.readers.containers.decoders import CannotDecodeError, decoder_of
+from imuwb.readers.containers.mcap_chunk import HEADER, MESSAGE, PREFIX, above_sea_level, metadata, unpacked_chunk
+from imuwb.readers.containers.messages import Channel, Messages, Schema
+from imuwb.summary import LogSummary, StreamSummary
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from mcap.records import ChunkIndex, MetadataIndex
+    from mcap.summary import Summary
+
+UNIX = 10**17  #: ns
+
+
+def describe(path: Path) -> LogSummary | None:
+    """Return what the index says; None where the file has none.
+
+    Times are the recorder's, to a chunk; gaps and repairs are known only when the messages are read.
+    """
+    with path.open("rb") as file:
+        try:
+            reader = make_reader(file)
+            summary = reader.get_summary()
+            if summary is None or summary.statistics is None or not summary.chunk_indexes:
+                return None
+            above = set[str]().union(*(_above_sea(file, index) for index in summary.metadata_indexes))
+            streams = tuple(_streams(file, summary, above))
+        except Exception:  # noqa: BLE001 - whatever the library makes of a damaged index
+            return None  # reading the messages says what is wrong, and uses what is whole
+    note = (
+        "from the file's index: times are the recorder's, and gaps and repairs have not been looked for (--scan does)"
+    )
+    return LogSummary(str(path), "mcap", "", streams, (note,))
+
+
+def _above_sea(file: BinaryIO, index: MetadataIndex) -> set[str]:
+    file.seek(index.offset + PREFIX)
+    return above_sea_level(metadata(file.read(min(index.length - PREFIX, LARGEST))))
+
+
+def _streams(file: BinaryIO, summary: Summary, above: set[str]) -> Iterator[StreamSummary]:
+    for number, count in (summary.statistics.channel_message_counts if summary.statistics else {}).items():
+        channel, schema = summary.channels[number], summary.schemas.get(summary.channels[number].schema_id)
+        ours = None if schema is None else Schema(schema.name, schema.encoding, schema.data)
+        try:
+            decoder = decoder_of(Channel(channel.topic, channel.message_encoding, channel.schema_id), ours)
+        except CannotDecodeError:
+            continue
+        chunks = [chunk for chunk in summary.chunk_indexes if number in chunk.message_index_offsets]
+        if not chunks or not count:
+            continue
+        fields = decoder.fields(_alone(_first(file, chunks[0], number)), np.zeros(1, np.int64))
+        start, end = min(c.message_start_time for c in chunks), max(c.message_end_time for c in chunks)
+        rate = (count - 1) / (end - start) * 1e9 if end > start else None
+        for recipe in shapes.recognise(fields, ours.name if ours else "", channel.topic):
+            units, frame = {"imu": ("rad/s, m/s²", "FLU (REP 145)"), "gnss": ("deg, m", "ENU")}.get(
+                recipe.kind, ("°C", "")
+            )
+            units += f" ({MEAN_SEA_LEVEL})" if recipe.kind == "gnss" and channel.topic in above else ""
+            epoch = "unix" if start > UNIX else "log"
+            yield StreamSummary(channel.topic, recipe.kind, count, rate, start, end, epoch, (), (), units, frame)
+
+
+def _first(file: BinaryIO, chunk: ChunkIndex, number: int) -> bytes:
+    """Return the payload of a channel's first message in a chunk."""
+    file.seek(chunk.chunk_start_offset)
+    records = unpacked_chunk(memoryview(file.read(min(chunk.chunk_length, LARGEST)))[PREFIX:])
+    at = 0
+    while at + PREFIX <= len(records):
+        opcode, content = records[at], at + PREFIX
+        at = content + int.from_bytes(records[at + 1 : content], "little")
+        if opcode == MESSAGE and int.from_bytes(records[content : content + 2], "little") == number:
+            return bytes(records[content + HEADER : at])
+    message = f"channel {number} is not in the chunk at byte {chunk.chunk_start_offset}, where its index says it is"
+    raise ValueError(message)
+
+
+def _alone(payload: bytes) -> Messages:
+    """Return one payload as a buffer of messages."""
+    one = np.zeros(1, np.int64)
+    return Messages(np.frombuffer(payload, np.uint8), one.astype(np.uint16), one, one, one, one + len(payload), 0)

@@ -1,0 +1,232 @@
+"""The container: MCAP's records, chunks and messages, found without a Python step per message.
+
+A chunk (or, in an unchunked file, a block of the file) is one buffer of bytes; a compiled walk over
+its records gives the offsets of all messages, from which any field of all of them is gathered at once. The next chunks are
+unpacked while one is decoded. Nothing depends on the index, so files without one, or cut
+by a crash, are read the same way up to where they end.
+
+Specification: https://mcap.dev/spec
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, BinaryIO
+
+import numpy as np
+
+from imuwb.compiled import compiled
+from imuwb.readers.batch import Remark
+from imuwb.readers.bytes.ahead import ahead
+from imuwb.readers.bytes.gather import gather
+from imuwb.readers.bytes.source import extended
+from imuwb.readers.containers.mcap_chunk import (
+    CHANNEL,
+    CHUNK,
+    DATA_END,
+    FOOTER,
+    HEADER,
+    MAGIC,
+    MESSAGE,
+    METADATA,
+    PREFIX,
+    SCHEMA,
+    above_sea_level,
+    metadata,
+    text,
+    unpacked_chunk,
+    unpacked_front,
+)
+from imuwb.readers.containers.messages import Channel, Messages, Schema
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+LATEST = np.uint64(2**62)  #: ns; a later time (after 2116) is damage
+
+LOG_TIME, PUBLISH_TIME = 6, 14  #: where they stand in a message
+AHEAD = 2  #: pieces that are unpacked while others are decoded
+
+
+@compiled()
+def _walk(
+    buffer: NDArray[np.uint8],
+    start: int,
+    opcode: NDArray[np.uint8],
+    content: NDArray[np.int64],
+    length: NDArray[np.int64],
+) -> tuple[int, int]:  # pragma: no cover - compiled
+    """Fill the tables (when they have room) with the whole records from ``start``; return number, end."""
+    count, at, size = 0, start, buffer.size
+    while at + 9 <= size:
+        n = np.uint64(0)
+        for k in range(8):
+            n |= np.uint64(buffer[at + 1 + k]) << np.uint64(8 * k)
+        if n > np.uint64(size - at - 9):
+            break
+        if opcode.size:
+            opcode[count] = buffer[at]
+            content[count] = at + 9
+            length[count] = n
+        count += 1
+        at += 9 + int(n)
+    return count, at
+
+
+def walk(
+    buffer: NDArray[np.uint8], start: int = 0
+) -> tuple[NDArray[np.uint8], NDArray[np.int64], NDArray[np.int64], int]:
+    """Return opcode, start and length of the content of every whole record, and where they end."""
+    nothing = np.empty(0, np.uint8), np.empty(0, np.int64), np.empty(0, np.int64)
+    count, end = _walk(buffer, start, *nothing)
+    tables = np.empty(count, np.uint8), np.empty(count, np.int64), np.empty(count, np.int64)
+    if count:
+        _walk(buffer, start, *tables)
+    return *tables, end
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Piece:
+    """A block of the file, or an unpacked chunk, and where its records lie."""
+
+    buffer: NDArray[np.uint8]
+    opcode: NDArray[np.uint8]
+    content: NDArray[np.int64]
+    length: NDArray[np.int64]
+    bytes_read: int  #: of the file, up to its end
+    remarks: tuple[Remark, ...] = ()  #: what was wrong with it
+
+
+class Recording:
+    """An MCAP file, read from its beginning to its end; schemas and channels fill up on the way."""
+
+    def __init__(self, path: Path) -> None:
+        """Remember the file; nothing is read yet."""
+        self.path = path
+        self.schemas: dict[int, Schema] = {}
+        self.channels: dict[int, Channel] = {}
+        self.remarks: list[Remark] = []  #: what was wrong with the container
+        self.above_sea: set[str] = set()  #: topics with heights above mean sea level, as our own metadata say
+        self.damaged = 0  #: messages left out because their time cannot be
+
+    def messages(self) -> Iterator[Messages]:
+        """Yield the messages of each chunk, or of each block of an unchunked file."""
+        for piece in ahead(self._pieces(), AHEAD):
+            self.remarks.extend(piece.remarks)
+            yield from self._messages(piece)
+        if self.damaged:
+            self.remarks.append(Remark(f"{self.damaged} messages whose recorded time cannot be left out"))
+
+    def _pieces(self) -> Iterator[_Piece]:
+        with self.path.open("rb") as file:
+            size = self.path.stat().st_size
+            file.seek(len(MAGIC))
+            rest, offset = b"", len(MAGIC)
+            while True:
+                whole = 9 + int.from_bytes(rest[1:9], "little") if len(rest) >= 9 else 0  # noqa: PLR2004 - opcode, length
+                block = extended(file, rest, whole, size - offset)
+                if block is None:
+                    yield _cut_end(rest, offset)
+                    return
+                buffer = np.frombuffer(block, np.uint8)
+                opcode, content, length, end = walk(buffer)
+                last = np.flatnonzero(opcode == DATA_END)
+                count = int(last[0]) if last.size else opcode.size
+                opcode, content, length = opcode[:count], content[:count], length[:count]
+                yield _Piece(buffer, opcode, content, length, offset + len(block))
+                for i in np.flatnonzero(opcode == CHUNK):
+                    yield _chunk(buffer.data[content[i] : content[i] + length[i]], offset + int(content[i]))
+                if last.size:
+                    behind = _behind(
+                        file, offset + int(content[count - 1] + length[count - 1]) if count else offset, size
+                    )
+                    if behind:
+                        yield _nothing(size, behind)
+                    return
+                rest, offset = block[end:], offset + end
+
+    def _messages(self, piece: _Piece) -> Iterator[Messages]:
+        opcode, content, length, raw = piece.opcode, piece.content, piece.length, piece.buffer.data
+        for i in np.flatnonzero(np.isin(opcode, (SCHEMA, CHANNEL, METADATA))):
+            self._declare(int(opcode[i]), bytes(raw[content[i] : content[i] + length[i]]))
+        plain = (opcode == MESSAGE) & (length >= HEADER)
+        at, sizes = content[plain], length[plain]
+        log_time = gather(piece.buffer, at + LOG_TIME, "<u8")
+        publish_time = gather(piece.buffer, at + PUBLISH_TIME, "<u8")
+        possible = np.maximum(log_time, publish_time) < LATEST
+        if not possible.all():
+            self.damaged += int(np.count_nonzero(~possible))
+            at, sizes, log_time, publish_time = (table[possible] for table in (at, sizes, log_time, publish_time))
+        if at.size:
+            yield Messages(
+                piece.buffer, gather(piece.buffer, at, "<u2"), log_time.view(np.int64), publish_time.view(np.int64),
+                at + HEADER, sizes - HEADER, piece.bytes_read,
+            )  # fmt: skip
+
+    def _declare(self, opcode: int, content: bytes) -> None:
+        try:
+            if opcode == SCHEMA:
+                number = struct.unpack_from("<H", content)[0]
+                name, at = text(content, 2)
+                encoding, at = text(content, at)
+                size = struct.unpack_from("<I", content, at)[0]
+                self.schemas.setdefault(number, Schema(name, encoding, content[at + 4 : at + 4 + size]))
+            elif opcode == METADATA:
+                self.above_sea |= above_sea_level(metadata(content))
+            else:
+                number, schema = struct.unpack_from("<HH", content)
+                topic, at = text(content, 4)
+                encoding, _ = text(content, at)
+                self.channels.setdefault(number, Channel(topic, encoding, schema))
+        except (struct.error, ValueError) as error:
+            self.remarks.append(Remark(f"a damaged schema, channel or metadata record left out: {error}"))
+
+
+def _behind(file: BinaryIO, at: int, size: int) -> str:
+    """Return what is wrong with what stands behind the messages: index, footer, end mark, and nothing else; empty for nothing."""
+    opcode = None
+    while opcode != FOOTER:
+        file.seek(min(at, size))  # damage may say any length
+        prefix = file.read(PREFIX)
+        if len(prefix) < PREFIX or prefix.startswith(MAGIC):
+            return f"the index at the file's end is cut or damaged at byte {at}: all messages are before it"
+        opcode, at = prefix[0], at + PREFIX + int.from_bytes(prefix[1:], "little")
+    file.seek(min(at, size))
+    if file.read(len(MAGIC)) != MAGIC:
+        return f"the end mark at byte {at} is missing or damaged: all messages are before it"
+    more = size - at - len(MAGIC)
+    return f"{more} bytes behind the end mark are none of MCAP's: not used" if more else ""
+
+
+def _nothing(bytes_read: int, why: str) -> _Piece:
+    none, nowhere = np.empty(0, np.uint8), np.empty(0, np.int64)
+    return _Piece(none, none, nowhere, nowhere, bytes_read, (Remark(why),))
+
+
+def _chunk(packed: memoryview, offset: int) -> _Piece:
+    """Return what a chunk unpacks to; nothing of it, and a remark, where it is damaged."""
+    try:
+        records = np.frombuffer(unpacked_chunk(packed), np.uint8)
+    except ValueError as error:
+        return _nothing(offset + len(packed), f"chunk at byte {offset} left out: {error}")
+    opcode, content, length, end = walk(records)
+    remarks: list[Remark] = []
+    if end < records.size:
+        remarks.append(Remark(f"chunk at byte {offset}: its last {records.size - end} bytes are no record"))
+    return _Piece(records, opcode, content, length, offset + len(packed), tuple(remarks))
+
+
+def _cut_end(rest: bytes, offset: int) -> _Piece:
+    """Return what is whole in a last record that is not."""
+    where = f"the file ends at byte {offset + len(rest)} without its end mark"
+    if not rest:
+        return _nothing(offset + len(rest), f"{where}: it was cut, or is still being written; all before is used")
+    remark = Remark(f"{where}, inside a record that begins at byte {offset}: what was whole before it is used")
+    unpacked = unpacked_front(rest[9:]) if rest[0] == CHUNK and len(rest) > 9 + 40 else b""
+    buffer = np.frombuffer(unpacked, np.uint8)
+    opcode, content, length, _ = walk(buffer)
+    return _Piece(buffer, opcode, content, length, offset + len(rest), (remark,))

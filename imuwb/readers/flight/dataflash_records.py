@@ -1,0 +1,157 @@
+"""ArduPilot's binary logs: records that describe themselves, found without a Python step per record.
+
+Each record begins with two bytes and a number; FMT records say, for each number, its name, size and fields. They may come
+late, so they are looked for first. A record counts when another begins right behind it: what lies between damaged places
+is not taken for numbers.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from imuwb.compiled import compiled
+from imuwb.readers.bytes.gather import gather
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from numpy.typing import NDArray
+
+HEAD = b"\xa3\x95"
+FMT, FMT_SIZE = 128, 89
+LARGEST = 256  #: bytes of a record: its size is one byte
+#: letter of a field -> numpy type, how many, factor of the oldest logs' own scaling
+_KINDS: dict[str, tuple[str, int, float]] = {
+    "a": ("<i2", 32, 1.0), "b": ("|i1", 0, 1.0), "B": ("|u1", 0, 1.0), "h": ("<i2", 0, 1.0), "H": ("<u2", 0, 1.0),
+    "i": ("<i4", 0, 1.0), "I": ("<u4", 0, 1.0), "f": ("<f4", 0, 1.0), "d": ("<f8", 0, 1.0), "g": ("<f2", 0, 1.0),
+    "n": ("|u1", 4, 1.0), "N": ("|u1", 16, 1.0), "Z": ("|u1", 64, 1.0), "c": ("<i2", 0, 0.01), "C": ("<u2", 0, 0.01),
+    "e": ("<i4", 0, 0.01), "E": ("<u4", 0, 0.01), "L": ("<i4", 0, 1e-7), "M": ("|u1", 0, 1.0), "q": ("<i8", 0, 1.0),
+    "Q": ("<u8", 0, 1.0),
+}  # fmt: skip
+_NAME = re.compile(rb"[A-Z0-9a-z_]{1,4}\0*")
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A field of a record."""
+
+    name: str
+    kind: str  #: numpy's name of its type
+    count: int  #: 0 for a single number
+    factor: float
+    offset: int  #: from the record's number on
+
+
+@dataclass(frozen=True, slots=True)
+class Format:
+    """What a number's records hold."""
+
+    name: str
+    size: int  #: bytes, with the head
+    fields: tuple[Field, ...]
+
+
+def formats(buffer: NDArray[np.uint8]) -> dict[int, Format]:
+    """Return the formats that a buffer's FMT records describe, by number; the first of a number counts."""
+    found = {FMT: Format("FMT", FMT_SIZE, ())}
+    data = buffer.tobytes()
+    at = data.find(mark := HEAD + bytes([FMT]))
+    while at >= 0:
+        if at + FMT_SIZE <= len(data):
+            described = _format(data[at + 3 : at + FMT_SIZE])
+            if described is not None:
+                found.setdefault(data[at + 3], described)
+        at = data.find(mark, at + 1)
+    return found
+
+
+def _format(body: bytes) -> Format | None:
+    """Return what an FMT record's body describes; None where it is no such thing."""
+    size, name, letters, names = body[1], body[2:6], body[6:22].rstrip(b"\0"), body[22:86].rstrip(b"\0")
+    if not _NAME.fullmatch(name) or not all(chr(letter) in _KINDS for letter in letters):
+        return None
+    labels = names.decode("ascii", "replace").split(",") if names else []
+    fields: list[Field] = []
+    offset = 3
+    for letter, label in zip(letters.decode(), [*labels, *[""] * len(letters)], strict=False):
+        kind, count, factor = _KINDS[letter]
+        fields.append(Field(label.strip(), kind, count, factor, offset))
+        offset += np.dtype(kind).itemsize * max(count, 1)
+    return Format(name.rstrip(b"\0").decode(), size, tuple(fields)) if offset == size else None
+
+
+@compiled()
+def _walk(
+    buffer: NDArray[np.uint8],
+    last: bool,  # noqa: FBT001 - compiled code is called by place
+    sizes: NDArray[np.int64],
+    number: NDArray[np.uint8],
+    start: NDArray[np.int64],
+) -> tuple[int, int, int]:  # pragma: no cover - compiled
+    """Fill the tables; return how many records were found, where the search ended, and bytes in between."""
+    count, at, skipped, end = 0, 0, 0, buffer.size
+    while at + 3 <= end and count < number.size:
+        size = sizes[buffer[at + 2]] if buffer[at] == 0xA3 and buffer[at + 1] == 0x95 else 0  # noqa: PLR2004 - HEAD
+        behind = at + int(size)
+        if size and behind + 2 > end and not (last and behind <= end):
+            if not last:
+                break
+            size = 0  # cut
+        if size and behind + 2 <= end and not (buffer[behind] == 0xA3 and buffer[behind + 1] == 0x95):  # noqa: PLR2004
+            size = 0
+        if size:
+            number[count], start[count] = buffer[at + 2], at
+            count += 1
+            at = behind
+        else:
+            at += 1
+            skipped += 1
+    return count, at, skipped
+
+
+@dataclass(slots=True)
+class Tables:
+    """Records by name, column by column; blocks are taken one after the other."""
+
+    formats: dict[int, Format]
+    wanted: Collection[str]
+    records: int = 0
+    skipped: int = 0  #: bytes that belong to no record
+    _found: dict[str, list[dict[str, NDArray[Any]]]] = field(default_factory=lambda: defaultdict(list))
+
+    def take(self, buffer: NDArray[np.uint8], *, last: bool) -> int:
+        """Keep what a block holds; return where the next begins."""
+        sizes = np.zeros(256, np.int64)
+        for number, described in self.formats.items():
+            sizes[number] = described.size
+        room = buffer.size // 3 + 1
+        numbers, starts = np.empty(room, np.uint8), np.empty(room, np.int64)
+        count, end, skipped = _walk(buffer, last, sizes, numbers, starts)
+        self.records += count
+        self.skipped += skipped + (buffer.size - end if last else 0)
+        for number, described in self.formats.items():
+            if described.name in self.wanted:
+                rows = starts[:count][numbers[:count] == number]
+                if rows.size:
+                    self._found[described.name].append(_columns(described, buffer, rows))
+        return end
+
+    def table(self, name: str) -> dict[str, NDArray[Any]] | None:
+        """Return a record's columns, {field: (n,) or (n, count)}; None where there is none."""
+        pieces = self._found.get(name)
+        if not pieces:
+            return None
+        return {key: np.concatenate([piece[key] for piece in pieces]) for key in pieces[0]}
+
+
+def _columns(described: Format, buffer: NDArray[np.uint8], rows: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
+    found: dict[str, NDArray[Any]] = {}
+    for one in described.fields:
+        values = gather(buffer, rows + one.offset, one.kind, one.count)
+        found[one.name] = values if one.factor == 1 else values * one.factor
+    return found

@@ -1,0 +1,164 @@
+"""MAVLink frames in a telemetry log, found and checked without a Python step per frame.
+
+A telemetry log is the stream of frames of both protocol versions, each behind eight bytes of the recorder's time. What is
+no frame, or fails its checksum, is skipped to the next that is whole.
+
+Specification: https://mavlink.io/en/guide/serialization.html
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.compiled import compiled
+from imuwb.readers.flight.mavlink_seeds import SEEDS
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+STAMP = 8  #: bytes of the recorder's time, big-endian µs since 1970
+FIRST, SECOND_VERSION = 0xFE, 0xFD
+SIGNED = 0x01  #: incompatibility flag: 13 bytes of signature behind the checksum
+LARGEST = STAMP + 280  #: bytes of a record
+MOST = 3  #: seeds of one number
+_TABLE = 1 << 16  #: numbers above are of no public message
+
+
+def _seeds() -> NDArray[np.int16]:
+    table = np.full((_TABLE, MOST), -1, np.int16)
+    for number, seeds in SEEDS.items():
+        for k, seed in enumerate((seeds,) if isinstance(seeds, int) else seeds):
+            table[number, k] = seed
+    return table
+
+
+def _steps() -> NDArray[np.uint16]:
+    """Return the table of CRC-16/MCRF4XX, one byte at a time."""
+    table = np.arange(256, dtype=np.uint16)
+    for _ in range(8):
+        table = np.where(table & 1, (table >> 1) ^ 0x8408, table >> 1).astype(np.uint16)
+    return table
+
+
+_SEEDS, _STEPS = _seeds(), _steps()
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Frames:
+    """Frames whose checksum holds, and what else was in a buffer."""
+
+    number: NDArray[np.int64]  #: (n,) of the message
+    system: NDArray[np.int64]  #: (n,)
+    component: NDArray[np.int64]  #: (n,)
+    record: NDArray[np.int64]  #: (n,) where the recorder's time stands
+    payload: NDArray[np.int64]  #: (n,)
+    length: NDArray[np.int64]  #: (n,) of the payload; trailing zeros are not sent
+    failed: int  #: frames whose checksum does not hold
+    unknown: int  #: frames of messages that no public dialect has: they cannot be checked, and are not used
+    skipped: int  #: bytes that are part of no frame
+    end: int  #: from here on nothing is whole
+
+
+@compiled()
+def _span(buffer: NDArray[np.uint8], frame: int) -> tuple[int, int]:  # pragma: no cover - compiled
+    """Return where the payload of a frame ends, and where the frame does."""
+    end = frame + (6 if buffer[frame] == FIRST else 10) + int(buffer[frame + 1])
+    signed = buffer[frame] == SECOND_VERSION and buffer[frame + 2] & SIGNED
+    return end, end + (15 if signed else 2)
+
+
+@compiled()
+def _number(buffer: NDArray[np.uint8], frame: int) -> int:  # pragma: no cover - compiled
+    if buffer[frame] == FIRST:
+        return int(buffer[frame + 5])
+    return int(buffer[frame + 7]) | int(buffer[frame + 8]) << 8 | int(buffer[frame + 9]) << 16
+
+
+@compiled()
+def _holds(
+    buffer: NDArray[np.uint8], frame: int, end: int, seeds: NDArray[np.int16], steps: NDArray[np.uint16]
+) -> bool:  # pragma: no cover - compiled
+    """Return whether the checksum behind a payload is that of the frame with one of the message's seeds."""
+    crc = np.uint16(0xFFFF)
+    for k in range(frame + 1, end):
+        crc = np.uint16(crc >> 8) ^ steps[np.uint8(crc) ^ buffer[k]]
+    for seed in seeds:
+        if seed >= 0:
+            seeded = np.uint16(crc >> 8) ^ steps[np.uint8(crc) ^ np.uint8(seed)]
+            if np.uint8(seeded) == buffer[end] and np.uint8(seeded >> 8) == buffer[end + 1]:
+                return True
+    return False
+
+
+@compiled()
+def _begins(buffer: NDArray[np.uint8], record: int) -> bool:  # pragma: no cover - compiled
+    """Return whether a record seems to begin here; the end of the file is as good."""
+    frame = record + STAMP
+    return record == buffer.size or (frame < buffer.size and FIRST >= buffer[frame] >= SECOND_VERSION)
+
+
+@compiled()
+def _scan(
+    buffer: NDArray[np.uint8],
+    last: bool,  # noqa: FBT001 - compiled code is called by place
+    seeds: NDArray[np.int16],
+    steps: NDArray[np.uint16],
+    found: NDArray[np.int64],
+    counts: NDArray[np.int64],
+) -> tuple[int, int]:  # pragma: no cover - compiled
+    """Fill the table, (6, room); return how many frames were found, and where the search ended."""
+    n, at = 0, 0
+    none = np.full(1, -1, np.int16)
+    while at + STAMP + 12 <= buffer.size + 4 * last and n < found.shape[1]:
+        frame = at + STAMP
+        if not _begins(buffer, at) or (buffer[frame] == SECOND_VERSION and frame + 12 > buffer.size):
+            counts[2] += 1
+            at += 1
+            continue
+        end, behind = _span(buffer, frame)
+        if behind > buffer.size:
+            if not last:
+                break
+            counts[2] += 1  # nothing follows that could complete it; a frame may still begin within
+            at += 1
+            continue
+        number = _number(buffer, frame)
+        # A flag that nobody knows forbids to read the frame.
+        understood = buffer[frame] == FIRST or buffer[frame + 2] <= SIGNED
+        known = understood and number < seeds.shape[0] and seeds[number, 0] >= 0
+        if _holds(buffer, frame, end, seeds[number] if known else none, steps):
+            place = 3 if buffer[frame] == FIRST else 5
+            found[0, n], found[1, n], found[2, n] = number, buffer[frame + place], buffer[frame + place + 1]
+            found[3, n], found[5, n] = at, buffer[frame + 1]
+            found[4, n] = end - found[5, n]
+            n += 1
+            at = behind
+        elif behind + STAMP >= buffer.size and not last:
+            break  # what follows tells whether this was a frame at all
+        elif _begins(buffer, behind):
+            counts[0 if known else 1] += 1
+            at = behind
+        else:
+            counts[2] += 1
+            at += 1
+    return n, at
+
+
+def scan(buffer: NDArray[np.uint8], *, last: bool) -> Frames:
+    """Return the frames of a buffer; ``last`` says that nothing follows it."""
+    tables: list[NDArray[np.int64]] = []
+    counts, end = np.zeros(3, np.int64), 0
+    while True:
+        table = np.empty((6, max((buffer.size - end) // 24, 1)), np.int64)
+        n, step = _scan(buffer[end:], last, _SEEDS, _STEPS, table, counts)
+        table[3:5, :n] += end
+        tables.append(table[:, :n])
+        end += step
+        if n < table.shape[1]:
+            break
+    number, system, component, record, payload, length = np.concatenate(tables, axis=1)
+    failed, unknown, skipped = (int(count) for count in counts)
+    return Frames(number, system, component, record, payload, length, failed, unknown, skipped, end)

@@ -1,0 +1,228 @@
+"""PX4's logs: messages of topics that the file itself defines, found without a Python step per message.
+
+Specification: https://docs.px4.io/main/en/dev_log/ulog_file_format
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+from collections import defaultdict
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from imuwb.compiled import compiled
+from imuwb.readers.bytes.gather import alike, gather
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+MAGIC = b"ULog\x01\x12\x35"
+HEADER = 16  #: bytes: magic, version, time
+FLAGS = ord("B")
+APPENDED = 0x01  #: in the first incompatible flag: data was appended behind an end that may be cut
+KNOWN = b"AFIMPQLCDSORBX"  #: types of messages; anything else is damage
+_PRIMITIVES = {
+    "int8_t": "|i1", "uint8_t": "|u1", "int16_t": "<i2", "uint16_t": "<u2", "int32_t": "<i4", "uint32_t": "<u4",
+    "int64_t": "<i8", "uint64_t": "<u8", "float": "<f4", "double": "<f8", "bool": "|u1", "char": "|u1",
+}  # fmt: skip
+_FIELD = re.compile(r"([\w/]+?)(?:\[(\d{1,4})\])? +(\w+)$")
+DEEPEST, LONGEST = 8, 4096
+CHAIN = 8  #: messages that must follow each other behind damage
+LONG = 1024  #: bytes; a longer one behind damage is more likely two bytes of garbage that point at a sound one
+LARGEST = 4096  #: bytes of a message that the end of a file may cut
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A number, or ``count`` of them, in a topic's message."""
+
+    name: str
+    kind: str  #: numpy's name of its type
+    count: int  #: 0 for a single number
+    offset: int
+
+
+@dataclass(slots=True)
+class ULogFile:
+    """Topics by name and instance, column by column; files are taken whole."""
+
+    formats: dict[str, str] = field(default_factory=dict[str, str])
+    dropouts: list[int] = field(default_factory=list[int])  #: ms each
+    messages: int = 0
+    data: int = 0  #: messages with a topic's data, also of those that are not wanted
+    skipped: int = 0  #: bytes that are no message
+    misfits: int = 0  #: messages shorter than their topic's definition
+    _topics: dict[int, tuple[str, int]] = field(default_factory=dict[int, tuple[str, int]])
+    _columns: dict[tuple[str, int], list[dict[str, NDArray[Any]]]] = field(default_factory=lambda: defaultdict(list))
+
+    def take(self, buffer: NDArray[np.uint8], wanted: frozenset[str]) -> None:
+        """Keep the messages of wanted topics."""
+        for start, end in segments(buffer):
+            kind, at, size, skipped = walk(buffer[start:end])
+            at = at + start
+            self.messages += kind.size
+            self.skipped += skipped
+            raw = buffer.data
+            for i in np.flatnonzero((kind == ord("F")) | (kind == ord("A")) | (kind == ord("O"))):
+                self._declare(int(kind[i]), bytes(raw[at[i] : at[i] + size[i]]))
+            data = np.flatnonzero((kind == ord("D")) & (size >= 2))  # noqa: PLR2004 - the topic's number
+            self.data += data.size
+            for number, rows in alike(gather(buffer, at[data], "<u2"), data):
+                topic = self._topics.get(number)
+                if topic is not None and topic[0] in wanted:
+                    self._gather(topic, buffer, at[rows] + 2, size[rows] - 2)
+
+    def topics(self, name: str) -> Iterator[tuple[int, dict[str, NDArray[Any]]]]:
+        """Yield (instance, {field: (n,) or (n, count)}) of a topic, by instance."""
+        for key in sorted(key for key in self._columns if key[0] == name):
+            pieces = self._columns[key]
+            yield key[1], {column: np.concatenate([piece[column] for piece in pieces]) for column in pieces[0]}
+
+    def _declare(self, kind: int, content: bytes) -> None:
+        if kind == ord("F"):
+            name, _, text = content.decode("ascii", "replace").partition(":")
+            self.formats.setdefault(name, text)
+        elif kind == ord("A") and len(content) > 3:  # noqa: PLR2004 - instance, number
+            instance, number = struct.unpack_from("<BH", content)
+            self._topics[number] = content[3:].decode("ascii", "replace"), instance
+        elif kind == ord("O") and len(content) >= 2:  # noqa: PLR2004 - u16
+            self.dropouts.append(struct.unpack_from("<H", content)[0])
+
+    def _gather(
+        self, topic: tuple[str, int], buffer: NDArray[np.uint8], at: NDArray[np.int64], size: NDArray[np.int64]
+    ) -> None:
+        fields, whole = layout(topic[0], self.formats)
+        fits = size >= whole
+        self.misfits += int(np.count_nonzero(~fits))
+        if fields and fits.any():
+            found = {f.name: gather(buffer, at[fits] + f.offset, f.kind, f.count) for f in fields}
+            self._columns[topic].append(found)
+
+
+def segments(buffer: NDArray[np.uint8]) -> list[tuple[int, int]]:
+    """Return (start, end) of the file's parts: data may have been appended behind an end that is cut."""
+    size, first = buffer.size, HEADER
+    ends: list[int] = []
+    if size >= HEADER + 3 + 40 and buffer[HEADER + 2] == FLAGS and buffer[HEADER + 3 + 8] & APPENDED:
+        offsets = gather(buffer, np.array([HEADER + 3 + 16]), "<u8", 3)[0]
+        ends = sorted(int(offset) for offset in offsets if first < offset < size)
+    edges = [first, *ends, size]
+    return [(a, b) for a, b in pairwise(edges) if b > a]
+
+
+@compiled()
+def _behind(buffer: NDArray[np.uint8], at: int, known: NDArray[np.bool_]) -> int:  # pragma: no cover - compiled
+    """Return where the message that begins here ends; -1 where none does."""
+    if at + 3 > buffer.size or not known[buffer[at + 2]]:
+        return -1
+    size = int(buffer[at]) | int(buffer[at + 1]) << 8
+    return at + 3 + size if size > 0 and at + 3 + size <= buffer.size else -1
+
+
+@compiled()
+def _chained(
+    buffer: NDArray[np.uint8], at: int, links: int, known: NDArray[np.bool_]
+) -> bool:  # pragma: no cover - compiled
+    """Return whether so many messages follow each other from here on; the end of the file is as good."""
+    for _ in range(links):
+        if at + 3 > buffer.size:
+            return at == buffer.size
+        at = _behind(buffer, at, known)
+        if at < 0:
+            return False
+    return True
+
+
+@compiled()
+def _walk(
+    buffer: NDArray[np.uint8], known: NDArray[np.bool_], tables: NDArray[np.int64]
+) -> tuple[int, int]:  # pragma: no cover - compiled
+    """Fill the table (when it has room) with the whole messages; return their number and the bytes in between.
+
+    One plausible length is soon found in garbage, and a false message hides up to 64 KiB of sound ones: behind damage a
+    chain of them is asked for.
+    """
+    count, at, skipped, sure = 0, 0, 0, True
+    while at + 3 <= buffer.size:
+        behind = _behind(buffer, at, known)
+        if behind >= 0 and not sure:
+            sure = behind - at < LONG and _chained(buffer, at, CHAIN, known)
+        if behind >= 0 and sure:
+            # What follows must be a message as well; else this one may be what is damaged.
+            if behind + 3 <= buffer.size and _behind(buffer, behind, known) < 0:
+                sure = False
+                if not _ends_well(buffer, behind, known):
+                    at += 1
+                    skipped += 1
+                    continue
+            if tables.size:
+                tables[0, count], tables[1, count], tables[2, count] = buffer[at + 2], at + 3, behind - at - 3
+            count += 1
+            at = behind
+        else:
+            sure = False
+            at += 1
+            skipped += 1
+    return count, skipped + buffer.size - at
+
+
+@compiled()
+def _ends_well(buffer: NDArray[np.uint8], behind: int, known: NDArray[np.bool_]) -> bool:  # pragma: no cover - compiled
+    """Return whether what follows begins as a message that only the file's end cuts."""
+    size = int(buffer[behind]) | int(buffer[behind + 1]) << 8
+    return size > 0 and bool(known[buffer[behind + 2]]) and behind + 3 + size > buffer.size and size < LARGEST
+
+
+def walk(
+    buffer: NDArray[np.uint8],
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], int]:
+    """Return type, start and size of the content of every whole message, and how many bytes are none."""
+    known = np.zeros(256, np.bool_)
+    known[list(KNOWN)] = True
+    count, skipped = _walk(buffer, known, np.empty((0, 0), np.int64))
+    tables = np.empty((3, count), np.int64)
+    if count:
+        _walk(buffer, known, tables)
+    kind, at, size = tables
+    return kind, at, size, skipped
+
+
+def layout(name: str, formats: dict[str, str]) -> tuple[tuple[Field, ...], int]:
+    """Return a topic's fields, and the least size of its messages: padding at the end is not written.
+
+    A definition that holds an unknown type ends there; nothing is made of what it says.
+    """
+    found: list[Field] = []
+    end = _flatten(name, formats, "", 0, found, 0)
+    last = max((f.offset + np.dtype(f.kind).itemsize * max(f.count, 1) for f in found), default=0)
+    return (tuple(found), last) if end is not None or found else ((), 0)
+
+
+def _flatten(name: str, formats: dict[str, str], prefix: str, at: int, found: list[Field], depth: int) -> int | None:
+    """Append the fields of a message; return where it ends, None where that is unknown."""
+    if name not in formats or depth > DEEPEST:
+        return None
+    for text in formats[name].split(";"):
+        match = _FIELD.match(text.strip())
+        if match is None:
+            if text.strip():
+                return None
+            continue
+        kind, count, label = match[1], int(match[2] or 0), match[3]
+        if kind in _PRIMITIVES:
+            if not label.startswith("_padding"):
+                found.append(Field(prefix + label, _PRIMITIVES[kind], count, at))
+            at += np.dtype(_PRIMITIVES[kind]).itemsize * max(count, 1)
+            continue
+        for i in range(max(count, 1)):
+            inner = _flatten(kind, formats, f"{prefix}{label}{f'[{i}]' if count else ''}.", at, found, depth + 1)
+            if inner is None or len(found) > LONGEST:
+                return None
+            at = inner
+    return at

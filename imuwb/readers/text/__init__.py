@@ -1,0 +1,1 @@
+"""Text logs: separated numbers of any layout, and RTKLIB solutions."""

@@ -1,1 +1,0 @@
-"""What runs several analyses: recipes of their names, which lay side by side what they find."""

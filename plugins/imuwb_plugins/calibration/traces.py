@@ -1,0 +1,74 @@
+"""Samples raw and corrected, thinned for figures."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.stochastic import ImuErrorModel, corrected
+from imuwb_plugins.calibration.result import Trace
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from imuwb.identification.calibration import RateRun
+    from imuwb.log import Floats
+    from imuwb_plugins.calibration.stretches import Stretch
+
+POSITION_POINTS = 400  #: of a position
+STEP_POINTS = 200  #: of a step
+
+
+def position_traces(found: Sequence[Stretch], force: Floats, model: ImuErrorModel, *, with_gyro: bool) -> list[Trace]:
+    """Return each accelerometer with its axis most upright, and each gyro over all positions, one behind the other."""
+    thin: list[tuple[Floats, Floats, Floats]] = []
+    for s in found:
+        assert s.accel is not None  # noqa: S101 - positions have it
+        rows = np.linspace(0, len(s.accel) - 1, min(POSITION_POINTS, len(s.accel))).astype(int)
+        gyro = (
+            np.zeros((rows.size, 3))
+            if s.gyro is None
+            else s.gyro[np.linspace(0, len(s.gyro) - 1, rows.size).astype(int)]
+        )
+        thin.append((np.linspace(0, s.seconds, rows.size), s.accel[rows], gyro))
+    after = [corrected(model, (gyro, accel), None) for _, accel, gyro in thin]
+    traces: list[Trace] = []
+    for k in range(3):
+        at = int(np.argmax(force[:, k]))
+        x, accel, _ = thin[at]
+        title = f"Accelerometer {'xyz'[k]}, {found[at].name}"
+        traces.append(Trace(title, x, accel[:, k], after[at][1][:, k], np.full(x.size, force[at, k])))
+    if with_gyro:
+        start = np.cumsum([0.0, *(s.seconds for s in found[:-1])])
+        x = np.concatenate([t + begin for (t, *_), begin in zip(thin, start, strict=True)])
+        for k in range(3):
+            raw, clean = (np.concatenate(part) for part in ([t[2][:, k] for t in thin], [a[0][:, k] for a in after]))
+            title = f"Gyro {'xyz'[k]}, all positions one behind the other"
+            traces.append(Trace(title, x, raw, clean, np.zeros(x.size)))
+    return traces
+
+
+def table_trace(
+    stretches: Sequence[Stretch], run: RateRun, force: Floats | None, model: ImuErrorModel, raw: str
+) -> Trace:
+    """Return the turned gyro over its steps, one behind the other."""
+    axis, gyros, forces, times, wanted = run.axis, [], [], [], []
+    start = 0.0
+    for i, s in enumerate(stretches):
+        assert s.gyro is not None  # noqa: S101 - steps have it
+        rows = np.linspace(0, len(s.gyro) - 1, min(STEP_POINTS, len(s.gyro))).astype(int)
+        gyros.append(s.gyro[rows])
+        forces.append(np.broadcast_to(np.zeros(3) if force is None else force[i], (rows.size, 3)))
+        times.append(start + np.linspace(0, s.seconds, rows.size))
+        wanted.append(np.full(rows.size, run.rate[i]))
+        start += s.seconds
+    gyro = np.concatenate(gyros)
+    # The force is true already; only the gyros' terms are to be taken off.
+    only = ImuErrorModel(model.name, {a: m for a, m in model.axes.items() if a.startswith("gyro")})
+    clean, _ = corrected(only, (gyro, np.concatenate(forces)), None)
+    unit = f", {raw}" if raw else ""
+    return Trace(
+        f"Gyro {'xyz'[axis]} in {stretches[0].name.rsplit(' ', 2)[0]}{unit}", np.concatenate(times), gyro[:, axis], clean[:, axis],
+        np.concatenate(wanted),
+    )  # fmt: skip

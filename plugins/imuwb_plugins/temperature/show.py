@@ -1,0 +1,63 @@
+"""What a person sees of noise over temperature. Nothing is computed here but units."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from imuwb_plugins.temperature import figures, tables
+
+if TYPE_CHECKING:
+    from imuwb.analysis import Review
+    from imuwb_plugins.temperature.result import Result
+
+SENSORS = {"gyro": "Gyroscopes", "accel": "Accelerometers"}
+
+
+def draw(result: Result, review: Review) -> None:
+    """Show the result, what a reader must know first."""
+    for note in result.notes:
+        review.note(note)
+    groups = {sensor: axes for sensor in SENSORS if (axes := [a for a in result.axes if a.startswith(sensor)])}
+    for sensor, axes in groups.items():
+        review.figure(figures.by_temperature(result, SENSORS[sensor], axes, "N", "random walk N"))
+    review.table(tables.dependence(result))
+    for sensor, axes in groups.items():
+        review.table(tables.random_walk(result, SENSORS[sensor], axes))
+    for sensor, axes in groups.items():
+        review.tab(f"Allan {sensor}")
+        for axis in axes:
+            review.figure(figures.allan(result, axis))
+        review.table(tables.slopes(result, SENSORS[sensor], axes))
+    _slow(result, groups, review)
+    review.tab("AR(1)")
+    for sensor, axes in groups.items():
+        review.figure(figures.first_order(result, SENSORS[sensor], axes))
+    for sensor, axes in groups.items():
+        review.table(tables.first_order(result, SENSORS[sensor], axes))
+    _bias(result, groups, review)
+    review.tab("Functions")
+    review.table(tables.functions(result))
+    review.table(tables.candidates(result))
+
+
+def _slow(result: Result, groups: dict[str, list[str]], review: Review) -> None:
+    review.tab("B and K")
+    for letter, name in (("B", "bias instability B"), ("K", "rate random walk K")):
+        for sensor, axes in groups.items():
+            review.figure(figures.by_temperature(result, SENSORS[sensor], axes, letter, name))
+    for sensor, axes in groups.items():
+        review.table(tables.slow(result, SENSORS[sensor], axes))
+
+
+def _bias(result: Result, groups: dict[str, list[str]], review: Review) -> None:
+    review.tab("Bias")
+    for sensor, axes in groups.items():
+        review.figure(figures.bias(result, SENSORS[sensor], axes))
+    loops = {sensor: [a for a in axes if result.axes[a].hysteresis] for sensor, axes in groups.items()}
+    for sensor, axes in loops.items():
+        if axes:
+            review.figure(figures.hysteresis(result, SENSORS[sensor], axes))
+    for sensor, axes in groups.items():
+        review.table(tables.bias(result, SENSORS[sensor], axes))
+    if not any(loops.values()):
+        review.note("hysteresis cannot be told: no log comes to a temperature both from below and from above")

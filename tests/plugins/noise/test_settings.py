@@ -1,0 +1,108 @@
+import numpy as np
+import pytest
+
+from imuwb.analysis import Case
+from imuwb.cli.through import cases
+from imuwb.errors import MissingDataError
+from imuwb.log import SECOND, ImuStream, Log, Provenance, Triad
+from imuwb.stochastic import WhiteNoise
+from imuwb_plugins.noise import settings
+from imuwb_plugins.noise.settings import AxisCase, CaseResult, _rule
+
+N = 1e-3
+
+
+def white(samples, rate, seed=61):
+    rng = np.random.default_rng(seed)
+    values = np.stack([WhiteNoise(N).sample(samples, 1 / rate, rng) for _ in range(3)], axis=1)
+    time = np.arange(samples) * (SECOND // rate)
+    return Log(Provenance("fast.csv", "csv", "sha256:0", 0), imus=(ImuStream("/imu", Triad(time, values), None),))
+
+
+@pytest.fixture(scope="module")
+def grid():
+    """Return the study of a fast sensor's bandwidths and rates."""
+    return settings.study(cases([white(200_000, 1000)], ["bandwidth=98,42,20", "rate=200,100,50"]), 0.95)
+
+
+def test_every_setting_is_there_at_its_rate(grid):
+    assert [c.settings for c in grid.cases] == [
+        {"bandwidth": b, "rate": r} for b in ("98", "42", "20") for r in ("200", "100", "50")
+    ]
+    for c in grid.cases:
+        assert c.rate_hz["gyro"] == pytest.approx(float(c.settings["rate"]))
+        assert set(c.axes) == {"gyro_x", "gyro_y", "gyro_z"}
+
+
+def test_n_is_kept_where_the_rate_is_twice_the_bandwidth_and_grows_where_it_is_not(grid):
+    for c in grid.cases:
+        bandwidth, rate = float(c.settings["bandwidth"]), float(c.settings["rate"])
+        # What of the filter's white noise folds to 0 Hz: the sum of its gain at all multiples of the rate.
+        f = np.arange(-10, 11) * rate
+        folded = (1 / (1 + (f / bandwidth) ** 4)).sum() ** 0.5
+        for found in c.axes.values():
+            assert found.coefficients["N"].value == pytest.approx(N * folded, rel=0.12), c.settings
+
+
+def test_the_rule_is_found(grid):
+    assert [rule.axis for rule in grid.rule] == ["gyro_x", "gyro_y", "gyro_z"]
+    for rule in grid.rule:
+        assert rule.best == pytest.approx(N, rel=0.05)
+        assert rule.broken > 1.3
+        assert rule.kept < 1.1
+        assert rule.holds
+
+
+def test_what_a_filter_takes_for_q_is_n_squared_of_white_samples():
+    (found,) = settings.study([Case({}, white(20_000, 100))], 0.95).cases
+    for axis in found.axes.values():
+        assert axis.deviation == pytest.approx(N * 10, rel=0.03)
+        assert axis.per_step == pytest.approx(N**2, rel=0.05)
+    assert found.rate_hz == {"gyro": pytest.approx(100)}
+
+
+def result(bandwidth, rate, n):
+    from imuwb.identification import Coefficient
+
+    none = np.empty(0)
+    axis = AxisCase(none, none, {"N": Coefficient(n, n, n or 1.0, 1.0)}, 1.0, 1.0)
+    return CaseResult({"bandwidth": str(bandwidth)}, {"gyro": rate}, {"gyro_x": axis})
+
+
+@pytest.mark.parametrize(
+    ("sizes", "holds"),
+    [((1.0, 1.05, 1.0, 1.5), True), ((1.0, 1.2, 1.0, 1.5), False), ((1.0, 1.0, 1.0, 1.05), False), ((1.0, None, 1.0, 1.5), True)],
+)  # fmt: skip
+def test_the_rule_holds_where_n_is_kept_above_and_grows_below(sizes, holds):
+    found = tuple(result(b, r, n) for (b, r), n in zip(((20, 100), (40, 100), (20, 50), (40, 50)), sizes, strict=True))
+    (rule,) = _rule(found)
+    assert rule.holds == holds
+    assert rule.best == 1.0
+    assert rule.broken == pytest.approx(sizes[3])
+
+
+def test_without_a_grid_there_is_no_rule():
+    assert _rule((result(20, 100, 1.0), result(40, 100, 1.0))) == ()
+    (found,) = settings.study([Case({"rate": "100"}, white(2000, 100))], 0.95).cases
+    assert _rule((found,)) == ()
+
+
+def test_a_setting_that_leaves_too_little_is_named():
+    with pytest.raises(MissingDataError, match=r"fast\.csv, rate=10: too few samples"):
+        settings.study(cases([white(1000, 100)], ["rate=50,10"]), 0.95)
+
+
+def test_settings_are_drawn_over_each_other(grid):
+    figures, tables = [], []
+
+    class Review:
+        figure = figures.append
+        table = tables.append
+
+    settings.draw(grid, Review())
+    assert len(figures[0].curves) == 9
+    assert figures[0].curves[0].label == "bandwidth 98, rate 200"
+    assert [v.text for v in figures[1].verticals] == ["rate = 2 bandwidth"]
+    table, rules = tables
+    assert len(table.rows) == 27
+    assert [row[0] for row in rules.rows] == ["gyro_x", "gyro_y", "gyro_z"]

@@ -1,0 +1,260 @@
+import json
+
+import numpy as np
+import pytest
+
+from imuwb.analysis import Case
+from imuwb.errors import MissingDataError, UsageError
+from imuwb.log import SECOND, Conditioning, ImuStream, Log, Origin, Provenance, Scalars, Triad
+from imuwb.review.document import document
+from imuwb.stochastic import ImuErrorModel, RandomWalk, WhiteNoise
+from imuwb_plugins import temperature
+
+RATE, N = 50.0, 0.005
+AXES = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
+
+
+def log_at(celsius, seed, seconds=120, *, size=N, rate=RATE, name="/imu", triads=("gyro", "accel"), bias=0.0):
+    """Make a still log of white noise; ``celsius`` a number, a curve through the log, or None."""
+    n = round(seconds * rate)
+    rng = np.random.default_rng(seed)
+    time = np.rint(np.arange(n) * (SECOND / rate)).astype(np.int64)
+    scale = size * rate**0.5 * np.ones(n)
+    warm = None
+    if celsius is not None:
+        curve = np.interp(np.linspace(0, 1, n), np.linspace(0, 1, np.size(celsius)), np.atleast_1d(celsius))
+        scale *= 1 + 0.004 * (curve - 25)
+        bias = bias * curve
+        every = slice(None, None, max(round(rate), 1))
+        warm = Scalars("/temperature", time[every], curve[every])
+    values = [scale[:, None] * rng.standard_normal((n, 3)) + np.reshape(bias, (-1, 1)) for _ in range(2)]
+    made = {
+        sensor: Triad(time, v) if sensor in triads else None
+        for sensor, v in zip(("gyro", "accel"), values, strict=True)
+    }
+    imu = ImuStream(name, made["gyro"], made["accel"], warm, Origin())
+    return Log(Provenance(f"log{seed}.csv", "csv", f"sha256:{seed}", 0), imus=(imu,))
+
+
+def run(logs, **options):
+    return temperature.run(logs, temperature.Parameters(**options))
+
+
+@pytest.fixture(scope="module")
+def chamber():
+    return [log_at(t, k) for k, t in enumerate((-30.0, -10.0, 10.0, 30.0, 50.0))]
+
+
+@pytest.fixture(scope="module")
+def gyros():
+    return [log_at(t, k, triads=("gyro",)) for k, t in enumerate((-30.0, -10.0, 10.0, 30.0, 50.0))]
+
+
+@pytest.fixture(scope="module")
+def result(chamber):
+    return run(chamber)
+
+
+def test_each_set_point_holds_the_truth_and_says_so_in_json(chamber, result):
+    text = document("temperature", "0", temperature.Parameters(), result, chamber, [])
+    found = json.loads(text)["result"]
+    assert list(found["axes"]) == list(AXES)
+    inside = []
+    for axis in found["axes"].values():
+        assert [p["temperature"] for p in axis["by_temperature"]] == [-30, -10, 10, 30, 50]
+        for p in axis["by_temperature"]:
+            white = p["coefficients"]["N"]
+            inside.append(white["lower"] <= N * (1 + 0.004 * (p["temperature"] - 25)) <= white["upper"])
+            assert set(p["coefficients"]) == set("QNBK")
+            assert p["coefficients"]["K"]["upper"] > 0
+            assert abs(p["ar1"]["alpha"]) < 5 * p["ar1"]["sigma"]
+            assert p["ar1"]["paper_c"] == -p["ar1"]["alpha"]
+        assert axis["dependence"]["p_value"] < 1e-6
+        assert axis["dependence"]["depends"] is True
+        assert axis["dependence"]["by_coefficient"]["alpha"]["p_value"] > 1e-5
+        assert "N depends on temperature" in axis["dependence"]["text"]
+    assert sum(inside) >= 24  # of 30 at 95 %: fewer in 1 of 1e4
+
+
+def test_the_model_is_a_function_of_temperature_and_reads_back(result):
+    model = ImuErrorModel.from_toml(temperature.error_model(result).to_toml())
+    for axis in AXES:
+        for t in (-30.0, 0.0, 25.0, 50.0):
+            (white, *_) = model.axes[axis].at(t).terms
+            assert isinstance(white, WhiteNoise)
+            assert pytest.approx(N * (1 + 0.004 * (t - 25)), rel=0.05) == white.N
+        assert "K" in model.axes[axis].limits or any(
+            isinstance(x, RandomWalk) for x in model.axes[axis].processes.terms
+        )
+    assert "log0.csv sha256:0; log1.csv" in model.provenance["log"]
+
+
+def test_a_function_of_an_accelerometers_mean_says_that_gravity_is_in_it():
+    warm = run([log_at(t, k, bias=9.8) for k, t in enumerate((0.0, 40.0))], function="constant")
+    assert warm.axes["accel_z"].functions["bias"].text.endswith("gravity's part of the mean in it")
+    assert "gravity" not in warm.axes["gyro_z"].functions["bias"].text
+
+
+def test_everything_is_drawn(result, shown):
+    temperature.draw(result, shown)
+    assert shown.tabs == ["Allan gyro", "Allan accel", "B and K", "AR(1)", "Bias", "Functions"]
+    titles = [f.title for f in shown.figures]
+    assert "Gyroscopes: random walk N by temperature" in titles
+    assert "accel z: Allan deviation by temperature" in titles
+    (dependence,) = (t for t in shown.tables if t.title.startswith("Does"))
+    assert len(dependence.rows) >= 6 * 5
+    (table1,) = (t for t in shown.tables if t.title == "Gyroscopes: random walk by temperature (table 1)")
+    assert [row[0] for row in table1.rows] == ["-30", "-10", "10", "30", "50"]
+    assert table1.headings[1] == "N x [deg/√h]"
+    assert float(table1.rows[3][1].split(" ")[0]) == pytest.approx(np.degrees(N * 1.02) * 60, rel=0.05)
+    (curves,) = (f for f in shown.figures if f.title == "gyro x: Allan deviation by temperature")
+    assert len([c for c in curves.curves if c.style == "curve"]) == 5
+    assert any("hysteresis cannot be told" in note for note in shown.notes)
+
+
+def test_a_ramp_is_cut_and_its_drift_is_no_noise(shown):
+    up_and_down = np.concatenate([np.linspace(-10, 10, 100), np.linspace(10, -10, 100)])
+    found = run([log_at(up_and_down, 1, 800, bias=0.01)], bins=10.0)
+    assert found.cut == ("bins",)
+    x = found.axes["gyro_x"]
+    assert [round(p.temperature) for p in x.by_temperature] == [-5, 5]
+    assert [p.records for p in x.by_temperature] == [2, 2]
+    assert all(p.coefficients["K"].upper < 5e-3 for p in x.by_temperature)
+    assert x.dependence.by_coefficient["bias"].depends
+    assert [h.temperature for h in x.hysteresis] == pytest.approx([-5, 5], abs=0.5)
+    assert all(h.lower < 0 < h.upper for h in x.hysteresis)
+    model = temperature.error_model(found).axes["gyro_x"]
+    curve = np.interp([-4, 4], *zip(*model.thermal_bias, strict=True))
+    np.testing.assert_allclose(curve, [-0.04, 0.04], rtol=0, atol=0.005)
+    accel = temperature.error_model(found).axes["accel_x"]
+    assert np.interp(5.0, *zip(*accel.thermal_bias, strict=True)) == pytest.approx(
+        0, abs=0.002
+    )  # 25 °C is beyond the ramp
+    temperature.draw(found, shown)
+    assert sum("hysteresis" in f.title for f in shown.figures) == 2
+
+
+def test_logs_of_one_temperature_are_taken_together(gyros):
+    both = run([*gyros[:2], log_at(-10.2, 9, triads=("gyro",))])
+    point = both.axes["gyro_x"].by_temperature[1]
+    assert (point.records, len(both.axes["gyro_x"].by_temperature)) == (2, 2)
+    assert point.temperature == pytest.approx(-10.1)
+    assert both.axes["gyro_x"].turn_on is not None
+
+
+def test_sensors_that_disagree_at_one_temperature_are_named(gyros):
+    found = run([*gyros[:2], log_at(-10.0, 9, size=1.3 * N, triads=("gyro",))])
+    assert any("at -10 °C: N differs by" in note and "log1.csv, log9.csv" in note for note in found.notes)
+
+
+def test_temperatures_can_be_said():
+    logs = [log_at(None, k, size=N * (1 + k / 10), triads=("gyro",)) for k in range(3)]
+    found = run(logs, celsius="-30,0,30")
+    assert [p.temperature for p in found.axes["gyro_x"].by_temperature] == [-30, 0, 30]
+    with pytest.raises(UsageError, match="2 temperatures for 3 logs"):
+        run(logs, celsius="-30,0")
+    with pytest.raises(MissingDataError, match=r"log0\.csv: /imu has no temperature; .*--celsius"):
+        run(logs)
+
+
+def test_a_function_can_be_asked_for(gyros):
+    found = run(gyros, function="arrhenius")
+    assert found.axes["gyro_x"].functions["N"].kind == "arrhenius"
+    assert found.axes["gyro_x"].functions["bias"].kind == "constant"  # it has a sign
+    with pytest.raises(UsageError, match="--function cubic: .* takes 4 set-points; there are 3"):
+        run(gyros[:3], function="cubic")
+
+
+@pytest.mark.parametrize(
+    ("logs", "error", "why"),
+    [
+        (lambda c: c[:1], MissingDataError, "one temperature only"),
+        (
+            lambda c: [c[0], log_at(-30.1, 9)],
+            MissingDataError,
+            r"log0\.csv and 1 more: one temperature only \(-30\.\d °C\)",
+        ),
+        (
+            lambda _: [log_at(0.0, 1), log_at(0.0, 2)],
+            MissingDataError,
+            "0 °C throughout, as in all logs: a thermometer",
+        ),
+        (lambda c: [c[0], c[0]], UsageError, "the same as another of the logs"),
+        (lambda c: [c[0], log_at(0.0, 9, rate=25.0)], UsageError, r"gyro: 50 Hz in log0\.csv, 25 Hz in log9\.csv"),
+        (lambda c: [c[0], log_at(10.0, 9, seconds=5)], MissingDataError, "one temperature only"),
+    ],
+)
+def test_logs_that_cannot_be(gyros, logs, error, why):
+    with pytest.raises(error, match=why):
+        run(logs(gyros))
+
+
+def test_what_must_be_said_is_said(gyros):
+    zero = run([*gyros[:2], log_at(0.0, 9, triads=("gyro",))])
+    assert any("exactly 0 °C throughout" in note for note in zero.notes)
+    other = run([*gyros[:2], log_at(0.5, 9, name="/other", triads=("gyro",))])
+    assert any("name their IMU differently (/imu, /other)" in note for note in other.notes)
+    short = run([*gyros[:2], log_at(0.5, 9, seconds=5, triads=("gyro",))])
+    assert any("left out, with fewer than 1024 samples: 1 of 3 temperatures (0.5 °C)" in note for note in short.notes)
+    assert any("turn-on" in note for note in short.notes)
+    assert any("no log is at 25 °C" in note for note in short.notes)
+    assert short.reference == -10
+    more = run([*gyros[:2], log_at(0.5, 9), log_at(9.0, 10)])
+    assert len(more.axes["gyro_x"].by_temperature) == 4
+    assert len(more.axes["accel_x"].by_temperature) == 2
+
+
+def test_a_log_that_moves_is_refused(gyros):
+    moving = log_at(10.0, 9)
+    t = np.arange(6000) / RATE
+    rate = moving.imu().angular_rate
+    shaken = Triad(rate.time, rate.value + (np.sin(t) * (t % 7 > 2))[:, None])
+    log = Log(
+        moving.provenance, imus=(ImuStream("/imu", shaken, moving.imu().specific_force, moving.imu().temperature),)
+    )
+    with pytest.raises(MissingDataError, match=r"log9\.csv: it moves in most of its parts"):
+        run([*gyros[:2], log])
+
+
+def test_a_study_gives_ar1_by_temperature_and_setting(gyros, shown):
+    def cases():
+        for log in gyros[:2]:
+            for width in (2, 4):
+                taps = np.ones(width) / width
+                imu = log.imu()
+                smooth = [
+                    Triad(t.time[width - 1 :], np.stack([np.convolve(c, taps, "valid") for c in t.value.T], axis=1))
+                    for t in (imu.angular_rate,)
+                ]
+                done = Conditioning("mean", f"{width}", causal=True, delay=0.0, band=1.0)
+                changed = Log(
+                    log.provenance, imus=(ImuStream("/imu", *smooth, None, imu.temperature),), conditioning=(done,)
+                )
+                yield Case({"log": log.provenance.path, "mean.width": str(width)}, changed)
+
+    found = temperature.study(cases(), temperature.Parameters())
+    assert [c.settings for c in found.cases] == [{"mean.width": "2"}, {"mean.width": "4"}]
+    for case, expected in zip(found.cases, (-0.5, -0.75), strict=True):  # of a moving average of white noise
+        assert [t for t, _ in case.axes["gyro_y"]] == [-30, -10]
+        for _, first in case.axes["gyro_y"]:
+            assert abs(first.alpha - expected) < 4 * first.sigma
+            assert first.sigma < first.sigma_if_ar
+    temperature.draw_study(found, shown)
+    assert [f.title for f in shown.figures] == ["gyro y: AR(1) by setting"]
+    assert shown.tables[0].headings == ("°C", "mean.width 2", "mean.width 4")
+
+
+@pytest.mark.parametrize(
+    ("options", "why"),
+    [
+        ({"celsius": "a,b"}, "numbers with commas"),
+        ({"celsius": "-300"}, "no sensor"),
+        ({"bins": -1.0}, "bins is -1"),
+        ({"reference": 2000.0}, "reference is 2000"),
+        ({"size": 0.0}, "size is 0"),
+        ({"level": 0.5}, "level is 0.5"),
+    ],
+)
+def test_parameters_that_cannot_be(options, why):
+    with pytest.raises(ValueError, match=why):
+        temperature.Parameters(**options)

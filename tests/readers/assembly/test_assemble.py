@@ -1,0 +1,171 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from imuwb.log import SECOND, Origin, Provenance
+from imuwb.readers.assembly.assemble import assemble
+from imuwb.readers.batch import Batch, Remark
+
+FILE = Provenance("file", "test", "", 0)
+SORTED = "rows out of order sorted by time"
+ALONE = "rows whose time lies far from that of both neighbours left out"
+REPEATED = "rows that repeat the time before left out"
+SET_BACK = "clock set back: time goes on behind it by one nominal step"
+NOT_FINITE = "rows with a value that is not a number left out"
+
+
+def batch(time, marks=None, name="imu"):
+    """Return rows whose every value is their mark, so that rows and times can be told to belong together."""
+    time = np.asarray(time, np.int64)
+    marks = np.arange(time.size) if marks is None else marks
+    value = np.repeat(np.asarray(marks, float)[:, None], 3, axis=1)
+    return Batch(name, "imu", time, {"angular_rate": value, "specific_force": -value})
+
+
+def imu_of(*parts):
+    (imu,) = assemble(parts, FILE).imus
+    return imu
+
+
+def marks(imu):
+    np.testing.assert_array_equal(imu.specific_force.value, -imu.angular_rate.value)
+    return imu.angular_rate.value[:, 0].tolist()
+
+
+def repairs(stream):
+    return {repair.what: repair.count for repair in stream.origin.repairs}
+
+
+def test_pieces_are_joined_in_order():
+    imu = imu_of(batch([0, 1], [5, 6]), batch([2, 3], [7, 8]))
+    assert imu.angular_rate.time.tolist() == [0, 1, 2, 3]
+    assert marks(imu) == [5, 6, 7, 8]
+    assert repairs(imu) == {}
+
+
+def test_rows_out_of_order_are_sorted_with_their_values():
+    imu = imu_of(batch([0, 10, 30, 20, 40]))
+    assert imu.angular_rate.time.tolist() == [0, 10, 20, 30, 40]
+    assert marks(imu) == [0, 1, 3, 2, 4]
+    assert repairs(imu) == {SORTED: 1}
+
+
+def test_order_is_mended_across_pieces():
+    imu = imu_of(batch([0, 20], [0, 2]), batch([10, 30], [1, 3]))
+    assert marks(imu) == [0, 1, 2, 3]
+
+
+def test_of_repeated_times_the_first_row_is_kept():
+    imu = imu_of(batch([0, 10, 10, 10, 20]))
+    assert marks(imu) == [0, 1, 4]
+    assert repairs(imu) == {REPEATED: 2}
+
+
+def test_behind_a_clock_that_is_set_back_time_goes_on():
+    step = SECOND // 10
+    time = np.concatenate([np.arange(50) * step + 100 * SECOND, np.arange(50) * step])
+    imu = imu_of(batch(time))
+    assert imu.angular_rate.time.tolist() == (np.arange(100) * step + 100 * SECOND).tolist()
+    assert marks(imu) == list(range(100))
+    assert repairs(imu) == {SET_BACK: 1}
+
+
+def test_two_settings_back_are_two():
+    step = SECOND // 10
+    time = np.concatenate([np.arange(20) * step + start * SECOND for start in (50, 10, 0)])
+    imu = imu_of(batch(time))
+    np.testing.assert_array_equal(np.diff(imu.angular_rate.time), step)
+    assert repairs(imu) == {SET_BACK: 2}
+
+
+def test_one_row_that_is_very_late_is_not_a_clock_set_back():
+    time = np.arange(100) * (SECOND // 10)
+    time[60] = time[10] + 1
+    imu = imu_of(batch(time))
+    assert imu.angular_rate.time.tolist() == sorted(time.tolist())
+    assert marks(imu)[11] == 60
+    assert repairs(imu) == {SORTED: 1}
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_a_row_that_is_not_finite_in_one_value_is_left_out_whole(bad):
+    part = batch([0, 1, 2])
+    part.columns["specific_force"][1, 2] = bad
+    imu = imu_of(part)
+    assert marks(imu) == [0, 2]
+    assert repairs(imu) == {NOT_FINITE: 1}
+
+
+def test_a_stream_without_a_usable_row_is_noted_and_left_out():
+    log = assemble([batch([0, 1], [np.nan, np.nan])], FILE)
+    assert log.imus == ()
+    assert log.notes == ("imu (imu): none of its 2 rows could be used",)
+
+
+def test_remarks_become_notes_and_repairs():
+    log = assemble([Remark("odd file"), batch([0]), Remark("odd rows", "imu", 3)], FILE)
+    assert log.notes == ("odd file",)
+    assert repairs(log.imus[0]) == {"odd rows": 3}
+
+
+def test_the_origin_is_that_of_the_pieces():
+    part = Batch("imu", "imu", np.array([0]), {"angular_rate": np.zeros((1, 3))}, Origin("deg/s", "FLU", "boot"))
+    imu = imu_of(part)
+    assert (imu.origin.units, imu.origin.frame, imu.origin.epoch) == ("deg/s", "FLU", "boot")
+
+
+def test_triads_on_two_clocks_are_one_imu():
+    gyro = Batch("imu", "imu", np.array([0, 1]), {"angular_rate": np.ones((2, 3))})
+    accel = Batch("imu", "imu", np.array([0, 5, 9]), {"specific_force": np.ones((3, 3))})
+    imu = imu_of(gyro, accel)
+    assert (len(imu.angular_rate), len(imu.specific_force)) == (2, 3)
+
+
+def warmth(name, time=(0, 5)):
+    return Batch(name, "temperature", np.array(time), {"temperature": np.full(len(time), 20.0)})
+
+
+def test_a_temperature_is_joined_to_the_only_imu():
+    log = assemble([batch([0], name="/a/imu"), warmth("/b/temp")], FILE)
+    assert log.imus[0].temperature.time.tolist() == [0, 5]
+    assert log.notes == ("/b/temp: taken as the temperature of /a/imu",)
+
+
+def test_a_temperature_is_joined_to_the_imu_it_is_beside():
+    log = assemble([batch([0], name="/a/imu"), batch([0], name="/b/imu"), warmth("/b/temp"), warmth("/a/temp")], FILE)
+    assert {imu.name: imu.temperature.name for imu in log.imus} == {"/a/imu": "/a/temp", "/b/imu": "/b/temp"}
+
+
+def test_a_temperature_of_no_imu_is_noted():
+    log = assemble([batch([0], name="/a/imu"), batch([0], name="/b/imu"), warmth("/c/temp")], FILE)
+    assert all(imu.temperature is None for imu in log.imus)
+    assert log.notes == ("/c/temp: temperature of no IMU in the log, left out",)
+
+
+def test_fixes_and_speeds_have_their_streams():
+    position = np.arange(6.0).reshape(2, 3)
+    fix = Batch("gps", "gnss", np.array([0, 1]), {"position": position, "fix_type": np.array([3.0, 6.0])})
+    speed = Batch("wheel", "speed", np.array([0, 1]), {"speed": np.array([1.0, 2.0])})
+    log = assemble([fix, speed], FILE)
+    assert log.gnss[0].position.tolist() == position.tolist()
+    assert log.gnss[0].fix_type.tolist() == [3, 6]
+    assert log.gnss[0].velocity is None
+    assert log.speeds[0].value.tolist() == [1.0, 2.0]
+
+
+@settings(deadline=None)
+@given(st.lists(st.integers(0, 3 * SECOND), min_size=1, max_size=40))
+def test_any_times_become_increasing_and_every_row_is_accounted_for(time):
+    imu = imu_of(batch(time))
+    assert (np.diff(imu.angular_rate.time) > 0).all()
+    assert len(imu.angular_rate) + repairs(imu).get(REPEATED, 0) + repairs(imu).get(ALONE, 0) == len(time)
+    assert sorted(set(marks(imu))) == sorted(marks(imu))
+
+
+@settings(deadline=None)
+@given(st.permutations(range(12)))
+def test_any_order_within_a_second_is_put_right(order):
+    time = np.array(order) * (SECOND // 20)
+    imu = imu_of(batch(time, order))
+    assert marks(imu) == list(range(12))

@@ -1,0 +1,66 @@
+import pytest
+
+from imuwb.errors import UsageError
+from imuwb.readers.text.column_names import columns, said_units
+
+
+def meaning(name, **said):
+    found = columns((name,), said)
+    return [(c.quantity, c.axis, c.unit.name if c.unit else None) for c in found]
+
+
+@pytest.mark.parametrize(
+    ("name", "quantity", "axis", "unit"),
+    [
+        ("gyro_x_deg_s", "gyro", 0, "deg/s"), ("gyro_z_rad_s", "gyro", 2, "rad/s"), ("wx(rad/s)", "gyro", 0, "rad/s"),
+        ("wy [mrad/s]", "gyro", 1, "mrad/s"), ("Gyro_Y [dps]", "gyro", 1, "deg/s"), ("gx_dps", "gyro", 0, "deg/s"),
+        ("angular_velocity.z", "gyro", 2, None), ("imu_gyro_x", "gyro", 0, None), ("gyro[x]", "gyro", 0, None),
+        ("ax [g]", "accel", 0, "g"), ("ay(m/s^2)", "accel", 1, "m/s²"), ("accel_z_m_s2", "accel", 2, "m/s²"),
+        ("acc_x_mg", "accel", 0, "mg"), ("specific_force_y", "accel", 1, None), ("fz", "accel", 2, None),
+        ("linear_acceleration.x", "accel", 0, None), ("ax_g", "accel", 0, "g"), ("g_x", "gyro", 0, None),
+        ("time_s", "time", 0, "s"), ("time_ns", "time", 0, "ns"), ("t [ms]", "time", 0, "ms"),
+        ("timestamp", "time", 0, None), ("unix_us", "time", 0, "us"), ("temperature_c", "temperature", 0, "°C"),
+        ("temp [K]", "temperature", 0, "K"), ("temp [°F]", "temperature", 0, "°F"), ("temperature_f", "temperature", 0, "°F"), ("lat_deg", "latitude", 0, "deg"), ("lon_degE7", "longitude", 0, "degE7"),
+        ("alt_m", "height", 0, "m"), ("vn", "velocity_north", 0, None), ("vd_m_s", "velocity_down", 0, "m/s"),
+        ("gnss_lat", "latitude", 0, None), ("sd_n", "sigma_north", 0, None), ("fix_type", "fix_type", 0, "1"),
+    ],
+)  # fmt: skip
+def test_names_and_their_units(name, quantity, axis, unit):
+    assert meaning(name) == [(quantity, axis, unit)]
+
+
+@pytest.mark.parametrize("name", ["-", "battery_v", "mag_x", "humidity", "", "row"])
+def test_other_names_mean_nothing(name):
+    assert meaning(name) == []
+
+
+def test_what_is_said_goes_before_what_is_written():
+    assert meaning("gyro_x_deg_s", gyro="rad/s") == [("gyro", 0, "rad/s")]
+
+
+def test_a_unit_of_something_else_is_refused():
+    with pytest.raises(UsageError, match=r"'g' is no unit of angular rate \(column 'wx'\)"):
+        meaning("wx", gyro="g")
+
+
+def test_two_columns_of_one_meaning_are_refused_with_both_names():
+    with pytest.raises(UsageError, match=r"'gyro_x' and 'wx' both mean gyro"):
+        columns(("gyro_x", "wx"), {})
+
+
+def test_of_two_times_the_first_is_used():
+    assert [c.name for c in columns(("time_s", "utc"), {})] == ["time_s"]
+
+
+def test_indices_point_into_the_file():
+    assert [(c.index, c.axis) for c in columns(("-", "wz", "-", "wx"), {})] == [(1, 2), (3, 0)]
+
+
+def test_units_of_a_position_go_to_both_angles():
+    assert said_units({"position": "deg"}) == {"latitude": "deg", "longitude": "deg"}
+    assert set(said_units({"velocity": "cm/s"})) == {"velocity_north", "velocity_east", "velocity_down"}
+
+
+def test_an_unknown_quantity_lists_the_known():
+    with pytest.raises(UsageError, match=r"no quantity 'magnet'.*gyro, accel"):
+        said_units({"magnet": "T"})
