@@ -37,9 +37,10 @@ It is registered under ``imuwb.conditioners``.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol
+
+from imuwb.colors import PALE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -48,13 +49,11 @@ if TYPE_CHECKING:
     import rerun as rr
     from numpy.typing import NDArray
 
+    from imuwb.colors import Color
     from imuwb.log import Log
-    from imuwb.units import Unit
+    from imuwb.statistics import Coefficient
 
     Floats = NDArray[np.float64]
-
-#: One colour per axis, the same in every figure, series and table (x, y, z: red, green, blue, toned for both themes).
-AXIS_COLORS = {"x": (228, 87, 86), "y": (84, 162, 75), "z": (76, 120, 168)}
 
 
 class DataclassInstance(Protocol):
@@ -84,7 +83,7 @@ class Curve:
     label: str  #: in the legend; empty: none
     x: Floats
     y: Floats
-    color: tuple[int, int, int]
+    color: Color
     lower: Floats | None = None  #: ends of the interval at each point
     upper: Floats | None = None
     style: str = "line"  #: "line" (with points), "curve" (without), "points", "fit" (thin), or "faint"
@@ -97,7 +96,7 @@ class Mark:
     x: float
     y: float
     text: str
-    color: tuple[int, int, int]
+    color: Color
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +105,7 @@ class Vertical:
 
     x: float
     text: str
-    color: tuple[int, int, int] = (200, 200, 205)
+    color: Color = PALE
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -149,36 +148,6 @@ class Series:
     epoch: str = "log"  #: what time counts from: "unix", "boot" or "log"
 
 
-class AnyCoefficient(Protocol):
-    """A coefficient in SI as any estimator gives it: ``value`` None where it is not identified."""
-
-    @property
-    def value(self) -> float | None:
-        """Return the estimate."""
-        ...
-
-    @property
-    def lower(self) -> float | None:
-        """Return the lower end of its interval."""
-        ...
-
-    @property
-    def upper(self) -> float | None:
-        """Return the upper end of its interval, or the limit."""
-        ...
-
-
-@dataclass(frozen=True, slots=True)
-class CoefficientResult:
-    """One coefficient in SI; ``value`` None where it is not identified, ``upper`` then is its limit."""
-
-    value: float | None
-    lower: float | None
-    upper: float | None
-    unit: str
-    at: float | None = None  #: s, averaging time at which it is read off its line
-
-
 @dataclass(frozen=True, slots=True)
 class LineResult:
     """A periodic line in SI."""
@@ -197,7 +166,7 @@ class Finding:
 
     axis: str
     source: str  #: the estimator's name
-    coefficients: Mapping[str, AnyCoefficient]  #: of Q, N, B, K, R, those it speaks of
+    coefficients: Mapping[str, Coefficient]  #: of Q, N, B, K, R, those it speaks of
     remarks: tuple[str, ...] = ()  #: one line each, for a person to act on
     headline: bool = False  #: this estimator's figures go into the model
 
@@ -239,14 +208,14 @@ class Review(Protocol):
         """Show a table, in the recording and in the terminal."""
         ...
 
-    def track(self, name: str, position: Floats, color: tuple[int, int, int], label: str = "") -> None:
+    def track(self, name: str, position: Floats, color: Color, label: str = "") -> None:
         """Show a trajectory, (n, 3) latitude rad, longitude rad, height m, in local east and north; a label at its end.
 
         Tracks of one tab share a picture, whose origin is the first one's first point.
         """
         ...
 
-    def chart(self, name: str, position: Floats, color: tuple[int, int, int]) -> None:
+    def chart(self, name: str, position: Floats, color: Color) -> None:
         """Show a trajectory, (n, 3) latitude rad, longitude rad, height m, on a map; the viewer fetches it from the network."""
         ...
 
@@ -258,42 +227,3 @@ class Review(Protocol):
     def recording(self) -> rr.RecordingStream:
         """The recording itself, for what the other calls do not cover; its views join the analysis's tab."""
         ...
-
-
-def quantity(value: float | None, unit: str, digits: int = 3) -> str:
-    """Return a value with its unit, with that many significant digits; a dash for None."""
-    return "—" if value is None else f"{value:.{digits}g} {unit}"
-
-
-HOURS = 2  #: from here on a time is told in hours
-
-
-def seconds_text(seconds: float) -> str:
-    """Return a time as one reads it: 0.35 s, 20.5 s, 655 s, 2.3 h."""
-    if seconds >= HOURS * 3600:
-        return f"{seconds / 3600:.2g} h"
-    return f"{seconds:.3g} s" if seconds < 100 else f"{seconds:.0f} s"  # noqa: PLR2004 - three digits
-
-
-def estimate_text(coefficient: AnyCoefficient, unit: Unit) -> str:
-    """Return a coefficient with its interval in a display unit: as many digits as the interval is worth; < is a limit."""
-    c = coefficient
-    if c.value is None:
-        if c.upper is None or not math.isfinite(c.upper):
-            return "—"
-        return f"< {unit.from_si(c.upper):.3g} {unit.name}"
-    low, value = unit.from_si(c.lower or 0.0), unit.from_si(c.value)
-    if c.upper is None or not math.isfinite(c.upper):  # nothing bounds it
-        return f"{value:.3g} [{low:.3g}, —] {unit.name}"
-    high = unit.from_si(c.upper)
-    digits = 3
-    if high > low and value > 0:
-        digits = min(max(math.floor(2 - math.floor(math.log10((high - low) / value))), 3), 6)
-    return f"{value:.{digits}g} [{low:.{digits}g}, {high:.{digits}g}] {unit.name}"
-
-
-def decimals(width: float) -> int:
-    """Return how many decimals a value is worth whose interval is so wide: two digits of the width."""
-    if not (width > 0 and math.isfinite(width)):
-        return 6
-    return min(max(1 - math.floor(math.log10(width)), 0), 9)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from imuwb.progress import tracked
-from imuwb.sampling import Sampling, sampling
+from imuwb.sampling import Sampling, longest_part, sampling
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -38,10 +38,8 @@ class Axis:
 
     @cached_property
     def longest(self) -> Floats:
-        """Return the samples of the longest part without gaps, one behind the other in memory."""
-        edges = np.array([0, *self.clock.breaks, self.values.size])
-        at = int(np.argmax(np.diff(edges)))
-        return np.ascontiguousarray(self.values[edges[at] : edges[at + 1]])
+        """Return the samples of the longest part without gaps, contiguous in memory."""
+        return np.ascontiguousarray(self.values[longest_part(self.clock.breaks, self.values.size)])
 
 
 def axes_of(imu: ImuStream) -> dict[str, Axis]:

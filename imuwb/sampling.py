@@ -14,6 +14,8 @@ import numpy as np
 from imuwb.log import SECOND
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import NDArray
 
 SPAN = 100  #: steps over which rounding averages out
@@ -39,6 +41,19 @@ class Sampling:
     def missing(self) -> float:
         """Seconds without samples."""
         return sum(length for _, length in self.gaps) - len(self.gaps) * self.interval
+
+
+def longest_part(breaks: Iterable[int], last: int, first: int = 0) -> slice:
+    """Return the longest part of rows without a break, the first of equals.
+
+    Args:
+        breaks: rows before which samples are missing, rising.
+        last: the row after the last one.
+        first: the first row.
+    """
+    edges = np.array([first, *(row for row in breaks if first < row < last), max(first, last)])
+    at = int(np.argmax(np.diff(edges)))
+    return slice(int(edges[at]), int(edges[at + 1]))
 
 
 def sampling(time: NDArray[np.int64]) -> Sampling:

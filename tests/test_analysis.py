@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from imuwb.analysis import decimals
+from imuwb.texts import decimals
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,6 @@ from imuwb.identification.allan_variance.fit import AllanFit, CorrelationTime, R
 from imuwb.identification.allan_variance.moments import equivalent_degrees_of_freedom
 from imuwb.identification.allan_variance.overlapping import AllanDeviation, allan, allan_of_axes
 from imuwb.identification.allan_variance.relatives import deviation
-from imuwb.identification.coefficient import Coefficient
 from imuwb.identification.correlation.autocorrelation import Autocorrelation, GaussMarkovFit, autocorrelation
 from imuwb.identification.correlation.autoregressive import AutoregressiveFit, fit_autoregressive
 from imuwb.identification.correlation.burg import Burg, burg
@@ -17,6 +16,7 @@ from imuwb.identification.spectral.spectrum import PowerSpectrum, SpectralFit, f
 from imuwb.identification.stationarity import Stationarity, stationarity
 from imuwb.identification.stillness import Disturbance, Stillness, stillness
 from imuwb.identification.wavelet_variance import WaveletFit, WaveletVariance, fit_wavelet_variance, wavelet_variance
+from imuwb.statistics import Coefficient
 
 __all__ = [
     "AllanDeviation",

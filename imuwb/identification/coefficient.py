@@ -1,24 +1,12 @@
-"""A noise coefficient with its interval, as every estimator gives it."""
+"""Where noise coefficients are read off, and the interval of one whose square is estimated."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 from imuwb.statistics.distributions import chi_square_limits, normal_limit
 
 FEWEST_DEGREES = 3.0  #: of freedom of a square, for an interval that does not begin at 0
 #: averaging time at which IEEE reads a coefficient off its own line (B: off the flat part)
 READ_OUT = {"Q": 3**0.5, "N": 1.0, "B": None, "K": 3.0, "R": 2**0.5}
-
-
-@dataclass(frozen=True, slots=True)
-class Coefficient:
-    """One coefficient in SI. ``value`` None: not identified, ``upper`` its limit."""
-
-    value: float | None
-    lower: float | None
-    upper: float
-    at: float | None  #: s, where it is read off; None for B without a flat region
 
 
 def interval(square: float, sigma: float, level: float) -> tuple[float, float]:

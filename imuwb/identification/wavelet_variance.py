@@ -16,8 +16,9 @@ from scipy import fft, linalg, optimize, special
 
 from imuwb.compiled import compiled
 from imuwb.identification.allan_variance.problem import scaled_inverse
-from imuwb.identification.coefficient import READ_OUT, Coefficient, interval
+from imuwb.identification.coefficient import READ_OUT, interval
 from imuwb.identification.likelihood.fit import ACCEPTED, TERMS
+from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import chi_square_tail, normal_quantile
 from imuwb.stochastic import Sum
 
@@ -285,10 +286,10 @@ def _coefficients(
         sigma = float(inverse[place, place]) ** 0.5
         if squared[t] > 0:
             found[letter] = Coefficient(
-                float(squared[t]) ** 0.5, *interval(float(squared[t]), sigma, level), READ_OUT[letter]
+                float(squared[t]) ** 0.5, *interval(float(squared[t]), sigma, level), at=READ_OUT[letter]
             )
             continue
         free = float((inverse @ columns.T @ data)[place])
         limit = max(free, 0.0) + normal_quantile(level) * sigma
-        found[letter] = Coefficient(None, None, limit**0.5, READ_OUT[letter])
+        found[letter] = Coefficient(None, None, limit**0.5, at=READ_OUT[letter])
     return found

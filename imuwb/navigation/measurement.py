@@ -13,6 +13,7 @@ from imuwb.geodesy.attitude import rotation_of_euler
 from imuwb.log import SECOND
 from imuwb.navigation.filter_model import degrees
 from imuwb.navigation.tables import Samples
+from imuwb.sampling import longest_part
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -130,14 +131,12 @@ def _longest(time: Floats, notes: list[str]) -> slice:
     ends = np.flatnonzero(np.diff(time) > LONGEST_GAP) + 1
     if not ends.size:
         return slice(0, time.size)
-    edges = np.concatenate([[0], ends, [time.size]])
-    longest = int(np.argmax(np.diff(edges)))
-    a, b = int(edges[longest]), int(edges[longest + 1])
+    longest = longest_part(ends.tolist(), time.size)
     notes.append(
         f"the IMU stops {ends.size} times for more than {LONGEST_GAP:g} s: "
-        f"the longest part is used, {time[a]:.1f} s to {time[b - 1]:.1f} s"
+        f"the longest part is used, {time[longest][0]:.1f} s to {time[longest][-1]:.1f} s"
     )
-    return slice(a, b)
+    return longest
 
 
 def _even(time: Floats) -> tuple[Floats, float, NDArray[np.int64]]:

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from imuwb.analysis import AXIS_COLORS, Curve, Figure, Table, estimate_text
+from imuwb.analysis import Curve, Figure, Table
+from imuwb.colors import AXIS_COLORS
 from imuwb.errors import ImuwbError
 from imuwb.log import AXES
 from imuwb.stochastic.model_check import LETTERS, coefficient
+from imuwb.texts import coefficient_text
 from imuwb.units import UNITS, coefficient_units
 
 if TYPE_CHECKING:
@@ -97,8 +99,7 @@ def _figures(models: Mapping[str, ImuErrorModel]) -> Table:
         for name, model in models.items():
             if axis in model.axes:
                 cells = (
-                    estimate_text(_Found(*coefficient(model.axes[axis], x)), coefficient_units(axis, x)[1])
-                    for x in LETTERS
+                    coefficient_text(coefficient(model.axes[axis], x), coefficient_units(axis, x)[1]) for x in LETTERS
                 )
                 rows.append((axis, name, *cells))
     headings = (
@@ -119,13 +120,6 @@ def _figures(models: Mapping[str, ImuErrorModel]) -> Table:
         tuple(rows),
         f"Value [interval]; < is the limit of a term that was looked for. {source}",
     )
-
-
-class _Found:
-    """A coefficient of a model, as estimates are shown."""
-
-    def __init__(self, value: float | None, lower: float | None, upper: float | None) -> None:
-        self.value, self.lower, self.upper = value, lower, upper
 
 
 def _others(models: Mapping[str, ImuErrorModel]) -> Table:
@@ -179,7 +173,7 @@ def verdicts_table(verdicts: Sequence[Verdict], model: str, against: str) -> Tab
     rows: list[tuple[str, ...]] = []
     for v in verdicts:
         unit = coefficient_units(v.limit.axis, v.limit.letter)[1]
-        value = estimate_text(_Found(v.value, v.lower, v.upper), unit)
+        value = coefficient_text(v.coefficient, unit)
         rows.append(
             (v.limit.axis, v.limit.letter, f"{unit.from_si(v.limit.at_most):.4g} {unit.name}", value, v.outcome)
         )

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import AXIS_COLORS, Series
+from imuwb.analysis import Series
+from imuwb.colors import AXIS_COLORS
 from imuwb.readers import summarize
 from imuwb.review.tables import streams_of_many, streams_table
 

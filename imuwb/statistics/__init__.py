@@ -1,21 +1,5 @@
-"""Statistics that several chapters use: quantiles and tails of the few distributions that estimates need."""
+"""Statistics that several chapters use: the estimate with its interval, and the quantiles of a few distributions."""
 
-from imuwb.statistics.distributions import (
-    chi_square_limits,
-    chi_square_quantile,
-    chi_square_tail,
-    normal_limit,
-    normal_quantile,
-    pearson3_quantile,
-    student_limit,
-)
+from imuwb.statistics.estimate import UNKNOWN, Coefficient, Estimate
 
-__all__ = [
-    "chi_square_limits",
-    "chi_square_quantile",
-    "chi_square_tail",
-    "normal_limit",
-    "normal_quantile",
-    "pearson3_quantile",
-    "student_limit",
-]
+__all__ = ["UNKNOWN", "Coefficient", "Estimate"]

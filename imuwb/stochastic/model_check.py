@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from imuwb.errors import ImuwbError, UsageError
 from imuwb.log import AXES
+from imuwb.statistics import UNKNOWN, Coefficient
 from imuwb.stochastic.error_model import ImuErrorModel
 from imuwb.units import coefficient_units, unit
 
@@ -35,20 +36,18 @@ class Verdict:
     """One limit, and what the model says of it. SI."""
 
     limit: Limit
-    value: float | None
-    lower: float | None
-    upper: float | None
+    coefficient: Coefficient
     outcome: str  #: "within", "beyond", "not sure": the limit lies inside the interval, or "not known"
 
 
-def coefficient(model: AxisModel, letter: str) -> tuple[float | None, float | None, float | None]:
-    """Return a coefficient's value and interval in a model: (None, None, limit) where it was looked for and not found."""
+def coefficient(model: AxisModel, letter: str) -> Coefficient:
+    """Return a coefficient of a model with its interval, or its limit where a record was searched for it without success."""
     for i, term in enumerate(model.processes.terms):
         if hasattr(term, letter):
             value = abs(cast("float", getattr(term, letter)))
             lower, upper = model.intervals.get(f"{i}.{letter}", (value, value))
-            return value, lower, upper
-    return None, None, model.limits.get(letter)
+            return Coefficient(value, lower, upper)
+    return Coefficient(None, None, model.limits.get(letter, math.inf))
 
 
 def limits(path: Path, factor: float = 1.0) -> tuple[Limit, ...]:
@@ -66,8 +65,8 @@ def limits(path: Path, factor: float = 1.0) -> tuple[Limit, ...]:
         raise UsageError(message) from error
     if any(isinstance(document.get(axis), dict) and "processes" in document[axis] for axis in AXES):
         model = ImuErrorModel.read(path)
-        found = [(axis, x, coefficient(a, x)[2]) for axis, a in model.axes.items() for x in LETTERS]
-        return tuple(Limit(axis, x, upper * factor) for axis, x, upper in found if upper is not None)
+        found = [(axis, x, coefficient(a, x).upper) for axis, a in model.axes.items() for x in LETTERS]
+        return tuple(Limit(axis, x, upper * factor) for axis, x, upper in found if math.isfinite(upper))
     made: list[Limit] = []
     for name, table in document.items():
         axes = [axis for axis in AXES if axis == name or axis.startswith(f"{name}_")]
@@ -104,16 +103,15 @@ def check(model: ImuErrorModel, wanted: tuple[Limit, ...]) -> tuple[Verdict, ...
     """Return a verdict for each limit: within where the interval lies below, beyond where it lies above."""
     found: list[Verdict] = []
     for limit in wanted:
-        value, lower, upper = (
-            (None, None, None) if limit.axis not in model.axes else coefficient(model.axes[limit.axis], limit.letter)
-        )
-        if upper is None:
+        axis = model.axes.get(limit.axis)
+        stated = UNKNOWN if axis is None else coefficient(axis, limit.letter)
+        if not math.isfinite(stated.upper):
             outcome = "not known"
-        elif upper <= limit.at_most:
+        elif stated.upper <= limit.at_most:
             outcome = "within"
-        elif lower is not None and lower > limit.at_most:
+        elif stated.lower is not None and stated.lower > limit.at_most:
             outcome = "beyond"
         else:
             outcome = "not sure"
-        found.append(Verdict(limit, value, lower, upper, outcome))
+        found.append(Verdict(limit, stated, outcome))
     return tuple(found)

@@ -3,6 +3,7 @@ import math
 import pytest
 
 from imuwb.errors import UsageError
+from imuwb.statistics import UNKNOWN, Coefficient
 from imuwb.stochastic import AxisModel, ImuErrorModel, RandomWalk, Sinusoid, Sum, WhiteNoise
 from imuwb.stochastic.model_check import Limit, check, coefficient, limits
 
@@ -30,10 +31,10 @@ def file(tmp_path):
 
 
 def test_a_coefficient_has_the_interval_of_its_own_term():
-    assert coefficient(MODEL.axes["gyro_x"], "N") == (1e-3, 0.9e-3, 1.2e-3)
-    assert coefficient(MODEL.axes["gyro_x"], "K") == (2e-5, 2e-5, 2e-5)  # no interval: the value itself
-    assert coefficient(MODEL.axes["gyro_x"], "B") == (None, None, 3e-5)
-    assert coefficient(MODEL.axes["gyro_x"], "Q") == (None, None, None)
+    assert coefficient(MODEL.axes["gyro_x"], "N") == Coefficient(1e-3, 0.9e-3, 1.2e-3)
+    assert coefficient(MODEL.axes["gyro_x"], "K") == Coefficient(2e-5, 2e-5, 2e-5)  # no interval: the value itself
+    assert coefficient(MODEL.axes["gyro_x"], "B") == Coefficient(None, None, 3e-5)
+    assert coefficient(MODEL.axes["gyro_x"], "Q") == UNKNOWN
 
 
 @pytest.mark.parametrize(
@@ -45,12 +46,12 @@ def test_a_coefficient_has_the_interval_of_its_own_term():
 def test_verdicts(letter, at_most, outcome):
     (verdict,) = check(MODEL, (Limit("gyro_x", letter, at_most),))
     assert verdict.outcome == outcome
-    assert (verdict.value, verdict.lower, verdict.upper) == coefficient(MODEL.axes["gyro_x"], letter)
+    assert verdict.coefficient == coefficient(MODEL.axes["gyro_x"], letter)
 
 
 def test_an_axis_that_the_model_lacks_is_not_known():
     (verdict,) = check(MODEL, (Limit("gyro_y", "N", 1.0),))
-    assert (verdict.outcome, verdict.value) == ("not known", None)
+    assert (verdict.outcome, verdict.coefficient.value) == ("not known", None)
 
 
 def test_limits_have_units_and_go_for_three_axes_or_one(file):

@@ -19,7 +19,8 @@ from scipy import optimize
 
 from imuwb.identification.allan_variance.problem import LETTERS, PROCESSES, Problem, whitener
 from imuwb.identification.allan_variance.term_selection import ACCEPTED, begin, select
-from imuwb.identification.coefficient import READ_OUT, Coefficient, interval
+from imuwb.identification.coefficient import READ_OUT, interval
+from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import chi_square_tail, normal_limit, normal_quantile
 from imuwb.stochastic import Sinusoid, Sum
 
@@ -117,7 +118,7 @@ def fit_allan(curve: AllanDeviation, lines: Sequence[Line] = (), shortest: float
     flat = next((r for r in regions if r.letter == "B"), None)
     if flat is not None:
         b = coefficients["B"]
-        coefficients["B"] = Coefficient(b.value, b.lower, b.upper, (flat.start * flat.end) ** 0.5)
+        coefficients["B"] = Coefficient(b.value, b.lower, b.upper, at=(flat.start * flat.end) ** 0.5)
     # A flat part that ends with the record has no centre: flicker has no correlation time, and a slow
     # Gauss-Markov process shows its own only behind the record's end.
     ends = flat is not None and flat.end < problem.tau[-1]
@@ -151,10 +152,10 @@ def _coefficients(
         if t in active:
             value, variance = squared[t], covariance[active.index(t), active.index(t)]
             ends = interval(float(value), float(variance**0.5), level)
-            found[letter] = Coefficient(float(value**0.5), *ends, READ_OUT[letter])
+            found[letter] = Coefficient(float(value**0.5), *ends, at=READ_OUT[letter])
             continue
         limit = _upper_limit(problem, squared, active, t, level, inflation)
-        found[letter] = Coefficient(None, None, limit, READ_OUT[letter])
+        found[letter] = Coefficient(None, None, limit, at=READ_OUT[letter])
     return found
 
 

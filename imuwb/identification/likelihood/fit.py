@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.identification.allan_variance.problem import scaled_inverse
-from imuwb.identification.coefficient import READ_OUT, Coefficient, interval
+from imuwb.identification.coefficient import READ_OUT, interval
 from imuwb.identification.likelihood.cosine_spectrum import cosine_spectrum
 from imuwb.identification.likelihood.problem import LikelihoodProblem
+from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import chi_square_quantile, chi_square_tail, normal_limit, normal_quantile
 from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, Sum, WhiteNoise
 
@@ -144,10 +145,10 @@ def _ramp(sloping: Solution, level: float, inflation: float, *, ramped: bool) ->
     size, sigma = abs(sloping.ramp), sloping.ramp_sigma * inflation**0.5
     z = normal_limit(level)
     if sigma == 0:
-        return Coefficient(None, None, float("inf"), READ_OUT["R"])
+        return Coefficient(None, None, float("inf"), at=READ_OUT["R"])
     if not ramped:
-        return Coefficient(None, None, float(size + normal_quantile(level) * sigma), READ_OUT["R"])
-    return Coefficient(float(size), float(max(size - z * sigma, 0.0)), float(size + z * sigma), READ_OUT["R"])
+        return Coefficient(None, None, float(size + normal_quantile(level) * sigma), at=READ_OUT["R"])
+    return Coefficient(float(size), float(max(size - z * sigma, 0.0)), float(size + z * sigma), at=READ_OUT["R"])
 
 
 def explained(problem: LikelihoodProblem) -> tuple[LikelihoodProblem, float, float]:
@@ -212,16 +213,16 @@ class _Profile:
         """Return the size of a term with its interval, or its limit."""
         value = float(self._best.squared[term])
         if value == 0:
-            return Coefficient(None, None, self._end(term, normal_quantile(level) ** 2, upward=True) ** 0.5, None)
+            return Coefficient(None, None, self._end(term, normal_quantile(level) ** 2, upward=True) ** 0.5)
         free = np.flatnonzero(self._best.squared > 0)
         covariance = scaled_inverse(self._best.information[np.ix_(free, free)])
         place = int(np.flatnonzero(free == term)[0])
         freedom = 2 * value**2 / (float(covariance[place, place]) * self._inflation)
         if freedom > SURE:
-            return Coefficient(value**0.5, *interval(value, (2 / freedom) ** 0.5 * value, level), None)
+            return Coefficient(value**0.5, *interval(value, (2 / freedom) ** 0.5 * value, level))
         reach = float(chi_square_quantile(level, 1))
         lower, upper = (self._end(term, reach, upward=upward) for upward in (False, True))
-        return Coefficient(value**0.5, lower**0.5, upper**0.5, None)
+        return Coefficient(value**0.5, lower**0.5, upper**0.5)
 
     def _loss(self, term: int, size: float) -> float:
         best = self._best

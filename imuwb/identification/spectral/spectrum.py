@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from imuwb.identification.coefficient import Coefficient
     from imuwb.identification.spectral.lines import Line
+    from imuwb.statistics import Coefficient
     from imuwb.stochastic import Process
 
     Floats = NDArray[np.float64]

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from imuwb.identification.coefficient import Coefficient
     from imuwb.identification.temperature.functions import Kind
+    from imuwb.statistics import Coefficient
 
     Floats = NDArray[np.float64]
 

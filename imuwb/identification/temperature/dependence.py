@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.identification.coefficient import READ_OUT, Coefficient, interval
+from imuwb.identification.coefficient import READ_OUT, interval
 from imuwb.identification.likelihood.fit import TERMS
+from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import chi_square_quantile, chi_square_tail
 
 if TYPE_CHECKING:
@@ -83,7 +84,7 @@ def depends(
     if common <= 0:
         return None
     total = float(information.sum())
-    found = pooled or Coefficient(common**0.5, *interval(common, total**-0.5, LEVEL), READ_OUT[letter])
+    found = pooled or Coefficient(common**0.5, *interval(common, total**-0.5, LEVEL), at=READ_OUT[letter])
     away = slope / np.sqrt(information)
     statistic = float(away @ away - (away @ np.sqrt(information)) ** 2 / total)
     freedom = 2 * common**2 * information

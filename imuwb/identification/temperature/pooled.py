@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import optimize
 
-from imuwb.identification.coefficient import READ_OUT, Coefficient, interval
+from imuwb.identification.coefficient import READ_OUT, interval
 from imuwb.identification.likelihood.fit import TERMS
+from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import normal_quantile
 
 if TYPE_CHECKING:
@@ -69,8 +70,8 @@ def _coefficient(
         place = active.index(term)
         ends = interval(square, float(inverse[place, place]) ** 0.5 / float(size[place]), level)
         if ends[0] > 0:
-            return Coefficient(square**0.5, *ends, at)
-    return Coefficient(None, None, _limit(points, best, term, common, mine, level) ** 0.5, at)
+            return Coefficient(square**0.5, *ends, at=at)
+    return Coefficient(None, None, _limit(points, best, term, common, mine, level) ** 0.5, at=at)
 
 
 def _limit(

@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from imuwb.identification.coefficient import Coefficient
 from imuwb.identification.likelihood.fit import fit_problem
 from imuwb.identification.temperature.pooled import pooled
 from imuwb.identification.temperature.set_point import LETTERS, SetPoint
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from imuwb.statistics import Coefficient
 
 
 def settled(points: Sequence[SetPoint], level: float = 0.95) -> tuple[tuple[SetPoint, ...], dict[str, Coefficient]]:
@@ -32,5 +33,5 @@ def _without_quantization(point: SetPoint, level: float) -> SetPoint:
         return replace(point, absent=("Q",))
     fit = fit_problem(point.problem, level, without="Q")
     coefficients = {letter: fit.coefficients[letter] for letter in LETTERS}
-    absent = Coefficient(None, None, point.coefficients["Q"].upper, point.coefficients["Q"].at)
+    absent = replace(point.coefficients["Q"], value=None, lower=None)
     return replace(point, coefficients=coefficients | {"Q": absent}, fit=fit, absent=("Q",))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.identification.allan_variance.overlapping import allan
-from imuwb.identification.coefficient import Coefficient, interval
+from imuwb.identification.coefficient import interval
 from imuwb.identification.likelihood.fit import (
     ACCEPTED,
     FEWEST_BINS,
@@ -28,6 +28,7 @@ from imuwb.identification.temperature.first_order import first_order_of
 from imuwb.identification.temperature.record import residuals
 from imuwb.identification.temperature.thermal_trend import joined, lowest, restricted
 from imuwb.identification.temperature.white_slope import white_slope
+from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import normal_limit
 from imuwb.stochastic import RateRamp
 
@@ -142,7 +143,7 @@ def _deviation(values: Floats, spectra: Sequence[CosineSpectrum], level: float) 
     square = float(np.einsum("i,i", values, values)) / values.size
     total = sum(float(s.power @ s.count + s.low @ s.low) for s in spectra)
     scatter = sum(float(2 * (s.power**2) @ s.count + 2 * (s.low**4).sum() / 3) for s in spectra) ** 0.5
-    return Coefficient(square**0.5, *interval(square, square * scatter / total, level), None)
+    return Coefficient(square**0.5, *interval(square, square * scatter / total, level))
 
 
 def log_sigma(found: Coefficient, level: float) -> float | None:

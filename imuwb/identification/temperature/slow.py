@@ -10,7 +10,7 @@ from imuwb.stochastic import Sum
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from imuwb.identification.coefficient import Coefficient
+    from imuwb.statistics import Coefficient
 
 SLOW = ("B", "K")
 

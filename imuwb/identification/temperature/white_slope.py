@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from imuwb.identification.allan_variance.overlapping import AllanDeviation
-    from imuwb.identification.coefficient import Coefficient
+    from imuwb.statistics import Coefficient
     from imuwb.stochastic import Sum
 
     Floats = NDArray[np.float64]

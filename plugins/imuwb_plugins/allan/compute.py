@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb import __version__
-from imuwb.analysis import CoefficientResult, LineResult
+from imuwb.analysis import LineResult
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification import allan, deviation, find_lines, fit_allan, stillness
 from imuwb.identification.suitable import unsuitable
 from imuwb.log import source_of
 from imuwb.progress import tracked
-from imuwb.sampling import Sampling, sampling
+from imuwb.sampling import Sampling, longest_part, sampling
+from imuwb.statistics import UNKNOWN
 from imuwb.stochastic import AxisModel, GaussMarkov, ImuErrorModel, Sinusoid, Sum
 from imuwb.units import coefficient_units
 from imuwb_plugins.allan.estimates import estimates
@@ -123,9 +124,7 @@ def _model(found: AxisResult, whose: str) -> AxisModel:
         for letter, c in sure.items()
         if hasattr(term, letter)
     }
-    limits = {
-        x: c.upper for x, c in coefficients.items() if x not in sure and c.upper is not None and math.isfinite(c.upper)
-    }
+    limits = {x: c.upper for x, c in coefficients.items() if x not in sure and math.isfinite(c.upper)}
     return AxisModel(processes, intervals, limits)
 
 
@@ -196,9 +195,7 @@ def _axis(
 
 def _longest(values: Floats, clock: Sampling) -> Floats | None:
     """Return the longest part without gaps; None where it is less than half of the record."""
-    edges = np.array([0, *clock.breaks, values.size])
-    at = int(np.argmax(np.diff(edges)))
-    part = values[edges[at] : edges[at + 1]]
+    part = values[longest_part(clock.breaks, values.size)]
     return part if 2 * part.size >= values.size else None
 
 
@@ -215,7 +212,7 @@ def _fitted(axis: str, curve: AllanDeviation, fit: AllanFit, lines: Sequence[Lin
         curve.averaging_time, curve.deviation, curve.lower, curve.upper, curve.degrees_of_freedom, curve.noise_type,
         fit.allan_deviation(curve.averaging_time, curve.dt),
         {
-            letter: CoefficientResult(c.value, c.lower, c.upper, coefficient_units(axis, letter)[0].name, c.at)
+            letter: c.in_unit(coefficient_units(axis, letter)[0].name)
             for letter, c in fit.coefficients.items()
         },
         fit.regions,
@@ -235,9 +232,7 @@ def _unfitted(axis: str, curve: AllanDeviation, why: str) -> AxisResult:
 
 def _nothing(axis: str, why: str) -> AxisResult:
     none = np.empty(0)
-    unknown = {
-        letter: CoefficientResult(None, None, None, coefficient_units(axis, letter)[0].name, None) for letter in "QNBKR"
-    }
+    unknown = {letter: UNKNOWN.in_unit(coefficient_units(axis, letter)[0].name) for letter in "QNBKR"}
     return AxisResult(none, none, none, none, none, np.empty(0, np.int64), None, unknown, (), None, (), None, None, why)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from imuwb.analysis import CoefficientResult
 from imuwb.identification import (
     burg,
     choose_model,
@@ -14,6 +13,7 @@ from imuwb.identification import (
     stationarity,
     wavelet_variance,
 )
+from imuwb.statistics import Coefficient
 from imuwb.stochastic import Autoregressive, Sinusoid, Sum
 from imuwb.units import coefficient_units
 from imuwb_plugins.allan.result import Estimates
@@ -21,9 +21,9 @@ from imuwb_plugins.allan.result import Estimates
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from imuwb.analysis import AnyCoefficient
     from imuwb.identification import CosineSpectrum, Line, ModelChoice, Stationarity
     from imuwb.log import Floats
+    from imuwb.statistics import Coefficient
     from imuwb_plugins.allan.parameters import Parameters
 
 AR_ORDERS = (1, 3)  #: of the papers
@@ -34,7 +34,7 @@ def estimates(
     values: Floats,
     dt: float,
     lines: Sequence[Line],
-    by_allan: Mapping[str, AnyCoefficient],
+    by_allan: Mapping[str, Coefficient],
     parameters: Parameters,
     band: float,
 ) -> Estimates:
@@ -63,9 +63,7 @@ def estimates(
     )  # fmt: skip
 
 
-def _wavelet(
-    values: Floats, dt: float, lines: Sequence[Line], level: float, band: float
-) -> Mapping[str, AnyCoefficient]:
+def _wavelet(values: Floats, dt: float, lines: Sequence[Line], level: float, band: float) -> Mapping[str, Coefficient]:
     if band < 0.5 / dt:
         message = f"conditioning changed what lies above {band:.3g} Hz"
         raise ValueError(message)
@@ -100,16 +98,11 @@ def _choice(
         return None
 
 
-def _results(axis: str, coefficients: Mapping[str, AnyCoefficient]) -> dict[str, CoefficientResult]:
-    return {
-        letter: CoefficientResult(
-            c.value, c.lower, c.upper, coefficient_units(axis, letter)[0].name, getattr(c, "at", None)
-        )
-        for letter, c in coefficients.items()
-    }
+def _results(axis: str, coefficients: Mapping[str, Coefficient]) -> dict[str, Coefficient]:
+    return {letter: c.in_unit(coefficient_units(axis, letter)[0].name) for letter, c in coefficients.items()}
 
 
-def _differences(by: dict[str, dict[str, CoefficientResult]]) -> list[str]:
+def _differences(by: dict[str, dict[str, Coefficient]]) -> list[str]:
     """Return the coefficients of which two estimators' intervals do not meet."""
     names = list(by)
     found: list[str] = []
@@ -123,7 +116,5 @@ def _differences(by: dict[str, dict[str, CoefficientResult]]) -> list[str]:
     return sorted(found)
 
 
-def _apart(a: CoefficientResult, b: CoefficientResult) -> bool:
-    if a.upper is None or b.upper is None:
-        return False
+def _apart(a: Coefficient, b: Coefficient) -> bool:
     return a.upper < (b.lower or 0.0) or b.upper < (a.lower or 0.0)

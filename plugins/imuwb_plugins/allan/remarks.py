@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import Finding, seconds_text
+from imuwb.analysis import Finding
 from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, Sinusoid, WhiteNoise
+from imuwb.texts import seconds_text
 
 if TYPE_CHECKING:
-    from imuwb.analysis import CoefficientResult
+    from imuwb.statistics import Coefficient
     from imuwb.stochastic import Process
     from imuwb_plugins.allan.result import AxisResult, Result
 
@@ -109,7 +110,7 @@ def _name(term: Process) -> str:
     return str(getattr(term, "name", "noise"))
 
 
-def _long_enough(coefficients: dict[str, CoefficientResult], duration: float) -> str | None:
+def _long_enough(coefficients: dict[str, Coefficient], duration: float) -> str | None:
     """Return how long a record would have to be to show a walk of the size of K's limit; None where this one would do.
 
     A walk shows when its Allan variance at a tenth of the record, K² T/30, is above that of the other terms there.

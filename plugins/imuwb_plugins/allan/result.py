@@ -9,8 +9,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from imuwb.analysis import CoefficientResult, LineResult
+    from imuwb.analysis import LineResult
     from imuwb.identification import CorrelationTime, Disturbance, ModelChoice, Region, Stationarity
+    from imuwb.statistics import Coefficient
     from imuwb.stochastic import Sum
 
 
@@ -39,7 +40,7 @@ class Estimates:
     """What other estimators say of the same record."""
 
     headline: str  #: the estimator of the least error, "likelihood", where the record allows it
-    by: dict[str, dict[str, CoefficientResult]]  #: estimator -> coefficients
+    by: dict[str, dict[str, Coefficient]]  #: estimator -> coefficients
     processes: Sum | None  #: the headline's terms whose intervals do not begin at 0
     highest: float | None  #: Hz, up to which the likelihood's sum explains the spectrum
     agree: bool  #: wherever two estimators give a coefficient, their intervals meet
@@ -61,7 +62,7 @@ class AxisResult:
     degrees_of_freedom: NDArray[np.float64]
     noise_exponent: NDArray[np.int64]
     fitted: NDArray[np.float64] | None
-    coefficients: dict[str, CoefficientResult]
+    coefficients: dict[str, Coefficient]
     regions: tuple[Region, ...]
     correlation_time: CorrelationTime | None
     lines: tuple[LineResult, ...]

@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import AXIS_COLORS, Curve, Figure, Mark, Table, estimate_text
+from imuwb.analysis import Curve, Figure, Mark, Table
+from imuwb.colors import AXIS_COLORS
 from imuwb.stochastic import GaussMarkov, Sinusoid, Sum
+from imuwb.texts import coefficient_text
 from imuwb.units import UNITS, coefficient_units
 
 if TYPE_CHECKING:
@@ -88,7 +90,7 @@ def _coefficients(result: Result) -> Table:
     rows = tuple(
         (
             axis,
-            *(estimate_text(found.coefficients[letter], coefficient_units(axis, letter)[1]) for letter in "QNBKR"),
+            *(coefficient_text(found.coefficients[letter], coefficient_units(axis, letter)[1]) for letter in "QNBKR"),
             _correlation(found),
         )
         for axis, found in result.axes.items()
@@ -115,7 +117,7 @@ def _estimators(result: Result) -> Table:
             continue
         for name, coefficients in found.estimates.by.items():
             cells = (
-                estimate_text(coefficients[x], coefficient_units(axis, x)[1]) if x in coefficients else "—"
+                coefficient_text(coefficients[x], coefficient_units(axis, x)[1]) if x in coefficients else "—"
                 for x in "QNBKR"
             )
             headline = " (headline)" if name == found.estimates.headline else ""

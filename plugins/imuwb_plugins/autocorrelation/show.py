@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import AXIS_COLORS, Curve, Figure, Table
+from imuwb.analysis import Curve, Figure, Table
+from imuwb.colors import AXIS_COLORS
 from imuwb.units import coefficient_units
 from imuwb_plugins.autocorrelation.compute import verdict
 

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import AXIS_COLORS, Curve, Figure, Table, decimals
+from imuwb.analysis import Curve, Figure, Table
+from imuwb.colors import AXIS_COLORS
+from imuwb.texts import decimals
 from imuwb_plugins.calibration.show import REFERENCE, parameter_table, trace_figure
 from imuwb_plugins.calibration.words import display, interval_text
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from imuwb.analysis import decimals
+from imuwb.texts import decimals
 from imuwb.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import Curve, Figure, Mark, Table, seconds_text
+from imuwb.analysis import Curve, Figure, Mark, Table
 from imuwb.health import is_of
+from imuwb.texts import seconds_text
 
 if TYPE_CHECKING:
     from imuwb.analysis import Review

@@ -26,6 +26,7 @@ from imuwb.identification.lssa import (
 )
 from imuwb.identification.suitable import unsuitable
 from imuwb.log import SECOND
+from imuwb.sampling import longest_part
 from imuwb.statistics.distributions import normal_limit, student_limit
 from imuwb_plugins.lssa.result import AxisResult, ConstituentResult, HypothesisResult, PeakResult, Result
 
@@ -177,9 +178,7 @@ def _scaled(
 def _longest(axis: Axis, time: Floats, constituents: Constituents) -> tuple[slice, Floats]:
     """Return the longest part without gaps, and its series without constituents."""
     series = adjust(time, axis.values, constituents, interval=axis.clock.interval).residual
-    edges = np.array([0, *axis.clock.breaks, series.size])
-    at = int(np.argmax(np.diff(edges)))
-    part = slice(int(edges[at]), int(edges[at + 1]))
+    part = longest_part(axis.clock.breaks, series.size)
     return part, np.ascontiguousarray(series[part])
 
 

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import AXIS_COLORS, Curve, Figure, Table, Vertical
+from imuwb.analysis import Curve, Figure, Table, Vertical
 from imuwb.axes import axes_of, rates
+from imuwb.colors import AXIS_COLORS
 from imuwb.conditioning import band_limit, denoise
 from imuwb.identification import allan, power_spectrum
 from imuwb.identification.suitable import unsuitable

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from imuwb.stochastic import AxisModel, Constant, FlickerNoise, ImuErrorModel, Quantization, RandomWalk, Sum, WhiteNoise
@@ -33,15 +34,13 @@ def _axis(axis: str, together: Repeatability) -> AxisModel:
     intervals: dict[str, tuple[float, float]] = {}
     limits: dict[str, float] = {}
     for letter, compared in together.coefficients[axis].items():
-        if compared.mean_interval is None:
-            continue
-        lower, upper = compared.mean_interval
-        if compared.mean is not None and lower:
-            intervals[f"{len(terms)}.{letter}"] = lower, upper
-            terms.append(_TERMS[letter](compared.mean))
-        else:
-            limits[letter] = upper
-    turn_on = together.turn_on[axis]
+        mean = compared.mean
+        if mean.value is not None and mean.lower:
+            intervals[f"{len(terms)}.{letter}"] = mean.lower, mean.upper
+            terms.append(_TERMS[letter](mean.value))
+        elif math.isfinite(mean.upper):
+            limits[letter] = mean.upper
+    turn_on = together.turn_on[axis].sigma
     if turn_on.value is not None and turn_on.lower is not None:
         intervals[f"{len(terms)}.sigma"] = (turn_on.lower, turn_on.upper)
         terms.append(Constant(turn_on.value))

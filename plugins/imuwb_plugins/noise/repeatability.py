@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import AXIS_COLORS, Curve, Figure, Table, estimate_text
+from imuwb.analysis import Curve, Figure, Table
+from imuwb.colors import AXIS_COLORS
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.coefficient import interval
 from imuwb.log import SECOND
+from imuwb.statistics import UNKNOWN, Coefficient
 from imuwb.statistics.distributions import (
     chi_square_limits,
     chi_square_quantile,
@@ -21,12 +23,13 @@ from imuwb.statistics.distributions import (
     normal_limit,
     normal_quantile,
 )
+from imuwb.texts import coefficient_text
 from imuwb.units import coefficient_units
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from imuwb.analysis import AnyCoefficient, Finding, Review
+    from imuwb.analysis import Finding, Review
     from imuwb.log import Floats, Log
 
 DIFFERENT = 0.01  #: probability, over all coefficients, below which the logs are said to differ
@@ -38,25 +41,19 @@ LEAST = 0.1  #: of a value, where a bar that reaches down to 0 ends on a logarit
 class Compared:
     """One coefficient of one axis in all logs. SI."""
 
-    values: tuple[float | None, ...]
-    lower: tuple[float | None, ...]
-    upper: tuple[float | None, ...]
-    mean: float | None  #: root mean square, by duration; None where all logs together show none
-    mean_interval: tuple[float | None, float] | None  #: (None, limit) where there is no mean
+    logs: tuple[Coefficient, ...]  #: of each log
+    mean: Coefficient  #: root mean square, by duration
     statistic: float | None  #: chi-square of the differences of squares
     probability: float | None  #: of differences as large by chance
-    unit: str
 
 
 @dataclass(frozen=True, slots=True)
 class TurnOn:
     """How the mean of an axis changes from log to log. SI."""
 
-    means: tuple[float, ...]
-    value: float | None  #: sigma; None where the means scatter no more than the noise within the logs makes them
-    lower: float | None
-    upper: float  #: or the limit
-    unit: str
+    means: tuple[float, ...]  #: of each log
+    #: standard deviation from log to log; a limit where the means scatter no more than the noise within the logs explains
+    sigma: Coefficient
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -106,16 +103,15 @@ def _durations(logs: Sequence[Log], axis: str) -> Floats:
     return np.array([float(time[-1] - time[0]) / SECOND for time in times])
 
 
-def _compared(axis: str, letter: str, found: Sequence[AnyCoefficient], duration: Floats, level: float) -> Compared:
+def _compared(axis: str, letter: str, found: Sequence[Coefficient], duration: Floats, level: float) -> Compared:
     """Compare the squares: they scatter about evenly around the truth also where a log shows nothing, and has a limit alone."""
     unit = coefficient_units(axis, letter)[0].name
-    values, lower, upper = tuple(c.value for c in found), tuple(c.lower for c in found), tuple(c.upper for c in found)
+    logs = tuple(c.in_unit(unit) for c in found)
     known = [_square(c, level) for c in found]
     sure = [(square, sigma, t) for (square, sigma), t in zip(known, duration, strict=True) if 0 < sigma < np.inf]
     if len(sure) < FEWEST:  # what one log alone says stands
-        alone = next((c for c in found if c.upper is not None and np.isfinite(c.upper)), None)
-        ends = None if alone is None else (alone.lower if alone.value is not None else None, float(alone.upper or 0.0))
-        return Compared(values, lower, upper, None if alone is None else alone.value, ends, None, None, unit)
+        alone = next((c for c in logs if np.isfinite(c.upper)), UNKNOWN.in_unit(unit))
+        return Compared(logs, alone, None, None)
     squares, sigmas, weight = np.array(sure).T
     best = float(squares @ sigmas**-2 / np.sum(sigmas**-2))
     statistic = float(np.sum(((squares - best) / sigmas) ** 2))
@@ -125,14 +121,14 @@ def _compared(axis: str, letter: str, found: Sequence[AnyCoefficient], duration:
     square, sigma = float(weight @ squares), float(np.sqrt(weight**2 @ sigmas**2))
     if square <= 0:
         limit = (normal_quantile(level) * sigma) ** 0.5
-        return Compared(values, lower, upper, None, (None, limit), statistic, probability, unit)
-    ends = interval(square, sigma, level)
-    return Compared(values, lower, upper, square**0.5, ends, statistic, probability, unit)
+        return Compared(logs, Coefficient(None, None, limit, unit), statistic, probability)
+    mean = Coefficient(square**0.5, *interval(square, sigma, level), unit)
+    return Compared(logs, mean, statistic, probability)
 
 
-def _square(c: AnyCoefficient, level: float) -> tuple[float, float]:
+def _square(c: Coefficient, level: float) -> tuple[float, float]:
     """Return an estimate's square and its standard error, as its interval or limit tells; infinite where neither does."""
-    if c.upper is None or not np.isfinite(c.upper):
+    if not np.isfinite(c.upper):
         return 0.0, float("inf")
     if c.value is None:
         return 0.0, c.upper**2 / normal_quantile(level)
@@ -157,7 +153,7 @@ def _differ(coefficients: dict[str, dict[str, Compared]]) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _mean(log: Log, axis: str, coefficients: Mapping[str, AnyCoefficient]) -> tuple[float, float]:
+def _mean(log: Log, axis: str, coefficients: Mapping[str, Coefficient]) -> tuple[float, float]:
     """Return the mean of an axis, and the variance that the noise within the log gives it."""
     time, values = log.imu().axes()[axis]
     duration = float(time[-1] - time[0]) / SECOND
@@ -173,8 +169,8 @@ def _turn_on(axis: str, found: list[tuple[float, float]], level: float) -> TurnO
     lower, upper = (square * factor - noise for factor in chi_square_limits(level, n - 1))
     if lower <= 0:  # the noise within the logs explains it
         limit = (n - 1) * square / float(chi_square_quantile(1 - level, n - 1))
-        return TurnOn(means, None, None, max(limit, noise) ** 0.5, unit)
-    return TurnOn(means, max(square - noise, lower) ** 0.5, lower**0.5, upper**0.5, unit)
+        return TurnOn(means, Coefficient(None, None, max(limit, noise) ** 0.5, unit))
+    return TurnOn(means, Coefficient(max(square - noise, lower) ** 0.5, lower**0.5, upper**0.5, unit))
 
 
 def draw(found: Repeatability, review: Review) -> None:
@@ -188,14 +184,13 @@ def draw(found: Repeatability, review: Review) -> None:
     for axis, row in found.coefficients.items():
         for letter, c in row.items():
             unit = coefficient_units(axis, letter)[1]
-            cells = (estimate_text(_One(*one), unit) for one in zip(c.values, c.lower, c.upper, strict=True))
-            mean = "—" if c.mean_interval is None else estimate_text(_One(c.mean, *c.mean_interval), unit)
+            cells = (coefficient_text(one, unit) for one in c.logs)
             test = (
                 "—"
                 if c.probability is None
                 else f"p = {c.probability:.2g}" + (" DIFFER" if f"{axis} {letter}" in found.differ else "")
             )
-            rows.append((axis, letter, *cells, mean, test))
+            rows.append((axis, letter, *cells, coefficient_text(c.mean, unit), test))
     caption = (
         "All logs: root mean square by duration; a log that shows nothing counts with its limit. Test: chi-square of the squares "
         "against their mean."
@@ -209,7 +204,7 @@ def draw(found: Repeatability, review: Review) -> None:
     for axis, t in found.turn_on.items():
         unit = coefficient_units(axis, "rate")[1]
         means = (f"{unit.from_si(m):.6g} {unit.name}" for m in t.means)
-        turns.append((axis, *means, estimate_text(t, unit)))
+        turns.append((axis, *means, coefficient_text(t.sigma, unit)))
     caption = "Mean of each log, and how the means scatter beyond the noise within the logs: the turn-on bias's sigma, which goes into the model; < is a limit. An accelerometer must not have been moved."
     review.table(Table("Turn-on bias", ("axis", *found.names, "sigma"), tuple(turns), caption))
 
@@ -236,19 +231,12 @@ def _curve(found: Repeatability, axis: str, letter: str, place: int) -> Curve:
         return np.array([np.nan if v is None else unit.from_si(v) for v in values])
 
     x = np.arange(1.0, len(found.names) + 1) + 0.08 * (place - 1)  # side by side
-    y = shown(compared.values)
+    y = shown([c.value for c in compared.logs])
     return Curve(
         axis.replace("_", " "),
         x,
         y,
         AXIS_COLORS[axis[-1]],
-        np.fmax(shown(compared.lower), y * LEAST),
-        shown(compared.upper),
+        np.fmax(shown([c.lower for c in compared.logs]), y * LEAST),
+        shown([c.upper for c in compared.logs]),
     )
-
-
-@dataclass(frozen=True, slots=True)
-class _One:
-    value: float | None
-    lower: float | None
-    upper: float | None

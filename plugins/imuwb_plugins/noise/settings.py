@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import Curve, Figure, Table, Vertical, estimate_text
+from imuwb.analysis import Curve, Figure, Table, Vertical
 from imuwb.axes import axes_of, for_each, rates
 from imuwb.errors import MissingDataError
-from imuwb.identification import Coefficient, allan, fit_likelihood
+from imuwb.identification import allan, fit_likelihood
 from imuwb.identification.suitable import unsuitable
+from imuwb.statistics import Coefficient
+from imuwb.texts import coefficient_text
 from imuwb.units import UNITS, coefficient_units
 
 if TYPE_CHECKING:
@@ -200,14 +202,14 @@ def _table(found: Study) -> Table:
         for axis, r in c.axes.items():
             n, unit = r.coefficients["N"], coefficient_units(axis, "N")[1]
             rate = coefficient_units(axis, "rate")[1]
-            b = estimate_text(r.coefficients["B"], coefficient_units(axis, "B")[1])
+            b = coefficient_text(r.coefficients["B"], coefficient_units(axis, "B")[1])
             step = f"{r.per_step / unit.factor**2:.3g} ({unit.name})²"
             rows.append(
                 (
                     _text(c),
                     axis,
                     f"{c.rate_hz[axis.partition('_')[0]]:.4g} Hz",
-                    estimate_text(n, unit),
+                    coefficient_text(n, unit),
                     b,
                     f"{rate.from_si(r.deviation):.3g} {rate.name}",
                     step,
@@ -232,7 +234,7 @@ def _table(found: Study) -> Table:
 def _rules(found: Study) -> Table:
     rows = tuple(
         (
-            r.axis, estimate_text(Coefficient(r.best, None, 0.0, None), coefficient_units(r.axis, "N")[1]).partition(" [")[0] + f" {coefficient_units(r.axis, 'N')[1].name}",
+            r.axis, coefficient_text(Coefficient(r.best, None, 0.0), coefficient_units(r.axis, "N")[1]).partition(" [")[0] + f" {coefficient_units(r.axis, 'N')[1].name}",
             f"{100 * (r.kept - 1):+.1f} %", "—" if r.broken is None else f"{100 * (r.broken - 1):+.1f} %", "yes" if r.holds else "no",
         )
         for r in found.rule

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from imuwb.analysis import Table, estimate_text
+from imuwb.analysis import Table
+from imuwb.texts import coefficient_text
 from imuwb.units import coefficient_units
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ def draw(found: dict[str, dict[str, Any]], findings: Sequence[Finding], review: 
         for source, coefficients in content["estimators"].items():
             name = str(_NAMES.get(source, source)) + (" (headline)" if source == content["headline"] else "")
             cells = (
-                estimate_text(coefficients[x], coefficient_units(axis, x)[1]) if x in coefficients else "—"
+                coefficient_text(coefficients[x], coefficient_units(axis, x)[1]) if x in coefficients else "—"
                 for x in LETTERS
             )
             lines.append((axis, name, *cells))

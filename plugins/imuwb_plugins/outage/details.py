@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import rerun as rr
 
-from imuwb.analysis import AXIS_COLORS, Curve, Figure, Series, Table
+from imuwb.analysis import Curve, Figure, Series, Table
+from imuwb.colors import AXIS_COLORS
 from imuwb.navigation.filter import axis_errors
 from imuwb.navigation.filter_document import write_filter
 from imuwb.replay import HORIZONS

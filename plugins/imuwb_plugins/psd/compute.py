@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import CoefficientResult, Finding, LineResult
+from imuwb.analysis import Finding, LineResult
 from imuwb.axes import axes_of, for_each, gap_notes, rates
 from imuwb.errors import MissingDataError
 from imuwb.identification import find_lines, fit_spectrum, power_spectrum
 from imuwb.identification.suitable import unsuitable
+from imuwb.statistics import UNKNOWN
 from imuwb.units import coefficient_units
 from imuwb_plugins.psd.result import AxisResult, Result
 
@@ -47,7 +49,7 @@ def _axis(axis: Axis, parameters: Parameters, band: float) -> AxisResult:
     series, dt, name = axis.longest, axis.clock.interval, axis.name
     why = unsuitable(series, FEWEST)
     none = np.empty(0)
-    unknown = {x: CoefficientResult(None, None, None, coefficient_units(name, x)[0].name) for x in "QNBK"}
+    unknown = {x: UNKNOWN.in_unit(coefficient_units(name, x)[0].name) for x in "QNBK"}
     if why is not None:
         return AxisResult(none, none, none, none, 1, unknown, (), (), None, None, 1.0, None, None, why)
     spectrum = power_spectrum(series, dt, parameters.segment, level=parameters.level)
@@ -62,7 +64,7 @@ def _axis(axis: Axis, parameters: Parameters, band: float) -> AxisResult:
             spectrum.frequency, spectrum.density, spectrum.lower, spectrum.upper, spectrum.sides, unknown, (), named, None, None, 1.0,
             None, None, f"no fit: {error}",
         )  # fmt: skip
-    found = {x: CoefficientResult(c.value, c.lower, c.upper, unknown[x].unit) for x, c in fit.coefficients.items()}
+    found = {x: replace(c, unit=unknown[x].unit, at=None) for x, c in fit.coefficients.items()}
     white_to, excess = _white_to(spectrum, fit) if band >= 0.5 / dt else (None, 1.0)  # else the filter is what it sees
     resonances = _resonances(spectrum, fit, lines)
     return AxisResult(

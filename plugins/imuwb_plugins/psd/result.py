@@ -9,8 +9,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from imuwb.analysis import CoefficientResult, LineResult
+    from imuwb.analysis import LineResult
     from imuwb.identification.spectral.spectrum import SpectralRegion
+    from imuwb.statistics import Coefficient
     from imuwb.stochastic import Sum
 
 
@@ -23,7 +24,7 @@ class AxisResult:
     lower: NDArray[np.float64]
     upper: NDArray[np.float64]
     sides: int  #: 1: a one-sided density, twice IEEE's
-    coefficients: dict[str, CoefficientResult]
+    coefficients: dict[str, Coefficient]
     regions: tuple[SpectralRegion, ...]
     lines: tuple[LineResult, ...]
     processes: Sum | None

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import AXIS_COLORS, Curve, Figure, Table, Vertical, estimate_text
+from imuwb.analysis import Curve, Figure, Table, Vertical
+from imuwb.colors import AXIS_COLORS
+from imuwb.texts import coefficient_text
 from imuwb.units import coefficient_units
 
 if TYPE_CHECKING:
@@ -67,7 +69,7 @@ def _distinct(lines: list[LineResult]) -> list[LineResult]:
 def _coefficients(result: Result) -> Table:
     rows = tuple(
         (
-            axis, *(estimate_text(found.coefficients[x], coefficient_units(axis, x)[1]) for x in "QNBK"),
+            axis, *(coefficient_text(found.coefficients[x], coefficient_units(axis, x)[1]) for x in "QNBK"),
             "—" if found.explained_to is None else f"{found.explained_to:.3g} Hz",
             "everywhere" if found.white_to is None else f"{found.white_to:.3g} Hz ({10 * np.log10(found.excess):+.1f} dB beyond)",
         )

@@ -6,14 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import AXIS_COLORS, Curve, Figure
+from imuwb.analysis import Curve, Figure
+from imuwb.colors import AXIS_COLORS
 from imuwb.units import coefficient_units
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from imuwb.analysis import CoefficientResult
     from imuwb.log import Floats
+    from imuwb.statistics import Coefficient
     from imuwb.units import Unit
     from imuwb_plugins.temperature.result import Result, Study
 
@@ -72,7 +73,7 @@ def by_temperature(result: Result, sensor: str, axes: Sequence[str], letter: str
         curves.append(_estimates(axis.replace("_", " "), [p for p in pairs if p[1].value is not None], unit, color))
         law = found.functions[letter]
         curves.append(Curve("", law.temperature, law.value / unit.factor, color, style="fit"))
-        limits = [(t, c.upper) for t, c in pairs if c.value is None and c.upper is not None and np.isfinite(c.upper)]
+        limits = [(t, c.upper) for t, c in pairs if c.value is None and np.isfinite(c.upper)]
         if limits:
             t, upper = (np.array(column) for column in zip(*limits, strict=True))
             dim = (round(DIM * color[0]), round(DIM * color[1]), round(DIM * color[2]))
@@ -93,7 +94,7 @@ def _aside(result: Result, axis: str) -> float:
 
 
 def _estimates(
-    label: str, pairs: Sequence[tuple[float, CoefficientResult]], unit: Unit, color: tuple[int, int, int]
+    label: str, pairs: Sequence[tuple[float, Coefficient]], unit: Unit, color: tuple[int, int, int]
 ) -> Curve:
     def column(name: str) -> Floats:
         return np.array([np.nan if (v := getattr(c, name)) is None else unit.from_si(v) for _, c in pairs])

@@ -12,6 +12,7 @@ from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification import stillness
 from imuwb.identification.temperature import Record, Stretch, smooth_temperature, stretches
 from imuwb.log import SECOND
+from imuwb.sampling import longest_part
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -44,9 +45,7 @@ class Part:
             begin = self.log.zero or 0
             first = int(np.searchsorted(axis.time, round(self.stretch.start * SECOND) + begin, "left"))
             last = int(np.searchsorted(axis.time, round(self.stretch.end * SECOND) + begin, "right"))
-        edges = np.array([first, *(b for b in axis.clock.breaks if first < b < last), max(first, last)])
-        at = int(np.argmax(np.diff(edges)))
-        return slice(int(edges[at]), int(edges[at + 1]))
+        return longest_part(axis.clock.breaks, last, first)
 
     def has_enough(self) -> bool:
         """Return whether some axis has enough samples."""

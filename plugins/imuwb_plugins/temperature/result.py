@@ -9,8 +9,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from imuwb.analysis import CoefficientResult
     from imuwb.identification.temperature import AxisTemperatures, Candidate, Dependence
+    from imuwb.statistics import Coefficient
 
     Floats = NDArray[np.float64]
 
@@ -46,11 +46,11 @@ class TemperatureResult:
     samples: int
     duration: float  #: s
     records: int
-    coefficients: dict[str, CoefficientResult]
+    coefficients: dict[str, Coefficient]
     ar1: FirstOrderResult
-    deviation: CoefficientResult  #: of the samples
+    deviation: Coefficient  #: of the samples
     slope: SlopeResult | None
-    bias: CoefficientResult  #: of a gyro the mean, of an accelerometer the change from the reference temperature
+    bias: Coefficient  #: of a gyro the mean, of an accelerometer the change from the reference temperature
     explained_to: float  #: Hz
     averaging_time: Floats
     allan_deviation: Floats

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from imuwb.analysis import Table, decimals, estimate_text
+from imuwb.analysis import Table
+from imuwb.texts import coefficient_text, decimals
 from imuwb.units import coefficient_units
 from imuwb_plugins.temperature.tell import NAMES, told
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from imuwb.analysis import CoefficientResult
+    from imuwb.statistics import Coefficient
     from imuwb.units import Unit
     from imuwb_plugins.temperature.result import AxisResult, FirstOrderResult, Result, Study, TemperatureResult
 
@@ -65,7 +66,7 @@ def _cell(point: TemperatureResult, name: str, unit: Unit | None) -> str:
     if name == "slope":
         slope = point.slope
         return "—" if slope is None else f"{slope.value:.4f} [{slope.lower:.4f}, {slope.upper:.4f}]"
-    found: CoefficientResult = (
+    found: Coefficient = (
         point.bias if name == "bias" else point.deviation if name == "deviation" else point.coefficients[name]
     )
     if unit is None:
@@ -74,7 +75,7 @@ def _cell(point: TemperatureResult, name: str, unit: Unit | None) -> str:
         low, value, high = (unit.from_si(v or 0.0) for v in (found.lower, found.value, found.upper))
         digits = decimals(high - low)
         return f"{value:.{digits}f} [{low:.{digits}f}, {high:.{digits}f}]"
-    return estimate_text(found, unit).removesuffix(f" {unit.name}")
+    return coefficient_text(found, unit).removesuffix(f" {unit.name}")
 
 
 def alpha_text(first: FirstOrderResult) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import CoefficientResult
+from imuwb.statistics import Coefficient
 from imuwb.units import coefficient_units
 from imuwb_plugins.temperature.result import (
     AxisResult,
@@ -20,7 +20,6 @@ from imuwb_plugins.temperature.result import (
 )
 
 if TYPE_CHECKING:
-    from imuwb.analysis import AnyCoefficient
     from imuwb.identification.temperature import AxisTemperatures, Bias, Dependence, FirstOrder, Law, SetPoint
 
 NAMES = {"N": "N", "B": "B", "K": "K", "Q": "Q", "alpha": "AR(1)", "bias": "the bias"}
@@ -51,7 +50,7 @@ def _at(axis: str, point: SetPoint, bias: Bias, reference: float, level: float) 
         first_order_result(point.first),
         _coefficient(point.deviation, rate),
         None if region is None else SlopeResult(region.slope, region.lower, region.upper, region.start, region.end),
-        CoefficientResult(change, change - half, change + half, rate),
+        Coefficient(change, change - half, change + half, rate),
         point.fit.highest, point.curve.averaging_time, point.curve.deviation,
     )  # fmt: skip
 
@@ -66,8 +65,8 @@ def first_order_result(first: FirstOrder) -> FirstOrderResult:
     return FirstOrderResult(first.alpha, first.sigma, first.sigma_if_ar, first.paper)
 
 
-def _coefficient(found: AnyCoefficient, unit: str) -> CoefficientResult:
-    return CoefficientResult(found.value, found.lower, found.upper, unit, getattr(found, "at", None))
+def _coefficient(found: Coefficient, unit: str) -> Coefficient:
+    return found.in_unit(unit)
 
 
 def _reference_bias(axis: str, found: AxisTemperatures, reference: float) -> float:

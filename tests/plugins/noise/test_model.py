@@ -1,5 +1,6 @@
 import pytest
 
+from imuwb.statistics import UNKNOWN, Coefficient
 from imuwb.stochastic import AxisModel, Constant, GaussMarkov, ImuErrorModel, Sinusoid, Sum, WhiteNoise
 from imuwb_plugins.noise.model import combined
 from imuwb_plugins.noise.repeatability import Compared, Repeatability, TurnOn
@@ -9,11 +10,9 @@ def model(*terms, name="m"):
     return ImuErrorModel(name, {"gyro_x": AxisModel(Sum(terms))}, {"log": f"{name}.mcap"})
 
 
-def together(mean=2.5, interval=(2.4, 2.6)):
-    n = Compared((2.0, 3.0), (1.9, 2.9), (2.1, 3.1), mean, interval, 1.0, 0.5, "")
-    return Repeatability(
-        0.95, ("a", "b"), {"gyro_x": {"N": n}}, {"gyro_x": TurnOn((1.0, 2.0), 0.7, 0.3, 20.0, "rad/s")}, ()
-    )
+def together(mean=Coefficient(2.5, 2.4, 2.6), turn_on=Coefficient(0.7, 0.3, 20.0)):
+    n = Compared((Coefficient(2.0, 1.9, 2.1), Coefficient(3.0, 2.9, 3.1)), mean, 1.0, 0.5)
+    return Repeatability(0.95, ("a", "b"), {"gyro_x": {"N": n}}, {"gyro_x": TurnOn((1.0, 2.0), turn_on)}, ())
 
 
 def test_one_logs_model_stays_as_it_is():
@@ -44,20 +43,17 @@ def test_lines_are_left_to_the_single_logs():
 
 
 @pytest.mark.parametrize(
-    ("mean", "interval", "limits"),
-    [(None, (None, 2.1), {"N": 2.1}), (2.5, (0.0, 2.8), {"N": 2.8}), (None, None, {})],
-)  # fmt: skip
-def test_what_all_logs_together_do_not_show_is_a_limit(mean, interval, limits):
-    axis = combined([model(WhiteNoise(1.0)), model(WhiteNoise(7.0))], together(mean, interval)).axes["gyro_x"]
+    ("mean", "limits"),
+    [(Coefficient(None, None, 2.1), {"N": 2.1}), (Coefficient(2.5, 0.0, 2.8), {"N": 2.8}), (UNKNOWN, {})],
+)
+def test_what_all_logs_together_do_not_show_is_a_limit(mean, limits):
+    axis = combined([model(WhiteNoise(1.0)), model(WhiteNoise(7.0))], together(mean)).axes["gyro_x"]
     assert axis.processes.terms == (Constant(0.7),)
     assert axis.intervals == {"0.sigma": (0.3, 20.0)}
     assert axis.limits == limits
 
 
 def test_a_turn_on_bias_that_is_not_there_is_not_in_the_model():
-    found = together()
-    found = Repeatability(
-        0.95, found.names, found.coefficients, {"gyro_x": TurnOn((1.0, 1.0), None, None, 0.2, "rad/s")}, ()
-    )
+    found = together(turn_on=Coefficient(None, None, 0.2))
     terms = combined([model(WhiteNoise(1.0)), model(WhiteNoise(7.0))], found).axes["gyro_x"].processes.terms
     assert terms == (WhiteNoise(2.5),)

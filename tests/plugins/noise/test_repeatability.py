@@ -4,9 +4,9 @@ from scipy import stats
 
 from imuwb.analysis import Finding
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.identification import Coefficient
 from imuwb.identification.coefficient import interval
 from imuwb.log import SECOND, ImuStream, Log, Provenance, Triad
+from imuwb.statistics import UNKNOWN, Coefficient
 from imuwb_plugins.noise.repeatability import compare, draw
 
 
@@ -26,7 +26,7 @@ def both(one, other, letter="K"):
 
 
 def nothing(upper=1.0):
-    return Coefficient(None, None, upper, None)
+    return Coefficient(None, None, upper)
 
 
 def finding(n, spread=0.05, axis="gyro_x", **others):
@@ -34,7 +34,7 @@ def finding(n, spread=0.05, axis="gyro_x", **others):
         "Q": nothing(),
         "B": nothing(),
         "K": nothing(),
-        "N": Coefficient(n, n * np.exp(-spread), n * np.exp(spread), 1.0),
+        "N": Coefficient(n, n * np.exp(-spread), n * np.exp(spread), at=1.0),
     }
     return Finding(axis, "likelihood", {**c, **others}, headline=True)
 
@@ -63,9 +63,11 @@ def test_the_test_is_chi_square_of_squares():
     statistic = np.sum(((square - best) / sigma) ** 2)
     assert c.statistic == pytest.approx(statistic, rel=1e-5)
     assert c.probability == pytest.approx(stats.chi2.sf(statistic, 2), rel=1e-4)
-    assert c.mean == pytest.approx(np.mean(square) ** 0.5)
-    assert c.mean_interval == pytest.approx(interval(np.mean(square), np.sum(sigma**2) ** 0.5 / 3, 0.95), rel=1e-6)
-    assert c.mean_interval[0] < c.mean < c.mean_interval[1]
+    assert c.mean.value == pytest.approx(np.mean(square) ** 0.5)
+    assert (c.mean.lower, c.mean.upper) == pytest.approx(
+        interval(np.mean(square), np.sum(sigma**2) ** 0.5 / 3, 0.95), rel=1e-6
+    )
+    assert c.mean.lower < c.mean.value < c.mean.upper
 
 
 def test_longer_logs_weigh_more_and_not_surer_ones():
@@ -73,7 +75,7 @@ def test_longer_logs_weigh_more_and_not_surer_ones():
     for spreads in ((0.01, 0.1), (0.1, 0.01)):
         found = [(finding(1.0, spreads[0]),), (finding(1.1, spreads[1]),)]
         c = compare(logs, found, 0.95).coefficients["gyro_x"]["N"]
-        assert c.mean == pytest.approx(((1 + 3 * 1.1**2) / 4) ** 0.5)
+        assert c.mean.value == pytest.approx(((1 + 3 * 1.1**2) / 4) ** 0.5)
 
 
 def test_chance_is_shared_among_all_comparisons():
@@ -89,43 +91,39 @@ def test_chance_is_shared_among_all_comparisons():
     assert wrong <= 10  # 1 % of 300, and its scatter
 
 
-SURE = Coefficient(2.0, 1.9, 2.1, 1.0)
+SURE = Coefficient(2.0, 1.9, 2.1, at=1.0)
 ONE_SIDED, TWO_SIDED = stats.norm.ppf([0.95, 0.975])
 
 
 def test_a_log_with_a_limit_alone_counts_with_zero():
     found = both(SURE, nothing(1.0))
     sigma = np.array([(2.1**2 - 1.9**2) / (2 * TWO_SIDED), 1 / ONE_SIDED])
-    assert found.values == (2.0, None)
-    assert found.mean == pytest.approx(2**0.5)  # of 4 and 0
-    assert found.mean_interval == pytest.approx(interval(2.0, np.sum(sigma**2) ** 0.5 / 2, 0.95))
+    assert [c.value for c in found.logs] == [2.0, None]
+    assert found.mean.value == pytest.approx(2**0.5)  # of 4 and 0
+    assert (found.mean.lower, found.mean.upper) == pytest.approx(interval(2.0, np.sum(sigma**2) ** 0.5 / 2, 0.95))
     assert found.statistic == pytest.approx(16 / np.sum(sigma**2))
     assert found.probability < 1e-6
     assert both(SURE, nothing(5.0)).probability > 0.05  # it may well be there and not be seen
 
 
 def test_a_value_that_may_be_0_has_the_error_that_its_upper_end_tells():
-    found = both(SURE, Coefficient(1.0, 0.0, 2.5, 1.0))
+    found = both(SURE, Coefficient(1.0, 0.0, 2.5, at=1.0))
     sigma = np.array([(2.1**2 - 1.9**2) / (2 * TWO_SIDED), (2.5**2 - 1) / TWO_SIDED])
-    assert found.mean == pytest.approx(2.5**0.5)
+    assert found.mean.value == pytest.approx(2.5**0.5)
     assert found.statistic == pytest.approx(9 / np.sum(sigma**2))
 
 
 def test_of_what_no_log_shows_all_together_have_a_lower_limit_than_each():
     found = both(nothing(1.0), nothing(1.0))
-    assert (found.mean, found.mean_interval[0], found.statistic) == (None, None, 0)
-    assert found.mean_interval[1] == pytest.approx(0.5**0.25)
+    assert (found.mean.value, found.mean.lower, found.statistic) == (None, None, 0)
+    assert found.mean.upper == pytest.approx(0.5**0.25)
 
 
-@pytest.mark.parametrize("upper", [None, float("inf")])
-def test_beside_what_nothing_bounds_one_log_stands_alone(upper):
-    found = both(SURE, Coefficient(None, None, upper, None))
-    assert (found.values, found.mean, found.mean_interval, found.probability) == (
-        (2.0, None),
-        2.0,
-        (SURE.lower, SURE.upper),
-        None,
-    )
+def test_beside_what_nothing_bounds_one_log_stands_alone():
+    found = both(SURE, UNKNOWN)
+    assert [c.value for c in found.logs] == [2.0, None]
+    assert (found.mean.value, found.mean.lower, found.mean.upper) == (2.0, SURE.lower, SURE.upper)
+    assert found.probability is None
 
 
 @pytest.mark.parametrize("scatter", [(0.05, 0.1, 0.15), (0.1, 0.1, 0.1), (0.02, 0.05, 0.15)])
@@ -135,8 +133,8 @@ def test_the_common_interval_holds_the_truth_as_often_as_it_says(scatter):
     logs = [log(0.0), log(1.0), log(2.0)]
     for _ in range(200):
         found = [(finding(1.0, K=estimated(*x)),) for x in zip(1 + sigma * rng.standard_normal(3), sigma, strict=True)]
-        lower, upper = compare(logs, found, 0.95).coefficients["gyro_x"]["K"].mean_interval
-        inside += lower < 1 < upper
+        mean = compare(logs, found, 0.95).coefficients["gyro_x"]["K"].mean
+        inside += mean.lower < 1 < mean.upper
     assert 0.92 * 200 <= inside <= 0.98 * 200
 
 
@@ -149,20 +147,18 @@ def test_what_each_log_hardly_sees_is_not_held_for_sure_and_lies_below_the_commo
     for _ in range(200):
         squares = truth + rng.standard_normal(3)
         each = [
-            Coefficient(x**0.5, *interval(x, 1.0, 0.95), 1.0) if x > 0 else nothing(ONE_SIDED**0.5) for x in squares
+            Coefficient(x**0.5, *interval(x, 1.0, 0.95), at=1.0) if x > 0 else nothing(ONE_SIDED**0.5) for x in squares
         ]
-        lower, upper = (
-            compare(logs, [(finding(1.0, K=x),) for x in each], 0.95).coefficients["gyro_x"]["K"].mean_interval
-        )
-        above += upper > truth**0.5
-        wrong += (lower or 0) > truth**0.5
+        mean = compare(logs, [(finding(1.0, K=x),) for x in each], 0.95).coefficients["gyro_x"]["K"].mean
+        above += mean.upper > truth**0.5
+        wrong += (mean.lower or 0) > truth**0.5
     assert above >= 190
     assert wrong <= 8
 
 
 def estimated(square, sigma):
     """Return what an estimator says that found this square, far from 0, and knows its standard error."""
-    return Coefficient(square**0.5, (square - TWO_SIDED * sigma) ** 0.5, (square + TWO_SIDED * sigma) ** 0.5, 1.0)
+    return Coefficient(square**0.5, (square - TWO_SIDED * sigma) ** 0.5, (square + TWO_SIDED * sigma) ** 0.5, at=1.0)
 
 
 def test_the_table_shows_all_logs_together_beside_each():
@@ -214,17 +210,17 @@ def test_the_turn_on_bias_is_the_scatter_of_the_means():
     assert turn_on.means == pytest.approx((0.1, 0.3, 0.2, -0.1))
     noise = 0.01**2 / 3  # of the mean of 3 s
     square = np.var([0.1, 0.3, 0.2, -0.1], ddof=1)
-    assert turn_on.value == pytest.approx((square - noise) ** 0.5)
-    assert turn_on.lower == pytest.approx((3 * square / stats.chi2.ppf(0.975, 3) - noise) ** 0.5)
-    assert turn_on.upper == pytest.approx((3 * square / stats.chi2.ppf(0.025, 3) - noise) ** 0.5)
-    assert turn_on.unit == "rad/s"
+    assert turn_on.sigma.value == pytest.approx((square - noise) ** 0.5)
+    assert turn_on.sigma.lower == pytest.approx((3 * square / stats.chi2.ppf(0.975, 3) - noise) ** 0.5)
+    assert turn_on.sigma.upper == pytest.approx((3 * square / stats.chi2.ppf(0.025, 3) - noise) ** 0.5)
+    assert turn_on.sigma.unit == "rad/s"
 
 
 def test_means_that_scatter_as_the_noise_makes_them_have_no_turn_on_bias():
     logs = [log(m) for m in (0.1, 0.3, 0.2, -0.1)]
     turn_on = compare(logs, [(finding(1.0),)] * 4, 0.95).turn_on["gyro_x"]
-    assert (turn_on.value, turn_on.lower) == (None, None)
-    assert turn_on.upper >= 3**-0.5
+    assert (turn_on.sigma.value, turn_on.sigma.lower) == (None, None)
+    assert turn_on.sigma.upper >= 3**-0.5
 
 
 def test_a_log_is_not_compared_with_itself():
@@ -238,6 +234,6 @@ def test_logs_without_a_common_axis_cannot_be_compared():
 
 
 def test_only_headlines_are_compared():
-    other = Finding("gyro_x", "psd", {"N": Coefficient(9.0, 8.9, 9.1, 1.0)})
+    other = Finding("gyro_x", "psd", {"N": Coefficient(9.0, 8.9, 9.1, at=1.0)})
     found = compare([log(0.0), log(1.0)], [(other, finding(1.0)), (finding(1.0), other)], 0.95)
-    assert found.coefficients["gyro_x"]["N"].values == (1.0, 1.0)
+    assert [c.value for c in found.coefficients["gyro_x"]["N"].logs] == [1.0, 1.0]

@@ -62,10 +62,10 @@ def test_what_a_filter_takes_for_q_is_n_squared_of_white_samples():
 
 
 def result(bandwidth, rate, n):
-    from imuwb.identification import Coefficient
+    from imuwb.statistics import Coefficient
 
     none = np.empty(0)
-    axis = AxisCase(none, none, {"N": Coefficient(n, n, n or 1.0, 1.0)}, 1.0, 1.0)
+    axis = AxisCase(none, none, {"N": Coefficient(n, n, n or 1.0, at=1.0)}, 1.0, 1.0)
     return CaseResult({"bandwidth": str(bandwidth)}, {"gyro": rate}, {"gyro_x": axis})
 
 

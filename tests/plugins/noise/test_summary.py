@@ -1,11 +1,12 @@
 import pytest
 
-from imuwb.analysis import Finding, estimate_text
-from imuwb.identification import Coefficient
+from imuwb.analysis import Finding
+from imuwb.statistics import Coefficient
+from imuwb.texts import coefficient_text
 from imuwb.units import coefficient_units
 from imuwb_plugins.noise import summary
 
-N = {"N": Coefficient(1e-3, 0.9e-3, 1.1e-3, 1.0)}
+N = {"N": Coefficient(1e-3, 0.9e-3, 1.1e-3, at=1.0)}
 FINDINGS = (
     Finding("gyro_x", "allan", N),
     Finding("gyro_x", "likelihood", N, ("white noise to 9 s", "drifts", "SUSPICIOUS: odd"), headline=True),
@@ -54,10 +55,10 @@ def test_where_nothing_is_suspicious_the_word_is_not_explained():
     assert tables[0].caption == ""
 
 
-@pytest.mark.parametrize("upper", [None, float("inf")])
+@pytest.mark.parametrize("upper", [float("inf")])
 def test_a_value_that_nothing_bounds_has_a_dash_for_its_upper_end(upper):
     si = coefficient_units("gyro_x", "N")[0]
-    assert estimate_text(Coefficient(2e-3, 1e-3, upper, None), si) == f"0.002 [0.001, —] {si.name}"
-    assert estimate_text(Coefficient(2e-3, None, upper, None), si) == f"0.002 [0, —] {si.name}"
-    assert estimate_text(Coefficient(None, None, upper, None), si) == "—"
-    assert estimate_text(Coefficient(2e-3, 1e-3, 3e-3, None), si) == f"0.002 [0.001, 0.003] {si.name}"
+    assert coefficient_text(Coefficient(2e-3, 1e-3, upper), si) == f"0.002 [0.001, —] {si.name}"
+    assert coefficient_text(Coefficient(2e-3, None, upper), si) == f"0.002 [0, —] {si.name}"
+    assert coefficient_text(Coefficient(None, None, upper), si) == "—"
+    assert coefficient_text(Coefficient(2e-3, 1e-3, 3e-3), si) == f"0.002 [0.001, 0.003] {si.name}"

@@ -1,0 +1,232 @@
+"""Options as a person writes them: which type of value a text stands for, and which values may be.
+
+An option is a field of a frozen dataclass. Its annotation says all there is to know of it:
+
+    lever_arm: Annotated[tuple[float, float, float], "from the IMU to the antenna", Form("F,R,D", "0.4,0,-1.2")]
+    mounting: Literal["auto"] | tuple[float, float, float]
+    level: Level = 0.95
+
+``check`` in the dataclass's ``__post_init__`` turns texts into values and refuses what cannot be. The command line,
+``--through`` and Python code all pass through it, so an option means the same wherever it is written.
+
+How types are written: numbers as they are; a tuple with commas; pairs with colons, ``200:30,430:60``; whole numbers also as
+a range, ``3..8``; a mapping as ``key=value,key=value``; ``Literal`` words as they are; nothing for an empty tuple.
+"""
+
+from __future__ import annotations
+
+import math
+import types
+import typing
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, cast
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+MOST = 10_000  #: whole numbers in a range
+
+
+@dataclass(frozen=True, slots=True)
+class Between:
+    """The numbers that may be: from ``least`` to ``most``, without an end that is open."""
+
+    least: float = -math.inf
+    most: float = math.inf
+    open_least: bool = False
+    open_most: bool = False
+
+    def __contains__(self, value: float) -> bool:
+        """Return whether a number may be; what is not finite may not."""
+        above = value > self.least if self.open_least else value >= self.least
+        below = value < self.most if self.open_most else value <= self.most
+        return math.isfinite(value) and above and below
+
+    def __str__(self) -> str:
+        """Return the rule as words that follow "must be"."""
+        least = (
+            "" if math.isinf(self.least) else f"above {self.least:g}" if self.open_least else f"{self.least:g} or more"
+        )
+        most = "" if math.isinf(self.most) else f"below {self.most:g}" if self.open_most else f"{self.most:g} or less"
+        return " and ".join(part for part in (least, most) if part) or "a finite number"
+
+
+POSITIVE = Between(0.0, open_least=True)
+NOT_NEGATIVE = Between(0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """How an option is written: its pattern for ``--help``, and an example for messages."""
+
+    pattern: str
+    example: str = ""
+
+
+#: A level at which intervals and limits hold. At a level of one half, a one-sided limit would be the estimate itself.
+Level: TypeAlias = Annotated[float, "level of all intervals and limits", Between(0.6, 1.0, open_most=True)]
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    """One field of a dataclass of parameters, as its annotation describes it."""
+
+    name: str
+    kind: Any  #: the type, without what ``Annotated`` adds
+    help: str = ""
+    between: Between | None = None
+    form: Form | None = None
+
+
+def options_of(parameters: type) -> tuple[Option, ...]:
+    """Return the options that a dataclass of parameters declares, in order."""
+    hints = typing.get_type_hints(parameters, include_extras=True)
+    return tuple(_option(f.name, hints[f.name]) for f in fields(cast("Any", parameters)))
+
+
+def _option(name: str, hint: Any) -> Option:  # noqa: ANN401 - an annotation
+    if typing.get_origin(hint) is not Annotated:
+        return Option(name, hint)
+    kind, *notes = typing.get_args(hint)  # an alias, such as Level, comes first: what is said last counts
+    text = next((note for note in reversed(notes) if isinstance(note, str)), "")
+    between = next((note for note in reversed(notes) if isinstance(note, Between)), None)
+    return Option(name, kind, text, between, next((note for note in reversed(notes) if isinstance(note, Form)), None))
+
+
+def check(parameters: object) -> None:
+    """Turn the texts among a frozen dataclass's fields into values, and check the ranges.
+
+    Raises:
+        ValueError: a value that cannot be; the message names option, value and rule.
+    """
+    for option in options_of(type(parameters)):
+        given = getattr(parameters, option.name)
+        value = read(option, given) if isinstance(given, str) else given
+        if isinstance(value, list):
+            value = tuple(cast("list[object]", value))
+        if option.between is not None:
+            for number in _numbers(value):
+                if number not in option.between:
+                    message = f"{option.name} is {text_of(value)}; it must be {option.between}"
+                    raise ValueError(message)
+        object.__setattr__(parameters, option.name, value)
+
+
+def read(option: Option, text: str) -> Any:  # noqa: ANN401 - of the option's type
+    """Return the value that a text stands for.
+
+    Raises:
+        ValueError: no value of the option's type.
+    """
+    for kind in _members(option.kind):
+        try:
+            return _value(kind, text.strip())
+        except ValueError:
+            continue
+    example = f", such as {option.form.example}" if option.form is not None and option.form.example else ""
+    message = f"{option.name} is {text!r}; it must be {described(option.kind)}{example}"
+    raise ValueError(message)
+
+
+def _members(kind: Any) -> Iterator[Any]:  # noqa: ANN401 - a type
+    """Yield the types that a union allows, words first."""
+    members = typing.get_args(kind) if typing.get_origin(kind) in (typing.Union, types.UnionType) else (kind,)
+    yield from sorted((m for m in members if m is not type(None)), key=lambda m: typing.get_origin(m) is not Literal)
+
+
+def _value(kind: Any, text: str) -> Any:  # noqa: ANN401 - a kind of type each
+    origin, inner = typing.get_origin(kind), typing.get_args(kind)
+    if origin is Literal:
+        if text in inner:
+            return text
+        raise ValueError
+    if origin is tuple:
+        return _tuple(inner, text, ",")
+    if origin in (dict, Mapping):
+        pairs = [part.partition("=") for part in text.split(",") if part.strip()]
+        if not all(mark and value.strip() for _, mark, value in pairs) or len({key for key, _, _ in pairs}) < len(
+            pairs
+        ):
+            raise ValueError
+        return {key.strip(): _value(inner[1], value.strip()) for key, _, value in pairs}
+    if kind is bool:
+        words = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
+        if text.lower() not in words:
+            raise ValueError
+        return words[text.lower()]
+    if kind is float:
+        number = float(text)
+        if math.isnan(number):
+            raise ValueError
+        return number
+    return kind(text) if kind in (int, str, Path) else text
+
+
+def _tuple(inner: tuple[Any, ...], text: str, mark: str) -> tuple[Any, ...]:
+    parts = [part.strip() for part in text.split(mark)] if text else []
+    if len(inner) == 2 and inner[1] is Ellipsis:  # noqa: PLR2004 - tuple[int, ...]
+        kind = inner[0]
+        if kind is int and ".." in text:
+            first, _, last = text.partition("..")
+            low, high = int(first), int(last)
+            if not 0 <= high - low < MOST:
+                raise ValueError
+            return tuple(range(low, high + 1))
+        if typing.get_origin(kind) is tuple:
+            return tuple(_tuple(typing.get_args(kind), part, ":") for part in parts)
+        return tuple(_value(kind, part) for part in parts)
+    if len(parts) != len(inner):
+        raise ValueError
+    return tuple(_value(kind, part) for kind, part in zip(inner, parts, strict=True))
+
+
+def _numbers(value: object) -> Iterator[float]:
+    if isinstance(value, Mapping):
+        value = tuple(cast("Mapping[str, object]", value).values())
+    if isinstance(value, tuple):
+        for part in cast("tuple[object, ...]", value):
+            yield from _numbers(part)
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        yield float(value)
+
+
+_NAMES = {int: "a whole number", float: "a number", bool: "true or false", str: "a text", Path: "a path"}
+_COUNTS = {2: "two", 3: "three", 4: "four", 6: "six"}
+
+
+def described(kind: Any) -> str:  # noqa: ANN401 - a type
+    """Return a type in words that follow "must be"."""
+    return " or ".join(_described(member) for member in _members(kind))
+
+
+def _described(kind: Any) -> str:  # noqa: ANN401 - a type
+    origin, inner = typing.get_origin(kind), typing.get_args(kind)
+    if origin is Literal:
+        return " or ".join(str(word) for word in inner)
+    if origin in (dict, Mapping):
+        return "key=value,key=value"
+    if origin is tuple:
+        if Ellipsis not in inner:
+            return f"{_COUNTS.get(len(inner), len(inner))} {_plural(inner[0])} with commas between"
+        if typing.get_origin(inner[0]) is tuple:
+            return f"{_plural(typing.get_args(inner[0])[0])} as A:B,A:B"
+        return f"{_plural(inner[0])} with commas between" + (", or a range as 3..8" if inner[0] is int else "")
+    return _NAMES.get(kind, str(kind))
+
+
+def _plural(kind: Any) -> str:  # noqa: ANN401 - a type
+    return {int: "whole numbers", float: "numbers", str: "names"}.get(kind, f"values ({_described(kind)})")
+
+
+def text_of(value: object) -> str:
+    """Return a value as ``read`` takes it."""
+    if isinstance(value, Mapping):
+        return ",".join(f"{key}={text_of(item)}" for key, item in cast("Mapping[str, object]", value).items())
+    if isinstance(value, tuple):
+        parts = cast("tuple[object, ...]", value)
+        return ",".join(
+            ":".join(map(text_of, cast("tuple[object, ...]", p))) if isinstance(p, tuple) else text_of(p) for p in parts
+        )
+    return f"{value:g}" if isinstance(value, float) else str(value)
