@@ -179,6 +179,11 @@ class Case:
     log: Log
 
 
+def offers(plugin: object, part: str) -> bool:
+    """Return whether a plugin has a part, such as "error_model", without importing it."""
+    return part in dir(plugin)
+
+
 class Conditioner(Protocol):
     """What a module must have to be a conditioner."""
 

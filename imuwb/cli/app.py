@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 import typer
 
 from imuwb import __version__, registry
+from imuwb.analysis import offers
 from imuwb.cli import commands, model, simulate
 from imuwb.cli.options import command_function
 from imuwb.errors import UsageError
@@ -73,7 +74,7 @@ def _add(app: typer.Typer, name: str, analysis: Analysis, origin: str) -> None:
 
 
 def _add_command(app: typer.Typer, name: str, full: str, analysis: Analysis, origin: str) -> None:
-    missing = [part for part in ("Parameters", "run", "draw") if not hasattr(analysis, part)]
+    missing = [part for part in ("Parameters", "run", "draw") if not offers(analysis, part)]
     if missing:
         message = f"{origin}: a plugin has Parameters, run and draw; this one lacks {', '.join(missing)}"
         raise UsageError(message)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
+from imuwb.analysis import offers
 from imuwb.cli.common import ANY_LOG, Common
 from imuwb.cli.parameters import default_of, hints, make, parameters_of
 from imuwb.errors import UsageError
@@ -28,7 +29,7 @@ def command_function(name: str, analysis: Analysis) -> Callable[..., None]:
     shared = [
         inspect.Parameter(f.name, inspect.Parameter.KEYWORD_ONLY, default=default_of(f), annotation=hint)
         for f, hint in zip(fields(Common), hints(Common).values(), strict=True)
-        if hasattr(analysis, NEEDED.get(f.name, "run"))
+        if offers(analysis, NEEDED.get(f.name, "run"))
     ]
     clash = {p.name for p in own} & {p.name for p in shared}
     if clash:

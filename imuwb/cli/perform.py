@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 import typer
 
 from imuwb import __version__, readers
+from imuwb.analysis import offers
 from imuwb.cli.terminal import progress, shower
 from imuwb.cli.through import Step, cases, conditioned, grid, step
 from imuwb.errors import ImuwbError, UnreadableLogError, UsageError
@@ -42,7 +43,7 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: ob
     grid(common.study)
     places = Places.of(analysis, paths, common)
     plugin = cast("Any", analysis)
-    others: tuple[Path, ...] = plugin.outputs(parameters) if hasattr(analysis, "outputs") else ()
+    others: tuple[Path, ...] = plugin.outputs(parameters) if offers(analysis, "outputs") else ()
     check_places(
         [*places.all(), *others], [*paths, *([common.gnss] if common.gnss is not None else [])], force=common.force
     )

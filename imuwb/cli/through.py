@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import itertools
-import types
-import typing
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, Literal, cast
+from dataclasses import MISSING, Field, dataclass, fields
+from typing import TYPE_CHECKING, Any, cast
 
 from imuwb import registry
-from imuwb.analysis import Case
-from imuwb.cli.parameters import hints, make
+from imuwb.analysis import Case, offers
 from imuwb.errors import UsageError
+from imuwb.options import options_of, read
 from imuwb.progress import tracked
 
 if TYPE_CHECKING:
@@ -49,7 +47,7 @@ class Step:
 
     def draw(self, found: Any, review: Review) -> None:  # noqa: ANN401 - the conditioner's own
         """Show the change, where the conditioner can."""
-        if hasattr(self.conditioner, "draw"):
+        if offers(self.conditioner, "draw"):
             cast("Any", self.conditioner).draw(found, review)
 
 
@@ -84,50 +82,24 @@ def made(name: str, values: dict[str, str]) -> Step:
         message = f"--through {name}: the conditioner cannot be loaded (see the warning)"
         raise UsageError(message)
     kind = cast("Any", conditioner).Parameters
-    annotations = hints(kind)
-    known = {f.name: annotations[f.name] for f in fields(kind)}
+    options = {option.name: option for option in options_of(kind)}
     for key in values:
-        if key not in known:
-            message = f"--through {name}: no parameter {key!r}; there are {', '.join(known)}"
+        if key not in options:
+            message = f"--through {name}: no parameter {key!r}; there are {', '.join(options)}"
             raise UsageError(message)
     missing = [f.name for f in fields(kind) if f.name not in values and _required(f)]
     if missing:
         message = f"--through {name}: it needs {', '.join(missing)}; write {name}:{missing[0]}=..."
         raise UsageError(message)
-    given = {key: _value(name, key, value, known[key]) for key, value in values.items()}
     try:
-        return Step(name, cast("Conditioner", conditioner), make(kind, given))
-    except UsageError as error:
+        return Step(name, cast("Conditioner", conditioner), kind(**{k: read(options[k], v) for k, v in values.items()}))
+    except ValueError as error:
         message = f"--through {name}: {error}"
         raise UsageError(message) from error
 
 
-def _required(f: Any) -> bool:  # noqa: ANN401 - a field
-    from dataclasses import MISSING  # noqa: PLC0415 - one use
-
+def _required(f: Field[Any]) -> bool:
     return f.default is MISSING and f.default_factory is MISSING
-
-
-def _value(name: str, key: str, text: str, annotation: Any) -> Any:  # noqa: ANN401 - of any type
-    kind = typing.get_args(annotation)[0] if typing.get_origin(annotation) is typing.Annotated else annotation
-    if typing.get_origin(kind) in (typing.Union, types.UnionType):
-        kind = next(part for part in typing.get_args(kind) if part is not type(None))
-    where = f"--through {name}: {key}={text}"
-    if typing.get_origin(kind) is Literal:
-        if text not in typing.get_args(kind):
-            message = f"{where}: it must be one of {', '.join(typing.get_args(kind))}"
-            raise UsageError(message)
-        return text
-    if kind is bool:
-        if text.lower() not in ("true", "false", "yes", "no", "1", "0"):
-            message = f"{where}: it must be true or false"
-            raise UsageError(message)
-        return text.lower() in ("true", "yes", "1")
-    try:
-        return kind(text)
-    except ValueError as error:
-        message = f"{where}: it must be {'a whole number' if kind is int else 'a number'}"
-        raise UsageError(message) from error
 
 
 def conditioned(log: Log, texts: Sequence[str]) -> tuple[Log, list[tuple[Step, Any]]]:

@@ -4,42 +4,7 @@
 spectrum, it can be sampled, and it can be given to a filter.
 """
 
-from imuwb.stochastic.autoregressive import Autoregressive
-from imuwb.stochastic.deterministic import corrected, is_ideal, is_thermal, shown
-from imuwb.stochastic.error_model import AxisModel, ImuErrorModel
-from imuwb.stochastic.processes import (
-    Constant,
-    FlickerNoise,
-    GaussMarkov,
-    Quantization,
-    RandomWalk,
-    RateRamp,
-    Sinusoid,
-    WhiteNoise,
-)
-from imuwb.stochastic.state_space import FlickerApproximation, StateSpace
-from imuwb.stochastic.sums import FiniteOrder, Process, Stationary, Sum
+import lazy_loader
 
-__all__ = [
-    "Autoregressive",
-    "AxisModel",
-    "Constant",
-    "FiniteOrder",
-    "FlickerApproximation",
-    "FlickerNoise",
-    "GaussMarkov",
-    "ImuErrorModel",
-    "Process",
-    "Quantization",
-    "RandomWalk",
-    "RateRamp",
-    "Sinusoid",
-    "StateSpace",
-    "Stationary",
-    "Sum",
-    "WhiteNoise",
-    "corrected",
-    "is_ideal",
-    "is_thermal",
-    "shown",
-]
+# The public names stand in __init__.pyi; each is imported when it is first used.
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

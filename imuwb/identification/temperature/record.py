@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from imuwb.identification.suitable import unsuitable
+from imuwb.identification.record.suitable import unsuitable
 from imuwb.identification.temperature.thermal_trend import trend_of, without_trend
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from imuwb import __version__
 from imuwb.analysis import LineResult
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification import allan, deviation, find_lines, fit_allan, stillness
-from imuwb.identification.suitable import unsuitable
+from imuwb.identification.record.suitable import unsuitable
 from imuwb.log import source_of
 from imuwb.progress import tracked
 from imuwb.sampling import Sampling, longest_part, sampling

@@ -11,7 +11,7 @@ from imuwb.axes import axes_of, for_each, gap_notes, rates
 from imuwb.conditioning import denoise
 from imuwb.errors import MissingDataError
 from imuwb.identification import autocorrelation
-from imuwb.identification.suitable import unsuitable
+from imuwb.identification.record.suitable import unsuitable
 from imuwb.units import coefficient_units
 from imuwb_plugins.autocorrelation.result import AxisResult, Curve, Result
 

@@ -11,7 +11,7 @@ from imuwb.analysis import Finding
 from imuwb.axes import axes_of, for_each
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification import fit_autoregressive
-from imuwb.identification.suitable import unsuitable
+from imuwb.identification.record.suitable import unsuitable
 from imuwb.log import source_of
 from imuwb.stochastic import AxisModel, ImuErrorModel, Sum
 from imuwb.units import coefficient_units

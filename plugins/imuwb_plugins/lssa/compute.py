@@ -24,7 +24,7 @@ from imuwb.identification.lssa import (
     usable_band,
     words,
 )
-from imuwb.identification.suitable import unsuitable
+from imuwb.identification.record.suitable import unsuitable
 from imuwb.log import SECOND
 from imuwb.sampling import longest_part
 from imuwb.statistics.distributions import normal_limit, student_limit

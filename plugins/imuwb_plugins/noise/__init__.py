@@ -138,8 +138,8 @@ def _parameters(parameters: Parameters) -> dict[str, Any]:
     """Return the parameters of each analysis."""
     level = parameters.level
     return {
-        "allan": allan.Parameters(choose=parameters.choose, model="headline", level=level),
-        "psd": psd.Parameters(level=level),
-        "autocorrelation": autocorrelation.Parameters(level=level, denoise=parameters.denoise),
-        "autoregressive": autoregressive.Parameters(),
+        "allan": ANALYSES["allan"].Parameters(choose=parameters.choose, model="headline", level=level),
+        "psd": ANALYSES["psd"].Parameters(level=level),
+        "autocorrelation": ANALYSES["autocorrelation"].Parameters(level=level, denoise=parameters.denoise),
+        "autoregressive": ANALYSES["autoregressive"].Parameters(),
     }

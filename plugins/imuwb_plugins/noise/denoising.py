@@ -13,7 +13,7 @@ from imuwb.axes import axes_of, rates
 from imuwb.colors import AXIS_COLORS
 from imuwb.conditioning import band_limit, denoise
 from imuwb.identification import allan, power_spectrum
-from imuwb.identification.suitable import unsuitable
+from imuwb.identification.record.suitable import unsuitable
 from imuwb.units import UNITS
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from imuwb.analysis import Curve, Figure, Table, Vertical
 from imuwb.axes import axes_of, for_each, rates
 from imuwb.errors import MissingDataError
 from imuwb.identification import allan, fit_likelihood
-from imuwb.identification.suitable import unsuitable
+from imuwb.identification.record.suitable import unsuitable
 from imuwb.statistics import Coefficient
 from imuwb.texts import coefficient_text
 from imuwb.units import UNITS, coefficient_units

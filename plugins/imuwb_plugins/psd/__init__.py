@@ -4,38 +4,9 @@ Welch's method with segments of up to 2^20 samples, averaged over bands of frequ
 fitted to it by likelihood. Densities are one-sided.
 """
 
-from __future__ import annotations
+import lazy_loader
 
-from typing import TYPE_CHECKING
-
-from imuwb_plugins.psd.parameters import Parameters
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.analysis import Finding, Review
-    from imuwb.log import Log
-    from imuwb_plugins.psd.result import Result
-
-__all__ = ["Parameters", "draw", "findings", "run"]
-
-
-def run(logs: Sequence[Log], parameters: Parameters) -> Result:
-    """Return the result for each axis of the log's IMU."""
-    from imuwb_plugins.psd import compute  # noqa: PLC0415 - help must not wait for numpy
-
-    return compute.run(logs, parameters)
-
-
-def draw(result: Result, review: Review) -> None:
-    """Show figures, tables and notes."""
-    from imuwb_plugins.psd import show  # noqa: PLC0415 - as above
-
-    show.draw(result, review)
-
-
-def findings(result: Result) -> tuple[Finding, ...]:
-    """Return what is said of each axis."""
-    from imuwb_plugins.psd import compute  # noqa: PLC0415 - as above
-
-    return compute.findings(result)
+__getattr__, __dir__, __all__ = lazy_loader.attach(
+    __name__,
+    submod_attrs={"parameters": ["Parameters"], "compute": ["findings", "run"], "show": ["draw"]},
+)

@@ -11,7 +11,7 @@ from imuwb.analysis import Finding, LineResult
 from imuwb.axes import axes_of, for_each, gap_notes, rates
 from imuwb.errors import MissingDataError
 from imuwb.identification import find_lines, fit_spectrum, power_spectrum
-from imuwb.identification.suitable import unsuitable
+from imuwb.identification.record.suitable import unsuitable
 from imuwb.statistics import UNKNOWN
 from imuwb.units import coefficient_units
 from imuwb_plugins.psd.result import AxisResult, Result

@@ -10,7 +10,10 @@ def model(*terms, name="m"):
     return ImuErrorModel(name, {"gyro_x": AxisModel(Sum(terms))}, {"log": f"{name}.mcap"})
 
 
-def together(mean=Coefficient(2.5, 2.4, 2.6), turn_on=Coefficient(0.7, 0.3, 20.0)):
+MEAN, TURN_ON = Coefficient(2.5, 2.4, 2.6), Coefficient(0.7, 0.3, 20.0)
+
+
+def together(mean=MEAN, turn_on=TURN_ON):
     n = Compared((Coefficient(2.0, 1.9, 2.1), Coefficient(3.0, 2.9, 3.1)), mean, 1.0, 0.5)
     return Repeatability(0.95, ("a", "b"), {"gyro_x": {"N": n}}, {"gyro_x": TurnOn((1.0, 2.0), turn_on)}, ())
 

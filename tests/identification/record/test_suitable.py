@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from imuwb.identification.suitable import unsuitable
+from imuwb.identification.record.suitable import unsuitable
 
 
 def test_a_usable_series_has_nothing_against_it():

@@ -4,7 +4,7 @@ import pywt
 from scipy import signal
 
 from imuwb.identification import find_lines, fit_wavelet_variance, wavelet_variance
-from imuwb.identification.wavelet_variance import _expectations, _responses
+from imuwb.identification.wavelet.variance import _expectations, _responses
 from imuwb.stochastic import FlickerNoise, GaussMarkov, Quantization, RandomWalk, RateRamp, Sinusoid, WhiteNoise
 
 DT = 0.01

@@ -1,0 +1,13 @@
+from .kaiser import KaiserFilter as KaiserFilter
+from .kaiser import design_kaiser as design_kaiser
+from .kaiser import filtered as filtered
+from .lowpass import Lowpass as Lowpass
+from .lowpass import design_lowpass as design_lowpass
+from .streams import Change as Change
+from .streams import condition_streams as condition_streams
+from .wavelet import Denoised as Denoised
+from .wavelet import band_limit as band_limit
+from .wavelet import denoise as denoise
+from .wavelet import denoise_causally as denoise_causally
+from .wavelet import level_of_band as level_of_band
+from .wavelet import measured_band as measured_band

@@ -1,0 +1,10 @@
+from .filter import Solution as Solution
+from .filter import solve as solve
+from .filter_model import Aids as Aids
+from .filter_model import FilterModel as FilterModel
+from .filter_model import Installation as Installation
+from .filter_model import Settings as Settings
+from .outages import Drift as Drift
+from .outages import drift as drift
+from .strapdown import mechanize as mechanize
+from .strapdown import navigation_state as navigation_state
