@@ -1,3 +1,5 @@
+from .correction import correct as correct
+from .correction import corrected_log as corrected_log
 from .kaiser import KaiserFilter as KaiserFilter
 from .kaiser import design_kaiser as design_kaiser
 from .kaiser import filtered as filtered

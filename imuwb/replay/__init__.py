@@ -3,7 +3,6 @@
 from imuwb.replay.budget import Budget, budget
 from imuwb.replay.choice import Choice, choose
 from imuwb.replay.clocks import Clocks, estimate_clocks
-from imuwb.replay.corrected import corrected_log
 from imuwb.replay.degraded import Degradation, degraded
 from imuwb.replay.models import NAMES, model_named
 from imuwb.replay.motion import motion_classes
@@ -63,7 +62,6 @@ __all__ = [
     "budget",
     "choose",
     "compare",
-    "corrected_log",
     "degraded",
     "drift_curve",
     "effective_count",

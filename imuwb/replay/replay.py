@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from imuwb.conditioning import corrected_log
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.navigation.alignment import align, standing
 from imuwb.navigation.events import corrections
@@ -14,7 +15,6 @@ from imuwb.navigation.filter import solve
 from imuwb.navigation.measurement import denoised, measurement
 from imuwb.navigation.outages import drift
 from imuwb.progress import tracked
-from imuwb.replay.corrected import corrected_log
 from imuwb.replay.degraded import degraded
 from imuwb.replay.reference import is_independent, own, yardstick
 from imuwb.replay.scores import Scores, scores

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from imuwb.log import AXES
+from imuwb.notes import ids
 from imuwb.simulation import Temperature, drive, mixed_route
 from imuwb.stochastic import AxisModel, Constant, ImuErrorModel, Sum, WhiteNoise
 from imuwb_plugins import outage
@@ -48,10 +49,11 @@ def ran(log, tmp_path, model, **options):
 
 def test_biases_are_taken_off_before_anything_is_estimated(log, tmp_path):
     found = ran(log, tmp_path, sensor(), mounting="auto")
-    assert sum("corrected by the model's bias at the log's temperature" in note for note in found.notes) == 1
+    assert ids(found.notes).count("corrected") == 1
     without = ran(driven(blind()), tmp_path, blind(), mounting="auto")
-    assert found.mounting.angles == pytest.approx(without.mounting.angles, abs=0.01)
-    assert not any("corrected" in note for note in without.notes)
+    # The temperature of each second is held: 0.15 °C of 0.29 °C/s on average, 2 mm/s² of the curves, 0.012 degrees.
+    assert found.mounting.angles == pytest.approx(without.mounting.angles, abs=0.02)
+    assert "corrected" not in ids(without.notes)
     off = ran(log, tmp_path, blind(), mounting="auto")
     assert abs(off.mounting.angles[0] - without.mounting.angles[0]) > 3
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from imuwb.conditioning import corrected_log
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.log import AXES
 from imuwb.navigation import Aids, FilterModel, Installation, Settings
@@ -21,7 +22,6 @@ from imuwb.replay import (
     budget,
     choose,
     compare,
-    corrected_log,
     estimate_clocks,
     estimate_mounting,
     events_of,

@@ -1,0 +1,136 @@
+"""A log without the deterministic terms of an error model: bias, scale factors, cross-coupling, g-sensitivity.
+
+The correction is causal: each sample is corrected with the last temperature and the last force that were measured up to its
+time. Samples before the first one take the first one, as a filter would wait for it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.errors import MissingDataError, UsageError
+from imuwb.log import Conditioning, Triad
+from imuwb.notes import Note, ids
+from imuwb.stochastic import corrected, is_ideal
+
+if TYPE_CHECKING:
+    from imuwb.log import Floats, ImuStream, Log, Nanoseconds
+    from imuwb.stochastic import ImuErrorModel
+
+#: fields of an axis model -> the term they state; a field by temperature counts where the temperature is known
+_PLAIN = {
+    "bias": "bias", "scale_factor": "scale factor", "scale_factor_nonlinear": "non-linear scale factor",
+    "cross_coupling": "cross-coupling", "g_sensitivity": "g-sensitivity",
+}  # fmt: skip
+_THERMAL = {"thermal_bias": "bias", "thermal_scale_factor": "scale factor"}
+
+
+def corrected_log(log: Log, model: ImuErrorModel) -> tuple[Log, tuple[Note, ...]]:
+    """Return a log whose first IMU is corrected once, and a note of it; what ``correct`` did before stays as it is.
+
+    Raises:
+        MissingDataError: as ``correct``.
+        UsageError: as ``correct``.
+    """
+    if is_ideal(model):
+        return log, ()
+    before = next((step for step in log.conditioning if ids([step.note]) == ("corrected",)), None)
+    if before is None:
+        log, note = correct(log, model)
+        return log, (note,)
+    if (before.name, before.parameters) == _step(model):
+        return log, (Note("corrected", before.note),)
+    text = f"{before.name}:{before.parameters}"
+    return log, (Note("corrected before", f"not corrected by the model: the samples went through {text}"),)
+
+
+def correct(log: Log, model: ImuErrorModel, step: tuple[str, str] | None = None) -> tuple[Log, Note]:
+    """Return a log whose first IMU is without a model's deterministic terms, and a note of what was taken off.
+
+    Where the log has no temperature, the values that the model states beside its curves are taken off; a log is returned as
+    it is where the model states none.
+
+    Args:
+        log: an IMU; an error model is that of one sensor, so that only the first IMU is corrected.
+        model: its deterministic terms; its noise does not matter.
+        step: name and parameters of the step in ``Log.conditioning``.
+
+    Raises:
+        MissingDataError: no IMU; no force, where gyros have a g-sensitivity.
+        UsageError: terms so large that no motion is measured so.
+    """
+    imu = log.imu()
+    where = f"{log.provenance.path}: {imu.name}"
+    warm = imu.temperature is not None and len(imu.temperature) > 0
+    fields = {**_PLAIN, **_THERMAL} if warm else _PLAIN
+    terms = {fields[name]: None for name in fields if _states(model, name)}
+    curves = any(_states(model, name) for name in _THERMAL)
+    if not terms:
+        return log, Note(
+            "uncorrected", f"not corrected: {where} has no temperature, and all terms of the model depend on it"
+        )
+    if "g-sensitivity" in terms and imu.angular_rate is not None and imu.specific_force is None:
+        message = f"{where} has no accelerometer, and the error model {model.name} has a g-sensitivity: the gyros cannot be corrected without the force"
+        raise MissingDataError(message)
+    try:
+        changed = replace(imu, angular_rate=_rate(imu, model), specific_force=_force(imu, model))
+    except ValueError as error:
+        message = f"{where}: {error}"
+        raise UsageError(message) from error
+    note = Note("corrected", f"corrected by the model's {_listed(tuple(terms))}{_at(imu) if curves else ''}")
+    name, parameters = step or _step(model)
+    made = Conditioning(name, parameters, causal=True, delay=0.0, note=note)
+    imus = (changed, *log.imus[1:])
+    return replace(log, imus=imus, conditioning=(*log.conditioning, made)), note
+
+
+def _step(model: ImuErrorModel) -> tuple[str, str]:
+    return "error model", model.name
+
+
+def _states(model: ImuErrorModel, name: str) -> bool:
+    """Return whether a model states a term on any axis."""
+    return any(np.any(getattr(axis, name)) for axis in model.axes.values())
+
+
+def _listed(terms: tuple[str, ...]) -> str:
+    return " and ".join(filter(None, (", ".join(terms[:-1]), terms[-1])))
+
+
+def _at(imu: ImuStream) -> str:
+    """Return at which temperature a model with curves is applied, in words."""
+    if imu.temperature is None or not len(imu.temperature):
+        return " at the plain values beside its curves, as the log has no temperature"
+    celsius = imu.temperature.value
+    return f" at the log's temperature of {celsius.min():.1f} to {celsius.max():.1f} °C"
+
+
+def _force(imu: ImuStream, model: ImuErrorModel) -> Triad | None:
+    accel = imu.specific_force
+    if accel is None:
+        return None
+    force = corrected(model, (np.zeros_like(accel.value), accel.value), _celsius(imu, accel.time))[1]
+    return Triad(accel.time, force)
+
+
+def _rate(imu: ImuStream, model: ImuErrorModel) -> Triad | None:
+    gyro, accel = imu.angular_rate, imu.specific_force
+    if gyro is None:
+        return None
+    felt = np.zeros_like(gyro.value) if accel is None else _held(accel.time, accel.value, gyro.time)
+    return Triad(gyro.time, corrected(model, (gyro.value, felt), _celsius(imu, gyro.time))[0])
+
+
+def _celsius(imu: ImuStream, time: Nanoseconds) -> Floats | None:
+    """Return the temperature known at times, °C; None where there is none."""
+    if imu.temperature is None or not len(imu.temperature):
+        return None
+    return _held(imu.temperature.time, imu.temperature.value, time)
+
+
+def _held(known: Nanoseconds, values: Floats, time: Nanoseconds) -> Floats:
+    """Return the last values measured up to some times; before the first value, the first."""
+    return values[np.clip(np.searchsorted(known, time, side="right") - 1, 0, None)]

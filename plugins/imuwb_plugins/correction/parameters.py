@@ -1,0 +1,20 @@
+"""Options of the correction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path  # noqa: TC003 - the command line reads the annotations as the program runs
+from typing import Annotated
+
+from imuwb.options import check
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Options of ``--through correction:...``."""
+
+    model: Annotated[Path, "error model (TOML) whose deterministic terms are taken off"]
+
+    def __post_init__(self) -> None:
+        """Check the path."""
+        check(self)
