@@ -57,6 +57,12 @@ def load(point: EntryPoint) -> object | None:
         return None
 
 
+def summary_of(plugin: object) -> str:
+    """Return the first line of a plugin's docstring."""
+    lines = (getattr(plugin, "__doc__", None) or "").strip().splitlines()
+    return lines[0] if lines else "no description"
+
+
 def load_file(path: Path) -> ModuleType:
     """Import one Python file as a plugin and return its module.
 

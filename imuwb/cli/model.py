@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 FEWEST = 100  #: samples whose curves are drawn
 
-app = typer.Typer(no_args_is_help=True, help="Error models: show, compare, export, check.")
+app = typer.Typer(no_args_is_help=True, help="Show, compare, export and check error models.")
 
 _Model = Annotated[Path, typer.Argument(help="An error model.", metavar="MODEL.toml")]
 _Output = Annotated[
@@ -72,7 +72,7 @@ def export(
     force: _Force = False,
 ) -> None:
     """As another tool takes it, in that tool's units."""
-    from imuwb.cli.perform import check_place  # noqa: PLC0415 - help must not wait
+    from imuwb.cli.places import check_place  # noqa: PLC0415 - help must not wait
     from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
     from imuwb.stochastic.exports import export as exported  # noqa: PLC0415
     from imuwb.writers import write_text  # noqa: PLC0415
@@ -127,7 +127,7 @@ def check(
 
 
 def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | None, *, force: bool) -> None:
-    from imuwb.cli.perform import check_places  # noqa: PLC0415 - help must not wait
+    from imuwb.cli.places import check_places  # noqa: PLC0415 - help must not wait
     from imuwb.cli.terminal import shower  # noqa: PLC0415
     from imuwb.review.models import draw_models  # noqa: PLC0415
     from imuwb.review.recording import RecordingReview  # noqa: PLC0415

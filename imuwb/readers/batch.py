@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping  # noqa: TC003 - the command line reads the annotations as the program runs
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Literal, Protocol, get_args
 
@@ -10,7 +11,7 @@ from imuwb.log import Epoch, Origin
 from imuwb.readers.text.column_names import check_units
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping
+    from collections.abc import Collection, Iterator
     from pathlib import Path
 
     import numpy as np

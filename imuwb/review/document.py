@@ -39,6 +39,11 @@ def plain(value: object) -> object:  # noqa: PLR0911 - a kind of value each
     return value if value is None or isinstance(value, str | int | bool) else str(value)
 
 
+def json_text(value: object) -> str:
+    """Return any value as JSON text."""
+    return json.dumps(plain(value), indent=1, ensure_ascii=False, allow_nan=False)
+
+
 def document(
     analysis: str,
     version: str,
@@ -48,7 +53,7 @@ def document(
     notes: Sequence[str],
     study: object = None,
 ) -> str:
-    """Return the JSON text of a result; of an analysis with methods, ``"calibration six-position"``, both are told."""
+    """Return the JSON text of a result; the name of an analysis may have a method, as in "calibration six-position"."""
     name, _, method = analysis.partition(" ")
     settings = {**({"method": method} if method else {}), **cast("Mapping[str, object]", plain(parameters))}
     content = {
@@ -59,11 +64,11 @@ def document(
         "logs": [_log(log) for log in logs],
         "params": settings,
         "notes": list(notes),
-        "result": plain(result),
+        "result": result,
     }
     if study is not None:
-        content["study"] = plain(study)
-    return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False)
+        content["study"] = study
+    return json_text(content)
 
 
 def _log(log: Log) -> dict[str, object]:

@@ -172,7 +172,7 @@ def test_a_plugin_of_ones_own_may_have_methods(imuwb, tmp_path):
     [
         ("{}", "METHODS must be a mapping"),
         ("[1]", "METHODS must be a mapping"),
-        ("{'a': 1}", "mine.py, a: a plugin has Parameters"),
+        ("{'a': 1}", "mine.py, a: a plugin must have Parameters"),
     ],
 )
 def test_methods_that_are_none(imuwb, tmp_path, methods, message):

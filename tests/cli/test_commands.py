@@ -181,7 +181,7 @@ def test_progress_is_for_terminals_only(imuwb, static_mcap):
 
 def test_view_refuses_what_is_no_recording(imuwb, static_mcap):
     done = imuwb("view", static_mcap)
-    assert (done.code, "no Rerun recording" in done.err) == (4, True)
+    assert (done.code, "not a Rerun recording" in done.err) == (4, True)
     assert imuwb("view", "gone.rrd").code == 4
 
 

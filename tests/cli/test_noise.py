@@ -98,7 +98,7 @@ def test_equal_logs_of_one_sensor_do_not_differ_and_give_a_turn_on_bias(imuwb, t
         assert turn_on.sigma == pytest.approx(np.std(biases, ddof=1), rel=0.05)
         lower, upper = model.axes[axis].intervals[f"{terms.index(turn_on)}.sigma"]
         assert lower < turn_on.sigma < upper
-        mean = found["coefficients"][axis]["N"]["mean"]
+        mean = found["coefficients"][axis]["N"]["mean"]["value"]
         assert [t.N for t in terms if isinstance(t, WhiteNoise)] == pytest.approx([mean])
         assert mean == pytest.approx(N, rel=0.05)
     shown = entities(tmp_path / "run0.rrd")

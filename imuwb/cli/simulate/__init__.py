@@ -11,7 +11,7 @@ from imuwb.cli.simulate.static import static
 
 app = typer.Typer(
     no_args_is_help=True,
-    help="Logs of known truth: of a still IMU, a chamber, a calibration bench, or a drive with GNSS.",
+    help="Simulate logs of sensors whose errors are known.",
 )
 
 app.command()(static)

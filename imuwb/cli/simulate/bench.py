@@ -182,7 +182,7 @@ def _site(latitude: float | None, height: float) -> Site:
 
 
 def _write(logs: Mapping[str, Log], folder: Path, kind: str, texts: Mapping[str, str], *, force: bool) -> None:
-    from imuwb.cli.perform import check_places  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.cli.places import check_places  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.terminal import progress  # noqa: PLC0415
     from imuwb.writers import places, write, write_text  # noqa: PLC0415
 

@@ -58,7 +58,7 @@ def sensor_of(name: str | None, option: str, error_model: Path | None) -> ImuErr
 
 def check(output: Path, *, force: bool) -> None:
     """Say before the work when a log could not be written."""
-    from imuwb.cli.perform import check_place  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.cli.places import check_place  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.writers import SUFFIXES  # noqa: PLC0415
 
     if output.suffix not in SUFFIXES:
@@ -69,7 +69,7 @@ def check(output: Path, *, force: bool) -> None:
 
 def check_folder(folder: Path, files: list[Path], *, force: bool) -> None:
     """Say before the work when a folder could not be filled, or holds what would be taken for its logs."""
-    from imuwb.cli.perform import check_place  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.cli.places import check_place  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.writers import SUFFIXES  # noqa: PLC0415
 
     if folder.suffix in SUFFIXES:
@@ -93,7 +93,7 @@ def check_folder(folder: Path, files: list[Path], *, force: bool) -> None:
 
 def save(log: Log, output: Path, *, force: bool) -> None:
     """Write a log, and say where."""
-    from imuwb.cli.perform import check_places  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.cli.places import check_places  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.terminal import progress  # noqa: PLC0415
     from imuwb.writers import places, write  # noqa: PLC0415
 

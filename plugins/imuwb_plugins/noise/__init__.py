@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 LOGS = (1, None)
 LEAVES_MODEL = True
+DEMO = "still"
 #: in the order of their tabs
 ANALYSES: dict[str, Any] = {
     "allan": allan,

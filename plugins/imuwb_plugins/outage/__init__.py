@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from imuwb.log import Log
     from imuwb_plugins.outage.result import Result
 
-__all__ = ["Parameters", "draw", "outputs", "run", "write_outputs"]
+__all__ = ["DEMO", "Parameters", "draw", "outputs", "run", "write_outputs"]
+
+DEMO = "drive"
 
 
 def run(logs: Sequence[Log], parameters: Parameters) -> Result:

@@ -1,0 +1,67 @@
+"""imuwb info: what is in a log."""
+
+from __future__ import annotations
+
+from pathlib import Path  # noqa: TC003 - the command line reads the annotations as the program runs
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from imuwb.cli.options import LOG_ARGUMENT
+from imuwb.readers.batch import ReadOptions  # noqa: TC001 - as above
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from imuwb.analysis import Table
+    from imuwb.log import Log
+
+LARGE = 256 << 20  #: bytes; a larger log is summarized from its index, where it has one
+
+
+def info(
+    log: Annotated[Path, LOG_ARGUMENT],
+    reading: ReadOptions,
+    *,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON on stdout.")] = False,
+    scan: Annotated[
+        bool, typer.Option("--scan", help="Read every message of a large log, not only its index.")
+    ] = False,
+) -> None:
+    """Show the streams of a log: rates, gaps, clocks, units, frames and repairs."""
+    from imuwb import readers  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.cli.reading import read_log  # noqa: PLC0415
+    from imuwb.cli.terminal import shower  # noqa: PLC0415
+    from imuwb.readers.bytes import source  # noqa: PLC0415
+    from imuwb.review.tables import streams_table  # noqa: PLC0415
+    from imuwb.summary import summarize  # noqa: PLC0415
+
+    source.check(log)
+    whole = read_log(log, reading) if scan or log.stat().st_size <= LARGE else None
+    summary = readers.describe(log) if whole is None else summarize(whole)
+    if json:
+        from imuwb.review.document import json_text  # noqa: PLC0415 - only here
+
+        typer.echo(json_text(summary))
+        return
+    show = shower(data=True)
+    show(streams_table(summary))
+    for note in summary.notes:
+        show(note)
+    if not summary.streams:
+        show("this log has no stream that imuwb reads")
+    if whole is not None:
+        show_faults(whole, show)
+
+
+def show_faults(log: Log, show: Callable[[Table | str], None]) -> None:
+    """State how many faults a log has, and the worst of them."""
+    from imuwb.health import check  # noqa: PLC0415 - help must not wait for numpy
+
+    faults = [fault for fault in check(log, samples=False).faults if fault.severity != "note"]
+    if faults:
+        worst = faults[0]
+        count = f" ({worst.count} times)" if worst.count > 1 else ""
+        show(
+            f"{len(faults)} faults and warnings; the worst: {worst.stream}: {worst.what}{count}; imuwb health shows all"
+        )

@@ -1,0 +1,98 @@
+"""Where outputs go, checked before the work begins."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from imuwb.errors import ImuwbError, UsageError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from imuwb.analysis import Analysis
+    from imuwb.cli.options import Outputs
+
+SUFFIXES = (".rrd", ".gz", ".csv", ".txt", ".mcap", ".pos", ".bin", ".tlog", ".ulg", ".log")
+
+
+@dataclass(frozen=True, slots=True)
+class Places:
+    """Where the outputs of an analysis go."""
+
+    recording: Path
+    document: Path | None  #: the JSON
+    model: Path | None  #: the error model
+    to_stdout: bool  #: whether the JSON goes to stdout
+
+    @staticmethod
+    def of(analysis: Analysis, logs: Sequence[Path], outputs: Outputs) -> Places:
+        """Return the places that are asked for, or the usual ones beside the first log.
+
+        Raises:
+            UsageError: a recording that does not end in .rrd.
+        """
+        recording = recording_place(outputs.output, logs[0])
+        model = outputs.save_model
+        if model is None and (kind := getattr(analysis, "LEAVES_MODEL", False)):
+            model = recording.with_name(f"{stem(recording)}.{kind if isinstance(kind, str) else 'error-model'}.toml")
+        to_stdout = outputs.json == "-"
+        return Places(recording, Path(outputs.json) if outputs.json and not to_stdout else None, model, to_stdout)
+
+    def all(self) -> list[Path]:
+        """Return all files that will be written."""
+        return [file for file in (self.recording, self.document, self.model) if file is not None]
+
+
+def recording_place(output: Path | None, source: Path) -> Path:
+    """Return the recording that is asked for, or the one beside a source.
+
+    Raises:
+        UsageError: a recording that does not end in .rrd.
+    """
+    recording = output or source.with_name(f"{stem(source)}.rrd")
+    if recording.suffix != ".rrd":
+        message = f"--output {recording}: the name of a recording must end in .rrd"
+        raise UsageError(message)
+    return recording
+
+
+def stem(path: Path) -> str:
+    """Return a file's name without its suffixes: static for static.csv.gz."""
+    name = path.name
+    for suffix in SUFFIXES:
+        name = name.removesuffix(suffix)
+    return name or path.name
+
+
+def check_places(files: Sequence[Path], logs: Sequence[Path], *, force: bool) -> None:
+    """Check that all outputs can be written: no file twice, none over a log that is read.
+
+    Raises:
+        UsageError: two outputs of one name, or a file that exists without ``force``.
+        ImuwbError: a place that cannot be written to.
+    """
+    taken = {log.resolve() for log in logs}
+    for file in files:
+        if file.resolve() in taken:
+            message = f"{file} is a log that is read, or another output; give each output a name of its own"
+            raise UsageError(message)
+        taken.add(file.resolve())
+        check_place(file, force=force)
+
+
+def check_place(file: Path, *, force: bool) -> None:
+    """Check that a file can be written; errors as in ``check_places``."""
+    if file.exists() and not force:
+        message = f"{file} exists; overwrite it with --force, or choose another name with --output"
+        raise UsageError(message)
+    parent = file.parent
+    if file.exists() and not file.is_file() and not file.is_dir():
+        message = f"{file}: cannot be written: it is a device or a pipe, not a file"
+        raise ImuwbError(message)
+    if file.is_dir() or not parent.is_dir() or not os.access(parent, os.W_OK):
+        why = "it is a folder" if file.is_dir() else f"the folder {parent} does not exist or cannot be written to"
+        message = f"{file}: cannot be written: {why}"
+        raise ImuwbError(message)

@@ -1,0 +1,30 @@
+"""Reads the log of a command, and cuts it to the part that is wanted."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from imuwb import joining, readers, selection
+from imuwb.cli.terminal import progress
+from imuwb.readers.batch import ReadOptions
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from imuwb.cli.options import Part
+    from imuwb.log import Log
+
+
+def read_log(path: Path, reading: ReadOptions, part: Part | None = None) -> Log:
+    """Read a log, with the receiver's own file beside it where one is given, and cut it to the part that is wanted."""
+    log = _read(path, reading)
+    if part is None:
+        return log
+    if part.gnss is not None:
+        log = joining.joined(log, _read(part.gnss, ReadOptions()))
+    return selection.select(log, part.imu, part.start, part.end)
+
+
+def _read(path: Path, reading: ReadOptions) -> Log:
+    with progress(f"reading {path.name}") as report:
+        return readers.read(path, reading, report)

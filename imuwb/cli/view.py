@@ -1,0 +1,41 @@
+"""imuwb view: a recording in the Rerun viewer."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path  # noqa: TC003 - the command line reads the annotations as the program runs
+from typing import Annotated
+
+import typer
+
+from imuwb.errors import ImuwbError, UnreadableLogError
+
+
+def view(recording: Annotated[Path, typer.Argument(help="A recording that imuwb wrote.", metavar="REC.rrd")]) -> None:
+    """Open a recording in the Rerun viewer, on this machine only."""
+    check_recording(recording)
+    # CI tells the viewer to send no usage statistics; it has no option for that.
+    environment = {**os.environ, "CI": "true"}
+    command = [sys.executable, "-m", "rerun", str(recording), "--bind", "127.0.0.1"]
+    done = subprocess.run(command, env=environment, check=False)  # noqa: S603 - our own interpreter, a checked file
+    if done.returncode:
+        message = f"the viewer ended with exit code {done.returncode}; it needs a screen"
+        raise ImuwbError(message)
+
+
+def check_recording(path: Path) -> None:
+    """Raise UnreadableLogError unless a file is a Rerun recording, and whole."""
+    from imuwb.readers.bytes import source  # noqa: PLC0415 - help must not wait
+    from imuwb.review.rrd import MAGIC, is_whole  # noqa: PLC0415
+
+    source.check(path)
+    with path.open("rb") as file:
+        magic = file.read(len(MAGIC))
+    if magic != MAGIC:
+        message = f"{path}: not a Rerun recording (it begins with {magic!r}); imuwb writes one with --output FILE.rrd"
+        raise UnreadableLogError(message)
+    if not is_whole(path):
+        message = f"{path}: the recording is cut or damaged: its end mark is missing; make it again"
+        raise UnreadableLogError(message)
