@@ -10,7 +10,8 @@ An option is a field of a frozen dataclass. Its annotation says all there is to 
 ``--through`` and Python code all pass through it, so an option means the same wherever it is written.
 
 How types are written: numbers as they are; a tuple with commas; pairs with colons, ``200:30,430:60``; whole numbers also as
-a range, ``3..8``; a mapping as ``key=value,key=value``; ``Literal`` words as they are; nothing for an empty tuple.
+a range, ``3..8``; a mapping as ``key=value,key=value``; ``Literal`` words as they are; nothing for an empty tuple. A class of its own has
+``from_text(text)``, which raises ValueError, ``__str__``, which returns that text, and ``FORMS``, which names what may be written.
 """
 
 from __future__ import annotations
@@ -161,7 +162,7 @@ def _value(kind: Any, text: str) -> Any:  # noqa: ANN401 - a kind of type each
         if math.isnan(number):
             raise ValueError
         return number
-    return kind(text) if kind in (int, str, Path) else text
+    return getattr(kind, "from_text", kind if kind in (int, str, Path) else str)(text)
 
 
 def _tuple(inner: tuple[Any, ...], text: str, mark: str) -> tuple[Any, ...]:
@@ -213,7 +214,7 @@ def _described(kind: Any) -> str:  # noqa: ANN401 - a type
         if typing.get_origin(inner[0]) is tuple:
             return f"{_plural(typing.get_args(inner[0])[0])} as A:B,A:B"
         return f"{_plural(inner[0])} with commas between" + (", or a range as 3..8" if inner[0] is int else "")
-    return _NAMES.get(kind, str(kind))
+    return _NAMES.get(kind) or getattr(kind, "FORMS", str(kind))
 
 
 def _plural(kind: Any) -> str:  # noqa: ANN401 - a type

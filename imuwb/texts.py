@@ -36,6 +36,19 @@ def interval_text(estimate: Estimate, unit: str = "") -> str:
     return f"{text} {unit or estimate.unit}".rstrip()
 
 
+def estimate_text(estimate: Estimate, unit: str, factor: float = 1.0) -> str:
+    """Return an estimate with the decimals that its interval is worth: 0.123 [0.120, 0.126] deg/s.
+
+    Args:
+        estimate: with an interval.
+        unit: name of the display unit; empty: no unit.
+        factor: value of one display unit in the unit of the estimate.
+    """
+    value, low, high = (x / factor for x in (estimate.value, estimate.lower, estimate.upper))
+    digits = decimals(high - low)
+    return f"{value:.{digits}f} [{low:.{digits}f}, {high:.{digits}f}] {unit}".rstrip()
+
+
 def coefficient_text(coefficient: Coefficient, unit: Unit) -> str:
     """Return a coefficient with its interval in a display unit, with as many digits as the interval is worth.
 

@@ -9,6 +9,21 @@ from imuwb.options import NOT_NEGATIVE, Between, Form, Level, check, options_of,
 
 
 @dataclass(frozen=True)
+class Ratio:
+    FORMS = "A/B"
+    first: str
+    second: str
+
+    @classmethod
+    def from_text(cls, text: str) -> "Ratio":
+        first, second = text.split("/")
+        return cls(first, second)
+
+    def __str__(self) -> str:
+        return f"{self.first}/{self.second}"
+
+
+@dataclass(frozen=True)
 class Parameters:
     level: Level = 0.95
     own: Annotated[Level, "of the lines"] = 0.99
@@ -20,6 +35,7 @@ class Parameters:
     file: Path | None = None
     choose: bool = True
     delay: Annotated[Literal["auto"] | float, NOT_NEGATIVE] = 0.0
+    ratio: Ratio | None = None
 
     def __post_init__(self) -> None:
         check(self)
@@ -28,6 +44,7 @@ class Parameters:
 @pytest.mark.parametrize(
     ("option", "text", "value"),
     [
+        ("ratio", "2/3", Ratio("2", "3")),
         ("mounting", "auto", "auto"),
         ("mounting", "1, 2,-3.5", (1.0, 2.0, -3.5)),
         ("at", "own", "own"),
@@ -71,6 +88,7 @@ def test_a_text_becomes_the_value_of_its_type(option, text, value):
         ("choose", "perhaps", "true or false"),
         ("delay", -1.0, "0 or more"),
         ("delay", "later", "auto or a number"),
+        ("ratio", "2", "A/B"),
     ],
 )
 def test_what_cannot_be_is_refused_with_option_value_and_rule(option, value, rule):

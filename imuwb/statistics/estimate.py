@@ -29,6 +29,10 @@ class Estimate:
         sigma = None if self.sigma is None else self.sigma * abs(factor)
         return Estimate(self.value * factor, low, high, sigma, unit)
 
+    def shifted(self, offset: float) -> Estimate:
+        """Return the estimate of the value plus a known number."""
+        return replace(self, value=self.value + offset, lower=self.lower + offset, upper=self.upper + offset)
+
     def __str__(self) -> str:
         """Return the value with its interval."""
         text = f"{self.value:.4g}"

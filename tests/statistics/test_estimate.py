@@ -3,7 +3,7 @@ import math
 import pytest
 
 from imuwb.statistics import UNKNOWN, Coefficient, Estimate
-from imuwb.texts import coefficient_text, interval_text, number_text, quantity_text, seconds_text
+from imuwb.texts import coefficient_text, estimate_text, interval_text, number_text, quantity_text, seconds_text
 from imuwb.units import UNITS
 
 
@@ -12,6 +12,14 @@ def test_another_unit_scales_all_and_a_negative_factor_turns_the_interval_round(
     assert found == Estimate(-20.0, -40.0, -10.0, 5.0, "mrad")
     assert -30.0 in found
     assert -9.0 not in found
+
+
+def test_a_known_number_shifts_all_but_the_standard_deviation():
+    assert Estimate(2.0, 1.0, 4.0, 0.5, "1").shifted(-1.0) == Estimate(1.0, 0.0, 3.0, 0.5, "1")
+
+
+def test_an_estimate_has_the_decimals_that_its_interval_is_worth():
+    assert estimate_text(Estimate(0.0123456, 0.0121, 0.0125), "mrad", 1e-3) == "12.35 [12.10, 12.50] mrad"
 
 
 def test_estimates_print_themselves():

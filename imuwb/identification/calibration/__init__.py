@@ -1,9 +1,8 @@
-"""Calibration: deterministic errors from still positions and from a rate table; arrays in, frozen results out."""
+"""Calibration: deterministic errors from still positions and from a rate table."""
 
+from imuwb.identification.calibration.axis_calibration import AxisCalibration
 from imuwb.identification.calibration.clipping import clipped
-from imuwb.identification.calibration.estimate import AxisCalibration, Estimate
 from imuwb.identification.calibration.faces import face_name, faces
-from imuwb.identification.calibration.gyro_static import static_gyros
 from imuwb.identification.calibration.magnitude import without_attitudes
 from imuwb.identification.calibration.means import Means, means
 from imuwb.identification.calibration.positions import (
@@ -14,20 +13,19 @@ from imuwb.identification.calibration.positions import (
     six_position,
 )
 from imuwb.identification.calibration.rate_table import (
-    Conditions,
     RateRun,
     RateTableCalibration,
     RunFit,
+    TableConditions,
     bends,
     rate_table,
 )
 from imuwb.identification.calibration.staircase import Staircase, matched, turned_axis
+from imuwb.identification.calibration.static_gyros import static_gyros
 from imuwb.identification.calibration.steady import shared, steady
 
 __all__ = [
     "AxisCalibration",
-    "Conditions",
-    "Estimate",
     "Means",
     "PositionCalibration",
     "PrintedCalibration",
@@ -35,6 +33,7 @@ __all__ = [
     "RateTableCalibration",
     "RunFit",
     "Staircase",
+    "TableConditions",
     "as_printed",
     "bends",
     "clipped",

@@ -1,4 +1,4 @@
-"""Least squares with two sources of error: known noise of each row, and an extra one whose size the residuals tell."""
+"""Least squares with two sources of error: the known noise of each row, and an extra error estimated from the residuals."""
 
 from __future__ import annotations
 
@@ -8,38 +8,42 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import optimize, special
 
-from imuwb.identification.calibration.estimate import Estimate, estimate
+from imuwb.identification.calibration.axis_calibration import student_estimate
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from imuwb.statistics import Estimate
+
     Floats = NDArray[np.float64]
 
-CHANCE = 0.2  #: at which residuals are called larger than noise makes them; a late alarm would cost coverage
-WEAK = 1e-7  #: smallest singular value over the largest, of a design with columns of length 1
-RANGE = 12.0  #: decades below the residuals' variance in which the extra variance is looked for
+CHANCE = 0.2  #: probability of the residuals below which an extra error is estimated; a smaller one would cost coverage
+WEAK = 1e-7  #: smallest singular value over the largest of a design with columns of length 1; below, it is singular
+RANGE = 12.0  #: decades below the variance of the residuals, in which the extra variance is searched
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class LinearFit:
-    """Parameters of y = X p + noise + extra error."""
+    """The parameters of y = X p + noise + extra error."""
 
     value: Floats  #: (m,)
     covariance: Floats  #: (m, m)
-    freedom: Floats  #: (m,) of each parameter's variance
+    freedom: Floats  #: (m,) degrees of freedom of each parameter's variance
     residual: Floats  #: (n,)
-    extra: float  #: variance of the extra error where its pattern is 1
-    extra_freedom: float  #: rows beyond the parameters
-    probability: float  #: of residuals as large as these by noise alone
+    extra: float  #: variance of the extra error in a row whose pattern is 1
+    extra_freedom: float  #: number of rows minus number of parameters
+    probability: float  #: that noise alone makes residuals as large as these
 
     def estimate(self, place: int, level: float, factor: float = 1.0) -> Estimate:
-        """Return a parameter times a factor, with its interval."""
+        """Return the parameter number ``place`` times a factor, with its interval."""
         variance = float(self.covariance[place, place])
-        return estimate(factor * float(self.value[place]), factor**2 * variance, float(self.freedom[place]), level)
+        return student_estimate(
+            factor * float(self.value[place]), factor**2 * variance, float(self.freedom[place]), level
+        )
 
 
 def is_determined(design: Floats) -> bool:
-    """Return whether no column of a design, (n, m), is made of the others."""
+    """Return whether the columns of a design, (n, m), are linearly independent."""
     if len(design) < design.shape[1]:
         return False
     size = np.linalg.norm(design, axis=0)
@@ -50,32 +54,32 @@ def is_determined(design: Floats) -> bool:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Noise:
-    """Variances of n rows, and how well they are known."""
+class RowNoise:
+    """The variances of n rows, and how well they are known."""
 
     variance: Floats  #: (n,)
-    source: NDArray[np.int64]  #: (n,) rows of one source share one estimate
+    source: NDArray[np.int64]  #: (n,) rows with the same number share one estimate of the variance
     freedom: Floats  #: (n,) degrees of freedom of that estimate
 
 
-def fit_linear(design: Floats, y: Floats, noise: Noise, pattern: Floats | None, *, always: bool) -> LinearFit:
+def fit_linear(design: Floats, y: Floats, noise: RowNoise, pattern: Floats | None, *, always: bool) -> LinearFit:
     """Return the weighted least-squares fit.
 
-    Row i has the variance ``noise.variance[i] + extra pattern[i]``; the extra variance is that of the restricted likelihood.
-    Degrees of freedom are Satterthwaite's, from what is known of both variances.
+    Row i has the variance ``noise.variance[i] + extra * pattern[i]``. The extra variance maximises the restricted likelihood.
+    Degrees of freedom are Satterthwaite's approximation for the sum of both variances.
 
     Args:
         design: (n, m).
         y: (n,).
-        noise: of the rows.
-        pattern: (n,) shares of the extra error, 0 or more; None: there is none.
-        always: allow for the extra error even where residuals do not show it.
+        noise: variances of the rows.
+        pattern: (n,) relative size of the extra variance in each row, 0 or more; None: no extra error.
+        always: estimate the extra error even if the residuals are no larger than the noise.
 
     Raises:
-        ValueError: the rows leave parameters open.
+        ValueError: the rows do not determine the parameters.
     """
     if not is_determined(design):
-        message = f"{design.shape[1]} parameters are not determined by these {len(design)} rows"
+        message = f"{design.shape[1]} parameters are not determined by {len(design)} rows"
         raise ValueError(message)
     variance = np.maximum(noise.variance, np.finfo(float).tiny * 1e20)
     rest = len(y) - design.shape[1]
@@ -89,19 +93,20 @@ def fit_linear(design: Floats, y: Floats, noise: Noise, pattern: Floats | None, 
     changing = _uncertainty(design, covariance, total, variance, noise)
     if wanted and pattern is not None:
         changing = changing + _extra_uncertainty(design, covariance, total, pattern)
-    degrees = np.full(len(covariance), np.inf)  # where nothing is uncertain
+    degrees = np.full(len(covariance), np.inf)  # infinite if both variances are known exactly
     np.divide(2 * np.diag(covariance) ** 2, changing, out=degrees, where=changing > 0)
     return LinearFit(value, covariance, np.clip(degrees, 1.0, 1e6), residual, extra, float(rest), chance)
 
 
 def _solved(design: Floats, y: Floats, variance: Floats) -> tuple[Floats, Floats]:
+    """Return the weighted least-squares parameters and the residuals."""
     root = np.sqrt(variance)
     value: Floats = np.asarray(np.linalg.lstsq(design / root[:, None], y / root, rcond=None)[0], dtype=np.float64)
     return value, y - design @ value
 
 
 def _restricted(design: Floats, y: Floats, variance: Floats, pattern: Floats) -> float:
-    """Return the extra variance of the largest restricted likelihood (REML)."""
+    """Return the extra variance that maximises the restricted likelihood (REML)."""
     _, residual = _solved(design, y, np.ones_like(y))
     top = float((residual**2).sum()) / max(float(pattern.mean()), 1e-12) + float(variance.max())
 
@@ -114,23 +119,23 @@ def _restricted(design: Floats, y: Floats, variance: Floats, pattern: Floats) ->
     def cost_at(decade: float) -> float:
         return cost(top * 10**decade)
 
-    found = optimize.minimize_scalar(cost_at, bounds=(-RANGE, 1.0), method="bounded", options={"xatol": 1e-4})
-    best = top * 10 ** float(found.x)
+    decade = optimize.minimize_scalar(cost_at, bounds=(-RANGE, 1.0), method="bounded", options={"xatol": 1e-4})
+    best = top * 10 ** float(decade.x)
     return best if cost(best) < cost(0.0) else 0.0
 
 
-def _uncertainty(design: Floats, covariance: Floats, total: Floats, variance: Floats, noise: Noise) -> Floats:
-    """Return the variance of each parameter's variance that the noise's uncertain variance makes."""
-    effect = (covariance @ design.T / total) ** 2 * variance  # (m, n): of a relative change of a row's variance
-    found = np.zeros(len(covariance))
+def _uncertainty(design: Floats, covariance: Floats, total: Floats, variance: Floats, noise: RowNoise) -> Floats:
+    """Return how uncertain each parameter's variance is because the noise's variance is uncertain: a variance, (m,)."""
+    effect = (covariance @ design.T / total) ** 2 * variance  # (m, n): of a relative change of one row's variance
+    variances = np.zeros(len(covariance))
     for source in np.unique(noise.source):
         rows = noise.source == source
-        found += effect[:, rows].sum(axis=1) ** 2 * 2 / float(noise.freedom[rows].min())
-    return found
+        variances += effect[:, rows].sum(axis=1) ** 2 * 2 / float(noise.freedom[rows].min())
+    return variances
 
 
 def _extra_uncertainty(design: Floats, covariance: Floats, total: Floats, pattern: Floats) -> Floats:
-    """Return likewise for the extra variance, from its restricted information."""
+    """Return how uncertain each parameter's variance is because the extra variance is uncertain: a variance, (m,)."""
     inverse = np.diag(1 / total)
     project = inverse - inverse @ design @ covariance @ design.T @ inverse
     weighted = project * pattern

@@ -1,8 +1,9 @@
-"""Accelerometers without equipment: whatever the attitude, what is still feels one gravity.
+"""Accelerometers from positions of unknown attitudes: the specific force of a still sensor is one gravity in every attitude.
 
-Positions need no known attitude, so the result knows no case: its frame has the x axis of the x accelerometer, and the y axis
-in the plane of the x and y accelerometers. In it measured = A force + b with a lower triangular A: three scale factors, three
-cross-couplings (x into y, x and y into z), and the parameters are those that make |A⁻¹ (measured - b)| = g.
+Without known attitudes the frame of the case is not observable. The frame of the result has its x axis along the x
+accelerometer, and its y axis in the plane of the x and y accelerometers. In this frame measured = A force + b with a lower
+triangular A: three scale factors and three cross-couplings (x into y, x and y into z). The estimated parameters make
+|A⁻¹ (measured - b)| = g.
 """
 
 from __future__ import annotations
@@ -11,9 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.identification.calibration.estimate import AxisCalibration, Estimate
-from imuwb.identification.calibration.least_squares import LinearFit, Noise, fit_linear, is_determined
+from imuwb.identification.calibration.axis_calibration import AxisCalibration
+from imuwb.identification.calibration.least_squares import LinearFit, RowNoise, fit_linear, is_determined
 from imuwb.identification.calibration.positions import PositionCalibration
+from imuwb.statistics import Estimate
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,28 +24,28 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-FEWEST = 9  #: positions: as many as parameters
-CLOSE = 1e-12  #: relative change of the parameters at which turns end
-MOST_TURNS = 60
-#: of the design's columns, the smallest singular value over the largest; below, positions lie too close to each other
+FEWEST = 9  #: positions: one for each parameter
+CLOSE = 1e-12  #: relative change of the parameters at which the iteration ends
+MOST_TURNS = 60  #: of the iteration
+#: smallest singular value over the largest of the design's columns; below, the positions are too close to each other
 WEAKEST = 0.02
 _LOWER = np.tril_indices(3)
 
 
 def without_attitudes(means: Means, gravity: float, level: float, *, raw: bool = False) -> PositionCalibration:
-    """Return bias, scale factors and the three cross-couplings that show without known attitudes.
+    """Return bias, scale factors and the three observable cross-couplings.
 
     Args:
-        means: of the accelerometers, P positions, at least 9, spread over all directions.
+        means: of the accelerometers in P positions, at least 9, spread over all directions.
         gravity: m/s².
         level: of the intervals.
-        raw: in counts or volts.
+        raw: whether the means are in counts or volts.
 
     Raises:
-        ValueError: too few positions, or positions that leave parameters open.
+        ValueError: too few positions, or positions that do not determine the parameters.
     """
     if len(means.value) < FEWEST:
-        message = f"{len(means.value)} positions; nine parameters without known attitudes take {FEWEST} or more"
+        message = f"{len(means.value)} positions; nine parameters without known attitudes need {FEWEST} or more"
         raise ValueError(message)
     matrix, bias = _start(means.value, gravity, raw=raw)
     design, y, fit = np.empty(0), np.empty(0), None
@@ -51,8 +53,8 @@ def without_attitudes(means: Means, gravity: float, level: float, *, raw: bool =
         design, y, variance = _linearised(means, matrix, bias, gravity)
         if not _spread(design):
             message = (
-                "the positions point into too few directions to tell nine parameters apart; "
-                "turn the sensor so that each axis points up, down and aslant"
+                "the positions point in too few directions to determine nine parameters; "
+                "turn the sensor so that each axis points up, down and obliquely"
             )
             raise ValueError(message)
         fit = fit_linear(design, y, _noise(means, variance), np.ones(len(y)), always=False)
@@ -60,14 +62,14 @@ def without_attitudes(means: Means, gravity: float, level: float, *, raw: bool =
         if change < CLOSE:
             break
     else:
-        message = "no parameters make these positions feel one gravity; is each of them still, and the unit right?"
+        message = "no parameters give one gravity in every position; check that the sensor is still in each and that the unit is right"
         raise ValueError(message)
     force: Floats = np.asarray(np.linalg.solve(matrix, (means.value - bias).T).T, dtype=np.float64)
     return _result(means, fit, matrix, bias, force, gravity, level)
 
 
 def _start(value: Floats, gravity: float, *, raw: bool) -> tuple[Floats, Floats]:
-    """Return a first gain and bias: none of either, or what the extremes of counts say."""
+    """Return a first gain matrix and bias: 1 and 0 in SI, from the extreme readings in counts or volts."""
     if not raw:
         return np.eye(3), np.zeros(3)
     low, high = value.min(axis=0), value.max(axis=0)
@@ -75,7 +77,7 @@ def _start(value: Floats, gravity: float, *, raw: bool) -> tuple[Floats, Floats]
 
 
 def _linearised(means: Means, matrix: Floats, bias: Floats, gravity: float) -> tuple[Floats, Floats, Floats]:
-    """Return the design (P, 9: bias, then A by rows), what is missing to one gravity, and its variance."""
+    """Return the design, (P, 9): bias, then A by rows; one gravity minus the norm of the force, (P,); its variance, (P,)."""
     inverse = np.linalg.inv(matrix)
     force = (means.value - bias) @ inverse.T
     size = np.linalg.norm(force, axis=1)
@@ -84,9 +86,9 @@ def _linearised(means: Means, matrix: Floats, bias: Floats, gravity: float) -> t
     return slope, size - gravity, (along**2 * means.variance).sum(axis=1)
 
 
-def _noise(means: Means, variance: Floats) -> Noise:
+def _noise(means: Means, variance: Floats) -> RowNoise:
     count = len(variance)
-    return Noise(variance, np.zeros(count, dtype=np.int64), np.full(count, float(means.freedom.sum())))
+    return RowNoise(variance, np.zeros(count, dtype=np.int64), np.full(count, float(means.freedom.sum())))
 
 
 def _spread(design: Floats) -> bool:
@@ -109,17 +111,17 @@ def _result(
 ) -> PositionCalibration:
     at = {(int(i), int(j)): 3 + k for k, (i, j) in enumerate(zip(*_LOWER, strict=True))}
 
-    def found(place: int, value: float) -> Estimate:
-        e = fit.estimate(place, level)  # the last change is 0, its interval the parameter's
+    def estimate(place: int, value: float) -> Estimate:
+        e = fit.estimate(place, level)  # of the last, vanishing change; its interval is the parameter's
         half = (e.upper - e.lower) / 2
-        return Estimate(value, e.sigma, value - half, value + half)
+        return Estimate(value, value - half, value + half, e.sigma)
 
     axes = tuple(
         AxisCalibration(
-            found(i, float(bias[i])),
-            found(at[i, i], float(matrix[i, i]) - 1),
+            estimate(i, float(bias[i])),
+            estimate(at[i, i], float(matrix[i, i]) - 1),
             None,
-            tuple(found(at[i, j], float(matrix[i, j])) if (i, j) in at else None for j in range(3) if j != i),  # type: ignore[arg-type]
+            tuple(estimate(at[i, j], float(matrix[i, j])) if (i, j) in at else None for j in range(3) if j != i),  # type: ignore[arg-type]
         )
         for i in range(3)
     )

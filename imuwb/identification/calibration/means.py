@@ -1,4 +1,4 @@
-"""Means of still stretches, and what they are worth where noise is not white."""
+"""Means of steady stretches, and their variances where the noise is not white."""
 
 from __future__ import annotations
 
@@ -15,10 +15,12 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-PARTS = 4  #: of a stretch, whose means' scatter tells the error of the whole mean; each is parted so again
+PARTS = (
+    4  #: of a stretch; the scatter of their means gives the error of the whole mean; each part has as many parts again
+)
 FEWEST = 4 * PARTS * PARTS  #: samples of a stretch
-CHANCE = 0.05  #: at which white noise is called red
-COARSE = 3  #: values of a stretch, or fewer: its noise no longer moves the mean between the sensor's steps
+CHANCE = 0.05  #: of a test for white noise: its probability of a false alarm
+COARSE = 3  #: different values in a stretch, up to which noise does not average out the rounding
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -27,31 +29,31 @@ class Means:
 
     value: Floats  #: (P, 3)
     variance: Floats  #: (P, 3)
-    freedom: Floats  #: (3,) of the variances of an axis
-    red: tuple[bool, bool, bool]  #: axes whose slow noise counts
+    freedom: Floats  #: (3,) degrees of freedom of the variances of each axis
+    red: tuple[bool, bool, bool]  #: axes whose noise is not white within a stretch
 
 
 def means(stretches: Sequence[Floats]) -> Means:
-    """Return the means of stretches, with variances that know slow noise.
+    """Return the means of stretches, with variances that include slow noise.
 
-    The quarters of each stretch scatter by the noise that their mean has, slow noise mostly included; all stretches tell
-    of the same sensor, so that P stretches give 3 P degrees of freedom. Where quarters scatter by more than their own
-    quarters explain (F test, 5 %), noise is not white: a longer mean is then no better. It has a quarter's variance, and
-    more where that grows with length, as a random walk's does from sixteenths to quarters.
+    The means of a stretch's quarters scatter by the noise of the mean, including most of the slow noise. All stretches are of
+    one sensor, so P stretches give 3 P degrees of freedom. If the quarters scatter by more than the quarters of the quarters
+    explain (F test, 5 %), the noise is not white, and a longer mean is no better. The mean then has the variance of a
+    quarter's mean, increased by the growth from sixteenths to quarters, as of a random walk.
 
     Args:
-        stretches: each (n, 3), evenly sampled at one rate, n at least 64.
+        stretches: each (n, 3), evenly sampled at one common rate, n at least 64.
 
     Raises:
-        ValueError: no stretch, or one that is too short.
+        ValueError: no stretch, or a stretch that is too short.
     """
     if not stretches or min(len(s) for s in stretches) < FEWEST:
-        message = f"a stretch of {min((len(s) for s in stretches), default=0)} samples; its mean takes {FEWEST}"
+        message = f"a stretch of {min((len(s) for s in stretches), default=0)} samples; its mean needs {FEWEST}"
         raise ValueError(message)
     value = np.stack([s.mean(axis=0) for s in stretches])
     sizes = np.array([len(s) for s in stretches], dtype=np.float64)[:, None]
     slow, fast = (np.stack(part) for part in zip(*map(_scatter, stretches), strict=True))
-    # Variance of a sample if noise were white: the same for all stretches.
+    # Variance of one sample if the noise were white: common to all stretches.
     long, short = (slow * sizes / PARTS).mean(axis=0), (fast * sizes / PARTS**2).mean(axis=0)
     freedom = (PARTS - 1) * len(stretches)
     limit = special.fdtri(freedom, PARTS * freedom, 1 - CHANCE)
@@ -62,7 +64,7 @@ def means(stretches: Sequence[Floats]) -> Means:
 
 
 def _scatter(values: Floats) -> tuple[Floats, Floats]:
-    """Return the variances of means of quarters, and of sixteenths within a quarter, (3,) each."""
+    """Return the variance between the means of quarters, and between those of sixteenths within a quarter, (3,) each."""
     size = len(values) // PARTS**2
     start = (len(values) - size * PARTS**2) // 2
     parts = values[start : start + size * PARTS**2].reshape(PARTS, PARTS, size, 3).mean(axis=2)
@@ -70,10 +72,10 @@ def _scatter(values: Floats) -> tuple[Floats, Floats]:
 
 
 def _rounding(values: Floats) -> Floats:
-    """Return the variance of what rounding leaves in the mean, (3,), where noise is smaller than a step."""
-    found = np.zeros(3)
+    """Return the variance of the mean's rounding error, (3,), where the noise is smaller than a step of the sensor."""
+    rounding = np.zeros(3)
     for axis in range(3):
         levels = np.unique(values[:, axis])
         if 1 < levels.size <= COARSE:
-            found[axis] = float(np.diff(levels).min()) ** 2 / 12
-    return found
+            rounding[axis] = float(np.diff(levels).min()) ** 2 / 12
+    return rounding

@@ -1,7 +1,7 @@
-"""Accelerometers from positions whose attitudes are known: bias, scale factors and cross-couplings by least squares.
+"""Accelerometers from positions of known attitudes: bias, scale factors and cross-couplings by least squares.
 
-What does not stand as it is said to stand, a cube's face or a hand, tilts gravity into the level axes; residuals tell by how
-much, so that cross-couplings have intervals that know of it. The upright axis feels it to second order, which is allowed for.
+A position that is not exactly at its stated attitude tilts gravity into the horizontal axes. The size of these tilts is
+estimated from the residuals and widens the intervals of the cross-couplings. The vertical axis is shortened by their square.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.identification.calibration.estimate import AxisCalibration, Estimate, estimate
+from imuwb.identification.calibration.axis_calibration import AxisCalibration, student_estimate
 from imuwb.identification.calibration.faces import faces
-from imuwb.identification.calibration.least_squares import LinearFit, Noise, fit_linear, is_determined
+from imuwb.identification.calibration.least_squares import LinearFit, RowNoise, fit_linear, is_determined
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,35 +21,41 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from imuwb.identification.calibration.means import Means
+    from imuwb.statistics import Estimate
 
     Floats = NDArray[np.float64]
 
-BENT = 0.05  #: of the non-linear column that the others must leave over
-#: times the fourth power of the tilt: the variance of what an upright part lacks. 2 were enough if the tilt were known and
-#: its square not skewed; coverage with faces 0.5° off takes more (tests/studies/calibration.md)
+BENT = 0.05  #: of the non-linear column's length, that must remain when the other columns are taken out
+#: times the fourth power of the tilt: the variance of the vertical part's shortening. The factor is 2 for a known tilt and a
+#: symmetric distribution; coverage with faces 0.5° off needs more (tests/studies/calibration.md).
 SHORTENED = 6.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class PositionCalibration:
-    """Accelerometers from P positions."""
+    """The accelerometers from P positions."""
 
     axes: tuple[AxisCalibration, AxisCalibration, AxisCalibration]
-    force: Floats  #: (P, 3) m/s², true, as the attitudes have it or as the fit finds it
-    residual: Floats  #: (P, 3) mean less what the parameters make of the force, in the unit of the samples
-    sigma: Floats  #: (P, 3) of the means' noise, likewise
-    misplacement: float | None  #: rad, rms of each of two tilts of a position; None: not told
-    freedom: float  #: rows beyond the parameters
-    probability: float  #: of residuals as large as these by noise alone
-    remarks: tuple[str, ...] = ()
+    force: Floats  #: (P, 3) m/s², true specific force, from the attitudes or from the fit
+    residual: Floats  #: (P, 3) mean minus the fit's value, in the unit of the samples
+    sigma: Floats  #: (P, 3) standard deviation of the means' noise, in the unit of the samples
+    misplacement: float | None  #: rad, rms of each of a position's two tilts; None: not estimated
+    freedom: float  #: number of rows minus number of parameters
+    probability: float  #: that noise alone makes residuals as large as these
+
+    def __str__(self) -> str:
+        """Return one line for each axis."""
+        return "\n".join(f"accel {k}: {axis}" for k, axis in zip("xyz", self.axes, strict=True))
+
+    __repr__ = __str__
 
 
 @dataclass(frozen=True, slots=True)
 class PrintedCalibration:
-    """One axis by Hassaballa's eq. 3 to 6, from two means alone."""
+    """One axis by Hassaballa's eq. 3 to 6, from two means only."""
 
     up: float  #: mean with the axis up
-    down: float
+    down: float  #: mean with the axis down
     bias: Estimate  #: eq. 5
     scale_factor: Estimate  #: eq. 6
 
@@ -57,8 +63,8 @@ class PrintedCalibration:
 def as_printed(
     means: Means, standing: Sequence[tuple[int, int]], gravity: float, level: float
 ) -> tuple[PrintedCalibration, ...]:
-    """Return bias and scale factor of each axis from its up and its down alone (Hassaballa, eq. 3 to 6)."""
-    found: list[PrintedCalibration] = []
+    """Return bias and scale factor of each axis from its up and down positions only (Hassaballa, eq. 3 to 6)."""
+    calibrations: list[PrintedCalibration] = []
     for axis in range(3):
         ends: list[tuple[float, float]] = []
         for sign in (1, -1):
@@ -68,10 +74,10 @@ def as_printed(
             )
         (up, up_variance), (down, down_variance) = ends
         variance, freedom = (up_variance + down_variance) / 4, float(means.freedom[axis])
-        bias = estimate((up + down) / 2, variance, freedom, level)
-        scale = estimate((up - down - 2 * gravity) / (2 * gravity), variance / gravity**2, freedom, level)
-        found.append(PrintedCalibration(up, down, bias, scale))
-    return tuple(found)
+        bias = student_estimate((up + down) / 2, variance, freedom, level)
+        scale = student_estimate((up - down - 2 * gravity) / (2 * gravity), variance / gravity**2, freedom, level)
+        calibrations.append(PrintedCalibration(up, down, bias, scale))
+    return tuple(calibrations)
 
 
 def six_position(
@@ -83,18 +89,18 @@ def six_position(
     raw: bool = False,
     misplacement: float | None = None,
 ) -> tuple[PositionCalibration, tuple[tuple[int, int], ...]]:
-    """Return bias, scale factor and all cross-couplings from the six faces of a cube, and which face each position is.
+    """Return bias, scale factor and all cross-couplings from the six faces of a cube, and the face of each position.
 
     Args:
-        means: of the accelerometers, P positions, each face at least once, in any order.
+        means: of the accelerometers in P positions, each face at least once, in any order.
         names: of the positions.
         gravity: m/s².
         level: of the intervals.
-        raw: in counts or volts.
-        misplacement: rad, rms tilt of a face; None: from the residuals.
+        raw: whether the means are in counts or volts.
+        misplacement: rad, rms tilt of a face; None: estimated from the residuals.
 
     Raises:
-        ValueError: faces that are missing, or a position on none.
+        ValueError: a face is missing, or a position is on none.
     """
     standing = tuple(faces(means.value, names, raw=raw))
     force = np.zeros_like(means.value)
@@ -106,22 +112,22 @@ def six_position(
 def known_attitudes(
     means: Means, force: Floats, level: float, *, full_range: float | None = None, misplacement: float | None = None
 ) -> PositionCalibration:
-    """Return bias, scale factor and cross-couplings, and the non-linear scale factor where positions part it from the linear.
+    """Return bias, scale factor, cross-couplings and, if the positions determine it, the non-linear scale factor.
 
     Args:
         means: of the accelerometers.
-        force: (P, 3) m/s², true.
+        force: (P, 3) m/s², true specific force.
         level: of the intervals.
-        full_range: m/s², of which the non-linear part is a share; None: it is left out.
-        misplacement: rad, rms tilt of a position; None: from the residuals.
+        full_range: m/s², on which the definition of the non-linear part rests; None: no non-linear part.
+        misplacement: rad, rms tilt of a position; None: estimated from the residuals.
 
     Raises:
-        ValueError: the positions leave parameters open.
+        ValueError: the positions do not determine the parameters.
     """
     designs = [_design(force, axis, full_range) for axis in range(3)]
     linear = [d[:, :4] for d in designs]
     if not is_determined(linear[0]):
-        message = "these positions leave parameters open; each axis needs to point up, down and across"
+        message = "the positions do not determine the parameters; each axis needs to point up, down and horizontally"
         raise ValueError(message)
     bent = full_range is not None and all(_bends(d) for d in designs)
     used = designs if bent else linear
@@ -140,21 +146,23 @@ def known_attitudes(
 
     fit = fitted(0.0)
     tilt = fit.extra**0.5 if misplacement is None and fit.extra_freedom else misplacement
-    if tilt:  # Tilted by two angles of that rms, the upright part is shorter by its square in the mean, and scatters by as much.
+    if (
+        tilt
+    ):  # Two tilts of that rms shorten the vertical part by the square of the rms on average, with as large a scatter.
         fit = fitted(tilt**2)
     axes = tuple(_axis(fit, axis * columns, bent, level) for axis in range(3))
     residual = fit.residual.reshape(3, positions).T
     return PositionCalibration(axes, force, residual, np.sqrt(means.variance), tilt, fit.extra_freedom, fit.probability)  # type: ignore[arg-type]
 
 
-def noise_of(means: Means, known: Floats | float = 0.0) -> Noise:
-    """Return the noise of means, axis by axis, besides a variance that is known."""
+def noise_of(means: Means, known: Floats | float = 0.0) -> RowNoise:
+    """Return the noise of means, axis by axis, plus a variance that is known exactly."""
     positions = len(means.value)
     variance = means.variance.T.ravel()
     source = np.repeat(np.arange(3), positions)
-    # What is known adds no doubt: a sum's degrees of freedom, by Satterthwaite.
+    # The known variance has no uncertainty: degrees of freedom of the sum by Satterthwaite.
     share = variance / np.maximum(variance + known, np.finfo(float).tiny)
-    return Noise(variance + known, source, np.repeat(means.freedom, positions) / np.maximum(share, 1e-3) ** 2)
+    return RowNoise(variance + known, source, np.repeat(means.freedom, positions) / np.maximum(share, 1e-3) ** 2)
 
 
 def _design(force: Floats, axis: int, full_range: float | None) -> Floats:
@@ -166,7 +174,7 @@ def _design(force: Floats, axis: int, full_range: float | None) -> Floats:
 
 
 def _bends(design: Floats) -> bool:
-    """Return whether the last column is well apart from the others, with rows to spare."""
+    """Return whether the last column is well separated from the others, with rows to spare."""
     if len(design) <= design.shape[1]:
         return False
     last = design[:, -1]
@@ -175,21 +183,20 @@ def _bends(design: Floats) -> bool:
 
 
 def _gain(means: Means, force: Floats) -> Floats:
-    """Return about how much each axis shows of a force, (3,), in the unit of the samples."""
+    """Return the approximate gain of each axis, (3,), in the unit of the samples per m/s²."""
     centered, moved = means.value - means.value.mean(axis=0), force - force.mean(axis=0)
     return np.linalg.norm(centered, axis=0) / np.linalg.norm(moved, axis=0)
 
 
 def _tilted(force: Floats, gain: Floats) -> Floats:
-    """Return the variance that tilts of 1 rad rms give each mean, (P, 3)."""
+    """Return the variance of each mean by tilts of 1 rad rms, (P, 3)."""
     size = (force**2).sum(axis=1, keepdims=True)
     level = np.maximum(size - force**2, 0.0)
     level[level < 1e-9 * size.max()] = 0.0
     return gain**2 * level
 
 
-def _axis(fit: LinearFit, first: int, bent: bool, level: float) -> AxisCalibration:  # noqa: FBT001 - a column, there or not
-    gain = fit.estimate(first + 1, level)
-    scale = Estimate(gain.value - 1, gain.sigma, gain.lower - 1, gain.upper - 1)
+def _axis(fit: LinearFit, first: int, bent: bool, level: float) -> AxisCalibration:  # noqa: FBT001 - whether a column is there
+    scale = fit.estimate(first + 1, level).shifted(-1.0)
     cross = (fit.estimate(first + 2, level), fit.estimate(first + 3, level))
     return AxisCalibration(fit.estimate(first, level), scale, fit.estimate(first + 4, level) if bent else None, cross)

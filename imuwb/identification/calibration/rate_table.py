@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import special
 
-from imuwb.identification.calibration.estimate import AxisCalibration, Estimate, estimate
-from imuwb.identification.calibration.gyro_static import EARTH_RATE, MIDDLE
-from imuwb.identification.calibration.least_squares import LinearFit, Noise, fit_linear, is_determined
+from imuwb.geodesy.earth import EARTH_RATE
+from imuwb.identification.calibration.axis_calibration import AxisCalibration, student_estimate
+from imuwb.identification.calibration.least_squares import LinearFit, RowNoise, fit_linear, is_determined
+from imuwb.identification.calibration.static_gyros import MIDDLE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -18,67 +19,70 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from imuwb.identification.calibration.means import Means
+    from imuwb.statistics import Estimate
 
     Floats = NDArray[np.float64]
+
+DISAGREEING = 0.05  #: probability of the scatter between runs, below which their common interval is widened
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class RateRun:
-    """One run of the table with one axis along the table's."""
+    """One run of the rate table, with one axis along the table's axis."""
 
     name: str
-    axis: int  #: which gyro turns
-    rate: Floats  #: (k,) rad/s of each step
+    axis: int  #: number of the gyro that turns
+    rate: Floats  #: (k,) rad/s, of the table in each step
     length: Floats  #: (k,) s
-    means: Means  #: of the gyros, k steps
-    up: float | None = None  #: +1: the turned axis points up, -1: down, 0: level; None: not known
+    means: Means  #: of the gyros in k steps
+    up: float | None = None  #: +1: the turned axis points up, -1: down, 0: horizontal; None: not known
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class RunFit:
-    """What a run's steps leave."""
+    """The fit of one run."""
 
-    offset: tuple[Estimate, Estimate, Estimate]  #: of each gyro with this attitude, unit of the samples
+    offset: tuple[Estimate, Estimate, Estimate]  #: of each gyro at rest in this attitude, in the unit of the samples
     residual: Floats  #: (k, 3)
-    sigma: Floats  #: (k, 3) of the means' noise
-    probability: tuple[float, float, float]  #: of residuals as large as these by noise alone
+    sigma: Floats  #: (k, 3) standard deviation of the means' noise
+    probability: tuple[float, float, float]  #: that noise alone makes residuals as large as these
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class RateTableCalibration:
-    """Gyros from runs of a rate table."""
+    """The gyros from several runs of a rate table."""
 
     axes: tuple[AxisCalibration, AxisCalibration, AxisCalibration]
-    runs: tuple[RunFit, ...]  #: as the runs that were given
+    runs: tuple[RunFit, ...]  #: in the order of the given runs
 
 
 @dataclass(frozen=True, slots=True)
-class Conditions:
-    """What is known of the table."""
+class TableConditions:
+    """The known conditions of the rate table, and the level of the intervals."""
 
     latitude: float | None = None  #: rad; None: not known
-    misplacement: float = 0.0  #: rad, rms, of the sensor's axis against the table's
-    full_range: float | None = None  #: rad/s, of which the non-linear part is a share; None: it is left out
-    forces_known: bool = False  #: g-sensitivity is off the samples: offsets of all runs are one bias
+    misplacement: float = 0.0  #: rad, rms angle between the sensor's axis and the table's
+    full_range: float | None = None  #: rad/s, on which the non-linear part is defined; None: no non-linear part
+    forces_known: bool = False  #: g-sensitivity is already subtracted: the offsets of all runs are the same bias
     level: float = 0.95
 
 
-def rate_table(runs: Sequence[RateRun], conditions: Conditions) -> RateTableCalibration:
-    """Return what runs tell; axes that none turns have a bias and couplings alone.
+def rate_table(runs: Sequence[RateRun], conditions: TableConditions) -> RateTableCalibration:
+    """Return the gyros' calibration; an axis that no run turns has only a bias and couplings.
 
-    A run's offset holds what gravity makes of g-sensitivity in its attitude. So the bias is the mean over runs, with the
-    interval of their scatter, unless forces are known; of one run alone, it is that attitude's.
+    The offset of a run includes the g-sensitivity to the specific force in its attitude. So the bias is the mean over the runs,
+    with the interval of their scatter, unless the forces are known. The bias of a single run is that of its attitude.
 
     Args:
-        runs: each with one axis along the table's, which stands upright; an axis may be turned by several.
+        runs: each with one axis along the vertical axis of the table; several runs may turn the same axis.
         conditions: of the table.
 
     Raises:
-        ValueError: a run whose steps do not part its offset from its scale factor.
+        ValueError: the steps of a run do not separate its offset from its scale factor.
     """
     fits = [[_fit(run, axis, conditions) for axis in range(3)] for run in runs]
     axes = tuple(_axis(axis, runs, [fit[axis] for fit in fits], conditions) for axis in range(3))
-    found = tuple(
+    run_fits = tuple(
         RunFit(
             tuple(fit.estimate(0, conditions.level) for fit in three),  # type: ignore[arg-type]
             np.stack([fit.residual for fit in three], axis=1),
@@ -87,47 +91,47 @@ def rate_table(runs: Sequence[RateRun], conditions: Conditions) -> RateTableCali
         )
         for run, three in zip(runs, fits, strict=True)
     )
-    return RateTableCalibration(axes, found)  # type: ignore[arg-type]
+    return RateTableCalibration(axes, run_fits)  # type: ignore[arg-type]
 
 
 def bends(rate: Floats, full_range: float | None) -> bool:
-    """Return whether rates part a non-linear scale factor from the linear one: two magnitudes, one of them turned both ways."""
-    return full_range is not None and np.unique(np.abs(rate[rate != 0])).size > 1 and rate.size > 3  # noqa: PLR2004 - and a row to spare
+    """Return whether rates separate a non-linear scale factor from the linear one: two magnitudes, one turned both ways."""
+    return full_range is not None and np.unique(np.abs(rate[rate != 0])).size > 1 and rate.size > 3  # noqa: PLR2004 - one more than parameters
 
 
-def _fit(run: RateRun, axis: int, conditions: Conditions) -> LinearFit:
+def _fit(run: RateRun, axis: int, conditions: TableConditions) -> LinearFit:
     columns = [np.ones_like(run.rate), run.rate]
     if axis == run.axis and bends(run.rate, conditions.full_range):
         columns.append(run.rate * np.abs(run.rate) / (conditions.full_range or 1.0))
     design = np.stack(columns, axis=1)
     if not is_determined(design):
-        message = (
-            f"{run.name}: {np.unique(run.rate).size} different rates do not part bias and scale factor; turn both ways"
-        )
+        message = f"{run.name}: {np.unique(run.rate).size} different rates do not separate bias and scale factor; turn the table both ways"
         raise ValueError(message)
     earth = _earth_across(run, conditions) if axis != run.axis else np.zeros_like(run.rate)
     variance = run.means.variance[:, axis]
     count = run.rate.size
-    noise = Noise(variance + earth, np.zeros(count, dtype=np.int64), np.full(count, run.means.freedom[axis]))
+    noise = RowNoise(variance + earth, np.zeros(count, dtype=np.int64), np.full(count, run.means.freedom[axis]))
     value = run.means.value[:, axis] - (_vertical(run, conditions) if axis == run.axis else 0.0)
     return fit_linear(design, value, noise, np.ones(count), always=False)
 
 
-def _vertical(run: RateRun, conditions: Conditions) -> float:
-    """Return the earth's rate along the turned axis, rad/s, as far as it is known."""
+def _vertical(run: RateRun, conditions: TableConditions) -> float:
+    """Return the known part of the earth's rate along the turned axis, rad/s."""
     if conditions.latitude is None or run.up is None:
         return 0.0
     return EARTH_RATE * float(np.sin(conditions.latitude)) * run.up
 
 
-def _earth_across(run: RateRun, conditions: Conditions) -> Floats:
-    """Return the variance that the earth's horizontal rate leaves in a step's mean: it goes round with the table."""
+def _earth_across(run: RateRun, conditions: TableConditions) -> Floats:
+    """Return the variance of a step's mean by the earth's horizontal rate, which rotates relative to the turning sensor."""
     horizontal = EARTH_RATE * (MIDDLE if conditions.latitude is None else float(np.cos(conditions.latitude)))
     left = np.minimum(1.0, 2 / np.maximum(np.abs(run.rate) * run.length, 1e-12))
     return (horizontal * left) ** 2 / 2
 
 
-def _axis(axis: int, runs: Sequence[RateRun], fits: Sequence[LinearFit], conditions: Conditions) -> AxisCalibration:
+def _axis(
+    axis: int, runs: Sequence[RateRun], fits: Sequence[LinearFit], conditions: TableConditions
+) -> AxisCalibration:
     level = conditions.level
     own = [fit for run, fit in zip(runs, fits, strict=True) if run.axis == axis]
     scale = _joined([(fit.value[1] - 1, fit.covariance[1, 1], fit.freedom[1]) for fit in own], level)
@@ -145,17 +149,17 @@ def _axis(axis: int, runs: Sequence[RateRun], fits: Sequence[LinearFit], conditi
 
 
 def _gain(fits: Sequence[LinearFit], runs: Sequence[RateRun], axis: int) -> float:
-    """Return the gain of an axis, by which a tilt shows; 1 where it is not known."""
+    """Return the gain of an axis, which converts a tilt to a coupling; 1 if it is not known."""
     own = [float(fit.value[1]) for run, fit in zip(runs, fits, strict=True) if run.axis == axis]
     return own[0] if own else 1.0
 
 
 def _with_known(variance: float, known: float, freedom: float) -> float:
-    """Return the degrees of freedom of a variance with a known one on top."""
+    """Return the degrees of freedom of a variance plus a known variance."""
     return freedom * ((variance + known) / variance) ** 2 if variance > 0 else 1e6
 
 
-def _bias(axis: int, runs: Sequence[RateRun], fits: Sequence[LinearFit], conditions: Conditions) -> Estimate:
+def _bias(axis: int, runs: Sequence[RateRun], fits: Sequence[LinearFit], conditions: TableConditions) -> Estimate:
     unknown = [
         (EARTH_RATE * MIDDLE) ** 2 if run.axis == axis and (conditions.latitude is None or run.up is None) else 0.0
         for run in runs
@@ -165,20 +169,20 @@ def _bias(axis: int, runs: Sequence[RateRun], fits: Sequence[LinearFit], conditi
         for fit, more in zip(fits, unknown, strict=True)
     ]
     if len(rows) == 1 or conditions.forces_known:
-        found = _joined(rows, conditions.level)
-        assert found is not None  # noqa: S101 - there is a run
-        return found
+        bias = _joined(rows, conditions.level)
+        assert bias is not None  # noqa: S101 - there is at least one run
+        return bias
     offsets = np.array([value for value, *_ in rows])
     spread = float(offsets.var(ddof=1)) / offsets.size
     inner = sum(variance for _, variance, _ in rows) / len(rows) ** 2
-    # The scatter holds the noise as well; by chance it may come out below it.
-    return estimate(float(offsets.mean()), max(spread, inner), len(rows) - 1, conditions.level)
+    # The scatter includes the noise; by chance the estimate of the scatter can be smaller than the noise.
+    return student_estimate(float(offsets.mean()), max(spread, inner), len(rows) - 1, conditions.level)
 
 
 def _joined(rows: Sequence[tuple[float, float, float]], level: float) -> Estimate | None:
-    """Return the weighted mean of (value, variance, degrees of freedom); None of none.
+    """Return the weighted mean of (value, variance, degrees of freedom); None if there are none.
 
-    Where they lie farther apart than their variances allow (chi-square, 5 %), its variance grows so that they do not.
+    If the values differ by more than their variances explain (chi-square test, 5 %), the variance is scaled up to match.
     """
     if not rows:
         return None
@@ -188,6 +192,6 @@ def _joined(rows: Sequence[tuple[float, float, float]], level: float) -> Estimat
     own = 1 / weight.sum()
     degrees = own**2 / float(((weight / weight.sum()) ** 4 * variance**2 / freedom).sum())
     square, rest = float(weight @ (value - mean) ** 2), len(rows) - 1
-    if rest and special.chdtrc(rest, square) < 0.05:  # noqa: PLR2004 - the level that the docstring says
-        return estimate(mean, own * square / rest, rest, level)
-    return estimate(mean, own, degrees, level)
+    if rest and special.chdtrc(rest, square) < DISAGREEING:
+        return student_estimate(mean, own * square / rest, rest, level)
+    return student_estimate(mean, own, degrees, level)

@@ -1,4 +1,4 @@
-"""The staircase of a rate table: which step of the gyro's output is which of the given rates."""
+"""The staircase of a rate table: which given rate each step of the gyro's output belongs to."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-TURNS = 0.3  #: of the turned axis's span: another axis that spans more turns as well
+TURNS = 0.3  #: of the turned axis's span; another axis that spans more turns as well
 OFF = 0.01  #: of the span of rates, by which a step may miss the line
-GAINS = (0.5, 2.0)  #: of a gyro in SI
+GAINS = (0.5, 2.0)  #: smallest and largest plausible gain of a gyro in SI
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Staircase:
-    """Steps of one run, matched to the table's rates."""
+    """The steps of one run, matched to the rates of the table."""
 
-    axis: int  #: which gyro turns
-    rate: Floats  #: (k,) rad/s, of each step, as given
-    both: bool  #: both directions occur
+    axis: int  #: number of the gyro that turns
+    rate: Floats  #: (k,) rad/s, given rate of each step
+    both: bool  #: whether the table turned in both directions
 
 
 def turned_axis(mean: Floats, name: str) -> int:
-    """Return which gyro turns.
+    """Return the number of the gyro that turns.
 
     Args:
         mean: (k, 3) means of the steps.
         name: of the run, for messages.
 
     Raises:
-        ValueError: two turn alike.
+        ValueError: a second gyro turns as well.
     """
     span = np.ptp(mean, axis=0)
     axis = int(np.argmax(span))
@@ -44,31 +44,31 @@ def turned_axis(mean: Floats, name: str) -> int:
     if span[other] > TURNS * span[axis]:
         message = (
             f"{name}: gyro {'xyz'[axis]} and gyro {'xyz'[other]} both turn (their steps span {span[axis]:.3g} and {span[other]:.3g}); "
-            "mount one axis along the table's"
+            "mount one axis of the sensor along the axis of the table"
         )
         raise ValueError(message)
     return axis
 
 
 def matched(mean: Floats, rates: Sequence[float], name: str, *, raw: bool) -> Staircase:
-    """Return which given rate each step is, by the order of the levels.
+    """Return the given rate of each step, by the order of the levels.
 
-    The given rates may occur in both directions or in one, and with stops or without; what fits a line best is taken.
+    The steps may include both directions or one, and stops or none; the combination that fits a line best is taken.
 
     Args:
-        mean: (k, 3) means of the steps, rad/s, or counts or volts.
-        rates: magnitudes, rad/s.
+        mean: (k, 3) means of the steps, rad/s, counts or volts.
+        rates: magnitudes of the table's rates, rad/s.
         name: of the run, for messages.
-        raw: the unit is not rad/s, so that the gain is not known.
+        raw: whether the unit is not rad/s, so that the gain is not known.
 
     Raises:
-        ValueError: two axes turn, or the steps are not the given rates.
+        ValueError: two axes turn, or the steps do not match the given rates.
     """
     axis = turned_axis(mean, name)
     steps = mean[:, axis]
     wanted = np.unique(np.abs(np.asarray(rates, dtype=np.float64)))
     wanted = wanted[wanted > 0]
-    fits = [found for levels in _candidates(wanted) if (found := _fit(steps, levels, raw=raw)) is not None]
+    fits = [fit for levels in _level_sets(wanted) if (fit := _fit(steps, levels, raw=raw)) is not None]
     if not fits:
         message = f"{name}: the steps of gyro {'xyz'[axis]} are not the given rates, in both directions or one, with stops or without"
         raise ValueError(message)
@@ -76,14 +76,15 @@ def matched(mean: Floats, rates: Sequence[float], name: str, *, raw: bool) -> St
     return Staircase(axis, rate, bool(rate.min() < 0 < rate.max()))
 
 
-def _candidates(wanted: Floats) -> list[Floats]:
+def _level_sets(wanted: Floats) -> list[Floats]:
+    """Return the sets of levels that a run may have: both directions or one, with a stop or without."""
     up, down, stop = wanted, -wanted[::-1], np.zeros(1)
     parts = [(down, stop, up), (down, up), (stop, up), (down, stop), (up,), (down,)]
     return [np.concatenate(part) for part in parts if sum(map(len, part)) > 1]
 
 
 def _fit(steps: Floats, levels: Floats, *, raw: bool) -> tuple[float, Floats] | None:
-    """Return how far the steps are off the line at most, as a share of the span, and the rate of each; None: they do not fit."""
+    """Return the largest distance of a step from the line, as a share of the span, and each step's rate; None: no fit."""
     gap = float(np.diff(levels).min()) / float(np.ptp(levels)) * float(np.ptp(steps))
     order = np.argsort(steps)
     cluster = np.concatenate([[0], np.cumsum(np.diff(steps[order]) > gap / 3)])

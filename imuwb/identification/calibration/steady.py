@@ -1,4 +1,4 @@
-"""Where a record stays as it is: positions of an accelerometer, steps of a staircase of rates."""
+"""Steady stretches of a record: positions of an accelerometer, steps of a staircase of rates."""
 
 from __future__ import annotations
 
@@ -15,49 +15,50 @@ if TYPE_CHECKING:
 
 BLOCK = 0.5  #: s
 FEWEST = 8  #: samples of a block
-QUARTER = 0.3186393639643751  #: of a standard deviation: what a quarter of normal deviations stay within
-JUMP = 7.0  #: standard deviations between two blocks' means that are no noise
-SCATTER = 3.0  #: times the usual scatter within a block, likewise
-DRIFT = 0.01  #: of the span: a stretch whose halves differ by more is no steady one
-ROUNDED = 1e-9  #: of the span: what rounding makes of numbers
+QUARTER = 0.3186393639643751  #: of a standard deviation; a quarter of normal deviations are smaller
+JUMP = 7.0  #: standard deviations between the means of neighbouring blocks, from which the sensor moved
+SCATTER = 3.0  #: times the usual scatter within a block, from which the sensor moved
+DRIFT = 0.01  #: of the span; a stretch whose halves differ by more is not steady
+ROUNDED = 1e-9  #: of the span; smaller differences are rounding errors
 
 
 def steady(
     values: Floats, dt: float, shortest: float, span: Floats, tolerance: Floats | float = 0.0
 ) -> list[tuple[int, int]]:
-    """Return the rows (first, end) of each stretch in which all channels stay as they are, but for noise.
+    """Return the rows (first, end) of each stretch in which all channels are constant except for noise.
 
-    Blocks of half a second are joined while their means differ by noise; what noise is, the quietest quarter of the
-    differences tells. The first and last block of a stretch, where it may still settle, are left out.
+    Neighbouring blocks of half a second belong together if their means differ by no more than noise. The size of the noise is
+    estimated from the smallest quarter of the differences. The first and last block of a stretch, which may include a
+    transition, are left out.
 
     Args:
         values: (n, k), evenly sampled, without gaps.
         dt: s.
-        shortest: s, of a stretch.
-        span: (k,) what a channel may reach, in its unit, against which a slow drift is judged.
-        tolerance: (k,) by how much two blocks may differ whatever the noise: a hand is never quite still.
+        shortest: s, duration of a stretch at least.
+        span: (k,) range of each channel, in its unit; a slow drift is compared with it.
+        tolerance: (k,) difference between two blocks that is allowed in addition to noise, since a hand is never quite still.
     """
     size = max(round(BLOCK / dt), FEWEST)
     count = len(values) // size
-    if count < 4:  # noqa: PLR2004 - two differences, and an end to leave out on both sides
+    if count < 4:  # noqa: PLR2004 - two inner blocks, and one to leave out at each end
         return []
     blocks = values[: count * size].reshape(count, size, -1)
     mean, scatter = blocks.mean(axis=1), blocks.std(axis=1)
     steps = np.abs(np.diff(mean, axis=0))
     still = np.quantile(scatter, 0.25, axis=0)
-    # A quarter of few differences may be small by chance: never less than what white noise within blocks makes of them.
+    # A quarter of few differences may be small by chance; the scatter within blocks gives a lower bound.
     usual = np.maximum(np.quantile(steps, 0.25, axis=0) / QUARTER, still * (2 / size) ** 0.5)
     calm = (steps <= np.maximum(JUMP * usual, tolerance) + ROUNDED * span).all(axis=1)
     quiet = (scatter <= np.maximum(SCATTER * still, tolerance) + ROUNDED * span).all(axis=1)
-    # A block belongs to a stretch with the block before it.
+    # A block and the block before it belong together.
     joined = calm & quiet[1:] & quiet[:-1]
     edges = np.flatnonzero(np.diff(np.concatenate([[False], joined, [False]])))
-    found: list[tuple[int, int]] = []
+    stretches: list[tuple[int, int]] = []
     for first, last in zip(edges[::2], edges[1::2], strict=True):
-        begin, end = int(first) + 1, int(last)  # blocks first ... last belong together; the outer ones are left out
+        begin, end = int(first) + 1, int(last)  # blocks first ... last belong together; both outer blocks are left out
         if (end - begin) * size * dt >= shortest and _level(mean[begin:end], span):
-            found.append((begin * size, end * size))
-    return found
+            stretches.append((begin * size, end * size))
+    return stretches
 
 
 def _level(mean: Floats, span: Floats) -> bool:
@@ -66,15 +67,15 @@ def _level(mean: Floats, span: Floats) -> bool:
 
 
 def shared(a: Sequence[tuple[float, float]], b: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Return the spans of time that lie in a span of both lists, each sorted and without overlaps."""
-    found: list[tuple[float, float]] = []
+    """Return the spans of time that are in both lists; each list is sorted and its spans do not overlap."""
+    common: list[tuple[float, float]] = []
     i = j = 0
     while i < len(a) and j < len(b):
         begin, end = max(a[i][0], b[j][0]), min(a[i][1], b[j][1])
         if begin < end:
-            found.append((begin, end))
+            common.append((begin, end))
         if a[i][1] < b[j][1]:
             i += 1
         else:
             j += 1
-    return found
+    return common

@@ -1,42 +1,153 @@
-"""Gyros on a rate table: bias, scale factor, its non-linear part and cross-couplings (Hassaballa, 3.1).
-
-A log for each axis, or several; the steps of the staircase are found, and matched to --rates, clockwise and counter-clockwise.
-"""
+"""From runs of a rate table to the calibration of the gyros."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from imuwb_plugins.calibration.parameters import RateTable as Parameters
+import numpy as np
+
+from imuwb.errors import MissingDataError, UsageError
+from imuwb.identification import calibration
+from imuwb.identification.calibration import RateRun, TableConditions
+from imuwb.log import AXES, source_of
+from imuwb.stochastic import ImuErrorModel, corrected
+from imuwb_plugins.calibration.corrected_samples import table_trace
+from imuwb_plugins.calibration.error_model import check_gain, completed_model, parameters_of
+from imuwb_plugins.calibration.notes import table_notes
+from imuwb_plugins.calibration.result import Step, TableResult, TableRun
+from imuwb_plugins.calibration.stretches import SteadyStretch, check_clipping, steps_of, temperature_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from imuwb.analysis import Review
-    from imuwb.log import Log
-    from imuwb.stochastic import ImuErrorModel
-    from imuwb_plugins.calibration.result import TableResult
+    from imuwb.log import Floats, Log
+    from imuwb_plugins.calibration.parameters import RateTable
 
-__all__ = ["LEAVES_MODEL", "LOGS", "Parameters", "draw", "error_model", "run"]
-
-LOGS = (1, None)
-LEAVES_MODEL = "calibration"
+RANGES = (250, 300, 500, 1000, 2000, 4000, 8000, 20000)  #: deg/s, usual full ranges
+VERTICAL = 0.7  #: share of the specific force along an axis, from which the axis is vertical
+SAME_LEVEL = 0.01  #: of the span of the steps; steps closer together have the same level
 
 
-def run(logs: Sequence[Log], parameters: Parameters) -> TableResult:
-    """Return what the runs tell."""
-    from imuwb_plugins.calibration import turned  # noqa: PLC0415 - help must not wait for numpy
+@dataclass(frozen=True, eq=False, slots=True)
+class TurnedLog:
+    """One log of the rate table: its steps, and the run for the fit."""
 
-    return turned.run(logs, parameters)
-
-
-def draw(result: TableResult, review: Review) -> None:
-    """Show parameters, steps with residuals, and samples raw and corrected."""
-    from imuwb_plugins.calibration import show_table  # noqa: PLC0415 - as above
-
-    show_table.draw(result, review)
+    stretches: list[SteadyStretch]
+    run: RateRun
+    force: Floats | None  #: (k, 3) m/s², mean specific force corrected by the given model
 
 
-def error_model(result: TableResult) -> ImuErrorModel:
-    """Return the model whose deterministic terms were found."""
-    return result.model
+def run(logs: Sequence[Log], p: RateTable) -> TableResult:
+    """Return the calibration.
+
+    Raises:
+        MissingDataError: a log without gyro, without steps, without rotation, or clipped.
+        UsageError: rates that do not match the steps.
+    """
+    base = None if p.into is None else ImuErrorModel.read(p.into)
+    turned = [_turned(log, p, base) for log in logs]
+    runs = [t.run for t in turned]
+    full_range = _full_range(p, base)
+    known = base is not None and any(any(axis.g_sensitivity) for axis in base.axes.values())
+    known = known and all(t.force is not None for t in turned)
+    latitude = None if p.latitude is None else float(np.radians(p.latitude))
+    conditions = TableConditions(latitude, float(np.radians(p.misplacement)), full_range, known, p.level)
+    try:
+        fit = calibration.rate_table(runs, conditions)
+    except ValueError as error:
+        raise MissingDataError(str(error)) from error
+    axes = {f"gyro_{k}": c for k, c in zip("xyz", fit.axes, strict=True)}
+    check_gain(axes, p.raw)
+    celsius, warm_notes = temperature_of([s for t in turned for s in t.stretches])
+    name = logs[0].imu().name
+    model, model_notes = completed_model(name, axes, base, _provenance(logs, p), {"gyro": full_range}, celsius)
+    notes = (*table_notes(runs, fit, p, full_range, known=known), *warm_notes, *model_notes)
+    return TableResult(
+        name, p.level, p.raw, full_range, {axis: parameters_of(axis, c, p.raw) for axis, c in axes.items()},
+        tuple(_run(t.run, fitted, p.raw) for t, fitted in zip(turned, fit.runs, strict=True)), celsius, notes, model,
+        tuple(table_trace(t.stretches, t.run, t.force, model, p.raw) for t in turned),
+    )  # fmt: skip
+
+
+def _provenance(logs: Sequence[Log], p: RateTable) -> dict[str, str]:
+    rates, unit = ", ".join(f"{rate:g}" for rate in p.rates), f", {p.raw} to SI" if p.raw else ""
+    return {
+        "calibration": f"rate-table, {rates} deg/s{unit}",
+        "calibration_logs": "; ".join(source_of(log) for log in logs),
+    }
+
+
+def _turned(log: Log, p: RateTable, base: ImuErrorModel | None) -> TurnedLog:
+    stretches, path = steps_of(log, p.shortest, p.raw), log.provenance.path
+    check_clipping(stretches, "gyro")
+    means = calibration.means([s.gyro for s in stretches if s.gyro is not None])
+    if not p.rates:
+        message = f"{path}: its steps are {_levels(means.value, p.raw)}; give the rates of the table: --rates 10,50,100 (deg/s)"
+        raise UsageError(message)
+    try:
+        staircase = calibration.matched(means.value, np.radians(p.rates).tolist(), path, raw=bool(p.raw))
+    except ValueError as error:
+        given = ", ".join(f"{rate:g}" for rate in p.rates)
+        message = f"{error}; found: {_levels(means.value, p.raw)}; given: {given} deg/s"
+        raise UsageError(message) from error
+    force = _force(stretches, base)
+    value = means.value
+    if force is not None and base is not None:
+        leaked = np.array([base.axes[a].g_sensitivity if a in base.axes else (0.0, 0.0, 0.0) for a in AXES[:3]])
+        value = value - force @ leaked.T
+    up = None if force is None else _up(force, staircase.axis)
+    free = calibration.Means(value, means.variance, means.freedom, means.red)
+    seconds = np.array([s.seconds for s in stretches])
+    return TurnedLog(stretches, RateRun(path, staircase.axis, staircase.rate, seconds, free, up), force)
+
+
+def _force(stretches: Sequence[SteadyStretch], base: ImuErrorModel | None) -> Floats | None:
+    """Return the mean specific force in each step, corrected by the model's accelerometers; None without accelerometers."""
+    means = [s.accel.mean(axis=0) for s in stretches if s.accel is not None]
+    if len(means) < len(stretches):
+        return None
+    force = np.stack(means)
+    return force if base is None else corrected(base, (np.zeros_like(force), force), None)[1]
+
+
+def _up(force: Floats, axis: int) -> float | None:
+    """Return +1 for an axis that points up, -1 for one that points down, None for one that is not vertical."""
+    share = float((force[:, axis] / np.linalg.norm(force, axis=1)).mean())
+    return float(np.sign(share)) if abs(share) > VERTICAL else None
+
+
+def _levels(mean: Floats, raw: str) -> str:
+    """Return the levels of the axis that turns most, as text."""
+    steps = np.sort(mean[:, int(np.argmax(np.ptp(mean, axis=0)))])
+    groups = np.split(steps, np.flatnonzero(np.diff(steps) > SAME_LEVEL * np.ptp(steps)) + 1)
+    levels = [float(g.mean()) for g in groups]
+    shown = [f"{v:.5g}" for v in levels] if raw else [f"{np.degrees(v):.4g}" for v in levels]
+    return f"{', '.join(shown)} {raw or 'deg/s'}"
+
+
+def _full_range(p: RateTable, base: ImuErrorModel | None) -> float:
+    """Return the full range of the gyros, rad/s: given, of the base model, or the smallest usual one."""
+    if p.range is not None:
+        return float(np.radians(p.range))
+    ranges = [axis.range for name, axis in base.axes.items() if name.startswith("gyro") and axis.range] if base else []
+    return max(ranges) if ranges else float(np.radians(next(r for r in RANGES if r >= p.rates[-1] * (1 - 1e-9))))
+
+
+def _run(run: RateRun, fit: calibration.RunFit, raw: str) -> TableRun:
+    axis = run.axis
+    reference = np.zeros_like(run.rate) if raw else run.rate + fit.offset[axis].value
+    error = run.means.value[:, axis] - reference
+    steps = tuple(
+        Step(
+            float(run.rate[i]), float(run.length[i]), _by_axis(run.means.value[i]), _by_axis(fit.residual[i]),
+            _by_axis(fit.sigma[i]), float(error[i]), float(error[i] - fit.residual[i, axis]),
+        )
+        for i in range(run.rate.size)
+    )  # fmt: skip
+    offset = {f"gyro_{k}": e.scaled(1.0, raw or "rad/s") for k, e in zip("xyz", fit.offset, strict=True)}
+    return TableRun(run.name, f"gyro_{'xyz'[axis]}", offset, steps)
+
+
+def _by_axis(values: Floats) -> dict[str, float]:
+    return {f"gyro_{k}": float(v) for k, v in zip("xyz", values, strict=True)}

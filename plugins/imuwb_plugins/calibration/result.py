@@ -1,4 +1,4 @@
-"""What a calibration found."""
+"""The results of a calibration."""
 
 from __future__ import annotations
 
@@ -9,35 +9,17 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from imuwb.identification.calibration import PrintedCalibration
+    from imuwb.statistics import Estimate
     from imuwb.stochastic import ImuErrorModel
 
     Floats = NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True)
-class Parameter:
-    """One parameter with its interval at the result's level."""
-
-    value: float
-    sigma: float
-    lower: float
-    upper: float
-    unit: str
-
-
-@dataclass(frozen=True, slots=True)
-class Printed:
-    """An axis by Hassaballa's equations 3 to 6, from two means."""
-
-    up: float
-    down: float
-    bias: Parameter
-    scale_factor: Parameter
+    Terms = dict[str, dict[str, Estimate]]  # axis -> name of the parameter -> parameter
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Trace:
-    """Samples of an axis, thinned, raw and corrected, and what they should be."""
+    """Thinned samples of one axis before and after the correction, and the true value."""
 
     title: str
     x: Floats  #: s
@@ -52,65 +34,88 @@ class Position:
 
     name: str
     seconds: float
-    up: str | None  #: such as "x up"; None: aslant
-    mean: dict[str, float]  #: by axis, unit of the samples
-    force: tuple[float, float, float]  #: m/s², true as known or found
-    residual: dict[str, float]  #: mean less what the parameters make of the force, unit of the samples
-    sigma: dict[str, float]  #: of the mean's noise
+    up: str | None  #: axis that points up or down, such as "x up"; None: no axis does
+    mean: dict[str, float]  #: by axis, in the unit of the samples
+    force: tuple[float, float, float]  #: m/s², true specific force, given or estimated
+    residual: dict[str, float]  #: mean minus the fit's value, in the unit of the samples
+    sigma: dict[str, float]  #: standard deviation of the mean's noise
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class PositionResult:
-    """Accelerometers, and gyros where there are any."""
+    """The calibration of accelerometers, and of gyros if the logs have them, from still positions."""
 
     imu: str
     level: float
     gravity: float  #: m/s²
     gravity_from: str
     unit: str  #: of the samples, "" for SI
-    parameters: dict[str, dict[str, Parameter]]  #: axis -> name -> parameter
-    printed: dict[str, Printed]
+    parameters: Terms
+    printed: dict[str, PrintedCalibration]
     misplacement: float | None  #: rad
-    probability: float  #: of residuals as large as these by noise alone
+    probability: float  #: that noise alone makes residuals as large as these
     positions: tuple[Position, ...]
     temperature: float | None  #: °C
     notes: tuple[str, ...]
     model: ImuErrorModel = field(metadata={"document": False})
     traces: tuple[Trace, ...] = field(metadata={"document": False})
 
+    def __str__(self) -> str:
+        """Return the parameters, one line for each axis."""
+        return _lines(f"{self.imu}: {len(self.positions)} positions", self.parameters)
+
+    __repr__ = __str__
+
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One step of a staircase."""
+    """One step of a staircase of rates."""
 
-    rate: float  #: rad/s, the table's
+    rate: float  #: rad/s, of the table
     seconds: float
     mean: dict[str, float]
     residual: dict[str, float]
     sigma: dict[str, float]
+    #: of the turned gyro: mean minus true rate minus offset of the run; of a log in counts or volts, the mean
+    error: float
+    fitted_error: float  #: value of the fit for ``error``
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Run:
-    """One run of the table."""
+class TableRun:
+    """One run of the rate table."""
 
     name: str
-    axis: str  #: that turns
-    offset: dict[str, Parameter]  #: of each gyro in this attitude
+    axis: str  #: axis that turns
+    offset: dict[str, Estimate]  #: of each gyro at rest in this attitude
     steps: tuple[Step, ...]
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class TableResult:
-    """Gyros from a rate table."""
+    """The calibration of gyros on a rate table."""
 
     imu: str
     level: float
-    unit: str
+    unit: str  #: of the samples, "" for SI
     full_range: float | None  #: rad/s
-    parameters: dict[str, dict[str, Parameter]]
-    runs: tuple[Run, ...]
-    temperature: float | None
+    parameters: Terms
+    runs: tuple[TableRun, ...]
+    temperature: float | None  #: °C
     notes: tuple[str, ...]
     model: ImuErrorModel = field(metadata={"document": False})
     traces: tuple[Trace, ...] = field(metadata={"document": False})
+
+    def __str__(self) -> str:
+        """Return the parameters, one line for each axis."""
+        return _lines(f"{self.imu}: {len(self.runs)} runs of a rate table", self.parameters)
+
+    __repr__ = __str__
+
+
+def _lines(title: str, parameters: Terms) -> str:
+    rows = [
+        f"  {axis}: {', '.join(f'{name} {value}' for name, value in terms.items())}"
+        for axis, terms in parameters.items()
+    ]
+    return "\n".join([title, *rows])

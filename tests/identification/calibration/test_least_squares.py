@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from imuwb.identification.calibration.estimate import estimate
-from imuwb.identification.calibration.least_squares import Noise, fit_linear, is_determined
+from imuwb.identification.calibration.axis_calibration import student_estimate
+from imuwb.identification.calibration.least_squares import RowNoise, fit_linear, is_determined
 
 
 def noise(variance, freedom=1e6):
     variance = np.asarray(variance, dtype=float)
-    return Noise(variance, np.zeros(variance.size, dtype=np.int64), np.full(variance.size, float(freedom)))
+    return RowNoise(variance, np.zeros(variance.size, dtype=np.int64), np.full(variance.size, float(freedom)))
 
 
 def straight(n):
@@ -64,7 +64,7 @@ def test_extra_error_goes_where_its_pattern_says():
 def test_one_shared_variance_gives_its_own_degrees_of_freedom():
     fit = fit_linear(straight(20), np.zeros(20), noise(np.ones(20), 18), None, always=False)
     np.testing.assert_allclose(fit.freedom, 18)
-    apart = Noise(np.ones(20), np.arange(20), np.full(20, 18.0))  # twenty estimates know more than one
+    apart = RowNoise(np.ones(20), np.arange(20), np.full(20, 18.0))  # twenty estimates know more than one
     assert (fit_linear(straight(20), np.zeros(20), apart, None, always=False).freedom > 100).all()
 
 
@@ -84,7 +84,7 @@ def test_what_rows_leave_open_is_refused():
     assert not is_determined(design)
     assert not is_determined(np.ones((1, 2)))
     assert not is_determined(np.stack([np.ones(5), np.zeros(5)], axis=1))
-    with pytest.raises(ValueError, match="2 parameters are not determined by these 5 rows"):
+    with pytest.raises(ValueError, match="2 parameters .* 5 rows"):
         fit_linear(design, np.zeros(5), noise(np.ones(5)), None, always=False)
 
 
@@ -94,6 +94,6 @@ def test_as_many_rows_as_parameters_have_no_residual_to_judge_by():
 
 
 def test_an_estimate_has_students_interval():
-    e = estimate(2.0, 4.0, 5.0, 0.9)
+    e = student_estimate(2.0, 4.0, 5.0, 0.9)
     assert (e.upper - 2.0) / 2.0 == pytest.approx(stats.t.ppf(0.95, 5))
     assert e.value - e.lower == pytest.approx(e.upper - e.value)

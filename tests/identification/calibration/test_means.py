@@ -57,7 +57,7 @@ def test_rounding_counts_where_noise_does_not_reach_the_next_step():
 
 
 def test_too_short_a_stretch_is_refused():
-    with pytest.raises(ValueError, match="a stretch of 63 samples; its mean takes 64"):
+    with pytest.raises(ValueError, match="63 samples; .* 64"):
         means([np.zeros((63, 3))])
     with pytest.raises(ValueError, match="0 samples"):
         means([])

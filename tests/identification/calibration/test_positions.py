@@ -117,9 +117,9 @@ def test_tilted_faces_widen_the_cross_couplings_and_leave_the_scale_factor(model
 @pytest.mark.parametrize(
     ("rows", "message"),
     [
-        ([0, 1, 2, 3, 4], "5 positions, and none with z down"),
-        ([0, 1, 2, 3, 4, 4], "none with z down; there is .*y down: 4, 4"),
-        ([0, 0], "none with x down, y up, y down, z up, z down"),
+        ([0, 1, 2, 3, 4], "5 positions, .* z down"),
+        ([0, 1, 2, 3, 4, 4], "z down; .*y down: 4, 4"),
+        ([0, 0], "x down, y up, y down, z up, z down"),
     ],
 )
 def test_faces_that_are_missing_are_named(rows, message):
@@ -129,7 +129,7 @@ def test_faces_that_are_missing_are_named(rows, message):
 
 def test_a_position_on_an_edge_is_named():
     ups = np.concatenate([CUBE, [[2**-0.5, 2**-0.5, 0]]])
-    with pytest.raises(ValueError, match=r"edge: no axis is up or down .*\+0.71, \+0.71, \+0.00"):
+    with pytest.raises(ValueError, match=r"edge: .*\+0.71, \+0.71, \+0.00"):
         faces(G * ups, [*"abcdef", "edge"], raw=False)
 
 
@@ -158,9 +158,9 @@ def test_a_cube_does_not_part_it():
 def test_attitudes_in_one_plane_leave_parameters_open():
     angle = np.linspace(0, 6, 12)
     ups = np.stack([np.cos(angle), np.sin(angle), np.zeros(12)], axis=1)
-    with pytest.raises(ValueError, match="leave parameters open"):
+    with pytest.raises(ValueError, match="do not determine"):
         known_attitudes(exact(G * ups), G * ups, 0.95)
-    with pytest.raises(ValueError, match="too few directions"):
+    with pytest.raises(ValueError, match="nine parameters"):
         without_attitudes(exact(G * ups), G, 0.95)
 
 
@@ -208,7 +208,7 @@ def test_without_attitudes_the_intervals_hold(model):
 
 
 def test_eight_positions_are_too_few():
-    with pytest.raises(ValueError, match="8 positions; nine parameters .* take 9"):
+    with pytest.raises(ValueError, match="8 positions; .* 9"):
         without_attitudes(exact(G * spread(8)), G, 0.95)
 
 
@@ -235,5 +235,5 @@ def test_the_earths_vertical_rate_is_no_g_sensitivity(model):
 
 
 def test_three_attitudes_leave_gyros_open():
-    with pytest.raises(ValueError, match="take four"):
+    with pytest.raises(ValueError, match="four"):
         static_gyros(exact(np.zeros((3, 3))), G * np.eye(3), G, 0.95, None)

@@ -1,0 +1,216 @@
+"""From logs with still positions to the calibration of their sensors, by six-position or multi-position."""
+
+from __future__ import annotations
+
+import csv
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.errors import MissingDataError, UsageError
+from imuwb.geodesy.earth import gravity as normal_gravity
+from imuwb.identification import calibration
+from imuwb.log import source_of
+from imuwb.notes import Note
+from imuwb.stochastic import ImuErrorModel
+from imuwb.units import STANDARD_GRAVITY
+from imuwb_plugins.calibration.corrected_samples import position_traces
+from imuwb_plugins.calibration.error_model import check_gain, completed_model, parameters_of
+from imuwb_plugins.calibration.notes import gyro_note, position_notes, red_notes
+from imuwb_plugins.calibration.parameters import MultiPosition, SixPosition
+from imuwb_plugins.calibration.result import Position, PositionResult
+from imuwb_plugins.calibration.stretches import check_clipping, check_still, still_positions, temperature_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from imuwb.identification.calibration import AxisCalibration, Means, PositionCalibration, PrintedCalibration
+    from imuwb.log import Floats, Log
+    from imuwb_plugins.calibration.stretches import SteadyStretch
+
+RANGES = (2, 4, 8, 16, 32, 64, 128)  #: g, usual full ranges
+STRANGE = 0.2  #: of the means' variation, in the residuals, from which the attitudes are wrong
+
+
+def run(logs: Sequence[Log], p: SixPosition | MultiPosition) -> PositionResult:
+    """Return the calibration.
+
+    Raises:
+        MissingDataError: a log without accelerometer or without still positions, or positions that do not determine the
+            parameters.
+        UsageError: logs of different rates, or attitudes that do not match the positions.
+    """
+    base = None if p.into is None else ImuErrorModel.read(p.into)
+    stretches, notes = still_positions(logs, p.shortest)
+    gravity = _gravity(p)
+    accel = _accelerometer_means(stretches)
+    full_range = _full_range(p.range, base, gravity[0]) if isinstance(p, MultiPosition) and p.attitudes else None
+    try:
+        fit, faces = _fit(p, stretches, accel, gravity[0], full_range)
+    except ValueError as error:
+        message = f"{p.METHOD}: {error}"
+        raise MissingDataError(message) from error
+    axes = {f"accel_{k}": axis for k, axis in zip("xyz", fit.axes, strict=True)}
+    check_gain(axes, p.raw)
+    gyro, gyro_residual, gyro_notes = _gyros(stretches, fit, gravity[0], p, axes)
+    celsius, warm_notes = temperature_of(stretches)
+    name = logs[0].imu().name
+    model, model_notes = completed_model(
+        name, axes, base, _provenance(logs, p, gravity), {"accel": full_range}, celsius
+    )
+    notes = [
+        *position_notes(p, gravity, fit, full_range), *notes, *gyro_notes, *red_notes("accel", accel), *warm_notes, *model_notes,
+    ]  # fmt: skip
+    printed = calibration.as_printed(accel, faces, gravity[0], p.level) if faces else ()
+    return PositionResult(
+        name, p.level, *gravity, p.raw, {axis: parameters_of(axis, c, p.raw) for axis, c in axes.items()},
+        {f"accel_{k}": _with_units(x, p.raw) for k, x in zip("xyz", printed, strict=False)}, fit.misplacement, fit.probability,
+        _positions(stretches, faces, fit, accel, gyro, gyro_residual), celsius, tuple(notes), model,
+        tuple(position_traces(stretches, fit.force, model, with_gyro=gyro is not None)),
+    )  # fmt: skip
+
+
+def _gravity(p: SixPosition | MultiPosition) -> tuple[float, str]:
+    """Return gravity, m/s², and where it comes from."""
+    if p.gravity is not None:
+        return p.gravity, "given"
+    if p.latitude is not None:
+        g = float(normal_gravity(np.array([np.radians(p.latitude)]), np.array([p.height]))[0])
+        return g, f"of the ellipsoid at {p.latitude:g}° and {p.height:g} m"
+    return STANDARD_GRAVITY, "standard gravity, because neither --latitude nor --gravity is given"
+
+
+def _accelerometer_means(stretches: Sequence[SteadyStretch]) -> Means:
+    check_clipping(stretches, "accel")
+    means = calibration.means([s.accel for s in stretches if s.accel is not None])
+    check_still(stretches, means.value, means.variance)
+    return means
+
+
+def _full_range(given: float | None, base: ImuErrorModel | None, gravity: float) -> float:
+    """Return the full range of the accelerometers, m/s²: given, of the base model, or the smallest usual one."""
+    if given is not None:
+        return given * STANDARD_GRAVITY
+    ranges = [axis.range for name, axis in base.axes.items() if name.startswith("accel") and axis.range] if base else []
+    return max(ranges) if ranges else next(r for r in RANGES if r * STANDARD_GRAVITY >= gravity) * STANDARD_GRAVITY
+
+
+def _fit(
+    p: SixPosition | MultiPosition,
+    stretches: Sequence[SteadyStretch],
+    accel: Means,
+    gravity: float,
+    full_range: float | None,
+) -> tuple[PositionCalibration, tuple[tuple[int, int], ...]]:
+    """Return the fit of the accelerometers, and the face of each position of six-position."""
+    tilt = None if p.misplacement is None else float(np.radians(p.misplacement))
+    if isinstance(p, SixPosition):
+        names = [s.name for s in stretches]
+        return calibration.six_position(accel, names, gravity, p.level, raw=bool(p.raw), misplacement=tilt)
+    if p.attitudes is None:
+        return calibration.without_attitudes(accel, gravity, p.level, raw=bool(p.raw)), ()
+    force = gravity * _directions_of_up(p.attitudes, len(stretches))
+    fit = calibration.known_attitudes(accel, force, p.level, full_range=full_range, misplacement=tilt)
+    _check_attitudes(p.attitudes, accel, fit)
+    return fit, ()
+
+
+def _directions_of_up(path: Path, count: int) -> Floats:
+    """Return the direction of up in each position, (P, 3), from a file of attitudes."""
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            rows = [row for row in csv.reader(file) if any(cell.strip() for cell in row)]
+        names = [cell.strip() for cell in rows[0]]
+        at = [names.index(name) for name in ("roll_deg", "pitch_deg")]
+        roll, pitch = np.radians(np.array([[float(row[k]) for k in at] for row in rows[1:]]).reshape(-1, 2)).T
+    except (OSError, UnicodeDecodeError, ValueError, IndexError) as error:
+        message = (
+            f"--attitudes {path}: it must be CSV with columns roll_deg and pitch_deg, a number in each row: {error}"
+        )
+        raise UsageError(message) from error
+    if roll.size != count or not np.isfinite(roll).all() or not np.isfinite(pitch).all():
+        message = f"--attitudes {path}: {roll.size} attitudes for {count} still positions; there must be one for each, in order"
+        raise UsageError(message)
+    return np.stack([np.sin(pitch), -np.sin(roll) * np.cos(pitch), -np.cos(roll) * np.cos(pitch)], axis=1)
+
+
+def _check_attitudes(path: Path, accel: Means, fit: PositionCalibration) -> None:
+    """Raise UsageError if the means contradict the attitudes, for example of another order or of another frame."""
+    left = float(np.linalg.norm(fit.residual) / np.linalg.norm(accel.value - accel.value.mean(axis=0)))
+    inverted = [
+        k for k, axis in zip("xyz", fit.axes, strict=True) if axis.scale_factor and axis.scale_factor.value < -1
+    ]
+    if left > STRANGE or inverted:
+        why = (
+            f"accel {', '.join(inverted)} shows the opposite sign"
+            if inverted
+            else f"{100 * left:.0f} % remain as residuals"
+        )
+        message = (
+            f"--attitudes {path}: the positions do not have these attitudes ({why}); the file must have one row for each "
+            "position, in order, with roll and pitch of the forward-right-down frame: 0, 0 is level, z down"
+        )
+        raise UsageError(message)
+
+
+def _gyros(
+    stretches: Sequence[SteadyStretch],
+    fit: PositionCalibration,
+    gravity: float,
+    p: SixPosition | MultiPosition,
+    axes: dict[str, AxisCalibration],
+) -> tuple[Means | None, Floats | None, list[Note]]:
+    """Add the calibration of the gyros to ``axes``; return their means, residuals and notes."""
+    samples = [s.gyro for s in stretches if s.gyro is not None]
+    if not samples:
+        return None, None, []
+    check_clipping(stretches, "gyro")
+    stuck = np.ptp(np.concatenate(samples), axis=0) == 0
+    if stuck.any():
+        names = ", ".join(k for k, s in zip("xyz", stuck, strict=True) if s)
+        return None, None, [Note("gyro-constant", f"gyro {names} is constant: gyros are left out")]
+    means = calibration.means(samples)
+    latitude = None if p.latitude is None else float(np.radians(p.latitude))
+    gyros, residual = calibration.static_gyros(means, fit.force, gravity, p.level, latitude)
+    axes |= {f"gyro_{k}": c for k, c in zip("xyz", gyros, strict=True)}
+    return means, residual, [gyro_note(p), *red_notes("gyro", means)]
+
+
+def _positions(
+    stretches: Sequence[SteadyStretch],
+    faces: Sequence[tuple[int, int]],
+    fit: PositionCalibration,
+    accel: Means,
+    gyro: Means | None,
+    gyro_residual: Floats | None,
+) -> tuple[Position, ...]:
+    """Return each position with its means and residuals."""
+
+    def by_axis(i: int, accel_values: Floats, gyro_values: Floats | None) -> dict[str, float]:
+        values = {f"accel_{k}": float(v) for k, v in zip("xyz", accel_values[i], strict=True)}
+        if gyro_values is not None:
+            values |= {f"gyro_{k}": float(v) for k, v in zip("xyz", gyro_values[i], strict=True)}
+        return values
+
+    gyro_mean, gyro_sigma = (None, None) if gyro is None else (gyro.value, np.sqrt(gyro.variance))
+    return tuple(
+        Position(
+            s.name, s.seconds, calibration.face_name(faces[i]) if faces else None, by_axis(i, accel.value, gyro_mean),
+            (float(fit.force[i, 0]), float(fit.force[i, 1]), float(fit.force[i, 2])),
+            by_axis(i, fit.residual, gyro_residual), by_axis(i, fit.sigma, gyro_sigma),
+        )
+        for i, s in enumerate(stretches)
+    )  # fmt: skip
+
+
+def _with_units(x: PrintedCalibration, raw: str) -> PrintedCalibration:
+    return type(x)(x.up, x.down, x.bias.scaled(1.0, raw or "m/s²"), x.scale_factor.scaled(1.0, "1"))
+
+
+def _provenance(logs: Sequence[Log], p: SixPosition | MultiPosition, gravity: tuple[float, str]) -> dict[str, str]:
+    unit = f", {p.raw} to SI" if p.raw else ""
+    return {
+        "calibration": f"{p.METHOD}, gravity {gravity[0]:.6f} m/s² ({gravity[1]}){unit}",
+        "calibration_logs": "; ".join(source_of(log) for log in logs),
+    }
