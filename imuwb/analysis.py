@@ -28,9 +28,12 @@ that help is quick; keep imports of numpy inside ``run`` and ``draw``, or in mod
 A conditioner changes the samples before an analysis sees them (``--through NAME:key=value,...``). It is a module with
 
 * ``Parameters``, as above;
-* ``condition(log, parameters) -> (log, found)``: the log with its change, which it names in ``Log.conditioning``:
-  whether it is causal, and how late; ValueError says why a parameter cannot be with this log;
-* optionally ``draw(found, review)``.
+* ``condition(log, parameters) -> (log, applied)``: the log with its change, which ``Log.conditioning`` states with its
+  delay and whether it is causal; ValueError with the reason where the log does not allow a parameter;
+* optionally ``draw(applied, review)``;
+* optionally ``STUDY = {short name: (parameter, {parameter: value, ...})}``, for ``--study``: a name that people may write
+  for ``NAME.parameter``, and the values (as texts) of other parameters that go with it;
+* optionally ``ORDER``, a number: within one setting of a study conditioners run in rising order, those without a number last.
 
 It is registered under ``imuwb.conditioners``.
 """

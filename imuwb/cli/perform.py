@@ -14,8 +14,9 @@ from imuwb import __version__
 from imuwb.analysis import offers
 from imuwb.cli.places import Places, check_places
 from imuwb.cli.reading import read_log
+from imuwb.cli.studies import cases, grid
 from imuwb.cli.terminal import progress, shower
-from imuwb.cli.through import cases, conditioned, grid, step
+from imuwb.cli.through import conditioned, step
 from imuwb.errors import ImuwbError, UsageError
 from imuwb.progress import watched
 from imuwb.review.document import document

@@ -3,6 +3,7 @@ from .correction import corrected_log as corrected_log
 from .kaiser import KaiserFilter as KaiserFilter
 from .kaiser import design_kaiser as design_kaiser
 from .kaiser import filtered as filtered
+from .kaiser import fir_change as fir_change
 from .lowpass import Lowpass as Lowpass
 from .lowpass import design_lowpass as design_lowpass
 from .streams import Change as Change

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import signal
 
+from imuwb.conditioning.streams import Change
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -111,3 +113,16 @@ def filtered(values: Floats, taps: Floats) -> Floats:
     return np.stack(
         [signal.oaconvolve(column, taps, mode="valid") for column in np.ascontiguousarray(values.T)], axis=1
     )
+
+
+def fir_change(kaiser: KaiserFilter, *, causal: bool, step: int = 1) -> Change:
+    """Return a filter as a change of streams, every ``step``-th value kept.
+
+    Args:
+        kaiser: symmetric, of odd length.
+        causal: whether a value stands at the time of the last sample it is made of, or of the middle one.
+        step: samples of which one is kept.
+    """
+    size = kaiser.taps.size
+    first, last = (size - 1, 0) if causal else (size // 2, size // 2)
+    return Change(lambda values: filtered(values, kaiser.taps)[::step], size, first, last, step)

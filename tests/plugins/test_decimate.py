@@ -94,7 +94,7 @@ def test_one_rate_for_both_sensors(make_log, noise):
 
 @pytest.mark.parametrize("rate", [30, 99, 101, 200])
 def test_a_rate_that_is_no_whole_fraction_is_told(make_log, noise, rate):
-    with pytest.raises(ValueError, match="100 divided by a whole number"):
+    with pytest.raises(ValueError, match="rate of 100 Hz"):
         condition(make_log(noise), rate=rate)
 
 
@@ -102,7 +102,7 @@ def test_a_rate_that_is_no_whole_fraction_is_told(make_log, noise, rate):
     "given", [{}, {"rate": 20.0, "factor": 5}, {"rate": 0.0}, {"factor": 0}, {"rate": -1.0}, {"factor": -2}]
 )
 def test_rate_or_factor_is_given(given):
-    with pytest.raises(ValueError, match="either rate"):
+    with pytest.raises(ValueError, match="rate|factor"):
         decimate.Parameters(**given)
 
 

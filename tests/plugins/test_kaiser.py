@@ -20,8 +20,8 @@ def noise():
 def test_a_sine_keeps_its_phase(make_log):
     t = np.arange(1000) / 100
     sine = np.sin(2 * np.pi * 5 * t + 1)
-    found, kaisers = condition(make_log(sine), **BANDS)
-    half = kaisers["gyro"].taps.size // 2
+    found, applied = condition(make_log(sine), **BANDS)
+    half = applied.filters["gyro"].taps.size // 2
     triad = found.imu().angular_rate
     np.testing.assert_allclose(triad.value[:, 0], sine[half:-half], rtol=0, atol=2e-5)
     np.testing.assert_array_equal(triad.time, make_log(sine).imu().angular_rate.time[half:-half])
@@ -32,10 +32,10 @@ def test_a_sine_keeps_its_phase(make_log):
 def test_the_causal_filter_is_the_other_one_late_by_its_delay(make_log, noise):
     log = make_log(noise, noise)
     now, _ = condition(log, **BANDS)
-    late, kaisers = condition(log, **BANDS, causal=True)
+    late, applied = condition(log, **BANDS, causal=True)
     (made,) = late.conditioning
     assert (made.causal, late.causal) == (True, True)
-    assert made.delay == pytest.approx((kaisers["gyro"].taps.size - 1) / 2 / 100)
+    assert made.delay == pytest.approx((applied.filters["gyro"].taps.size - 1) / 2 / 100)
     for sensor in ("angular_rate", "specific_force"):
         a, b = getattr(now.imu(), sensor), getattr(late.imu(), sensor)
         np.testing.assert_array_equal(a.value, b.value)
@@ -67,17 +67,20 @@ def test_edges_and_a_width_contradict_each_other(width):
 
 def test_each_sensor_has_a_filter_for_its_rate(make_log, noise):
     log = make_log(noise, np.tile(noise, (2, 1)), accel_rate=200.0)
-    found, kaisers = condition(log, **BANDS, causal=True)
-    assert {s: k.rate for s, k in kaisers.items()} == pytest.approx({"gyro": 100, "accel": 200})
-    np.testing.assert_allclose(kaisers["accel"].taps, design_kaiser(200, 14, 18).taps, rtol=0, atol=1e-9)
-    assert found.conditioning[0].delay == max(k.delay for k in kaisers.values())
-    assert f"gyro {kaisers['gyro'].taps.size}, accel {kaisers['accel'].taps.size}" in found.conditioning[0].note
+    found, applied = condition(log, **BANDS, causal=True)
+    assert {s: k.rate for s, k in applied.filters.items()} == pytest.approx({"gyro": 100, "accel": 200})
+    np.testing.assert_allclose(applied.filters["accel"].taps, design_kaiser(200, 14, 18).taps, rtol=0, atol=1e-9)
+    assert found.conditioning[0].delay == max(k.delay for k in applied.filters.values())
+    assert (
+        f"gyro {applied.filters['gyro'].taps.size}, accel {applied.filters['accel'].taps.size}"
+        in found.conditioning[0].note
+    )
 
 
 def test_parts_between_gaps_stay_apart_and_short_ones_go(make_log, gap, noise):
     keep = gap(1000, 400, 410) & gap(1000, 500, 520)
-    found, kaisers = condition(make_log(noise, keep=keep), **BANDS)
-    half = kaisers["gyro"].taps.size // 2
+    found, applied = condition(make_log(noise, keep=keep), **BANDS)
+    half = applied.filters["gyro"].taps.size // 2
     whole = condition(make_log(noise[:400]), **BANDS)[0].imu().angular_rate.value
     triad = found.imu().angular_rate
     assert len(triad) == (400 - 2 * half) + (480 - 2 * half)
@@ -106,12 +109,12 @@ def test_bands_beyond_the_logs_rate_are_told(make_log, noise, bands):
 
 
 def test_magnitude_and_phase_are_shown(make_log, noise, shown):
-    _, kaisers = condition(make_log(noise), **BANDS)
-    kaiser.draw(kaisers, shown)
+    _, applied = condition(make_log(noise), **BANDS)
+    kaiser.draw(applied, shown)
     magnitude, phase = shown.figures
     f, decibel = magnitude.curves[0].x, magnitude.curves[0].y
     assert np.abs(decibel[f <= 14]).max() < 1e-3
     assert decibel[f >= 18].max() <= -100
     assert (magnitude.y_scale, phase.y_scale) == ("linear", "linear")
     slope = np.polyfit(f[f < 14], phase.curves[0].y[f < 14], 1)[0]
-    assert slope == pytest.approx(-2 * np.pi * kaisers["gyro"].delay, rel=1e-6)
+    assert slope == pytest.approx(-2 * np.pi * applied.filters["gyro"].delay, rel=1e-6)

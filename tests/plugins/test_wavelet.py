@@ -32,7 +32,7 @@ def test_without_a_threshold_the_log_stays_as_it_is(make_log, noise):
 
 def test_six_levels_are_for_six_axes(make_log, noise):
     log = make_log(noise, noise)
-    found, applied = condition(log, levels="1/2/3/4/5/0")
+    found, applied = condition(log, levels=(1, 2, 3, 4, 5, 0))
     assert [c.level for c in applied.axes.values()] == [1, 2, 3, 4, 5, 0]
     assert [c.band for c in applied.axes.values()] == pytest.approx([25, 12.5, 6.25, 3.125, 1.5625, 50])
     np.testing.assert_array_equal(found.imu().specific_force.value[:, 2], noise[:, 2])
@@ -93,8 +93,8 @@ def test_a_part_too_short_for_the_level_is_told(make_log, gap, noise):
 
 @pytest.mark.parametrize(
     ("wrong", "named"),
-    [({"levels": "3/4"}, "levels is '3/4'"), ({"levels": "31"}, "levels is '31'"), ({"levels": "-1"}, "levels is '-1'"),
-     ({"levels": "x"}, "levels"), ({"motion_band": "0"}, "motion_band is '0'"), ({"motion_band": "nan"}, "motion_band"),
+    [({"levels": "3,4"}, "levels is 3/4"), ({"levels": "31"}, "levels is 31"), ({"levels": "-1"}, "levels is -1"),
+     ({"levels": "x"}, "levels"), ({"motion_band": "0"}, "motion_band is 0"), ({"motion_band": "nan"}, "motion_band"),
      ({"motion_band": "fast"}, "motion_band"), ({"hop": 0}, "hop is 0")],
 )  # fmt: skip
 def test_wrong_parameters_say_why(wrong, named):
@@ -113,7 +113,7 @@ def test_levels_limits_and_thresholds_are_shown(make_log, noise, shown):
 
 
 def test_the_band_is_that_of_the_deepest_level(make_log, noise):
-    found, applied = condition(make_log(noise, noise), levels="1/2/3/0/2/1")
+    found, applied = condition(make_log(noise, noise), levels=(1, 2, 3, 0, 2, 1))
     assert found.band == applied.axes["gyro_z"].band == pytest.approx(100 / 2**4)
     nothing, _ = condition(make_log(noise), levels="0")
     assert nothing.conditioning[0].band is None

@@ -1,4 +1,4 @@
-"""Denoises the axes of a log."""
+"""Wavelet denoising of the axes of a log."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from imuwb.analysis import Table
 from imuwb.conditioning import (
     Change,
+    Denoised,
     band_limit,
     condition_streams,
     denoise,
@@ -25,7 +26,9 @@ if TYPE_CHECKING:
     from imuwb.log import Floats, Log
     from imuwb_plugins.wavelet.parameters import Parameters
 
-QUIETEST = 0.02  #: share of a record's seconds whose scatter is taken for the sensor's own
+QUIETEST = 0.02  #: share of a record's seconds whose scatter is the sensor's own
+LEAST_BLOCK = 8  #: samples of such a second, where the rate is low
+SHORTEST = 16  #: samples of a part; shorter ones are left out
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +37,7 @@ class AxisChoice:
 
     level: int
     band: float  #: Hz, below which everything is kept
-    thresholds: tuple[float, ...]  #: SI, finest level first; of the longest part
+    thresholds: tuple[float, ...]  #: SI, finest level first; of the first part
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,71 +51,82 @@ class Applied:
 
 
 def condition(log: Log, parameters: Parameters) -> tuple[Log, Applied]:
-    """Return the log with its IMUs denoised, and how."""
-    chosen: dict[str, AxisChoice] = {}
-    late = [0.0]
-    triads = {f"{sensor}_{axis}": (sensor, k) for sensor in ("gyro", "accel") for k, axis in enumerate("xyz")}
+    """Return the log with its IMUs denoised, and how.
+
+    Raises:
+        ValueError: an unknown wavelet, or a part too short for the levels.
+    """
+    axes: dict[str, AxisChoice] = {}
+    delays = [0.0]
 
     def design(sensor: str, rate: float) -> Change:
         if parameters.causal:
-            late.append((parameters.hop - 1) / rate)
+            delays.append((parameters.hop - 1) / rate)
+        names = [f"{sensor}_{axis}" for axis in "xyz"]
 
         def apply(values: Floats) -> Floats:
-            return np.stack([axis(values[:, k], f"{sensor}_{'xyz'[k]}", rate) for k in range(3)], axis=1)
+            columns = zip(names, values.T, strict=True)
+            return np.stack([axis(np.ascontiguousarray(column), name, rate) for name, column in columns], axis=1)
 
-        return Change(apply, 16)
+        return Change(apply, SHORTEST)
 
     def axis(values: Floats, name: str, rate: float) -> Floats:
-        level = _level(values, rate, parameters, list(triads).index(name))
-        series = np.ascontiguousarray(values)
-        if parameters.causal:
-            done = denoise_causally(
-                series, level, parameters.wavelet, parameters.threshold, parameters.shrinkage, parameters.hop
-            )
-        else:
-            done = denoise(series, level, parameters.wavelet, parameters.threshold, parameters.shrinkage)
-        chosen.setdefault(name, AxisChoice(level, band_limit(rate, level), done.thresholds))
+        level = _level(values, rate, parameters, AXES.index(name))
+        done = _denoised(values, level, parameters)
+        axes.setdefault(name, AxisChoice(level, band_limit(rate, level), done.thresholds))
         return done.values
 
-    text = (
-        f"levels={parameters.levels},motion_band={parameters.motion_band},wavelet={parameters.wavelet},"
-        f"threshold={parameters.threshold},shrinkage={parameters.shrinkage},causal={parameters.causal}"
-    ).lower()
     changed = condition_streams(log, design)
-    levels = ", ".join(f"{name} {chosen[name].level}" for name in AXES if name in chosen)
-    note = f"levels: {levels}"
-    if not any(choice.level for choice in chosen.values()):
-        note += ": nothing is taken away, for motion, or noise that looks like it, fills the band; give levels, or motion_band in Hz"
-    band = min((choice.band for choice in chosen.values() if choice.level), default=None)
-    made = Conditioning("wavelet", text, parameters.causal, max(late), note, band)
-    return replace(changed, conditioning=(*log.conditioning, made)), Applied(
-        parameters.wavelet, f"{parameters.shrinkage}, {parameters.threshold}", parameters.causal, chosen
-    )
+    band = min((choice.band for choice in axes.values() if choice.level), default=None)
+    step = Conditioning("wavelet", _text(parameters), parameters.causal, max(delays), _note(axes), band)
+    rule = f"{parameters.shrinkage}, {parameters.threshold}"
+    applied = Applied(parameters.wavelet, rule, parameters.causal, axes)
+    return replace(changed, conditioning=(*log.conditioning, step)), applied
+
+
+def _denoised(values: Floats, level: int, parameters: Parameters) -> Denoised:
+    how = (level, parameters.wavelet, parameters.threshold, parameters.shrinkage)
+    return denoise_causally(values, *how, parameters.hop) if parameters.causal else denoise(values, *how)
 
 
 def _level(values: Floats, rate: float, parameters: Parameters, place: int) -> int:
+    """Return the level of an axis: as it is given, or the deepest that keeps the motion."""
     if parameters.levels != "auto":
-        parts = parameters.levels.split("/")
-        return int(parts[place if len(parts) > 1 else 0])
+        return parameters.levels[place if len(parameters.levels) > 1 else 0]
     if parameters.motion_band != "measured":
-        return level_of_band(rate, float(parameters.motion_band))
-    block = max(round(rate), 8)
+        return level_of_band(rate, parameters.motion_band)
+    block = max(round(rate), LEAST_BLOCK)
     blocks = values[: values.size // block * block].reshape(-1, block)
     quiet = float(np.quantile(blocks.std(axis=1), QUIETEST))
     return level_of_band(rate, measured_band(values, rate, quiet / rate**0.5))
 
 
-def draw(found: Applied, review: Review) -> None:
+def _text(parameters: Parameters) -> str:
+    levels = parameters.levels if parameters.levels == "auto" else "/".join(map(str, parameters.levels))
+    band = parameters.motion_band if parameters.motion_band == "measured" else f"{parameters.motion_band:g}"
+    return (
+        f"levels={levels},motion_band={band},wavelet={parameters.wavelet},"
+        f"threshold={parameters.threshold},shrinkage={parameters.shrinkage},causal={parameters.causal}"
+    ).lower()
+
+
+def _note(axes: dict[str, AxisChoice]) -> str:
+    note = f"levels: {', '.join(f'{name} {axes[name].level}' for name in AXES if name in axes)}"
+    if any(choice.level for choice in axes.values()):
+        return note
+    return f"{note}: nothing is taken away, as the motion fills the band; give levels, or motion_band in Hz"
+
+
+def draw(applied: Applied, review: Review) -> None:
     """Show levels, band limits and thresholds (Quinchia, table 7)."""
     rows: list[tuple[str, ...]] = []
-    for name, choice in found.axes.items():
+    for name, choice in applied.axes.items():
         unit = coefficient_units(name, "rate")[1]
-        limits = ", ".join(f"{unit.from_si(t):.3g}" for t in choice.thresholds) or "—"
-        rows.append(
-            (name, str(choice.level), f"{choice.band:.3g} Hz", f"{limits} {unit.name}" if choice.thresholds else limits)
-        )
-    kind = "in a window that slides behind (causal)" if found.causal else "of the whole record (not causal)"
+        limits = ", ".join(f"{unit.from_si(t):.3g}" for t in choice.thresholds)
+        rows.append((name, str(choice.level), f"{choice.band:.3g} Hz", f"{limits} {unit.name}" if limits else "—"))
+    kind = "in a sliding window (causal)" if applied.causal else "of the whole record (not causal)"
     review.table(Table(
-        f"Wavelet denoising, {found.wavelet}, {found.rule}, {kind}", ("axis", "level", "keeps all below", "thresholds, finest level first"),
-        tuple(rows), "A level k keeps what lies below the rate / 2^(k+1); details above are shrunk by their level's threshold.",
+        f"Wavelet denoising, {applied.wavelet}, {applied.rule}, {kind}",
+        ("axis", "level", "keeps all below", "thresholds, finest level first"), tuple(rows),
+        "Level k keeps frequencies below the rate / 2^(k+1); details above them shrink by the threshold of their level.",
     ))  # fmt: skip

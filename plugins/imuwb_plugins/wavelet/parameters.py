@@ -1,13 +1,14 @@
-"""What can be asked of the denoising."""
+"""Options of the wavelet denoising."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
+from imuwb.options import POSITIVE, Between, Form, check
+
 AXES = 6
-DEEPEST = 30
+ORDER = 40
 
 
 @dataclass(frozen=True)
@@ -15,32 +16,28 @@ class Parameters:
     """Options of ``--through wavelet:...``."""
 
     levels: Annotated[
-        str, "of decomposition: one for all axes, six as 7/7/7/7/6/6 (gyro x, y, z, accel x, y, z), or auto"
+        Literal["auto"] | tuple[int, ...],
+        "levels of decomposition: one number for all axes, six for gyro x, y, z, accel x, y, z, or auto (by motion_band)",
+        Between(0, 30),
+        Form("K|K/K/K/K/K/K|auto", "7/7/7/7/6/6"),
     ] = "auto"
-    motion_band: Annotated[str, "with auto: Hz that motion reaches, or measured (on a record that moves)"] = "5"
-    wavelet: Annotated[str, "any discrete one of PyWavelets"] = "db4"
+    motion_band: Annotated[
+        Literal["measured"] | float,
+        "highest frequency of the motion, which auto keeps; measured: from a record that moves (Hz)",
+        POSITIVE,
+    ] = 5.0
+    wavelet: Annotated[str, "name of a discrete wavelet of PyWavelets"] = "db4"
     threshold: Annotated[
-        Literal["sure", "universal", "bayes", "all", "none"], "rule; all keeps no detail, none keeps all"
+        Literal["sure", "universal", "bayes", "all", "none"],
+        "rule of the threshold; all removes every detail, none removes nothing",
     ] = "sure"
-    shrinkage: Annotated[Literal["soft", "hard"], "of what is above the threshold"] = "soft"
-    causal: Annotated[bool, "in a window that slides behind, instead of the whole record at once"] = False
-    hop: Annotated[int, "with causal: samples between windows"] = 8
+    shrinkage: Annotated[Literal["soft", "hard"], "whether details above the threshold shrink, or stay"] = "soft"
+    causal: Annotated[bool, "denoise in a sliding window of past samples, in place of the whole record"] = False
+    hop: Annotated[int, "samples between two windows, with causal", Between(1)] = 8
 
     def __post_init__(self) -> None:
-        """Check the texts."""
-        if self.levels != "auto":
-            parts = self.levels.split("/")
-            if len(parts) not in (1, AXES) or not all(p.isdecimal() and int(p) <= DEEPEST for p in parts):
-                message = f"levels is {self.levels!r}; write auto, one number to {DEEPEST}, or six such as 7/7/7/7/6/6"
-                raise ValueError(message)
-        if self.motion_band != "measured":
-            try:
-                positive = 0 < float(self.motion_band) < math.inf
-            except ValueError:
-                positive = False
-            if not positive:
-                message = f"motion_band is {self.motion_band!r}; write Hz, above 0, or measured"
-                raise ValueError(message)
-        if self.hop < 1:
-            message = f"hop is {self.hop}; it must be at least 1 sample"
+        """Check the values."""
+        check(self)
+        if self.levels != "auto" and len(self.levels) not in (1, AXES):
+            message = f"levels is {'/'.join(map(str, self.levels))}; give auto, one number, or six such as 7/7/7/7/6/6"
             raise ValueError(message)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from imuwb.analysis import Case
-from imuwb.cli.through import cases
+from imuwb.cli.studies import cases
 from imuwb.errors import MissingDataError
 from imuwb.log import SECOND, ImuStream, Log, Provenance, Triad
 from imuwb.stochastic import WhiteNoise

@@ -1,0 +1,112 @@
+"""Studies on the command line: ``--study NAME.key=1,2,3`` repeats an analysis for every value of a conditioner's parameter."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import TYPE_CHECKING
+
+from imuwb.analysis import Case
+from imuwb.cli.through import conditioner_of, conditioners, step_of
+from imuwb.errors import UsageError
+from imuwb.progress import tracked
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from imuwb.cli.through import Step
+    from imuwb.log import Log
+
+MOST_CASES = 200
+
+
+def grid(texts: Sequence[str]) -> list[dict[str, str]]:
+    """Return the settings of a study, {"wavelet.levels": "3"} and so on, every combination.
+
+    Raises:
+        UsageError: a text that is no study, or too many combinations.
+    """
+    axes = [_axis(text) for text in texts]
+    count = math.prod(len(values) for _, values in axes)
+    if count > MOST_CASES:
+        message = f"--study: there are {count} combinations; at most {MOST_CASES} are run; give fewer values"
+        raise UsageError(message)
+    names = [name for name, _ in axes]
+    settings = [
+        dict(zip(names, combination, strict=True)) for combination in itertools.product(*(values for _, values in axes))
+    ]
+    for setting in settings:
+        steps_of(setting)
+    return settings
+
+
+def _axis(text: str) -> tuple[str, list[str]]:
+    """Return the name of a study, and its values."""
+    name, mark, values = text.partition("=")
+    name = name.strip()
+    if not mark or not values or ("." not in name and name not in _short_names()):
+        short = ", ".join(f"{known}=..." for known in _short_names())
+        message = f"--study {text}: write NAME.key=1,2,3 or NAME.key=1..8, or for short {short}"
+        raise UsageError(message)
+    return name, _values(text, values)
+
+
+def _values(text: str, values: str) -> list[str]:
+    first, dots, last = values.partition("..")
+    if not dots:
+        return [value.strip() for value in values.split(",")]
+    try:
+        low, high = int(first), int(last)
+    except ValueError as error:
+        message = f"--study {text}: the ends of a range must be whole numbers, such as 3..8"
+        raise UsageError(message) from error
+    if high < low or high - low >= MOST_CASES:
+        message = f"--study {text}: the second end of a range must be the larger one, by less than {MOST_CASES}"
+        raise UsageError(message)
+    return [str(k) for k in range(low, high + 1)]
+
+
+def steps_of(setting: Mapping[str, str]) -> list[Step]:
+    """Return the conditioners of one setting in the order that they declare, those that declare none last."""
+    wanted: dict[str, dict[str, str]] = {}
+    short = _short_names()
+    for name, value in setting.items():
+        conditioner, key, others = short[name] if name in short else (*name.split(".", 1), {})
+        wanted.setdefault(conditioner, {}).update({key: value, **others})
+    return [step_of(name, wanted[name]) for name in sorted(wanted, key=_order)]
+
+
+def _short_names() -> dict[str, tuple[str, str, Mapping[str, str]]]:
+    """Return {short name: (conditioner, parameter, parameters that go with it)}, as the conditioners declare them.
+
+    Raises:
+        UsageError: two conditioners declare the same short name.
+    """
+    short: dict[str, tuple[str, str, Mapping[str, str]]] = {}
+    for name, conditioner in conditioners():
+        for word, (key, others) in getattr(conditioner, "STUDY", {}).items():
+            if word in short:
+                message = f"--study {word}: the conditioners {short[word][0]} and {name} declare this name both; remove one of them"
+                raise UsageError(message)
+            short[word] = name, key, others
+    return short
+
+
+def _order(name: str) -> float:
+    return getattr(conditioner_of(name), "ORDER", math.inf)
+
+
+def cases(logs: Sequence[Log], texts: Sequence[str]) -> Iterator[Case]:
+    """Yield each log in each setting, one at a time: they may be large.
+
+    Raises:
+        UsageError: a setting that a log does not allow, such as a bandwidth above half its rate.
+    """
+    settings = grid(texts)
+    for log in tracked(logs, len(logs)):
+        for setting in tracked(settings, len(settings)):
+            changed = log
+            for step in steps_of(setting):
+                changed, _ = step.apply(changed)
+            name = {"log": log.provenance.path} if len(logs) > 1 else {}
+            yield Case({**name, **setting}, changed)

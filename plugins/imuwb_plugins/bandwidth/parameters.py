@@ -1,0 +1,24 @@
+"""Options of the low-pass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from imuwb.options import POSITIVE, Between, check
+
+ORDER = 20
+STUDY = {"bandwidth": ("cutoff", {})}
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Options of ``--through bandwidth:...``."""
+
+    cutoff: Annotated[float, "frequency at which the gain is -3 dB; below half the rate (Hz)", POSITIVE]
+    kind: Annotated[Literal["butterworth", "moving-average"], "kind of filter"] = "butterworth"
+    order: Annotated[int, "order of a Butterworth filter", Between(1, 8)] = 2
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        check(self)

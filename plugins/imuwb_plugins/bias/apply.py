@@ -1,0 +1,53 @@
+"""The mean taken off each axis of a log."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.log import SECOND, Conditioning, Triad
+
+if TYPE_CHECKING:
+    from imuwb.log import Floats, ImuStream, Log
+    from imuwb_plugins.bias.parameters import Parameters
+
+
+def condition(log: Log, parameters: Parameters) -> tuple[Log, dict[str, list[float]]]:
+    """Return the log without biases, and the biases of the first IMU: sensor -> x, y, z in rad/s or m/s²."""
+    sensors = [s for s in ("gyro", "accel") if parameters.sensors in ("both", s)]
+    means = [_means(imu, sensors, parameters.seconds) for imu in log.imus]
+    imus = tuple(_without(imu, mean) for imu, mean in zip(log.imus, means, strict=True))
+    triads = [triad for imu in log.imus for triad in (imu.angular_rate, imu.specific_force) if triad is not None]
+    end = float(log.seconds(np.array([triad.time[-1] for triad in triads])).max())
+    # The mean of a beginning that is the whole record is not causal.
+    causal = parameters.seconds is not None and parameters.seconds < end
+    text = f"seconds={'all' if parameters.seconds is None else f'{parameters.seconds:g}'},sensors={parameters.sensors}"
+    step = Conditioning("bias", text, causal, 0.0)
+    taken = {sensor: mean.tolist() for sensor, mean in means[0].items()} if means else {}
+    return replace(log, imus=imus, conditioning=(*log.conditioning, step)), taken
+
+
+def _triads(imu: ImuStream) -> dict[str, Triad | None]:
+    return {"gyro": imu.angular_rate, "accel": imu.specific_force}
+
+
+def _means(imu: ImuStream, sensors: list[str], seconds: float | None) -> dict[str, Floats]:
+    return {s: _mean(t, seconds) for s, t in _triads(imu).items() if s in sensors and t is not None}
+
+
+def _mean(triad: Triad, seconds: float | None) -> Floats:
+    """Return the mean of a triad, or of its first seconds, at least of one sample."""
+    if seconds is None:
+        return triad.value.mean(axis=0)
+    end = int(np.searchsorted(triad.time, triad.time[0] + round(seconds * SECOND)))
+    return triad.value[: max(end, 1)].mean(axis=0)
+
+
+def _without(imu: ImuStream, means: dict[str, Floats]) -> ImuStream:
+    rate, force = (
+        Triad(triad.time, triad.value - means[sensor]) if triad is not None and sensor in means else triad
+        for sensor, triad in _triads(imu).items()
+    )
+    return replace(imu, angular_rate=rate, specific_force=force)

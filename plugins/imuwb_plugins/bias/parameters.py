@@ -1,0 +1,26 @@
+"""Options of the bias removal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from imuwb.options import POSITIVE, check
+
+ORDER = 10
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Options of ``--through bias:...``."""
+
+    seconds: Annotated[
+        float | None, "length of the beginning whose mean is taken (causal); without it, the whole record (s)", POSITIVE
+    ] = None
+    sensors: Annotated[
+        Literal["both", "gyro", "accel"], "sensors whose bias is taken off; an accelerometer's mean includes gravity"
+    ] = "both"
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        check(self)
