@@ -1,4 +1,4 @@
-"""Helpers that many tests share: the recordings beside the repository, and tiny files written on the spot."""
+"""Helpers that many tests share: tiny files written on the spot. The recordings beside the repository: recordings.py."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from mcap.writer import CompressionType, Writer
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+pytest_plugins = ["tests.recordings"]
 
 _HEADER = "MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
 _HEADER_1 = "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"
@@ -112,15 +114,6 @@ def write_mcap(path: Path, *topics: Topic, **options: object) -> Path:
                 writer.add_message(channel, log_time, payload, publish[0] if publish else log_time)
         writer.finish()
     return path
-
-
-@pytest.fixture(scope="session")
-def shared():
-    """Return the folder of real recordings and published figures."""
-    folder = Path(__file__).resolve().parents[2] / "shared" / "data"
-    if not folder.is_dir():
-        pytest.skip(f"{folder} is not there: the recordings are not part of the repository")
-    return folder
 
 
 @pytest.fixture(scope="session")
