@@ -1,39 +1,45 @@
-"""The contract between an analysis, the command line and the review.
+"""The contracts of plugins: analyses and conditioners, and what a review shows for them.
 
-An analysis is a module (or any object) with
+An analysis is a module, or any object, with these parts:
 
-* ``Parameters``: a frozen dataclass. Each field is an option of the command line; its annotation
-  gives the type and, as ``Annotated[float, "what it means"]``, the help. ``__post_init__`` raises
-  ValueError with the reason when a value cannot be.
-* ``run(logs, parameters) -> result``: pure; the result is a frozen dataclass (or a dict), and becomes JSON. It raises
-  MissingDataError when a log has not what it needs.
-* ``draw(result, review)``: shows the result; computes nothing.
-* optionally ``LOGS = (fewest, most)`` (default one log; most may be None), and
-  ``error_model(result) -> ImuErrorModel``; with ``LEAVES_MODEL`` the model is saved unasked, beside the recording: as
-  ``.error-model.toml``, or, where it is a text, with that in its place.
+* ``Parameters``: a frozen dataclass whose fields are the options of the command; ``imuwb.options`` states how they are declared.
+  ``__post_init__`` calls ``check(self)`` and raises ValueError, with the reason, for a value that cannot be.
+* ``run(logs, parameters) -> result``: computes, and changes nothing else. The result is a frozen dataclass or a dict, and
+  becomes JSON. MissingDataError says what a log lacks.
+* ``draw(result, review)``: shows the result, and computes nothing.
 
-* optionally ``findings(result) -> tuple of Finding``: what it says of each axis in common terms, which
-  recipes lay beside what other analyses say;
-* optionally ``outputs(parameters) -> tuple of paths`` and ``write_outputs(result, parameters)``, for files of its own: those
-  that exist are not written over without --force;
-* optionally ``study(cases, parameters) -> result`` and ``draw_study(result, review)``, for ``--study``.
+and, where it wants them, with these:
 
-An analysis of several methods has ``METHODS`` instead, {name: module}, each an analysis as above: they become
-commands of a group, and the result's JSON has the method among its parameters.
+* ``LOGS = (fewest, most)``: how many logs it takes; (1, 1) without it; ``most`` None: any number.
+* ``error_model(result) -> ImuErrorModel``, for ``--save-model``. With ``LEAVES_MODEL`` the model is always saved, beside the
+  recording, as ``NAME.error-model.toml``; if ``LEAVES_MODEL`` is a text, it stands in place of "error-model".
+* ``findings(result) -> tuple of Finding``: the result of each axis in terms that several analyses share.
+* ``outputs(parameters) -> tuple of paths`` and ``write_outputs(result, parameters)``: files of its own. Those that exist are
+  overwritten with --force only.
+* ``study(cases, parameters) -> result`` and ``draw_study(result, review)``, for ``--study``.
+* ``DEMO = "still"`` or ``"drive"``: imuwb demo runs the analysis on that sample log. The analysis of the drive gets the error model
+  that the first one leaves as its parameter ``error_model``.
+* ``SHOWS_FAULTS = True``: imuwb info names this analysis to a user whose log has faults.
 
-It is registered under the entry-point group ``imuwb.analyses``, or is a single file:
-``imuwb ./mine.py LOG``. Its docstring's first line is its help. This module imports nothing heavy, so
-that help is quick; keep imports of numpy inside ``run`` and ``draw``, or in modules they import.
+An analysis of several methods has ``METHODS`` instead, {name: module}; each module is an analysis as above, and becomes a
+command of a group. The JSON of its result has the method among the parameters.
 
-A conditioner changes the samples before an analysis sees them (``--through NAME:key=value,...``). It is a module with
+An analysis is registered under the entry-point group ``imuwb.analyses``, or is a single file: ``imuwb ./mine.py LOG``. The first
+line of its docstring is its help. ``imuwb --help`` imports every analysis, so its module imports nothing heavy: import numpy
+inside ``run`` and ``draw``, or attach them with ``lazy_loader`` as the plugins of imuwb do.
+
+A conditioner changes the samples before an analysis uses them (``--through NAME:key=value,...``). It is a module with
 
 * ``Parameters``, as above;
-* ``condition(log, parameters) -> (log, applied)``: the log with its change, which ``Log.conditioning`` states with its
-  delay and whether it is causal; ValueError with the reason where the log does not allow a parameter;
-* optionally ``draw(applied, review)``;
-* optionally ``STUDY = {short name: (parameter, {parameter: value, ...})}``, for ``--study``: a name that people may write
-  for ``NAME.parameter``, and the values (as texts) of other parameters that go with it;
-* optionally ``ORDER``, a number: within one setting of a study conditioners run in rising order, those without a number last.
+* ``condition(log, parameters) -> (log, applied)``: the log with its change, which ``Log.conditioning`` states with its delay and
+  whether it is causal. ValueError gives the reason why a parameter does not suit the log;
+
+and, where it wants them,
+
+* ``draw(applied, review)``;
+* ``STUDY = {short name: (parameter, {parameter: value, ...})}``, for ``--study``: a name that users may write for
+  ``NAME.parameter``, and the values (as texts) of other parameters that go with it;
+* ``ORDER``, a number: in one setting of a study conditioners run in rising order; those without a number run last.
 
 It is registered under ``imuwb.conditioners``.
 """
@@ -81,9 +87,9 @@ class Analysis(Protocol):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Curve:
-    """A line in a figure; what is not finite, or not positive on a logarithmic axis, is left out."""
+    """A line in a figure. Points that are not finite, or not positive on a logarithmic axis, are left out."""
 
-    label: str  #: in the legend; empty: none
+    label: str  #: for the legend; empty: the curve is not in the legend
     x: Floats
     y: Floats
     color: Color
@@ -113,7 +119,7 @@ class Vertical:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Figure:
-    """A figure, log-log unless it says otherwise. Axis titles carry the unit."""
+    """A figure, with logarithmic axes by default. The titles of its axes contain the unit."""
 
     title: str
     x_title: str
@@ -123,24 +129,24 @@ class Figure:
     x_scale: Literal["log", "linear"] = "log"
     y_scale: Literal["log", "linear"] = "log"
     verticals: tuple[Vertical, ...] = ()
-    x_limits: tuple[float, float] | None = None  #: None: what holds all curves
+    x_limits: tuple[float, float] | None = None  #: None: limits that contain all curves
     y_limits: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Rows of text under headings; a figure in a cell or its heading carries its unit."""
+    """Rows of text under headings. A number has its unit, in its cell or in the heading."""
 
     title: str
     headings: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     caption: str = ""
-    wide: bool = False  #: has a row of the recording's tab to itself
+    wide: bool = False  #: the table fills a whole row of its tab in the recording
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Series:
-    """One or more quantities over time, in the unit shown."""
+    """One or more quantities over time, all in one unit."""
 
     title: str
     unit: str
@@ -148,7 +154,7 @@ class Series:
     values: Floats  #: (n, k)
     names: tuple[str, ...]
     colors: tuple[tuple[int, ...], ...] = ()  #: RGB or RGBA
-    epoch: str = "log"  #: what time counts from: "unix", "boot" or "log"
+    epoch: str = "log"  #: zero of the time: "unix", "boot" or "log"
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,25 +166,25 @@ class LineResult:
     lower: float
     upper: float
     unit: str
-    name: str = ""  #: such as "line at 0.56 Hz" or "3 × 0.56 Hz"
+    name: str = ""  #: "line at 0.56 Hz" or "3 × 0.56 Hz", for example
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What an analysis says of one axis, in terms that all share."""
+    """The result of an analysis for one axis, in terms that all analyses share."""
 
     axis: str
-    source: str  #: the estimator's name
-    coefficients: Mapping[str, Coefficient]  #: of Q, N, B, K, R, those it speaks of
-    remarks: tuple[str, ...] = ()  #: one line each, for a person to act on
-    headline: bool = False  #: this estimator's figures go into the model
+    source: str  #: name of the estimator
+    coefficients: Mapping[str, Coefficient]  #: those of Q, N, B, K, R that it estimates
+    remarks: tuple[str, ...] = ()  #: advice to the user, one line each
+    headline: bool = False  #: whether the error model takes this estimator's values
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Case:
-    """One setting of a study, and the log as it is there."""
+    """One setting of a study, and the log conditioned so."""
 
-    settings: Mapping[str, str]  #: such as {"rate": "100", "bandwidth": "42"}
+    settings: Mapping[str, str]  #: {"rate": "100", "bandwidth": "42"}, for example
     log: Log
 
 
@@ -193,19 +199,19 @@ class Conditioner(Protocol):
     Parameters: Any
 
     def condition(self, log: Log, parameters: Any) -> tuple[Log, Any]:  # noqa: ANN401 - each has its own types
-        """Return the changed log, and what can be drawn of the change."""
+        """Return the changed log, and what ``draw`` can show of the change."""
         ...
 
 
 class Review(Protocol):
-    """Where an analysis shows its result: one call puts it into the recording and, for text, the terminal."""
+    """Where an analysis shows its result. One call puts it into the recording, and a text into the terminal as well."""
 
     def tab(self, name: str) -> None:
-        """Put what follows on a tab of that name."""
+        """Open a tab: everything that follows is shown on it."""
         ...
 
     def series(self, series: Series) -> None:
-        """Show quantities over time; long ones as envelopes of their extremes."""
+        """Show quantities over time. Long series are drawn as the envelopes of their extremes."""
         ...
 
     def figure(self, figure: Figure) -> None:
@@ -217,21 +223,21 @@ class Review(Protocol):
         ...
 
     def track(self, name: str, position: Floats, color: Color, label: str = "") -> None:
-        """Show a trajectory, (n, 3) latitude rad, longitude rad, height m, in local east and north; a label at its end.
+        """Show a trajectory, (n, 3) latitude rad, longitude rad, height m, in local east and north, with a label at its end.
 
-        Tracks of one tab share a picture, whose origin is the first one's first point.
+        The tracks of one tab share a picture. Its origin is the first point of the first track.
         """
         ...
 
     def chart(self, name: str, position: Floats, color: Color) -> None:
-        """Show a trajectory, (n, 3) latitude rad, longitude rad, height m, on a map; the viewer fetches it from the network."""
+        """Show a trajectory, (n, 3) latitude rad, longitude rad, height m, on a map that the viewer fetches from the network."""
         ...
 
     def note(self, text: str) -> None:
-        """Say something a reader of the result must know."""
+        """State what a reader of the result must know."""
         ...
 
     @property
     def recording(self) -> rr.RecordingStream:
-        """The recording itself, for what the other calls do not cover; its views join the analysis's tab."""
+        """The recording itself, for what the other calls cannot show."""
         ...

@@ -57,6 +57,15 @@ def load(point: EntryPoint) -> object | None:
         return None
 
 
+def marked(group: str, mark: str, value: object) -> tuple[str, object] | None:
+    """Return the name and the first plugin of a group that has an attribute of that value; None if no plugin has."""
+    for name, point in installed(group).items():
+        plugin = load(point)
+        if getattr(plugin, mark, None) == value:
+            return name, plugin
+    return None
+
+
 def summary_of(plugin: object) -> str:
     """Return the first line of a plugin's docstring."""
     lines = (getattr(plugin, "__doc__", None) or "").strip().splitlines()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import struct
 from dataclasses import dataclass, field
-from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
@@ -14,6 +13,7 @@ from mcap.writer import CompressionType, Writer
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+    from pathlib import Path
 
 pytest_plugins = ["tests.recordings"]
 

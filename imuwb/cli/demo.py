@@ -62,10 +62,8 @@ def marked(log: str) -> tuple[str, Analysis]:
     Raises:
         MissingDataError: no installed analysis is.
     """
-    for name, point in registry.installed(registry.ANALYSES).items():
-        analysis = registry.load(point)
-        if getattr(analysis, "DEMO", None) == log:
-            return name, cast("Analysis", analysis)
+    if plugin := registry.marked(registry.ANALYSES, "DEMO", value=log):
+        return plugin[0], cast("Analysis", plugin[1])
     message = f"no analysis that is installed is marked for the demo of the {log} log"
     raise MissingDataError(message)
 

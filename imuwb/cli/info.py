@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from imuwb import registry
 from imuwb.cli.options import LOG_ARGUMENT
 from imuwb.readers.batch import ReadOptions  # noqa: TC001 - as above
 
@@ -62,6 +63,6 @@ def show_faults(log: Log, show: Callable[[Table | str], None]) -> None:
     if faults:
         worst = faults[0]
         count = f" ({worst.count} times)" if worst.count > 1 else ""
-        show(
-            f"{len(faults)} faults and warnings; the worst: {worst.stream}: {worst.what}{count}; imuwb health shows all"
-        )
+        shows_all = registry.marked(registry.ANALYSES, "SHOWS_FAULTS", value=True)
+        command = f"; imuwb {shows_all[0]} shows all" if shows_all else ""
+        show(f"{len(faults)} faults and warnings; the worst: {worst.stream}: {worst.what}{count}{command}")

@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from imuwb.health import Health
     from imuwb.log import Log
 
-__all__ = ["Parameters", "draw", "run"]
+__all__ = ["SHOWS_FAULTS", "Parameters", "draw", "run"]
+
+SHOWS_FAULTS = True
 
 
 @dataclass(frozen=True)
