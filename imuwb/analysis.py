@@ -229,7 +229,7 @@ class Review(Protocol):
         """
         ...
 
-    def chart(self, name: str, position: Floats, color: Color) -> None:
+    def map_track(self, name: str, position: Floats, color: Color) -> None:
         """Show a trajectory, (n, 3) latitude rad, longitude rad, height m, on a map that the viewer fetches from the network."""
         ...
 

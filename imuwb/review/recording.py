@@ -249,7 +249,7 @@ class RecordingReview:
             )  # fmt: skip
         self._tab.tracks += 1
 
-    def chart(self, name: str, position: Floats, color: tuple[int, int, int]) -> None:
+    def map_track(self, name: str, position: Floats, color: tuple[int, int, int]) -> None:
         """Show a trajectory on a map, which the viewer fetches from the network."""
         path = f"{self._tab.path}/map"
         points = np.degrees(position[:: max(1, len(position) // 10_000), :2])

@@ -91,7 +91,7 @@ class Shown:
     def series(self, series):
         self.all_series.append(series)
 
-    def chart(self, name, *_):
+    def map_track(self, name, *_):
         self.charts.append(name)
 
     def track(self, name, position, _color, label=""):

@@ -85,7 +85,7 @@ def tracks(result: Result, review: Review) -> None:
     review.tab("Tracks")
     review.track("reference", result.replay.reference.position, REFERENCE)
     if result.on_map:
-        review.chart("reference", result.replay.reference.position, (60, 60, 66))
+        review.map_track("reference", result.replay.reference.position, (60, 60, 66))
     few = len(result.outages) <= ROWS
     for duration in [one.duration for one in (result.summary if few else result.summary[-1:])]:
         _tracks_of(result, review, duration)
@@ -109,7 +109,7 @@ def _tracks_of(result: Result, review: Review, duration: float) -> None:
                 else ""
             )
             if result.on_map:
-                review.chart(f"{name} at {found.scores.start[i]:.0f} s", found.drift.state[i, :, :3], color_of(name))
+                review.map_track(f"{name} at {found.scores.start[i]:.0f} s", found.drift.state[i, :, :3], color_of(name))
             path = f"{name}_at_{found.scores.start[i]:.0f}_s".replace(" ", "_")
             review.track(path, found.drift.state[i, :, :3], color_of(name), label)
     review.note(
