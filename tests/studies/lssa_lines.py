@@ -51,15 +51,12 @@ def record(case, seed):
     x = x + 2 + 0.05 * t + sum(rng.normal(0, 3) * (t >= at) for at in jumps)
     x += size * np.cos(2 * np.pi * f * (t - t[0]) + phase)
     found = extract(least_squares_spectrum(adjust(t, x, Constituents("linear", tuple(jumps)), noise)), 0.99, 0.95).peaks
-    own = [p for p in found if abs(p.frequency - f) < 2 / t[-1]]
+    own = [p for p in found if abs(p.frequency.value - f) < 2 / t[-1]]
     if not own:
         return None, len(found)
     peak = own[0]
-    low, high = peak.phase_interval
-    turned = (phase - peak.phase + np.pi) % (2 * np.pi) - np.pi + peak.phase
-    held = (
-        peak.frequency_interval[0] <= f <= peak.frequency_interval[1], peak.lower <= size <= peak.upper, low <= turned <= high
-    )  # fmt: skip
+    turned = (phase - peak.phase.value + np.pi) % (2 * np.pi) - np.pi + peak.phase.value
+    held = f in peak.frequency, size in peak.amplitude, turned in peak.phase
     return held, len(found) - 1
 
 

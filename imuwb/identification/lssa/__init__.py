@@ -1,9 +1,15 @@
-"""Least-squares spectral analysis: lines of unevenly spaced, weighted, coloured series, and what noise they stand in."""
+"""Least-squares spectral analysis: periodic lines of unevenly spaced, weighted, coloured series, and the structure of the noise."""
 
 from imuwb.identification.lssa.constituents import TRENDS, Constituents
 from imuwb.identification.lssa.drifting import DriftingLine, drifting_lines
-from imuwb.identification.lssa.hypotheses import ChiSquare, Hypothesis, is_autoregressive, is_random_walk, words
-from imuwb.identification.lssa.noise import Kind, Noise, NoiseFit
+from imuwb.identification.lssa.hypotheses import (
+    ChiSquare,
+    Hypothesis,
+    hypothesis_text,
+    is_autoregressive,
+    is_random_walk,
+)
+from imuwb.identification.lssa.noise import Noise, NoiseFit, NoiseKind
 from imuwb.identification.lssa.peaks import Extraction, Peak, extract
 from imuwb.identification.lssa.significance import Significance, significance
 from imuwb.identification.lssa.spectrum import Adjusted, Spectrum, adjust, least_squares_spectrum
@@ -17,9 +23,9 @@ __all__ = [
     "DriftingLine",
     "Extraction",
     "Hypothesis",
-    "Kind",
     "Noise",
     "NoiseFit",
+    "NoiseKind",
     "Peak",
     "Significance",
     "Spectrum",
@@ -27,10 +33,10 @@ __all__ = [
     "adjust",
     "drifting_lines",
     "extract",
+    "hypothesis_text",
     "is_autoregressive",
     "is_random_walk",
     "least_squares_spectrum",
     "significance",
     "usable_band",
-    "words",
 ]

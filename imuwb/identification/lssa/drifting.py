@@ -1,7 +1,8 @@
-"""Lines that do not keep their frequency over the record: in a spectrum of short segments they are one, in that of the whole record many.
+"""Lines whose frequency drifts over the record: a spectrum of short segments shows one line, that of the whole record many.
 
-The frequency of a swaying bench drifts, and a sinusoid that keeps its phase for hours takes up little of it. Such a line is
-told by segments (Welch), against the floor around it, and has a frequency and an amplitude but no phase.
+For example, the frequency of a swaying bench drifts, and a sinusoid with a constant phase over hours explains little of it. Such
+a line is found in the averaged spectrum of segments (Welch), above the noise around it. It has a frequency and an amplitude, but
+no phase.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from imuwb.identification.spectral.lines import find_lines
+from imuwb.statistics import Estimate
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,52 +24,52 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-HELD = 0.5  #: share of a line's power that a steady sinusoid takes up, from which on it is one
-NEAR = 2.0  #: resolutions, within which a steady sinusoid is part of a drifting line
+HELD = 0.5  #: share of a line's power in one steady sinusoid, from which the line is steady
+NEAR = 2.0  #: resolutions of the segments' spectrum; a steady sinusoid closer than this is part of a drifting line
 
 
 @dataclass(frozen=True, slots=True)
 class DriftingLine:
-    """A line whose frequency drifts; ends of the interval at the confidence asked for."""
+    """A line whose frequency drifts."""
 
     frequency: float  #: Hz, centre
-    resolution: float  #: Hz, of the segments' spectrum; it drifts by about so much, or more
-    amplitude: float  #: peak, of the samples' unit
-    lower: float
-    upper: float
-    in_both_halves: bool  #: whether each half shows it by itself
+    resolution: float  #: Hz, of the segments' spectrum; the line drifts by about as much, or more
+    amplitude: Estimate  #: peak amplitude, in the unit of the samples
+    in_both_halves: bool  #: whether each half of the record shows the line by itself
 
 
 def drifting_lines(
     values: Floats, dt: float, peaks: Sequence[Peak], level: float = 0.99, confidence: float = 0.95
 ) -> tuple[tuple[DriftingLine, ...], tuple[Peak, ...]]:
-    """Return the drifting lines of a record, and those of its steady ones that are no part of them.
+    """Return the drifting lines of a record, and the steady lines that are not part of a drifting line.
 
     Args:
         values: (n,) evenly spaced samples.
         dt: s.
         peaks: steady lines of the record.
-        level: 1 - the probability that a record without lines shows one all the same.
-        confidence: of the amplitudes' intervals.
+        level: 1 - the probability that noise alone shows a line.
+        confidence: level of the amplitudes' intervals.
     """
     whole = find_lines(values, dt, confidence, 1 - level)
     drifting = [
-        line for line in whole if not any(_near(line, p) and p.amplitude**2 > HELD * line.amplitude**2 for p in peaks)
+        line
+        for line in whole
+        if not any(_near(line, p) and p.amplitude.value**2 > HELD * line.amplitude**2 for p in peaks)
     ]
     steady = tuple(p for p in peaks if not any(_near(line, p) for line in drifting))
     if not drifting:
         return (), steady
     middle = values.size // 2
     halves = [find_lines(part, dt, confidence, 1 - level) for part in (values[:middle], values[middle:])]
-    found = tuple(
+    lines = tuple(
         DriftingLine(
-            line.frequency, line.resolution, line.amplitude, line.lower, line.upper,
+            line.frequency, line.resolution, Estimate(line.amplitude, line.lower, line.upper),
             all(any(abs(other.frequency - line.frequency) < NEAR * other.resolution for other in half) for half in halves),
         )
         for line in drifting
     )  # fmt: skip
-    return found, steady
+    return lines, steady
 
 
 def _near(line: Line, peak: Peak) -> bool:
-    return abs(line.frequency - peak.frequency) < NEAR * line.resolution
+    return abs(line.frequency - peak.frequency.value) < NEAR * line.resolution

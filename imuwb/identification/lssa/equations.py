@@ -1,8 +1,8 @@
 """The normal equations of cosine and sine at many frequencies, each together with the known constituents.
 
-With W the whitening, E = exp(i omega t), Q whitened constituents made orthonormal and r the whitened series without them, all
-that a frequency needs is E'W'r, E'W'Q and the sums over rows of |row of E|² and (row of E)², each a sum of strengths times
-exp(i omega t) at some instants.
+W is the whitening, E = exp(i omega t), Q the whitened constituents made orthonormal, and r the whitened series without them. The
+equations of a frequency need E'W'r, E'W'Q, and the sums over rows of |row of WE|² and (row of WE)². Each of these is a sum of
+strengths times exp(i omega t) at certain instants.
 """
 
 from __future__ import annotations
@@ -25,37 +25,38 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Complexes = NDArray[np.complex128]
 
-TOLD_APART = 1e-10  #: of what a line would add without them, that the constituents must leave of it
-BLOCK = 256  #: frequencies at a time with a dense covariance
+#: of a line's determinant without constituents; if the constituents leave less, they already include the line
+SEPARATE = 1e-10
+BLOCK = 256  #: frequencies that are evaluated together with a dense covariance
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Equations:
-    """M x = v of each frequency, x the coefficients of cosine and sine."""
+    """The equations M x = v of each frequency; x are the coefficients of cosine and sine."""
 
-    cosine: Floats  #: (m,) M's elements
-    mixed: Floats  #: (m,)
-    sine: Floats  #: (m,)
-    whole: Floats  #: (m,) its trace where no constituents are known
-    gain: Complexes | None  #: (m,) by which rows hold exp(i omega t); None: 1
+    cosine: Floats  #: (m,) element of M
+    mixed: Floats  #: (m,) element of M
+    sine: Floats  #: (m,) element of M
+    whole: Floats  #: (m,) trace of M without constituents
+    gain: Complexes | None  #: (m,) gain of the rows at exp(i omega t); None: 1
 
     @property
     def determinant(self) -> Floats:
-        """Return M's, 0 where the constituents already are such a line."""
-        found = self.cosine * self.sine - self.mixed**2
-        return np.where(found > TOLD_APART * self.whole**2, found, 0.0)
+        """Return the determinants of M, 0 if the constituents already include the line."""
+        determinant = self.cosine * self.sine - self.mixed**2
+        return np.where(determinant > SEPARATE * self.whole**2, determinant, 0.0)
 
     def solve(self, right: Complexes) -> tuple[Floats, Complexes]:
-        """Return the quadratic form that each line takes off the residual, and its a - ib in the series: a cos + b sin.
+        """Return by how much each line reduces the quadratic form of the residual, and its a - ib: a cos + b sin.
 
         Args:
-            right: (m,) v, its cosine's and i times its sine's part.
+            right: (m,) v, cosine's part plus i times sine's part.
         """
         determinant = self.determinant
         safe = np.where(determinant > 0, determinant, 1.0)
         a = np.where(determinant > 0, self.sine * right.real - self.mixed * right.imag, 0.0) / safe
         b = np.where(determinant > 0, self.cosine * right.imag - self.mixed * right.real, 0.0) / safe
-        # Rounding of the sums must not make a quadratic form negative.
+        # Rounding errors of the sums must not make a quadratic form negative.
         return np.maximum(a * right.real + b * right.imag, 0.0), (a - 1j * b) / (
             1.0 if self.gain is None else self.gain
         )
@@ -65,8 +66,8 @@ def equations(time: Floats, lattice: Lattice | None, whitening: Whitening, basis
     """Return M at all frequencies.
 
     Args:
-        time: (n,) s, from 0 on.
-        lattice: of the stamps.
+        time: (n,) s, from 0.
+        lattice: of the time stamps.
         whitening: of the noise.
         basis: (rows, k) Q.
         grid: the frequencies.
@@ -131,7 +132,7 @@ def _between(time: Floats, lattice: Lattice | None, strength: Floats, grid: Grid
 def _steps(steps: Floats, whole: NDArray[np.int64] | None, strength: Floats, grid: Grid) -> Floats:
     if whole is None:
         return sums(steps, None, strength[None], grid)[0].real
-    # A few lengths of step make up all of them.
+    # Few different lengths of steps occur.
     lengths, which = np.unique(whole, return_inverse=True)
     total = np.bincount(which, strength)
     unit = 2 * np.pi * float(steps[0] / whole[0]) * grid.frequency
@@ -139,14 +140,14 @@ def _steps(steps: Floats, whole: NDArray[np.int64] | None, strength: Floats, gri
 
 
 def _dense(time: Floats, whitening: Dense, basis: Floats, grid: Grid) -> Floats:
-    found = np.empty((4, grid.count))
+    elements = np.empty((4, grid.count))
     for start in range(0, grid.count, BLOCK):
         part = slice(start, min(start + BLOCK, grid.count))
         phase = 2 * np.pi * np.outer(time, grid.frequency[part])
         width = phase.shape[1]
         both = whitening.rows(np.concatenate([np.cos(phase), np.sin(phase)], axis=1))
-        found[3, part] = np.einsum("ij,ij->j", both, both).reshape(2, width).sum(axis=0)
+        elements[3, part] = np.einsum("ij,ij->j", both, both).reshape(2, width).sum(axis=0)
         both -= basis @ (basis.T @ both)
         c, s = both[:, :width], both[:, width:]
-        found[:3, part] = np.einsum("ij,ij->j", c, c), np.einsum("ij,ij->j", c, s), np.einsum("ij,ij->j", s, s)
-    return found
+        elements[:3, part] = np.einsum("ij,ij->j", c, c), np.einsum("ij,ij->j", c, s), np.einsum("ij,ij->j", s, s)
+    return elements

@@ -1,8 +1,8 @@
-"""Is the noise a random walk, is it autoregressive of some order? Two tests of what whitening leaves, taken together.
+"""Is the noise a random walk? Is it autoregressive of a given order? Two tests of the whitened series together.
 
-If the structure is right, whitened rows are independent. Short lags are looked at by the correlations of the first twenty
-(Ljung and Box 1978), slow drifts by the powers in octaves of frequency, which must be equal (Bartlett 1937). The smaller
-probability counts, twice for having two.
+If the structure is right, whitened samples are independent. The first test looks at the correlations of the first twenty lags
+(Ljung and Box 1978), the second at the powers in octaves of frequency, which must be equal (Bartlett 1937). The first finds
+short correlations, the second slow drifts. The p value is twice the smaller of both probabilities.
 """
 
 from __future__ import annotations
@@ -21,13 +21,14 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-LAGS = 20
-FIRST_OCTAVE = 4  #: frequencies in the lowest band
+LAGS = 20  #: of the test of correlations
+FIRST_OCTAVE = 4  #: frequencies in the lowest octave
+CLEAR = 1e-4  #: smaller p values are not printed
 
 
 @dataclass(frozen=True, slots=True)
 class ChiSquare:
-    """A statistic, and how probable one as large is if the structure is right."""
+    """A statistic, and the probability of a value at least as large if the structure is right."""
 
     value: float
     freedom: int
@@ -36,55 +37,61 @@ class ChiSquare:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Hypothesis:
-    """A structure of the noise, and whether it is tenable."""
+    """A structure of the noise, and whether the series agrees with it."""
 
     name: str  #: "random walk" or "AR(p)"
-    order: int  #: p; 0 of the random walk
+    order: int  #: p; 0 for the random walk
     tenable: bool
     p_value: float
     correlations: ChiSquare  #: of short lags (Ljung and Box)
     octaves: ChiSquare  #: of slow drifts (Bartlett)
     alpha: Floats  #: (p,) x(n) = -sum alpha x(n-k) + w(n)
     sigma: Floats  #: (p,) standard errors if the structure is right
-    octave_frequency: Floats  #: (b,) cycles a sample, middle of each octave
-    octave_power: Floats  #: (b,) of the whitened rows over the mean of all: 1 if the structure is right
+    octave_frequency: Floats  #: (b,) cycles per sample, middle of each octave
+    octave_power: Floats  #: (b,) power of the whitened series over the mean of all octaves: 1 if the structure is right
+
+    def __str__(self) -> str:
+        """Return the verdict, in one line."""
+        return f"{self.name}: {'tenable' if self.tenable else 'rejected'}, p = {self.p_value:.2g}"
+
+    __repr__ = __str__
 
     @property
     def coefficient(self) -> float | None:
-        """Return El-Diasty's C of b(k+1) = C b(k) + e, which is -alpha; None but for AR(1)."""
+        """Return El-Diasty's C of b(k+1) = C b(k) + e, which is -alpha; None for an order other than 1."""
         return -float(self.alpha[0]) if self.order == 1 else None
 
 
 def is_random_walk(values: Floats, level: float = 0.99) -> Hypothesis:
-    """Return whether a series may be a random walk: its steps are then independent.
+    """Return the test that a series is a random walk: its steps are then independent.
 
     Args:
         values: (n,) evenly spaced, without constituents.
-        level: 1 - the probability of refusing a random walk.
+        level: 1 - the probability of rejecting a true random walk.
     """
     return _tested("random walk", 0, np.diff(values), np.empty(0), level, 0)
 
 
 def is_autoregressive(values: Floats, order: int, level: float = 0.99) -> Hypothesis:
-    """Return whether a series may be AR(p): its innovations are then independent.
+    """Return the test that a series is AR(p): its innovations are then independent.
 
     Args:
         values: (n,) evenly spaced, without constituents.
         order: p.
-        level: 1 - the probability of refusing what is AR(p).
+        level: 1 - the probability of rejecting a true AR(p).
 
     Raises:
-        ValueError: fewer samples than the tests need, a constant series.
+        ValueError: fewer samples than the tests need, or a constant series.
     """
-    found = burg(values, order)
-    alpha = found.alpha[order]
-    rows = np.convolve(values - found.mean, np.concatenate([[1.0], alpha]), "valid")
+    fit = burg(values, order)
+    alpha = fit.alpha[order]
+    rows = np.convolve(values - fit.mean, np.concatenate([[1.0], alpha]), "valid")
     return _tested(f"AR({order})", order, rows, alpha, level, values.size)
 
 
 def _tested(name: str, order: int, rows: Floats, alpha: Floats, level: float, n: int) -> Hypothesis:
     if rows.size < 8 * (LAGS + order):
-        message = f"{rows.size} samples; tests of {LAGS} lags need at least {8 * (LAGS + order)}"
+        message = f"{rows.size} samples; a test of {LAGS} lags needs at least {8 * (LAGS + order)}"
         raise ValueError(message)
     rows = rows - rows.mean()
     if not rows.any():
@@ -112,7 +119,7 @@ def _chi_square(value: float, freedom: int) -> ChiSquare:
 
 
 def _octaves(rows: Floats) -> tuple[Floats, Floats, ChiSquare]:
-    """Return the middle frequencies of octaves, their power, and the statistic of its being equal (Bartlett)."""
+    """Return the middle frequencies of octaves, their powers, and the statistic of equal powers (Bartlett)."""
     power = np.abs(fft.rfft(rows)[1 : (rows.size + 1) // 2]) ** 2
     edges = [0, FIRST_OCTAVE]
     while 2 * edges[-1] < power.size:
@@ -130,27 +137,30 @@ def _octaves(rows: Floats) -> tuple[Floats, Floats, ChiSquare]:
 
 
 def _standard_errors(alpha: Floats, n: int) -> Floats:
-    """Return the standard errors of a true AR(p)'s coefficients: of AR(1), sqrt((1 - alpha²)/n)."""
+    """Return the standard errors of the coefficients of a true AR(p); of AR(1): sqrt((1 - alpha²)/n)."""
     p = alpha.size
     full = np.concatenate([[1.0], alpha])
     errors = np.empty(p)
     for k in range(p):
-        # n times the covariance's diagonal: products of the polynomial and its mirror (Box, Jenkins, Reinsel, 7A).
+        # n times the diagonal of the covariance, from products of the polynomial and its mirror (Box, Jenkins, Reinsel, 7A).
         i = np.arange(k + 1)
         errors[k] = np.sum(full[i] ** 2) - np.sum(full[p - i] ** 2)
     return np.sqrt(np.maximum(errors, 0.0) / n)
 
 
-def words(hypothesis: Hypothesis, level: float, confidence: float = 0.95) -> str:
-    """Return what a test says, in words."""
-    p = f"p < {1e-4:g}" if hypothesis.p_value < 1e-4 else f"p = {hypothesis.p_value:.3g}"  # noqa: PLR2004 - as far as it matters
+def hypothesis_text(hypothesis: Hypothesis, level: float, confidence: float = 0.95) -> str:
+    """Return the verdict of a test, such as: AR(1) is tenable (p = 0.3), C = 0.80 ± 0.01.
+
+    Args:
+        hypothesis: the test.
+        level: of the test.
+        confidence: level of C's interval.
+    """
+    name = f"{'' if hypothesis.order else 'a '}{hypothesis.name}"
+    p = f"p < {CLEAR:g}" if hypothesis.p_value < CLEAR else f"p = {hypothesis.p_value:.3g}"
     if not hypothesis.tenable:
-        return (
-            f"not {'a ' if not hypothesis.order else ''}{hypothesis.name} ({p}, at the {100 * (1 - level):g} % level)"
-        )
-    said = f"{'a ' if not hypothesis.order else ''}{hypothesis.name} is tenable ({p})"
-    if hypothesis.order == 1:
-        half = normal_limit(confidence) * float(hypothesis.sigma[0])
-        c = hypothesis.coefficient
-        said += f", C = {c:.4f} ± {half:.4f}" if c is not None else ""
-    return said
+        return f"not {name} ({p}, at the {100 * (1 - level):g} % level)"
+    c = hypothesis.coefficient
+    if c is None:
+        return f"{name} is tenable ({p})"
+    return f"{name} is tenable ({p}), C = {c:.4f} ± {normal_limit(confidence) * float(hypothesis.sigma[0]):.4f}"

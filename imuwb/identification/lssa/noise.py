@@ -1,4 +1,4 @@
-"""The structure of a series' noise, and what is estimated of it."""
+"""The structure of a series' noise, and its estimated parameters."""
 
 from __future__ import annotations
 
@@ -22,66 +22,66 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-Kind = Literal["local", "white", "autoregressive", "gauss-markov", "random-walk", "covariance"]
-TURNS = 3  #: of estimating noise and constituents by turns
+NoiseKind = Literal["local", "white", "autoregressive", "gauss-markov", "random-walk", "covariance"]
+TURNS = 3  #: alternating estimates of noise and constituents
 MOST_ORDERS = 64
-SLOWEST = 10.0  #: records, a correlation time beyond which Gauss-Markov noise is a random walk
-FASTEST = 0.05  #: intervals, below which it is white
+SLOWEST = 10.0  #: record lengths; Gauss-Markov noise of a longer correlation time is a random walk
+FASTEST = 0.05  #: sampling intervals; Gauss-Markov noise of a shorter correlation time is white
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Noise:
-    """A structure; its level is always estimated.
+    """A structure of the noise; its level is always estimated.
 
-    ``local``: no structure is known; the noise at a frequency is what its neighbours show.
+    With ``local`` no structure is known: the noise at a frequency is estimated from the frequencies around it.
 
     Raises:
-        ValueError: an order or a correlation time that cannot be.
+        ValueError: an order or a correlation time out of its range.
     """
 
-    kind: Kind = "white"
+    kind: NoiseKind = "white"
     order: int = 0  #: of autoregressive noise
-    correlation_time: float | None = None  #: s, of Gauss-Markov noise; None: estimated
+    correlation_time: float | None = None  #: s, of Gauss-Markov noise; None: it is estimated
     covariance: Floats | None = field(default=None, repr=False)  #: (n, n)
 
     def __post_init__(self) -> None:
         """Check the parameters."""
         if self.kind == "autoregressive" and not 1 <= self.order <= MOST_ORDERS:
-            message = f"autoregressive noise of order {self.order}; it must be 1 to {MOST_ORDERS}"
+            message = f"the order of the autoregressive noise is {self.order}; it must be 1 to {MOST_ORDERS}"
             raise ValueError(message)
         if self.correlation_time is not None and not 0 < self.correlation_time < math.inf:
-            message = f"a correlation time of {self.correlation_time} s; it must be above 0"
+            message = f"the correlation time is {self.correlation_time} s; it must be above 0"
             raise ValueError(message)
         if self.kind == "covariance" and self.covariance is None:
-            message = "noise of a known covariance needs the covariance"
+            message = "noise of kind covariance needs a covariance"
             raise ValueError(message)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class NoiseFit:
-    """A structure with its parameters."""
+    """A structure with its estimated parameters."""
 
     noise: Noise
     whitening: Whitening
-    alpha: Floats  #: (p,) of Quinchia's eq. 9; empty but for autoregressive noise
+    alpha: Floats  #: (p,) of Quinchia's eq. 9; empty if the noise is not autoregressive
     correlation_time: float | None = None  #: s
 
 
 def fitted_noise(
     time: Floats, values: Floats, columns: Floats, lattice: Lattice | None, noise: Noise, weights: Floats | None = None
 ) -> NoiseFit:
-    """Return the noise of a series: its parameters and its constituents are estimated by turns.
+    """Return the noise of a series; its parameters and the constituents are estimated in alternation.
 
     Args:
         time: (n,) s.
         values: (n,).
         columns: (n, k) of constituents.
-        lattice: of the stamps.
+        lattice: of the time stamps.
         noise: the structure.
         weights: (n,) of white noise.
 
     Raises:
-        ValueError: weights with other noise, AR(p) on no lattice or with too many gaps, a covariance of another size.
+        ValueError: weights with other noise, AR(p) without a lattice or with too many gaps, a covariance of another size.
     """
     n, nothing = time.size, np.empty(0)
     if weights is not None:
@@ -91,7 +91,7 @@ def fitted_noise(
             or not (weights >= 0).all()
             or not weights.any()
         ):
-            message = "weights are of white noise, one a sample, none below 0; with other noise its covariance weighs"
+            message = "weights need white noise, one weight for each sample, none below 0; other noise is weighted by its covariance"
             raise ValueError(message)
         return NoiseFit(noise, white(n, weights), nothing)
     if noise.kind in ("white", "local"):
@@ -100,20 +100,22 @@ def fitted_noise(
         return NoiseFit(noise, random_walk(time), nothing)
     if noise.covariance is not None:
         if len(noise.covariance) != n:
-            message = f"a covariance of {len(noise.covariance)} samples for a series of {n}"
+            message = (
+                f"a covariance of {len(noise.covariance)} samples for a series of {n} samples; the sizes must be equal"
+            )
             raise ValueError(message)
         return NoiseFit(noise, dense(noise.covariance), nothing)
     if noise.kind == "gauss-markov" and noise.correlation_time is not None:
         return NoiseFit(noise, gauss_markov(time, noise.correlation_time), nothing, noise.correlation_time)
     residual = _without(columns, values)
-    found = None
+    fit = None
     for _ in range(TURNS):
-        found = _estimated(time, lattice, residual, noise)
-        rows = found.whitening.rows(np.column_stack([columns, values]))
+        fit = _estimated(time, lattice, residual, noise)
+        rows = fit.whitening.rows(np.column_stack([columns, values]))
         share = linalg.lstsq(rows[:, :-1], rows[:, -1], check_finite=False)[0] if columns.shape[1] else nothing
         residual = values - columns @ share
-    assert found is not None  # noqa: S101 - there is a turn
-    return found
+    assert fit is not None  # noqa: S101 - TURNS is above 0
+    return fit
 
 
 def _without(columns: Floats, values: Floats) -> Floats:
@@ -126,7 +128,7 @@ def _estimated(time: Floats, lattice: Lattice | None, residual: Floats, noise: N
     if noise.kind == "gauss-markov":
         return _gauss_markov(time, residual, noise)
     if lattice is None:
-        message = "autoregressive noise needs evenly spaced samples; Gauss-Markov noise, or 'local', does not"
+        message = "autoregressive noise needs evenly spaced samples; Gauss-Markov and local noise do not"
         raise ValueError(message)
     steps = np.diff(lattice.index)
     if noise.order == 1 and (steps > 1).any():
@@ -137,7 +139,7 @@ def _estimated(time: Floats, lattice: Lattice | None, residual: Floats, noise: N
 
 
 def _first_order(residual: Floats, steps: NDArray[np.int64], noise: Noise) -> NoiseFit:
-    """Return AR(1) over gaps, by likelihood."""
+    """Return AR(1) noise of a series with gaps, by likelihood."""
     best = _smallest(
         lambda a: _misfit(first_order(steps, a), residual), np.linspace(-0.98, 0.98, 15), (-0.999999, 0.999999)
     )
@@ -145,7 +147,7 @@ def _first_order(residual: Floats, steps: NDArray[np.int64], noise: Noise) -> No
 
 
 def _gauss_markov(time: Floats, residual: Floats, noise: Noise) -> NoiseFit:
-    """Return the correlation time, by likelihood."""
+    """Return Gauss-Markov noise with the likeliest correlation time."""
     limits = np.log([FASTEST * float(np.median(np.diff(time))), SLOWEST * float(time[-1])])
     best = _smallest(
         lambda x: _misfit(gauss_markov(time, math.exp(x)), residual),
@@ -156,13 +158,13 @@ def _gauss_markov(time: Floats, residual: Floats, noise: Noise) -> NoiseFit:
 
 
 def _misfit(chain: Chain, residual: Floats) -> float:
-    """Return -2 log likelihood with the level at its best."""
+    """Return -2 log likelihood at the likeliest level."""
     rows = chain.rows(residual[:, None])[:, 0]
     return float(rows.size * np.log(np.mean(rows**2)) - 2 * np.log(chain.scale).sum())
 
 
 def _smallest(misfit: Callable[[float], float], tried: Floats, limits: tuple[float, ...]) -> float:
-    """Return where a misfit is smallest: the best of a grid, made finer."""
+    """Return the minimum of a misfit: the best of a grid, refined."""
     values = [misfit(float(x)) for x in tried]
     k = int(np.argmin(values))
     bounds = (tried[k - 1] if k else limits[0], tried[k + 1] if k + 1 < tried.size else limits[-1])

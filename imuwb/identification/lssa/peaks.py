@@ -1,12 +1,12 @@
-"""Lines of a series, taken out one behind the other, the strongest first, and then fitted together with intervals.
+"""Lines of a series: extracted one after another, the strongest first, then fitted together with intervals.
 
-A line is A cos(2 pi f t + phi) with t from the first sample on. What is left is searched again until nothing is significant in
-the record as a whole.
+A line is A cos(2 pi f t + phi) with t from the first sample. The residual is searched again until nothing is significant in the
+record as a whole.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +15,7 @@ from scipy import linalg, ndimage
 from imuwb.identification.lssa.significance import correlation, record_probability, significance
 from imuwb.identification.lssa.trigonometric import summit, sums
 from imuwb.identification.lssa.whitening import Recursion
+from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit
 
 if TYPE_CHECKING:
@@ -27,48 +28,55 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 MOST = 12  #: lines of one series
-ROUNDS = 8
-APART = 3.0  #: cycles over the record, by which lines must differ to be two
-LEAKS = 10.0  #: times the power that stronger lines leak there, that a weaker one must have at the same time
-TOGETHER = 8.0  #: cycles, below which lines are fitted together
-TURNS = 4  #: of fitting the groups, at most
-SETTLED = 1e-4  #: of the noise's level, by which a turn must lessen the residual to need another
-HALVES = 0.05  #: probability of a false alarm that is granted to each half
+ROUNDS = 8  #: searches of the residual
+APART = 3.0  #: cycles over the record; lines that differ by less are one line
+LEAKS = 10.0  #: times the power that stronger lines leak to its frequency; a weaker line in the same search needs more
+TOGETHER = 8.0  #: cycles over the record; lines that differ by less are fitted together
+TURNS = 4  #: most turns of fitting the groups
+SETTLED = 1e-4  #: of the noise's level; a turn that reduces the residual by less is the last one
+HALVES = 0.05  #: probability of a false alarm in each half of the record
 
 
 @dataclass(frozen=True, slots=True)
 class Peak:
-    """A line; ends of intervals at the level asked for."""
+    """A steady line."""
 
-    frequency: float  #: Hz
-    frequency_interval: tuple[float, float]
-    amplitude: float  #: of the samples' unit
-    lower: float
-    upper: float
-    phase: float  #: rad, -pi ... pi, of a cosine, at the first sample
-    phase_interval: tuple[float, float]
-    percent: float  #: of the residual that it takes up
-    exceedance: float  #: minus log probability at this one frequency
-    probability: float  #: that noise shows as much anywhere in the record
+    frequency: Estimate  #: Hz
+    amplitude: Estimate  #: in the unit of the samples
+    phase: Estimate  #: rad, -pi ... pi, of a cosine at the first sample
+    percent: float  #: of the residual's quadratic form
+    exceedance: float  #: minus the logarithm of the probability at this one frequency
+    probability: float  #: that noise alone shows as much anywhere in the record
     significant: bool  #: in the record as a whole
-    in_both_halves: bool  #: whether each half shows it by itself
+    in_both_halves: bool  #: whether each half of the record shows the line by itself
+
+    def __str__(self) -> str:
+        """Return frequency, amplitude and phase with their intervals, in one line."""
+        verdict = "" if self.significant else ", not significant"
+        return f"{self.frequency} Hz: amplitude {self.amplitude}, phase {self.phase} rad{verdict}"
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Extraction:
-    """The lines of a series, and what is left."""
+    """The lines of a series, and the residual without them."""
 
     peaks: tuple[Peak, ...]  #: the strongest first
     spectrum: Spectrum  #: of the series
-    found: Significance  #: in it
+    significance: Significance  #: of that spectrum
     left: Spectrum  #: of the series without the lines
-    left_found: Significance
+    left_significance: Significance
     residual: Floats  #: (rows,) whitened, without the lines
+
+    def __str__(self) -> str:
+        """Return one line for each periodic line."""
+        return "\n".join([f"{len(self.peaks)} lines", *map(str, self.peaks)])
+
+    __repr__ = __str__
 
 
 @dataclass(slots=True)
 class _Line:
-    """A line being fitted; its wave is a cos + b sin."""
+    """A line during the fit; its wave is a cos + b sin."""
 
     frequency: float
     a: float
@@ -83,59 +91,59 @@ def extract(spectrum: Spectrum, level: float = 0.99, confidence: float = 0.95, m
     Args:
         spectrum: of the series.
         level: of significance in the record as a whole.
-        confidence: of intervals.
-        most: lines at most.
+        confidence: level of the intervals.
+        most: largest number of lines.
     """
     first = significance(spectrum, level)
     leakage = _leakage(spectrum)
-    left, found = spectrum, first
+    left, left_significance = spectrum, first
     lines: list[_Line] = []
     residual = spectrum.adjusted.residual
     for _ in range(ROUNDS):
-        new = _candidates(left, found, leakage, lines, most - len(lines))
+        new = _new_lines(left, left_significance, leakage, lines, most - len(lines))
         if not new:
             break
         lines += new
         lines.sort(key=lambda line: line.frequency)
         residual = _fit(spectrum.adjusted, lines)
         left = spectrum.without(residual)
-        found = significance(left, level)
-    peaks = [_peak(spectrum, found, line, lines, residual, confidence) for line in lines]
-    peaks.sort(key=lambda peak: -peak.amplitude)
-    return Extraction(tuple(peaks), spectrum, first, left, found, residual)
+        left_significance = significance(left, level)
+    peaks = [_peak(spectrum, left_significance, line, lines, residual, confidence) for line in lines]
+    peaks.sort(key=lambda peak: -peak.amplitude.value)
+    return Extraction(tuple(peaks), spectrum, first, left, left_significance, residual)
 
 
 def _leakage(spectrum: Spectrum) -> Floats:
-    """Return the share of a line's power that shows k steps away at most, (m,) for k = 1 ...: the spectral window.
+    """Return the largest share of a line's power that leaks to k steps away, (m,) for k = 1 ...: the spectral window.
 
-    Missing samples give it side lobes far from the line: half a second of each second, at every whole hertz.
+    Gaps make side lobes far from the line; for example, gaps of half a second in each second make them at every whole hertz.
     """
     adjusted, grid = spectrum.adjusted, spectrum.grid
     ones = np.ones((1, adjusted.time.size))
     window = np.abs(sums(adjusted.time, adjusted.lattice, ones, grid)[0]) ** 2 / adjusted.time.size**2
-    # A line lies between frequencies, where the window is not the one of the grid.
+    # A line lies between frequencies of the grid, where the window differs.
     highest = ndimage.maximum_filter1d(window, 2 * spectrum.oversampling + 1)
     apart = np.pi * np.arange(1, grid.count + 1) * grid.step * float(adjusted.time[-1])
     return np.maximum(highest, 1 / apart**2)
 
 
 def _leaked(leakage: Floats, grid: Grid, at: int, line: int) -> float:
-    """Return the share of a line's power that shows elsewhere: the window at their difference, and at their sum."""
+    """Return the share of a line's power that leaks to another frequency: the window at their difference and at their sum."""
     both = at + line + 2
-    both = min(both, grid.length - both) if grid.length else both  # beyond half the rate it comes back
+    both = min(both, grid.length - both) if grid.length else both  # above half the rate the sum is mirrored
     mirrored = float(leakage[both - 1]) if both <= leakage.size else 0.0
     return max(float(leakage[abs(at - line) - 1]), mirrored)
 
 
-def _candidates(left: Spectrum, found: Significance, leakage: Floats, lines: list[_Line], most: int) -> list[_Line]:
-    """Return lines at the highest exceedances: none beside a known one, none that a stronger one's leakage may be."""
-    exceedance = found.exceedance.copy()
+def _new_lines(left: Spectrum, noise: Significance, leakage: Floats, lines: list[_Line], most: int) -> list[_Line]:
+    """Return lines at the highest exceedances, away from known lines and from what stronger lines leak."""
+    exceedance = noise.exceedance.copy()
     step, span = left.grid.step, float(left.adjusted.time[-1])
     for line in lines:
         near = np.abs(left.frequency - line.frequency) < APART / span
         exceedance[near] = 0.0
     inner = np.concatenate([[-1.0], exceedance, [-1.0]])
-    tops = np.flatnonzero((exceedance > found.record) & (inner[1:-1] >= inner[:-2]) & (inner[1:-1] > inner[2:]))
+    tops = np.flatnonzero((exceedance > noise.record) & (inner[1:-1] >= inner[:-2]) & (inner[1:-1] > inner[2:]))
     tops = tops[np.argsort(-exceedance[tops])]
     chosen: list[int] = []
     for top in tops:
@@ -143,19 +151,19 @@ def _candidates(left: Spectrum, found: Significance, leakage: Floats, lines: lis
         far = all(abs(top - k) * step * span >= APART for k in chosen)
         if far and left.reduction[top] > LEAKS * leaked and len(chosen) < most:
             chosen.append(int(top))
-    count, together = int(np.count_nonzero(found.exceedance)), correlation(left)
+    count, together = int(np.count_nonzero(noise.exceedance)), correlation(left)
     return [
         _Line(
             float(left.frequency[k]) + step * summit(left.reduction, k), left.complex_amplitude[k].real,
-            -left.complex_amplitude[k].imag, float(found.exceedance[k]),
-            record_probability(float(found.exceedance[k]), count, together),
+            -left.complex_amplitude[k].imag, float(noise.exceedance[k]),
+            record_probability(float(noise.exceedance[k]), count, together),
         )
         for k in chosen
     ]  # fmt: skip
 
 
 def _fit(adjusted: Adjusted, lines: list[_Line]) -> Floats:
-    """Fit all lines by least squares, groups of near ones by turns; return the residual without them."""
+    """Fit all lines by least squares, groups of close lines in turn; return the residual without them."""
     groups = _groups(lines, float(adjusted.time[-1]))
     waves = [_waves(adjusted, group) for group in groups]
     residual = adjusted.residual - sum(waves)
@@ -178,7 +186,7 @@ def _fit(adjusted: Adjusted, lines: list[_Line]) -> Floats:
 
 
 def _step(columns: Floats, residual: Floats) -> tuple[Floats, float]:
-    """Return how frequency, a and b of each line change, (k, 3), and how much of the residual that takes away."""
+    """Return the changes of frequency, a and b of each line, (k, 3), and the reduction of the residual's quadratic form."""
     length = _lengths(columns)
     right = columns.T @ residual / length
     step = linalg.pinvh(columns.T @ columns / np.outer(length, length)) @ right
@@ -186,13 +194,13 @@ def _step(columns: Floats, residual: Floats) -> tuple[Floats, float]:
 
 
 def _lengths(columns: Floats) -> Floats:
-    """Return the lengths of columns, which are of different units, 1 for one of zeros."""
-    found = np.sqrt(np.einsum("ij,ij->j", columns, columns))
-    return np.where(found > 0, found, 1.0)
+    """Return the lengths of columns, 1 for a column of zeros; the columns have different units."""
+    length = np.sqrt(np.einsum("ij,ij->j", columns, columns))
+    return np.where(length > 0, length, 1.0)
 
 
 def _groups(lines: list[_Line], span: float) -> list[list[_Line]]:
-    """Return lines, rising in frequency, in groups of near ones."""
+    """Return lines, in rising frequency, in groups of close lines."""
     groups: list[list[_Line]] = []
     for line in lines:
         if groups and (line.frequency - groups[-1][-1].frequency) * span < TOGETHER:
@@ -203,14 +211,14 @@ def _groups(lines: list[_Line], span: float) -> list[list[_Line]]:
 
 
 def _projected(adjusted: Adjusted, columns: Floats) -> Floats:
-    """Return whitened columns without what the constituents hold of them."""
+    """Return whitened columns minus their projection on the constituents."""
     rows = adjusted.noise.whitening.rows(columns)
     rows -= ((rows.T @ adjusted.basis) @ adjusted.basis.T).T  # column by column in memory
     return rows
 
 
 def _columns(adjusted: Adjusted, group: list[_Line]) -> Floats:
-    """Return how the residual depends on frequency, a and b of each line, (rows, 3 k)."""
+    """Return the derivatives of the residual by frequency, a and b of each line, (rows, 3 k)."""
     columns = np.empty((adjusted.time.size, 3 * len(group)), order="F")
     for k, line in enumerate(group):
         phase = 2 * np.pi * line.frequency * adjusted.time
@@ -228,12 +236,12 @@ def _waves(adjusted: Adjusted, group: list[_Line]) -> Floats:
 
 
 def _peak(
-    spectrum: Spectrum, found: Significance, line: _Line, lines: list[_Line], residual: Floats, confidence: float
+    spectrum: Spectrum, left: Significance, line: _Line, lines: list[_Line], residual: Floats, confidence: float
 ) -> Peak:
     adjusted = spectrum.adjusted
     near = [x for x in lines if abs(x.frequency - line.frequency) * float(adjusted.time[-1]) < TOGETHER]
     columns = _columns(adjusted, near)
-    noise = _noise_at(line.frequency, spectrum, found)
+    noise = _noise_at(line.frequency, spectrum, left)
     at = 3 * next(i for i, x in enumerate(near) if x is line)
     unit = columns / _lengths(columns)
     own_lengths = _lengths(columns)[at : at + 3]
@@ -243,26 +251,31 @@ def _peak(
     turn = np.array(
         [[1, 0, 0], [0, line.a / amplitude, line.b / amplitude], [0, line.b / amplitude**2, -line.a / amplitude**2]]
     )
-    frequency, size, angle = z * np.sqrt(np.maximum(np.diagonal(turn @ covariance @ turn.T), 0.0))
-    phase = float(np.arctan2(-line.b, line.a))
+    halves = z * np.sqrt(np.maximum(np.diagonal(turn @ covariance @ turn.T), 0.0))
+    values = line.frequency, amplitude, float(np.arctan2(-line.b, line.a))
+    frequency, size, phase = (
+        Estimate(value, value - half, value + half) for value, half in zip(values, map(float, halves), strict=True)
+    )
     own = columns[:, at + 1] * line.a + columns[:, at + 2] * line.b
-    beside = 0.5 * (amplitude * z / size) ** 2 if size > 0 else np.inf  # what remains of it when all are fitted
+    together = (
+        0.5 * (amplitude * z / halves[1]) ** 2 if halves[1] > 0 else np.inf
+    )  # exceedance when all lines are fitted
     return Peak(
-        line.frequency, (line.frequency - frequency, line.frequency + frequency), amplitude, max(amplitude - size, 0.0),
-        amplitude + size, phase, (phase - angle, phase + angle), 100 * float(own @ own) / adjusted.rest, line.exceedance,
-        line.probability, bool(min(line.exceedance, beside) > found.record), _in_both_halves(adjusted, columns[:, at + 1 : at + 3], residual + own, noise),
+        frequency, replace(size, lower=max(size.lower, 0.0)), phase, 100 * float(own @ own) / adjusted.rest, line.exceedance,
+        line.probability, bool(min(line.exceedance, together) > left.record),
+        _in_both_halves(adjusted, columns[:, at + 1 : at + 3], residual + own, noise),
     )  # fmt: skip
 
 
-def _noise_at(frequency: float, spectrum: Spectrum, found: Significance) -> float:
-    """Return the noise's level at a frequency, or at the nearest that has neighbours to be told from."""
-    k = int(np.clip(round(frequency / spectrum.grid.step) - 1, 0, found.level.size - 1))
-    told = np.flatnonzero(found.level > 0)
-    return float(found.level[told[np.argmin(np.abs(told - k))]]) if told.size else 0.0
+def _noise_at(frequency: float, spectrum: Spectrum, left: Significance) -> float:
+    """Return the noise's level at a frequency, or at the nearest frequency at which it is known."""
+    k = int(np.clip(round(frequency / spectrum.grid.step) - 1, 0, left.level.size - 1))
+    known = np.flatnonzero(left.level > 0)
+    return float(left.level[known[np.argmin(np.abs(known - k))]]) if known.size else 0.0
 
 
 def _in_both_halves(adjusted: Adjusted, columns: Floats, series: Floats, noise: float) -> bool:
-    """Return whether each half by itself shows a line of this frequency, more than noise does."""
+    """Return whether each half of the record by itself shows a line at this frequency above the noise."""
     time = (
         adjusted.time[adjusted.noise.whitening.kept]
         if isinstance(adjusted.noise.whitening, Recursion)

@@ -1,12 +1,12 @@
-"""How large a spectral value must be.
+"""How large a spectral value must be to be significant.
 
-Everything is said in exceedances: minus the logarithm of the probability that noise alone reaches a value at one frequency.
-With the level estimated from the whole residual that follows from the share s of nu degrees of freedom (Pagiatakis 1999),
--(nu - 2)/2 log(1 - s); with ``local`` noise from the F distribution of a value over the mean of its neighbours.
+All limits are exceedances: minus the logarithm of the probability that noise alone reaches a value at one frequency. If the
+noise's level is estimated from the whole residual, the exceedance follows from the share s with nu degrees of freedom (Pagiatakis
+1999): -(nu - 2)/2 log(1 - s). With ``local`` noise it follows from the F distribution of a value over the mean of its neighbours.
 
-A record of m frequencies shows a large value somewhere by chance far more often than one frequency does. The level of the
-record counts how often the exceedance of noise climbs over a limit from one frequency to the next, whose correlation is the
-spectral window's (S. O. Rice 1944, on a grid).
+In a record of m frequencies noise makes a large value at some frequency far more often than at a given one. The limit of the
+record counts how often the exceedance of noise crosses a limit between neighbouring frequencies. Their correlation is that of the
+spectral window (S. O. Rice 1944, on a grid).
 """
 
 from __future__ import annotations
@@ -25,26 +25,36 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-NEIGHBOURS = 50  #: Fourier frequencies on each side, at most
-LEAST_NEIGHBOURS = 4
-SKIPPED = 2  #: of them nearest, into which a line leaks
-LOWEST = SKIPPED + LEAST_NEIGHBOURS  #: cycles that a record holds at least of a line that is told from local noise
-NODES = 64
+NEIGHBOURS = 50  #: Fourier frequencies on each side of a frequency, at most, from which local noise is estimated
+LEAST_NEIGHBOURS = 4  #: on both sides together
+SKIPPED = 2  #: nearest Fourier frequencies on each side, into which a line leaks
+LOWEST = SKIPPED + LEAST_NEIGHBOURS  #: cycles of a line in the record, at least, with local noise
+NODES = 64  #: of the quadrature
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Significance:
-    """What noise alone would show; m frequencies."""
+    """What noise alone would show at m frequencies, and the limits of significance."""
 
     exceedance: Floats  #: (m,)
-    level: Floats  #: (m,) of the noise, the quadratic form that a line of noise takes off on the average, halved
-    one: float  #: exceedance that is significant at one frequency that was chosen before
-    record: float  #: that is significant anywhere in the record
-    probability: float  #: 1 - the level of both
-    neighbours: NDArray[np.int64] | None  #: (m,) that the level is the mean of; None: it is that of the whole residual
+    level: (
+        Floats  #: (m,) of the noise: half the quadratic form by which a line of noise reduces the residual on average
+    )
+    one: float  #: exceedance that is significant at one frequency chosen beforehand
+    record: float  #: exceedance that is significant anywhere in the record
+    probability: float  #: 1 - the level of both limits
+    neighbours: (
+        NDArray[np.int64] | None
+    )  #: (m,) number of frequencies in the level; None: it is that of the whole residual
+
+    def __str__(self) -> str:
+        """Return the limits, in one line."""
+        return f"exceedance {self.one:.3g} at one frequency, {self.record:.3g} in the record (level {1 - self.probability:g})"
+
+    __repr__ = __str__
 
     def reduction(self, spectrum: Spectrum, exceedance: float) -> Floats:
-        """Return the quadratic form, (m,), that a line must take off for an exceedance; 0 where there is no level."""
+        """Return by how much a line must reduce the quadratic form for an exceedance, (m,); 0 where the level is not known."""
         if self.neighbours is None:
             adjusted = spectrum.adjusted
             return np.full(self.level.size, -adjusted.rest * np.expm1(-2 * exceedance / (adjusted.freedom - 2)))
@@ -52,7 +62,7 @@ class Significance:
         return 2 * self.level * count * np.expm1(exceedance / count)
 
     def share_limit(self, freedom: int) -> tuple[float, float]:
-        """Return the shares s of both limits, where the noise's level is that of the whole residual."""
+        """Return the shares s of both limits, for a level from the whole residual."""
         one, record = (float(-np.expm1(-2 * x / (freedom - 2))) for x in (self.one, self.record))
         return one, record
 
@@ -64,7 +74,7 @@ class Significance:
 
 
 def significance(spectrum: Spectrum, level: float = 0.99) -> Significance:
-    """Return what is significant in a spectrum.
+    """Return the exceedances of a spectrum and the limits of significance.
 
     Args:
         spectrum: of the series.
@@ -86,7 +96,7 @@ def significance(spectrum: Spectrum, level: float = 0.99) -> Significance:
 
 
 def correlation(spectrum: Spectrum) -> float:
-    """Return how noise at one frequency and at the next go together: the size of the spectral window, 0 to 1."""
+    """Return the correlation of noise at neighbouring frequencies, from 0 to 1: the absolute value of the spectral window."""
     time = spectrum.adjusted.time
     return float(np.abs(np.mean(np.exp(2j * np.pi * spectrum.grid.step * time))))
 
@@ -97,8 +107,8 @@ def record_limit(alpha: float, count: int, together: float) -> float:
 
     Args:
         alpha: probability.
-        count: frequencies side by side.
-        together: correlation of neighbours.
+        count: number of neighbouring frequencies.
+        together: correlation between neighbours.
     """
     wanted = np.log1p(-alpha)
 
@@ -114,15 +124,15 @@ def record_probability(exceedance: float, count: int, together: float) -> float:
 
 
 def _log_quiet(u: float, count: int, together: float) -> float:
-    """Return the log probability that no frequency reaches u: none begins to, and the first does not."""
+    """Return the log probability that no frequency reaches u: no crossing, and the first is below."""
     climbing = np.exp(-u) - _both(u, together)
     return float(-(count - 1) * -np.log1p(-min(climbing, 0.999)) + np.log1p(-np.exp(-u)))
 
 
 def _both(u: float, together: float) -> float:
-    """Return the probability that two neighbours reach u: of squared sizes of complex normal numbers so correlated."""
+    """Return the probability that two neighbours both reach u; they are squared sizes of correlated complex normal numbers."""
     rho = together**2
-    if rho < 1e-12:  # noqa: PLR2004 - as good as none
+    if rho < 1e-12:  # noqa: PLR2004 - independent to rounding
         return float(np.exp(-2 * u))
     nodes, weights = _quadrature()
     x = u + nodes
@@ -136,14 +146,14 @@ def _quadrature() -> tuple[Floats, Floats]:
 
 
 def _neighbours(reduction: Floats, oversampling: int) -> tuple[Floats, NDArray[np.int64]]:
-    """Return the mean of the Fourier frequencies around each, and how many these are (none near zero frequency)."""
+    """Return the mean of the Fourier frequencies around each frequency, and their number (0 near zero frequency)."""
     m, k = reduction.size, oversampling
     rows = -(-m // k)
     table = np.zeros((rows, k))
     table.ravel()[:m] = reduction
     sums = np.concatenate([np.zeros((1, k)), np.cumsum(table, axis=0)])
     row = np.arange(rows)
-    # grid index 0 is one step above zero: in cycles (row k + column + 1) / k
+    # Index 0 of the grid is one step above zero; in cycles, the frequency is (row k + column + 1) / k.
     reach = np.minimum(NEIGHBOURS, row // 2)
     last = rows - 1 - (m % k != 0)
     low = np.maximum(row - SKIPPED - reach, 0)

@@ -1,4 +1,4 @@
-"""Least-squares spectra: how much of a series each line takes up, together with what else it is known to hold.
+"""Least-squares spectra: how much of a series each line explains, together with the known constituents.
 
 P. Vanicek (1969); S. D. Pagiatakis, Stochastic significance of peaks in the least-squares spectrum, J. Geodesy 73 (1999);
 El-Diasty, eq. 5 to 13.
@@ -28,23 +28,31 @@ if TYPE_CHECKING:
     Complexes = NDArray[np.complex128]
 
 FEWEST = 16  #: rows beyond the constituents
-RANK = 1e-6  #: of a column's length, that must be left when the columns before are taken off
+RANK = 1e-6  #: of a column's length, that must remain when the columns before are projected out
 WHITE = Noise()
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Adjusted:
-    """A series with its noise and its constituents known."""
+    """A series with its estimated noise and constituents."""
 
-    time: Floats  #: (n,) s, from the first sample on
-    interval: float  #: s, usual
+    time: Floats  #: (n,) s, from the first sample
+    interval: float  #: s, usual sampling interval
     lattice: Lattice | None
     noise: NoiseFit
     names: tuple[str, ...]  #: of the k constituents
     basis: Floats  #: (rows, k) whitened constituents, orthonormal
-    residual: Floats  #: (rows,) whitened series without them
+    residual: Floats  #: (rows,) whitened series without the constituents
     coefficients: Floats  #: (k,) of the constituents
-    sigma: Floats  #: (k,) their standard errors
+    sigma: Floats  #: (k,) standard errors of the coefficients
+
+    def __str__(self) -> str:
+        """Return the size of the series, its noise and its constituents, in one line."""
+        sizes = zip(self.names, self.coefficients, self.sigma, strict=True)
+        known = "".join(f", {name} {value:.4g} ± {sigma:.1g}" for name, value, sigma in sizes)
+        return f"{self.time.size} samples over {self.time[-1]:.6g} s, {self.noise.noise.kind} noise{known}"
+
+    __repr__ = __str__
 
     @property
     def rest(self) -> float:
@@ -53,20 +61,27 @@ class Adjusted:
 
     @property
     def freedom(self) -> int:
-        """Return the degrees of freedom that the constituents leave."""
+        """Return the degrees of freedom of the residual."""
         return self.noise.whitening.count - self.basis.shape[1]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Spectrum:
-    """A least-squares spectrum; m frequencies."""
+    """A least-squares spectrum at m frequencies."""
 
     adjusted: Adjusted
     grid: Grid
     equations: Equations
     oversampling: int
-    reduction: Floats  #: (m,) quadratic form that a line takes off the residual
-    complex_amplitude: Complexes  #: (m,) a - ib of a cos(omega t) + b sin(omega t), t from the first sample
+    reduction: Floats  #: (m,) by how much a line reduces the quadratic form of the residual
+    complex_amplitude: Complexes  #: (m,) a - ib of a cos(omega t) + b sin(omega t), with t from the first sample
+
+    def __str__(self) -> str:
+        """Return the range of frequencies and the series, in one line."""
+        first, last = self.grid.step, self.grid.step * self.grid.count
+        return f"least-squares spectrum at {self.grid.count} frequencies, {first:.4g} to {last:.6g} Hz: {self.adjusted}"
+
+    __repr__ = __str__
 
     @property
     def frequency(self) -> Floats:
@@ -81,18 +96,18 @@ class Spectrum:
 
     @property
     def percent(self) -> Floats:
-        """Return it in per cent."""
+        """Return the share in per cent."""
         return 100 * self.share
 
     @property
     def decibels(self) -> Floats:
-        """Return signal to noise, eq. 12, (m,) dB: what the paper calls a density in decibels."""
+        """Return the signal-to-noise ratio of eq. 12, (m,) dB; the paper calls it a density in decibels."""
         share = np.clip(self.share, 1e-300, 1 - 1e-16)
         return 10 * np.log10(share / (1 - share))
 
     @property
     def printed_density(self) -> Floats:
-        """Return eq. 13 as printed, (m,) quadratic form of the signal over frequency, not over a bandwidth."""
+        """Return eq. 13 as printed, (m,): quadratic form of the signal over frequency, not over a bandwidth."""
         return self.reduction / self.frequency
 
     @property
@@ -102,11 +117,11 @@ class Spectrum:
 
     @property
     def density(self) -> Floats:
-        """Return A²T/2, (m,) unit²/Hz, one-sided: on even, equal samples what a Fourier transform gives."""
+        """Return A²T/2, (m,) unit²/Hz, one-sided; for evenly spaced samples it equals the Fourier periodogram."""
         return self.amplitude**2 * self.adjusted.time.size * self.adjusted.interval / 2
 
     def without(self, residual: Floats) -> Spectrum:
-        """Return the spectrum of another residual, such as that without lines already found."""
+        """Return the spectrum of another residual, for example without extracted lines."""
         adjusted = replace(self.adjusted, residual=residual)
         return _spectrum(adjusted, self.grid, self.equations, self.oversampling)
 
@@ -120,20 +135,36 @@ def adjust(
     interval: float | None = None,
     weights: Floats | None = None,
 ) -> Adjusted:
-    """Return a series' noise and constituents.
+    """Return a series with its estimated noise and constituents.
 
     Args:
-        time: (n,) s, rising; spacing may be unequal.
-        values: (n,) of any unit.
-        constituents: what it is known to hold.
-        noise: its structure; what is not given of it is estimated.
-        interval: s, usual; None: the median step.
+        time: (n,) s, rising; unequal spacing is allowed.
+        values: (n,) in any unit.
+        constituents: the known constituents.
+        noise: its structure; parameters that are not given are estimated.
+        interval: s, usual sampling interval; None: the median step.
         weights: (n,) inverse variances up to a factor; with white noise only.
 
     Raises:
-        ValueError: times that do not rise, constituents that cannot be told apart, too few samples, a singular covariance.
+        ValueError: times that do not rise, constituents that are not separable, too few samples, a singular covariance.
     """
     values = np.asarray(values, dtype=float)
+    _check_series(time, values)
+    columns, names = constituents.columns(time), constituents.names
+    if noise.kind == "random-walk" and names[:1] == ("constant",):
+        columns, names = columns[:, 1:], names[1:]  # the level of a random walk is part of the noise
+    steps = np.diff(time)
+    time = time - time[0]
+    usual = float(np.median(steps)) if interval is None else interval
+    lattice = lattice_of(time, usual)
+    if lattice is None and noise.kind == "autoregressive":
+        lattice = lattice_of(time, usual, ROUNDED)  # the time stamps of even samples may be rounded
+    usual = usual if lattice is None else lattice.interval
+    fit = fitted_noise(time, values, columns, lattice, noise, weights)
+    return _without_constituents(time, values, columns, names, usual, lattice, fit)
+
+
+def _check_series(time: Floats, values: Floats) -> None:
     if time.shape != values.shape or time.ndim != 1 or time.size < FEWEST or not np.isfinite(values).all():
         message = (
             f"times {time.shape} and values {values.shape}; they must be of one length, at least {FEWEST}, and finite"
@@ -144,28 +175,31 @@ def adjust(
         at = int(np.argmin(steps > 0))
         message = f"times must rise: {time[at + 1]:.9g} s follows {time[at]:.9g} s (sample {at + 1})"
         raise ValueError(message)
-    columns, names = constituents.columns(time), constituents.names
-    if noise.kind == "random-walk" and names[:1] == ("constant",):
-        columns, names = columns[:, 1:], names[1:]  # its level is not known by itself
-    time = time - time[0]
-    usual = float(np.median(steps)) if interval is None else interval
-    lattice = lattice_of(time, usual)
-    if lattice is None and noise.kind == "autoregressive":
-        lattice = lattice_of(time, usual, ROUNDED)  # which it takes rounded stamps for
-    usual = usual if lattice is None else lattice.interval
-    found = fitted_noise(time, values, columns, lattice, noise, weights)
-    rows = found.whitening.rows(np.column_stack([columns, values]))
+
+
+def _without_constituents(
+    time: Floats,
+    values: Floats,
+    columns: Floats,
+    names: tuple[str, ...],
+    interval: float,
+    lattice: Lattice | None,
+    fit: NoiseFit,
+) -> Adjusted:
+    rows = fit.whitening.rows(np.column_stack([columns, values]))
     basis, triangle = _orthonormal(rows[:, :-1], names)
     if rows.shape[0] - basis.shape[1] < FEWEST:
-        message = f"{found.whitening.count} samples and {basis.shape[1]} constituents; at least {FEWEST} must remain"
+        message = (
+            f"{fit.whitening.count} samples and {basis.shape[1]} constituents; at least {FEWEST} samples must remain"
+        )
         raise ValueError(message)
     share = basis.T @ rows[:, -1]
     residual = rows[:, -1] - basis @ share
-    residual -= basis @ (basis.T @ residual)  # once more, for large offsets
+    residual -= basis @ (basis.T @ residual)  # a second time, for large offsets
     inverse = linalg.solve_triangular(triangle, np.eye(len(triangle)))
-    level = float(np.einsum("i,i", residual, residual)) / (found.whitening.count - basis.shape[1])
+    level = float(np.einsum("i,i", residual, residual)) / (fit.whitening.count - basis.shape[1])
     sigma = np.sqrt(level * np.einsum("ij,ij->i", inverse, inverse))
-    return Adjusted(time, usual, lattice, found, names, basis, residual, inverse @ share, sigma)
+    return Adjusted(time, interval, lattice, fit, names, basis, residual, inverse @ share, sigma)
 
 
 def least_squares_spectrum(adjusted: Adjusted, *, highest: float | None = None, oversampling: int = 2) -> Spectrum:
@@ -174,14 +208,14 @@ def least_squares_spectrum(adjusted: Adjusted, *, highest: float | None = None, 
     Args:
         adjusted: from ``adjust``.
         highest: Hz; None: half the usual rate.
-        oversampling: frequencies to each cycle more that the record holds; 1: those of Fourier.
+        oversampling: frequencies for each cycle over the record; 1: the Fourier frequencies.
 
     Raises:
-        ValueError: a highest frequency below the first.
+        ValueError: the record is shorter than one cycle of the highest frequency.
     """
     top = 0.5 / adjusted.interval if highest is None else highest
     if not top * float(adjusted.time[-1]) >= 1:
-        message = f"a highest frequency of {top:g} Hz: the record of {adjusted.time[-1]:g} s holds no cycle of it"
+        message = f"highest is {top:g} Hz; the record of {adjusted.time[-1]:g} s must hold at least one cycle of it: use a higher one"
         raise ValueError(message)
     grid = grid_of(adjusted.time, adjusted.lattice, top, oversampling)
     known = equations(adjusted.time, adjusted.lattice, adjusted.noise.whitening, adjusted.basis, grid)
@@ -203,16 +237,16 @@ def _orthonormal(columns: Floats, names: tuple[str, ...]) -> tuple[Floats, Float
     unit = np.where(length > 0, length, 1.0)
     products = columns.T @ columns / np.outer(unit, unit)
     for k in range(length.size):
-        # what the columns before leave of this one, of length 1
+        # what the columns before leave of this column, which has length 1
         share = linalg.lstsq(products[:k, :k], products[:k, k], check_finite=False)[0] if k else np.empty(0)
         if not length[k] or products[k, k] - products[:k, k] @ share < RANK**2:
             message = (
-                f"the {names[k]} cannot be told from {', '.join(names[:k]) or 'noise'}: "
-                "leave it out (a jump must lie within the record, a line apart from others)"
+                f"the {names[k]} is not separable from {', '.join(names[:k]) or 'noise'}: "
+                "leave it out (a jump must lie within the record, a line apart from other lines)"
             )
             raise ValueError(message)
     basis, triangle = columns, np.eye(length.size)
-    for _ in range(2):  # the second time for rounding (Yamamoto and others 2015)
+    for _ in range(2):  # the second time for rounding errors (Yamamoto and others 2015)
         upper = linalg.cholesky(basis.T @ basis)
         basis = linalg.solve_triangular(upper, basis.T, trans="T").T
         triangle = upper @ triangle

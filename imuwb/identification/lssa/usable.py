@@ -1,4 +1,4 @@
-"""The band that samples can show: below what the record's length, above what the spacing tells apart."""
+"""The band of frequencies that the samples can show: limited by the record's length and by the spacing of the samples."""
 
 from __future__ import annotations
 
@@ -14,24 +14,22 @@ if TYPE_CHECKING:
     from imuwb.identification.lssa.spectrum import Adjusted
     from imuwb.identification.lssa.trigonometric import Lattice
 
-MIRRORED = 0.5  #: share of a line's power that another frequency shows, from which on it is the same line
-FAR = 8.0  #: usual rates, up to which mirrors are looked for
-LOOKED_AT = 1 << 15  #: samples, which are enough to see them
+MIRRORED = 0.5  #: share of a line's power at another frequency, from which both frequencies show the same line
+FAR = 8.0  #: usual sampling rates, up to which mirrors are searched
+LOOKED_AT = 1 << 15  #: samples that are enough to find mirrors
 
 
 @dataclass(frozen=True, slots=True)
 class UsableBand:
-    """Frequencies that a line can be told to have."""
+    """The frequencies that can be distinguished."""
 
-    lowest: float  #: Hz, one cycle in the record
+    lowest: float  #: Hz, one cycle over the record
     highest: float  #: Hz
-    mirror: (
-        float | None
-    )  #: Hz; a line f shows at this less f as well; None: up to eight times the usual rate there is none
+    mirror: float | None  #: Hz; a line at f also shows at mirror - f; None: no mirror up to eight usual sampling rates
 
 
 def usable_band(adjusted: Adjusted) -> UsableBand:
-    """Return the band of a series' spacing, by its spectral window (Deeming 1975).
+    """Return the usable band of a series, from its spectral window (Deeming 1975).
 
     Args:
         adjusted: the series.
@@ -39,13 +37,13 @@ def usable_band(adjusted: Adjusted) -> UsableBand:
     time, interval = adjusted.time, adjusted.interval
     lowest = 1 / float(time[-1])
     if adjusted.lattice is not None:
-        mirror = _within(adjusted.lattice)
+        mirror = _mirror_of(adjusted.lattice)
         return UsableBand(lowest, mirror / 2, mirror)
     time = time[: min(time.size, LOOKED_AT)]
     step = 0.5 / float(time[-1])
     count = int(FAR / interval / step)
     window = np.abs(sums(time, None, np.ones((1, time.size)), Grid(step, count))[0]) ** 2 / time.size**2
-    begin = int(0.25 / interval / step)  # the window's own peak is behind
+    begin = int(0.25 / interval / step)  # above the window's own peak
     high = np.flatnonzero(window[begin:] > MIRRORED)
     if not high.size:
         return UsableBand(lowest, FAR / interval / 2, None)
@@ -56,8 +54,8 @@ def usable_band(adjusted: Adjusted) -> UsableBand:
     return UsableBand(lowest, mirror / 2, mirror)
 
 
-def _within(lattice: Lattice) -> float:
-    """Return the mirror of a lattice: its rate, or less where most of its points are missing in turns."""
+def _mirror_of(lattice: Lattice) -> float:
+    """Return the mirror of a lattice: its rate, or less if most points are missing in a regular pattern."""
     index = lattice.index[:LOOKED_AT]
     length = 2 * fft.next_fast_len(2 * (int(index[-1]) + 1), real=True)
     window = np.abs(fft.rfft(np.bincount(index, minlength=length).astype(float))) ** 2 / index.size**2

@@ -1,8 +1,8 @@
-"""Rows that noise of a known structure makes equal and independent: C^-1 = W' W, without ever forming C.
+"""Whitening: rows that noise of a known structure makes equal and independent, C^-1 = W' W, without forming C.
 
-* ``Chain``: each sample holds on to the one before, over any interval: white (with weights), first-order Gauss-Markov or
-  AR(1), random walk.
-* ``Recursion``: AR(p) on an even lattice; rows whose p predecessors are all there.
+* ``Chain``: each sample depends on the one before, over any step: white (with weights), first-order Gauss-Markov, AR(1), random
+  walk.
+* ``Recursion``: AR(p) on an even lattice; only rows whose p predecessors exist.
 * ``Dense``: any covariance.
 """
 
@@ -19,34 +19,34 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-MOST_DENSE = 20_000  #: samples with a covariance of their own
-CONDITION = 1e-12  #: of the largest pivot, below which a covariance is singular
+MOST_DENSE = 20_000  #: samples with a given covariance, at most
+CONDITION = 1e-12  #: of the largest variance; a covariance with a smaller pivot is singular
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Chain:
-    """Row i: scale_i (x_i - hold_i x_(i-1))."""
+    """Row i is scale_i (x_i - hold_i x_(i-1))."""
 
-    hold: Floats  #: (n,) 0 ... 1; of the first: 0
-    scale: Floats  #: (n,); 0 for a row that says nothing
+    hold: Floats  #: (n,) 0 ... 1; 0 for the first sample
+    scale: Floats  #: (n,); 0 for a row without information
 
     def rows(self, columns: Floats) -> Floats:
         """Return the whitened rows of (n, k)."""
-        found = columns * self.scale[:, None]
+        rows = columns * self.scale[:, None]
         if not self.plain:
-            found[1:] -= (self.scale * self.hold)[1:, None] * columns[:-1]
-        return found
+            rows[1:] -= (self.scale * self.hold)[1:, None] * columns[:-1]
+        return rows
 
     def back(self, rows: Floats) -> Floats:
         """Return W' times (n, k) rows."""
-        found = rows * self.scale[:, None]
+        back = rows * self.scale[:, None]
         if not self.plain:
-            found[:-1] -= self.hold[1:, None] * found[1:]
-        return found
+            back[:-1] -= self.hold[1:, None] * back[1:]
+        return back
 
     @property
     def count(self) -> int:
-        """Return how many rows say something."""
+        """Return the number of rows with information."""
         return int(np.count_nonzero(self.scale))
 
     @property
@@ -57,21 +57,21 @@ class Chain:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Recursion:
-    """Row i: x_i + sum alpha_k x_(i-k)."""
+    """Row i is x_i + sum alpha_k x_(i-k)."""
 
     alpha: Floats  #: (p,) of Quinchia's eq. 9
     interval: float  #: s
-    kept: NDArray[np.int64]  #: samples whose p predecessors are the p samples before
+    kept: NDArray[np.int64]  #: samples whose p predecessors exist
 
     def rows(self, columns: Floats) -> Floats:
         """Return the whitened rows of (n, k)."""
-        found = columns[self.kept].copy()
+        rows = columns[self.kept].copy()
         for k, alpha in enumerate(self.alpha, 1):
-            found += alpha * columns[self.kept - k]
-        return found
+            rows += alpha * columns[self.kept - k]
+        return rows
 
     def gain(self, frequency: Floats) -> NDArray[np.complex128]:
-        """Return what becomes of exp(i omega t)."""
+        """Return the gain of the rows at exp(i omega t)."""
         turn = np.exp(-2j * np.pi * np.outer(np.arange(1, self.alpha.size + 1), frequency * self.interval))
         return np.asarray(1 + self.alpha @ turn, dtype=np.complex128)
 
@@ -83,7 +83,7 @@ class Recursion:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Dense:
-    """Rows: L^-1 x, C = L L'."""
+    """The rows are L^-1 x with C = L L'."""
 
     factor: Floats  #: (n, n) L
 
@@ -105,13 +105,13 @@ def white(n: int, weights: Floats | None = None) -> Chain:
 
     Args:
         n: samples.
-        weights: (n,) inverse variances, up to a common factor; 0: the sample does not count.
+        weights: (n,) inverse variances, up to a common factor; 0: the sample is ignored.
     """
     return Chain(np.zeros(n), np.ones(n) if weights is None else np.sqrt(weights))
 
 
 def random_walk(time: Floats) -> Chain:
-    """Return the rows of a random walk, which are its steps; its level is not known.
+    """Return the rows of a random walk, which are its steps; its level is unknown.
 
     Args:
         time: (n,) s, rising.
@@ -134,11 +134,11 @@ def gauss_markov(time: Floats, correlation_time: float) -> Chain:
 
 
 def first_order(steps: NDArray[np.int64], alpha: float) -> Chain:
-    """Return the rows of AR(1), x(n) = -alpha x(n-1) + w(n), also across gaps.
+    """Return the rows of AR(1), x(n) = -alpha x(n-1) + w(n), with or without gaps.
 
     Args:
-        steps: (n - 1,) intervals between samples, whole ones.
-        alpha: within -1 and 1.
+        steps: (n - 1,) whole numbers of intervals between samples.
+        alpha: between -1 and 1.
     """
     hold = np.concatenate([[0.0], (-alpha) ** steps])
     return Chain(hold, 1 / np.sqrt(1 - hold**2))
@@ -148,15 +148,15 @@ def recursion(index: NDArray[np.int64], interval: float, alpha: Floats) -> Recur
     """Return the rows of AR(p) on a lattice.
 
     Raises:
-        ValueError: gaps leave fewer than half of the rows.
+        ValueError: gaps leave less than half of the rows.
     """
     p = alpha.size
     kept = np.arange(p, index.size)
     kept = kept[index[p:] - index[: index.size - p] == p]
     if 2 * kept.size < index.size:
         message = (
-            f"AR({p}) needs {p} samples before each: gaps leave {kept.size} of {index.size} rows; "
-            "AR(1) and Gauss-Markov noise carry across gaps"
+            f"AR({p}) needs {p} consecutive samples before each sample: gaps leave {kept.size} of {index.size} rows; "
+            "use AR(1) or Gauss-Markov noise, which allow gaps"
         )
         raise ValueError(message)
     return Recursion(alpha, interval, kept)
@@ -166,22 +166,20 @@ def dense(covariance: Floats) -> Dense:
     """Return the rows of a covariance.
 
     Raises:
-        ValueError: no covariance, singular, or too large.
+        ValueError: the covariance is not square, too large, not symmetric, not finite, or singular.
     """
     n = len(covariance)
     if covariance.shape != (n, n) or n > MOST_DENSE:
-        message = (
-            f"a covariance of {' x '.join(map(str, covariance.shape))}; it must be square, of at most {MOST_DENSE}"
-        )
+        message = f"the covariance is {' x '.join(map(str, covariance.shape))}; it must be square, with at most {MOST_DENSE} rows"
         raise ValueError(message)
     scale = float(np.abs(np.diagonal(covariance)).max())
     if not np.isfinite(covariance).all() or not np.abs(covariance - covariance.T).max() <= 1e-9 * scale:
-        message = "a covariance must be symmetric, of finite numbers"
+        message = "the covariance must be symmetric and finite"
         raise ValueError(message)
     try:
         factor = np.asarray(linalg.cholesky(covariance, lower=True, check_finite=False))
     except linalg.LinAlgError as error:
-        message = f"the covariance is singular, or none: {error}; some combination of samples would have no noise"
+        message = f"the covariance is not positive definite: {error}; some combination of samples would have no noise"
         raise ValueError(message) from error
     if np.diagonal(factor).min() ** 2 < CONDITION * scale:
         message = "the covariance is singular to rounding; some combination of samples would have no noise"

@@ -1,12 +1,55 @@
-"""What can be asked of a least-squares spectrum."""
+"""Options of the least-squares spectrum."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from pathlib import Path
+from typing import Annotated, ClassVar, Literal
 
-MOST_OVERSAMPLING, MOST_PEAKS, MOST_ORDERS = 8, 50, 64
+from imuwb.options import POSITIVE, Between, Form, Level, check, text_of
+
+MOST_ORDERS = 64
+
+
+@dataclass(frozen=True, slots=True)
+class NoiseOption:
+    """The structure of the noise, as a person writes it."""
+
+    FORMS: ClassVar[str] = (
+        f"local, white, ar:P with P from 1 to {MOST_ORDERS}, gauss-markov, gauss-markov:SECONDS, random-walk, "
+        "or covariance:FILE.npy"
+    )
+
+    kind: Literal["local", "white", "autoregressive", "gauss-markov", "random-walk", "covariance"] = "local"
+    order: int = 0  #: of autoregressive noise
+    correlation_time: float | None = None  #: s, of Gauss-Markov noise; None: it is estimated
+    file: Path | None = None  #: array of the covariance
+
+    @classmethod
+    def from_text(cls, text: str) -> NoiseOption:
+        """Return the structure that a text stands for.
+
+        Raises:
+            ValueError: the text stands for none.
+        """
+        word, _, rest = text.partition(":")
+        if word == "ar" and 1 <= int(rest or 1) <= MOST_ORDERS:
+            return cls("autoregressive", int(rest or 1))
+        if word == "gauss-markov" and (not rest or 0 < float(rest) < math.inf):
+            return cls("gauss-markov", correlation_time=float(rest) if rest else None)
+        if word == "covariance" and rest:
+            return cls("covariance", file=Path(rest))
+        if text in ("local", "white", "random-walk"):
+            return cls(text)
+        raise ValueError
+
+    def __str__(self) -> str:
+        """Return the text."""
+        if self.kind == "autoregressive":
+            return f"ar:{self.order}"
+        rest = self.correlation_time if self.file is None else self.file
+        return self.kind if rest is None else f"{self.kind}:{rest}"
 
 
 @dataclass(frozen=True)
@@ -14,87 +57,39 @@ class Parameters:
     """Options of ``imuwb lssa``."""
 
     trend: Annotated[
-        Literal["none", "constant", "linear", "quadratic"], "known course, estimated together with every line"
+        Literal["none", "constant", "linear", "quadratic"], "Known trend, estimated together with every line."
     ] = "linear"
-    jumps: Annotated[str, "known jumps of level, s from the log's start, with commas between"] = ""
-    forced: Annotated[str, "lines known to be there, Hz, with commas between"] = ""
-    exponentials: Annotated[str, "time constants of known transients from the log's start on, s"] = ""
+    jumps: Annotated[
+        tuple[float, ...], "Times of known jumps of the level, from the log's start (s).", Between(), Form("T1,T2,...", "0.5,1.5")
+    ] = ()  # fmt: skip
+    forced: Annotated[
+        tuple[float, ...], "Frequencies of known lines (Hz).", POSITIVE, Form("F1,F2,...", "0.5,1.5")
+    ] = ()
+    exponentials: Annotated[
+        tuple[float, ...], "Time constants of known transients that begin with the log (s).", POSITIVE, Form("T1,T2,...", "10,100")
+    ] = ()  # fmt: skip
     noise: Annotated[
-        str,
-        "its structure: local (by its neighbours), white, ar:P, gauss-markov, gauss-markov:SECONDS, random-walk, "
-        "covariance:FILE.npy",
-    ] = "local"
-    level: Annotated[float, "of significance, at one frequency and in the whole record"] = 0.99
-    confidence: Annotated[float, "of the intervals of lines"] = 0.95
-    highest: Annotated[float | None, "highest frequency, Hz; else half the rate"] = None
-    oversampling: Annotated[int, "frequencies to each cycle more that the record holds"] = 2
-    peaks: Annotated[int, "lines an axis, at most"] = 12
-    order: Annotated[int, "of the autoregressive noise that is tested for"] = 1
+        NoiseOption,
+        "Structure of the noise: local (estimated around each frequency), white, ar:P, gauss-markov, gauss-markov:SECONDS, "
+        "random-walk, covariance:FILE.npy.",
+        Form("STRUCTURE", "ar:2"),
+    ] = NoiseOption()
+    level: Annotated[Level, "Level of significance of lines and of the tests."] = 0.99
+    confidence: Annotated[Level, "Level of the intervals of lines and constituents."] = 0.95
+    highest: Annotated[float | None, "Highest frequency; default: half the sampling rate (Hz).", POSITIVE] = None
+    oversampling: Annotated[int, "Frequencies for each cycle over the record.", Between(1, 8)] = 2
+    peaks: Annotated[int, "Largest number of lines of an axis.", Between(0, 50)] = 12
+    order: Annotated[int, "Order of the autoregressive noise that is tested.", Between(1, 30)] = 1
     scale: Annotated[
         Literal["density", "percent", "decibels", "printed"],
-        "what is drawn: unit²/Hz, per cent, or the paper's equations 12 and 13",
+        "Scale of the figures: unit²/Hz, per cent, or the paper's equations 12 (decibels) and 13 (printed).",
     ] = "density"
 
     def __post_init__(self) -> None:
         """Check the values."""
-        for name, least, most in (("oversampling", 1, MOST_OVERSAMPLING), ("peaks", 0, MOST_PEAKS), ("order", 1, 30)):
-            value = getattr(self, name)
-            if not least <= value <= most:
-                message = f"{name} is {value}; it must be {least} to {most}"
+        check(self)
+        for name in ("jumps", "forced", "exponentials"):
+            values = getattr(self, name)
+            if len(set(values)) < len(values):
+                message = f"{name} is {text_of(values)}; each value must be there once"
                 raise ValueError(message)
-        for name, least in (("level", 0.5), ("confidence", 0.5)):
-            value = getattr(self, name)
-            if not least <= value < 1:
-                message = f"{name} is {value}; it must be at least {least} and below 1"
-                raise ValueError(message)
-        if self.highest is not None and not 0 < self.highest < math.inf:
-            message = f"highest is {self.highest} Hz; it must be above 0"
-            raise ValueError(message)
-        self.numbers("jumps", least=-math.inf)
-        self.numbers("forced")
-        self.numbers("exponentials")
-        self.structure()
-
-    def numbers(self, name: str, *, least: float = 0.0) -> tuple[float, ...]:
-        """Return the numbers of an option, in its unit.
-
-        Raises:
-            ValueError: one that is none, or not above ``least``.
-        """
-        text: str = getattr(self, name)
-        try:
-            found = tuple(float(part) for part in text.split(",") if part.strip())
-        except ValueError as error:
-            message = f"{name} is {text!r}; it must be numbers with commas between, such as 0.5,1.5"
-            raise ValueError(message) from error
-        if len(set(found)) < len(found):
-            message = f"{name} is {text!r}; each must be there once"
-            raise ValueError(message)
-        if not all(least < x < math.inf for x in found):
-            message = f"{name} is {text!r}; each must be {'a number' if least < 0 else f'above {least:g}'}"
-            raise ValueError(message)
-        return found
-
-    def structure(self) -> tuple[str, int, float | None, str]:
-        """Return kind, order, correlation time and file of the noise.
-
-        Raises:
-            ValueError: no structure that is known.
-        """
-        kind, _, rest = self.noise.partition(":")
-        try:
-            if kind == "ar" and 1 <= int(rest or 1) <= MOST_ORDERS:
-                return "autoregressive", int(rest or 1), None, ""
-            if kind == "gauss-markov" and (not rest or 0 < float(rest) < math.inf):
-                return kind, 0, float(rest) if rest else None, ""
-            if kind == "covariance" and rest:
-                return kind, 0, None, rest
-            if kind in ("local", "white", "random-walk") and not rest:
-                return kind, 0, None, ""
-        except ValueError:
-            pass
-        message = (
-            f"noise is {self.noise!r}; it must be local, white, ar:P with P from 1 to {MOST_ORDERS}, gauss-markov, gauss-markov:SECONDS, random-walk, "
-            "or covariance:FILE.npy"
-        )
-        raise ValueError(message)

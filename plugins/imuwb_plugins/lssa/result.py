@@ -1,4 +1,4 @@
-"""What a least-squares spectrum shows."""
+"""The result of a least-squares spectrum."""
 
 from __future__ import annotations
 
@@ -10,29 +10,35 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from imuwb.identification.lssa import ChiSquare
+    from imuwb.statistics import Estimate
 
     Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
 class PeakResult:
-    """A line, SI; ends of intervals at the confidence asked for."""
+    """A line in SI, with flat keys; intervals at the level ``confidence``."""
 
     frequency: float  #: Hz
-    frequency_lower: float  #: of a drifting line: by the resolution of its spectrum
+    frequency_lower: float  #: of a drifting line: minus the resolution of the segments' spectrum
     frequency_upper: float
     amplitude: float
     lower: float  #: of the amplitude
     upper: float
-    phase: float | None  #: rad, of a cosine, at the axis's first sample; None: it drifts
+    phase: float | None  #: rad, of a cosine, at the axis's first sample; None: the line drifts
     phase_lower: float | None
     phase_upper: float | None
-    percent: float  #: of what the constituents leave
+    percent: float  #: of the series without the constituents
     probability: float | None  #: that noise alone shows as much anywhere in the record; None: below 1 - level
     significant: bool  #: in the record as a whole
-    in_both_halves: bool
-    steady: bool  #: keeps its frequency and phase over the record
+    in_both_halves: bool  #: whether each half of the record shows the line by itself
+    steady: bool  #: whether frequency and phase are constant over the record
     name: str  #: such as "2 × 0.56 Hz"
+
+    @property
+    def claimed(self) -> bool:
+        """Return whether the line is reported as a line of the sensor."""
+        return self.significant and self.in_both_halves
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,44 +52,41 @@ class HypothesisResult:
     octaves: ChiSquare  #: of slow drifts (Bartlett)
     alpha: tuple[float, ...]  #: x(n) = -sum alpha x(n-k) + w(n)
     alpha_sigma: tuple[float, ...]
-    lowest_octave: float  #: power of the slowest octave over the mean: 1 if tenable
-    words: str
-
-
-@dataclass(frozen=True, slots=True)
-class ConstituentResult:
-    """A known constituent: its size, SI."""
-
-    name: str
-    value: float
-    lower: float
-    upper: float
+    lowest_octave: float  #: power of the lowest octave over the mean of all: about 1 if the structure is right
+    verdict: str
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class AxisResult:
-    """One axis, SI. Spectra are thinned: of each bin of frequencies the highest value."""
+class LssaAxis:
+    """One axis in SI. Spectra are thinned: each bin of frequencies has its highest value."""
 
     frequency: Floats
     percent: Floats
     density: Floats  #: one-sided
-    shown: Floats  #: in the scale asked for
-    shown_one: Floats  #: what is significant at one frequency, in that scale
-    shown_record: Floats  #: in the record as a whole
-    fourier_frequency: Floats  #: of Welch's spectrum beside it
+    shown: Floats  #: in the scale of the figures
+    shown_limit: Floats  #: limit of significance at one frequency, in that scale
+    shown_record_limit: Floats  #: limit of significance in the record as a whole, in that scale
+    fourier_frequency: Floats  #: of Welch's spectrum, for comparison
     fourier_density: Floats
-    critical_percent: float | None  #: at one frequency; None: it depends on frequency
+    critical_percent: float | None  #: at one frequency; None: it depends on the frequency
     critical_percent_record: float | None
     peaks: tuple[PeakResult, ...]
-    constituents: tuple[ConstituentResult, ...]
+    constituents: dict[str, Estimate]
     hypotheses: tuple[HypothesisResult, ...]
-    alpha: tuple[float, ...]  #: of the noise, where it is autoregressive
-    correlation_time: float | None  #: s, where it is Gauss-Markov
-    frequencies: int  #: how many were looked at
+    alpha: tuple[float, ...]  #: of autoregressive noise
+    correlation_time: float | None  #: s, of Gauss-Markov noise
+    frequencies: int  #: number of frequencies before thinning
     lowest: float  #: Hz, of the usable band
-    highest: float
+    highest: float  #: Hz, of the usable band
     mirror: float | None  #: Hz
-    why_none: str | None
+    why_none: str | None  #: why the axis has no spectrum; None: it has one
+
+    def __str__(self) -> str:
+        """Return the claimed lines, or why the axis has no spectrum, in one line."""
+        lines = [f"{p.name}, amplitude {p.amplitude:.3g}" for p in self.peaks if p.claimed]
+        return self.why_none or "; ".join(lines) or "no line"
+
+    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -95,5 +98,11 @@ class Result:
     confidence: float
     noise: str
     scale: str
-    axes: dict[str, AxisResult]
+    axes: dict[str, LssaAxis]
     notes: tuple[str, ...]
+
+    def __str__(self) -> str:
+        """Return one line for each axis."""
+        return "\n".join([self.imu, *(f"  {name}: {axis}" for name, axis in self.axes.items())])
+
+    __repr__ = __str__

@@ -18,15 +18,15 @@ def lines(time, values, noise, known=None, **options):
 def test_a_line_is_found_whole(record, noise):
     made = record((7.3, 0.5))
     (peak,) = lines(made.time + 1000.0, made.values, noise)
-    assert peak.frequency == pytest.approx(7.3, abs=4 * (peak.frequency_interval[1] - peak.frequency) / 2)
-    assert peak.amplitude == pytest.approx(0.5, abs=4 * np.sqrt(2 / 8000))
-    assert peak.phase == pytest.approx(0.5, abs=4 * 2 * np.sqrt(2 / 8000) / 0.5)  # at the first sample
-    assert peak.upper - peak.lower == pytest.approx(2 * 1.96 * np.sqrt(2 / 8000), rel=0.1)
+    assert peak.frequency.value == pytest.approx(7.3, abs=4 * (peak.frequency.upper - peak.frequency.value) / 2)
+    assert peak.amplitude.value == pytest.approx(0.5, abs=4 * np.sqrt(2 / 8000))
+    assert peak.phase.value == pytest.approx(0.5, abs=4 * 2 * np.sqrt(2 / 8000) / 0.5)  # at the first sample
+    assert peak.amplitude.upper - peak.amplitude.lower == pytest.approx(2 * 1.96 * np.sqrt(2 / 8000), rel=0.1)
     # Cramér and Rao: frequency sqrt(6/n)/(pi T A/sigma), the phase at one end twice that at a known frequency
-    assert peak.frequency_interval[1] - peak.frequency == pytest.approx(
+    assert peak.frequency.upper - peak.frequency.value == pytest.approx(
         1.96 * np.sqrt(6 / 8000) / (np.pi * 80 * 0.5), rel=0.1
     )
-    assert peak.phase_interval[1] - peak.phase == pytest.approx(1.96 * 2 * np.sqrt(2 / 8000) / 0.5, rel=0.1)
+    assert peak.phase.upper - peak.phase.value == pytest.approx(1.96 * 2 * np.sqrt(2 / 8000) / 0.5, rel=0.1)
     assert peak.significant
     assert peak.in_both_halves
     assert peak.percent == pytest.approx(100 * 0.125 / 1.125, rel=0.15)
@@ -44,9 +44,9 @@ def test_the_fit_is_the_likelihoods_and_its_intervals_are_its_curvature(record):
     best = optimize.least_squares(misfit, (7.3, 0.4, 0.5), x_scale=(1e-3, 0.1, 0.1), xtol=1e-14, ftol=1e-14)
     sigma = np.sqrt(np.diagonal(np.linalg.inv(best.jac.T @ best.jac)) * 2 * best.cost / 1998)
     halves = (
-        peak.frequency_interval[1] - peak.frequency, peak.upper - peak.amplitude, peak.phase_interval[1] - peak.phase
+        peak.frequency.upper - peak.frequency.value, peak.amplitude.upper - peak.amplitude.value, peak.phase.upper - peak.phase.value
     )  # fmt: skip
-    off = np.array((peak.frequency, peak.amplitude, peak.phase)) - best.x
+    off = np.array((peak.frequency.value, peak.amplitude.value, peak.phase.value)) - best.x
     assert np.abs(off / sigma).max() < 0.01
     assert halves == pytest.approx(tuple(1.959964 * sigma), rel=0.01)
 
@@ -54,9 +54,9 @@ def test_the_fit_is_the_likelihoods_and_its_intervals_are_its_curvature(record):
 @BOTH
 def test_two_near_lines_are_two(record, noise):
     made = record((7.3, 1.0), (7.35, 1.0))  # four cycles over the record
-    found = sorted(lines(made.time, made.values, noise), key=lambda p: p.frequency)
-    assert [p.frequency for p in found] == pytest.approx([7.3, 7.35], abs=0.001)
-    assert [p.amplitude for p in found] == pytest.approx([1, 1], abs=0.08)
+    found = sorted(lines(made.time, made.values, noise), key=lambda p: p.frequency.value)
+    assert [p.frequency.value for p in found] == pytest.approx([7.3, 7.35], abs=0.001)
+    assert [p.amplitude.value for p in found] == pytest.approx([1, 1], abs=0.08)
 
 
 @BOTH
@@ -64,7 +64,7 @@ def test_two_near_lines_are_two(record, noise):
 def test_side_lobes_of_a_strong_line_are_no_lines(record, noise, strength):
     made = record((7.3033, strength))
     (peak,) = lines(made.time, made.values, noise)
-    assert peak.amplitude == pytest.approx(strength, abs=0.08)
+    assert peak.amplitude.value == pytest.approx(strength, abs=0.08)
 
 
 @BOTH
@@ -75,8 +75,8 @@ def test_side_lobes_of_gaps_are_no_lines_and_take_nothing_off(record, noise, kep
     made = record((7.3, 3.0))
     keep = kept(made.time)
     (peak,) = lines(made.time[keep], made.values[keep], noise)
-    assert peak.frequency == pytest.approx(7.3, abs=0.001)
-    assert peak.amplitude == pytest.approx(3, abs=0.09)
+    assert peak.frequency.value == pytest.approx(7.3, abs=0.001)
+    assert peak.amplitude.value == pytest.approx(3, abs=0.09)
 
 
 @pytest.mark.parametrize("scale", [1e-12, 1e12])
@@ -84,10 +84,14 @@ def test_side_lobes_of_gaps_are_no_lines_and_take_nothing_off(record, noise, kep
 def test_units_do_not_matter(record, noise, scale):
     made = record((7.3, 1.0))
     (peak,), (scaled,) = (lines(made.time, x * made.values, noise) for x in (1, scale))
-    assert (scaled.lower / scale, scaled.upper / scale) == pytest.approx((peak.lower, peak.upper), rel=1e-6)
-    assert scaled.frequency_interval == pytest.approx(peak.frequency_interval, rel=1e-9)
-    assert scaled.frequency_interval[1] > scaled.frequency_interval[0] + 1e-5
-    assert scaled.phase_interval == pytest.approx(peak.phase_interval, rel=1e-6)
+    assert (scaled.amplitude.lower / scale, scaled.amplitude.upper / scale) == pytest.approx(
+        (peak.amplitude.lower, peak.amplitude.upper), rel=1e-6
+    )
+    assert (scaled.frequency.lower, scaled.frequency.upper) == pytest.approx(
+        (peak.frequency.lower, peak.frequency.upper), rel=1e-9
+    )
+    assert scaled.frequency.upper > scaled.frequency.lower + 1e-5
+    assert (scaled.phase.lower, scaled.phase.upper) == pytest.approx((peak.phase.lower, peak.phase.upper), rel=1e-6)
 
 
 def test_a_line_in_one_half_only_is_not_in_both(record):
@@ -101,24 +105,24 @@ def test_a_line_in_one_half_only_is_not_in_both(record):
 def test_a_forced_line_is_not_found_again(record):
     made = record((7.3, 3.0), (12.0, 0.4))
     (peak,) = lines(made.time, made.values, Noise(), Constituents(forced=(7.3,)))
-    assert peak.frequency == pytest.approx(12.0, abs=0.01)
+    assert peak.frequency.value == pytest.approx(12.0, abs=0.01)
 
 
 @pytest.mark.parametrize("cycles", [6.0, 6.3, 7.0])
 def test_a_line_at_the_edge_of_what_has_neighbours_has_an_interval(record, cycles):
     made = record((cycles / 80, 5.0))
     (peak,) = lines(made.time, made.values, Noise("local"))
-    assert peak.lower < 5 < peak.upper
-    assert peak.upper - peak.lower > 0.01
+    assert peak.amplitude.lower < 5 < peak.amplitude.upper
+    assert peak.amplitude.upper - peak.amplitude.lower > 0.01
 
 
 @BOTH
 def test_a_line_without_noise_does_no_harm(noise):
     time = np.arange(4000) * DT
     peak, *rounding = lines(time, np.cos(2 * np.pi * 7.3 * time), noise)
-    assert all(other.amplitude < 1e-9 for other in rounding)
-    assert peak.amplitude == pytest.approx(1, abs=1e-6)
-    assert np.isfinite([peak.percent, peak.exceedance, *peak.phase_interval]).all()
+    assert all(other.amplitude.value < 1e-9 for other in rounding)
+    assert peak.amplitude.value == pytest.approx(1, abs=1e-6)
+    assert np.isfinite([peak.percent, peak.exceedance, peak.phase.lower, peak.phase.upper]).all()
 
 
 def test_at_most_as_many_lines_as_asked_for(record):
@@ -144,7 +148,7 @@ def test_a_line_that_wanders_is_one_drifting_line():
     assert len(drifting) == 1
     assert steady == ()
     assert drifting[0].frequency == pytest.approx(6, abs=0.05)
-    assert drifting[0].amplitude == pytest.approx(1, abs=0.1)
+    assert drifting[0].amplitude.value == pytest.approx(1, abs=0.1)
     assert drifting[0].in_both_halves
 
 
