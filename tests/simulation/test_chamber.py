@@ -91,13 +91,13 @@ def test_a_chamber_is_a_folder_of_logs(simulate, tmp_path):
     code, _, err = simulate("chamber", *small, "-o", "c")
     assert (code, "--force" in err) == (2, True)
     code, _, err = simulate("chamber", *small, "--step", 20, "-o", "c", "--force")
-    assert (code, "holds 2 other files" in err) == (0, True)
+    assert (code, "2 other files" in err) == (0, True)
 
 
 def test_an_empty_folder_is_a_place(simulate, tmp_path):
     (tmp_path / "c").mkdir()
     code, _, err = simulate("chamber", "--preset", "mpu-6050", "--hours", 0.001, "--to", -30, "-o", "c")
-    assert (code, "says nothing of temperature" in err) == (0, True)
+    assert (code, "temperature" in err) == (0, True)
 
 
 @pytest.mark.parametrize(
@@ -105,7 +105,7 @@ def test_an_empty_folder_is_a_place(simulate, tmp_path):
     [
         (["--preset", "rome"], 2, "motionpakii"),
         ([], 2, "--preset NAME"),
-        (["--preset", "motionpakii", "--hours", 0], 2, "samples"),
+        (["--preset", "motionpakii", "--hours", 0], 2, "--hours is 0"),
         (["--preset", "motionpakii", "--step", 0], 2, "must lead"),
         (["--preset", "motionpakii", "--quantize"], 2, "lsb"),
     ],

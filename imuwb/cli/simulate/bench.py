@@ -5,13 +5,15 @@ from __future__ import annotations
 import csv
 import io
 import math
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from imuwb.cli.simulate.options import SENSOR, Quantize, Rate, check_folder
+from imuwb.cli.simulate.options import Group, Samples, check_folder
 from imuwb.errors import UsageError
+from imuwb.options import POSITIVE, Between, Form
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -20,86 +22,111 @@ if TYPE_CHECKING:
     from imuwb.simulation import Site
     from imuwb.stochastic import ImuErrorModel
 
-BENCH = "The bench"
 TRUTH, ATTITUDES = "truth.toml", "attitudes.txt"
 
 _Output = Annotated[Path, typer.Option("--output", "-o", help="The folder of the logs.", metavar="FOLDER")]
-_Preset = Annotated[
-    str | None,
-    typer.Option(
-        help="A published sensor; scale factors, cross-couplings and so on are drawn within the tolerances of an MPU-6050.",
-        rich_help_panel=SENSOR,
-    ),
-]
-_Model = Annotated[
-    Path | None,
-    typer.Option(
-        "--error-model",
-        help="A model of your own, whose terms are the truth.",
-        metavar="MODEL.toml",
-        rich_help_panel=SENSOR,
-    ),
-]
-_Seed = Annotated[int, typer.Option(help="Of the sensor and all noise; the same seed gives the same logs.", min=0)]
-_Temperature = Annotated[
-    float | None, typer.Option(help="Of the sensor, °C.", metavar="CELSIUS", rich_help_panel=SENSOR)
-]
-_Misplacement = Annotated[
-    float, typer.Option(help="rms of each of two tilts, deg.", metavar="DEG", rich_help_panel=BENCH)
-]
-_Latitude = Annotated[
-    float | None,
-    typer.Option(
-        help="deg; gravity is that of the ellipsoid there, and the earth turns.", metavar="DEG", rich_help_panel=BENCH
-    ),
-]
-_Height = Annotated[float, typer.Option(help="Above the ellipsoid, m.", metavar="M", rich_help_panel=BENCH)]
-_Format = Annotated[Literal["mcap", "csv"], typer.Option("--format", help="Of the logs.")]
-_Force = Annotated[bool, typer.Option("--force", help="Write over files that exist.")]
+_Format = Annotated[Literal["mcap", "csv"], typer.Option("--format", help="Format of the logs.")]
+_Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exist.")]
+
+
+@dataclass(frozen=True)
+class BenchSensor(Group):
+    """The sensor on the bench."""
+
+    preset: Annotated[
+        str | None,
+        "name of a published sensor; scale factors, cross-couplings and g-sensitivities are drawn within the tolerances of an MPU-6050",
+    ] = None
+    error_model: Annotated[
+        Path | None, "error model of a sensor of your own; its terms are the truth", Form("MODEL.toml")
+    ] = None
+
+    def specimen(self, seed: int) -> ImuErrorModel:
+        """Return one sensor of the kind, its turn-on biases drawn.
+
+        Raises:
+            UsageError: none of preset and error model is given, or both.
+        """
+        from imuwb.simulation import Tolerances, preset, specimen  # noqa: PLC0415 - help must not wait for numpy
+        from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
+
+        if self.preset is not None and self.error_model is None:
+            return specimen(preset(self.preset), seed, Tolerances())
+        if self.error_model is not None and self.preset is None:
+            return specimen(ImuErrorModel.read(self.error_model), seed, None)
+        message = "simulate needs one sensor: give either --preset NAME or --error-model MODEL.toml"
+        raise UsageError(message)
+
+
+@dataclass(frozen=True)
+class BenchSamples(Samples):
+    """Samples at one temperature."""
+
+    temperature: Annotated[float | None, "temperature of the sensor (°C)", Form("CELSIUS")] = None
+
+
+@dataclass(frozen=True)
+class Bench(Group):
+    """Where the bench stands, and how well the IMU sits on it."""
+
+    misplacement: Annotated[float, "rms of each of two tilts of the IMU on the bench (deg)", Form("DEG")] = 0.05
+    latitude: Annotated[
+        float | None,
+        "latitude of the bench, for the gravity of the ellipsoid and the earth's rotation; without it, standard gravity and no rotation (deg)",
+        Between(-90, 90),
+        Form("DEG"),
+    ] = None
+    height: Annotated[float, "height of the bench above the ellipsoid, with --latitude (m)", Form("M")] = 0.0
+
+    def site(self) -> Site:
+        """Return gravity and latitude."""
+        import numpy as np  # noqa: PLC0415 - help must not wait for it
+
+        from imuwb.geodesy.earth import gravity  # noqa: PLC0415
+        from imuwb.simulation import Site  # noqa: PLC0415
+
+        if self.latitude is None:
+            return Site()
+        angle = math.radians(self.latitude)
+        return Site(float(gravity(np.array([angle]), np.array([self.height]))[0]), angle)
+
+
+@dataclass(frozen=True)
+class Positions(Group):
+    """The positions."""
+
+    positions: Annotated[int, "number of positions; 6: a cube's faces, 9 to 100: spread over all directions"] = 6
+    minutes: Annotated[float, "duration in each position (min)", POSITIVE] = 10.0
+    one_log: Annotated[bool, "record all positions in one log, with the turns between them"] = False
+
+
+@dataclass(frozen=True)
+class Table(Group):
+    """The rates of a rate table."""
+
+    rates: Annotated[
+        tuple[float, ...], "rates of the table, each turned both ways (deg/s)", Form("R,R,...", "10,50,100")
+    ]
+    axis: Annotated[str, "axes that are turned, a log for each"] = "xyz"
+    seconds: Annotated[float, "duration of each rate (s)", POSITIVE] = 30.0
 
 
 def six_position(
-    *,
-    output: _Output,
-    preset: _Preset = None,
-    error_model: _Model = None,
-    positions: Annotated[
-        int, typer.Option(help="6: a cube's faces; 9 to 100: spread over all directions.", rich_help_panel=BENCH)
-    ] = 6,
-    minutes: Annotated[float, typer.Option(help="In each position.", rich_help_panel=BENCH)] = 10.0,
-    misplacement: _Misplacement = 0.05,
-    one_log: Annotated[
-        bool, typer.Option("--one-log", help="All positions in one log, with turns between.", rich_help_panel=BENCH)
-    ] = False,
-    latitude: _Latitude = None,
-    height: _Height = 0.0,
-    rate: Rate = 100.0,
-    seed: _Seed = 0,
-    temperature: _Temperature = None,
-    quantize: Quantize = False,
-    kind: _Format = "mcap",
-    force: _Force = False,
-) -> None:
-    """An IMU that is set down on the faces of a cube, or in many positions, and the truth, for imuwb calibration."""
+    *, output: _Output, sensor: BenchSensor, turns: Positions, bench: Bench, samples: BenchSamples,
+    kind: _Format = "mcap", force: _Force = False,
+) -> None:  # fmt: skip
+    """Simulate an IMU on the faces of a cube, or in many positions, and the truth, for imuwb calibration."""
     from imuwb import simulation  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.terminal import progress  # noqa: PLC0415
 
-    model = _specimen(preset, error_model, seed)
+    model = sensor.specimen(samples.seed)
     check_folder(output, [], force=force)
     with progress("simulating") as report:
         made = simulation.six_position(
-            model,
-            seed,
-            positions=positions,
-            seconds=minutes * 60,
-            rate=rate,
-            misplacement=math.radians(misplacement),
-            one_log=one_log,
-            site=_site(latitude, height),
-            celsius=temperature,
-            quantize=quantize,
-            progress=report,
-        )
+            model, samples.seed, positions=turns.positions, seconds=turns.minutes * 60, rate=samples.rate,
+            misplacement=math.radians(bench.misplacement), one_log=turns.one_log, site=bench.site(),
+            celsius=samples.temperature, quantize=samples.quantize, progress=report,
+        )  # fmt: skip
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(["roll_deg", "pitch_deg"])
@@ -108,77 +135,22 @@ def six_position(
 
 
 def rate_table(
-    *,
-    output: _Output,
-    rates: Annotated[str, typer.Option(help="deg/s, with commas; turned both ways.", metavar="R,R,...")],
-    preset: _Preset = None,
-    error_model: _Model = None,
-    axis: Annotated[str, typer.Option(help="Which axes, a log each.", rich_help_panel=BENCH)] = "xyz",
-    seconds: Annotated[float, typer.Option(help="On each step.", rich_help_panel=BENCH)] = 30.0,
-    misplacement: _Misplacement = 0.05,
-    latitude: _Latitude = None,
-    height: _Height = 0.0,
-    rate: Rate = 100.0,
-    seed: _Seed = 0,
-    temperature: _Temperature = None,
-    quantize: Quantize = False,
-    kind: _Format = "mcap",
-    force: _Force = False,
-) -> None:
-    """An IMU on a rate table, a staircase of rates both ways, and the truth, for imuwb calibration."""
+    *, output: _Output, table: Table, sensor: BenchSensor, bench: Bench, samples: BenchSamples,
+    kind: _Format = "mcap", force: _Force = False,
+) -> None:  # fmt: skip
+    """Simulate an IMU on a rate table, a staircase of rates both ways, and the truth, for imuwb calibration."""
     from imuwb import simulation  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.terminal import progress  # noqa: PLC0415
 
-    model = _specimen(preset, error_model, seed)
-    try:
-        wanted = [math.radians(float(part)) for part in rates.split(",")]
-    except ValueError as error:
-        message = f"--rates {rates!r}: write deg/s with commas between, as 10,50,100"
-        raise UsageError(message) from error
+    model = sensor.specimen(samples.seed)
     check_folder(output, [], force=force)
     with progress("simulating") as report:
         made = simulation.rate_table(
-            model,
-            seed,
-            wanted,
-            axes=axis,
-            seconds=seconds,
-            rate=rate,
-            misplacement=math.radians(misplacement),
-            site=_site(latitude, height),
-            celsius=temperature,
-            quantize=quantize,
-            progress=report,
-        )
+            model, samples.seed, [math.radians(rate) for rate in table.rates], axes=table.axis, seconds=table.seconds,
+            rate=samples.rate, misplacement=math.radians(bench.misplacement), site=bench.site(),
+            celsius=samples.temperature, quantize=samples.quantize, progress=report,
+        )  # fmt: skip
     _write(made.logs, output, kind, {TRUTH: made.truth.to_toml()}, force=force)
-
-
-def _specimen(preset: str | None, error_model: Path | None, seed: int) -> ImuErrorModel:
-    from imuwb.simulation import Tolerances, specimen  # noqa: PLC0415 - help must not wait for numpy
-    from imuwb.simulation import preset as published  # noqa: PLC0415
-    from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
-
-    if preset is not None and error_model is None:
-        return specimen(published(preset), seed, Tolerances())
-    if error_model is not None and preset is None:
-        return specimen(ImuErrorModel.read(error_model), seed, None)
-    message = "simulate needs a sensor: either --preset NAME or --error-model MODEL.toml"
-    raise UsageError(message)
-
-
-def _site(latitude: float | None, height: float) -> Site:
-    import numpy as np  # noqa: PLC0415 - help must not wait for it
-
-    from imuwb.geodesy.earth import gravity  # noqa: PLC0415
-    from imuwb.simulation import Site  # noqa: PLC0415
-
-    if latitude is None:
-        return Site()
-    if not -90 <= latitude <= 90:  # noqa: PLR2004 - the poles
-        message = f"--latitude {latitude}: it must be -90 to 90"
-        raise UsageError(message)
-    angle = math.radians(latitude)
-    return Site(float(gravity(np.array([angle]), np.array([height]))[0]), angle)
 
 
 def _write(logs: Mapping[str, Log], folder: Path, kind: str, texts: Mapping[str, str], *, force: bool) -> None:

@@ -1,33 +1,41 @@
-"""imuwb simulate chamber: a still IMU at one temperature after the other."""
+"""imuwb simulate chamber: a still IMU at one temperature after another."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path  # noqa: TC003 - the command line reads annotations when it runs
 from typing import Annotated
 
 import typer
 
-from imuwb.cli.simulate.options import Bandwidth, Model, Preset, Quantize, Rate, Seed, check_folder, sensor_of
+from imuwb.cli.simulate.options import Filtered, Group, Sensor, check_folder
+from imuwb.options import POSITIVE
+
+
+@dataclass(frozen=True)
+class SetPoints(Group):
+    """The temperatures of the chamber, and how long it stays at each."""
+
+    first: Annotated[float, typer.Option("--from", help="The first set-point (°C).", metavar="CELSIUS")] = -30.0
+    last: Annotated[float, typer.Option("--to", help="The last set-point (°C).", metavar="CELSIUS")] = 60.0
+    step: Annotated[float, "difference between two set-points, negative if they fall (°C)"] = 10.0
+    hours: Annotated[float, "duration of each log (h)", POSITIVE] = 3.0
 
 
 def chamber(
     *,
     output: Annotated[
-        Path, typer.Option("--output", "-o", help="The folder of the logs, one a set-point.", metavar="FOLDER")
+        Path, typer.Option("--output", "-o", help="The folder of the logs, one for each set-point.", metavar="FOLDER")
     ],
-    first: Annotated[float, typer.Option("--from", help="The first set-point, °C.", metavar="CELSIUS")] = -30.0,
-    last: Annotated[float, typer.Option("--to", help="The last one, °C.", metavar="CELSIUS")] = 60.0,
-    step: Annotated[float, typer.Option(help="From one to the next, °C; below 0 it grows colder.")] = 10.0,
-    hours: Annotated[float, typer.Option(help="Duration of each log in hours.")] = 3.0,
-    preset: Preset = None,
-    error_model: Model = None,
-    rate: Rate = 100.0,
-    seed: Seed = 0,
-    quantize: Quantize = False,
-    bandwidth: Bandwidth = None,
-    force: Annotated[bool, typer.Option("--force", help="Write into a folder that holds files.")] = False,
+    points: SetPoints,
+    sensor: Sensor,
+    samples: Filtered,
+    force: Annotated[bool, typer.Option("--force", help="Write into a folder that is not empty.")] = False,
 ) -> None:
-    """A still IMU in a climate chamber: a log at each temperature. For one log that ramps: static --temperature -40:70."""
+    """Simulate a still IMU in a climate chamber: a log at each temperature.
+
+    For one log with a ramp of temperature, use static --temperature -40:70.
+    """
     from imuwb.cli.terminal import progress  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.simulation import chamber as recorded  # noqa: PLC0415
     from imuwb.simulation import set_points  # noqa: PLC0415
@@ -35,16 +43,17 @@ def chamber(
     from imuwb.stochastic import is_thermal  # noqa: PLC0415
     from imuwb.writers import write  # noqa: PLC0415
 
-    model = sensor_of(preset, "--preset", error_model)
-    points = set_points(first, last, step)
-    files = [output / f"{name}.mcap" for name in names(points)]
+    model = sensor.model()
+    temperatures = set_points(points.first, points.last, points.step)
+    files = [output / f"{name}.mcap" for name in names(temperatures)]
     check_folder(output, files, force=force)
     if not is_thermal(model) and not any(axis.thermal for axis in model.axes.values()):
-        typer.echo(f"note: {model.name} says nothing of temperature: all set-points have the same noise", err=True)
+        typer.echo(f"note: {model.name} does not depend on temperature: all set-points have the same noise", err=True)
     with progress("simulating") as report:
         logs = recorded(
-            model, points, hours * 3600, rate, seed, quantize=quantize, bandwidth=bandwidth, progress=report
-        )
+            model, temperatures, points.hours * 3600, samples.rate, samples.seed, quantize=samples.quantize,
+            bandwidth=samples.bandwidth, progress=report,
+        )  # fmt: skip
         for log, file in zip(logs, files, strict=True):
             output.mkdir(exist_ok=True)
             write(log, file)

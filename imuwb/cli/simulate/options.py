@@ -2,49 +2,112 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from imuwb.errors import UsageError
+from imuwb.options import NOT_NEGATIVE, POSITIVE, Form, check
 
 if TYPE_CHECKING:
     from imuwb.log import Log
+    from imuwb.simulation import Temperature
     from imuwb.stochastic import ImuErrorModel
 
-SENSOR = "The IMU"
+LEAST_RAMP = 1.0  #: s
 
 Output = Annotated[
-    Path, typer.Option("--output", "-o", help="The log; its suffix, .mcap or .csv, is its format.", metavar="FILE")
+    Path,
+    typer.Option("--output", "-o", help="The log to write; its suffix, .mcap or .csv, is its format.", metavar="FILE"),
 ]
-Model = Annotated[
-    Path | None,
-    typer.Option("--error-model", help="An error model of your own.", metavar="MODEL.toml", rich_help_panel=SENSOR),
-]
-Rate = Annotated[float, typer.Option(help="Samples a second, Hz.", metavar="HZ", rich_help_panel=SENSOR)]
-Seed = Annotated[int, typer.Option(help="Of all noise; the same seed gives the same log.", min=0)]
-Temperature = Annotated[
-    str | None,
-    typer.Option(
-        help="Of the sensor, °C: 25 all the while, -40:70 from the start to the end, or 0:-30,600:-30,1200:45, corners s:°C.",
-        metavar="CELSIUS|FROM:TO|S:CELSIUS,...",
-        rich_help_panel=SENSOR,
-    ),
-]
-Preset = Annotated[
-    str | None, typer.Option(help="A published sensor (an unknown name lists them).", rich_help_panel=SENSOR)
-]
-Quantize = Annotated[bool, typer.Option("--quantize", help="Round to the model's lsb.", rich_help_panel=SENSOR)]
-Bandwidth = Annotated[
-    float | None,
-    typer.Option(help="Low-pass the noise (Butterworth, second order), Hz.", metavar="HZ", rich_help_panel=SENSOR),
-]
-Force = Annotated[bool, typer.Option("--force", help="Write over a file that exists.")]
+Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exist.")]
 
 
-def sensor_of(name: str | None, option: str, error_model: Path | None) -> ImuErrorModel:
-    """Return the error model of a published sensor, or of one's own."""
+@dataclass(frozen=True)
+class Group:
+    """A group of options; they are checked when it is made."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        check(self)
+
+
+@dataclass(frozen=True)
+class Sensor(Group):
+    """The sensor that is simulated: a published one, or one's own."""
+
+    preset: Annotated[str | None, "name of a published sensor; an unknown name lists them"] = None
+    error_model: Annotated[Path | None, "error model of a sensor of your own", Form("MODEL.toml")] = None
+
+    def model(self) -> ImuErrorModel:
+        """Return its error model."""
+        return model_of(self.preset, "--preset", self.error_model)
+
+
+@dataclass(frozen=True)
+class Samples(Group):
+    """The samples that a sensor puts out."""
+
+    rate: Annotated[float, "samples per second (Hz)", POSITIVE, Form("HZ")] = 100.0
+    seed: Annotated[int, "seed of the random numbers; the same seed gives the same log", NOT_NEGATIVE] = 0
+    quantize: Annotated[bool, "round to the lsb that the error model states"] = False
+
+
+@dataclass(frozen=True)
+class Filtered(Samples):
+    """Samples whose noise may go through a low-pass."""
+
+    bandwidth: Annotated[
+        float | None, "cutoff of a Butterworth low-pass of second order for the noise (Hz)", POSITIVE, Form("HZ")
+    ] = None
+
+
+@dataclass(frozen=True)
+class Warm(Filtered):
+    """Samples of a sensor whose temperature may change."""
+
+    temperature: Annotated[
+        float | tuple[tuple[float, float], ...] | None,
+        "temperature of the sensor (°C): one value; FROM:TO, a ramp over the whole log; or corners of a curve as "
+        "seconds:temperature, straight lines between them",
+        Form("CELSIUS|FROM:TO|S:CELSIUS,...", "25, -40:70 or 0:-30,600:-30,1200:45"),
+    ] = None
+
+    def celsius(self, duration: float) -> Temperature | float | None:
+        """Return the temperature over a log of so many seconds.
+
+        Raises:
+            UsageError: times that do not rise, or a temperature that no sensor has.
+        """
+        from imuwb.simulation import Temperature  # noqa: PLC0415 - help must not wait for numpy
+
+        if not isinstance(self.temperature, tuple):
+            return self.temperature
+        try:
+            if len(self.temperature) == 1:
+                return Temperature.ramp(*self.temperature[0], max(duration, LEAST_RAMP))
+            return Temperature(self.temperature)
+        except UsageError as error:
+            message = f"--temperature: {error}"
+            raise UsageError(message) from error
+
+
+#: group of options -> its panel of the help, by the name of its dataclass
+PANELS = {
+    "Sensor": "The IMU", "Samples": "The IMU", "Filtered": "The IMU", "Warm": "The IMU", "Vehicle": "The IMU",
+    "BenchSensor": "The IMU", "BenchSamples": "The IMU", "Bench": "The bench", "Positions": "The bench",
+    "Table": "The bench", "Drive": "The drive", "Gnss": "The GNSS receiver", "Wheels": "The odometer",
+}  # fmt: skip
+
+
+def model_of(name: str | None, option: str, error_model: Path | None) -> ImuErrorModel:
+    """Return the error model of a published sensor, or of one's own.
+
+    Raises:
+        UsageError: none of the two is given, or both.
+    """
     from imuwb.simulation import preset  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
 
@@ -52,28 +115,28 @@ def sensor_of(name: str | None, option: str, error_model: Path | None) -> ImuErr
         return preset(name)
     if error_model is not None and name is None:
         return ImuErrorModel.read(error_model)
-    message = f"simulate needs a sensor: either {option} NAME or --error-model MODEL.toml"
+    message = f"simulate needs one sensor: give either {option} NAME or --error-model MODEL.toml"
     raise UsageError(message)
 
 
-def check(output: Path, *, force: bool) -> None:
-    """Say before the work when a log could not be written."""
+def check_output(output: Path, *, force: bool) -> None:
+    """Refuse a log that could not be written, before the work."""
     from imuwb.cli.places import check_place  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.writers import SUFFIXES  # noqa: PLC0415
 
     if output.suffix not in SUFFIXES:
-        message = f"--output {output}: a log is written as {' or '.join(SUFFIXES)}"
+        message = f"--output {output}: the suffix must be {' or '.join(SUFFIXES)}"
         raise UsageError(message)
     check_place(output, force=force)
 
 
 def check_folder(folder: Path, files: list[Path], *, force: bool) -> None:
-    """Say before the work when a folder could not be filled, or holds what would be taken for its logs."""
+    """Refuse a folder that could not be filled, or that holds other logs, before the work."""
     from imuwb.cli.places import check_place  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.writers import SUFFIXES  # noqa: PLC0415
 
     if folder.suffix in SUFFIXES:
-        message = f"--output {folder}: a folder of logs is written; give it a name without {folder.suffix}"
+        message = f"--output {folder}: the logs are written into a folder; give a name without {folder.suffix}"
         raise UsageError(message)
     if not folder.is_dir():
         check_place(folder, force=False)
@@ -81,18 +144,16 @@ def check_folder(folder: Path, files: list[Path], *, force: bool) -> None:
     held = sorted(set(folder.iterdir()) - set(files))
     if held or any(file.exists() for file in files):
         if not force:
-            message = (
-                f"--output {folder}: the folder holds files; --force writes over logs of these names, or choose another"
-            )
+            message = f"--output {folder}: the folder is not empty; choose another one, or overwrite logs of these names with --force"
             raise UsageError(message)
         if held:
-            typer.echo(f"note: {folder} holds {len(held)} other files, such as {held[0].name}: they stay", err=True)
+            typer.echo(f"note: {folder} has {len(held)} other files, such as {held[0].name}; they stay", err=True)
     for file in files:
         check_place(file, force=force)
 
 
 def save(log: Log, output: Path, *, force: bool) -> None:
-    """Write a log, and say where."""
+    """Write a log, and print where."""
     from imuwb.cli.places import check_places  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.terminal import progress  # noqa: PLC0415
     from imuwb.writers import places, write  # noqa: PLC0415

@@ -2,56 +2,31 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated
 
-import typer
-
-from imuwb.cli.simulate.options import (
-    Bandwidth,
-    Force,
-    Model,
-    Output,
-    Preset,
-    Quantize,
-    Rate,
-    Seed,
-    Temperature,
-    check,
-    save,
-    sensor_of,
-)
+from imuwb.cli.simulate.options import Force, Group, Output, Sensor, Warm, check_output, save
+from imuwb.options import POSITIVE
 
 
-def static(
-    *,
-    output: Output,
-    preset: Preset = None,
-    error_model: Model = None,
-    hours: Annotated[float, typer.Option(help="Duration in hours.")] = 1.0,
-    rate: Rate = 100.0,
-    seed: Seed = 0,
-    temperature: Temperature = None,
-    quantize: Quantize = False,
-    bandwidth: Bandwidth = None,
-    force: Force = False,
-) -> None:
-    """A still IMU with the noise of a published sensor, or of a model of yours."""
+@dataclass(frozen=True)
+class Length(Group):
+    """How long a still IMU is recorded."""
+
+    hours: Annotated[float, "duration of the log (h)", POSITIVE] = 1.0
+
+
+def static(*, output: Output, sensor: Sensor, length: Length, samples: Warm, force: Force = False) -> None:
+    """Simulate a still IMU with the noise of a published sensor or of an error model."""
     from imuwb import simulation  # noqa: PLC0415 - help must not wait for numpy
-    from imuwb.cli.simulate.temperatures import temperature_of  # noqa: PLC0415
     from imuwb.cli.terminal import progress  # noqa: PLC0415
 
-    model = sensor_of(preset, "--preset", error_model)
-    celsius = temperature_of(temperature, hours * 3600)
-    check(output, force=force)
+    model, seconds = sensor.model(), length.hours * 3600
+    celsius = samples.celsius(seconds)
+    check_output(output, force=force)
     with progress("simulating") as report:
         log = simulation.static(
-            model,
-            hours * 3600,
-            rate,
-            seed,
-            celsius=celsius,
-            quantize=quantize,
-            bandwidth=bandwidth,
-            progress=report,
-        )
+            model, seconds, samples.rate, samples.seed, celsius=celsius, quantize=samples.quantize,
+            bandwidth=samples.bandwidth, progress=report,
+        )  # fmt: skip
     save(log, output, force=force)
