@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.log import AXES
-from imuwb.stochastic.error_model import AxisModel
+from imuwb.stochastic.axis_model import AxisModel
 
 if TYPE_CHECKING:
     from imuwb.log import Floats
-    from imuwb.stochastic.error_model import ImuErrorModel, Thermal
+    from imuwb.stochastic.axis_model import Thermal
+    from imuwb.stochastic.error_model import ImuErrorModel
 
 GYROS = 3  #: axes before the first accelerometer
 CLOSE = 1e-14  #: of the largest value, measured or true, to which a measurement is corrected

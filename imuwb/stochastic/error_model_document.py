@@ -13,8 +13,8 @@ import tomli_w
 
 from imuwb.errors import UsageError
 from imuwb.log import AXES
-from imuwb.stochastic.error_model import AxisModel, ImuErrorModel
-from imuwb.stochastic.processes import PROCESSES
+from imuwb.stochastic.axis_model import AxisModel
+from imuwb.stochastic.kinds import PROCESSES
 from imuwb.stochastic.sums import Sum
 from imuwb.units import UNITS, coefficient_units, si_unit, unit
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from imuwb.units import Unit
 
 SCHEMA = 1
-LARGEST = 1e100  #: in SI; no figure of a sensor, and its square is still a number
+LARGEST = 1e100  #: SI; the square of a parameter must still be a finite number
 #: parameter of a process -> coefficient whose unit it has ("rate": that of the sensor itself)
 _PARAMETER = {"N": "N", "B": "B", "K": "K", "R": "R", "Q": "Q", "sigma": "rate", "beta0": "rate", "amplitude": "rate"}
 _PLAIN = {"Tc": "s", "frequency": "Hz", "dt": "s"}
@@ -51,12 +51,12 @@ def _unit_of(axis: str, name: str) -> Unit:
 # Writing
 
 
-def write(model: ImuErrorModel) -> str:
-    """Return a model as text."""
-    document: dict[str, object] = {"schema": SCHEMA, "name": model.name}
-    if model.provenance:
-        document["provenance"] = dict(model.provenance)
-    document |= {axis: _axis_table(axis, model.axes[axis]) for axis in AXES if axis in model.axes}
+def written(name: str, axes: Mapping[str, AxisModel], provenance: Mapping[str, str]) -> str:
+    """Return an error model as text."""
+    document: dict[str, object] = {"schema": SCHEMA, "name": name}
+    if provenance:
+        document["provenance"] = dict(provenance)
+    document |= {axis: _axis_table(axis, axes[axis]) for axis in AXES if axis in axes}
     return tomli_w.dumps(document)
 
 
@@ -95,14 +95,14 @@ def _process_rows(axis: str, processes: Sum, intervals: Mapping[str, tuple[float
     return rows
 
 
-# Reading: everything is taken out of a table by a getter that says what it must be.
+# Reading: each value is taken out of a table by a function that checks its type.
 
 
-def read(text: str, where: str) -> ImuErrorModel:
-    """Return the model that a text describes.
+def parsed(text: str, where: str) -> tuple[str, dict[str, AxisModel], dict[str, str]]:
+    """Return name, axes and provenance of the error model that a text describes.
 
     Raises:
-        UsageError: the text is none; the message says what and where.
+        UsageError: the text is no error model; the message states the place and the rule.
     """
     try:
         document: dict[str, object] = tomllib.loads(text)
@@ -111,7 +111,7 @@ def read(text: str, where: str) -> ImuErrorModel:
         raise UsageError(message) from error
     schema = document.pop("schema", SCHEMA)
     if schema != SCHEMA:
-        message = f"{where}: written for schema {schema}; this imuwb reads schema {SCHEMA}"
+        message = f"{where}: the schema is {schema}; this imuwb reads schema {SCHEMA}; update imuwb"
         raise UsageError(message)
     name = str(document.pop("name", "unnamed"))
     provenance = {k: str(v) for k, v in _table(document.pop("provenance", {}), f"{where}, provenance").items()}
@@ -120,12 +120,12 @@ def read(text: str, where: str) -> ImuErrorModel:
             message = f"{where}: unknown key {axis!r}; a model has name, provenance and the axes {', '.join(AXES)}"
             raise UsageError(message)
     if not document:
-        message = f"{where}: no axis; an error model has at least one of {', '.join(AXES)}"
+        message = f"{where}: it has no axis; an error model has at least one of {', '.join(AXES)}"
         raise UsageError(message)
     axes = {
         axis: _axis(axis, _table(content, f"{where}, {axis}"), f"{where}, {axis}") for axis, content in document.items()
     }
-    return ImuErrorModel(name, axes, provenance)
+    return name, axes, provenance
 
 
 def _axis(axis: str, table: dict[str, object], where: str) -> AxisModel:
@@ -226,7 +226,7 @@ def _interval(entry: object, si: Unit, where: str) -> tuple[float, float] | None
 
 
 def _si(entry: object, si: Unit, where: str) -> float:
-    """Return a parameter in SI, given as a number, a text with its unit, or a table."""
+    """Return a parameter in SI; it is a number, a text with its unit, or a table."""
     name = si.name
     if isinstance(entry, str):
         text, _, written = entry.strip().partition(" ")

@@ -12,12 +12,15 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, cast
 
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.stochastic.processes import Constant, FlickerNoise, GaussMarkov, RandomWalk, WhiteNoise
+from imuwb.stochastic.flicker import FlickerNoise
+from imuwb.stochastic.gauss_markov import GaussMarkov
+from imuwb.stochastic.processes import Constant, RandomWalk, WhiteNoise
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from imuwb.stochastic.error_model import AxisModel, ImuErrorModel
+    from imuwb.stochastic.axis_model import AxisModel
+    from imuwb.stochastic.error_model import ImuErrorModel
 
 SENSORS = ("gyro", "accel")
 UNEVEN = 1.5  #: largest over smallest axis, from which on that is said

@@ -5,21 +5,20 @@ from __future__ import annotations
 import math
 import tomllib
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from imuwb.errors import ImuwbError, UsageError
 from imuwb.log import AXES
 from imuwb.statistics import UNKNOWN, Coefficient
+from imuwb.stochastic.description import LETTERS
 from imuwb.stochastic.error_model import ImuErrorModel
 from imuwb.units import coefficient_units, unit
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from pathlib import Path
 
-    from imuwb.stochastic.error_model import AxisModel
-
-LETTERS = ("Q", "N", "B", "K", "R")
+    from imuwb.stochastic.axis_model import AxisModel
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +49,7 @@ def coefficient(model: AxisModel, letter: str) -> Coefficient:
     return Coefficient(None, None, model.limits.get(letter, math.inf))
 
 
-def limits(path: Path, factor: float = 1.0) -> tuple[Limit, ...]:
+def limits(path: str | Path, factor: float = 1.0) -> tuple[Limit, ...]:
     """Return the limits of a file: a list of limits, or an error model, whose upper ends times ``factor`` are the limits.
 
     A list of limits has a table for each axis, or for ``gyro`` and ``accel``: ``[gyro] N = "0.3 deg/√h"``.
@@ -59,7 +58,7 @@ def limits(path: Path, factor: float = 1.0) -> tuple[Limit, ...]:
         UsageError: the file cannot be read, or is neither.
     """
     try:
-        document: dict[str, Any] = tomllib.loads(path.read_text("utf-8"))
+        document: dict[str, Any] = tomllib.loads(Path(path).read_text("utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         message = f"{path}: cannot be read as limits: {error}"
         raise UsageError(message) from error
@@ -81,7 +80,7 @@ def limits(path: Path, factor: float = 1.0) -> tuple[Limit, ...]:
     return tuple(made)
 
 
-def _si(path: Path, axis: str, letter: str, text: object) -> float:
+def _si(path: str | Path, axis: str, letter: str, text: object) -> float:
     if letter not in LETTERS:
         message = f"{path}: {letter!r}; there are limits of {', '.join(LETTERS)}"
         raise UsageError(message)

@@ -13,13 +13,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from scipy import fft, special
 
 from imuwb.stochastic import state_space
-from imuwb.stochastic.autoregressive import Autoregressive
 from imuwb.stochastic.checks import as_floats, require
-from imuwb.stochastic.state_space import FlickerApproximation, StateSpace
-from imuwb.stochastic.sums import Addable, Sum
+from imuwb.stochastic.state_space import StateSpace
+from imuwb.stochastic.sums import Addable
 
 if TYPE_CHECKING:
     from imuwb.log import Floats
@@ -85,79 +83,6 @@ class Quantization(Addable):
     def sample(self, n: int, dt: float, rng: np.random.Generator) -> Floats:
         """Return n samples."""
         return np.diff(rng.standard_normal(n + 1)) * (self.Q / dt)
-
-
-@dataclass(frozen=True, slots=True)
-class FlickerNoise(Addable):
-    """Bias instability: density B²/(2 pi f), an Allan deviation flat at √(2 ln2/pi) B = 0.664 B."""
-
-    B: float  #: unit
-    name: ClassVar[str] = "flicker_noise"
-
-    def __post_init__(self) -> None:
-        """Check B."""
-        as_floats(self)
-        require("B", self.B)
-
-    def allan_variance(self, tau: Floats, dt: float) -> Floats:
-        """Return (2 ln 2/pi) B² at every tau, which averaged samples have exactly."""
-        del dt
-        return np.full_like(tau, 2 * np.log(2) / np.pi * self.B**2)
-
-    def power_spectral_density(self, f: Floats, dt: float) -> Floats:
-        """Return B²/(2 pi f), averaged over dt and folded at the Nyquist frequency.
-
-        The sum over all aliases of sin²(pi f dt)/(pi f dt)² · 1/f is Hurwitz' zeta of order 3.
-        """
-        x = np.clip(f * dt, 1e-300, 0.5)
-        folded = special.zeta(3.0, x) + special.zeta(3.0, 1.0 - x)
-        return self.B**2 * dt / (2 * np.pi**3) * np.sin(np.pi * x) ** 2 * folded
-
-    def approximate(self, band: tuple[float, float], states: int, dt: float) -> FlickerApproximation:
-        """Return Gauss-Markov processes that a filter can carry instead, good in ``band`` (Hz) only."""
-        if not 0 < band[0] < band[1] <= 0.5 / dt * (1 + 1e-9):
-            message = f"band {band} Hz must rise from above 0 to at most the Nyquist frequency {0.5 / dt} Hz"
-            raise ValueError(message)
-        chosen, error = state_space.gauss_markov_bank(self.B**2 / (2 * np.pi), band, states)
-        return FlickerApproximation(Sum(chosen), band, error)
-
-    def sample(self, n: int, dt: float, rng: np.random.Generator) -> Floats:
-        """Return n samples with the exact second-order law, the first one 0.
-
-        Flicker itself is not stationary; its increments are. They are drawn by circulant embedding
-        (Davies and Harte 1987) and added up, so the Allan deviation is flat at every m.
-        """
-        del dt
-        if n < 2 or self.B == 0:  # noqa: PLR2004 - one sample has no increment
-            return np.zeros(n)
-        half = fft.next_fast_len(n, real=True)
-        steps = _circulant(_flicker_increments(half + 1), rng)[: n - 1]
-        return np.concatenate([[0.0], np.cumsum(steps)]) * self.B
-
-
-def _flicker_increments(lags: int) -> Floats:
-    """Return the autocovariance of x(k+1) - x(k) at lags 0, 1, ... of averaged flicker with B = 1.
-
-    The integral of flicker has the generalised covariance t² ln|t| / (2 pi) (in steps of dt), and the
-    increments are its second differences: weights 1 -4 6 -4 1. Far out the differences cancel to nothing
-    in floating point; there the series of even derivatives takes over.
-    """
-    k = np.arange(lags, dtype=np.float64)
-    near, far = k[:64], k[64:]
-    shifted = near + np.arange(-2, 3)[:, None]
-    differences = np.array([1, -4, 6, -4, 1]) @ special.xlogy(shifted**2, np.abs(shifted))
-    series = -2 / far**2 - 2 / far**4 - 3 / far**6
-    return np.concatenate([differences, series]) / (2 * np.pi)
-
-
-def _circulant(covariance: Floats, rng: np.random.Generator) -> Floats:
-    """Return a stationary Gaussian series, exactly of this autocovariance up to its last lag."""
-    half = covariance.size - 1
-    # Real and even: the transform is real, and holds the eigenvalues of the circulant.
-    power = np.maximum(fft.hfft(covariance, 2 * half)[: half + 1], 0.0)
-    noise = rng.standard_normal((2, half + 1))
-    noise[:, [0, half]] *= [[np.sqrt(2.0)], [0.0]]
-    return fft.irfft((noise[0] + 1j * noise[1]) * np.sqrt(power * half), 2 * half)
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,81 +154,6 @@ class RateRamp(Addable):
         """Return n samples of the ramp, from 0 on."""
         del rng
         return self.R * dt * (np.arange(float(n)) + 0.5)
-
-
-@dataclass(frozen=True, slots=True)
-class GaussMarkov(Addable):
-    """First-order Gauss-Markov: variance sigma², correlation e^(-|t|/Tc) (Quinchia, eq. 1 and 4)."""
-
-    sigma: float  #: unit
-    Tc: float  #: s
-    name: ClassVar[str] = "gauss_markov"
-
-    def __post_init__(self) -> None:
-        """Check sigma and Tc."""
-        as_floats(self)
-        require("sigma", self.sigma)
-        require("Tc", self.Tc, above=0.0)
-
-    def allan_variance(self, tau: Floats, dt: float) -> Floats:
-        """Return 2 s² T²/tau² (tau/T - 3/2 + 2 e^(-tau/T) - e^(-2 tau/T)/2); it peaks at 0.6174 s, 1.893 T."""
-        del dt
-        x = tau / self.Tc
-        # For small x the terms cancel to x³/3 - x⁴/4 + 7 x⁵/60.
-        exact = x - 1.5 + 2 * np.exp(-x) - 0.5 * np.exp(-2 * x)
-        series = x**3 / 3 - x**4 / 4 + 7 * x**5 / 60
-        return 2 * self.sigma**2 / x**2 * np.where(x < 1e-3, series, exact)  # noqa: PLR2004 - where both agree
-
-    def power_spectral_density(self, f: Floats, dt: float) -> Floats:
-        """Return the density of averaged samples; 2 s² T/(1 + (2 pi f T)²) where f dt is small."""
-        a = dt / self.Tc
-        phi = np.exp(-a)
-        # The averages are ARMA(1, 1): autocovariance v0 at lag 0, g phi^(k-1) behind.
-        g = self.sigma**2 * (np.expm1(-a) / a) ** 2
-        # v0 - g is of order a: where a is small, by its series (-expm1(-a)/a = 1 - a/2 + a²/6).
-        small = a < 1e-2  # noqa: PLR2004 - where both agree to 1e-9
-        exact = 2 * (a + np.expm1(-a)) / a**2 - (np.expm1(-a) / a) ** 2
-        rest = self.sigma**2 * (2 * a / 3 - a**2 / 2 + 7 * a**3 / 30 - a**4 / 12 if small else exact)
-        # With v0 = rest + g the sum over lags is rest + g (1 + 2 Re(z/(1 - phi z))), z = e^(-iw).
-        w = 2 * np.pi * f * dt
-        loss = -np.expm1(-a)  # 1 - phi
-        distance = loss**2 + 4 * phi * np.sin(w / 2) ** 2  # |1 - phi z|²
-        # 1 + 2 Re(z/(1 - phi z)) = (1 - phi) (1 - phi + 2 cos w) / |1 - phi z|², where nothing cancels
-        return dt * (rest + g * loss * (loss + 2 * np.cos(w)) / distance)
-
-    def autocovariance(self, lag: Floats) -> Floats:
-        """Return s² e^(-|lag|/Tc)."""
-        return self.sigma**2 * np.exp(-np.abs(lag) / self.Tc)
-
-    def discretize(self, dt: float) -> StateSpace:
-        """Return one state with e^(-dt/Tc) (not 1 - dt/Tc), stationary from the start."""
-        phi = np.exp(-dt / self.Tc)
-        one = np.ones((1, 1))
-        return StateSpace(
-            phi * one, -np.expm1(-2 * dt / self.Tc) * self.sigma**2 * one, np.ones(1), 0.0, self.sigma**2 * one
-        )
-
-    def sample(self, n: int, dt: float, rng: np.random.Generator) -> Floats:
-        """Return n samples, each the exact average over dt."""
-        from scipy import signal  # noqa: PLC0415 - slow to load
-
-        a = dt / self.Tc
-        phi, loss = np.exp(-a), -np.expm1(-a)
-        # Given the state at the start of a step, its end and its average are jointly normal.
-        end = self.sigma**2 * -np.expm1(-2 * a)
-        mean_gain = loss / a
-        both = self.sigma**2 * loss**2 / a
-        small = a < 1e-3  # noqa: PLR2004 - below it the difference of exponentials cancels
-        variance = 2 * a / 3 - a**2 / 2 if small else 2 / a - 4 * loss / a**2 + (1 - phi**2) / a**2
-        mean = self.sigma**2 * variance
-        noise = rng.standard_normal((2, n))
-        steps = np.sqrt(end) * noise[0]
-        rest = np.sqrt(max(mean - both**2 / end, 0.0)) if end > 0 else 0.0
-        start = self.sigma * rng.standard_normal()
-        states, _ = signal.lfilter([1.0], [1.0, -phi], steps, zi=np.array([phi * start]))
-        before = np.concatenate([[start], states[:-1]])
-        average_noise = (both / end * steps if end > 0 else 0.0) + rest * noise[1]
-        return mean_gain * before + average_noise
 
 
 @dataclass(frozen=True, slots=True)
@@ -384,11 +234,3 @@ class Constant(Addable):
         """Return one draw, n times."""
         del dt
         return np.full(n, self.sigma * rng.standard_normal())
-
-
-PROCESSES = {
-    kind.name: kind
-    for kind in (
-        WhiteNoise, Quantization, FlickerNoise, RandomWalk, RateRamp, GaussMarkov, Autoregressive, Sinusoid, Constant,
-    )
-}  # fmt: skip

@@ -1,9 +1,9 @@
-"""What a process can say, and sums of processes, which can say what all their terms can."""
+"""What processes can compute, and sums of processes."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, Protocol, cast, runtime_checkable
 
 import numpy as np
 
@@ -44,14 +44,14 @@ class Stationary(Process, Protocol):
 class FiniteOrder(Process, Protocol):
     """A process that a Kalman filter can carry.
 
-    A ``Sum`` has the method whatever its terms are: ask ``Sum.is_finite_order`` (and ``is_stationary``).
+    Every ``Sum`` has the method; ask ``Sum.is_finite_order`` (and ``is_stationary``) whether its terms have it.
     """
 
     def discretize(self, dt: float) -> StateSpace:
         """Return the process at instants dt apart.
 
-        The output is the value *at* an instant, where a sample is the average up to the next; the two
-        differ the more, the longer dt is against the process's correlation time.
+        The output is the value *at* an instant, while a sample is the average up to the next instant. The longer dt is
+        compared with the process's correlation time, the more the two differ.
         """
         ...
 
@@ -60,6 +60,11 @@ class Addable:
     """Gives processes their ``+``."""
 
     __slots__ = ()
+
+    def __str__(self) -> str:
+        """Return the process with its parameters, four digits each, such as ``WhiteNoise(N=0.001)``."""
+        parameters = (f"{f.name}={short_text(getattr(self, f.name))}" for f in fields(cast("Any", self)))
+        return f"{type(self).__name__}({', '.join(parameters)})"
 
     def __add__(self, other: Process | Sum) -> Sum:
         """Return the sum of two independent processes."""
@@ -76,6 +81,10 @@ class Sum(Addable):
 
     terms: tuple[Process, ...] = ()
 
+    def __str__(self) -> str:
+        """Return the terms with plus signs between them, such as ``WhiteNoise(N=0.001) + RandomWalk(K=2e-05)``."""
+        return " + ".join(map(str, self.terms)) or "no process"
+
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return the sum of the terms' Allan variances."""
         return sum((term.allan_variance(tau, dt) for term in self.terms), np.zeros_like(tau))
@@ -85,7 +94,7 @@ class Sum(Addable):
         return sum((term.power_spectral_density(f, dt) for term in self.terms), np.zeros_like(f))
 
     def sample(self, n: int, dt: float, rng: np.random.Generator) -> Floats:
-        """Return n samples, the terms drawn one after the other."""
+        """Return n samples; the terms are drawn one after another."""
         total = np.zeros(n)
         for term in self.terms:
             total += term.sample(n, dt, rng)
@@ -124,10 +133,15 @@ class Sum(Addable):
         parts: list[StateSpace] = []
         for term in self.terms:
             if not isinstance(term, FiniteOrder):
-                message = f"{term} is of no finite order; use an approximation of it"
+                message = f"{term} is of no finite order; use its approximation"
                 raise TypeError(message)
             parts.append(term.discretize(dt))
         return state_space.joined(tuple(parts))
+
+
+def short_text(value: Any) -> str:  # noqa: ANN401 - a number, or numbers
+    """Return a number, or numbers, with four digits."""
+    return f"({', '.join(map(short_text, value))})" if isinstance(value, tuple) else f"{value:.4g}"
 
 
 def _terms(value: object) -> tuple[Process, ...]:
@@ -135,5 +149,5 @@ def _terms(value: object) -> tuple[Process, ...]:
         return value.terms
     if isinstance(value, Process):
         return (value,)
-    message = f"{value!r} is no process"
+    message = f"{value!r} is not a process; a sum takes processes only"
     raise TypeError(message)

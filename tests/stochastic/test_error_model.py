@@ -1,3 +1,5 @@
+import math
+
 import numpy as np
 import pytest
 
@@ -52,7 +54,7 @@ def test_people_may_write_units():
     ("text", "named"),
     [
         ("x = [", "TOML"),
-        ("schema = 7", "schema 7"),
+        ("schema = 7", "schema is 7"),
         ("[gyro_w]", "gyro_w"),
         ("[gyro_x]\nnoise = 3", "noise"),
         ('[[gyro_x.processes]]\nprocess = "pink"', "pink"),
@@ -101,3 +103,32 @@ def test_set_points_must_rise_and_agree():
 def test_ar_sets_are_mixed_between_set_points():
     cold, warm = (Sum((Autoregressive((a,), 1.0, 0.01),)) for a in (-0.9, -0.5))
     assert AxisModel(thermal=((0.0, cold), (10.0, warm))).at(5.0).terms[0].alpha == pytest.approx((-0.7,))
+
+
+def test_a_model_prints_a_line_for_each_axis_in_display_units():
+    noise = WhiteNoise(math.radians(0.3) / 60) + GaussMarkov(math.radians(1.5), 20.0)
+    gyro = AxisModel(noise, scale_factor=0.01, cross_coupling=(0.002, 0.0), thermal_bias=((-20.0, 0.1), (50.0, 0.0)))
+    accel = AxisModel(Sum((RandomWalk(1 / 3600 / 60),)), bias=0.00980665, g_sensitivity=(0.0, 0.0, 0.5), lsb=1.0)
+    name, *lines = str(ImuErrorModel("mine", {"accel_z": accel, "gyro_x": gyro})).splitlines()
+    assert name == "mine"
+    assert [line.partition(": ")[0] for line in lines] == ["gyro_x", "accel_z"]
+    for text in ("N 0.3 deg/√h", "sigma 1.5 deg/s", "Tc 20 s", "1 %", "2, 0 mrad", "2 set-points from -20 to 50 °C"):
+        assert text in lines[0]
+    for text in ("K 1 m/s/h^1.5", "bias 1 mg", "0.5 rad/s per m/s²", "LSB 102 mg"):
+        assert text in lines[1]
+
+
+def test_processes_and_axes_print_short():
+    noise = WhiteNoise(0.123456789) + Autoregressive((-0.5,), 1.0, 0.01)
+    assert str(noise) == "WhiteNoise(N=0.1235) + Autoregressive(alpha=(-0.5), beta0=1, dt=0.01)"
+    assert eval(repr(noise)) == noise  # noqa: S307 - its own text
+    axis = AxisModel(noise, bias=0.5, range=8.0, g_sensitivity=(0.0, 1.0, 0.0))
+    assert str(axis) == f"{noise}; bias=0.5; g_sensitivity=(0, 1, 0); range=8"
+    assert str(AxisModel()) == "no process"
+
+
+def test_a_path_may_be_a_text(tmp_path):
+    model = ImuErrorModel("mine", {"gyro_x": AxisModel(Sum((WhiteNoise(1.0),)))})
+    path = tmp_path / "m.toml"
+    path.write_text(model.to_toml(), "utf-8")
+    assert ImuErrorModel.read(str(path)) == model == ImuErrorModel.read(path)

@@ -5,7 +5,7 @@ from scipy import fft, integrate, linalg, stats
 from imuwb.identification.likelihood.cosine_spectrum import cosine_spectrum
 from imuwb.identification.likelihood.problem import LikelihoodProblem
 from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, Sum, WhiteNoise
-from imuwb.stochastic.processes import _flicker_increments
+from imuwb.stochastic.flicker import _flicker_increments
 
 DT = 0.1
 UNITS = [Quantization(1.0), WhiteNoise(1.0), FlickerNoise(1.0), RandomWalk(1.0)]
