@@ -50,7 +50,7 @@ def deterministic_texts(axis: str, model: AxisModel) -> tuple[str, ...]:
         texts.append(f"cross-coupling {', '.join(f'{1e3 * c:.4g}' for c in model.cross_coupling)} mrad")
     if any(model.g_sensitivity):
         texts.append(f"g-sensitivity {', '.join(f'{g:.4g}' for g in model.g_sensitivity)} rad/s per m/s²")
-    curves = {"bias": model.thermal_bias, "scale factor": model.thermal_scale_factor, "noise": model.thermal}
+    curves = {"bias": model.thermal_bias, "scale factor": model.thermal_scale_factor, "processes": model.thermal}
     texts += [
         f"{name} by temperature, {len(points)} set-points from {points[0][0]:g} to {points[-1][0]:g} °C"
         for name, points in curves.items()
