@@ -19,9 +19,17 @@ PINK: Color = (255, 157, 167)
 INK: Color = (225, 225, 228)  #: text, and what everything is compared with
 PALE: Color = (200, 200, 205)  #: bands and dashed lines
 GREY: Color = (150, 150, 156)  #: what stands back
+FRAME, GRID, SUBGRID = (
+    GREY,
+    (105, 105, 112),
+    (58, 58, 64),
+)  #: of a figure: its frame, its labelled grid lines, the others
+BACKGROUND: Color = (22, 22, 26)  #: of figures and tracks
 
 #: One colour for each axis.
 AXIS_COLORS: dict[str, Color] = {"x": RED, "y": GREEN, "z": BLUE}
+#: The tracks of GNSS receivers.
+TRACK_COLORS: tuple[Color, ...] = (ORANGE, TEAL, PURPLE)
 #: Things without an order, told apart.
 PALETTE: tuple[Color, ...] = (BLUE, ORANGE, GREEN, RED, PURPLE, TEAL, YELLOW, BROWN)
 

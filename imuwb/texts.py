@@ -1,4 +1,4 @@
-"""Numbers, times and estimates as a person reads them. A figure never goes without its unit."""
+"""Numbers, times and estimates as texts for people. A quantity always has its unit."""
 
 from __future__ import annotations
 
@@ -9,12 +9,15 @@ if TYPE_CHECKING:
     from imuwb.statistics.estimate import Coefficient, Estimate
     from imuwb.units import Unit
 
-HOURS = 2  #: hours, from which a time is given in hours
-LARGE = 100  #: from which a number of three digits has no decimals
+HOURS = 2  #: shortest time, in hours, that is written in hours
+LARGE = 100  #: smallest number that is written without decimals
+COEFFICIENT_DIGITS = (3, 6)  #: fewest and most significant digits of a coefficient
+MOST_DECIMALS = 9
+DECIMALS = 6  #: of a value whose interval has no width, or none that is finite
 
 
 def number_text(value: float) -> str:
-    """Return a number with three digits, and without a power of ten if it is large: 0.0123, 4.56, 78901."""
+    """Return a number with three significant digits; a large one as a whole number, without a power of ten: 0.0123, 4.56, 78901."""
     return f"{value:.0f}" if abs(value) >= LARGE else f"{value:.3g}"
 
 
@@ -25,11 +28,16 @@ def quantity_text(value: float | None, unit: str, digits: int = 3) -> str:
 
 def seconds_text(seconds: float) -> str:
     """Return a time: 0.35 s, 20.5 s, 655 s, 2.3 h."""
-    return f"{seconds / 3600:.2g} h" if seconds >= HOURS * 3600 else f"{number_text(seconds)} s"
+    return f"{number_text(seconds / 3600)} h" if seconds >= HOURS * 3600 else f"{number_text(seconds)} s"
 
 
 def interval_text(estimate: Estimate, unit: str = "") -> str:
-    """Return an estimate in the unit it has, three digits each: 12.3 [10, 15] m; without its interval where it has none."""
+    """Return an estimate and its interval with three digits each: 12.3 [10, 15] m; 12.3 m for an estimate without an interval.
+
+    Args:
+        estimate: to print.
+        unit: name of the unit that the estimate has; empty: the name that stands in the estimate.
+    """
     text = number_text(estimate.value)
     if not math.isnan(estimate.lower):
         text += f" [{number_text(estimate.lower)}, {number_text(estimate.upper)}]"
@@ -37,7 +45,7 @@ def interval_text(estimate: Estimate, unit: str = "") -> str:
 
 
 def estimate_text(estimate: Estimate, unit: str, factor: float = 1.0) -> str:
-    """Return an estimate with the decimals that its interval is worth: 0.123 [0.120, 0.126] deg/s.
+    """Return an estimate with as many decimals as the width of its interval justifies: 0.123 [0.120, 0.126] deg/s.
 
     Args:
         estimate: with an interval.
@@ -50,9 +58,9 @@ def estimate_text(estimate: Estimate, unit: str, factor: float = 1.0) -> str:
 
 
 def coefficient_text(coefficient: Coefficient, unit: Unit) -> str:
-    """Return a coefficient with its interval in a display unit, with as many digits as the interval is worth.
+    """Return a coefficient and its interval in a display unit, with as many digits as the width of the interval justifies.
 
-    "<" stands before a limit; a dash stands for what nothing bounds.
+    "<" stands before an upper limit. A dash stands for a coefficient, or for an end of its interval, that nothing bounds.
     """
     c = coefficient
     if c.value is None:
@@ -61,14 +69,15 @@ def coefficient_text(coefficient: Coefficient, unit: Unit) -> str:
     if not math.isfinite(c.upper):
         return f"{value:.3g} [{low:.3g}, —] {unit.name}"
     high = unit.from_si(c.upper)
-    digits = 3
+    fewest, most = COEFFICIENT_DIGITS
+    digits = fewest
     if high > low and value > 0:
-        digits = min(max(math.floor(2 - math.floor(math.log10((high - low) / value))), 3), 6)
+        digits = min(max(2 - math.floor(math.log10((high - low) / value)), fewest), most)
     return f"{value:.{digits}g} [{low:.{digits}g}, {high:.{digits}g}] {unit.name}"
 
 
 def decimals(width: float) -> int:
-    """Return how many decimals a value is worth whose interval is so wide: two digits of the width."""
+    """Return the number of decimals of a value whose interval has a width: enough for two digits of the width."""
     if not (width > 0 and math.isfinite(width)):
-        return 6
-    return min(max(1 - math.floor(math.log10(width)), 0), 9)
+        return DECIMALS
+    return min(max(1 - math.floor(math.log10(width)), 0), MOST_DECIMALS)

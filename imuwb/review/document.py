@@ -18,13 +18,13 @@ SCHEMA = 1
 
 
 def plain(value: object) -> object:  # noqa: PLR0911 - a kind of value each
-    """Return a value as JSON has it: dataclasses as objects, arrays as lists, what is not finite as null.
+    """Return a value in the types of JSON: a dataclass as an object, an array as a list, a number that is not finite as null.
 
-    A dataclass's field whose metadata say ``document=False`` is for drawing alone, and left out.
+    Fields of dataclasses with ``document=False`` in their metadata are left out: only figures use them.
     """
     if is_dataclass(value) and not isinstance(value, type):
         content = {f.name: plain(getattr(value, f.name)) for f in fields(value) if f.metadata.get("document", True)}
-        kind = getattr(type(value), "name", None)  # a process: its parameters alone do not say which
+        kind = getattr(type(value), "name", None)  # a process, whose parameters alone do not identify it
         return {"process": kind, **content} if isinstance(kind, str) else content
     if isinstance(value, np.ndarray):
         return plain(value.tolist())
@@ -53,7 +53,17 @@ def document(
     notes: Sequence[str],
     study: object = None,
 ) -> str:
-    """Return the JSON text of a result; the name of an analysis may have a method, as in "calibration six-position"."""
+    """Return the JSON text of a result and its provenance.
+
+    Args:
+        analysis: its name, with its method if it has several: "calibration six-position".
+        version: of imuwb.
+        parameters: of the analysis, a dataclass.
+        result: of the analysis.
+        logs: that were analysed.
+        notes: that the review shows.
+        study: result of a study; None: no study was run.
+    """
     name, _, method = analysis.partition(" ")
     settings = {**({"method": method} if method else {}), **cast("Mapping[str, object]", plain(parameters))}
     content = {

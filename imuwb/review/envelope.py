@@ -1,4 +1,4 @@
-"""A long series as the extremes of short spans: no peak is lost, and it draws at once."""
+"""A long series as the extremes of short spans: no peak is lost, and it is drawn at once."""
 
 from __future__ import annotations
 
@@ -12,20 +12,22 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 SPANS = 2000
+GAP_STEPS = 10  #: a longer step than this many median steps is a gap
+SHORTEST_GAP = SECOND  #: ns
 
 
 def envelope(
     time: NDArray[np.int64], values: NDArray[np.float64], spans: int = SPANS
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Return a series that zigzags between the least and the greatest value of each span.
+    """Return a series that alternates between the smallest and the largest value of each span.
 
-    Series of up to 2 x ``spans`` rows come back as they are. Spans hold equal numbers of rows; a gap in
-    time longer than a span becomes a row of NaN, which draws as a break.
+    A series of at most 2 x ``spans`` rows stays as it is. Spans have equal numbers of rows. A gap becomes a row of NaN, which is
+    drawn as a break.
 
     Args:
         time: (n,) ns.
         values: (n, k).
-        spans: how many.
+        spans: number of spans.
     """
     if time.size > 2 * spans:
         size = -(-time.size // spans)
@@ -34,11 +36,8 @@ def envelope(
         middles = np.minimum(starts + size // 2, time.size - 1)
         time = np.stack([time[starts], time[middles]], axis=1).ravel()
         values = np.stack([low, high], axis=1).reshape(-1, values.shape[1])
-        keep = np.concatenate([[True], np.diff(time) > 0])
-        time, values = time[keep], values[keep]
+        later = np.concatenate([[True], np.diff(time) > 0])
+        time, values = time[later], values[later]
     steps = np.diff(time)
-    breaks = np.flatnonzero(steps > max(10 * np.median(steps), SECOND)) if steps.size else np.empty(0, np.int64)
-    return (
-        np.insert(time, breaks + 1, time[breaks] + 1),
-        np.insert(values, breaks + 1, np.nan, axis=0),
-    )
+    gaps = np.flatnonzero(steps > max(GAP_STEPS * np.median(steps), SHORTEST_GAP)) if steps.size else steps
+    return np.insert(time, gaps + 1, time[gaps] + 1), np.insert(values, gaps + 1, np.nan, axis=0)

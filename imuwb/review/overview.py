@@ -1,4 +1,4 @@
-"""The first tab of every recording: what the log holds."""
+"""The first tab of every recording: the content of the log."""
 
 from __future__ import annotations
 
@@ -7,24 +7,28 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.analysis import Series
-from imuwb.colors import AXIS_COLORS
-from imuwb.readers import summarize
+from imuwb.colors import AXIS_COLORS, PALE, TRACK_COLORS
 from imuwb.review.tables import streams_of_many, streams_table
+from imuwb.summary import summarize
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from imuwb.analysis import Review
     from imuwb.log import ImuStream, Log, Triad
-    from imuwb.review.recording import RecordingReview
 
-TRACKS = ((242, 142, 43), (118, 183, 178), (176, 122, 161))
-MANY = 3  #: logs; more have no tab each
-LOOKED_AT = 100_000  #: samples, for the middle and the spread of what is drawn
-STILL = 0.1  #: largest spread of an axis, as a share of the distance between axes, that is drawn about its median
+MANY = 3  #: more logs than this have no tab each
+SAMPLES = 100_000  #: from which the median and the spread of an axis are estimated, at least
+SPREAD = 0.99  #: quantile of the distances from the median that is an axis's spread
+STILL = 0.1  #: largest spread, as a share of the distance between the axes' medians, at which axes are drawn about their medians
+ALPHA = 150  #: of the lines of three axes, which cross each other
 
 
-def overview(logs: Sequence[Log], review: RecordingReview) -> None:
-    """Show the streams of each log over time, its tracks, and a table of what was read; of many logs the first stands for all."""
+def overview(logs: Sequence[Log], review: Review) -> None:
+    """Show the streams of each log over time, its tracks, and a table of its streams.
+
+    Of more than three logs only the first is shown over time, and one table lists the streams of all.
+    """
     many = len(logs) > MANY
     if many:
         review.tab("Overview")
@@ -38,31 +42,30 @@ def overview(logs: Sequence[Log], review: RecordingReview) -> None:
         review.note(note)
 
 
-def _streams(log: Log, review: RecordingReview) -> None:
+def _streams(log: Log, review: Review) -> None:
     for imu in log.imus:
         if imu.angular_rate is not None:
             review.series(_triad(imu, imu.angular_rate, "angular rate", "gyro", "deg/s", np.degrees(1.0)))
         if imu.specific_force is not None:
             review.series(_triad(imu, imu.specific_force, "specific force", "accel", "m/s²", 1.0))
         if imu.temperature is not None:
-            t, epoch = imu.temperature, imu.origin.epoch
-            title = f"{imu.name} temperature"
-            review.series(Series(title, "°C", t.time, t.value[:, None], ("temperature",), ((200, 200, 200),), epoch))
-    for gnss, color in zip(log.gnss, TRACKS, strict=False):
+            t, title = imu.temperature, f"{imu.name} temperature"
+            review.series(Series(title, "°C", t.time, t.value[:, None], ("temperature",), (PALE,), imu.origin.epoch))
+    for gnss, color in zip(log.gnss, TRACK_COLORS, strict=False):
         review.track(gnss.name, gnss.position, color)
 
 
-def _triad(imu: ImuStream, triad: Triad, what: str, sensor: str, unit: str, scale: float) -> Series:
-    """Return three axes over time; those of a still sensor about their medians, which would dwarf the rest."""
+def _triad(imu: ImuStream, triad: Triad, quantity: str, sensor: str, unit: str, scale: float) -> Series:
+    """Return three axes over time; those of a still sensor about their medians, whose distances would hide the noise."""
     values = triad.value * scale
-    some = values[:: max(len(values) // LOOKED_AT, 1)]
-    middle = np.median(some, axis=0)
-    spread = np.quantile(np.abs(some - middle), 0.99, axis=0).max()
+    sample = values[:: max(len(values) // SAMPLES, 1)]
+    median = np.median(sample, axis=0)
+    spread = np.quantile(np.abs(sample - median), SPREAD, axis=0).max()
     names = tuple(f"{sensor} {axis}" for axis in "xyz")
-    title = f"{imu.name} {what}"
-    if spread < STILL * np.ptp(middle):
-        values = values - middle
-        names = tuple(f"{name}, about {m:.3f}" for name, m in zip(names, middle, strict=True))
+    title = f"{imu.name} {quantity}"
+    if spread < STILL * np.ptp(median):
+        values = values - median
+        names = tuple(f"{name}, about {m:.3f}" for name, m in zip(names, median, strict=True))
         title += ", each axis about its median"
-    colors = tuple((*AXIS_COLORS[axis], 150) for axis in "xyz")
+    colors = tuple((*AXIS_COLORS[axis], ALPHA) for axis in "xyz")
     return Series(title, unit, triad.time, values, names, colors, imu.origin.epoch)

@@ -13,12 +13,17 @@ if TYPE_CHECKING:
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 STEPS = 6  #: of a linear axis, about
-EDGE = 1e-9  #: of an axis, by which rounding may put a tick outside
+EDGE = 1e-9  #: share of an axis by which rounding may put a value outside
+AIR = 0.04  #: on both sides of the values, as a share of their range on a linear axis
+FLAT_AIR = 0.1  #: as a share of the value, where all values are equal
+THIRDS = 3  #: a logarithmic axis begins and ends at a third of a decade
+LOG_AIR = 0.2  #: thirds of a decade, at least
+SMALLEST = 1.0  #: decades of a logarithmic axis
 
 
 @dataclass(frozen=True, slots=True)
 class Tick:
-    """A grid line; a label where it is a major one."""
+    """A grid line; a major line has a label."""
 
     at: float  #: 0 ... 1 along the axis
     label: str
@@ -26,7 +31,7 @@ class Tick:
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """An axis from ``low`` to ``high``, which are exponents of ten where it is logarithmic."""
+    """An axis from ``low`` to ``high``; on a logarithmic axis they are exponents of ten."""
 
     kind: Literal["log", "linear"]
     low: float
@@ -34,7 +39,7 @@ class Scale:
 
     @staticmethod
     def around(kind: Literal["log", "linear"], parts: Iterable[object], limits: tuple[float, float] | None) -> Scale:
-        """Return an axis that holds all finite values (positive ones, if logarithmic), with some air."""
+        """Return an axis with the given limits; without limits, one that contains all values that it can show, with some air."""
         if limits is not None:
             low, high = limits
             return Scale(kind, math.log10(low), math.log10(high)) if kind == "log" else Scale(kind, low, high)
@@ -45,43 +50,52 @@ class Scale:
             values = np.ones(1)
         low, high = float(values.min()), float(values.max())
         if kind == "linear":
-            air = (high - low) * 0.04 or abs(high) * 0.1 or 1.0
+            air = (high - low) * AIR or abs(high) * FLAT_AIR or 1.0
             return Scale(kind, low - air, high + air)
-        low, high = math.floor(math.log10(low) * 3 - 0.2) / 3, math.ceil(math.log10(high) * 3 + 0.2) / 3
-        if high - low < 1:
+        low = math.floor(math.log10(low) * THIRDS - LOG_AIR) / THIRDS
+        high = math.ceil(math.log10(high) * THIRDS + LOG_AIR) / THIRDS
+        if high - low < SMALLEST:
             middle = (low + high) / 2
-            low, high = middle - 0.5, middle + 0.5
+            low, high = middle - SMALLEST / 2, middle + SMALLEST / 2
         return Scale(kind, low, high)
 
     def position(self, value: float) -> float:
-        """Return where a value lies: 0 at the low end, 1 at the high one."""
+        """Return where a value lies: 0 at the low end, 1 at the high end."""
         return ((math.log10(value) if self.kind == "log" else value) - self.low) / (self.high - self.low)
 
     def shows(self, value: float) -> bool:
-        """Return whether a value can be drawn at all."""
+        """Return whether a value has a position: it is finite, and positive on a logarithmic axis."""
         return math.isfinite(value) and (value > 0 or self.kind == "linear")
+
+    def contains(self, value: float) -> bool:
+        """Return whether a value lies between the ends."""
+        return self.shows(value) and -EDGE <= self.position(value) <= 1 + EDGE
 
     def ticks(self) -> list[Tick]:
         """Return the grid: decades with their digits, or round steps."""
-        if self.kind == "log":
-            marks = [
-                (decade + math.log10(digit), f"10{str(decade).translate(_SUPERSCRIPTS)}" if digit == 1 else "")
-                for decade in range(math.floor(self.low), math.ceil(self.high) + 1)
-                for digit in range(1, 10)
-            ]
-        else:
-            step = 10 ** math.floor(math.log10((self.high - self.low) / STEPS))
-            step *= next(f for f in (1, 2, 5, 10) if (self.high - self.low) / (step * f) <= STEPS * 1.5)
-            digits = -math.floor(math.log10(step) + EDGE)
-            first, last = math.ceil(self.low / step - EDGE), math.floor(self.high / step + EDGE)
-            marks = [(k * step, _number(k * step, digits)) for k in range(first, last + 1)]
+        marks = self._decades() if self.kind == "log" else self._steps()
         places = [((at - self.low) / (self.high - self.low), label) for at, label in marks]
         return [Tick(at, label) for at, label in places if -EDGE <= at <= 1 + EDGE]
 
+    def _decades(self) -> list[tuple[float, str]]:
+        return [
+            (decade + math.log10(digit), f"10{str(decade).translate(_SUPERSCRIPTS)}" if digit == 1 else "")
+            for decade in range(math.floor(self.low), math.ceil(self.high) + 1)
+            for digit in range(1, 10)
+        ]
 
-def _number(value: float, digits: int) -> str:
-    """Return a tick's value with as many digits as tell it from the next one."""
-    if digits <= 4 and abs(value) < 1e6:  # noqa: PLR2004 - what one reads at a glance
+    def _steps(self) -> list[tuple[float, str]]:
+        span = self.high - self.low
+        step = 10 ** math.floor(math.log10(span / STEPS))
+        step *= next(factor for factor in (1, 2, 5, 10) if span / (step * factor) <= STEPS * 1.5)
+        digits = -math.floor(math.log10(step) + EDGE)
+        first, last = math.ceil(self.low / step - EDGE), math.floor(self.high / step + EDGE)
+        return [(k * step, _tick_text(k * step, digits)) for k in range(first, last + 1)]
+
+
+def _tick_text(value: float, digits: int) -> str:
+    """Return a tick's value with as many digits as its distance to the next tick needs."""
+    if digits <= 4 and abs(value) < 1e6:  # noqa: PLR2004 - longer numbers are hard to read
         return f"{value + 0.0:.{max(digits, 0)}f}"
     significant = max(math.floor(math.log10(abs(value) or 1.0)) + 1 + digits, 3)
     return f"{value:.{significant}g}"

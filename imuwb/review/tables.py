@@ -1,4 +1,4 @@
-"""Tables that every review has."""
+"""Tables of a log's streams."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from imuwb.analysis import Table
 from imuwb.log import SECOND
+from imuwb.texts import seconds_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -16,13 +17,14 @@ if TYPE_CHECKING:
 HEADINGS = (
     "stream", "kind", "rows", "rate", "duration", "start", "gaps", "units in file", "frame in file", "repairs",
 )  # fmt: skip
+HASH_LETTERS = 19  #: of "sha256:40323baac812..." that are shown
 
 
 def streams_table(summary: LogSummary) -> Table:
     """Return a table of a log's streams: counts, rates, times, gaps and repairs."""
     rows = tuple(_row(stream) for stream in summary.streams)
-    caption = f"{summary.path} ({summary.format}{', ' if summary.hash else ''}{summary.hash[:19]}{'…' if summary.hash else ''})"
-    return Table("Streams", HEADINGS, rows, caption)
+    hash_text = f", {summary.hash[:HASH_LETTERS]}…" if summary.hash else ""
+    return Table("Streams", HEADINGS, rows, f"{summary.path} ({summary.format}{hash_text})")
 
 
 def streams_of_many(summaries: Sequence[LogSummary]) -> Table:
@@ -41,18 +43,10 @@ def _row(stream: StreamSummary) -> tuple[str, ...]:
         stream.kind,
         f"{stream.count:,}".replace(",", " "),
         "—" if stream.rate_hz is None else f"{stream.rate_hz:.4g} Hz",
-        duration_text((stream.end_ns - stream.start_ns) / SECOND),
+        seconds_text((stream.end_ns - stream.start_ns) / SECOND),
         start,
         f"{len(stream.gaps)}, longest {longest:.3g} s" if stream.gaps else "none",
         stream.units,
         stream.frame or "—",
         "; ".join(f"{repair.what} ({repair.count})" for repair in stream.repairs) or "none",
     )
-
-
-def duration_text(seconds: float) -> str:
-    """Return a duration as a person says it."""
-    if seconds < 600:  # noqa: PLR2004 - ten minutes
-        return f"{seconds:.4g} s"
-    hours, minutes = divmod(round(seconds / 60), 60)
-    return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min"

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from imuwb.analysis import Curve, Figure, Mark, Series, Table, Vertical
 from imuwb.errors import ImuwbError
 from imuwb.log import SECOND
-from imuwb.review.chart import Chart
 from imuwb.review.document import plain
 from imuwb.review.envelope import envelope
+from imuwb.review.frame import Frame
 from imuwb.review.recording import RecordingReview
 
 
@@ -36,7 +36,7 @@ def figure(x, y, **more):
 
 
 def test_figures_place_decades_evenly_and_upwards():
-    drawing = Chart(figure([0.01, 1.0, 100.0], [1.0, 10.0, 100.0]))
+    drawing = Frame(figure([0.01, 1.0, 100.0], [1.0, 10.0, 100.0]))
     (x0, y0), (x1, y1), (x2, y2) = (drawing.place(x, y) for x, y in ((0.01, 1), (1, 10), (100, 100)))
     assert x1 - x0 == pytest.approx(x2 - x1)
     assert y0 - y1 == pytest.approx(y1 - y2)
@@ -44,7 +44,7 @@ def test_figures_place_decades_evenly_and_upwards():
 
 
 def test_linear_figures_place_steps_evenly():
-    drawing = Chart(
+    drawing = Frame(
         Figure("f", "x", "y", figure([0.0, 1.0, 2.0], [-5.0, 0.0, 5.0]).curves, x_scale="linear", y_scale="linear")
     )
     (x0, y0), (x1, y1), (x2, y2) = (drawing.place(x, y) for x, y in ((0, -5), (1, 0), (2, 5)))
@@ -55,10 +55,10 @@ def test_linear_figures_place_steps_evenly():
 
 def test_faint_curves_do_not_stretch_the_axes():
     faint = Curve("far", np.array([1.0, 10.0]), np.array([1e-9, 1e9]), (1, 2, 3), style="faint")
-    alone = Chart(figure([1.0, 10.0], [1.0, 2.0]))
-    both = Chart(Figure("f", "x", "y", (*figure([1.0, 10.0], [1.0, 2.0]).curves, faint)))
+    alone = Frame(figure([1.0, 10.0], [1.0, 2.0]))
+    both = Frame(Figure("f", "x", "y", (*figure([1.0, 10.0], [1.0, 2.0]).curves, faint)))
     assert both.y == alone.y
-    assert Chart(Figure("f", "x", "y", (faint,))).y.high > 8
+    assert Frame(Figure("f", "x", "y", (faint,))).y.high > 8
 
 
 def test_a_curve_is_cut_at_the_frame(tmp_path):
@@ -75,12 +75,12 @@ def test_a_curve_is_cut_at_the_frame(tmp_path):
     column = next(n for n in batch.schema.names if "strips" in n)
     strips = batch.column(column)[0].as_py()
     assert len(strips) == 2  # up and out; back in, down, and out again
-    low, high = Chart(drawn).place(0, 1)[1], Chart(drawn).place(0, 0)[1]
+    low, high = Frame(drawn).place(0, 1)[1], Frame(drawn).place(0, 0)[1]
     points = [p for s in strips for p in s]
     assert min(p[1] for p in points) == pytest.approx(low, abs=1e-3)
     assert max(p[1] for p in points) == pytest.approx(high, abs=1e-3)
-    assert strips[0][-1] == pytest.approx(Chart(drawn).place(0.1, 1), abs=1e-3)
-    assert strips[1][-1] == pytest.approx(Chart(drawn).place(3 + 0.5 / 3.5, 0), abs=1e-3)
+    assert strips[0][-1] == pytest.approx(Frame(drawn).place(0.1, 1), abs=1e-3)
+    assert strips[1][-1] == pytest.approx(Frame(drawn).place(3 + 0.5 / 3.5, 0), abs=1e-3)
 
 
 @pytest.mark.parametrize("style", ["line", "curve", "points", "fit", "faint"])

@@ -109,7 +109,9 @@ def _tracks_of(result: Result, review: Review, duration: float) -> None:
                 else ""
             )
             if result.on_map:
-                review.map_track(f"{name} at {found.scores.start[i]:.0f} s", found.drift.state[i, :, :3], color_of(name))
+                review.map_track(
+                    f"{name} at {found.scores.start[i]:.0f} s", found.drift.state[i, :, :3], color_of(name)
+                )
             path = f"{name}_at_{found.scores.start[i]:.0f}_s".replace(" ", "_")
             review.track(path, found.drift.state[i, :, :3], color_of(name), label)
     review.note(
