@@ -1,4 +1,4 @@
-"""One axis of an IMU as the checks look at it: its clock in seconds, and the steps of its values."""
+"""One axis of an IMU as the checks need it: its clock in seconds, and the steps of its values."""
 
 from __future__ import annotations
 
@@ -15,19 +15,20 @@ if TYPE_CHECKING:
 
     from imuwb.log import Floats, ImuStream, Log
 
-LOOKED_AT = 200_000  #: samples, for what need not be looked for in all
+LOOKED_AT = 200_000  #: samples that are enough for what is the same all along
+ROUNDING = 1e-9  #: of the largest value; a smaller difference is one of rounding
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Channel:
-    """The samples of one axis, which do change."""
+    """The samples of one axis that are not all equal."""
 
     axis: str  #: gyro_x ... accel_z
     where: str  #: the IMU's name and the axis
     time: Floats  #: (n,) s from the log's start
     values: Floats  #: (n,) rad/s or m/s²
     clock: Sampling
-    levels: Floats  #: (k,) the values there are, rising, of the first samples
+    levels: Floats  #: (k,) the different values of the first samples, rising
 
     @property
     def breaks(self) -> NDArray[np.int64]:
@@ -36,20 +37,20 @@ class Channel:
 
     @property
     def step(self) -> float:
-        """Return the smallest difference between two values; the LSB where there is one."""
+        """Return the smallest difference between two values: the LSB, where the sensor has one."""
         gaps = self.gaps
         return float(gaps.min()) if gaps.size else 0.0
 
     @property
     def gaps(self) -> Floats:
-        """Return the differences between neighbouring values, but for rounding."""
+        """Return the differences between neighbouring values, without those of rounding."""
         gaps = np.diff(self.levels)
-        return gaps[gaps > 1e-9 * max(abs(float(self.levels[0])), abs(float(self.levels[-1])), 1e-12)]
+        return gaps[gaps > ROUNDING * max(abs(float(self.levels[0])), abs(float(self.levels[-1])), 1e-12)]
 
 
 def channels(log: Log, imu: ImuStream) -> dict[str, Channel]:
-    """Return the axes of an IMU that change at all, by name; those of one sensor share their time."""
-    found: dict[str, Channel] = {}
+    """Return the axes of an IMU whose samples are not all equal, by name; those of one sensor share their time."""
+    by_axis: dict[str, Channel] = {}
     for sensor, triad in (("gyro", imu.angular_rate), ("accel", imu.specific_force)):
         if triad is None or not len(triad):
             continue
@@ -57,11 +58,11 @@ def channels(log: Log, imu: ImuStream) -> dict[str, Channel]:
         for column, letter in enumerate("xyz"):
             axis, values = f"{sensor}_{letter}", triad.value[:, column]
             if np.ptp(values) > 0:
-                found[axis] = Channel(axis, f"{imu.name} {axis}", time, values, clock, np.unique(values[:LOOKED_AT]))
-    return found
+                by_axis[axis] = Channel(axis, f"{imu.name} {axis}", time, values, clock, np.unique(values[:LOOKED_AT]))
+    return by_axis
 
 
-def shown(axis: str, value: float) -> str:
-    """Return a rad/s or m/s² value of an axis as people write it."""
+def value_text(axis: str, value: float) -> str:
+    """Return a rad/s or m/s² value of an axis in its display unit."""
     unit = coefficient_units(axis, "rate")[1]
     return f"{unit.from_si(value):.4g} {unit.name}"

@@ -11,20 +11,22 @@ from imuwb.health.channel import channels
 from imuwb.health.clocks import clock_faults
 from imuwb.health.fault import RANK, Fault
 from imuwb.health.inertial import inertial_faults
+from imuwb.health.lone import lone_samples
 from imuwb.health.motion import segments
+from imuwb.health.plausibility import implausible
 from imuwb.health.receivers import receiver_faults
 from imuwb.health.repairs import repair_faults
-from imuwb.health.spikes import lone_samples
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from imuwb.health.motion import Segment
     from imuwb.log import Floats, ImuStream, Log, Nanoseconds, Repair
 
 WINDOWS = 400  #: in which the rate of a stream is counted over a log
 FEWEST = 20  #: rows in a window
-_VERDICTS = ("good", "usable: see what is said", "not to be trusted as it stands")
+#: by the rank of the worst fault
+VERDICTS = ("good", "usable, with warnings", "not usable as it is")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -33,58 +35,70 @@ class StreamHealth:
 
     name: str
     verdict: str
+    faults: int  #: of the stream and its axes, notes included
+    usual_rate: float  #: Hz, the median over time
     time: Floats  #: (w,) s from the log's start
     rate: Floats  #: (w,) Hz
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Health:
-    """A log's streams and what is wrong with them, the worst first."""
+    """A log's streams and their faults, the worst first."""
 
     streams: tuple[StreamHealth, ...]
     faults: tuple[Fault, ...]
-    segments: tuple[Segment, ...]  #: of one IMU: still or moving; none where that cannot be told
+    segments: tuple[Segment, ...]  #: when one IMU is still and when it moves; empty where the record does not show it
     segments_of: (
         str | None
-    )  #: name of that IMU: the first of which it can be told, else the first; None: none was looked at
+    )  #: name of that IMU: the first whose record shows it, else the first; None: no IMU was examined
+    still: float  #: s, that it is still
+    moving: float  #: s, that it moves
+
+    def __str__(self) -> str:
+        """Return the verdict of each stream, and the faults, one a line."""
+        return "\n".join([*(f"{s.name}: {s.verdict}" for s in self.streams), *map(str, self.faults)])
+
+    __repr__ = __str__
 
 
 def check(log: Log, *, lines: bool = True, samples: bool = True) -> Health:
     """Return what is wrong with a log.
 
     Args:
-        log: what was read.
+        log: the log.
         lines: look for periodic lines in still records too.
-        samples: look at the IMUs' samples, the long part, besides clocks and receivers.
+        samples: examine the samples of the IMUs, which takes most of the time, besides clocks and receivers.
     """
     faults: list[Fault] = []
-    found: list[tuple[str, Nanoseconds]] = []
-    for name, time, repairs, inertial in _clocks(log):
+    clocks = list(_clocks(log))
+    for name, time, repairs, inertial in clocks:
         faults += repair_faults(name, repairs, time.size)
         faults += clock_faults(name, log.seconds(time), inertial=inertial)
-        found.append((name, time))
-    parts: dict[str, tuple[Segment, ...]] = {}
+    by_imu: dict[str, tuple[Segment, ...]] = {}
     for imu in log.imus if samples else ():
-        parts[imu.name], own = _looked_at(log, imu, lines=lines)
+        by_imu[imu.name], own = _examined(log, imu, lines=lines)
         faults += own
     for gnss in log.gnss:
         faults += receiver_faults(log, gnss)
     faults += _apart(log)
     faults.sort(key=lambda fault: -RANK[fault.severity])
-    streams = tuple(_stream(log, name, time, faults) for name, time in found)
-    told = next((name for name, own in parts.items() if own), next(iter(parts), None))
-    return Health(streams, tuple(faults), parts[told] if told is not None else (), told)
+    streams = tuple(_stream(log, name, time, faults) for name, time, _, _ in clocks)
+    shown = next((name for name, own in by_imu.items() if own), next(iter(by_imu), None))
+    spans = () if shown is None else by_imu[shown]
+    still, moving = (sum(s.length for s in spans if s.moving == moves) for moves in (False, True))
+    return Health(streams, tuple(faults), spans, shown, still, moving)
 
 
-def _looked_at(log: Log, imu: ImuStream, *, lines: bool) -> tuple[tuple[Segment, ...], list[Fault]]:
+def _examined(log: Log, imu: ImuStream, *, lines: bool) -> tuple[tuple[Segment, ...], list[Fault]]:
     """Return when an IMU is still and when it moves, and what is wrong with its samples."""
     axes = channels(log, imu)
     lone = {axis: lone_samples(channel) for axis, channel in axes.items()}
-    parts = segments(axes, lone)
-    return parts, list(inertial_faults(log, imu, axes, lone, parts, lines=lines))
+    spans = segments(axes, lone)
+    return spans, [*inertial_faults(imu, axes, lone, spans, lines=lines), *implausible(log, imu, spans)]
 
 
 def _clocks(log: Log) -> Iterator[tuple[str, Nanoseconds, tuple[Repair, ...], bool]]:
+    """Yield name, times, repairs and whether it is inertial, of each stream; of an IMU with two clocks, of each sensor."""
     for imu in log.imus:
         triads = [t for t in (imu.angular_rate, imu.specific_force) if t is not None]
         same = len(triads) < 2 or np.array_equal(triads[0].time, triads[1].time)  # noqa: PLR2004 - gyro and accelerometer
@@ -98,14 +112,16 @@ def _clocks(log: Log) -> Iterator[tuple[str, Nanoseconds, tuple[Repair, ...], bo
 
 
 def _apart(log: Log) -> Iterator[Fault]:
-    """Yield receivers whose times do not meet the IMU's: two clocks in one file."""
+    """Yield receivers whose times do not overlap the IMU's: two clocks in one file."""
+    spans = [
+        (t.time[0], t.time[-1]) for imu in log.imus for t in (imu.angular_rate, imu.specific_force) if t is not None
+    ]
     for gnss in log.gnss:
-        spans = [
-            (t.time[0], t.time[-1]) for imu in log.imus for t in (imu.angular_rate, imu.specific_force) if t is not None
-        ]
         if spans and not any(gnss.time[0] <= end and gnss.time[-1] >= start for start, end in spans):
-            yield Fault(gnss.name, "its times and the IMU's do not meet: two clocks in one file", "fault",
-                        consequence="they cannot be used together before one is shifted")  # fmt: skip
+            yield Fault(
+                gnss.name, "two clocks", "its times do not overlap the IMU's: two clocks in one file", "fault",
+                consequence="shift one of them before both are used together",
+            )  # fmt: skip
 
 
 def is_of(fault: Fault, stream: str) -> bool:
@@ -115,12 +131,14 @@ def is_of(fault: Fault, stream: str) -> bool:
     return fault.stream == stream or fault.stream.startswith(axes)
 
 
-def _stream(log: Log, name: str, time: Nanoseconds, faults: list[Fault]) -> StreamHealth:
-    worst = max((RANK[f.severity] for f in faults if is_of(f, name)), default=0)
+def _stream(log: Log, name: str, time: Nanoseconds, faults: Sequence[Fault]) -> StreamHealth:
+    own = [fault for fault in faults if is_of(fault, name)]
+    worst = max((RANK[fault.severity] for fault in own), default=0)
     at = log.seconds(time)
     count = int(min(WINDOWS, max(time.size // FEWEST, 1)))
     edges = np.linspace(float(at[0]), float(at[-1]), count + 1)
     width = (edges[-1] - edges[0]) / count
     rows = np.diff(np.searchsorted(at, edges)).astype(float)
     rate = rows / width if width > 0 else np.zeros(count)
-    return StreamHealth(name, _VERDICTS[worst], (edges[:-1] + edges[1:]) / 2, rate)
+    middle = (edges[:-1] + edges[1:]) / 2
+    return StreamHealth(name, VERDICTS[worst], len(own), float(np.median(rate)), middle, rate)

@@ -1,4 +1,4 @@
-"""One thing that is wrong, or worth knowing."""
+"""A fault of a stream, or a remark on it."""
 
 from __future__ import annotations
 
@@ -16,15 +16,23 @@ RANK: dict[Severity, int] = {"note": 0, "warning": 1, "fault": 2}
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """What is wrong with a stream, or an axis of it."""
+    """What is wrong with a stream or an axis of an IMU."""
 
     stream: str
+    kind: str  #: for programs, such as "gaps"; the texts may be re-worded, the kind stays
     what: str
     severity: Severity
     count: int = 1
-    start: float | None = None  #: s from the log's start, where it (first) is; None: all along, or not known
-    length: float | None = None  #: s, of the longest
+    start: float | None = (
+        None  #: s from the log's start, of the first one or the longest one; None: everywhere, or unknown
+    )
+    length: float | None = None  #: s, of the longest one
     consequence: str = ""
+
+    def __str__(self) -> str:
+        """Return the fault in one line."""
+        place = "" if self.start is None else f" at {self.start:.2f} s"
+        return f"{self.severity}: {self.stream}: {self.what}{place}"
 
 
 def runs(inside: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

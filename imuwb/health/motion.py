@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from imuwb.health.channel import Channel
-    from imuwb.health.spikes import Lone
+    from imuwb.health.lone import Lone
     from imuwb.identification import Stillness
 
 
@@ -23,23 +23,29 @@ class Segment:
     end: float
     moving: bool
 
+    @property
+    def length(self) -> float:
+        """Return the length of the span, s."""
+        return self.end - self.start
+
 
 def segments(channels: Mapping[str, Channel], lone: Mapping[str, Lone]) -> tuple[Segment, ...]:
-    """Return when the IMU is still and when it moves; nothing where that cannot be told.
+    """Return when the IMU is still and when it moves; nothing where the record does not show it.
 
     Args:
-        channels: its axes that change.
+        channels: its axes whose samples are not all equal.
         lone: their lone samples, which are no motion.
     """
     axes = {axis: (channel.time, lone[axis].without(channel.values)) for axis, channel in channels.items()}
-    found = stillness(axes) if axes else None
-    return () if found is None else tuple(_parts(found))
+    record = stillness(axes) if axes else None
+    return () if record is None else tuple(_segments(record))
 
 
-def _parts(found: Stillness) -> Iterator[Segment]:
-    for begin, end in found.recorded:
+def _segments(record: Stillness) -> Iterator[Segment]:
+    """Yield the spans between the disturbances, and the disturbances, of each recorded part."""
+    for begin, end in record.recorded:
         at = begin
-        for span in found.disturbances:
+        for span in record.disturbances:
             start, stop = max(span.start, at), min(span.end, end)
             if stop <= start:
                 continue

@@ -1,4 +1,4 @@
-"""What a reader mended, and what follows from it."""
+"""Repairs by the reader, and what follows from them."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ if TYPE_CHECKING:
     from imuwb.health.fault import Severity
     from imuwb.log import Effect, Repair
 
-MUCH = 0.01  #: share of a stream that was mended, above which it is worse
-#: effect -> severity of a little, severity of much, what follows
+MUCH = 0.01  #: share of a stream that was repaired, above which the severity is higher
+#: effect -> severity of few repairs, severity of many, consequence
 _MEANING: dict[Effect, tuple[Severity, Severity, str]] = {
-    "lost": ("warning", "fault", "what was left out is missing: results span the holes"),
-    "time": ("warning", "warning", "these times are not the sensor's own: intervals, rates and delays near one step are not to be trusted"),
-    "order": ("note", "warning", "nothing is lost; whoever reads the file row by row must sort it too"),
-    "value": ("warning", "fault", "these values are none of the sensor's"),
+    "lost": ("warning", "fault", "the rows that were left out are missing: results span the holes"),
+    "time": ("warning", "warning", "these times are not the sensor's own: do not trust intervals, rates and delays near one step"),
+    "order": ("note", "warning", "nothing is lost; a program that reads the file row by row must sort the rows too"),
+    "value": ("warning", "fault", "the sensor did not measure these values"),
 }  # fmt: skip
 
 
 def repair_faults(name: str, repairs: Iterable[Repair], rows: int) -> Iterator[Fault]:
-    """Yield what was mended of a stream of so many rows."""
+    """Yield the repairs of a stream of so many rows."""
     for repair in repairs:
-        little, much, follows = _MEANING[repair.effect]
-        severity = much if repair.count > MUCH * rows else little
-        yield Fault(name, repair.what, severity, repair.count, consequence=follows)
+        few, many, consequence = _MEANING[repair.effect]
+        severity = many if repair.count > MUCH * rows else few
+        yield Fault(name, "repair", repair.what, severity, repair.count, consequence=consequence)

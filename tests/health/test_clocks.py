@@ -42,21 +42,23 @@ def test_little_jitter_is_no_fault(seed):
 def test_gaps_are_counted_and_the_longest_has_its_place_and_length():
     (gap,) = found(without((2000, 2100), (4000, 4010)))
     assert (gap.stream, gap.severity, gap.count) == ("imu", "fault", 2)
-    assert gap.what == "gaps: 1.1 s missing (1.8 %)"
+    assert gap.kind == "gaps"
+    assert "1.1 s missing (1.8 %)" in gap.what
     assert gap.start == pytest.approx(19.99)
     assert gap.length == pytest.approx(1.01)
 
 
 def test_the_averaging_time_that_spans_gaps_is_named():
     (gap,) = found(without((2000, 2100), (4000, 4010)))
-    assert gap.consequence == "averaging times beyond 10 s span gaps"  # half of the 20 s that are whole
+    assert " 10 s " in gap.consequence  # half of the 20 s that are whole
     (gap,) = found(without((1000, 1001)))
-    assert gap.consequence == "averaging times beyond 25 s span gaps"
+    assert " 25 s " in gap.consequence
 
 
 def test_of_a_receiver_a_gap_is_only_that_there_are_no_rows():
     (gap,) = found(without((2000, 2100)), inertial=False)
-    assert gap.consequence == "no rows for up to 1.01 s"
+    assert "1.01 s" in gap.consequence
+    assert "averaging" not in gap.consequence
 
 
 def test_a_gap_is_a_fault_from_a_hundredth_on():
@@ -71,14 +73,15 @@ def test_times_count_from_the_log_s_start():
 
 def test_a_record_in_batches_is_a_note():
     (batch,) = found(even()[np.arange(N) % 600 < 200])
-    assert batch.what.startswith("recorded in batches: 36 s missing (64 %)")
+    assert batch.kind == "batches"
+    assert "36 s missing (64 %)" in batch.what
     assert (batch.severity, batch.count) == ("note", 9)
     assert batch.length == pytest.approx(4.01)
-    assert batch.consequence == "averaging times beyond 1 s span gaps"
+    assert " 1 s " in batch.consequence
 
 
 def drops(time):
-    return [f for f in found(time) if "rate drops" in f.what]
+    return [f for f in found(time) if f.kind == "rate drop"]
 
 
 def slow(spans, factor):
@@ -90,7 +93,7 @@ def slow(spans, factor):
 
 def test_a_drop_of_the_rate_has_its_place_length_and_rate():
     (drop,) = drops(slow([(3000, 3500)], 2))
-    assert drop.what == "the rate drops, down to 50 Hz"
+    assert "50 Hz" in drop.what
     assert (drop.severity, drop.count) == ("warning", 1)
     assert (drop.start, drop.length) == (pytest.approx(30, abs=0.01), pytest.approx(10, abs=0.02))
     assert "--start and --end" in drop.consequence
@@ -112,7 +115,7 @@ def test_a_slightly_slower_part_is_no_drop():
 
 
 def test_a_drop_of_the_rate_is_no_series_of_gaps():
-    assert [f.what for f in found(slow([(3000, 3500)], 2))] == ["the rate drops, down to 50 Hz"]
+    assert [f.kind for f in found(slow([(3000, 3500)], 2))] == ["rate drop"]
 
 
 def test_jitter_is_told_in_parts_of_the_interval():
@@ -128,40 +131,42 @@ def test_what_the_reader_mended_is_counted():
     few, many = repair_faults("imu", (Repair("rows left out", 7), Repair("rows left out", 61)), N)
     assert (few.what, few.count, few.severity) == ("rows left out", 7, "warning")
     assert (many.count, many.severity) == (61, "fault")
-    assert "holes" in many.consequence
 
 
 @pytest.mark.parametrize(
-    ("effect", "count", "severity", "follows"),
+    ("effect", "few", "many"),
     [
-        ("time", N, "warning", "not the sensor's own"),
-        ("order", 7, "note", "nothing is lost"),
-        ("value", 7, "warning", "none of the sensor's"),
+        ("lost", "warning", "fault"),
+        ("time", "warning", "warning"),
+        ("order", "note", "warning"),
+        ("value", "warning", "fault"),
     ],
 )
-def test_a_repair_is_as_bad_as_what_it_does(effect, count, severity, follows):
-    (fault,) = repair_faults("imu", (Repair("mended", count, effect),), N)
-    assert fault.severity == severity
-    assert follows in fault.consequence
+@pytest.mark.parametrize("share", [0.01, 0.0102])
+def test_a_repair_is_as_bad_as_what_it_does(effect, few, many, share):
+    (fault,) = repair_faults("imu", (Repair("mended", round(share * N), effect),), N)
+    assert fault.severity == (many if share > 0.01 else few)
 
 
 def test_a_clock_that_jumps_by_decades_is_named_and_the_rest_judged_without_it():
     (jump,) = found(np.concatenate([even(50), 1_716_000_000 + even()]))
-    assert jump.what == "clock jumps by 54.4 years: 50 rows lie before, 6000 behind"
+    assert jump.kind == "clock jump"
+    for figure in ("54.4 years", "50 rows", "6000"):
+        assert figure in jump.what
     assert (jump.severity, jump.start) == ("fault", 0.49)
     assert "--start" in jump.consequence
 
 
 def test_a_night_between_two_long_recordings_is_a_gap():
     two_days = even(200_000, 1.0)
-    assert [f.what.partition(":")[0] for f in found(np.concatenate([two_days, two_days + 300_000]))] == ["gaps"]
+    assert [f.kind for f in found(np.concatenate([two_days, two_days + 300_000]))] == ["gaps"]
 
 
 def test_uneven_but_complete_logging_has_no_gaps():
     time = np.cumsum(np.where(np.arange(3000) % 2, 0.39, 0.61))
-    assert {f.what.partition(" by ")[0] for f in found(time)} == {"stamps scatter"}
+    assert {f.kind for f in found(time)} == {"jitter"}
 
 
 def test_a_single_row_is_a_fault():
     (fault,) = found([0.0])
-    assert (fault.what, fault.severity) == ("a single row", "fault")
+    assert (fault.kind, fault.severity) == ("single row", "fault")

@@ -1,4 +1,4 @@
-"""Tables and figures of a log's health. Nothing is computed here."""
+"""Tables and figures of a log's health."""
 
 from __future__ import annotations
 
@@ -7,33 +7,26 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.analysis import Curve, Figure, Mark, Table
-from imuwb.health import is_of
+from imuwb.colors import BLUE, RED, color_at
+from imuwb.notes import Note
 from imuwb.texts import seconds_text
 
 if TYPE_CHECKING:
     from imuwb.analysis import Review
     from imuwb.health import Fault, Health
 
-COLORS = (
-    (228, 87, 86),
-    (76, 120, 168),
-    (84, 162, 75),
-    (242, 142, 43),
-    (118, 183, 178),
-    (176, 122, 161),
-    (156, 117, 95),
-    (186, 176, 172),
-)
-MARKED = 6  #: faults whose place is shown
-STREAMS = 8  #: that are drawn; more cannot be told apart
+MARKED = 6  #: faults whose place is marked in the figure
+STREAMS = 8  #: in the figure: as many as there are colours
+APART = 5.0  #: ratio of the rates of two streams, from which on their axis is logarithmic
+ABOVE = {"log": 1.6, "linear": 1.12}  #: each mark over the one before
 
 
 def draw(result: Health, review: Review) -> None:
-    """Show the verdicts first."""
-    rows = tuple((s.name, s.verdict, str(sum(is_of(f, s.name) for f in result.faults))) for s in result.streams)
-    review.table(Table("Verdict", ("stream", "verdict", "remarks"), rows))
+    """Show verdicts, faults, rates over time, and when the IMU moves."""
+    rows = tuple((s.name, s.verdict, str(s.faults)) for s in result.streams)
+    review.table(Table("Verdict", ("stream", "verdict", "faults and notes"), rows))
     review.table(Table(
-        "What was found", ("stream", "severity", "what", "count", "first or longest at", "lasts", "what follows"),
+        "Faults and notes", ("stream", "severity", "fault", "count", "time of the first or longest", "duration", "consequence"),
         tuple(_row(f) for f in result.faults) or (("all", "—", "nothing", "—", "—", "—", "—"),),
         "Times are seconds from the log's start.", wide=True,
     ))  # fmt: skip
@@ -41,13 +34,11 @@ def draw(result: Health, review: Review) -> None:
         review.figure(_rates(result))
     if result.segments:
         review.figure(_motion(result))
-        total = sum(s.end - s.start for s in result.segments)
-        moving = sum(s.end - s.start for s in result.segments if s.moving)
-        review.note(
-            f"{result.segments_of} is still for {seconds_text(total - moving)} and moves for {seconds_text(moving)}"
-        )
+        text = f"{result.segments_of} is still for {seconds_text(result.still)} and moves for {seconds_text(result.moving)}"
+        review.note(Note("motion", text))
     elif result.segments_of is not None:
-        review.note(f"{result.segments_of}: too short, or too slow, to tell whether it is still or moves")
+        text = f"{result.segments_of}: the record is too short or too slow to show whether the IMU is still or moves"
+        review.note(Note("motion unknown", text))
 
 
 def _row(fault: Fault) -> tuple[str, ...]:
@@ -59,36 +50,25 @@ def _row(fault: Fault) -> tuple[str, ...]:
 
 
 def _rates(result: Health) -> Figure:
-    curves = tuple(
-        Curve(s.name, s.time, s.rate, COLORS[i % len(COLORS)], style="curve")
-        for i, s in enumerate(result.streams[:STREAMS])
-    )
+    streams = result.streams[:STREAMS]
+    curves = tuple(Curve(s.name, s.time, s.rate, color_at(i), style="curve") for i, s in enumerate(streams))
     placed = [f for f in result.faults if f.start is not None and f.severity != "note"][:MARKED]
-    usual = [max(float(np.median(s.rate)), 1e-3) for s in result.streams[:STREAMS]]
-    scale = "log" if max(usual) > 5 * min(usual) else "linear"  # five times: one axis shows both
-    height, step = (
-        max(float(s.rate.max(initial=1.0)) for s in result.streams[:STREAMS]),
-        1.6 if scale == "log" else 1.12,
-    )
+    usual = [max(s.usual_rate, 1e-3) for s in streams]
+    scale = "log" if max(usual) > APART * min(usual) else "linear"
+    top = max(float(s.rate.max(initial=1.0)) for s in streams)
     marks = tuple(
-        Mark(f.start or 0.0, height * step ** (i + 1), f.what.partition(":")[0], (228, 87, 86))
-        for i, f in enumerate(placed)
+        Mark(f.start or 0.0, top * ABOVE[scale] ** (i + 1), f.what.partition(":")[0], RED) for i, f in enumerate(placed)
     )
     return Figure(
-        "Rate over time",
-        "time from the log's start [s]",
-        "rows a second [Hz]",
-        curves,
-        marks,
-        x_scale="linear",
-        y_scale=scale,
-    )
+        "Rate over time", "time from the log's start [s]", "rate [Hz]", curves, marks, x_scale="linear", y_scale=scale
+    )  # fmt: skip
 
 
 def _motion(result: Health) -> Figure:
     x = np.array([edge for s in result.segments for edge in (s.start, s.end)])
-    y = np.array([1.0 if s.moving else 0.0 for s in result.segments for _ in range(2)])
+    y = np.array([float(s.moving) for s in result.segments for _ in range(2)])
     return Figure(
-        "Still (0) and moving (1)", "time from the log's start [s]", "moving [1]", (Curve(result.segments_of or "IMU", x, y, (76, 120, 168), style="curve"),),
+        "Still (0) and moving (1)", "time from the log's start [s]", "moving [1]",
+        (Curve(result.segments_of or "IMU", x, y, BLUE, style="curve"),),
         x_scale="linear", y_scale="linear", y_limits=(-0.2, 1.2),
     )  # fmt: skip

@@ -1,0 +1,80 @@
+"""Lone samples: off both neighbours by far more than samples usually change, and by more than a few steps of the sensor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.health.channel import LOOKED_AT
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from imuwb.health.channel import Channel
+    from imuwb.log import Floats
+
+STRUCK = 40.0  #: times the usual change, by which a lone sample is off both neighbours
+STEPS = 5.0  #: steps (LSB) of the sensor, by which it is off at least
+AROUND = 12  #: samples on each side of it that show what is usual there
+MOST = 10_000  #: candidates that are examined
+FEW = 0.002  #: share of lone samples, above which they are motion
+LEAST = 3  #: lone samples that are never motion
+SLOWEST = 20.0  #: Hz; slower samples do not show what happens between them
+FEWEST = 100  #: samples; fewer do not show what is usual
+CONSISTENT = 1.4826 / 2**0.5  #: sigma of normal samples over the median of their changes
+SMALLEST = 1e-6  #: of the range of the values, a usual change at least
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Lone:
+    """The lone samples of a channel."""
+
+    rows: NDArray[np.int64]  #: (k,)
+    off: Floats  #: (k,) difference from the nearer neighbour, rad/s or m/s²
+
+    def without(self, values: Floats) -> Floats:
+        """Return the channel's values, each lone one replaced by the mean of its neighbours."""
+        if not self.rows.size:
+            return values
+        mended = values.copy()
+        mended[self.rows] = (values[self.rows - 1] + values[self.rows + 1]) / 2
+        return mended
+
+
+def lone_samples(channel: Channel) -> Lone:
+    """Return the lone samples; none where samples are too few or too slow, or where lone ones are too many."""
+    nothing = Lone(np.empty(0, np.int64), np.empty(0))
+    values = channel.values
+    if values.size < FEWEST or not 1 / channel.clock.interval >= SLOWEST:
+        return nothing
+    changes = np.abs(np.diff(values)[:-1])
+    off = _off(values, channel.breaks)
+    usual = float(np.median(changes[:: max(changes.size // LOOKED_AT, 1)])) * CONSISTENT
+    usual = max(usual, float(np.ptp(values[:LOOKED_AT])) * SMALLEST)
+    far = np.flatnonzero(off > max(STRUCK * usual, (STEPS - 0.5) * channel.step))
+    # Both neighbours of a struck sample are off as well: the lone one is the largest of the three.
+    rows = np.array([k for k in far[:MOST] if _stands_out(off, changes, int(k))], np.int64)
+    return Lone(rows + 1, off[rows]) if 0 < rows.size < max(FEW * values.size, LEAST) else nothing
+
+
+def _off(values: Floats, breaks: NDArray[np.int64]) -> Floats:
+    """Return how far each sample but the first and the last is off its nearer neighbour, (n - 2,).
+
+    A step is off one neighbour only: the smaller difference counts, and 0 where the two have different signs.
+    """
+    before, after = values[1:-1] - values[:-2], values[1:-1] - values[2:]
+    off = np.where(before * after > 0, np.minimum(np.abs(before), np.abs(after)), 0.0)
+    off[np.concatenate([breaks - 2, breaks - 1]).clip(0, off.size - 1)] = 0.0  # beside a gap a neighbour is missing
+    return off
+
+
+def _stands_out(off: Floats, changes: Floats, k: int) -> bool:
+    """Return whether a sample is off by more than its neighbours are, and by far more than those around it change."""
+    # Where a motion begins, one side is quiet: the larger change counts.
+    around = max(
+        np.median(changes[max(k - AROUND, 0) : k]) if k else 0.0,
+        np.median(changes[k + 2 : k + 2 + AROUND]) if k + 2 < changes.size else 0.0,
+    )
+    return bool(off[k] >= off[max(k - 1, 0) : k + 2].max() and off[k] > STRUCK / 2 * around)

@@ -1,0 +1,74 @@
+"""What a still IMU cannot measure: a wrong gravity, a large rate, a temperature that never changes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.health.fault import Fault
+from imuwb.units import STANDARD_GRAVITY
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from imuwb.health.motion import Segment
+    from imuwb.log import Floats, ImuStream, Log, Triad
+
+GRAVITY = 0.02  #: of standard gravity, by which a still accelerometer may be off
+WRONG = 0.1  #: of standard gravity, from which on no bias explains the difference
+BIAS = 0.05  #: rad/s of a still gyro
+CONSTANT = 600.0  #: s, over which a temperature must change at all
+STILL_ENOUGH = 5.0  #: s
+
+
+def implausible(log: Log, imu: ImuStream, segments: Sequence[Segment]) -> Iterator[Fault]:
+    """Yield what the sensors of an IMU cannot measure.
+
+    Args:
+        log: the log whose start times count from.
+        imu: the IMU.
+        segments: when it is still and when it moves; empty where the record does not show it.
+    """
+    yield from _temperature(log, imu)
+    longest = max((s for s in segments if not s.moving), key=lambda s: s.length, default=None)
+    if longest is None or longest.length < STILL_ENOUGH:
+        return
+    rate = _mean(log, imu.angular_rate, longest)
+    if rate is not None and float(np.abs(rate).max()) > BIAS:
+        worst = float(rate[int(np.argmax(np.abs(rate)))])
+        yield Fault(
+            f"{imu.name} gyros", "rate", f"turns by {np.degrees(worst):.3g} deg/s while still", "warning", 1,
+            longest.start, longest.length, "a bias to be taken off, or the IMU turns evenly",
+        )  # fmt: skip
+    force = _mean(log, imu.specific_force, longest)
+    size = STANDARD_GRAVITY if force is None else float(np.linalg.norm(force))
+    off = size / STANDARD_GRAVITY - 1
+    if abs(off) > GRAVITY:
+        wrong = abs(off) > WRONG
+        yield Fault(
+            f"{imu.name} accelerometers", "gravity", f"gravity is {size:.4g} m/s² while still",
+            "fault" if wrong else "warning", 1, longest.start, longest.length,
+            "units or scale are wrong, or the stream is no accelerometer" if wrong
+            else f"off by {1000 * off:+.0f} mg: a bias or a scale factor to be calibrated",
+        )  # fmt: skip
+
+
+def _temperature(log: Log, imu: ImuStream) -> Iterator[Fault]:
+    if imu.temperature is None or not len(imu.temperature):
+        return
+    time, celsius = log.seconds(imu.temperature.time), imu.temperature.value
+    length = float(time[-1] - time[0])
+    if np.ptp(celsius) == 0 and length > CONSTANT:
+        what = f"temperature stays at {celsius[0]:g} °C for {length / 60:.0f} min"
+        consequence = "probably not measured; the log shows nothing about temperature"
+        yield Fault(imu.name, "constant temperature", what, "note", consequence=consequence)
+
+
+def _mean(log: Log, triad: Triad | None, segment: Segment) -> Floats | None:
+    """Return a triad's mean over a segment, (3,); None where it has no sample there."""
+    if triad is None:
+        return None
+    time = log.seconds(triad.time)
+    inside = (time >= segment.start) & (time <= segment.end)
+    return triad.value[inside].mean(axis=0) if inside.any() else None
