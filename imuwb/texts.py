@@ -23,7 +23,7 @@ def number_text(value: float) -> str:
 
 def quantity_text(value: float | None, unit: str, digits: int = 3) -> str:
     """Return a value with its unit, with that many significant digits; a dash for None."""
-    return "—" if value is None else f"{value:.{digits}g} {unit}"
+    return "—" if value is None else f"{value:.{digits}g} {unit}".rstrip()
 
 
 def seconds_text(seconds: float) -> str:

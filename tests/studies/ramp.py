@@ -70,11 +70,11 @@ def record(seed, hours, back):
             p.samples,
             {k: _row(p.coefficients[k]) for k in TRUTH},
             _bound(p),
-            (b.value - bias(b.celsius), b.sigma),
+            (b.estimate.value - bias(b.temperature), b.estimate.sigma),
         )
         for p, b in zip(over.points, over.biases.at, strict=True)
     ]
-    return bins, over.laws["N"].function, [(h.lower, h.upper) for h in over.biases.hysteresis]
+    return bins, over.laws["N"].function, [(h.difference.lower, h.difference.upper) for h in over.biases.hysteresis]
 
 
 def _row(c):

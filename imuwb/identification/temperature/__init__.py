@@ -1,10 +1,10 @@
-"""Noise and bias over temperature: set-points, functions of temperature, and whether anything depends on it at all."""
+"""Noise and bias over temperature: set-points, tests of dependence, and functions of temperature."""
 
 from imuwb.identification.temperature.axis import AxisTemperatures, Law, over_temperature
-from imuwb.identification.temperature.bias import Bias, Hysteresis, Mean
-from imuwb.identification.temperature.choice import Candidate, Choice, choose_function
+from imuwb.identification.temperature.bias import Bias, Hysteresis, RecordMean
 from imuwb.identification.temperature.dependence import Dependence, heterogeneity
 from imuwb.identification.temperature.first_order import FirstOrder, first_order
+from imuwb.identification.temperature.function_choice import FunctionCandidate, FunctionChoice, choose_function
 from imuwb.identification.temperature.functions import KINDS, TemperatureFunction
 from imuwb.identification.temperature.model import axis_model
 from imuwb.identification.temperature.record import Record
@@ -16,14 +16,14 @@ __all__ = [
     "KINDS",
     "AxisTemperatures",
     "Bias",
-    "Candidate",
-    "Choice",
     "Dependence",
     "FirstOrder",
+    "FunctionCandidate",
+    "FunctionChoice",
     "Hysteresis",
     "Law",
-    "Mean",
     "Record",
+    "RecordMean",
     "SetPoint",
     "Stretch",
     "TemperatureFunction",

@@ -1,4 +1,4 @@
-"""One sensor axis over temperature: its set-points, what depends on temperature, and as which function."""
+"""One sensor axis over temperature: its set-points, the tests of dependence, and the functions of temperature."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.identification.temperature.bias import Biases, biases
-from imuwb.identification.temperature.choice import Choice, choose_function
 from imuwb.identification.temperature.dependence import Dependence, by_chi_square, depends, heterogeneity
+from imuwb.identification.temperature.function_choice import FunctionChoice, choose_function
 from imuwb.identification.temperature.functions import TemperatureFunction
 from imuwb.identification.temperature.pooled import pooled
 from imuwb.identification.temperature.quantization import settled
 from imuwb.identification.temperature.set_point import LETTERS, SetPoint, log_sigma
-from imuwb.identification.temperature.slow import SLOW, size_of, slow_processes
+from imuwb.identification.temperature.slow_processes import SLOW, size_of, slow_processes
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
-    from imuwb.identification.temperature.functions import Kind
+    from imuwb.identification.temperature.functions import FunctionKind
     from imuwb.statistics import Coefficient
 
     Floats = NDArray[np.float64]
@@ -29,76 +29,88 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Law:
-    """What becomes of a coefficient in a model: a function of temperature, or a limit."""
+    """A coefficient in the error model: a function of temperature, or a limit."""
 
-    choice: Choice | None  #: None: it was not found
-    limit: float | None  #: then its upper limit at all temperatures
-    how: str  #: decided
+    choice: FunctionChoice | None  #: None: the coefficient is not identified
+    limit: float | None  #: upper limit at all temperatures if it is not identified
+    reason: str
 
     @property
     def function(self) -> TemperatureFunction | None:
-        """Return the function, if there is one."""
+        """Return the function; None if there is none."""
         return None if self.choice is None else self.choice.function
+
+    def __str__(self) -> str:
+        """Return the function or the limit, in one line."""
+        if self.choice is not None:
+            return str(self.choice.function)
+        return "not identified" if self.limit is None else f"< {self.limit:.4g}"
+
+    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class AxisTemperatures:
-    """One axis. SI."""
+    """One axis over temperature, in SI."""
 
     level: float
-    points: tuple[SetPoint, ...]  #: rising in temperature
-    dependence: dict[str, Dependence | None]  #: N, B, K, Q, alpha, bias; None: it cannot be told
-    laws: dict[str, Law]  #: N, B, K, Q, alpha, bias
+    points: tuple[SetPoint, ...]  #: in rising temperature
+    dependence: dict[str, Dependence | None]  #: of N, B, K, Q, alpha, bias; None: there is no test
+    laws: dict[str, Law]  #: of N, B, K, Q, alpha, bias
     biases: Biases
+
+    def __str__(self) -> str:
+        """Return one line for each set-point and each law."""
+        laws = (f"{name}: {law}" for name, law in self.laws.items())
+        return "\n".join([*map(str, self.points), *laws])
+
+    __repr__ = __str__
 
 
 def over_temperature(
-    points: Sequence[SetPoint], *, level: float = 0.95, size: float = 0.05, wanted: Kind | None = None
+    points: Sequence[SetPoint], *, level: float = 0.95, size: float = 0.05, kind: FunctionKind | None = None
 ) -> AxisTemperatures:
-    """Return what depends on temperature, and how.
+    """Return the tests of dependence on temperature, and the functions of temperature.
 
     Args:
-        points: of one axis, rising in temperature.
+        points: of one axis, in rising temperature.
         level: of intervals and limits.
-        size: of the tests.
-        wanted: a kind of function to take instead of choosing; a positive coefficient's law, such as Arrhenius's, is
-            chosen for what has a sign.
+        size: probability of a false alarm of each test.
+        kind: of all functions; None: each is chosen. A law of positive coefficients, such as Arrhenius's, is not used for
+            quantities with a sign: their functions are chosen.
 
     Raises:
-        ValueError: fewer than two set-points, or too few for the function that is wanted.
+        ValueError: fewer than two set-points, or too few for the given kind.
     """
-    if len(points) < 2:  # noqa: PLR2004 - nothing to compare
-        message = f"{len(points)} set-points; what depends on temperature takes two at least"
+    if len(points) < 2:  # noqa: PLR2004 - a dependence needs two temperatures
+        message = f"{len(points)} set-points; a dependence on temperature needs at least two"
         raise ValueError(message)
-    points, together = settled(points, level)
-    found = _tests(points, together, size)
-    varying = [letter for letter in SLOW if _varies(found[letter])]
+    points, common = settled(points, level)
+    tests = {letter: depends(points, letter, common.get(letter), size=size) for letter in LETTERS}
+    varying = [letter for letter in SLOW if _varies(tests[letter])]
     if varying:
-        together |= pooled(points, level, varying)
+        common |= pooled(points, level, varying)
+    levels = _biases(points, common, level)
+    laws = {letter: _law(points, letter, tests[letter], common.get(letter), level, kind) for letter in LETTERS}
+    alpha = np.array([p.ar1.alpha for p in points]), np.array([p.ar1.sigma for p in points])
+    bias = np.array([b.estimate.value for b in levels.at]), np.array([b.estimate.sigma for b in levels.at])
+    tests["alpha"] = heterogeneity(*alpha, size)
+    statistic = levels.heterogeneity()
+    tests["bias"] = None if statistic is None else by_chi_square(len(points), statistic, size)
+    signed = None if kind == "arrhenius" else kind
+    celsius = np.array([p.celsius for p in points])
+    for name, (values, sigmas) in (("alpha", alpha), ("bias", bias)):
+        if tests[name] is not None:
+            varies = _varies(tests[name])
+            choice = choose_function(celsius, values, sigmas, logarithmic=False, varies=varies, kind=signed)
+            laws[name] = Law(choice, None, "known at all set-points")
+    return AxisTemperatures(level, tuple(points), tests, laws, levels)
+
+
+def _biases(points: Sequence[SetPoint], common: Mapping[str, Coefficient], level: float) -> Biases:
     coefficients = [p.coefficients for p in points]
     white = [size_of(c["N"], None) for c in coefficients]
-    levels = biases([p.means for p in points], white, slow_processes(coefficients, together), level)
-    celsius = np.array([p.celsius for p in points])
-    alpha = np.array([p.first.alpha for p in points]), np.array([p.first.sigma for p in points])
-    bias = np.array([b.value for b in levels.at]), np.array([b.sigma for b in levels.at])
-    signed = None if wanted == "arrhenius" else wanted
-    laws = {letter: _law(points, letter, found[letter], together.get(letter), level, wanted) for letter in LETTERS}
-    found["alpha"] = heterogeneity(*alpha, size)
-    statistic = levels.heterogeneity()
-    found["bias"] = None if statistic is None else by_chi_square(len(points), statistic, size)
-    for name, (values, sigmas) in (("alpha", alpha), ("bias", bias)):
-        if found[name] is not None:
-            choice = choose_function(
-                celsius, values, sigmas, logarithmic=False, varies=_varies(found[name]), wanted=signed
-            )
-            laws[name] = Law(choice, None, "at all set-points")
-    return AxisTemperatures(level, tuple(points), found, laws, levels)
-
-
-def _tests(
-    points: Sequence[SetPoint], together: Mapping[str, Coefficient], size: float
-) -> dict[str, Dependence | None]:
-    return {letter: depends(points, letter, together.get(letter), size=size) for letter in LETTERS}
+    return biases([p.means for p in points], white, slow_processes(coefficients, common), level)
 
 
 def _law(
@@ -107,23 +119,24 @@ def _law(
     dependence: Dependence | None,
     common: Coefficient | None,
     level: float,
-    wanted: Kind | None,
+    kind: FunctionKind | None,
 ) -> Law:
-    """Return a coefficient's function of temperature.
+    """Return the law of a coefficient.
 
-    Where it is not found at every set-point, those at which it is stand out by chance as well: its common value, to which all
-    contribute, is taken, unless the test says that it depends on temperature.
+    If a coefficient is identified at some set-points only, its values there are partly large by chance. Its common value, to
+    which all set-points contribute, is then taken, unless the test finds a dependence on temperature.
     """
     sure = [p for p in points if _is_sure(p.coefficients[letter])]
+    varies = _varies(dependence)
     if len(sure) == len(points):
-        return Law(_choice(sure, letter, level, _varies(dependence), wanted), None, "identified at all set-points")
-    if dependence is not None and dependence.depends and sure:
+        return Law(_choice(sure, letter, level, kind, varies=varies), None, "identified at all set-points")
+    where = f"identified at {len(sure)} of {len(points)} set-points"
+    if varies and sure:
         some = [p for p in points if p.coefficients[letter].value is not None]
-        how = f"it depends on temperature, and is identified at {len(sure)} of {len(points)} set-points: of those with a value"
-        return Law(_choice(some, letter, level, _varies(dependence), wanted), None, how)
+        reason = f"{where}, and it depends on temperature: from all set-points with a value"
+        return Law(_choice(some, letter, level, kind, varies=varies), None, reason)
     if common is not None and _is_sure(common):
-        how = f"identified at {len(sure)} of {len(points)} set-points: the value common to all"
-        return Law(_constant(points, common, level), None, how)
+        return Law(_constant(points, common, level), None, f"{where}: the value common to all set-points")
     limit = None if common is None else common.upper
     return Law(None, limit, "not identified at all set-points together: an upper limit")
 
@@ -137,22 +150,18 @@ def _varies(dependence: Dependence | None) -> bool:
 
 
 def _choice(
-    points: Sequence[SetPoint],
-    letter: str,
-    level: float,
-    varies: bool,  # noqa: FBT001 - data
-    wanted: Kind | None,
-) -> Choice:
-    found = [p.coefficients[letter] for p in points]
-    values = np.log([c.value or 0.0 for c in found])
-    sigmas = np.array([log_sigma(c, level) or 0.0 for c in found])
+    points: Sequence[SetPoint], letter: str, level: float, kind: FunctionKind | None, *, varies: bool
+) -> FunctionChoice:
+    coefficients = [p.coefficients[letter] for p in points]
+    values = np.log([c.value or 0.0 for c in coefficients])
+    sigmas = np.array([log_sigma(c, level) or 0.0 for c in coefficients])
     celsius = np.array([p.celsius for p in points])
-    return choose_function(celsius, values, sigmas, logarithmic=True, varies=varies, wanted=wanted)
+    return choose_function(celsius, values, sigmas, logarithmic=True, varies=varies, kind=kind)
 
 
-def _constant(points: Sequence[SetPoint], common: Coefficient, level: float) -> Choice:
+def _constant(points: Sequence[SetPoint], common: Coefficient, level: float) -> FunctionChoice:
     ends = np.array([points[0].celsius, points[-1].celsius])
-    sigma = (log_sigma(common, level) or 0.0) * 2**0.5  # each of two
+    sigma = (log_sigma(common, level) or 0.0) * 2**0.5  # of each of two estimates
     values = np.full(2, np.log(common.value or 0.0))
     function = TemperatureFunction("constant", ends, values, np.full(2, sigma), logarithmic=True, excess=0.0)
-    return Choice(function, (), "")
+    return FunctionChoice(function, (), "")

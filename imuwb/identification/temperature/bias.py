@@ -1,8 +1,8 @@
-"""Means by temperature, how sure they are, and whether they depend on where the temperature came from.
+"""The bias at each temperature, its uncertainty, and its hysteresis.
 
-A sensor's bias walks while its temperature changes: what flicker and random walk make between two records is no thermal bias.
-So means are judged by the variance of their differences, which grows with the time between them. A slow process that is not
-identified counts with its upper limit. What a turn-on adds is told only by several logs at one temperature.
+The bias of a sensor also walks while its temperature changes: what flicker and random walk do between two records is not a
+thermal change. So means are compared by the variance of their differences, which grows with the time between them. A slow process
+that is not identified counts with its upper limit. The turn-on bias is estimated only from several logs at one temperature.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import linalg
 
+from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit
 from imuwb.stochastic import FlickerNoise, RandomWalk, WhiteNoise
 
@@ -27,34 +28,31 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Mean:
+class RecordMean:
     """The mean of one record."""
 
     celsius: float
     value: float
-    middle: float  #: s
+    middle: float  #: s, time of the record's middle
     duration: float  #: s
-    rising: bool | None
-    log: int
+    rising: bool | None  #: whether the temperature came from below; None: not known
+    log: int  #: number of the log
 
 
 @dataclass(frozen=True, slots=True)
 class Bias:
     """The bias at one temperature."""
 
-    celsius: float
-    value: float
-    sigma: float  #: of its difference from the mean of all temperatures
+    temperature: float  #: °C
+    estimate: Estimate  #: the interval is that of its difference from the mean of all temperatures
 
 
 @dataclass(frozen=True, slots=True)
 class Hysteresis:
-    """The bias after a rise of temperature less that after a fall, at the same temperature of one log."""
+    """The bias with rising temperature minus the bias with falling temperature, at one temperature of one log."""
 
-    celsius: float
-    value: float
-    lower: float
-    upper: float
+    temperature: float  #: °C
+    difference: Estimate
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -62,28 +60,34 @@ class Biases:
     """The biases at k temperatures."""
 
     at: tuple[Bias, ...]
-    differences: Floats  #: (k, k) variances of their differences
+    differences: Floats  #: (k, k) variances of the differences between temperatures
     hysteresis: tuple[Hysteresis, ...]
-    turn_on: float | None  #: standard deviation from log to log at one temperature, beyond noise; None: unknown
+    turn_on: float | None  #: standard deviation between logs at one temperature, without noise; None: not known
+
+    def __str__(self) -> str:
+        """Return one line for each temperature."""
+        return "\n".join(f"{b.temperature:.4g} °C: {b.estimate}" for b in self.at)
+
+    __repr__ = __str__
 
     def heterogeneity(self) -> float | None:
-        """Return chi-square, of k - 1 degrees of freedom, of the biases against one value; None where errors are 0."""
+        """Return the chi-square statistic that all biases are equal, with k - 1 degrees of freedom; None if it has none."""
         first = self.differences[0]
         covariance = (first[1:, None] + first[None, 1:] - self.differences[1:, 1:]) / 2  # of differences from the first
-        away = np.array([b.value - self.at[0].value for b in self.at[1:]])
+        away = np.array([b.estimate.value - self.at[0].estimate.value for b in self.at[1:]])
         if away.size == 0 or not linalg.eigvalsh(covariance)[0] > 0:
             return None
         return float(away @ np.linalg.solve(covariance, away))
 
 
-def biases(means: Sequence[Sequence[Mean]], white: Sequence[float], slow: Sum, level: float = 0.95) -> Biases:
-    """Return the bias at each temperature, the mean of its records' means.
+def biases(means: Sequence[Sequence[RecordMean]], white: Sequence[float], slow: Sum, level: float = 0.95) -> Biases:
+    """Return the bias at each temperature: the mean of its records' means.
 
     Args:
-        means: of each temperature.
-        white: N of each temperature.
-        slow: flicker and random walk, at all temperatures.
-        level: of the intervals of hysteresis.
+        means: records of each temperature.
+        white: N at each temperature.
+        slow: flicker and random walk, common to all temperatures.
+        level: of the intervals.
     """
     records = [m for here in means for m in here]
     duration = float(np.median([m.duration for m in records]))
@@ -93,7 +97,7 @@ def biases(means: Sequence[Sequence[Mean]], white: Sequence[float], slow: Sum, l
     turn_on = _turn_on_variance(means, records, of_records)
     logs = np.array([m.log for m in records])
     of_records += 2 * (turn_on or 0.0) * (logs[:, None] != logs[None, :])
-    # With weights that add up to 1, variances of differences go over as covariances do.
+    # With weights whose sum is 1, variances of differences transform as covariances do.
     share = linalg.block_diag(*(np.full((1, len(here)), 1 / len(here)) for here in means))
     mixed = share @ of_records @ share.T
     within = np.diag(mixed)
@@ -101,30 +105,29 @@ def biases(means: Sequence[Sequence[Mean]], white: Sequence[float], slow: Sum, l
     from_mean = differences.mean(axis=1) - differences.mean() / 2
     values = share @ np.array([m.value for m in records])
     celsius = share @ np.array([m.celsius for m in records])
+    z = normal_limit(level)
     at = tuple(
-        Bias(float(t), float(v), float(s) ** 0.5) for t, v, s in zip(celsius, values, from_mean.clip(0), strict=True)
+        Bias(float(t), Estimate(float(v), float(v - z * s), float(v + z * s), float(s)))
+        for t, v, s in zip(celsius, values, from_mean.clip(0) ** 0.5, strict=True)
     )
-    loops = tuple(
-        loop
-        for here, n in zip(means, white, strict=True)
-        if (loop := _loop(here, n, slow, duration, level)) is not None
-    )
-    return Biases(at, differences, loops, None if turn_on is None else turn_on**0.5)
+    loops = [_hysteresis(here, n, slow, duration, level) for here, n in zip(means, white, strict=True)]
+    found = tuple(loop for loop in loops if loop is not None)
+    return Biases(at, differences, found, None if turn_on is None else turn_on**0.5)
 
 
 def difference_variance(processes: Sum, duration: float, apart: float) -> float:
     """Return the variance of the difference of two means.
 
     Args:
-        processes: white noise, flicker and random walk in it count.
-        duration: s, of each.
-        apart: s from middle to middle, at least ``duration``.
+        processes: their white noise, flicker and random walk.
+        duration: s, of each record.
+        apart: s between the middles of the records, at least ``duration``.
     """
     total = 0.0
     for term in processes.terms:
         if isinstance(term, WhiteNoise):
             total += 2 * term.N**2 / duration
-        if isinstance(term, FlickerNoise):  # of its generalised autocovariance -ln|t|/pi, averaged over both
+        if isinstance(term, FlickerNoise):  # its generalised autocovariance -ln|t|/pi, averaged over both records
             ends = _integral(apart + duration) - 2 * _integral(apart) + _integral(apart - duration)
             total += 2 * term.B**2 / np.pi * (ends - 2 * _integral(duration)) / duration**2
         if isinstance(term, RandomWalk):
@@ -133,17 +136,19 @@ def difference_variance(processes: Sum, duration: float, apart: float) -> float:
 
 
 def _integral(t: float) -> float:
-    """Return ln|t| integrated twice."""
+    """Return the second integral of ln|t|."""
     return t**2 / 2 * np.log(t) - 0.75 * t**2 if t > 0 else 0.0
 
 
-def _walked(a: Mean, b: Mean, slow: Sum, duration: float) -> float:
-    """Return what slow processes make of the difference of two records' means; records of one time count as one after the other."""
+def _walked(a: RecordMean, b: RecordMean, slow: Sum, duration: float) -> float:
+    """Return the variance of the difference of two means by slow noise; simultaneous records count as adjacent."""
     return 0.0 if a is b else difference_variance(slow, duration, max(abs(a.middle - b.middle), duration))
 
 
-def _turn_on_variance(means: Sequence[Sequence[Mean]], records: Sequence[Mean], differences: Floats) -> float | None:
-    """Return by how much means of different logs at one temperature scatter beyond noise; None where there are none."""
+def _turn_on_variance(
+    means: Sequence[Sequence[RecordMean]], records: Sequence[RecordMean], differences: Floats
+) -> float | None:
+    """Return the variance between logs at one temperature, without noise; None if no temperature has two logs."""
     place = {id(m): i for i, m in enumerate(records)}
     excess = [
         ((a.value - b.value) ** 2 - differences[place[id(a)], place[id(b)]]) / 2
@@ -155,8 +160,10 @@ def _turn_on_variance(means: Sequence[Sequence[Mean]], records: Sequence[Mean], 
     return max(float(np.mean(excess)), 0.0) if excess else None
 
 
-def _loop(means: Sequence[Mean], white: float, slow: Sum, duration: float, level: float) -> Hysteresis | None:
-    """Return rising less falling at one temperature, within the first log that has both; None where there is none."""
+def _hysteresis(
+    means: Sequence[RecordMean], white: float, slow: Sum, duration: float, level: float
+) -> Hysteresis | None:
+    """Return the hysteresis at one temperature, from the first log that has both directions; None if no log has."""
     for log in dict.fromkeys(m.log for m in means):
         up = next((m for m in means if m.log == log and m.rising is True), None)
         down = next((m for m in means if m.log == log and m.rising is False), None)
@@ -164,5 +171,6 @@ def _loop(means: Sequence[Mean], white: float, slow: Sum, duration: float, level
             variance = white**2 * (1 / up.duration + 1 / down.duration) + _walked(up, down, slow, duration)
             half = normal_limit(level) * variance**0.5
             value = up.value - down.value
-            return Hysteresis((up.celsius + down.celsius) / 2, value, value - half, value + half)
+            difference = Estimate(value, value - half, value + half, variance**0.5)
+            return Hysteresis((up.celsius + down.celsius) / 2, difference)
     return None

@@ -22,29 +22,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class FirstOrder:
-    """x(n) = -alpha x(n-1) + beta0 w(n); the paper's text, b(k+1) = C b(k) + e, has C = -alpha."""
+    """The AR(1) x(n) = -alpha x(n-1) + beta0 w(n); El-Diasty's b(k+1) = C b(k) + e has C = -alpha."""
 
     alpha: float
-    sigma: float  #: standard error, Bartlett's: true whatever the series is
-    sigma_if_ar: float  #: √((1 - alpha²)/n), true only of an AR(1)
+    sigma: float  #: standard error by Bartlett's formula, for any series
+    sigma_if_ar: float  #: √((1 - alpha²)/n), for a true AR(1) only
 
-    @property
-    def paper(self) -> float:
-        """Return C of the paper's text."""
-        return -self.alpha
+    def __str__(self) -> str:
+        """Return alpha with its standard error."""
+        return f"alpha {self.alpha:.5f} ± {self.sigma:.1g}"
 
 
 def first_order(records: Sequence[Record], dt: float) -> FirstOrder:
-    """Return the coefficient of one axis's records at one temperature, their drifts taken off.
+    """Return the coefficient of one axis's records at one temperature, without their drifts.
 
     Raises:
-        ValueError: a record that is too short, or constant.
+        ValueError: a record that is too short or constant.
     """
     rests = [residuals(record)[1] for record in records]
     return first_order_of(np.concatenate(rests), dt, [int(b) for b in np.cumsum([r.size for r in rests])[:-1]])
 
 
 def first_order_of(values: Floats, dt: float, breaks: Sequence[int]) -> FirstOrder:
-    """Return the coefficient of samples with these breaks, by Burg's method."""
+    """Return the coefficient of samples with breaks, by Burg's method."""
     first = fit_autoregressive(values, dt, 1, test=(), breaks=breaks).orders[0]
     return FirstOrder(float(first.alpha[0]), float(first.alpha_sigma[0]), float(first.alpha_sigma_if_ar[0]))

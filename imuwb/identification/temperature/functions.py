@@ -1,8 +1,8 @@
-"""Functions of temperature through estimates with errors, each a linear map of the estimates.
+"""Functions of temperature fitted to estimates with errors; each value is a linear combination of the estimates.
 
-Positive coefficients are fitted in their logarithm. A value between the set-points is weights times the estimates, so its
-variance follows from theirs, whatever the function; what the function itself misses between set-points comes on top, from
-leaving one out.
+Positive coefficients are fitted in their logarithm. A value between the set-points is weights times estimates, so its variance
+follows from the variances of the estimates. The error of the function itself between set-points is added, estimated by leaving
+one set-point out.
 """
 
 from __future__ import annotations
@@ -20,30 +20,30 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-Kind = Literal["constant", "linear", "arrhenius", "quadratic", "cubic", "piecewise", "spline"]
+FunctionKind = Literal["constant", "linear", "arrhenius", "quadratic", "cubic", "piecewise", "spline"]
 KELVIN = 273.15
-REFERENCE = 25.0  #: °C, about which polynomials are written
-SCALE = 50.0  #: °C
-DEGREES: dict[Kind, int] = {"constant": 0, "linear": 1, "quadratic": 2, "cubic": 3}
-#: simplest first
-KINDS: tuple[Kind, ...] = ("constant", "linear", "arrhenius", "quadratic", "cubic", "piecewise", "spline")
+REFERENCE = 25.0  #: °C, centre of the polynomials
+SCALE = 50.0  #: °C, unit of the polynomials
+DEGREES: dict[FunctionKind, int] = {"constant": 0, "linear": 1, "quadratic": 2, "cubic": 3}
+#: the simplest first
+KINDS: tuple[FunctionKind, ...] = ("constant", "linear", "arrhenius", "quadratic", "cubic", "piecewise", "spline")
 
 
-def parameters_of(kind: Kind, points: int) -> int:
-    """Return how many parameters a function has that is fitted to so many points."""
+def parameters_of(kind: FunctionKind, points: int) -> int:
+    """Return the number of parameters of a function that is fitted to this many points."""
     if kind in ("piecewise", "spline"):
         return points
     return 2 if kind == "arrhenius" else DEGREES[kind] + 1
 
 
-def weights(kind: Kind, at: Floats, celsius: Floats, sigma: Floats) -> Floats:
-    """Return the weights of the estimates in the function's values, (m, k).
+def weights(kind: FunctionKind, at: Floats, celsius: Floats, sigma: Floats) -> Floats:
+    """Return the weights of the estimates in the values of a function, (m, k).
 
     Args:
         kind: of function.
         at: (m,) °C.
         celsius: (k,) °C of the estimates, rising.
-        sigma: (k,) their standard errors.
+        sigma: (k,) standard errors of the estimates.
     """
     identity = np.eye(celsius.size)
     if kind == "piecewise":
@@ -54,7 +54,7 @@ def weights(kind: Kind, at: Floats, celsius: Floats, sigma: Floats) -> Floats:
     return _basis(kind, at) @ np.linalg.lstsq(here, identity / sigma[:, None], rcond=1e-13)[0]
 
 
-def _basis(kind: Kind, celsius: Floats) -> Floats:
+def _basis(kind: FunctionKind, celsius: Floats) -> Floats:
     if kind == "arrhenius":
         return np.stack([np.ones_like(celsius), 1000 / (celsius + KELVIN) - 1000 / (REFERENCE + KELVIN)], axis=1)
     return ((celsius - REFERENCE) / SCALE)[:, None] ** np.arange(DEGREES[kind] + 1)
@@ -62,17 +62,23 @@ def _basis(kind: Kind, celsius: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class TemperatureFunction:
-    """A coefficient as a function of temperature; beyond its set-points it is held."""
+    """A coefficient as a function of temperature; outside the set-points it is constant."""
 
-    kind: Kind
+    kind: FunctionKind
     celsius: Floats  #: (k,) °C of the estimates, rising
     estimate: Floats  #: (k,) the estimates, or their logarithms
-    sigma: Floats  #: (k,) of those
+    sigma: Floats  #: (k,) standard errors of those
     logarithmic: bool
-    excess: float  #: variance, likewise, by which the function misses what lies between set-points
+    excess: float  #: variance of the function's own error between set-points
+
+    def __str__(self) -> str:
+        """Return the formula."""
+        return f"{self.kind}: {self.text}"
+
+    __repr__ = __str__
 
     def at(self, celsius: Floats, level: float = 0.95) -> tuple[Floats, Floats, Floats]:
-        """Return values, and the lower and upper ends of intervals that hold the sensor's own value there, (m,)."""
+        """Return values, and lower and upper ends of intervals that contain the sensor's value, (m,) each."""
         inside = np.clip(celsius, self.celsius[0], self.celsius[-1])
         map_to = weights(self.kind, inside, self.celsius, self.sigma)
         middle = map_to @ self.estimate
@@ -81,10 +87,10 @@ class TemperatureFunction:
         return tuple(np.exp(end) for end in ends) if self.logarithmic else ends  # type: ignore[return-value]
 
     def _missing(self, at: Floats) -> Floats:
-        """Return the share of the excess that counts, (m,).
+        """Return the share of the excess variance that counts, (m,).
 
-        All of it; for a function through the set-points that of a Brownian bridge between two, of which leaving one out
-        showed one twice as long.
+        It is 1 for a smooth function. For a function through the set-points it is that of a Brownian bridge between two
+        set-points; leaving one out showed the error of a bridge twice as long.
         """
         if self.kind not in ("piecewise", "spline"):
             return np.ones(at.size)
@@ -94,7 +100,7 @@ class TemperatureFunction:
 
     @property
     def text(self) -> str:
-        """Return the function as one writes it, T in °C."""
+        """Return the formula, with T in °C."""
         name = "ln value" if self.logarithmic else "value"
         if self.kind in ("piecewise", "spline"):
             how = "straight lines between" if self.kind == "piecewise" else "a natural cubic spline through"
@@ -107,15 +113,17 @@ class TemperatureFunction:
         return " ".join([f"{name} = {found[0]:.4g}", *terms]).replace("^1", "")
 
 
-def fitted(kind: Kind, celsius: Floats, estimate: Floats, sigma: Floats, *, logarithmic: bool) -> TemperatureFunction:
-    """Return a function of that kind through the estimates."""
+def fitted(
+    kind: FunctionKind, celsius: Floats, estimate: Floats, sigma: Floats, *, logarithmic: bool
+) -> TemperatureFunction:
+    """Return a function of one kind fitted to the estimates."""
     missed, expected = left_out(kind, celsius, estimate, sigma)
     excess = float(np.mean(missed**2 - expected)) if missed.size else 0.0
     return TemperatureFunction(kind, celsius, estimate, sigma, logarithmic, max(excess, 0.0))
 
 
-def left_out(kind: Kind, celsius: Floats, estimate: Floats, sigma: Floats) -> tuple[Floats, Floats]:
-    """Return by how much each inner estimate is missed by the function of the others, and the variance that is due to errors."""
+def left_out(kind: FunctionKind, celsius: Floats, estimate: Floats, sigma: Floats) -> tuple[Floats, Floats]:
+    """Return each inner estimate minus the function of the others, and the variance of this error by the estimates' errors."""
     missed, expected = [], []
     for i in range(1, celsius.size - 1):
         others = np.arange(celsius.size) != i

@@ -1,4 +1,4 @@
-"""An axis's findings over temperature as an error model."""
+"""The error model of one axis over temperature."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-STEP = 5.0  #: °C between set-points of a model at most: it is linear between them
+STEP = 5.0  #: °C, largest distance between set-points of a model, which is linear between them
 
 
 def axis_model(found: AxisTemperatures, reference: float = 25.0, *, gravity: bool = False) -> AxisModel:
-    """Return an axis's model: processes and bias by temperature, each as the function that was chosen.
+    """Return the error model of an axis: processes and bias by temperature, each by its function.
 
     Args:
         found: the axis.
-        reference: °C; what the model says where no temperature is known.
-        gravity: whether a mean holds gravity, of which one attitude cannot tell the bias: then biases are the change
-            from that at the reference temperature.
+        reference: °C, for use without a known temperature.
+        gravity: whether the means include gravity, as an accelerometer's do. Since one attitude does not separate the bias from
+            gravity, biases are then changes from the reference temperature.
     """
     laws = {letter: law.function for letter in TERMS if (law := found.laws[letter]).function is not None}
     lowest, highest = found.points[0].celsius, found.points[-1].celsius

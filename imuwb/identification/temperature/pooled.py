@@ -1,7 +1,7 @@
-"""What all temperatures together say of Q, B and K, were each one value, N being each temperature's own.
+"""Q, B and K from all temperatures together, assuming that each has one value; N differs with temperature.
 
-Square by square each record alone bounds them badly, and cannot have less than none of them: estimates that are mixed afterwards
-lean to one side the more there are. So the likelihoods are climbed together, by Fisher scoring, N eliminated.
+A single record determines a square badly, and a square cannot be negative: a mean of such estimates is biased. So the likelihoods
+are maximised together, by Fisher scoring, with N eliminated.
 """
 
 from __future__ import annotations
@@ -26,27 +26,27 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-ROUNDS, CLOSE = 60, 1e-3  #: and the change of the deviance at which scoring ends
-LEAST_STEP = 1e-3
-DOUBLINGS, HALVINGS = 30, 6  #: of a square within which a limit is sought
+ROUNDS, CLOSE = 60, 1e-3  #: of the scoring, and the change of the deviance at which it ends
+LEAST_STEP = 1e-3  #: share of a step, below which the scoring ends
+DOUBLINGS, HALVINGS = 30, 6  #: of a square in the search for a limit
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Pooled:
     """The likeliest squares."""
 
-    squares: Floats  #: (k, t)
+    squares: Floats  #: (k, t) of k temperatures and t terms
     deviance: float
-    information: Floats  #: (t, t) of the common ones, what is each temperature's own eliminated
+    information: Floats  #: (t, t) of the common squares, with those that differ with temperature eliminated
 
 
 def pooled(points: Sequence[SetPoint], level: float = 0.95, own: Collection[str] = ()) -> dict[str, Coefficient]:
-    """Return the coefficients that are common to all temperatures, with intervals or limits.
+    """Return the coefficients common to all temperatures, with intervals or limits.
 
     Args:
-        points: one of each temperature.
+        points: one for each temperature.
         level: of the intervals and limits.
-        own: letters, besides N, that each temperature has its own of.
+        own: letters, besides N, that differ with temperature.
     """
     absent = {letter for point in points for letter in point.absent}
     common = [t for t, letter in enumerate(TERMS) if letter not in {"N", *own, *absent}]
@@ -77,7 +77,7 @@ def _coefficient(
 def _limit(
     points: Sequence[SetPoint], best: Pooled, term: int, common: list[int], mine: list[int], level: float
 ) -> float:
-    """Return the square at which the likelihood of all has fallen by what a limit takes, the others following."""
+    """Return the square at which the joint likelihood reaches the limit's level, with the other terms likeliest."""
     reach = normal_quantile(level) ** 2
     others = [t for t in common if t != term]
 
@@ -99,7 +99,7 @@ def _limit(
 
 
 def _climbed(points: Sequence[SetPoint], squares: Floats, common: list[int], mine: list[int]) -> Pooled:
-    """Return the likeliest squares: one for all of ``common``, each temperature's own of ``mine``, the others as they are."""
+    """Return the likeliest squares: one value of ``common``, one for each temperature of ``mine``; the others are fixed."""
     deviance = _deviance(points, squares)
     information = np.zeros((squares.shape[1], squares.shape[1]))
     for _ in range(ROUNDS):
@@ -120,7 +120,7 @@ def _climbed(points: Sequence[SetPoint], squares: Floats, common: list[int], min
 
 
 def _target(points: Sequence[SetPoint], squares: Floats, common: list[int], mine: list[int]) -> tuple[Floats, Floats]:
-    """Return the squares that the slopes here point to, none negative, and the information of the common ones."""
+    """Return the next squares of the scoring, none negative, and the information of the common ones."""
     count = squares.shape[1]
     total, target = np.zeros((count, count)), np.zeros(count)
     parts: list[tuple[Floats, Floats, Floats]] = []
@@ -151,7 +151,7 @@ def _inverse(matrix: Floats) -> Floats:
 
 
 def _nonnegative(information: Floats, target: Floats) -> Floats:
-    """Return the p >= 0 that makes p'Ip/2 - p'b least."""
+    """Return the p >= 0 that minimises p'Ip/2 - p'b."""
     size = np.sqrt(information.diagonal()).clip(1e-150)
     values, vectors = np.linalg.eigh(information / np.outer(size, size))
     kept = values > values[-1] * 1e-12

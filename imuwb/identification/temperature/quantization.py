@@ -1,4 +1,4 @@
-"""Quantization that no temperature shows is left out of all of them."""
+"""Quantization is left out at all temperatures if all of them together show none."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 
 def settled(points: Sequence[SetPoint], level: float = 0.95) -> tuple[tuple[SetPoint, ...], dict[str, Coefficient]]:
-    """Return set-points of one axis, and what is common to all; without quantization where all together do not show it.
+    """Return set-points of one axis, and the common coefficients; without quantization if all together do not show it.
 
-    Quantization and random walk share the spectrum's upper end: one that is free to be there at each temperature, and is not,
-    doubles the error of N. Its limits stay those of the fit in which it was free.
+    Quantization and random walk share the upper end of the spectrum: a free quantization term that is absent doubles the error of
+    N. The limits of quantization remain those of the fit with the free term.
     """
     together = pooled(points, level)
     if together["Q"].value is not None:

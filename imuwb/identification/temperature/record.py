@@ -1,4 +1,4 @@
-"""A record at one temperature, and what is left of it without its drift."""
+"""A record at one temperature, and its residuals without drift."""
 
 from __future__ import annotations
 
@@ -22,15 +22,21 @@ class Record:
     """Evenly spaced samples of one axis at one temperature, without gaps."""
 
     values: Floats  #: (n,)
-    start: float  #: s, on a clock that all records share
-    celsius: float  #: mean
-    thermometer: Floats | None = None  #: (n,) °C, smoothed; None: steady
-    rising: bool | None = None  #: whether the temperature came from below; None: unknown
-    log: int = 0  #: which log it is of: its turn-on bias is that log's
+    start: float  #: s, in a time common to all records
+    celsius: float  #: mean temperature
+    thermometer: Floats | None = None  #: (n,) °C, smoothed; None: constant
+    rising: bool | None = None  #: whether the temperature came from below; None: not known
+    log: int = 0  #: number of its log; records of one log share a turn-on bias
+
+    def __str__(self) -> str:
+        """Return size and temperature, in one line."""
+        return f"{self.values.size} samples at {self.celsius:.4g} °C"
+
+    __repr__ = __str__
 
 
 def residuals(record: Record) -> tuple[Floats, Floats]:
-    """Return the columns of a record's drift, (n, p), and the samples without it, (n,).
+    """Return the columns of a record's drift, (n, p), and the samples without the drift, (n,).
 
     Raises:
         ValueError: fewer than 1024 samples, or a constant channel.

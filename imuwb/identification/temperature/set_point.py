@@ -1,7 +1,7 @@
-"""What the noise of one sensor axis is at one temperature, from one record or several.
+"""The noise of one sensor axis at one temperature, from one record or several.
 
-The coefficients are those of the likelihood (``likelihood_fit``), of all records at that temperature together; AR(1) is Burg's
-with Bartlett's standard error; the slope is that of a free line where random walk rules the Allan curve.
+The coefficients are likelihood estimates (``likelihood.fit``) from all records at that temperature together. AR(1) is by Burg's
+method with Bartlett's standard error. The slope is that of a free line fitted to the Allan curve where random walk dominates.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from imuwb.identification.likelihood.fit import (
 )
 from imuwb.identification.likelihood.problem import LikelihoodProblem
 from imuwb.identification.spectral.lines import find_lines
-from imuwb.identification.temperature.bias import Mean
+from imuwb.identification.temperature.bias import RecordMean
 from imuwb.identification.temperature.first_order import first_order_of
 from imuwb.identification.temperature.record import residuals
 from imuwb.identification.temperature.thermal_trend import joined, lowest, restricted
@@ -51,30 +51,37 @@ LETTERS = tuple(TERMS)
 
 @dataclass(frozen=True, eq=False, slots=True)
 class SetPoint:
-    """One axis at one temperature. SI."""
+    """One axis at one temperature, in SI."""
 
     celsius: float  #: mean
     samples: int
     duration: float  #: s
     coefficients: dict[str, Coefficient]  #: Q, N, B, K
     fit: LikelihoodFit
-    problem: LikelihoodProblem  #: up to the frequency that the sum explains
-    first: FirstOrder
-    deviation: Coefficient  #: standard deviation of the samples, a drift with time and temperature taken off
-    region: Region | None  #: averaging times that random walk rules, and the slope of a free line there
+    problem: LikelihoodProblem  #: up to the highest frequency that the sum explains
+    ar1: FirstOrder
+    deviation: Coefficient  #: standard deviation of the samples without a drift with time and temperature
+    region: Region | None  #: averaging times at which random walk dominates, and the slope of a free line there
     curve: AllanDeviation
-    means: tuple[Mean, ...]  #: of each record
-    lines: tuple[Line, ...]  #: sinusoids left out
-    absent: tuple[str, ...] = ()  #: coefficients that were known to be absent
+    means: tuple[RecordMean, ...]  #: of each record
+    lines: tuple[Line, ...]  #: sinusoids that the fit leaves out
+    absent: tuple[str, ...] = ()  #: coefficients that are known to be absent
+
+    def __str__(self) -> str:
+        """Return the temperature and the coefficients, in one line."""
+        sizes = ", ".join(f"{letter} {c}" for letter, c in self.coefficients.items())
+        return f"{self.celsius:.4g} °C, {self.samples} samples: {sizes}, {self.ar1}"
+
+    __repr__ = __str__
 
     @property
     def ramped(self) -> bool:
-        """Whether a ramp was found, which is then part of the likelihood."""
+        """Return whether the fit has a ramp, which is then part of the likelihood."""
         return any(isinstance(term, RateRamp) for term in self.fit.processes.terms)
 
     @property
     def inflation(self) -> float:
-        """By how much a sum that does not explain the spectrum widens intervals (Birge)."""
+        """Return the factor on variances if the sum does not explain the spectrum (Birge)."""
         return max(self.fit.misfit, 1.0) if self.fit.probability < ACCEPTED else 1.0
 
 
@@ -82,18 +89,18 @@ def identify(records: Sequence[Record], dt: float, *, level: float = 0.95, band:
     """Return the noise at one temperature.
 
     Args:
-        records: of one axis, each at that temperature.
+        records: of one axis, all at that temperature.
         dt: s.
         level: of intervals and limits.
         band: Hz, up to which no filter has changed the spectrum.
 
     Raises:
-        ValueError: a record of fewer than 1024 samples, a constant one, or too little below ``band``.
+        ValueError: a record of fewer than 1024 samples, a constant record, or too few frequencies below ``band``.
     """
     trends, rests = zip(*(residuals(record) for record in records), strict=True)
     longest = int(np.argmax([rest.size for rest in rests]))
     lines = tuple(line for line in find_lines(rests[longest], dt, level) if line.frequency <= band)
-    # Whether one record at a steady temperature has a ramp is for the fit to decide.
+    # For one record at a constant temperature, the fit decides whether there is a ramp.
     steady = len(records) == 1 and trends[0].shape[1] == 1
     spectra = [spectrum_without(x, dt, lines) for x in ([records[0].values] if steady else rests)]
     problem = _problem(spectra, None if steady else trends, dt, band)
@@ -117,10 +124,10 @@ def identify(records: Sequence[Record], dt: float, *, level: float = 0.95, band:
     )
 
 
-def _mean(record: Record, dt: float) -> Mean:
+def _mean(record: Record, dt: float) -> RecordMean:
     duration = record.values.size * dt
     value = float(record.values.mean())
-    return Mean(record.celsius, value, record.start + duration / 2, duration, record.rising, record.log)
+    return RecordMean(record.celsius, value, record.start + duration / 2, duration, record.rising, record.log)
 
 
 def _problem(
@@ -129,7 +136,7 @@ def _problem(
     kinds = [make(1.0) for make in TERMS.values()]
     parts = [LikelihoodProblem.of(spectrum, kinds).below(band) for spectrum in spectra]
     if min(part.power.size for part in parts) < FEWEST_BINS:
-        message = f"too little of the spectrum lies below {band:.3g} Hz, above which a filter changed it"
+        message = f"too few frequencies lie below {band:.3g} Hz, above which a filter changed the spectrum"
         raise ValueError(message)
     if trends is None:
         return parts[0]
@@ -139,7 +146,7 @@ def _problem(
 
 
 def _deviation(values: Floats, spectra: Sequence[CosineSpectrum], level: float) -> Coefficient:
-    """Return the samples' standard deviation; how surely, tell the powers of their cosines, which are nearly independent."""
+    """Return the samples' standard deviation; its interval comes from the powers of their nearly independent cosines."""
     square = float(np.einsum("i,i", values, values)) / values.size
     total = sum(float(s.power @ s.count + s.low @ s.low) for s in spectra)
     scatter = sum(float(2 * (s.power**2) @ s.count + 2 * (s.low**4).sum() / 3) for s in spectra) ** 0.5
@@ -147,7 +154,7 @@ def _deviation(values: Floats, spectra: Sequence[CosineSpectrum], level: float) 
 
 
 def log_sigma(found: Coefficient, level: float) -> float | None:
-    """Return the standard error of a coefficient's logarithm, from its interval; None where it has no value."""
+    """Return the standard error of a coefficient's logarithm, from its interval; None if it has no value."""
     if found.value is None:
         return None
     z = normal_limit(level)

@@ -1,4 +1,4 @@
-"""Where in a log the temperature is one: all of it, its plateaus, or the bins of a ramp."""
+"""The stretches of a log with one temperature each: the whole log, its plateaus, or the bins of a ramp."""
 
 from __future__ import annotations
 
@@ -18,38 +18,38 @@ if TYPE_CHECKING:
 
 Cut = Literal["set-point", "plateaus", "bins"]
 STEADY = 2.0  #: °C; a log whose temperature spans no more is one set-point
-PLATEAU = 1.0  #: °C, that a plateau spans at most
-DWELL = 3.0  #: times the time that the log takes on average for that span; a plateau lasts longer
-MOST = 0.5  #: of the log; plateaus hold at least so much, else it is a ramp
+PLATEAU = 1.0  #: °C, largest span of a plateau
+DWELL = 3.0  #: a plateau lasts this many times longer than the log takes on average for that span
+MOST = 0.5  #: of the log; with a smaller share in plateaus, the log is a ramp
 TURN = 2.0  #: °C; a ramp that goes back by more has turned
-WIDTHS = (5.0, 10.0, 20.0)  #: °C of a bin, the first that holds enough, else the last
+WIDTHS = (5.0, 10.0, 20.0)  #: °C, widths of bins; the first with enough samples is taken, else the last
 ENOUGH = 20_000  #: samples of the median bin
-BLOCK, BLOCKS = 5.0, 4000  #: s, over which a thermometer is averaged at least, and blocks of a log at most
+BLOCK, BLOCKS = 5.0, 4000  #: s, shortest block of the averaged thermometer, and largest number of blocks
 
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A part of a log at one temperature."""
+    """A part of a log with one temperature."""
 
     start: float  #: s
     end: float  #: s
     celsius: float  #: mean
     spread: float  #: °C, standard deviation of the thermometer
-    nominal: float  #: °C: a bin's middle, else the mean; stretches of one nominal temperature belong together
-    rising: bool | None  #: whether the temperature came from below; None: unknown
+    nominal: float  #: °C, middle of a bin, else the mean; stretches with the same nominal temperature belong together
+    rising: bool | None  #: whether the temperature came from below; None: not known
 
 
 def stretches(
     time: Floats, celsius: Floats, rate: float, cut: Cut | None = None, width: float = 0.0
 ) -> tuple[Cut, tuple[Stretch, ...]]:
-    """Return how a log was cut, and its stretches in the order of time.
+    """Return how a log was divided, and its stretches in order of time.
 
     Args:
         time: (n,) s of the thermometer's readings, rising.
         celsius: (n,) °C.
-        rate: Hz of the sensor's samples, of which a bin shall hold enough.
-        cut: None: a set-point where the temperature spans at most 2 °C, plateaus where they hold half of the time, else bins.
-        width: °C of a bin; 0: 5, or 10 or 20 where 5 hold too few samples.
+        rate: Hz, sampling rate of the sensor, for the number of samples in a bin.
+        cut: None: a set-point if the temperature spans at most 2 °C, plateaus if they make up half of the time, else bins.
+        width: °C of a bin; 0: 5, or 10 or 20 if smaller bins have too few samples.
     """
     at, mean = _blocks(time, celsius)
     plateaus = _plateaus(at, mean)
@@ -83,7 +83,7 @@ def _stretch(
 
 
 def _blocks(time: Floats, celsius: Floats) -> tuple[Floats, Floats]:
-    """Return the times and means of blocks, which a thermometer's noise and steps hardly move; the first and last time count."""
+    """Return the times and means of blocks, which average out noise and steps of the thermometer."""
     length = max(BLOCK, float(time[-1] - time[0]) / BLOCKS)
     number = ((time - time[0]) / length).astype(np.int64)
     count = np.bincount(number)
@@ -94,10 +94,10 @@ def _blocks(time: Floats, celsius: Floats) -> tuple[Floats, Floats]:
 
 
 def _plateaus(at: Floats, mean: Floats) -> list[tuple[int, int]]:
-    """Return the first and last block of each plateau, in order: the longest, then the longest beside it, and so on."""
+    """Return the first and last block of each plateau, in order: the longest plateau, then the longest of the rest, and so on."""
     travelled = float(np.abs(np.diff(mean)).sum())
     dwell = DWELL * PLATEAU * float(at[-1] - at[0]) / max(travelled, PLATEAU)
-    found: list[tuple[int, int]] = []
+    plateaus: list[tuple[int, int]] = []
     open_parts = [(0, at.size)]
     while open_parts:
         begin, end = open_parts.pop()
@@ -106,13 +106,13 @@ def _plateaus(at: Floats, mean: Floats) -> list[tuple[int, int]]:
         a, b = max(_windows(mean[begin:end]), key=lambda w: at[begin + w[1]] - at[begin + w[0]])
         if at[begin + b] - at[begin + a] < dwell:
             continue
-        found.append((begin + a, begin + b))
+        plateaus.append((begin + a, begin + b))
         open_parts += [(begin, begin + a), (begin + b + 1, end)]
-    return sorted(found)
+    return sorted(plateaus)
 
 
 def _windows(mean: Floats) -> Iterator[tuple[int, int]]:
-    """Yield the longest window within a plateau's span that ends at each block."""
+    """Yield, for each block, the longest window that ends there and spans no more than a plateau."""
     low: deque[int] = deque()
     high: deque[int] = deque()
     start = 0
@@ -150,8 +150,8 @@ def _legs(mean: Floats) -> list[tuple[int, int]]:
 
 
 def _bins(mean: Floats, width: float) -> list[tuple[int, int, float, bool]]:
-    """Return the first and last block, the middle and the direction of each bin that a leg goes through."""
-    found: list[tuple[int, int, float, bool]] = []
+    """Return the first and last block, the middle and the direction of each bin on each leg."""
+    bins: list[tuple[int, int, float, bool]] = []
     for begin, end in _legs(mean):
         leg = mean[begin : end + 1]
         rising = bool(leg[-1] > leg[0])
@@ -160,8 +160,8 @@ def _bins(mean: Floats, width: float) -> list[tuple[int, int, float, bool]]:
         for k in np.unique(number):
             inside = np.flatnonzero(number == k)
             if inside.size > 1:
-                found.append((begin + int(inside[0]), begin + int(inside[-1]), (float(k) + 0.5) * width, rising))
-    return sorted(found)
+                bins.append((begin + int(inside[0]), begin + int(inside[-1]), (float(k) + 0.5) * width, rising))
+    return sorted(bins)
 
 
 def _wide_enough(at: Floats, mean: Floats, rate: float) -> float:

@@ -1,8 +1,8 @@
-"""What a bias that follows the temperature puts into a record, taken out together with the noise's identification.
+"""The trend of a record by a bias that follows the temperature, which is removed in the identification of the noise.
 
-Within a stretch the bias is taken to be a parabola of the temperature and a straight line in time. What these span is left out
-of the lowest cosine coefficients (restricted likelihood), so that a thermal drift passes neither for flicker nor
-for a random walk, and what it takes of them is not counted as evidence against these.
+Within a stretch the bias is modelled by a parabola of the temperature and a straight line in time. These columns are projected out
+of the lowest cosine coefficients (restricted likelihood). So a thermal drift does not look like flicker or a random walk, and
+the lost coefficients do not count as evidence against them.
 """
 
 from __future__ import annotations
@@ -26,17 +26,17 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 MOVED = 0.2  #: °C; a stretch whose smoothed temperature spans less has no thermal trend
-KNOTS = 40  #: means over a stretch that the thermometer is smoothed to
-SAME = 1e-6  #: of a trend's size, below which what is left of it beside the others is rounding
+KNOTS = 40  #: means of a stretch, between which the smoothed thermometer is linear
+SAME = 1e-6  #: of a column's size; a smaller remainder next to the other columns is a rounding error
 
 
 def smooth_temperature(time: Floats, celsius: Floats, at: Floats) -> Floats:
-    """Return a thermometer's readings smoothed and brought to other times, (m,) °C.
+    """Return a thermometer's readings, smoothed and interpolated at other times, (m,) °C.
 
     Args:
         time: (n,) s of the readings.
         celsius: (n,) °C.
-        at: (m,) s, rising, of a stretch.
+        at: (m,) s, rising, within a stretch.
     """
     inside = (time >= at[0]) & (time <= at[-1])
     if np.count_nonzero(inside) < 2:  # noqa: PLR2004 - a straight line between the readings around
@@ -46,15 +46,15 @@ def smooth_temperature(time: Floats, celsius: Floats, at: Floats) -> Floats:
     edges = np.linspace(0, t.size, parts + 1).astype(np.int64)[:-1]
     count = np.diff(np.append(edges, t.size))
     knots, means = np.add.reduceat(t, edges) / count, np.add.reduceat(c, edges) / count
-    found = np.interp(at, knots, means)
+    smooth = np.interp(at, knots, means)
     for ends, side in ((slice(0, 2), at < knots[0]), (slice(-2, None), at > knots[-1])):
         (t0, t1), (c0, c1) = knots[ends], means[ends]
-        found[side] = c0 + (c1 - c0) / (t1 - t0) * (at[side] - t0)
-    return found
+        smooth[side] = c0 + (c1 - c0) / (t1 - t0) * (at[side] - t0)
+    return smooth
 
 
 def trend_of(n: int, celsius: Floats | None) -> Floats:
-    """Return the columns that a drift is made of, (n, p): a line in time, and a parabola of a temperature that moves."""
+    """Return the columns of a drift, (n, p): a line in time and, if the temperature changes, a parabola of the temperature."""
     line = np.linspace(-1, 1, n)
     if celsius is None or np.ptp(celsius) < MOVED:
         return line[:, None]
@@ -63,7 +63,7 @@ def trend_of(n: int, celsius: Floats | None) -> Floats:
 
 
 def without_trend(values: Floats, trend: Floats) -> Floats:
-    """Return values less their mean and what a least-squares fit of the trend's columns explains, (n,)."""
+    """Return values minus their mean and the least-squares fit of the trend's columns, (n,)."""
     columns = trend - trend.mean(axis=0)
     rest = values - values.mean()
     squares, products = np.einsum("ip,iq->pq", columns, columns), np.einsum("ip,i->p", columns, rest)
@@ -73,12 +73,12 @@ def without_trend(values: Floats, trend: Floats) -> Floats:
 def lowest(trend: Floats, dt: float) -> Floats:
     """Return the lowest cosine coefficients of a trend's columns, (32, p)."""
     spectra = [cosine_spectrum(np.ascontiguousarray(column), dt) for column in trend.T[1:]]
-    line = cosine_spectrum(np.zeros(len(trend)), dt).trend()  # a line is what a spectrum takes off beforehand
+    line = cosine_spectrum(np.zeros(len(trend)), dt).trend()  # a spectrum has its line already removed
     return np.stack([line, *(spectrum.low for spectrum in spectra)], axis=1).reshape(LOW, -1)
 
 
 def restricted(problem: LikelihoodProblem, spectrum: CosineSpectrum, trend: Floats) -> LikelihoodProblem:
-    """Return the problem of what is left of the lowest coefficients when a trend, (32, p), is taken out of them."""
+    """Return the problem without a trend, (32, p), in the lowest coefficients."""
     columns = trend[spectrum.index - 1]
     size = np.linalg.norm(columns, axis=0)
     own = size > SAME * (spectrum.n * spectrum.dt) ** 0.5
@@ -90,7 +90,7 @@ def restricted(problem: LikelihoodProblem, spectrum: CosineSpectrum, trend: Floa
 
 
 def joined(problems: Sequence[LikelihoodProblem]) -> LikelihoodProblem:
-    """Return the problem of several records of one sensor: their coefficients side by side. Each has had its trend taken out."""
+    """Return the problem of several records of one sensor, each without its trend: their coefficients together."""
     if len(problems) == 1:
         return problems[0]
     order = np.argsort(np.concatenate([p.frequency for p in problems]), kind="stable")

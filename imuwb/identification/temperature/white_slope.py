@@ -1,4 +1,4 @@
-"""The slope of the Allan curve where white noise rules it: free, beside the -1/2 that it should be (El-Diasty, 4.1)."""
+"""The slope of the Allan curve where white noise dominates: fitted freely, next to the nominal -1/2 (El-Diasty, 4.1)."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-MOST = 10  #: octaves; longer averaging times add next to nothing
+MOST = 10  #: octaves; longer averaging times add little information
 
 
 def white_slope(
     curve: AllanDeviation, processes: Sum, coefficients: Mapping[str, Coefficient], level: float = 0.95
 ) -> Region | None:
-    """Return the averaging times that random walk rules, and a free line's slope there; None where there are no two.
+    """Return the averaging times at which random walk dominates, and the slope of a free line there; None for fewer than two.
 
-    The line is fitted by generalised least squares, with the covariance that the curve's points have under the sum.
+    The line is fitted by generalised least squares, with the covariance of the curve's points under the sum.
 
     Args:
-        curve: octaves.
-        processes: the sum that was identified.
-        coefficients: Q, N, B and K of it.
+        curve: at octaves.
+        processes: the identified sum.
+        coefficients: Q, N, B and K of the sum.
         level: of the slope's interval.
     """
     white = coefficients["N"].value

@@ -11,98 +11,126 @@ from imuwb.axes import THREADS, axes_of, rates
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.temperature import heterogeneity, identify, log_sigma, over_temperature
 from imuwb.log import AXES, source_of
+from imuwb.notes import Note
 from imuwb.progress import tracked
-from imuwb_plugins.temperature.gather import FEWEST, check_thermometers, check_together, grouped, parts_of
-from imuwb_plugins.temperature.result import Result
-from imuwb_plugins.temperature.tell import axis_result
+from imuwb_plugins.temperature.axis_result import axis_result
+from imuwb_plugins.temperature.log_checks import check_thermometers, check_together
+from imuwb_plugins.temperature.records import FEWEST, grouped, parts_of
+from imuwb_plugins.temperature.result import CONVENTION, Result
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from imuwb.identification.temperature import AxisTemperatures, SetPoint
+    from imuwb.identification.temperature import AxisTemperatures, Record, SetPoint
     from imuwb.log import Log
-    from imuwb_plugins.temperature.gather import Part
     from imuwb_plugins.temperature.parameters import Parameters
+    from imuwb_plugins.temperature.records import LogPart
 
-CONVENTION = "AR(1): x(n) = -alpha x(n-1) + beta0 w(n); the paper's text has b(k+1) = C b(k) + e, C = -alpha"
-DIFFERENT = 1e-3  #: probability of N of two logs at one temperature that differ so much by chance
-NOTICEABLE = 0.02  #: of N, likewise
+DIFFERENT = 1e-3  #: probability by chance, below which N differs between logs
+NOTICEABLE = 0.02  #: relative difference of N between logs, from which a note says so
+NAMED = 6  #: temperatures in a note, at most
 
 
 def run(logs: Sequence[Log], parameters: Parameters) -> Result:
-    """Return what each axis does over temperature."""
+    """Return noise and bias of each axis over temperature.
+
+    Raises:
+        MissingDataError: a log without temperature, or of a moving sensor; a single temperature.
+        UsageError: logs that do not belong together, or options that do not suit the logs.
+    """
     notes = [*check_together(logs, parameters), *check_thermometers(logs, parameters)]
-    given = parameters.temperatures()
-    parts: list[Part] = []
-    cuts: list[str] = []
-    for i, log in enumerate(logs):
-        cut, found, said = parts_of(i, log, given[i] if given else None, parameters)
-        parts += found
-        cuts.append(cut)
-        notes += said
-    groups = [(group, any(part.has_enough() for part in group)) for group in grouped(parts)]
-    notes += _short_notes(groups)
-    usable = [group for group, enough in groups if enough]
-    _require_two(logs, usable, bool(groups))
-    names = [axis for axis in AXES if any(axis in p.axes for p in parts)]
-    jobs = [(axis, group) for axis in names for group in usable]
-
-    def identified(job: tuple[str, list[Part]]) -> tuple[SetPoint | None, str]:
-        return _point(*job, parameters)
-
-    with ThreadPoolExecutor(THREADS) as pool:
-        points = list(tracked(pool.map(identified, jobs), len(jobs)))
-    found_axes: dict[str, AxisTemperatures] = {}
-    for axis in names:
-        done = [(group, point, text) for (name, group), (point, text) in zip(jobs, points, strict=True) if name == axis]
-        notes += _axis_notes(axis, [(group[0].stretch.nominal, text) for group, _, text in done if text])
-        here = [point for _, point, _ in done if point is not None]
-        if len(here) > 1:
-            found_axes[axis] = _over(here, parameters)
-    if not found_axes:
+    cuts, groups, part_notes = _groups(logs, parameters)
+    notes += part_notes
+    names = [axis for axis in AXES if any(axis in p.axes for group in groups for p in group)]
+    axes, axis_notes = _axes(names, groups, parameters)
+    notes += axis_notes
+    if not axes:
         message = f"{logs[0].provenance.path}: no axis has noise at two temperatures: {'; '.join(notes)}"
         raise MissingDataError(message)
-    lowest, highest = (end(p.celsius for found in found_axes.values() for p in found.points) for end in (min, max))
+    lowest, highest = (end(p.celsius for over in axes.values() for p in over.points) for end in (min, max))
     reference = min(max(parameters.reference, lowest), highest)
     if reference != parameters.reference:
-        notes.append(
+        text = (
             f"no log is at {parameters.reference:g} °C: the nearest temperature, {reference:.4g} °C, is the reference"
         )
-    sources = "; ".join(source_of(log) for log in logs)
-    first = axes_of(logs[0].imu())
-    axes = {axis: axis_result(axis, found, reference) for axis, found in found_axes.items()}
+        notes.append(Note("reference", text))
+    if len(logs) > 1 and all(over.biases.turn_on is None for over in axes.values()):
+        text = (
+            "every temperature has one log, so a bias that changes at each turn-on is not separable from one that follows the "
+            "temperature; several logs at one temperature separate them"
+        )
+        notes.append(Note("turn-on", text))
+    if not any(over.biases.hysteresis for over in axes.values()):
+        text = "hysteresis is not estimated: no log reaches a temperature both from below and from above"
+        notes.append(Note("no-hysteresis", text))
     return Result(
-        logs[0].imu().name, sources, parameters.level, reference, CONVENTION, tuple(cuts), rates(first), axes,
-        (*dict.fromkeys(notes), *_remarks(logs, found_axes)),
+        logs[0].imu().name, "; ".join(source_of(log) for log in logs), parameters.level, parameters.size, reference, CONVENTION,
+        cuts, rates(axes_of(logs[0].imu())), {axis: axis_result(axis, over, reference) for axis, over in axes.items()},
+        tuple(dict.fromkeys(notes)),
     )  # fmt: skip
 
 
-def _short_notes(groups: Sequence[tuple[list[Part], bool]]) -> list[str]:
-    short = [group[0].stretch.nominal for group, enough in groups if not enough]
-    if not short:
-        return []
-    where = ", ".join(f"{t:.4g}" for t in short[:6]) + (" ..." if len(short) > 6 else "")  # noqa: PLR2004 - a line
-    return [f"left out, with fewer than {FEWEST} samples: {len(short)} of {len(groups)} temperatures ({where} °C)"]
+def _groups(logs: Sequence[Log], parameters: Parameters) -> tuple[tuple[str, ...], list[list[LogPart]], list[Note]]:
+    """Return how each log was divided, the parts at each temperature with enough samples, and notes."""
+    parts: list[LogPart] = []
+    cuts: list[str] = []
+    notes: list[Note] = []
+    for i, log in enumerate(logs):
+        cut, log_parts, log_notes = parts_of(i, log, parameters.celsius[i] if parameters.celsius else None, parameters)
+        parts += log_parts
+        cuts.append(cut)
+        notes += log_notes
+    groups = grouped(parts)
+    usable = [group for group in groups if any(part.has_enough() for part in group)]
+    short = [group[0].stretch.nominal for group in groups if group not in usable]
+    if short:
+        where = ", ".join(f"{t:.4g}" for t in short[:NAMED]) + (" ..." if len(short) > NAMED else "")
+        text = f"left out, with fewer than {FEWEST} samples: {len(short)} of {len(groups)} temperatures ({where} °C)"
+        notes.append(Note("short", text))
+    _require_two(logs, usable, bool(groups))
+    return tuple(cuts), usable, notes
 
 
-def _require_two(logs: Sequence[Log], groups: Sequence[list[Part]], found: bool) -> None:  # noqa: FBT001 - said, or not
+def _require_two(logs: Sequence[Log], groups: Sequence[list[LogPart]], found: bool) -> None:  # noqa: FBT001 - whether any was found
     if len(groups) > 1:
         return
     where = logs[0].provenance.path + (f" and {len(logs) - 1} more" if len(logs) > 1 else "")
     if not groups:
-        why = f"no temperature holds {FEWEST} samples" if found else "no stretch of one temperature"
-        message = f"{where}: {why}; take wider bins with --bins, or longer logs"
+        why = f"no temperature has {FEWEST} samples" if found else "no stretch has one temperature"
+        message = f"{where}: {why}; use wider bins with --bins, or longer logs"
         raise MissingDataError(message)
     celsius = groups[0][0].stretch.celsius
     message = (
-        f"{where}: one temperature only ({celsius:.1f} °C): nothing can be said of what depends on it; give logs of other temperatures, "
-        f"or say them with --celsius if the thermometer is stuck; for the noise itself: imuwb noise"
+        f"{where}: one temperature only ({celsius:.1f} °C), which shows no dependence on temperature; give logs of other "
+        "temperatures, or --celsius if the thermometer is stuck; for the noise alone, use imuwb noise"
     )
     raise MissingDataError(message)
 
 
-def _point(axis: str, group: Sequence[Part], parameters: Parameters) -> tuple[SetPoint | None, str]:
-    """Return an axis at one temperature, and what must be said of it."""
+def _axes(
+    names: Sequence[str], groups: Sequence[list[LogPart]], parameters: Parameters
+) -> tuple[dict[str, AxisTemperatures], list[Note]]:
+    """Return each axis with at least two set-points over temperature, and notes."""
+    jobs = [(axis, group) for axis in names for group in groups]
+
+    def identified(job: tuple[str, list[LogPart]]) -> tuple[SetPoint | None, str]:
+        return _set_point(*job, parameters)
+
+    with ThreadPoolExecutor(THREADS) as pool:
+        points = list(tracked(pool.map(identified, jobs), len(jobs)))
+    axes: dict[str, AxisTemperatures] = {}
+    notes: list[Note] = []
+    for axis in names:
+        own = [(group, point, text) for (name, group), (point, text) in zip(jobs, points, strict=True) if name == axis]
+        notes += _axis_notes(axis, [(group[0].stretch.nominal, text) for group, _, text in own if text])
+        known = [point for _, point, _ in own if point is not None]
+        if len(known) > 1:
+            axes[axis] = _over(known, parameters)
+    return axes, notes
+
+
+def _set_point(axis: str, group: Sequence[LogPart], parameters: Parameters) -> tuple[SetPoint | None, str]:
+    """Return an axis at one temperature, and a remark."""
     taken = [(part, r) for part in group if (r := part.record(axis)) is not None]
     if not taken:
         return None, ""
@@ -113,46 +141,41 @@ def _point(axis: str, group: Sequence[Part], parameters: Parameters) -> tuple[Se
         point = identify(records, dt, level=parameters.level, band=band)
     except ValueError as error:
         return None, str(error)
-    if len({record.log for record in records}) < 2:  # noqa: PLR2004 - nothing to compare
+    apart = _difference_of_logs(records, dt, band, parameters.level)
+    if apart is None:
         return point, ""
-    each = [identify([record], dt, level=parameters.level, band=band).coefficients["N"] for record in records]
-    known = [(c.value, s) for c in each if c.value is not None and (s := log_sigma(c, parameters.level))]
-    if len(known) < 2:  # noqa: PLR2004 - as above
-        return point, ""
+    paths = ", ".join(p.log.provenance.path for p, _ in taken)
+    return point, f"N differs by {100 * apart:.0f} % between logs ({paths}); check that they are of one sensor"
+
+
+def _difference_of_logs(records: Sequence[Record], dt: float, band: float, level: float) -> float | None:
+    """Return the relative difference of N between logs at one temperature; None if chance explains it."""
+    if len({record.log for record in records}) < 2:  # noqa: PLR2004 - a difference needs two logs
+        return None
+    each = [identify([record], dt, level=level, band=band).coefficients["N"] for record in records]
+    known = [(c.value, s) for c in each if c.value is not None and (s := log_sigma(c, level))]
+    if len(known) < 2:  # noqa: PLR2004 - a difference needs two values
+        return None
     sizes, sigmas = (np.array(column) for column in zip(*known, strict=True))
-    apart, same = sizes.max() / sizes.min() - 1, heterogeneity(np.log(sizes), sigmas)
-    if same is None or (same.p_value or 0.0) > DIFFERENT or apart < NOTICEABLE:
-        return point, ""
-    return point, (
-        f"N differs by {100 * apart:.0f} % between logs ({', '.join(p.log.provenance.path for p, _ in taken)}): are they of one sensor?"
-    )
+    apart, test = float(sizes.max() / sizes.min() - 1), heterogeneity(np.log(sizes), sigmas)
+    return None if test is None or (test.p_value or 0.0) > DIFFERENT or apart < NOTICEABLE else apart
 
 
-def _axis_notes(axis: str, said: Sequence[tuple[float, str]]) -> list[str]:
-    """Return what is said of an axis, each thing once, with the temperatures."""
+def _axis_notes(axis: str, remarks: Sequence[tuple[float, str]]) -> list[Note]:
+    """Return the remarks on an axis, each once, with its temperatures."""
     by_text: dict[str, list[float]] = {}
-    for celsius, text in said:
+    for celsius, text in remarks:
         by_text.setdefault(text, []).append(celsius)
     return [
-        f"{axis}, {f'{len(t)} temperatures from {min(t):.4g} to {max(t):.4g}' if len(t) > 1 else f'at {t[0]:.4g}'} °C: {text}"
+        Note("set-point", f"{axis}, {f'{len(t)} temperatures from {min(t):.4g} to {max(t):.4g}' if len(t) > 1 else f'at {t[0]:.4g}'} °C: {text}")
         for text, t in by_text.items()
-    ]
+    ]  # fmt: skip
 
 
 def _over(points: Sequence[SetPoint], parameters: Parameters) -> AxisTemperatures:
-    wanted = None if parameters.function == "auto" else parameters.function
+    kind = None if parameters.function == "auto" else parameters.function
     try:
-        return over_temperature(points, level=parameters.level, size=parameters.size, wanted=wanted)
+        return over_temperature(points, level=parameters.level, size=parameters.size, kind=kind)
     except ValueError as error:
         message = f"--function {parameters.function}: {error}"
         raise UsageError(message) from error
-
-
-def _remarks(logs: Sequence[Log], found_axes: dict[str, AxisTemperatures]) -> list[str]:
-    said: list[str] = []
-    if len(logs) > 1 and all(found.biases.turn_on is None for found in found_axes.values()):
-        said.append(
-            "every temperature has one log: a bias that is new at each turn-on cannot be told from one that follows the temperature; "
-            "several logs at one temperature would tell"
-        )
-    return said

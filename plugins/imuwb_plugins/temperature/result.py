@@ -1,4 +1,4 @@
-"""What the sensors do over temperature."""
+"""The result of noise over temperature."""
 
 from __future__ import annotations
 
@@ -9,102 +9,89 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from imuwb.identification.temperature import AxisTemperatures, Candidate, Dependence
-    from imuwb.statistics import Coefficient
+    from imuwb.identification.temperature import AxisTemperatures, Dependence, FirstOrder, FunctionCandidate, Hysteresis
+    from imuwb.statistics import Coefficient, Estimate
 
     Floats = NDArray[np.float64]
 
-NOT_DOCUMENTED = {"document": False}
-
-
-@dataclass(frozen=True, slots=True)
-class FirstOrderResult:
-    """x(n) = -alpha x(n-1) + beta0 w(n)."""
-
-    alpha: float
-    sigma: float  #: standard error, Bartlett's
-    sigma_if_ar: float  #: √((1 - alpha²)/n)
-    paper_c: float  #: of b(k+1) = C b(k) + e: -alpha
-
-
-@dataclass(frozen=True, slots=True)
-class SlopeResult:
-    """A free line's slope in the Allan curve, where random walk rules it."""
-
-    value: float
-    lower: float
-    upper: float
-    start: float  #: s
-    end: float  #: s
+CONVENTION = "AR(1): x(n) = -alpha x(n-1) + beta0 w(n); the paper's b(k+1) = C b(k) + e has C = -alpha"
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class TemperatureResult:
-    """One axis at one temperature. SI."""
+    """One axis at one temperature, in SI."""
 
     temperature: float  #: °C
     samples: int
     duration: float  #: s
     records: int
     coefficients: dict[str, Coefficient]
-    ar1: FirstOrderResult
-    deviation: Coefficient  #: of the samples
-    slope: SlopeResult | None
-    bias: Coefficient  #: of a gyro the mean, of an accelerometer the change from the reference temperature
-    explained_to: float  #: Hz
+    ar1: FirstOrder
+    deviation: Coefficient  #: standard deviation of the samples
+    slope: Estimate | None  #: of a free line in the Allan curve, where random walk dominates
+    slope_times: tuple[float, float] | None  #: s, averaging times of that line
+    bias: Estimate  #: of a gyro the mean, of an accelerometer the change from the reference temperature
+    explained_to: float  #: Hz, highest frequency that the sum explains
     averaging_time: Floats
     allan_deviation: Floats
+    white_deviation: Floats  #: Allan deviation of N alone; empty if N is not identified
+
+    def __str__(self) -> str:
+        """Return the coefficients, in one line."""
+        sizes = ", ".join(f"{letter} {c}" for letter, c in self.coefficients.items())
+        return f"{self.temperature:.4g} °C: {sizes}"
+
+    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class DependenceResult:
-    """Whether N depends on temperature, and the same for all that was tested."""
+    """The tests of dependence on temperature; ``p_value`` and ``depends`` are those of N."""
 
     p_value: float | None
-    statistic: float | None
-    distribution: str
-    critical: float | None
-    size: float
     depends: bool | None
-    text: str
+    text: dict[str, str]  #: verdict of each test
     by_coefficient: dict[str, Dependence | None]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class FunctionResult:
-    """A coefficient as a function of temperature, in SI; ``kind`` None: it is not in the model."""
+    """A coefficient as a function of temperature, in SI."""
 
-    kind: str | None
-    text: str
-    how: str  #: it was decided
-    limit: float | None
-    candidates: tuple[Candidate, ...]
+    kind: str | None  #: None: the coefficient is not in the error model
+    formula: str
+    reason: str
+    limit: float | None  #: upper limit, if the coefficient is not in the error model
+    candidates: tuple[FunctionCandidate, ...]
     temperature: Floats  #: °C
     value: Floats
     lower: Floats
     upper: Floats
 
+    def __str__(self) -> str:
+        """Return the formula."""
+        return self.formula
 
-@dataclass(frozen=True, slots=True)
-class HysteresisResult:
-    """Rising less falling."""
-
-    temperature: float
-    value: float
-    lower: float
-    upper: float
+    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class AxisResult:
+class TemperatureAxis:
     """One axis."""
 
     by_temperature: tuple[TemperatureResult, ...]
     dependence: DependenceResult
     functions: dict[str, FunctionResult]
-    hysteresis: tuple[HysteresisResult, ...]
-    turn_on: float | None  #: standard deviation of the bias from log to log at one temperature
-    found: AxisTemperatures = field(metadata=NOT_DOCUMENTED)
+    hysteresis: tuple[Hysteresis, ...]
+    turn_on: float | None  #: standard deviation of the bias between logs at one temperature
+    reference_bias: float  #: value of ``bias`` at the reference temperature, by its function
+    over: AxisTemperatures = field(metadata={"document": False})
+
+    def __str__(self) -> str:
+        """Return one line for each temperature."""
+        return "\n".join(map(str, self.by_temperature))
+
+    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -114,12 +101,22 @@ class Result:
     imu: str
     source: str
     level: float
+    size: float  #: probability of a false alarm of each test
     reference: float  #: °C
     convention: str
-    cut: tuple[str, ...]  #: of each log
+    cut: tuple[str, ...]  #: division of each log
     rate_hz: dict[str, float]
-    axes: dict[str, AxisResult]
+    axes: dict[str, TemperatureAxis]
     notes: tuple[str, ...]
+
+    def __str__(self) -> str:
+        """Return the verdicts on N, one line for each axis."""
+        rows = (
+            f"  {name}: {len(a.by_temperature)} temperatures; {a.dependence.text['N']}" for name, a in self.axes.items()
+        )
+        return "\n".join([self.imu, *rows])
+
+    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -127,7 +124,7 @@ class StudyCase:
     """AR(1) of all axes in one setting."""
 
     settings: dict[str, str]
-    axes: dict[str, tuple[tuple[float, FirstOrderResult], ...]]  #: by temperature
+    axes: dict[str, tuple[tuple[float, FirstOrder], ...]]  #: by temperature, °C
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -1,4 +1,4 @@
-"""What a person sees of noise over temperature. Nothing is computed here but units."""
+"""The recording of noise over temperature, and of a study of settings."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ from imuwb_plugins.temperature import figures, tables
 
 if TYPE_CHECKING:
     from imuwb.analysis import Review
-    from imuwb_plugins.temperature.result import Result
+    from imuwb_plugins.temperature.result import Result, Study
 
 SENSORS = {"gyro": "Gyroscopes", "accel": "Accelerometers"}
+STUDIED = ("gyro_y", "accel_y")  #: the paper's axes; figures of all axes would crowd the tab
 
 
 def draw(result: Result, review: Review) -> None:
-    """Show the result, what a reader must know first."""
+    """Show the result, the most important first."""
     for note in result.notes:
         review.note(note)
     groups = {sensor: axes for sensor in SENSORS if (axes := [a for a in result.axes if a.startswith(sensor)])}
@@ -59,5 +60,12 @@ def _bias(result: Result, groups: dict[str, list[str]], review: Review) -> None:
             review.figure(figures.hysteresis(result, SENSORS[sensor], axes))
     for sensor, axes in groups.items():
         review.table(tables.bias(result, SENSORS[sensor], axes))
-    if not any(loops.values()):
-        review.note("hysteresis cannot be told: no log comes to a temperature both from below and from above")
+
+
+def draw_study(result: Study, review: Review) -> None:
+    """Show AR(1) by temperature and setting."""
+    axes = list(dict.fromkeys(axis for case in result.cases for axis in case.axes))
+    for axis in [a for a in STUDIED if a in axes] or axes[:2]:
+        review.figure(figures.study(result, axis))
+    for axis in axes:
+        review.table(tables.study(result, axis))

@@ -1,14 +1,14 @@
 import numpy as np
 import pytest
 
-from imuwb.identification.temperature.bias import Mean, biases, difference_variance
+from imuwb.identification.temperature.bias import RecordMean, biases, difference_variance
 from imuwb.stochastic import FlickerNoise, RandomWalk, Sum, WhiteNoise
 
 DT = 1.0
 
 
 def mean_at(celsius, value, k, *, rising=None, log=0):
-    return Mean(celsius, value, 1000.0 * k + 500, 1000.0, rising, log)
+    return RecordMean(celsius, value, 1000.0 * k + 500, 1000.0, rising, log)
 
 
 def test_differences_of_neighbours_are_twice_the_allan_variance():
@@ -43,7 +43,7 @@ def test_white_means_scatter_about_one_value_as_their_errors_say():
     values = np.random.default_rng(3).standard_normal(5)
     found = biases([[mean_at(t, v, t)] for t, v in enumerate(values)], [1000**0.5] * 5, Sum())
     assert found.heterogeneity() == pytest.approx(float(np.sum((values - values.mean()) ** 2)))
-    assert [b.sigma for b in found.at] == pytest.approx([(1 - 1 / 5) ** 0.5] * 5)
+    assert [b.estimate.sigma for b in found.at] == pytest.approx([(1 - 1 / 5) ** 0.5] * 5)
 
 
 def test_rising_less_falling_has_an_interval_that_counts_the_walk():
@@ -55,8 +55,11 @@ def test_rising_less_falling_has_an_interval_that_counts_the_walk():
     found = biases(means, [0.1, 0.1], slow)
     (loop,) = found.hysteresis
     half = 1.96 * (2 * 0.1**2 / 1000 + 0.01**2 * (9000 - 1000 / 3)) ** 0.5
-    assert (loop.value, loop.upper - loop.value) == (pytest.approx(0.6), pytest.approx(half, rel=1e-3))
-    assert found.at[0].value == pytest.approx(0.7)
+    assert (loop.difference.value, loop.difference.upper - loop.difference.value) == (
+        pytest.approx(0.6),
+        pytest.approx(half, rel=1e-3),
+    )
+    assert found.at[0].estimate.value == pytest.approx(0.7)
     assert found.turn_on is None
 
 

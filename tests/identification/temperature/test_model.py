@@ -75,4 +75,4 @@ def test_a_coefficient_found_here_and_there_is_what_all_temperatures_say_togethe
     assert law.function is not None
     assert law.function.kind == "constant"
     assert law.function.at(np.array([0.0]))[0] == pytest.approx(0.0012, rel=0.4)
-    assert "common to all" in law.how
+    assert "common to all" in law.reason

@@ -47,7 +47,6 @@ def test_first_order_has_the_papers_sign_and_its_own_error():
     assert abs(found.alpha - c) < 4 * found.sigma
     assert found.sigma == pytest.approx(((1 - c**2) / (2 * n)) ** 0.5, rel=0.05)
     assert found.sigma_if_ar == pytest.approx(found.sigma, rel=0.05)
-    assert found.paper == -found.alpha
 
 
 def test_the_samples_deviation_has_an_interval_that_knows_their_correlation():
@@ -65,7 +64,7 @@ def test_the_samples_deviation_has_an_interval_that_knows_their_correlation():
 
 @pytest.mark.parametrize(
     ("values", "why"),
-    [(np.ones(2000), "constant"), (np.random.default_rng(0).standard_normal(1000), "1000 samples; it takes 1024")],
+    [(np.ones(2000), "constant"), (np.random.default_rng(0).standard_normal(1000), "1000 samples.*1024")],
 )
 def test_what_has_no_noise_is_refused(values, why):
     with pytest.raises(ValueError, match=why):

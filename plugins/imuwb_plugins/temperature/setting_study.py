@@ -9,48 +9,46 @@ import numpy as np
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.temperature import FirstOrder, first_order
 from imuwb.log import AXES
-from imuwb_plugins.temperature.compute import CONVENTION
-from imuwb_plugins.temperature.gather import TOGETHER, parts_of
-from imuwb_plugins.temperature.result import Study, StudyCase
-from imuwb_plugins.temperature.tell import first_order_result
+from imuwb_plugins.temperature.records import TOGETHER, parts_of
+from imuwb_plugins.temperature.result import CONVENTION, Study, StudyCase
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from imuwb.analysis import Case
     from imuwb_plugins.temperature.parameters import Parameters
-    from imuwb_plugins.temperature.result import FirstOrderResult
 
-    Found = dict[str, list[tuple[float, FirstOrder]]]  # axis -> (°C, AR(1))
+    ByTemperature = list[tuple[float, FirstOrder]]  # °C, AR(1)
 
 
 def study(cases: Iterable[Case], parameters: Parameters) -> Study:
-    """Return AR(1) in each setting; that of several logs at one temperature is their mean, weighted."""
-    given = parameters.temperatures()
-    found: dict[tuple[tuple[str, str], ...], Found] = {}
+    """Return AR(1) in each setting; that of several logs at one temperature is their weighted mean."""
+    by_setting: dict[tuple[tuple[str, str], ...], dict[str, ByTemperature]] = {}
     logs: list[str] = []
     for case in cases:
         path = case.log.provenance.path
         if path not in logs:
             logs.append(path)
         settings = tuple((k, v) for k, v in case.settings.items() if k != "log")
-        here = found.setdefault(settings, {})
-        for axis, pairs in _case(case, logs.index(path), given, parameters).items():
-            here.setdefault(axis, []).extend(pairs)
+        axes = by_setting.setdefault(settings, {})
+        for axis, pairs in _first_orders(case, logs.index(path), parameters).items():
+            axes.setdefault(axis, []).extend(pairs)
     return Study(CONVENTION, tuple(
-        StudyCase(dict(settings), {axis: _merged(here[axis]) for axis in AXES if axis in here})
-        for settings, here in found.items()
+        StudyCase(dict(settings), {axis: _merged(axes[axis]) for axis in AXES if axis in axes})
+        for settings, axes in by_setting.items()
     ))  # fmt: skip
 
 
-def _case(case: Case, number: int, given: tuple[float, ...] | None, parameters: Parameters) -> Found:
-    if given is not None and number >= len(given):
+def _first_orders(case: Case, number: int, parameters: Parameters) -> dict[str, ByTemperature]:
+    """Return AR(1) of each axis at each temperature of a case."""
+    given = parameters.celsius
+    if given and number >= len(given):
         message = (
             f"--celsius has {len(given)} temperatures for {number + 1} logs or more; give one for each, in their order"
         )
         raise UsageError(message)
     _, parts, _ = parts_of(number, case.log, given[number] if given else None, parameters)
-    found: Found = {}
+    axes: dict[str, ByTemperature] = {}
     for part in parts:
         for name, axis in part.axes.items():
             record = part.record(name)
@@ -61,22 +59,22 @@ def _case(case: Case, number: int, given: tuple[float, ...] | None, parameters: 
             except ValueError as error:
                 message = f"{case.log.provenance.path}, {name}: {error}"
                 raise MissingDataError(message) from error
-            found.setdefault(name, []).append((part.stretch.nominal, first))
-    return found
+            axes.setdefault(name, []).append((part.stretch.nominal, first))
+    return axes
 
 
-def _merged(pairs: Sequence[tuple[float, FirstOrder]]) -> tuple[tuple[float, FirstOrderResult], ...]:
-    groups: list[list[tuple[float, FirstOrder]]] = []
+def _merged(pairs: ByTemperature) -> tuple[tuple[float, FirstOrder], ...]:
+    groups: list[ByTemperature] = []
     for pair in sorted(pairs, key=lambda p: p[0]):
         if groups and pair[0] - groups[-1][0][0] <= TOGETHER:
             groups[-1].append(pair)
         else:
             groups.append([pair])
-    return tuple((float(np.mean([t for t, _ in g])), first_order_result(_mean([f for _, f in g]))) for g in groups)
+    return tuple((float(np.mean([t for t, _ in g])), _mean([first for _, first in g])) for g in groups)
 
 
-def _mean(found: Sequence[FirstOrder]) -> FirstOrder:
-    weights = np.array([1 / f.sigma**2 for f in found])
-    alpha = float(weights @ [f.alpha for f in found] / weights.sum())
-    ideal = float(np.sum([1 / f.sigma_if_ar**2 for f in found])) ** -0.5
+def _mean(orders: Sequence[FirstOrder]) -> FirstOrder:
+    weights = np.array([1 / f.sigma**2 for f in orders])
+    alpha = float(weights @ [f.alpha for f in orders] / weights.sum())
+    ideal = float(np.sum([1 / f.sigma_if_ar**2 for f in orders])) ** -0.5
     return FirstOrder(alpha, float(weights.sum()) ** -0.5, ideal)

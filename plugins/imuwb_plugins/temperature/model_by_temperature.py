@@ -1,4 +1,4 @@
-"""The result as an error model."""
+"""From the result to an error model by temperature."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ if TYPE_CHECKING:
 
 
 def error_model(result: Result) -> ImuErrorModel:
-    """Return the processes and biases of all axes as functions of temperature."""
+    """Return the error model: processes and biases of all axes as functions of temperature."""
     axes = {
-        name: axis_model(axis.found, result.reference, gravity=name.startswith("accel"))
+        name: axis_model(axis.over, result.reference, gravity=name.startswith("accel"))
         for name, axis in result.axes.items()
     }
     rates = ", ".join(f"{sensor} {rate:.6g} Hz" for sensor, rate in result.rate_hz.items())
@@ -23,6 +23,9 @@ def error_model(result: Result) -> ImuErrorModel:
         "log": result.source,
         "analysis": f"imuwb {__version__} temperature, by likelihood, {100 * result.level:g} % intervals at {result.reference:g} °C",
         "rate": rates,
-        "bias": f"accelerometers: change from {result.reference:g} °C; gyros: the mean of a still record, which holds the earth's rate",
+        "bias": (
+            f"accelerometers: change from {result.reference:g} °C; gyros: the mean of a still record, which includes the earth's "
+            "rate"
+        ),
     }
     return ImuErrorModel(result.imu, axes, provenance)

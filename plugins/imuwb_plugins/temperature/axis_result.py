@@ -1,0 +1,97 @@
+"""From one axis over temperature to its result."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.statistics import Estimate
+from imuwb.units import coefficient_units
+from imuwb_plugins.temperature.result import DependenceResult, FunctionResult, TemperatureAxis, TemperatureResult
+
+if TYPE_CHECKING:
+    from imuwb.identification.temperature import AxisTemperatures, Dependence, Law, SetPoint
+
+#: quantity -> its name in tables and verdicts
+NAMES = {"N": "N", "B": "B", "K": "K", "Q": "Q", "alpha": "AR(1)", "bias": "bias"}
+CURVE = 101  #: temperatures of a function's curve
+CLEAR = 1e-4  #: smaller p values are not printed
+NONE = np.empty(0)
+
+
+def axis_result(axis: str, over: AxisTemperatures, reference: float) -> TemperatureAxis:
+    """Return the result of an axis.
+
+    Args:
+        axis: its name.
+        over: the axis over temperature.
+        reference: °C.
+    """
+    rate = coefficient_units(axis, "rate")[0].name
+    at_reference = _bias_at(over, reference)
+    # One attitude does not separate an accelerometer's bias from gravity: only the change is a bias.
+    offset = at_reference if axis.startswith("accel") else 0.0
+    return TemperatureAxis(
+        tuple(
+            _at(axis, point, bias.estimate.shifted(-offset).scaled(1.0, rate))
+            for point, bias in zip(over.points, over.biases.at, strict=True)
+        ),
+        _dependence(over),
+        {name: _function(law, over, offset if name == "bias" else 0.0) for name, law in over.laws.items()},
+        tuple(replace(h, difference=h.difference.scaled(1.0, rate)) for h in over.biases.hysteresis),
+        over.biases.turn_on,
+        at_reference - offset,
+        over,
+    )
+
+
+def _bias_at(over: AxisTemperatures, celsius: float) -> float:
+    """Return the value of the bias's function at a temperature; 0 if there is none."""
+    law = over.laws.get("bias")
+    return 0.0 if law is None or law.function is None else float(law.function.at(np.array([celsius]))[0][0])
+
+
+def _at(axis: str, point: SetPoint, bias: Estimate) -> TemperatureResult:
+    region, white = point.region, point.coefficients["N"].value
+    tau = point.curve.averaging_time
+    return TemperatureResult(
+        point.celsius, point.samples, point.duration, len(point.means),
+        {letter: c.in_unit(coefficient_units(axis, letter)[0].name) for letter, c in point.coefficients.items()},
+        point.ar1, point.deviation.in_unit(coefficient_units(axis, "rate")[0].name),
+        None if region is None else Estimate(region.slope, region.lower, region.upper, unit="1"),
+        None if region is None else (region.start, region.end), bias, point.fit.highest, tau, point.curve.deviation,
+        NONE if white is None else white / np.sqrt(tau),
+    )  # fmt: skip
+
+
+def _function(law: Law, over: AxisTemperatures, offset: float) -> FunctionResult:
+    if law.choice is None:
+        return FunctionResult(None, "not in the error model", law.reason, law.limit, (), NONE, NONE, NONE, NONE)
+    function = law.choice.function
+    celsius = np.linspace(over.points[0].celsius, over.points[-1].celsius, CURVE)
+    value, lower, upper = (part - offset for part in function.at(celsius, over.level))
+    reason = f"{law.reason}: {law.choice.reason}" if law.choice.reason else law.reason
+    formula = f"{function.text}, including gravity's part of the mean" if offset else function.text
+    return FunctionResult(
+        function.kind, formula, reason, law.limit, law.choice.candidates, celsius, value, lower, upper
+    )
+
+
+def _dependence(over: AxisTemperatures) -> DependenceResult:
+    white = over.dependence["N"]
+    text = {name: dependence_text(name, test) for name, test in over.dependence.items()}
+    p_value, depends = (None, None) if white is None else (white.p_value, white.depends)
+    return DependenceResult(p_value, depends, text, over.dependence)
+
+
+def dependence_text(name: str, test: Dependence | None) -> str:
+    """Return the verdict of a test, such as: N depends on temperature (p < 0.0001)."""
+    if test is None:
+        return f"{NAMES[name]}: there is no test"
+    if test.p_value is None or test.depends is None:
+        return f"{NAMES[name]}: there is no evidence of it at any temperature, so no test"
+    p = f"p = {test.p_value:.2g}" if test.p_value >= CLEAR else f"p < {CLEAR:g}"
+    verdict = "depends on temperature" if test.depends else "may be the same at all temperatures"
+    return f"{NAMES[name]} {verdict} ({p})"

@@ -1,0 +1,82 @@
+"""Whether logs suit an analysis over temperature: rates, duplicates, names and thermometers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from imuwb.axes import axes_of
+from imuwb.errors import MissingDataError, UsageError
+from imuwb.notes import Note
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from imuwb.log import Log
+    from imuwb_plugins.temperature.parameters import Parameters
+
+SAME_RATE = 0.01  #: relative difference of sampling rates between logs, that is allowed
+
+
+def check_together(logs: Sequence[Log], parameters: Parameters) -> list[Note]:
+    """Return notes on logs that are analysed together.
+
+    Raises:
+        UsageError: a log is given twice, rates differ, or --celsius does not have one temperature for each log.
+    """
+    given = parameters.celsius
+    if given and len(given) != len(logs):
+        message = f"--celsius has {len(given)} temperatures for {len(logs)} logs; give one for each, in their order"
+        raise UsageError(message)
+    paths = {log.provenance.hash: log.provenance.path for log in logs}
+    if len(paths) < len(logs):
+        twice = [log.provenance.path for log in logs if paths[log.provenance.hash] != log.provenance.path]
+        same = twice[0] if twice else logs[0].provenance.path
+        message = (
+            f"{same} is the same as another of the logs; the same noise twice gives no more information: give it once"
+        )
+        raise UsageError(message)
+    _check_rates(logs)
+    names = sorted({log.imu().name for log in logs})
+    if len(names) > 1:
+        text = f"the IMUs of the logs have different names ({', '.join(names)}); they are taken for one sensor"
+        return [Note("different-names", text)]
+    return []
+
+
+def _check_rates(logs: Sequence[Log]) -> None:
+    first: dict[str, tuple[float, str]] = {}
+    for log in logs:
+        for axis in axes_of(log.imu()).values():
+            rate, path = 1 / axis.clock.interval, log.provenance.path
+            known, first_path = first.setdefault(axis.sensor, (rate, path))
+            if abs(rate / known - 1) > SAME_RATE:
+                message = (
+                    f"{axis.sensor}: {known:.6g} Hz in {first_path}, {rate:.6g} Hz in {path}; AR(1) and sigma are valid at one rate "
+                    f"only: bring the logs to one rate with --through decimate:rate={min(rate, known):.4g}"
+                )
+                raise UsageError(message)
+
+
+def check_thermometers(logs: Sequence[Log], parameters: Parameters) -> list[Note]:
+    """Return notes on thermometers that read 0 throughout.
+
+    Raises:
+        MissingDataError: all thermometers read 0 throughout, as a disconnected one does.
+    """
+    if parameters.celsius:
+        return []
+    readings = [(log, t) for log in logs if (t := log.imu().temperature) is not None and len(t)]
+    dead = [log for log, t in readings if not t.value.any()]
+    if readings and len(dead) == len(readings):
+        message = (
+            f"{logs[0].provenance.path}: its temperature is 0 °C throughout{', as in all logs' if len(logs) > 1 else ''}, as of a "
+            "disconnected thermometer; give the temperatures: --celsius with one number for each log"
+        )
+        raise MissingDataError(message)
+    return [
+        Note(
+            "thermometer-zero",
+            f"{log.provenance.path}: its temperature is exactly 0 °C throughout: a set-point at 0 °C, or a disconnected thermometer",
+        )
+        for log in dead
+    ]

@@ -1,0 +1,131 @@
+"""From logs to the records of each axis at each temperature."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.axes import axes_of
+from imuwb.errors import MissingDataError
+from imuwb.identification import stillness
+from imuwb.identification.temperature import Record, Stretch, smooth_temperature, stretches
+from imuwb.log import SECOND
+from imuwb.notes import Note
+from imuwb.sampling import longest_part
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from imuwb.axes import Axis
+    from imuwb.log import Floats, Log
+    from imuwb_plugins.temperature.parameters import Parameters
+
+TOGETHER = 1.0  #: °C; set-points that differ by no more have one temperature
+FEWEST = 1024  #: samples of a record
+STEADY = 0.2  #: °C; a smoothed temperature that spans no more is constant
+
+
+@dataclass(frozen=True, eq=False)
+class LogPart:
+    """A stretch of a log, with its arrays still in the log."""
+
+    number: int  #: of the log
+    log: Log
+    axes: dict[str, Axis]
+    stretch: Stretch
+    thermometer: tuple[Floats, Floats] | None  #: s and °C; None: one temperature
+
+    def rows(self, name: str) -> slice:
+        """Return the longest part of an axis without gaps within the stretch."""
+        axis = self.axes[name]
+        first, last = 0, axis.values.size
+        if self.thermometer is not None:
+            begin = self.log.zero or 0
+            first = int(np.searchsorted(axis.time, round(self.stretch.start * SECOND) + begin, "left"))
+            last = int(np.searchsorted(axis.time, round(self.stretch.end * SECOND) + begin, "right"))
+        return longest_part(axis.clock.breaks, last, first)
+
+    def has_enough(self) -> bool:
+        """Return whether some axis has enough samples."""
+        return any((rows := self.rows(name)).stop - rows.start >= FEWEST for name in self.axes)
+
+    def record(self, name: str) -> Record | None:
+        """Return the longest part of an axis without gaps; None if it has too few samples."""
+        if name not in self.axes:
+            return None
+        axis, rows = self.axes[name], self.rows(name)
+        if rows.stop - rows.start < FEWEST:
+            return None
+        values, seconds = np.ascontiguousarray(axis.values[rows]), self.log.seconds(axis.time[rows])
+        warm = None if self.thermometer is None else smooth_temperature(*self.thermometer, seconds)
+        warm = warm if warm is not None and np.ptp(warm) > STEADY else None
+        celsius = self.stretch.celsius if warm is None else float(warm.mean())
+        since = (self.log.zero or 0) / SECOND if self.log.imu().origin.epoch == "unix" else 0.0
+        return Record(values, since + float(seconds[0]), celsius, warm, self.stretch.rising, self.number)
+
+
+def parts_of(
+    number: int, log: Log, given: float | None, parameters: Parameters
+) -> tuple[str, tuple[LogPart, ...], list[Note]]:
+    """Return how a log was divided, its stretches, and notes.
+
+    Args:
+        number: of the log.
+        log: of a still sensor.
+        given: °C, temperature of the log; None: by its thermometer.
+        parameters: options.
+
+    Raises:
+        MissingDataError: the log has no temperature, or the sensor moves.
+    """
+    imu, path = log.imu(), log.provenance.path
+    axes = axes_of(imu)
+    notes = _check_stillness(log, axes)
+    if given is not None:
+        begin, end = log.seconds(next(iter(axes.values())).time[[0, -1]]).tolist()
+        stretch = Stretch(begin, end, given, 0.0, given, None)
+        return "set-point", (LogPart(number, log, axes, stretch, None),), notes
+    if imu.temperature is None or not len(imu.temperature):
+        message = (
+            f"{path}: {imu.name} has no temperature; give it: --celsius with one number for each log, such as -30,0,30"
+        )
+        raise MissingDataError(message)
+    time, celsius = log.seconds(imu.temperature.time), imu.temperature.value
+    rate = 1 / next(iter(axes.values())).clock.interval
+    cut, found = stretches(time, celsius, rate, None if parameters.cut == "auto" else parameters.cut, parameters.bins)
+    thermometer = None if cut == "set-point" and np.ptp(celsius) == 0 else (time, celsius)
+    return cut, tuple(LogPart(number, log, axes, stretch, thermometer) for stretch in found), notes
+
+
+def _check_stillness(log: Log, axes: dict[str, Axis]) -> list[Note]:
+    """Return a note on shocks; raise MissingDataError if the sensor moves in most of the log."""
+    still = stillness({name: (log.seconds(a.time), a.values) for name, a in axes.items() if np.ptp(a.values)})
+    if still is None:
+        return []
+    if still.moving:
+        message = (
+            f"{log.provenance.path}: the sensor moves in most parts of the log; noise needs a still sensor. Its longest quiet part: "
+            f"--start {np.ceil(still.quiet_start):.0f} --end {np.floor(still.quiet_end):.0f}"
+        )
+        raise MissingDataError(message)
+    if not still.disturbances:
+        return []
+    worst = max(still.disturbances, key=lambda d: d.largest)
+    text = (
+        f"{log.provenance.path}: {len(still.disturbances)} shocks or movements, the largest at {worst.start:.0f} s "
+        f"({worst.largest:.0f} times the usual scatter); the results at that temperature include them"
+    )
+    return [Note("disturbed", text)]
+
+
+def grouped(parts: Sequence[LogPart]) -> list[list[LogPart]]:
+    """Return the parts at each temperature, in rising order."""
+    groups: list[list[LogPart]] = []
+    for part in sorted(parts, key=lambda p: p.stretch.nominal):
+        if groups and part.stretch.nominal - groups[-1][0].stretch.nominal <= TOGETHER:
+            groups[-1].append(part)
+        else:
+            groups.append([part])
+    return groups
