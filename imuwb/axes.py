@@ -1,4 +1,4 @@
-"""The axes of an IMU as even series, which is what most analyses begin with."""
+"""The axes of an IMU as evenly sampled series: the input of most analyses."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from imuwb.notes import Note
 from imuwb.progress import tracked
 from imuwb.sampling import Sampling, longest_part, sampling
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
     from imuwb.log import Floats, ImuStream, Nanoseconds
 
-    Found = TypeVar("Found")
+    Outcome = TypeVar("Outcome")
 
 THREADS = 2
 
@@ -41,30 +42,36 @@ class Axis:
         """Return the samples of the longest part without gaps, contiguous in memory."""
         return np.ascontiguousarray(self.values[longest_part(self.clock.breaks, self.values.size)])
 
+    def __str__(self) -> str:
+        """Return name, samples and clock in a line."""
+        return f"{self.name}: {self.values.size} samples, {self.clock}"
+
+    __repr__ = __str__
+
 
 def axes_of(imu: ImuStream) -> dict[str, Axis]:
-    """Return the axes of an IMU that has at least two samples of each sensor there is."""
-    found = imu.axes()
-    clocks = {sensor: sampling(found[f"{sensor}_x"][0]) for sensor in ("gyro", "accel") if f"{sensor}_x" in found}
-    return {name: Axis(name, time, values, clocks[name.partition("_")[0]]) for name, (time, values) in found.items()}
+    """Return the axes of an IMU whose sensors have at least two samples each."""
+    series = imu.axes()
+    clocks = {sensor: sampling(series[f"{sensor}_x"][0]) for sensor in ("gyro", "accel") if f"{sensor}_x" in series}
+    return {name: Axis(name, time, values, clocks[name.partition("_")[0]]) for name, (time, values) in series.items()}
 
 
 def rates(axes: Mapping[str, Axis]) -> dict[str, float]:
-    """Return {sensor: Hz}."""
+    """Return {sensor: sampling rate in Hz}."""
     return {axis.sensor: 1 / axis.clock.interval for axis in axes.values()}
 
 
-def gap_notes(axes: Mapping[str, Axis], what: str) -> list[str]:
-    """Return, for each sensor with gaps, that ``what`` is of its longest part without."""
+def gap_notes(axes: Mapping[str, Axis], result: str) -> list[str]:
+    """Return a note for each sensor with gaps: the named result uses its longest part without gaps."""
     clocks = {axis.sensor: axis.clock for axis in axes.values()}
     return [
-        f"{sensor}: {len(clock.breaks)} gaps; {what} is of the longest part without"
+        Note("gaps", f"{sensor}: {len(clock.breaks)} gaps; {result} uses the longest part without gaps")
         for sensor, clock in clocks.items()
         if clock.breaks
     ]
 
 
-def for_each(axes: Mapping[str, Axis], function: Callable[[Axis], Found]) -> dict[str, Found]:
-    """Return {name: function(axis)}, two axes at a time."""
+def for_each(axes: Mapping[str, Axis], function: Callable[[Axis], Outcome]) -> dict[str, Outcome]:
+    """Return {name: function(axis)}; two axes are computed at a time."""
     with ThreadPoolExecutor(THREADS) as pool:
         return dict(zip(axes, tracked(pool.map(function, axes.values()), len(axes)), strict=True))

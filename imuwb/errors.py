@@ -1,33 +1,33 @@
-"""What can go wrong, and the exit code each kind has on the command line.
+"""The errors of imuwb, and their exit codes on the command line.
 
-ImuwbError                 1  the work failed (a file cannot be written, a viewer is gone)
- ├── UsageError            2  the command, an option or a plugin is not as it must be
- ├── MissingDataError      3  the log is sound, but has not what the analysis needs
- └── UnreadableLogError    4  the log cannot be read, or contradicts what is said of it
+ImuwbError                 1  the work failed, for example because a file cannot be written
+ ├── UsageError            2  a command, option, parameter or plugin is wrong
+ ├── MissingDataError      3  the log is sound but lacks what the analysis needs
+ └── UnreadableLogError    4  the log cannot be read, or contradicts its stated units
 
-A message names the value, the rule it breaks, and what to do about it.
+A message names the value, the rule that the value breaks, and the remedy.
 """
 
 
 class ImuwbError(Exception):
-    """Base of every error that imuwb raises on purpose."""
+    """Base of all errors that imuwb raises on purpose."""
 
     exit_code = 1
 
 
 class UsageError(ImuwbError):
-    """A command, option, parameter or plugin is not as it must be."""
+    """A command, option, parameter or plugin is wrong."""
 
     exit_code = 2
 
 
 class MissingDataError(ImuwbError):
-    """The log is sound, but holds too little or not the right kind of data."""
+    """The log is sound but lacks the data that the analysis needs."""
 
     exit_code = 3
 
 
 class UnreadableLogError(ImuwbError):
-    """The bytes are not a log that can be read, or contradict what is said of them."""
+    """The file is not a readable log, or contradicts its stated units."""
 
     exit_code = 4

@@ -1,14 +1,14 @@
 """The values that every reader makes and every analysis takes.
 
-Conventions, once for the whole of imuwb:
+Conventions of the whole of imuwb:
 
-* SI inside: rad/s, m/s², rad for latitude and longitude, m above WGS 84 for height; °C.
+* SI units: rad/s, m/s², rad for latitude and longitude, m above WGS 84 for height; °C.
 * Body frame forward-right-down (FRD), navigation frame north-east-down (NED).
-* Time is int64 nanoseconds, strictly increasing in a stream: since the Unix epoch (UTC) where the
-  log knows it (``epoch="unix"``), since power-up (``"boot"``), else since the log's start (``"log"``).
-* measured = true + bias. A still accelerometer, level, reads -9.8 m/s² on z.
+* Time is int64 nanoseconds and strictly increases within a stream. It counts from 1970 UTC if the log states it
+  (``epoch="unix"``), else from power-up (``"boot"``) or from the log's start (``"log"``).
+* measured = true + bias. A level accelerometer at rest reads -9.8 m/s² on z.
 
-All values are frozen and their arrays read-only: what a reader made, no analysis changes.
+All values are frozen and their arrays read-only, so no analysis changes what a reader made.
 """
 
 from __future__ import annotations
@@ -21,51 +21,73 @@ import numpy as np
 from numpy.typing import NDArray
 
 from imuwb.errors import MissingDataError
+from imuwb.sampling import sampling
+from imuwb.texts import rows_text
+from imuwb.units import SECOND, Epoch
 
 Floats: TypeAlias = NDArray[np.float64]
 Nanoseconds: TypeAlias = NDArray[np.int64]
-Epoch = Literal["unix", "boot", "log"]
-#: What a repair did to a stream: left rows out, set times anew, put rows in another order, made up values.
+#: What the rows of a stream are. Readers also yield "velocity" and "fix" rows, which assembly joins to a receiver.
+Kind = Literal["imu", "gnss", "velocity", "fix", "speed", "temperature", "reference"]
+#: What a repair did to a stream: it left rows out, replaced times, changed the order of rows, or made values doubtful.
 Effect = Literal["lost", "time", "order", "value"]
 
 AXES = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
-SECOND = 1_000_000_000  # nanoseconds
-MEAN_SEA_LEVEL = "above mean sea level"  #: in an origin's units, where heights are not above WGS 84
+MEAN_SEA_LEVEL = "above mean sea level"  #: in the units of an origin whose heights are not above WGS 84
 
 
 def _frozen(
-    values: object, dtype: type, shape: tuple[int | None, ...], what: str, *, unknown: bool = False
+    values: object, dtype: type, shape: tuple[int | None, ...], name: str, *, unknown: bool = False
 ) -> NDArray[Any]:
-    """Return ``values`` as a read-only array of that shape (None: any length), all finite but for nan, if that is allowed."""
+    """Return values as a read-only array of a shape (None: any length); ``unknown`` allows nan."""
     array = np.ascontiguousarray(values, dtype=dtype).view()
     if array.ndim != len(shape) or any(n not in (None, m) for n, m in zip(shape, array.shape, strict=True)):
-        message = f"{what} has shape {array.shape}; it must be {shape}"
+        message = f"{name} has shape {array.shape}; it must be {shape}"
         raise ValueError(message)
     if dtype is np.float64 and not (np.isfinite(array) | (np.isnan(array) if unknown else False)).all():
-        message = f"{what} holds {np.count_nonzero(~np.isfinite(array))} values that are not finite"
+        message = f"{name} has {np.count_nonzero(~np.isfinite(array))} values that are not finite; remove their rows"
         raise ValueError(message)
     array.flags.writeable = False
     return array
 
 
-def _frozen_time(time: object, what: str) -> Nanoseconds:
-    array = _frozen(time, np.int64, (None,), f"{what} time")
+def _frozen_time(time: object, name: str) -> Nanoseconds:
+    array = _frozen(time, np.int64, (None,), f"{name} time")
     steps = np.diff(array)
     if array.size > 1 and steps.min() <= 0:
-        at = int(np.argmax(steps <= 0)) + 1
-        message = f"{what} time does not increase at row {at}: {array[at - 1]} then {array[at]} ns"
+        row = int(np.argmax(steps <= 0)) + 1
+        message = f"{name} time must increase; row {row} has {array[row]} ns after {array[row - 1]} ns"
         raise ValueError(message)
     return array
 
 
-def _store(target: object, /, **fields: object) -> None:
-    for name, content in fields.items():
-        object.__setattr__(target, name, content)
+def _store(target: object, /, **values: object) -> None:
+    for name, value in values.items():
+        object.__setattr__(target, name, value)
+
+
+def _freeze_columns(stream: Any, names: tuple[str, ...], known: tuple[str, ...] = ()) -> None:  # noqa: ANN401 - a stream
+    """Freeze the time and the (n, 3) columns of a stream; nan is allowed but in ``known`` columns."""
+    time = _frozen_time(stream.time, stream.name)
+    _store(stream, time=time)
+    for name in names:
+        values = getattr(stream, name)
+        if values is not None:
+            label = f"{stream.name} {name}"
+            frozen = _frozen(values, np.float64, (time.size, 3), label, unknown=name not in known)
+            _store(stream, **{name: frozen})
+
+
+def _line(name: str, kind: str, time: Nanoseconds, *more: str) -> str:
+    """Return a stream in a line: name, kind, rows, rate, duration, gaps, and more."""
+    clock = sampling(time)
+    seconds = float(time[-1] - time[0]) / SECOND if time.size else 0.0
+    return ", ".join((f"{name}: {kind}", rows_text(time.size, clock.rate, seconds, clock.gaps), *filter(None, more)))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Triad:
-    """Three orthogonal sensors on one clock."""
+    """Three orthogonal sensors with one clock."""
 
     time: Nanoseconds  #: (n,) ns
     value: Floats  #: (n, 3) rad/s or m/s², FRD
@@ -79,10 +101,16 @@ class Triad:
         """Return the number of samples."""
         return self.time.size
 
+    def __str__(self) -> str:
+        """Return rows, rate, duration and gaps in a line."""
+        return _line("triad", "3 axes", self.time)
+
+    __repr__ = __str__
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Scalars:
-    """One quantity over time: a temperature (°C), a speed (m/s, forward positive)."""
+    """One quantity over time: a temperature (°C) or a speed (m/s, forward positive)."""
 
     name: str
     time: Nanoseconds  #: (n,) ns
@@ -97,10 +125,16 @@ class Scalars:
         """Return the number of samples."""
         return self.time.size
 
+    def __str__(self) -> str:
+        """Return name, rows, rate, duration and gaps in a line."""
+        return _line(self.name, "scalars", self.time)
+
+    __repr__ = __str__
+
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """Something a reader mended, and how often."""
+    """Something that a reader repaired, and how often."""
 
     what: str
     count: int
@@ -109,7 +143,7 @@ class Repair:
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """Where a stream's numbers come from: what the file held before it became SI and FRD."""
+    """Units, frame and clock of a stream in its file, before the conversion to SI and FRD, and its repairs."""
 
     units: str = "SI"
     frame: str = "FRD"
@@ -118,13 +152,13 @@ class Origin:
 
     @property
     def above_sea(self) -> bool:
-        """Whether heights are above mean sea level, for want of those above WGS 84."""
+        """Whether heights are above mean sea level, because the file has none above WGS 84."""
         return MEAN_SEA_LEVEL in self.units
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ImuStream:
-    """An inertial measurement unit. Gyro and accelerometer triads need not share a clock."""
+    """An inertial measurement unit. Its gyro and accelerometer triads may have different clocks."""
 
     name: str
     angular_rate: Triad | None  #: rad/s
@@ -133,7 +167,7 @@ class ImuStream:
     origin: Origin = field(default_factory=Origin)
 
     def axes(self) -> dict[str, tuple[Nanoseconds, Floats]]:
-        """Return {axis name: (time, values)} of what there is, ``gyro_x`` ... ``accel_z``."""
+        """Return {axis: (time, values)}, from ``gyro_x`` to ``accel_z``; a missing sensor has no axes."""
         triads = {"gyro": self.angular_rate, "accel": self.specific_force}
         return {
             f"{sensor}_{axis}": (triad.time, triad.value[:, column])
@@ -142,91 +176,112 @@ class ImuStream:
             for column, axis in enumerate("xyz")
         }
 
+    def sensors(self) -> dict[str, Triad]:
+        """Return {name: triad} with one entry per clock: the IMU's name, or its name with gyro and accelerometer."""
+        rate, force = self.angular_rate, self.specific_force
+        if rate is not None and force is not None and not np.array_equal(rate.time, force.time):
+            return {f"{self.name} (gyro)": rate, f"{self.name} (accelerometer)": force}
+        triad = rate if rate is not None else force
+        return {} if triad is None else {self.name: triad}
+
+    def __str__(self) -> str:
+        """Return each clock of the IMU in a line: name, kind, rows, rate, duration, gaps, units and frame."""
+        origin = self.origin
+        lines = [_line(name, "imu", triad.time, origin.units, origin.frame) for name, triad in self.sensors().items()]
+        if self.temperature is not None:
+            lines.append(_line(self.temperature.name, "temperature", self.temperature.time, "°C"))
+        return "\n".join(lines) or f"{self.name}: imu without samples"
+
+    __repr__ = __str__
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class GnssStream:
-    """A GNSS receiver's fixes. ``fix_type`` counts as MAVLink does: 1 none, 3 3D, 5 float, 6 RTK fixed.
+    """The fixes of a GNSS receiver.
 
-    What a receiver does not tell of a fix, such as a vertical velocity or a sigma, is nan, never 0.
+    ``fix_type`` is numbered as in MAVLink: 1 no fix, 2 2D, 3 3D, 4 differential, 5 RTK float, 6 RTK fixed. A value that the
+    receiver does not state, such as a vertical velocity or a sigma, is nan, never 0.
     """
 
     name: str
     time: Nanoseconds  #: (n,) ns
     position: Floats  #: (n, 3) latitude rad, longitude rad, height m above WGS 84
     velocity: Floats | None = None  #: (n, 3) m/s, NED
-    position_sigma: Floats | None = None  #: (n, 3) m, NED, as the receiver claims
-    velocity_sigma: Floats | None = None  #: (n, 3) m/s, NED, likewise
+    position_sigma: Floats | None = None  #: (n, 3) m, NED, stated by the receiver
+    velocity_sigma: Floats | None = None  #: (n, 3) m/s, NED, stated by the receiver
     fix_type: NDArray[np.int64] | None = None  #: (n,)
     origin: Origin = field(default_factory=Origin)
 
     def __post_init__(self) -> None:
         """Check and freeze the arrays."""
-        time = _frozen_time(self.time, self.name)
-        _store(self, time=time)
-        for name in ("position", "velocity", "position_sigma", "velocity_sigma"):
-            array, what = getattr(self, name), f"{self.name} {name}"
-            if array is not None:
-                unknown = name != "position"
-                _store(self, **{name: _frozen(array, np.float64, (time.size, 3), what, unknown=unknown)})
+        _freeze_columns(self, ("position", "velocity", "position_sigma", "velocity_sigma"), known=("position",))
         if self.fix_type is not None:
-            _store(self, fix_type=_frozen(self.fix_type, np.int64, (time.size,), f"{self.name} fix type"))
+            _store(self, fix_type=_frozen(self.fix_type, np.int64, (self.time.size,), f"{self.name} fix_type"))
 
     def __len__(self) -> int:
         """Return the number of fixes."""
         return self.time.size
 
+    def __str__(self) -> str:
+        """Return name, kind, rows, rate, duration, gaps, units and frame in a line."""
+        return _line(self.name, "gnss", self.time, self.origin.units, self.origin.frame)
+
+    __repr__ = __str__
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Reference:
-    """A trajectory that is better than what is judged by it."""
+    """A trajectory that is more accurate than the solutions compared with it."""
 
     name: str
     time: Nanoseconds  #: (n,) ns
-    position: Floats  #: (n, 3) latitude rad, longitude rad, height m
+    position: Floats  #: (n, 3) latitude rad, longitude rad, height m above WGS 84
     velocity: Floats | None = None  #: (n, 3) m/s, NED
     attitude: Floats | None = None  #: (n, 3) roll, pitch, heading of C_b_n, rad
     origin: Origin = field(default_factory=Origin)
 
     def __post_init__(self) -> None:
         """Check and freeze the arrays."""
-        time = _frozen_time(self.time, self.name)
-        _store(self, time=time)
-        for name in ("position", "velocity", "attitude"):
-            array = getattr(self, name)
-            if array is not None:
-                _store(self, **{name: _frozen(array, np.float64, (time.size, 3), f"{self.name} {name}")})
+        columns = ("position", "velocity", "attitude")
+        _freeze_columns(self, columns, known=columns)
 
     def __len__(self) -> int:
         """Return the number of epochs."""
         return self.time.size
 
+    def __str__(self) -> str:
+        """Return name, kind, rows, rate, duration, gaps, units and frame in a line."""
+        return _line(self.name, "reference", self.time, self.origin.units, self.origin.frame)
+
+    __repr__ = __str__
+
 
 @dataclass(frozen=True, slots=True)
 class Provenance:
-    """Which file a log was read from, by what."""
+    """The file that a log was read from, and its reader's format."""
 
     path: str
     format: str
     hash: str  #: "sha256:..." of the file's bytes
     size: int  #: bytes
-    selection: str = ""  #: what was read of it, as text; empty: all
+    selection: str = ""  #: the part in time that was kept, as text; empty: all
 
 
 @dataclass(frozen=True, slots=True)
 class Conditioning:
-    """What was done to a log's samples after it was read."""
+    """What a conditioner did to a log's samples."""
 
     name: str  #: of the conditioner
-    parameters: str  #: as one writes them behind its name
-    causal: bool  #: whether no sample knows of later ones, but for the delay
-    delay: float  #: s, by which what is seen in a sample is late, or a sample comes late
+    parameters: str  #: as on the command line after the name
+    causal: bool  #: whether no sample depends on later samples, apart from the delay
+    delay: float  #: s, by which the samples lag the motion
     note: str = ""
-    band: float | None = None  #: Hz, up to which it leaves a spectrum as it was, to a hundredth; None: everywhere
+    band: float | None = None  #: Hz, up to which a spectrum stays the same to 1 %; None: everywhere
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Log:
-    """What one file holds, in one normal form: after reading, nobody can tell the format."""
+    """The streams of one file in one form, whatever the file's format."""
 
     provenance: Provenance
     imus: tuple[ImuStream, ...] = ()
@@ -234,56 +289,66 @@ class Log:
     speeds: tuple[Scalars, ...] = ()
     references: tuple[Reference, ...] = ()
     notes: tuple[str, ...] = ()
-    zero: int | None = None  #: ns; what seconds "from the log's start" count from, also in a part of it
+    zero: int | None = None  #: ns; start of "seconds from the log's start", also for a part of the log
     conditioning: tuple[Conditioning, ...] = ()  #: in order
 
     def __post_init__(self) -> None:
-        """Begin where the earliest stream does, unless told."""
+        """Set ``zero`` to the start of the earliest stream unless it is given."""
         if self.zero is None:
             triads = [t for imu in self.imus for t in (imu.angular_rate, imu.specific_force) if t is not None]
             timed = (*triads, *self.gnss, *self.speeds, *self.references)
             _store(self, zero=min((int(x.time[0]) for x in timed if len(x)), default=0))
 
+    def __str__(self) -> str:
+        """Return a line with path and format, then a line for each stream."""
+        where = self.provenance
+        cut = f", {where.selection}" if where.selection else ""
+        streams = [str(stream) for stream in (*self.imus, *self.gnss, *self.references)]
+        speeds = [_line(speed.name, "speed", speed.time, "m/s") for speed in self.speeds]
+        return "\n".join((f"{where.path} ({where.format}{cut})", *(streams + speeds or ["no streams"])))
+
+    __repr__ = __str__
+
     def imu(self) -> ImuStream:
-        """Return the IMU, or the first of several.
+        """Return the first IMU.
 
         Raises:
-            MissingDataError: there is none; the message says what there is.
+            MissingDataError: the log has no IMU; the message lists its other streams.
         """
         if self.imus:
             return self.imus[0]
-        there = ", ".join(stream.name for stream in (*self.gnss, *self.references)) or "nothing that is read"
-        message = f"{self.provenance.path}: no IMU in this log (it has {there}), and the analysis needs one"
+        others = ", ".join(stream.name for stream in (*self.gnss, *self.references)) or "no stream that imuwb reads"
+        message = f"{self.provenance.path}: the analysis needs an IMU, but this log has none; it has {others}"
         raise MissingDataError(message)
 
     def streams(self) -> tuple[ImuStream | GnssStream | Scalars | Reference, ...]:
         """Return all streams.
 
         Raises:
-            MissingDataError: there is none; the message says what was found instead.
+            MissingDataError: the log has no stream; the message gives the notes of its reader.
         """
-        if found := (*self.imus, *self.gnss, *self.speeds, *self.references):
-            return found
-        why = "; ".join(self.notes) or "nothing in it is of a kind that imuwb reads"
-        message = f"{self.provenance.path}: no stream that can be used: {why}"
+        if streams := (*self.imus, *self.gnss, *self.speeds, *self.references):
+            return streams
+        why = "; ".join(self.notes) or "it contains nothing that imuwb reads"
+        message = f"{self.provenance.path}: the log has no usable stream: {why}"
         raise MissingDataError(message)
 
     @property
     def causal(self) -> bool:
-        """Whether no sample was made of later ones."""
+        """Whether no sample depends on later samples."""
         return all(step.causal for step in self.conditioning)
 
     @property
     def band(self) -> float:
-        """Return the frequency, Hz, up to which conditioning has left a spectrum as it was; infinite where everywhere."""
+        """The frequency (Hz) up to which conditioning keeps spectra; infinite without conditioning."""
         return min((step.band for step in self.conditioning if step.band is not None), default=math.inf)
 
     def seconds(self, time: Nanoseconds) -> Floats:
-        """Return times of a stream in s from the log's start."""
+        """Return times of a stream in seconds from the log's start."""
         return (time - (self.zero or 0)) / SECOND
 
 
 def source_of(log: Log) -> str:
-    """Return where a log's samples come from, for the provenance of what is made of them: path, hash, conditioning."""
+    """Return path, hash and conditioning of a log: the provenance of what is computed from it."""
     steps = "".join(f" through {step.name}:{step.parameters}" for step in log.conditioning)
     return f"{log.provenance.path} {log.provenance.hash}{steps}"

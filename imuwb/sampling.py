@@ -1,7 +1,7 @@
-"""How evenly a stream is sampled: its interval, its gaps, its jitter.
+"""The clock of a stream: its interval, its gaps, its jitter.
 
-Stamps are rounded (to milliseconds, say), late, and missing; an interval taken from the median step, or a
-gap taken to be any step above it, is then off by tens of per cent.
+Stamps may be rounded (to milliseconds, for example), late, or missing. The median step, and gaps taken as steps above it, would
+then be wrong by tens of per cent.
 """
 
 from __future__ import annotations
@@ -11,26 +11,29 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.log import SECOND
+from imuwb.units import SECOND
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from numpy.typing import NDArray
 
-SPAN = 100  #: steps over which rounding averages out
-GAP = 1.5  #: intervals: from here on at least one sample is missing
-UNEVEN = 1.8  #: intervals: up to here a step may be one of an uneven clock that leaves none out
+SPAN = 100  #: steps; rounding averages out over so many
+GAP = 1.5  #: intervals; a longer step misses at least one sample
+UNEVEN = 1.8  #: intervals; a step up to this may belong to an uneven clock that misses no sample
+ENDS = 0.05  #: share of the sums of SPAN steps, at each end, that may contain gaps
+EVEN = 0.01  #: intervals; a step that near to the interval is not rounded
+ROUNDED = 0.9  #: share of steps near the interval, below which the stamps are rounded
 
 
 @dataclass(frozen=True, slots=True)
 class Sampling:
     """The clock of one stream."""
 
-    interval: float  #: s, gaps left out; nan for fewer than two samples
+    interval: float  #: s, without the gaps; nan for fewer than two samples
     gaps: tuple[tuple[float, float], ...]  #: (start from the first row, length), s
     breaks: tuple[int, ...]  #: rows before which samples are missing
-    jitter: float  #: standard deviation of the steps within the parts without gaps, over the interval
+    jitter: float  #: standard deviation of the steps between gaps, in intervals
 
     @property
     def rate(self) -> float | None:
@@ -42,22 +45,29 @@ class Sampling:
         """Seconds without samples."""
         return sum(length for _, length in self.gaps) - len(self.gaps) * self.interval
 
+    def __str__(self) -> str:
+        """Return rate, gaps and jitter in a line."""
+        longest = f" (longest {max(length for _, length in self.gaps):.3g} s)" if self.gaps else ""
+        return f"{self.rate or 0:.4g} Hz, {len(self.gaps)} gaps{longest}, jitter {self.jitter:.2g} intervals"
+
+    __repr__ = __str__
+
 
 def longest_part(breaks: Iterable[int], last: int, first: int = 0) -> slice:
-    """Return the longest part of rows without a break, the first of equals.
+    """Return the longest part of rows without a break; of equal parts the first.
 
     Args:
-        breaks: rows before which samples are missing, rising.
+        breaks: rising rows before which samples are missing.
         last: the row after the last one.
         first: the first row.
     """
     edges = np.array([first, *(row for row in breaks if first < row < last), max(first, last)])
-    at = int(np.argmax(np.diff(edges)))
-    return slice(int(edges[at]), int(edges[at + 1]))
+    part = int(np.argmax(np.diff(edges)))
+    return slice(int(edges[part]), int(edges[part + 1]))
 
 
 def sampling(time: NDArray[np.int64]) -> Sampling:
-    """Return how a stream is sampled.
+    """Return the clock of a stream.
 
     Args:
         time: (n,) ns, rising.
@@ -66,7 +76,6 @@ def sampling(time: NDArray[np.int64]) -> Sampling:
         return Sampling(float("nan"), (), (), 0.0)
     steps = np.diff(time)
     mean = float(time[-1] - time[0]) / steps.size
-    # No step can be a gap, however stamps are rounded; or the steps differ, but not the number of samples.
     if steps.max() <= GAP * steps.min() or _is_complete(time, float(steps.max()), mean):
         return Sampling(mean / SECOND, (), (), float(steps.std()) / mean)
     interval, rounding = _interval(time, steps)
@@ -80,8 +89,8 @@ def sampling(time: NDArray[np.int64]) -> Sampling:
 
 
 def _is_complete(time: NDArray[np.int64], longest: float, mean: float) -> bool:
-    """Return whether as many samples come in any span as in any other: a missing one makes a sum longer by an interval."""
-    span = min(SPAN, (time.size - 1) // 2) // 2 * 2  # even: steps that take turns add up to the same
+    """Return whether all spans of a number of samples last equally long; a missing sample prolongs them by an interval."""
+    span = min(SPAN, (time.size - 1) // 2) // 2 * 2  # even: short and long steps may alternate
     if not span or longest > UNEVEN * mean:
         return False
     sums = time[span:] - time[:-span]
@@ -89,18 +98,17 @@ def _is_complete(time: NDArray[np.int64], longest: float, mean: float) -> bool:
 
 
 def _interval(time: NDArray[np.int64], steps: NDArray[np.int64]) -> tuple[float, float]:
-    """Return the interval, and how far rounding may stretch a step, in ns.
+    """Return the interval, and by how much rounding may prolong a step, in ns.
 
-    Where stamps are an even clock rounded down, steps differ but sums over many of them hardly do; where
-    samples are missing, the sums scatter as well.
+    The steps of an even but rounded clock differ, while sums of many of them hardly do. Missing samples scatter the sums too.
     """
     usual = float(np.median(steps))
     grain = float(np.gcd.reduce(steps))
     if time.size > 4 * SPAN:
         sums = time[SPAN:] - time[:-SPAN]
-        low, middle, high = np.quantile(sums, (0.05, 0.5, 0.95))
+        low, middle, high = np.quantile(sums, (ENDS, 0.5, 1 - ENDS))
         if high - low <= grain:
-            even = float(middle) / SPAN
-            rounded = float(np.mean(np.abs(steps - even) < 0.01 * even)) < 0.9  # noqa: PLR2004 - else nothing is rounded
-            return even, grain if rounded else 0.0
+            interval = float(middle) / SPAN
+            near = float(np.mean(np.abs(steps - interval) < EVEN * interval))
+            return interval, grain if near < ROUNDED else 0.0
     return usual, 0.0

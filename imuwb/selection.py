@@ -1,50 +1,48 @@
-"""Cuts a log to a span of time and to one IMU."""
+"""Keeps one IMU of a log, or the part between two times."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from datetime import UTC, datetime
-from typing import TYPE_CHECKING, TypeVar
+from datetime import datetime
+from typing import TypeVar
 
 import numpy as np
 
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.log import SECOND, GnssStream, ImuStream, Log, Reference, Scalars, Triad
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from imuwb.log import GnssStream, ImuStream, Log, Reference, Scalars, Triad
+from imuwb.notes import Note
+from imuwb.units import SECOND, unix_nanoseconds
 
 Timed = TypeVar("Timed", Triad, Scalars, GnssStream, Reference)
 FAR = np.iinfo(np.int64).max
-RULE = "A+B takes the gyro of A with the accelerometer of B"
+RULE = "A+B takes the gyro of A and the accelerometer of B"
 LONGEST = 1e9  #: s, thirty years
 
 
 def select(log: Log, imu: str | None = None, start: str | None = None, end: str | None = None) -> Log:
-    """Return the part of a log between two times, with one IMU if named.
+    """Return the part of a log between two times, with one IMU if it is named.
 
     Args:
-        log: what was read.
-        imu: an IMU's name, or two with a + between: the gyro of the first with the accelerometer of the second (the other
-            way round where only that can be, or a name says so); None keeps all.
-        start: seconds from the log's start (``"12.5"``) or an ISO time (``"2024-05-01T12:00:00"``,
-            UTC unless it says otherwise).
-        end: likewise.
+        log: the whole log.
+        imu: the name of an IMU, or ``A+B`` for the gyro of A with the accelerometer of B (or the reverse, if only the reverse
+            is possible or A is named after an accelerometer); None keeps all IMUs.
+        start: seconds from the log's start (``"12.5"``) or an ISO date (``"2024-05-01T12:00:00"``, UTC unless it states a
+            zone); None: the log's start.
+        end: in the same form; None: the log's end.
 
     Raises:
-        MissingDataError: no such IMU (the message lists those there are), or nothing in the span.
-        UsageError: ``start`` or ``end`` is neither seconds from 0 on nor ISO, ``end`` is not behind ``start``, or one IMU is
-            named twice.
+        MissingDataError: there is no such IMU (the message lists all), or no row between the times.
+        UsageError: ``start`` or ``end`` is no time, ``end`` is not after ``start``, or ``A+B`` names one IMU twice.
     """
     if imu is not None:
-        log = _with_one(log, imu)
+        log = _with_one_imu(log, imu)
     if start is None and end is None:
         return log
     zero, epoch = log.zero or 0, _epoch(log)
     first = -FAR if start is None else _instant(start, zero, epoch)
     last = FAR if end is None else _instant(end, zero, epoch)
     if last <= first:
-        message = f"--end {end} is not behind --start {start}"
+        message = f"--end {end} must be after --start {start}"
         raise UsageError(message)
     cut = replace(
         log,
@@ -54,35 +52,42 @@ def select(log: Log, imu: str | None = None, start: str | None = None, end: str 
         references=_kept(log.references, first, last),
         provenance=replace(log.provenance, selection=f"{start or 'start'} to {end or 'end'}"),
     )
-    samples = sum(len(t) for x in cut.imus for t in (x.angular_rate, x.specific_force) if t is not None)
-    others = sum(len(x) for x in (*cut.gnss, *cut.speeds, *cut.references))
-    if not samples and (log.imus or not others):
-        message = f"{log.provenance.path}: no IMU sample between {start or 'start'} and {end or 'end'}"
-        raise MissingDataError(message if log.imus else message.replace("IMU sample", "row"))
+    _check_not_empty(log, cut)
     return cut
 
 
-def _with_one(log: Log, name: str) -> Log:
-    """Return the log with one IMU: of that name, or made of two."""
+def _check_not_empty(log: Log, cut: Log) -> None:
+    samples = sum(len(t) for x in cut.imus for t in (x.angular_rate, x.specific_force) if t is not None)
+    others = sum(len(x) for x in (*cut.gnss, *cut.speeds, *cut.references))
+    if not samples and (log.imus or not others):
+        rows = "IMU sample" if log.imus else "row"
+        start, _, end = cut.provenance.selection.partition(" to ")
+        message = f"{log.provenance.path}: there is no {rows} between {start} and {end}"
+        raise MissingDataError(message)
+
+
+def _with_one_imu(log: Log, name: str) -> Log:
+    """Return the log with one IMU: the one of that name, or the gyro of one with the accelerometer of another."""
     for imu in log.imus:
         if imu.name == name:
             return replace(log, imus=(imu,))
+    # A name may itself contain "+", so each "+" is tried as the separator.
     parts = {part: imu for imu in log.imus for part in (imu.name, *imu.name.split("+"))}
-    splits = [(name[:at], name[at + 1 :]) for at, letter in enumerate(name) if letter == "+"]
-    if any(one and one == other for one, other in splits):
-        message = f"--imu {name}: the same IMU twice; its own name alone takes both its sensors"
+    pairs = [(name[:at], name[at + 1 :]) for at, letter in enumerate(name) if letter == "+"]
+    if any(first and first == second for first, second in pairs):
+        message = f"--imu {name} names the same IMU twice; its own name alone takes both its sensors"
         raise UsageError(message)
-    for one, other in splits:
-        if one in parts and other in parts:
-            return _composed(log, name, (one, parts[one]), (other, parts[other]))
-    there = ", ".join(imu.name for imu in log.imus) or "none"
-    rule = f"; {RULE}" if splits else ""
-    message = f"{log.provenance.path}: no IMU called {name!r}; there are: {there}{rule}"
+    for first, second in pairs:
+        if first in parts and second in parts:
+            return _composed(log, name, (first, parts[first]), (second, parts[second]))
+    names = ", ".join(imu.name for imu in log.imus) or "none"
+    rule = f"; {RULE}" if pairs else ""
+    message = f"{log.provenance.path}: there is no IMU {name!r}; the log has: {names}{rule}"
     raise MissingDataError(message)
 
 
 def _composed(log: Log, name: str, first: tuple[str, ImuStream], second: tuple[str, ImuStream]) -> Log:
-    """Return the log with the gyro of one IMU and the accelerometer of another as its only IMU; a note says which is which."""
+    """Return the log with one IMU: the gyro of one stream and the accelerometer of another."""
     for (gyro_name, gyro), (accel_name, accel) in ((first, second), (second, first)):
         rate, force = gyro.angular_rate, accel.specific_force
         if rate is None or force is None or "accel" in gyro_name:
@@ -90,34 +95,43 @@ def _composed(log: Log, name: str, first: tuple[str, ImuStream], second: tuple[s
         more = tuple(r for r in accel.origin.repairs if r not in gyro.origin.repairs)
         origin = replace(gyro.origin, repairs=(*gyro.origin.repairs, *more))
         imu = ImuStream(name, rate, force, accel.temperature or gyro.temperature, origin)
-        note = f"{name}: the gyro of {gyro_name} with the accelerometer of {accel_name}"
+        note = Note("composed", f"{name}: the gyro of {gyro_name} and the accelerometer of {accel_name}")
         return replace(log, imus=(imu,), notes=(*log.notes, note))
-    lack = [f"{part} has no {'gyro' if imu.angular_rate is None else 'accelerometer'}" for part, imu in (first, second)
-            if imu.angular_rate is None or imu.specific_force is None]  # fmt: skip
-    message = (
-        f"{log.provenance.path}: --imu {name} makes no IMU ({', '.join(lack) or 'both name accelerometers'}); {RULE}"
-    )
-    raise MissingDataError(message)
+    raise _no_composition(log, name, (first, second))
+
+
+def _no_composition(log: Log, name: str, parts: tuple[tuple[str, ImuStream], ...]) -> MissingDataError:
+    """Return the error that states why two IMUs cannot be composed."""
+    missing = [
+        f"{part} has no {'gyro' if imu.angular_rate is None else 'accelerometer'}"
+        for part, imu in parts
+        if imu.angular_rate is None or imu.specific_force is None
+    ]
+    why = ", ".join(missing) or "both names are those of accelerometers"
+    return MissingDataError(f"{log.provenance.path}: --imu {name} is not possible ({why}); {RULE}")
 
 
 def _epoch(log: Log) -> str:
     epochs = {stream.origin.epoch for stream in (*log.imus, *log.gnss, *log.references)}
     if len(epochs) > 1:
         message = (
-            f"{log.provenance.path}: its streams run on different clocks ({', '.join(sorted(epochs))}), so one span of "
-            "time cannot cut them all; leave --start and --end away"
+            f"{log.provenance.path}: --start and --end need one clock, but the streams have several "
+            f"({', '.join(sorted(epochs))}); omit both options"
         )
         raise UsageError(message)
     return epochs.pop() if epochs else "log"
 
 
 def _instant(text: str, zero: int, epoch: str) -> int:
+    """Return a time of the command line in ns on the log's clock."""
     try:
         seconds = float(text)
     except ValueError:
         return _date(text, epoch)
     if not 0 <= seconds < LONGEST:
-        message = f"{text!r} s from the log's start is no time in a log; it is 0 or more, or an ISO time"
+        message = (
+            f"{text!r} is not a time in a log; write 0 to {LONGEST:g} seconds from the log's start, or an ISO date"
+        )
         raise UsageError(message)
     return zero + round(seconds * SECOND)
 
@@ -126,28 +140,27 @@ def _date(text: str, epoch: str) -> int:
     try:
         when = datetime.fromisoformat(text)
     except ValueError:
-        message = f"{text!r} is neither seconds from the log's start nor an ISO time such as 2024-05-01T12:00:00"
+        message = (
+            f"{text!r} is not a time; write seconds from the log's start, or an ISO date such as 2024-05-01T12:00:00"
+        )
         raise UsageError(message) from None
     if epoch != "unix":
-        message = f"{text!r} is a date, but the log's clock starts at its own zero; give seconds"
+        message = f"{text!r} is a date, but the log's {epoch} clock knows no date; write seconds from the log's start"
         raise UsageError(message)
-    when = when if when.tzinfo else when.replace(tzinfo=UTC)
-    since = when - datetime(1970, 1, 1, tzinfo=UTC)
-    return (since.days * 86400 + since.seconds) * SECOND + since.microseconds * 1000
+    return unix_nanoseconds(when)
 
 
 def _kept(streams: tuple[Timed, ...], first: int, last: int) -> tuple[Timed, ...]:
-    return tuple(kept for stream in streams if len(kept := _cut(stream, first, last)))
+    return tuple(part for stream in streams if len(part := _cut(stream, first, last)))
 
 
 def _cut(stream: Timed, first: int, last: int) -> Timed:
     inside = slice(*np.searchsorted(stream.time, (first, last)))
-    names = (name for name in stream.__dataclass_fields__ if isinstance(getattr(stream, name), np.ndarray))
-    take: Callable[[str], object] = lambda name: getattr(stream, name)[inside]  # noqa: E731
-    return replace(stream, **{name: take(name) for name in names})
+    columns = {name: getattr(stream, name) for name in stream.__dataclass_fields__}
+    return replace(stream, **{name: x[inside] for name, x in columns.items() if isinstance(x, np.ndarray)})
 
 
 def _cut_imu(imu: ImuStream, first: int, last: int) -> ImuStream:
-    parts = ("angular_rate", "specific_force", "temperature")
-    kept = {name: _cut(part, first, last) for name in parts if (part := getattr(imu, name)) is not None}
-    return replace(imu, **{name: kept[name] if name in kept and len(kept[name]) else None for name in parts})
+    names = ("angular_rate", "specific_force", "temperature")
+    parts = {name: _cut(part, first, last) for name in names if (part := getattr(imu, name)) is not None}
+    return replace(imu, **{name: parts[name] if name in parts and len(parts[name]) else None for name in names})

@@ -1,36 +1,42 @@
-"""What a log holds, stream by stream: the answer of ``imuwb info``."""
+"""What a log contains, stream by stream; ``imuwb info`` prints it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from imuwb.sampling import sampling
+from imuwb.texts import rows_text
+from imuwb.units import SECOND
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from imuwb.log import Epoch, Log, Nanoseconds, Origin, Repair
-    from imuwb.readers.batch import Kind
+    from imuwb.log import Epoch, Kind, Log, Nanoseconds, Repair
 
 
 @dataclass(frozen=True, slots=True)
 class StreamSummary:
-    """One stream: how much, how fast, from when to when, and what was mended."""
+    """One stream: rows, rate, times, gaps and repairs."""
 
     name: str
     kind: Kind
     count: int
-    rate_hz: float | None  #: count over duration, gaps left out; None for a single row
+    rate_hz: float | None  #: rows over duration without the gaps; None for a single row
     start_ns: int
     end_ns: int
     epoch: Epoch
-    gaps: tuple[tuple[float, float], ...]  #: (start in seconds from the stream's first row, length in s)
+    gaps: tuple[tuple[float, float], ...]  #: (start from the stream's first row, length), s
     repairs: tuple[Repair, ...]
-    units: str  #: of the file; inside all is SI
-    frame: str  #: of the file; inside all is FRD or NED
+    units: str  #: of the file; a Log has SI
+    frame: str  #: of the file; a Log has FRD or NED
+
+    def __str__(self) -> str:
+        """Return name, kind, rows, rate, duration, gaps, units and frame in a line."""
+        rows = rows_text(self.count, self.rate_hz, (self.end_ns - self.start_ns) / SECOND, self.gaps)
+        return ", ".join(filter(None, (f"{self.name}: {self.kind}", rows, self.units, self.frame)))
+
+    __repr__ = __str__
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,55 +45,55 @@ class LogSummary:
 
     path: str
     format: str
-    hash: str
+    hash: str  #: "sha256:...", or empty for a summary from an index
     streams: tuple[StreamSummary, ...]
     notes: tuple[str, ...]
 
+    def __str__(self) -> str:
+        """Return a line with path and format, then a line for each stream."""
+        return "\n".join(
+            (f"{self.path} ({self.format})", *(map(str, self.streams) if self.streams else ("no streams",)))
+        )
+
+    __repr__ = __str__
+
 
 def summarize(log: Log) -> LogSummary:
-    """Return what a log holds."""
-    where = log.provenance
-    return LogSummary(where.path, where.format, where.hash, tuple(_streams(log)), log.notes)
+    """Return the summary of a log."""
+    file = log.provenance
+    return LogSummary(file.path, file.format, file.hash, tuple(_streams(log)), log.notes)
 
 
 def _streams(log: Log) -> Iterator[StreamSummary]:
     epoch: Epoch = "log"
     for imu in log.imus:
-        epoch = imu.origin.epoch
-        triads = [t for t in (imu.angular_rate, imu.specific_force) if t is not None]
-        if all(t.time is triads[0].time or np.array_equal(t.time, triads[0].time) for t in triads):
-            yield _stream(imu.name, "imu", triads[0].time, imu.origin)
-        else:
-            yield _stream(f"{imu.name} (gyro)", "imu", triads[0].time, imu.origin)
-            yield _stream(f"{imu.name} (accelerometer)", "imu", triads[1].time, imu.origin)
+        origin, epoch = imu.origin, imu.origin.epoch
+        for name, triad in imu.sensors().items():
+            yield _stream(name, "imu", triad.time, epoch, origin.units, origin.frame, origin.repairs)
         if imu.temperature is not None:
-            yield _stream(
-                imu.temperature.name,
-                "temperature",
-                imu.temperature.time,
-                imu.origin,
-                units="°C",
-                frame="",
-                mended=False,
-            )
+            yield _stream(imu.temperature.name, "temperature", imu.temperature.time, epoch, "°C")
     for gnss in log.gnss:
-        epoch = gnss.origin.epoch
-        yield _stream(gnss.name, "gnss", gnss.time, gnss.origin)
+        origin, epoch = gnss.origin, gnss.origin.epoch
+        yield _stream(gnss.name, "gnss", gnss.time, epoch, origin.units, origin.frame, origin.repairs)
     for reference in log.references:
-        yield _stream(reference.name, "reference", reference.time, reference.origin)
-    for speed in log.speeds:
-        yield StreamSummary(
-            speed.name, "speed", len(speed), sampling(speed.time).rate, int(speed.time[0]), int(speed.time[-1]), epoch,
-            sampling(speed.time).gaps, (), "m/s", "",
-        )  # fmt: skip
+        origin = reference.origin
+        yield _stream(
+            reference.name, "reference", reference.time, origin.epoch, origin.units, origin.frame, origin.repairs
+        )
+    for speed in log.speeds:  # a speed states no clock of its own
+        yield _stream(speed.name, "speed", speed.time, epoch, "m/s")
 
 
 def _stream(
-    name: str, kind: Kind, time: Nanoseconds, origin: Origin, *, units: str | None = None, frame: str | None = None,
-    mended: bool = True,
-) -> StreamSummary:  # fmt: skip
+    name: str,
+    kind: Kind,
+    time: Nanoseconds,
+    epoch: Epoch,
+    units: str,
+    frame: str = "",
+    repairs: tuple[Repair, ...] = (),
+) -> StreamSummary:
+    clock = sampling(time)
     return StreamSummary(
-        name, kind, time.size, sampling(time).rate, int(time[0]), int(time[-1]), origin.epoch, sampling(time).gaps,
-        origin.repairs if mended else (), origin.units if units is None else units,
-        origin.frame if frame is None else frame,
-    )  # fmt: skip
+        name, kind, time.size, clock.rate, int(time[0]), int(time[-1]), epoch, clock.gaps, repairs, units, frame
+    )

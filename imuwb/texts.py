@@ -6,6 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from imuwb.statistics.estimate import Coefficient, Estimate
     from imuwb.units import Unit
 
@@ -29,6 +31,23 @@ def quantity_text(value: float | None, unit: str, digits: int = 3) -> str:
 def seconds_text(seconds: float) -> str:
     """Return a time: 0.35 s, 20.5 s, 655 s, 2.3 h."""
     return f"{number_text(seconds / 3600)} h" if seconds >= HOURS * 3600 else f"{number_text(seconds)} s"
+
+
+def rows_text(rows: int, rate: float | None, seconds: float, gaps: Sequence[tuple[float, float]]) -> str:
+    """Return how much of a stream there is: 901 rows, 100 Hz, 9.02 s, 1 gap (longest 0.02 s).
+
+    Args:
+        rows: how many.
+        rate: Hz, or None.
+        seconds: from the first row to the last.
+        gaps: (start, length) of each, s.
+    """
+    parts = [f"{rows} rows"]
+    if rows > 1:
+        longest = f" (longest {max((length for _, length in gaps), default=0.0):.3g} s)" if gaps else ""
+        count = f"{len(gaps)} gap{'s' if len(gaps) > 1 else ''}" if gaps else "no gaps"
+        parts += [quantity_text(rate, "Hz", 4), seconds_text(seconds), f"{count}{longest}"]
+    return ", ".join(parts)
 
 
 def interval_text(estimate: Estimate, unit: str = "") -> str:

@@ -1,17 +1,22 @@
-"""Display units and SI: one table, both ways. Inside imuwb everything is SI.
+"""Display units and SI: one table converts both ways. All values inside imuwb are SI.
 
-A unit is a name, what it measures, and the factor that takes a value in it to SI. Spectral and
-random-walk units look alike and are not: ``deg/√h`` is a white-noise density (N), ``deg/h`` a rate
-(B), ``deg/h^1.5`` a random-walk coefficient (K). The dimension keeps them apart.
+A unit has a name, a dimension, and the factor that converts its values to SI. Spectral and random-walk units look alike but
+differ in dimension: ``deg/√h`` is a white-noise density (N), ``deg/h`` a rate (B), ``deg/h^1.5`` a random-walk coefficient (K).
 """
 
 import math
 import re
 from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Literal
 
 from imuwb.errors import UsageError
 
-STANDARD_GRAVITY = 9.80665  # m/s², the "g" of data sheets (CGPM 1901), not the local gravity
+SECOND = 1_000_000_000  # ns
+UNIX_EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
+#: The start of a log's time: 1970 UTC, the sensor's power-up, or the log's own start.
+Epoch = Literal["unix", "boot", "log"]
+STANDARD_GRAVITY = 9.80665  # m/s², the "g" of data sheets (CGPM 1901); local gravity differs from it
 
 _DEG = math.pi / 180
 _H = 3600.0
@@ -29,15 +34,15 @@ class Unit:
     offset: float = 0.0
 
     def to_si(self, value: float) -> float:
-        """Return ``value``, given in this unit, in SI."""
+        """Convert a value in this unit to SI."""
         return value * self.factor + self.offset
 
     def from_si(self, value: float) -> float:
-        """Return ``value``, given in SI, in this unit."""
+        """Convert a value in SI to this unit."""
         return (value - self.offset) / self.factor
 
 
-#: dimension -> {unit: factor to SI}; the first unit of a dimension is the SI one.
+#: dimension -> {unit: factor to SI}; the first unit of a dimension is its SI unit.
 _TABLE: dict[str, dict[str, float]] = {
     "time": {"s": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60, "h": _H},
     "frequency": {"Hz": 1, "kHz": 1e3},
@@ -51,7 +56,7 @@ _TABLE: dict[str, dict[str, float]] = {
     "specific_force": {
         "m/s²": 1, "g": _G, "mg": _G * 1e-3, "µg": _G * 1e-6, "m/s/h": 1 / _H, "cm/s²": 1e-2,
     },
-    # N: a white-noise density. rad/s/√Hz and rad/√s are the same thing.
+    # N: a white-noise density. rad/s/√Hz and rad/√s are equal.
     "angular_rate_density": {
         "rad/s/√Hz": 1, "rad/√s": 1, "deg/s/√Hz": _DEG, "deg/√s": _DEG, "mdeg/s/√Hz": _DEG * 1e-3,
         "deg/√h": _DEG / _ROOT_H, "deg/h/√Hz": _DEG / _H,
@@ -83,7 +88,7 @@ UNITS: dict[str, Unit] = {
     "°F": Unit("°F", "temperature", 5 / 9, -160 / 9),
 }
 
-#: What people write, and the name it has in the table (matched after ``_canonical``).
+#: Other spelling -> name in the table; ``_canonical`` comes first.
 _ALIASES = {
     "dps": "deg/s", "deg/sec": "deg/s", "degps": "deg/s", "°/s": "deg/s", "rad/sec": "rad/s",
     "rads": "rad/s", "°/h": "deg/h", "deg/hr": "deg/h", "mps2": "m/s²", "ms2": "m/s²", "m/s/s": "m/s²",
@@ -94,7 +99,7 @@ _ALIASES = {
     "degree": "deg", "degrees": "deg", "°": "deg", "mps": "m/s", "kmh": "km/h", "kph": "km/h",
     "deg/√hr": "deg/√h", "°/√h": "deg/√h", "m/s/√hr": "m/s/√h", "degs": "deg/s", "": "1",
 }  # fmt: skip
-_FOLDED = {name.lower(): name for name in UNITS}  # no two units differ by case alone, but "K"
+_FOLDED = {name.lower(): name for name in UNITS}  # only "K" would differ by case alone
 
 
 def _canonical(text: str) -> str:
@@ -104,37 +109,42 @@ def _canonical(text: str) -> str:
 
 
 def unit(name: str) -> Unit:
-    """Return the unit that ``name`` writes, in any common spelling.
+    """Return the unit of that name, in any common spelling.
 
     Raises:
-        UsageError: no such unit; the message lists those of the table.
+        UsageError: there is no such unit; the message lists all units.
     """
     text = _canonical(name)
     folded = text.lower()
-    found = text if text in UNITS else _FOLDED.get(folded) or _ALIASES.get(folded)
-    if found is None:
-        known = ", ".join(UNITS)
-        message = f"unknown unit {name!r}; write one of: {known}"
+    known = text if text in UNITS else _FOLDED.get(folded) or _ALIASES.get(folded)
+    if known is None:
+        message = f"unknown unit {name!r}; write one of: {', '.join(UNITS)}"
         raise UsageError(message)
-    return UNITS[found]
+    return UNITS[known]
+
+
+def unix_nanoseconds(when: datetime) -> int:
+    """Return an instant as ns since 1970 UTC, exact to the microsecond; a date without a time zone is UTC."""
+    since = (when if when.tzinfo else when.replace(tzinfo=UTC)) - UNIX_EPOCH
+    return (since.days * 86_400 + since.seconds) * SECOND + since.microseconds * 1000
 
 
 def to_si(value: float, name: str) -> float:
-    """Return ``value``, given in the unit ``name``, in SI."""
+    """Convert a value in a named unit to SI."""
     return unit(name).to_si(value)
 
 
 def from_si(value: float, name: str) -> float:
-    """Return ``value``, given in SI, in the unit ``name``."""
+    """Convert a value in SI to a named unit."""
     return unit(name).from_si(value)
 
 
 def si_unit(dimension: str) -> str:
-    """Return the SI unit of a dimension of the table (°C for temperature)."""
+    """Return the SI unit of a dimension; °C for temperature."""
     return "°C" if dimension == "temperature" else next(iter(_TABLE[dimension]))
 
 
-#: (sensor, coefficient) -> (SI unit, the unit that data sheets and the papers use).
+#: (sensor, coefficient) -> (SI unit, unit of data sheets and papers)
 _COEFFICIENT_UNITS: dict[tuple[str, str], tuple[str, str]] = {
     ("gyro", "Q"): ("rad", "arcsec"),
     ("gyro", "N"): ("rad/s/√Hz", "deg/√h"),
@@ -152,6 +162,6 @@ _COEFFICIENT_UNITS: dict[tuple[str, str], tuple[str, str]] = {
 
 
 def coefficient_units(axis: str, coefficient: str) -> tuple[Unit, Unit]:
-    """Return (SI unit, display unit) of Q, N, B, K, R or ``rate`` on an axis such as ``gyro_x``."""
+    """Return SI unit and display unit of a coefficient (Q, N, B, K, R or ``rate``) of an axis such as ``gyro_x``."""
     si, display = _COEFFICIENT_UNITS[axis.split("_", maxsplit=1)[0], coefficient]
     return UNITS[si], UNITS[display]

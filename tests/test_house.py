@@ -24,6 +24,7 @@ TERMS = {
         "readers",
         "review",
         "units.py",
+        "log.py",
         "summary.py",
         "selection.py",
         "writers",

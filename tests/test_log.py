@@ -49,13 +49,13 @@ def test_what_a_receiver_does_not_tell_is_nan(kind):
 def test_values_that_are_not_finite_are_refused_and_counted(kind, bad):
     value = BODY.copy()
     value[1, 0] = bad
-    with pytest.raises(ValueError, match=r"holds 1 values that are not finite"):
+    with pytest.raises(ValueError, match=r"1 values that are not finite"):
         kinds()[kind](TIME, value)
 
 
 @pytest.mark.parametrize("time", [[0, 2, 1], [0, 1, 1]])
 def test_time_that_does_not_increase_is_refused_with_the_row(make, time):
-    with pytest.raises(ValueError, match=rf"time does not increase at row 2: {time[1]} then {time[2]} ns"):
+    with pytest.raises(ValueError, match=rf"time .*row 2 has {time[2]} ns after {time[1]} ns"):
         make(time, BODY)
 
 
@@ -70,7 +70,7 @@ def test_a_wrong_number_of_columns_is_refused():
 
 
 def test_fix_types_are_as_many_as_fixes():
-    with pytest.raises(ValueError, match=r"fix fix type has shape \(1,\)"):
+    with pytest.raises(ValueError, match=r"fix fix_type has shape \(1,\)"):
         GnssStream("fix", TIME, BODY, fix_type=np.ones(1, np.int64))
 
 

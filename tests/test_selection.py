@@ -1,3 +1,4 @@
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -5,7 +6,8 @@ import pytest
 
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.log import SECOND, GnssStream, ImuStream, Log, Origin, Provenance, Reference, Scalars, Triad
-from imuwb.readers import select
+from imuwb.notes import ids
+from imuwb.selection import select
 
 ZERO = 1_714_564_800 * SECOND  # 2024-05-01T12:00:00Z
 
@@ -25,7 +27,7 @@ def seconds(stream):
     return ((stream.time - ZERO) // SECOND).tolist()
 
 
-def test_nothing_said_keeps_everything():
+def test_without_options_everything_is_kept():
     log = log_of()
     assert select(log) is log
 
@@ -35,7 +37,7 @@ def test_an_imu_is_chosen_by_name():
 
 
 def test_an_unknown_imu_lists_those_there_are():
-    with pytest.raises(MissingDataError, match=r"log\.csv: no IMU called 'middle'; there are: left, right"):
+    with pytest.raises(MissingDataError, match=r"log\.csv: .*'middle'.*: left, right$"):
         select(log_of(), imu="middle")
 
 
@@ -73,39 +75,39 @@ def test_the_span_stands_in_the_provenance():
 
 @pytest.mark.parametrize(("start", "end"), [("10", "20"), ("2.1", "2.9"), ("2025-01-01", None)])
 def test_a_span_without_a_sample_is_missing_data(start, end):
-    with pytest.raises(MissingDataError, match="no IMU sample between"):
+    with pytest.raises(MissingDataError, match="IMU sample between"):
         select(log_of(), start=start, end=end)
 
 
 def test_a_span_without_a_fix_is_missing_data():
     log = replace(log_of(), imus=(), speeds=(), references=())
     assert len(select(log, start="2", end="5").gnss[0]) == 3
-    with pytest.raises(MissingDataError, match=r"log\.csv: no row between 20 and 30"):
+    with pytest.raises(MissingDataError, match=r"log\.csv: .*row between 20 and 30"):
         select(log, start="20", end="30")
 
 
 @pytest.mark.parametrize(("start", "end"), [("5", "2"), ("5", "5"), ("2024-05-01T12:00:05", "2024-05-01T12:00:01")])
 def test_an_end_that_is_not_behind_the_start_is_refused(start, end):
-    with pytest.raises(UsageError, match=rf"--end {end} is not behind --start {start}"):
+    with pytest.raises(UsageError, match=rf"--end {end} .* --start {start}$"):
         select(log_of(), start=start, end=end)
 
 
 @pytest.mark.parametrize("text", ["noon", "", "12:00"])
 def test_what_is_neither_seconds_nor_iso_is_refused(text):
-    with pytest.raises(UsageError, match="neither seconds from the log's start nor an ISO time"):
+    with pytest.raises(UsageError, match="2024-05-01T12:00:00"):
         select(log_of(), start=text)
 
 
 @pytest.mark.parametrize("text", ["inf", "-inf", "nan", "1e300", "-1e300", "1e9"])
 @pytest.mark.parametrize("end", ["start", "end"])
 def test_seconds_that_no_log_lasts_are_refused(end, text):
-    with pytest.raises(UsageError, match=f"'{text}' s from the log's start is no time in a log"):
+    with pytest.raises(UsageError, match=rf"'{text}'.*0 to 1e\+09"):
         select(log_of(), **{end: text})
 
 
 @pytest.mark.parametrize("epoch", ["log", "boot"])
 def test_a_date_needs_a_clock_that_knows_dates(epoch):
-    with pytest.raises(UsageError, match="give seconds"):
+    with pytest.raises(UsageError, match="a date.*seconds"):
         select(log_of(epoch), start="2024-05-01T12:00:00")
 
 
@@ -118,22 +120,23 @@ def test_the_log_itself_is_not_changed():
 
 @pytest.mark.parametrize("span", [("-5", None), (None, "-1"), ("-0.1", "2")])
 def test_seconds_before_the_log_are_refused(span):
-    with pytest.raises(UsageError, match="0 or more, or an ISO time"):
+    with pytest.raises(UsageError, match=r"0 to 1e\+09"):
         select(log_of(), None, *span)
 
 
 def test_two_imus_make_one_and_a_note_says_which_half_is_whose():
     log = select(log_of(), "left+right")
-    assert log.notes == ("left+right: the gyro of left with the accelerometer of right",)
+    assert ids(log.notes) == ("composed",)
+    assert re.search("gyro of left .* accelerometer of right", log.notes[0])
 
 
 def test_the_same_imu_twice_is_refused():
-    with pytest.raises(UsageError, match="the same IMU twice"):
+    with pytest.raises(UsageError, match="twice"):
         select(log_of(), "left+left")
 
 
 def test_a_half_that_is_not_there_names_the_rule():
-    with pytest.raises(MissingDataError, match=r"there are: left, right; A\+B takes the gyro of A"):
+    with pytest.raises(MissingDataError, match=r": left, right; A\+B"):
         select(log_of(), "left+middle")
 
 

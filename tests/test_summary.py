@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 
 from imuwb.log import SECOND, GnssStream, ImuStream, Log, Origin, Provenance, Reference, Repair, Scalars, Triad
-from imuwb.readers import describe, summarize
+from imuwb.readers import describe
 from imuwb.sampling import sampling
+from imuwb.summary import summarize
 
 FILE = Provenance("log.csv", "csv", "sha256:0", 9)
 MENDED = (Repair("mended", 2),)
@@ -50,7 +51,7 @@ def test_no_gaps(seconds):
     assert sampling(triad(*seconds).time).gaps == ()
 
 
-def test_gaps_are_told_from_the_first_row_on():
+def test_gaps_count_from_the_first_row_on():
     assert sampling(triad(100.0, 100.5, 101.0, 102.0, 102.5, 110.0, 110.5).time).gaps == ((1.0, 1.0), (2.5, 7.5))
 
 
@@ -125,7 +126,7 @@ def test_a_log_of_nothing_has_no_streams():
     assert (summary.streams, summary.notes) == ((), ("odd",))
 
 
-def test_describe_says_what_a_file_holds(text_log):
+def test_describe_returns_the_streams_of_a_file(text_log):
     header = "time_s,gx_dps,gy_dps,gz_dps,ax [g],ay [g],az [g],temperature_c,lat,lon"
     rows = "".join(f"{t},1,2,3,0,0,-1,{'20' if t < 2 else ''},45,9\n" for t in (0.0, 0.5, 1.0, 1.5, 3.5, 4.0))
     path = text_log(f"{header}\n{rows}")

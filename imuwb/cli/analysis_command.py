@@ -40,7 +40,7 @@ def command_function(name: str, analysis: Analysis) -> Callable[..., None]:
     Raises:
         UsageError: a parameter of the analysis that has the name of a shared option.
     """
-    from imuwb.readers.batch import ReadOptions  # noqa: PLC0415 - only a command's own help needs it
+    from imuwb.readers.read_options import ReadOptions  # noqa: PLC0415 - only a command's own help needs it
 
     groups = {"reading": ReadOptions, "part": Part, "conditions": Conditions, "outputs": Outputs}
     own = parameters_of(analysis.Parameters)

@@ -9,7 +9,7 @@ import typer
 
 from imuwb.cli.options import LOG_ARGUMENT, Force, Part
 from imuwb.errors import UsageError
-from imuwb.readers.batch import ReadOptions  # noqa: TC001 - as above
+from imuwb.readers.read_options import ReadOptions  # noqa: TC001 - as above
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

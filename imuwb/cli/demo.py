@@ -38,7 +38,7 @@ def demo(
     from imuwb.cli.parameters import make  # noqa: PLC0415
     from imuwb.cli.perform import perform  # noqa: PLC0415
     from imuwb.cli.places import Places, check_places  # noqa: PLC0415
-    from imuwb.readers.batch import ReadOptions  # noqa: PLC0415
+    from imuwb.readers.read_options import ReadOptions  # noqa: PLC0415
 
     still, drive = (samples() / log for log in LOGS.values())
     (first, identify), (second, replay) = (marked(log) for log in LOGS)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from imuwb import joining, readers, selection
 from imuwb.cli.terminal import progress
-from imuwb.readers.batch import ReadOptions
+from imuwb.readers.read_options import ReadOptions
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -62,7 +62,7 @@ def test_the_receiver_s_file_is_joined(imuwb, imu_csv, tmp_path, request, kind):
     assert gnss.time[0] == int(START.timestamp()) * 10**9
     assert np.degrees(gnss.position[:, 0]) == pytest.approx(47 + 1e-5 * np.arange(60), abs=1e-9)
     assert fixes.name in done.err
-    assert "another clock" not in done.err
+    assert "unix time" not in done.err
 
 
 def document(imuwb, *arguments):
@@ -75,12 +75,12 @@ def test_health_looks_at_both(imuwb, imu_csv, rtklib):
     found = document(imuwb, imu_csv(), "--gnss", rtklib)
     assert [(s["name"], s["verdict"]) for s in found["result"]["streams"]] == [("imu", "good"), ("gnss", "good")]
     assert any("fixes.pos (sha256:" in note and "joined" in note for note in found["notes"])
-    assert not [n for n in found["notes"] if "another clock" in n]
+    assert not [n for n in found["notes"] if "unix time" in n]
 
 
 def test_different_clocks_are_noted_and_a_fault(imuwb, imu_csv, rtklib):
     found = document(imuwb, imu_csv(0.0), "--gnss", rtklib)
-    assert any("another clock (unix time against log time of the IMU)" in note for note in found["notes"])
+    assert any("unix time" in note and "log time" in note for note in found["notes"])
     worst = found["result"]["faults"][0]
     assert (worst["stream"], worst["severity"]) == ("gnss", "fault")
     assert "two clocks" in worst["what"]
@@ -96,7 +96,7 @@ def test_a_span_cuts_the_fixes_as_well(imuwb, imu_csv, rtklib, tmp_path):
 def test_a_span_of_two_clocks_is_refused(imuwb, imu_csv, rtklib, tmp_path):
     done = imuwb("convert", imu_csv(0.0), "--gnss", rtklib, "-o", "part.mcap", "--start", "10")
     assert done.code == 2
-    assert "different clocks (log, unix)" in done.err
+    assert "(log, unix)" in done.err
     assert not (tmp_path / "part.mcap").exists()
 
 
@@ -124,13 +124,14 @@ def test_a_file_without_a_receiver_is_refused(imuwb, imu_csv, tmp_path):
     (tmp_path / "other.csv").write_bytes(path.read_bytes())
     done = imuwb("health", path, "--gnss", "other.csv")
     assert done.code == 3
-    assert "other.csv: no receiver, reference or speed" in done.err
+    assert "other.csv: " in done.err
+    assert "receiver, reference or speed" in done.err
     assert not list(tmp_path.glob("*.rrd"))
 
 
 def test_a_receiver_of_another_day_is_told(imuwb, imu_csv, rtklib):
     found = document(imuwb, imu_csv(SINCE_1970 + 86_400), "--gnss", rtklib)
-    assert any("not recorded together" in note for note in found["notes"])
+    assert any("times" in note and "belong together" in note for note in found["notes"])
 
 
 def test_a_note_that_both_files_have_is_told_once(imuwb, imu_csv, fixes_csv):

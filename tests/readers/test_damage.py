@@ -26,7 +26,8 @@ import pytest
 
 from imuwb.errors import ImuwbError
 from imuwb.log import GnssStream, ImuStream, Log, Provenance, Triad
-from imuwb.readers import describe, read, summarize
+from imuwb.readers import describe, read
+from imuwb.summary import summarize
 from imuwb.writers import write
 
 FULL = os.environ.get("IMUWB_FULL_FUZZ", "0") not in ("", "0")

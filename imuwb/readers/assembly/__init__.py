@@ -1,1 +1,1 @@
-"""From the pieces that readers yield to the streams of a Log."""
+"""Makes the streams of a Log from the pieces that readers yield."""

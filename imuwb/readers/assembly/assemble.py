@@ -1,24 +1,30 @@
-"""Makes a Log of a reader's batches: joins them, mends time, and counts every repair."""
+"""Makes a Log of a reader's batches: joins them, repairs their time, and counts every repair."""
 
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.log import SECOND, GnssStream, ImuStream, Log, Origin, Provenance, Reference, Repair, Scalars, Triad
-from imuwb.readers.assembly.siblings import beside_fixes, sibling, with_parts_joined
+from imuwb.log import GnssStream, ImuStream, Log, Provenance, Reference, Repair, Scalars, Triad
+from imuwb.notes import Note
+from imuwb.readers.assembly.rows import Fault, Rows, taken
+from imuwb.readers.assembly.siblings import sibling, with_fix_rows, with_parts_joined
+from imuwb.readers.assembly.time_order import in_order
 from imuwb.readers.batch import Batch
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
     from numpy.typing import NDArray
 
-    from imuwb.log import Effect, Floats, Nanoseconds
-    from imuwb.readers.batch import Kind, Remark
+    from imuwb.log import Floats, Kind
+    from imuwb.readers.batch import Remark
+
+    #: stream, kind, names of the columns
+    Key = tuple[str, Kind, tuple[str, ...]]
 
 #: kind -> the columns it may have
 _COLUMNS = {
@@ -30,73 +36,35 @@ _COLUMNS = {
     "speed": ("speed",),
     "temperature": ("temperature",),
 }
-_MAY_BE_UNKNOWN = ("velocity", "position_sigma", "velocity_sigma", "fix_type")  #: of a fix
-SET_BACK = "clock set back: time goes on behind it by one nominal step"
-LATE = "rows out of order sorted by time"
-_EFFECTS: dict[str, Effect] = {SET_BACK: "time", LATE: "order"}  #: of a repair that leaves no row out
-FIRST, LAST = np.iinfo(np.int64).max, np.iinfo(np.int64).min  # of no rows
-MOST_STEPS = 10  # back, of a clock that is set now and then
-FEW = 12  # rows; of fewer, nobody can tell which stamp is damaged
-LATEST = 2**62  # ns from the epoch: the year 2116; differences of such times fit into int64
-END_STEP = 86_400 * SECOND  # of a first or last row, that is then a damaged stamp
-CLOCK_STEP = SECOND  # a row that is older than its predecessor by more is a clock set back, not a late row
-
-
-@dataclass(frozen=True, slots=True)
-class _Rows:
-    """All rows of one stream that share their columns, mended."""
-
-    stream: str
-    kind: Kind
-    origin: Origin
-    time: Nanoseconds
-    columns: dict[str, Floats]
+#: columns of a receiver that may be nan
+_MAY_BE_UNKNOWN = ("velocity", "position_sigma", "velocity_sigma", "fix_type")
+NOT_FINITE = Fault(Note("not_finite", "rows with a value that is not a number left out"))
 
 
 def assemble(parts: Iterable[Batch | Remark], provenance: Provenance) -> Log:
-    """Return the log that ``parts`` make up.
+    """Return the log of a reader's batches and remarks.
 
-    Rows with a value that is not finite are left out; rows out of order by less than a second are
-    sorted; of repeated times the first row is kept; behind a clock set back by more, time goes on
-    by one nominal step. Each is a repair, counted in the stream's ``origin``.
+    Rows with a value that is not finite are left out. Rows out of order by less than a second are sorted. Of rows with one time
+    the first is kept. After a clock that is set back by more, time goes on by one usual step. Each repair is counted in the
+    stream's ``origin``.
     """
     groups, repairs, notes = _grouped(parts)
-    rows: list[_Rows] = []
+    streams: list[Rows] = []
     for (stream, kind, _), batches in groups.items():
-        joined = _join(batches, repairs[stream])
-        batches.clear()  # the pieces go as soon as they are joined: a log is held once, not twice
-        if joined.time.size:
-            rows.append(joined)
+        rows = _joined(batches, repairs.pop(stream, []))
+        batches.clear()  # the pieces are freed as soon as they are joined, so a log is in memory once, not twice
+        if rows.time.size:
+            streams.append(rows)
         else:
-            lost = sum(repair.count for repair in joined.origin.repairs)
-            notes.append(f"{stream} ({kind}): none of its {lost} rows could be used")
-    known = {(r.stream, r.kind) for r in rows if r.kind in ("imu", "gnss")}
-    for r in rows:  # a stream without an origin tells its repairs here
-        if (r.stream, r.kind) not in known:
-            notes.extend(f"{r.stream}: {repair.what} ({repair.count})" for repair in r.origin.repairs)
-    for stream, left in repairs.items():
-        notes.extend(f"{stream}: {repair.what} ({repair.count})" for repair in left)
-    temperatures = [_scalars(r, "temperature") for r in rows if r.kind == "temperature"]
-    imus, joined_notes = _imus([r for r in rows if r.kind == "imu"], temperatures)
-    gnss = tuple(_gnss(r) for r in rows if r.kind == "gnss")
-    for r in (r for r in rows if r.kind in ("velocity", "fix")):
-        gnss, note = beside_fixes(gnss, r.stream, r.time, r.columns)
-        joined_notes.append(note)
-    return Log(
-        provenance,
-        imus=imus,
-        gnss=gnss,
-        references=tuple(_reference(r) for r in rows if r.kind == "reference"),
-        speeds=tuple(_scalars(r, "speed") for r in rows if r.kind == "speed"),
-        notes=(*notes, *joined_notes),
-    )
+            lost = sum(repair.count for repair in rows.origin.repairs)
+            notes.append(Note("no_usable_row", f"{stream} ({kind}): none of its {lost} rows can be used"))
+    notes.extend(_repair_notes(streams, repairs))
+    return _log(provenance, streams, notes)
 
 
-def _grouped(
-    parts: Iterable[Batch | Remark],
-) -> tuple[dict[tuple[str, Kind, tuple[str, ...]], list[Batch]], dict[str, list[Repair]], list[str]]:
+def _grouped(parts: Iterable[Batch | Remark]) -> tuple[dict[Key, list[Batch]], dict[str, list[Repair]], list[str]]:
     """Return batches by stream and columns, repairs by stream, and notes."""
-    groups: dict[tuple[str, Kind, tuple[str, ...]], list[Batch]] = defaultdict(list)
+    groups: dict[Key, list[Batch]] = defaultdict(list)
     repairs: dict[str, list[Repair]] = defaultdict(list)
     notes: list[str] = []
     for part in parts:
@@ -111,9 +79,9 @@ def _grouped(
 
 
 def _pieces(batch: Batch) -> tuple[Batch, ...]:
-    """Return a batch as it is joined: an IMU's temperature apart, which some rows may lack."""
+    """Return a batch, or, if an IMU's rows have a temperature, its motion and its temperature: some rows may lack the latter."""
     if batch.kind not in _COLUMNS or not set(batch.columns) <= set(_COLUMNS[batch.kind]):
-        message = f"{batch.stream}: a reader made a batch of {batch.kind} with {', '.join(batch.columns)}"
+        message = f"{batch.stream}: a batch of kind {batch.kind} cannot have the columns {', '.join(batch.columns)}"
         raise ValueError(message)
     if batch.kind != "imu" or "temperature" not in batch.columns or len(batch.columns) == 1:
         return (batch,)
@@ -121,150 +89,117 @@ def _pieces(batch: Batch) -> tuple[Batch, ...]:
     return replace(batch, columns=motion), replace(batch, columns={"temperature": batch.columns["temperature"]})
 
 
-def _join(batches: list[Batch], noted: list[Repair]) -> _Rows:
+def _joined(batches: list[Batch], repairs: list[Repair]) -> Rows:
+    """Return batches as one, with time in order; their repairs follow those given."""
     first = batches[0]
     time = np.concatenate([batch.time for batch in batches])
     columns = {name: np.concatenate([batch.columns[name] for batch in batches]) for name in first.columns}
-    counts: dict[str, int] = {}
-
-    finite = np.ones(time.size, dtype=bool)
-    for name, values in columns.items():
-        whole = np.isfinite(values)
-        if not whole.all() and (first.kind not in ("gnss", "velocity") or name not in _MAY_BE_UNKNOWN):
-            finite &= whole if values.ndim == 1 else whole.all(axis=1)
+    counts: dict[Fault, int] = {}
+    finite = _finite(first.kind, time.size, columns)
     if not finite.all():
-        counts["rows with a value that is not a number left out"] = int(np.count_nonzero(~finite))
-        time, columns = _take(time, columns, finite)
-    possible = np.abs(time) < LATEST
-    if not possible.all():
-        counts["rows whose time cannot be left out"] = int(np.count_nonzero(~possible))
-        time, columns = _take(time, columns, possible)
-    time, columns = _mend_time(time, columns, counts)
-    repairs = (
-        *first.origin.repairs,
-        *noted,
-        *(Repair(what, count, _EFFECTS.get(what, "lost")) for what, count in counts.items()),
+        counts[NOT_FINITE] = int(np.count_nonzero(~finite))
+        time, columns = taken(time, columns, finite)
+    time, columns = in_order(time, columns, counts)
+    more = (Repair(fault.what, count, fault.effect) for fault, count in counts.items())
+    origin = replace(first.origin, repairs=(*first.origin.repairs, *repairs, *more))
+    return Rows(first.stream, first.kind, origin, time, columns)
+
+
+def _finite(kind: Kind, rows: int, columns: dict[str, Floats]) -> NDArray[np.bool_]:
+    """Return which rows are finite in all columns that must be known."""
+    finite = np.ones(rows, dtype=bool)
+    for name, values in columns.items():
+        known = np.isfinite(values)
+        if not known.all() and (kind not in ("gnss", "velocity") or name not in _MAY_BE_UNKNOWN):
+            finite &= known if values.ndim == 1 else known.all(axis=1)
+    return finite
+
+
+def _repair_notes(streams: list[Rows], unused: dict[str, list[Repair]]) -> Iterator[Note]:
+    """Yield the repairs of streams whose repairs no summary shows, and those of streams without rows."""
+    shown = {(r.stream, r.kind) for r in streams if r.kind in ("imu", "gnss")}
+    hidden = [(r.stream, repair) for r in streams if (r.stream, r.kind) not in shown for repair in r.origin.repairs]
+    for stream, repair in (*hidden, *((stream, repair) for stream, few in unused.items() for repair in few)):
+        yield Note(getattr(repair.what, "id", "repair"), f"{stream}: {repair.what} ({repair.count})")
+
+
+def _log(provenance: Provenance, streams: list[Rows], notes: list[str]) -> Log:
+    """Return the log of all rows; rows that belong to another stream are joined to it."""
+    of: dict[str, list[Rows]] = defaultdict(list)
+    for rows in streams:
+        of[rows.kind].append(rows)
+    imus, imu_notes = _imus(of["imu"], [_scalars(r, "temperature") for r in of["temperature"]])
+    gnss, gnss_notes = tuple(map(_gnss, of["gnss"])), list[str]()
+    for rows in (r for r in streams if r.kind in ("velocity", "fix")):
+        gnss, note = with_fix_rows(gnss, rows.stream, rows.time, rows.columns)
+        gnss_notes.append(note)
+    return Log(
+        provenance,
+        imus=imus,
+        gnss=gnss,
+        references=tuple(map(_reference, of["reference"])),
+        speeds=tuple(_scalars(r, "speed") for r in of["speed"]),
+        notes=(*notes, *imu_notes, *gnss_notes),
     )
-    noted.clear()
-    return _Rows(first.stream, first.kind, replace(first.origin, repairs=repairs), time, columns)
 
 
-def _mend_time(
-    time: Nanoseconds, columns: dict[str, Floats], counts: dict[str, int]
-) -> tuple[Nanoseconds, dict[str, Floats]]:
-    """Return rows whose time increases, and count what was mended."""
-    steps = np.diff(time)
-    if steps.size and steps.min() > 0 and steps.max() <= CLOCK_STEP:
-        return time, columns  # as nearly all logs are
-    alone = _lone(time)
-    others = time[~alone]
-    # A lone row within the log's time is only late; one before or behind all others has a damaged stamp.
-    alone &= (time < others.min(initial=FIRST)) | (time > others.max(initial=LAST))
-    if alone.any():
-        counts["rows whose time lies far from that of both neighbours left out"] = int(np.count_nonzero(alone))
-        time, columns = _take(time, columns, ~alone)
-    if time.size > 1:
-        continued, set_back = _continue_behind_steps(time)
-        if set_back <= max(MOST_STEPS, time.size // 100):
-            time = continued
-        else:  # no clock is set back as often as this: the rows are in no order at all
-            set_back = 0
-        if set_back:
-            counts[SET_BACK] = set_back
-        late = int(np.count_nonzero(time < np.maximum.accumulate(time)))
-        if late:
-            counts[LATE] = late
-            time, columns = _take(time, columns, np.argsort(time, kind="stable"))
-        repeated = np.diff(time, prepend=time[0] - 1) == 0
-        if repeated.any():
-            counts["rows that repeat the time before left out"] = int(np.count_nonzero(repeated))
-            time, columns = _take(time, columns, ~repeated)
-    return time, columns
-
-
-def _take(
-    time: Nanoseconds, columns: dict[str, Floats], rows: NDArray[np.bool_] | NDArray[np.int64]
-) -> tuple[Nanoseconds, dict[str, Floats]]:
-    return time[rows], {name: values[rows] for name, values in columns.items()}
-
-
-def _lone(time: Nanoseconds) -> NDArray[np.bool_]:
-    """Return the rows that step far from their predecessor, and whose successor steps back to it."""
-    alone = np.zeros(time.size, dtype=bool)
-    if time.size > 2:  # noqa: PLR2004 - both neighbours
-        far = np.abs(np.diff(time)) > CLOCK_STEP
-        near = np.abs(time[2:] - time[:-2]) <= CLOCK_STEP
-        alone[1:-1] = far[:-1] & far[1:] & near
-        for end, step, rest in ((0, time[1] - time[0], time[1:]), (-1, time[-1] - time[-2], time[:-1])):
-            far_off = abs(step) > max(END_STEP, 10 * abs(int(rest[-1] - rest[0])))
-            alone[end] |= far_off and time.size >= FEW
-    return alone
-
-
-def _continue_behind_steps(time: Nanoseconds) -> tuple[Nanoseconds, int]:
-    """Return time without the steps back that are too large for a late row, and their number."""
-    steps = np.diff(time)
-    back = steps < -CLOCK_STEP
-    if not back.any():
-        return time, 0
-    nominal = int(np.median(steps[steps > 0])) if (steps > 0).any() else 1
-    shift = np.where(back, nominal - steps, 0)
-    late = np.flatnonzero(_lone(time))  # such a row steps back and forth again
-    shift[(late - 1).clip(0)] = shift[late.clip(max=shift.size - 1)] = 0
-    if float(np.abs(shift.astype(np.float64)).sum()) + float(np.abs(time).max()) >= LATEST:
-        return time, time.size  # no clock is set back so far
-    return time + np.concatenate([[0], np.cumsum(shift)]), int(np.count_nonzero(shift))
-
-
-def _imus(rows: list[_Rows], temperatures: list[Scalars]) -> tuple[tuple[ImuStream, ...], list[str]]:
+def _imus(streams: list[Rows], temperatures: list[Scalars]) -> tuple[tuple[ImuStream, ...], list[str]]:
+    """Return the IMUs, each with the temperature that belongs to it, and notes on what was joined."""
     imus: dict[str, ImuStream] = {}
-    for r in rows:
-        imu = imus.get(r.stream, ImuStream(r.stream, None, None, origin=replace(r.origin, repairs=())))
-        repairs = imu.origin.repairs + tuple(x for x in r.origin.repairs if x not in imu.origin.repairs)
-        imu = replace(imu, origin=replace(imu.origin, repairs=repairs))
-        for quantity in ("angular_rate", "specific_force"):
-            if quantity in r.columns:
-                imu = replace(imu, **{quantity: Triad(r.time, r.columns[quantity])})
-        if "temperature" in r.columns:
-            imu = replace(imu, temperature=Scalars(r.stream, r.time, r.columns["temperature"]))
-        imus[r.stream] = imu
+    for rows in streams:
+        imu = imus.get(rows.stream, ImuStream(rows.stream, None, None, origin=replace(rows.origin, repairs=())))
+        imus[rows.stream] = _with_rows(imu, rows)
     notes: list[str] = []
     for temperature in temperatures:
         name = sibling(temperature.name, [n for n, imu in imus.items() if imu.temperature is None])
         if name is None:
-            notes.append(f"{temperature.name}: temperature of no IMU in the log, left out")
+            text = f"{temperature.name}: no IMU in the log has this temperature; it is left out"
+            notes.append(Note("temperature_left_out", text))
             continue
         imus[name] = replace(imus[name], temperature=temperature)
-        notes.append(f"{temperature.name}: taken as the temperature of {name}")
-    joined, joined_notes = with_parts_joined(tuple(imus.values()))
-    return joined, [*notes, *joined_notes]
+        notes.append(Note("temperature_joined", f"{temperature.name}: taken as the temperature of {name}"))
+    whole, part_notes = with_parts_joined(tuple(imus.values()))
+    return whole, [*notes, *part_notes]
 
 
-def _gnss(r: _Rows) -> GnssStream:
-    fix = r.columns.get("fix_type")
+def _with_rows(imu: ImuStream, rows: Rows) -> ImuStream:
+    """Return an IMU with the sensors of some rows, and their repairs."""
+    repairs = imu.origin.repairs + tuple(x for x in rows.origin.repairs if x not in imu.origin.repairs)
+    triads = {
+        name: Triad(rows.time, rows.columns[name])
+        for name in ("angular_rate", "specific_force")
+        if name in rows.columns
+    }
+    imu = replace(imu, origin=replace(imu.origin, repairs=repairs), **triads)
+    if "temperature" not in rows.columns:
+        return imu
+    return replace(imu, temperature=Scalars(rows.stream, rows.time, rows.columns["temperature"]))
 
+
+def _gnss(rows: Rows) -> GnssStream:
     def known(name: str) -> Floats | None:
-        values = r.columns.get(name)
-        return (
-            None if values is None or not np.isfinite(values).any() else np.where(np.isfinite(values), values, np.nan)
-        )
+        values = rows.columns.get(name)
+        if values is None or not np.isfinite(values).any():
+            return None
+        return np.where(np.isfinite(values), values, np.nan)
 
+    fix = rows.columns.get("fix_type")
     return GnssStream(
-        r.stream,
-        r.time,
-        position=r.columns["position"],
+        rows.stream,
+        rows.time,
+        position=rows.columns["position"],
         velocity=known("velocity"),
         position_sigma=known("position_sigma"),
         velocity_sigma=known("velocity_sigma"),
         fix_type=None if fix is None else np.nan_to_num(fix).astype(np.int64),
-        origin=r.origin,
+        origin=rows.origin,
     )
 
 
-def _reference(r: _Rows) -> Reference:
-    parts = {name: r.columns.get(name) for name in ("velocity", "attitude")}
-    return Reference(r.stream, r.time, r.columns["position"], **parts, origin=r.origin)
+def _reference(rows: Rows) -> Reference:
+    parts = {name: rows.columns.get(name) for name in ("velocity", "attitude")}
+    return Reference(rows.stream, rows.time, rows.columns["position"], **parts, origin=rows.origin)
 
 
-def _scalars(r: _Rows, column: str) -> Scalars:
-    return Scalars(r.stream, r.time, r.columns[column])
+def _scalars(rows: Rows, column: str) -> Scalars:
+    return Scalars(rows.stream, rows.time, rows.columns[column])

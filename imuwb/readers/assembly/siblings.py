@@ -1,4 +1,4 @@
-"""Streams that belong together: a temperature to its IMU, a gyro to its accelerometer, a velocity to its receiver."""
+"""Joins streams that belong together: a temperature and its IMU, a gyro and its accelerometer, a velocity and its receiver."""
 
 from __future__ import annotations
 
@@ -9,18 +9,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.log import GnssStream, ImuStream
+from imuwb.notes import Note
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from numpy.typing import NDArray
+
     from imuwb.log import Floats, Nanoseconds
 
 _SENSOR = re.compile(r"(?<=/)(gyro|accel)(?=/|$)")
-MATCHED = 0.9  #: share of the fixes that must have a velocity of their own
+MATCHED = 0.9  #: least share of the fixes that must have a row nearby
 
 
 def sibling(topic: str, names: Sequence[str]) -> str | None:
-    """Return the name that a topic belongs to: one it begins with, the only one, or the one that shares most of its path."""
+    """Return the name that a topic belongs to: one that it begins with, the only one, or the one that shares most of its path."""
     above = [name for name in names if topic.startswith(f"{name}/")]
     if above or len(names) == 1:
         return max(above, key=len) if above else names[0]
@@ -33,69 +36,80 @@ def sibling(topic: str, names: Sequence[str]) -> str | None:
 
 
 def with_parts_joined(imus: tuple[ImuStream, ...]) -> tuple[tuple[ImuStream, ...], list[str]]:
-    """Return IMUs with those made one of which a topic holds the gyro, another, called alike, the accelerometer."""
+    """Return the IMUs; a gyro and an accelerometer whose topics differ by the sensor's name alone become one."""
     parts = {
         (_SENSOR.sub("*", imu.name), sensor): imu
         for imu in imus
-        for sensor, there, other in (
+        for sensor, own, other in (
             ("gyro", imu.angular_rate, imu.specific_force),
             ("accel", imu.specific_force, imu.angular_rate),
         )
-        if there is not None and other is None and _SENSOR.search(imu.name)
+        if own is not None and other is None and _SENSOR.search(imu.name)
     }
-    found, notes = list(imus), list[str]()
-    for (name, sensor), gyro in parts.items():
-        accel = parts.get((name, "accel"))
+    streams, notes = list(imus), list[str]()
+    for (pattern, sensor), gyro in parts.items():
+        accel = parts.get((pattern, "accel"))
         if sensor != "gyro" or accel is None:
             continue
-        whole = name.removesuffix("/*").replace("*", "imu")
-        if any(imu.name == whole for imu in imus):
+        name = pattern.removesuffix("/*").replace("*", "imu")
+        if any(imu.name == name for imu in imus):
             continue
-        warmth = gyro.temperature or accel.temperature
         repairs = (*gyro.origin.repairs, *(r for r in accel.origin.repairs if r not in gyro.origin.repairs))
-        found[found.index(gyro)] = ImuStream(
-            whole, gyro.angular_rate, accel.specific_force, warmth, replace(gyro.origin, repairs=repairs)
-        )
-        found.remove(accel)
-        notes.append(f"{gyro.name} and {accel.name}: taken as the gyro and the accelerometer of one IMU, {whole}")
-    return tuple(found), notes
+        temperature, origin = gyro.temperature or accel.temperature, replace(gyro.origin, repairs=repairs)
+        streams[streams.index(gyro)] = ImuStream(name, gyro.angular_rate, accel.specific_force, temperature, origin)
+        streams.remove(accel)
+        text = f"{gyro.name} and {accel.name}: taken as the gyro and the accelerometer of one IMU, {name}"
+        notes.append(Note("parts_joined", text))
+    return tuple(streams), notes
 
 
-def beside_fixes(
+def with_fix_rows(
     streams: tuple[GnssStream, ...], topic: str, time: Nanoseconds, columns: Mapping[str, Floats]
-) -> tuple[tuple[GnssStream, ...], str]:
-    """Return the receivers with what a stream of its own tells of fixes joined to the one it is of, and a note about it.
+) -> tuple[tuple[GnssStream, ...], Note]:
+    """Return receivers with the velocities or fix types of another stream joined to one of them, and a note about it.
 
-    Each fix takes the row nearest in time, within half an interval of the fixes. Where a few fixes have none, it is unknown of
-    those; where many have none, it is left out.
+    Each fix takes the row nearest in time, within half an interval of the fixes. If a few fixes have no such row, their value is
+    unknown; if many have none, the rows are left out.
 
     Args:
         streams: receivers.
-        topic: name of the stream.
-        time: (m,) ns.
+        topic: name of the other stream.
+        time: (m,) ns, of its rows.
         columns: ``velocity`` and ``velocity_sigma`` (m, 3), or ``fix_type`` (m,).
     """
-    what = "velocity" if "velocity" in columns else "fix type"
-    name = sibling(topic, [g.name for g in streams if what != "velocity" or g.velocity is None])
+    quantity = "velocity" if "velocity" in columns else "fix type"
+    name = sibling(topic, [g.name for g in streams if quantity != "velocity" or g.velocity is None])
     gnss = next((gnss for gnss in streams if gnss.name == name), None)
     if gnss is None or not len(gnss):
-        return streams, f"{topic}: {what} of no receiver in the log, left out"
-    after = np.searchsorted(time, gnss.time).clip(0, time.size - 1)
-    before = (after - 1).clip(0)
-    nearest = np.where(np.abs(time[after] - gnss.time) < np.abs(gnss.time - time[before]), after, before)
-    interval = float(np.median(np.diff(gnss.time))) if len(gnss) > 1 else 0.0
-    near = np.abs(time[nearest] - gnss.time) <= interval / 2
+        text = f"{topic}: no receiver in the log has this {quantity}; it is left out"
+        return streams, Note("fix_rows_left_out", text)
+    nearest, near = _nearest(time, gnss.time)
     if near.mean() < MATCHED:
-        return streams, f"{topic}: only {near.sum()} of {len(gnss)} fixes of {gnss.name} have a {what} near; left out"
+        text = (
+            f"{topic}: only {near.sum()} of {len(gnss)} fixes of {gnss.name} have a {quantity} nearby; it is left out"
+        )
+        return streams, Note("fix_rows_left_out", text)
     values = {
         key: np.where(near.reshape(-1, *[1] * (column.ndim - 1)), column[nearest], np.nan)
         for key, column in columns.items()
     }
-    if "fix_type" in values:
-        joined = replace(gnss, fix_type=np.nan_to_num(values["fix_type"]).astype(np.int64))
-    else:
-        known = {key: column for key, column in values.items() if np.isfinite(column).any()}
-        joined = replace(gnss, **known)
+    whole = _with_values(gnss, values)
     missing = int(np.count_nonzero(~near))
-    note = f"; {missing} fixes have none near" if missing else ""
-    return tuple(joined if s is gnss else s for s in streams), f"{topic}: taken as the {what} of {gnss.name}{note}"
+    rest = f"; {missing} fixes have none nearby" if missing else ""
+    note = Note("fix_rows_joined", f"{topic}: taken as the {quantity} of {gnss.name}{rest}")
+    return tuple(whole if s is gnss else s for s in streams), note
+
+
+def _nearest(time: Nanoseconds, fixes: Nanoseconds) -> tuple[Nanoseconds, NDArray[np.bool_]]:
+    """Return for each fix the row nearest in time, and whether it is within half an interval of the fixes."""
+    after = np.searchsorted(time, fixes).clip(0, time.size - 1)
+    before = (after - 1).clip(0)
+    nearest = np.where(np.abs(time[after] - fixes) < np.abs(fixes - time[before]), after, before)
+    interval = float(np.median(np.diff(fixes))) if fixes.size > 1 else 0.0
+    return nearest, np.abs(time[nearest] - fixes) <= interval / 2
+
+
+def _with_values(gnss: GnssStream, values: Mapping[str, Floats]) -> GnssStream:
+    if "fix_type" in values:
+        return replace(gnss, fix_type=np.nan_to_num(values["fix_type"]).astype(np.int64))
+    return replace(gnss, **{key: column for key, column in values.items() if np.isfinite(column).any()})

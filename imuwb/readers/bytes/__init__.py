@@ -1,1 +1,1 @@
-"""From files to bytes to arrays: opening, unpacking, and picking numbers out of buffers."""
+"""Files as bytes, and bytes as arrays: opening, unpacking, and reading numbers from buffers."""

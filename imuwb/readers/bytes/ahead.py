@@ -1,4 +1,4 @@
-"""Makes the next items of an iterator while the last one is used."""
+"""Prepares the next items of an iterator while the last one is used."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ _END = object()
 
 
 def ahead(items: Iterator[Item], depth: int) -> Iterator[Item]:
-    """Yield the same items, of which up to ``depth`` are made on another thread beforehand, in order.
+    """Yield the same items in order; another thread prepares up to ``depth`` of them in advance.
 
-    What making one raises is raised where it would be yielded.
+    An error in an item's preparation is raised where the item would be yielded.
     """
     with ThreadPoolExecutor(1) as thread:
         coming = deque(thread.submit(next, items, _END) for _ in range(depth))

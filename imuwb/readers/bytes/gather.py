@@ -1,10 +1,12 @@
-"""Numbers picked out of a buffer of bytes, at any offsets, of all messages at once."""
+"""Numbers of all messages at once, from any offsets in a buffer of bytes."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from imuwb.readers.bytes.loops import compiled_loop, worth_compiling
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -13,35 +15,45 @@ if TYPE_CHECKING:
 
 
 def gather(buffer: NDArray[np.uint8], at: NDArray[np.int64], kind: str, count: int = 0) -> NDArray[Any]:
-    """Return the numbers that stand at some offsets of a buffer, aligned or not.
+    """Return the numbers at some offsets of a buffer, aligned or not.
 
     Args:
         buffer: bytes.
-        at: (n,) offsets; from each, all numbers must lie within the buffer.
+        at: (n,) offsets; all numbers from each offset must lie within the buffer.
         kind: numpy's name of their type with its byte order, such as ``<f8``.
-        count: how many stand one behind the other.
+        count: how many follow each other from each offset; 0 for a single number.
 
     Returns:
         (n,) or, with a ``count``, (n, count).
     """
     dtype = np.dtype(kind)
-    found = np.empty((at.size, max(count, 1)), dtype)
+    numbers = np.empty((at.size, max(count, 1)), dtype)
     if at.size:
-        from imuwb.readers.bytes.pick import pick  # noqa: PLC0415 - see there
-
-        # Bytes are copied as whole numbers of their size: a view in which each byte begins one.
+        # Bytes are copied as whole numbers of their size, from a view in which each byte begins one.
         whole = f"u{dtype.itemsize}"
         view = np.ndarray((buffer.size - dtype.itemsize + 1,), whole, buffer, strides=(1,))
-        pick(view, at, dtype.itemsize, found.view(whole))
-    return found if count else found[:, 0]
+        if worth_compiling(numbers.nbytes):
+            compiled_loop(_copy)(view, at, dtype.itemsize, numbers.view(whole))
+        else:
+            numbers.view(whole)[:] = view[at[:, None] + dtype.itemsize * np.arange(numbers.shape[1])]
+    return numbers if count else numbers[:, 0]
+
+
+def _copy(
+    view: NDArray[Any], at: NDArray[np.int64], size: int, numbers: NDArray[Any]
+) -> None:  # pragma: no cover - compiled
+    """Copy, for each row, the numbers that are ``size`` bytes from each other from its offset on."""
+    for i in range(at.size):
+        for j in range(numbers.shape[1]):
+            numbers[i, j] = view[at[i] + size * j]
 
 
 def alike(keys: NDArray[Any], rows: NDArray[np.int64]) -> Iterator[tuple[int, NDArray[np.int64]]]:
-    """Yield each key there is, and the rows that have it; at little cost where all have the same.
+    """Yield each key and the rows that have it; fast if all rows have the same.
 
     Args:
         keys: (n,) integers.
-        rows: (n,) what they are the keys of.
+        rows: (n,) that the keys belong to.
     """
     if not keys.size:
         return

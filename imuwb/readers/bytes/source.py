@@ -1,51 +1,55 @@
-"""Opens a file and looks at its first bytes; unpacks gzip on the way."""
+"""Opens a file, unpacks gzip, and reads first bytes, blocks, and the fingerprint."""
 
 from __future__ import annotations
 
 import gzip
 import hashlib
 import zlib
+from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, cast
 
 from isal import isal_zlib
 
 from imuwb.errors import UnreadableLogError
+from imuwb.notes import Note
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from io import BufferedReader
-    from pathlib import Path
 
-HEAD = 1 << 16
-PIECE = 1 << 16
-BLOCK = 8 << 20  #: bytes read at a time, of a file of records
+HEAD = 1 << 16  #: bytes that a format is recognised by
+PIECE = 1 << 16  #: bytes read at a time from a packed file
+BLOCK = 8 << 20  #: bytes read at a time from a file of records
 _UNPACKING = cast("type[Exception]", isal_zlib.error)  # the library's types call it a value
-GZIP_WINDOW = 31  #: bits: the largest, behind gzip's own header
+GZIP_WINDOW = 31  #: bits: the largest window, after gzip's own header
 GZIP_MAGIC = b"\x1f\x8b"
 
 
-def check(path: Path) -> None:
-    """Raise UnreadableLogError unless ``path`` is a file with something in it."""
+def check(path: str | Path) -> None:
+    """Raise UnreadableLogError unless ``path`` is a file that is not empty."""
+    path = Path(path)
     try:
-        if path.is_dir():
-            message = f"{path}: a directory, not a log; name a file in it"
-            raise UnreadableLogError(message)
-        if not path.exists():
-            message = f"{path}: no such file"
-            raise UnreadableLogError(message)
-        if not path.is_file():
-            message = f"{path}: a device or a pipe, not a file; a log is read more than once"
-            raise UnreadableLogError(message)
-        if path.stat().st_size == 0:
-            message = f"{path}: the file is empty"
-            raise UnreadableLogError(message)
+        fault = _fault(path)
     except OSError as error:
-        message = f"{path}: cannot be opened: {error.strerror}"
+        message = f"{path}: the file cannot be opened: {error.strerror}"
         raise UnreadableLogError(message) from error
+    if fault:
+        message = f"{path}: {fault}"
+        raise UnreadableLogError(message)
+
+
+def _fault(path: Path) -> str:
+    if path.is_dir():
+        return "this is a directory, not a log; name a file in it"
+    if not path.exists():
+        return "there is no such file"
+    if not path.is_file():
+        return "this is a device or a pipe; a log is read more than once, so write it to a file first"
+    return "" if path.stat().st_size else "the file is empty"
 
 
 class _Unpacked(gzip.GzipFile):
-    """A gzip file that closes the file below it, and knows how far in that it is."""
+    """A gzip file that closes the packed file too, and knows the position in it."""
 
     def __init__(self, packed: BinaryIO) -> None:
         super().__init__(fileobj=packed)
@@ -57,11 +61,15 @@ class _Unpacked(gzip.GzipFile):
 
 
 def open_unpacked(path: Path) -> BinaryIO:
-    """Open a file for reading; a gzip file as what it holds."""
+    """Open a file for reading; a gzip file is unpacked as it is read.
+
+    Raises:
+        UnreadableLogError: the file cannot be opened.
+    """
     try:
         file = path.open("rb")
     except OSError as error:
-        message = f"{path}: cannot be opened: {error.strerror}"
+        message = f"{path}: the file cannot be opened: {error.strerror}"
         raise UnreadableLogError(message) from error
     magic = file.read(2)
     file.seek(0)
@@ -69,13 +77,13 @@ def open_unpacked(path: Path) -> BinaryIO:
 
 
 def packed_fault(path: Path) -> str:
-    """Return why what a gzip file unpacks to may be wrong; nothing where its checksum holds, or the file is only cut.
+    """Return why the unpacked content of a gzip file may be wrong; empty if its checksum agrees or the file is only cut.
 
-    A damaged stream goes on unpacking to something: what it holds is text or numbers like the rest, until they are none.
+    A damaged stream still unpacks to something: numbers that look like the others, until they do not.
     """
     with path.open("rb") as file:
         piece = file.read(PIECE)
-        while piece.startswith(GZIP_MAGIC):  # one packed file behind the other is one file
+        while piece.startswith(GZIP_MAGIC):  # several packed files in a row are one file
             unpacker = isal_zlib.decompressobj(GZIP_WINDOW)
             while piece and not unpacker.eof:
                 try:
@@ -86,39 +94,43 @@ def packed_fault(path: Path) -> str:
     return ""
 
 
+def damaged(fault: str, text: str) -> Note:
+    """Return a note on a packed file whose content may be wrong."""
+    return Note("packed_damaged", f"the packed file is damaged ({fault}): {text}")
+
+
 def is_packed(file: BinaryIO) -> bool:
     """Return whether the file is unpacked as it is read."""
     return isinstance(file, _Unpacked)
 
 
 def position(file: BinaryIO) -> int:
-    """Return how many of the file's bytes on the disk are read."""
+    """Return how many bytes of the file on disk are read."""
     return file.packed.tell() if isinstance(file, _Unpacked) else file.tell()
 
 
-def pieces(file: BinaryIO, trouble: list[str]) -> Iterator[bytes]:
-    """Yield what a file holds in small pieces; a gzip file that is cut, as far as it unpacks.
+def pieces(file: BinaryIO, faults: list[str]) -> Iterator[bytes]:
+    """Yield a file in small pieces; a gzip file that is cut is unpacked as far as possible.
 
-    What is wrong with it is added to ``trouble``.
+    Notes on what is wrong with the file are added to ``faults``.
     """
     try:
         while piece := cast("BufferedReader", file).read1(PIECE):
             yield piece
     except gzip.BadGzipFile as error:
         if "Not a gzipped file" in str(error):
-            trouble.append("there are bytes behind the end of the packed file: all before is used")
+            faults.append(Note("packed_more", "bytes after the end of the packed file are not used"))
         else:
-            trouble.append(
-                f"the packed file is damaged ({error}): what unpacks is used, and some of it is not what was written"
-            )
+            faults.append(damaged(str(error), "its content is used as far as it unpacks, but some of it may be wrong"))
     except (OSError, EOFError, zlib.error) as error:
-        trouble.append(f"the packed file is cut or damaged ({error}): what unpacks is used")
+        text = f"the packed file is cut or damaged ({error}): it is used as far as it unpacks"
+        faults.append(Note("packed_cut", text))
 
 
-def blocks(file: BinaryIO, trouble: list[str]) -> Iterator[tuple[bytes, bool]]:
-    """Yield what a file holds, unpacked, in blocks, and whether one is the last, which may be empty."""
+def blocks(file: BinaryIO, faults: list[str]) -> Iterator[tuple[bytes, bool]]:
+    """Yield an unpacked file in blocks, each with whether it is the last, which may be empty."""
     block = bytearray()
-    for piece in pieces(file, trouble):
+    for piece in pieces(file, faults):
         block += piece
         if len(block) >= BLOCK:
             yield bytes(block), False
@@ -127,12 +139,12 @@ def blocks(file: BinaryIO, trouble: list[str]) -> Iterator[tuple[bytes, bool]]:
 
 
 def extended(file: BinaryIO, rest: bytes, whole: int, left: int) -> bytes | None:
-    """Return ``rest`` and the next block of a file, which holds at least one whole record; None at its end.
+    """Return ``rest`` and the next block of a file, together at least one whole record; None at the file's end.
 
     Args:
-        file: stands behind ``rest``.
-        rest: the beginning of a record that was not whole.
-        whole: size of that record, as far as it is known. One that no file can hold is damage: the walk stops at it.
+        file: stands after ``rest``.
+        rest: the beginning of an incomplete record.
+        whole: size of that record, as far as known. A size beyond the file's end is damage: reading ends there.
         left: bytes from the beginning of ``rest`` to the end of the file.
     """
     more = file.read(min(max(BLOCK, whole - len(rest)), left))
@@ -140,17 +152,17 @@ def extended(file: BinaryIO, rest: bytes, whole: int, left: int) -> bytes | None
 
 
 def head(path: Path) -> bytes:
-    """Return the first 64 KiB, unpacked; what there is of a gzip file that is cut."""
-    found = b""
+    """Return the first 64 KiB, unpacked; less of a gzip file that is cut."""
+    first = b""
     with open_unpacked(path) as file:
-        for piece in pieces(file, []):  # the reader meets the same trouble, and says so
-            found += piece
-            if len(found) >= HEAD:
+        for piece in pieces(file, []):  # the reader meets the same faults, and notes them
+            first += piece
+            if len(first) >= HEAD:
                 break
-    return found[:HEAD]
+    return first[:HEAD]
 
 
 def fingerprint(path: Path) -> str:
-    """Return ``sha256:...`` of the file's bytes, as they are on the disk."""
+    """Return ``sha256:...`` of the file's bytes on disk."""
     with path.open("rb") as file:
         return f"sha256:{hashlib.file_digest(file, 'sha256').hexdigest()}"

@@ -1,4 +1,4 @@
-"""Unpacks compressed pieces of logs within the size that they state: a small file must not fill the memory."""
+"""Unpacks compressed pieces of logs, to no more than their stated size: a small file must not fill the memory."""
 
 from __future__ import annotations
 
@@ -7,22 +7,23 @@ import bz2
 import lz4.frame
 import zstandard
 
-LARGEST = 1 << 30  #: bytes; a piece that claims to unpack to more is not unpacked
+LARGEST = 1 << 30  #: bytes; a piece with a larger stated size is not unpacked
+ZSTD_HEADER = 18  #: bytes at most
 
 
 def unpack(packed: memoryview, compression: str, size: int) -> bytes | memoryview:
-    """Return what a piece unpacks to.
+    """Return the content of a packed piece.
 
     Args:
         packed: the piece.
-        compression: ``zstd``, ``lz4``, ``bz2``, or ``none`` or nothing.
-        size: bytes that it is said to unpack to.
+        compression: ``zstd``, ``lz4``, ``bz2``, ``none`` or an empty text.
+        size: its stated size (bytes) when unpacked.
 
     Raises:
-        ValueError: why it cannot be used.
+        ValueError: the piece cannot be used; the message states why.
     """
     if size > LARGEST:
-        message = f"it claims to unpack to {size} bytes, more than {LARGEST}"
+        message = f"its stated size of {size} bytes is above the limit of {LARGEST}"
         raise ValueError(message)
     try:
         unpacked = _unpacked(packed, compression, size)
@@ -30,7 +31,7 @@ def unpack(packed: memoryview, compression: str, size: int) -> bytes | memoryvie
         message = f"{compression} cannot unpack it ({error})"
         raise ValueError(message) from error
     if len(unpacked) != size:
-        message = f"it unpacks to {len(unpacked)} bytes where {size} are stated"
+        message = f"it unpacks to {len(unpacked)} bytes, but {size} are stated"
         raise ValueError(message)
     return unpacked
 
@@ -39,8 +40,8 @@ def _unpacked(packed: memoryview, compression: str, size: int) -> bytes | memory
     if compression in ("", "none"):
         return packed
     if compression == "zstd":
-        # A frame states its size; the library would allocate whatever it states.
-        if zstandard.frame_content_size(bytes(packed[:18])) not in (-1, size):
+        # The library would allocate the size in the frame, however large.
+        if zstandard.frame_content_size(bytes(packed[:ZSTD_HEADER])) not in (-1, size):
             message = "its zstd frame and its header state different sizes"
             raise ValueError(message)
         return zstandard.ZstdDecompressor().decompress(packed, max_output_size=size)
@@ -48,12 +49,12 @@ def _unpacked(packed: memoryview, compression: str, size: int) -> bytes | memory
         return lz4.frame.LZ4FrameDecompressor().decompress(packed, max_length=size + 1)
     if compression == "bz2":
         return bz2.BZ2Decompressor().decompress(packed, max_length=size + 1)
-    message = f"compression {compression!r} is not one of zstd, lz4, bz2 and none"
+    message = f"its compression {compression!r} is not supported; zstd, lz4, bz2 and none are"
     raise ValueError(message)
 
 
 def unpack_front(packed: memoryview, compression: str, size: int) -> bytes:
-    """Return as much of a piece that was cut as unpacks; nothing where none does."""
+    """Return as much of a cut piece as unpacks, which may be nothing."""
     if size > LARGEST:
         return b""
     try:

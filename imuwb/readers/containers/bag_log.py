@@ -1,31 +1,33 @@
-"""ROS 1 bags: IMU, GNSS, temperature and speed messages of any topic, by the names of their fields."""
+"""ROS 1 bags: IMU, GNSS, temperature and speed messages of any topic, recognised by the names of their fields."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from imuwb.readers.containers import bag_records
-from imuwb.readers.containers.topics import streamed
-
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from imuwb.readers.batch import Batch, ReadOptions, Remark
+    from imuwb.readers.batch import Batch, Remark
+    from imuwb.readers.read_options import ReadOptions
 
 format = "bag"  # noqa: A001 - the contract's name
 uses = ("time_source", "frame")
+MAGIC = b"#ROSBAG V2.0\n"
 
 
 def probe(head: bytes) -> bool:
-    """Return whether the file begins as a bag of version 2.0 does."""
-    return head.startswith(bag_records.MAGIC)
+    """Return whether the file begins as a bag of version 2.0."""
+    return head.startswith(MAGIC)
 
 
 def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     """Return the messages chunk by chunk.
 
     Raises:
-        UnreadableLogError: the file holds not one message.
+        UnreadableLogError: the file has no whole message.
     """
-    return streamed(path, bag_records.Bag(path), options)
+    from imuwb.readers.containers.bag_records import Bag  # noqa: PLC0415 - a probe needs no compiled code
+    from imuwb.readers.containers.topics import streamed  # noqa: PLC0415
+
+    return streamed(path, Bag(path), options)

@@ -1,7 +1,7 @@
-"""The container of ROS 1: a bag's records, chunks and messages, found without a Python step per message.
+"""The records, chunks and messages of a ROS 1 bag, found without a Python step per message.
 
-Every record is a header of named fields and data. The index at the end is not used, so bags that were cut, or never
-indexed, are read like all others up to where they end.
+A record has a header of named fields, and data. The index at the end is not used, so bags that are cut, or have no index, are
+read in the same way.
 
 Specification: http://wiki.ros.org/Bags/Format/2.0
 """
@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.compiled import compiled
-from imuwb.log import SECOND
-from imuwb.readers.batch import Remark
+from imuwb.notes import Note
 from imuwb.readers.bytes.ahead import ahead
 from imuwb.readers.bytes.gather import gather
 from imuwb.readers.bytes.source import extended
 from imuwb.readers.bytes.unpack import unpack, unpack_front
+from imuwb.readers.containers.bag_log import MAGIC
 from imuwb.readers.containers.messages import Channel, Messages, Schema
+from imuwb.units import SECOND
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -29,23 +30,22 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-MAGIC = b"#ROSBAG V2.0\n"
 MESSAGE, CHUNK, CONNECTION = 0x02, 0x05, 0x07
-AHEAD = 2  #: chunks that are unpacked while others are decoded
+AHEAD = 2  #: chunks that are unpacked while another is decoded
 _OP, _CONNECTION, _TIME = b"op=", b"conn=", b"time="
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Records:
-    """Where the records of a buffer lie."""
+    """The records of a buffer: (n,) offsets and numbers."""
 
     opcode: NDArray[np.uint8]
-    header: NDArray[np.int64]  #: where the fields begin
-    connection: NDArray[np.int64]  #: where its number stands; -1 where there is none
-    time: NDArray[np.int64]  #: likewise
-    data: NDArray[np.int64]
+    header: NDArray[np.int64]  #: offset of the fields
+    connection: NDArray[np.int64]  #: offset of the connection's number; -1 without one
+    time: NDArray[np.int64]  #: offset of the time; -1 without one
+    data: NDArray[np.int64]  #: offset
     length: NDArray[np.int64]  #: of the data
-    end: int  #: behind the last whole record
+    end: int  #: offset after the last whole record
 
 
 @compiled()
@@ -65,7 +65,7 @@ def _is(buffer: NDArray[np.uint8], at: int, name: NDArray[np.uint8]) -> bool:  #
 def _walk(
     buffer: NDArray[np.uint8], names: tuple[NDArray[np.uint8], ...], tables: NDArray[np.int64]
 ) -> tuple[int, int]:  # pragma: no cover - compiled
-    """Fill the table (when it has room) with the whole records; return their number and end."""
+    """Fill the table (if it has room) with the whole records; return their number, and where they end."""
     count, at, size = 0, 0, buffer.size
     while at + 8 <= size:
         header = _u32(buffer, at)
@@ -94,7 +94,7 @@ def _walk(
 
 
 def walk(buffer: NDArray[np.uint8]) -> Records:
-    """Return the whole records from the beginning of a buffer."""
+    """Return the whole records of a buffer."""
     names = tuple(np.frombuffer(name, np.uint8) for name in (_OP, _CONNECTION, _TIME))
     count, end = _walk(buffer, names, np.empty((0, 0), np.int64))
     tables = np.empty((6, count), np.int64)
@@ -110,25 +110,25 @@ class _Piece:
 
     buffer: NDArray[np.uint8]
     records: Records
-    bytes_read: int  #: of the file, up to its end
-    remarks: tuple[Remark, ...] = ()
+    bytes_read: int  #: position of its end in the file
+    notes: tuple[Note, ...] = ()
 
 
 class Bag:
-    """A ROS 1 bag, read from its beginning to its end; connections fill up on the way."""
+    """A ROS 1 bag, read from its beginning to its end; schemas and channels are added on the way."""
 
     def __init__(self, path: Path) -> None:
-        """Remember the file; nothing is read yet."""
+        """Set the file; nothing is read yet."""
         self.path = path
         self.schemas: dict[int, Schema] = {}
         self.channels: dict[int, Channel] = {}
-        self.remarks: list[Remark] = []  #: what was wrong with the container
-        self.above_sea: set[str] = set()  #: a bag does not say it of any topic
+        self.notes: list[Note] = []  #: on what is wrong with the container
+        self.above_sea: set[str] = set()  #: a bag states this of no topic
 
     def messages(self) -> Iterator[Messages]:
-        """Yield the messages of each chunk, or of each block of a bag without chunks."""
+        """Yield the messages of each chunk, or, in a bag without chunks, of each block."""
         for piece in ahead(self._pieces(), AHEAD):
-            self.remarks.extend(piece.remarks)
+            self.notes.extend(piece.notes)
             yield from self._messages(piece)
 
     def _pieces(self) -> Iterator[_Piece]:
@@ -167,7 +167,7 @@ class Bag:
         inner = _fields(bytes(raw[start : start + length]))
         number = outer.get("conn", b"")
         if len(number) != 4 or "type" not in inner:  # noqa: PLR2004 - u32
-            self.remarks.append(Remark("a damaged connection record left out"))
+            self.notes.append(Note("damaged_record", "a damaged connection record left out"))
             return
         connection = int.from_bytes(number, "little")
         topic = inner.get("topic", outer.get("topic", b"")).decode("utf-8", "replace")
@@ -177,7 +177,7 @@ class Bag:
 
 
 def _whole(rest: bytes) -> int:
-    """Return the size of the record that begins here, as far as it can be known."""
+    """Return the size of the record that begins here, as far as it is known."""
     if len(rest) < 4:  # noqa: PLR2004 - u32
         return 0
     header = int.from_bytes(rest[:4], "little")
@@ -187,21 +187,21 @@ def _whole(rest: bytes) -> int:
 
 
 def _fields(header: bytes) -> dict[str, bytes]:
-    """Return the named fields of a header, as far as they are whole."""
-    found: dict[str, bytes] = {}
+    """Return the whole fields of a header, by name."""
+    fields: dict[str, bytes] = {}
     at = 0
     while at + 4 <= len(header):
         width = struct.unpack_from("<I", header, at)[0]
         name, mark, value = header[at + 4 : at + 4 + width].partition(b"=")
         if not mark or at + 4 + width > len(header):
             break
-        found[name.decode("utf-8", "replace")] = value
+        fields[name.decode("utf-8", "replace")] = value
         at += 4 + width
-    return found
+    return fields
 
 
-def _said(header: bytes) -> tuple[str, int]:
-    """Return a chunk's compression, and the size it unpacks to."""
+def _packing(header: bytes) -> tuple[str, int]:
+    """Return a chunk's compression and unpacked size, as its header states them."""
     fields = _fields(header)
     return fields.get("compression", b"none").decode("utf-8", "replace"), int.from_bytes(
         fields.get("size", b""), "little"
@@ -209,28 +209,32 @@ def _said(header: bytes) -> tuple[str, int]:
 
 
 def _chunk(packed: memoryview, header: bytes, offset: int) -> _Piece:
-    compression, size = _said(header)
+    """Return the content of a chunk; nothing, and a note, if it is damaged."""
+    compression, size = _packing(header)
+    end = offset + len(packed)
     try:
         buffer = np.frombuffer(unpack(packed, compression, size), np.uint8)
     except ValueError as error:
-        nothing = np.empty(0, np.uint8)
-        return _Piece(
-            nothing, walk(nothing), offset + len(packed), (Remark(f"chunk at byte {offset} left out: {error}"),)
-        )
+        return _nothing(end, Note("chunk_left_out", f"chunk at byte {offset} left out: {error}"))
     records = walk(buffer)
-    remarks: list[Remark] = []
-    if records.end < buffer.size:
-        remarks.append(Remark(f"chunk at byte {offset}: its last {buffer.size - records.end} bytes are no record"))
-    return _Piece(buffer, records, offset + len(packed), tuple(remarks))
+    rest = buffer.size - records.end
+    text = f"chunk at byte {offset}: its last {rest} bytes are no record"
+    return _Piece(buffer, records, end, (Note("chunk_end", text),) if rest else ())
+
+
+def _nothing(bytes_read: int, note: Note) -> _Piece:
+    nothing = np.empty(0, np.uint8)
+    return _Piece(nothing, walk(nothing), bytes_read, (note,))
 
 
 def _cut_end(rest: bytes, offset: int) -> _Piece:
-    """Return what is whole in a last record that is not."""
-    what = f"the file ends at byte {offset + len(rest)} inside a record that begins at byte {offset}: what was whole before it is used"
+    """Return what is whole of a last record that is cut."""
+    end = offset + len(rest)
+    text = f"the file ends at byte {end} inside a record that begins at byte {offset}; everything before is used"
     header = int.from_bytes(rest[:4], "little")
     unpacked = b""
     if len(rest) > 8 + header and _fields(rest[4 : 4 + header]).get("op") == bytes([CHUNK]):
-        compression, size = _said(rest[4 : 4 + header])
+        compression, size = _packing(rest[4 : 4 + header])
         unpacked = unpack_front(memoryview(rest)[8 + header :], compression, size)
     buffer = np.frombuffer(unpacked, np.uint8)
-    return _Piece(buffer, walk(buffer), offset + len(rest), (Remark(what),))
+    return _Piece(buffer, walk(buffer), end, (Note("cut", text),))

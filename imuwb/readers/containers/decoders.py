@@ -1,4 +1,4 @@
-"""Payloads to arrays of the fields a recipe asks for: ROS by byte layout, protobuf and JSON by their decoders."""
+"""Decodes payloads to arrays of wanted fields: ROS by byte layout, protobuf and JSON by their decoders."""
 
 from __future__ import annotations
 
@@ -19,34 +19,34 @@ if TYPE_CHECKING:
     from imuwb.readers.containers.messages import Channel, Messages, Schema
 
     Rows = NDArray[np.int64]
-    #: the wanted fields, and which messages they are of
+    #: the wanted fields, and the rows of their messages
     Piece = tuple[Mapping[str, NDArray[Any]], Rows]
 
-ARRAYS = ("covariance", *REFERENCE)  #: fields that are read as arrays
-FIRST = 16  #: messages looked at before a channel that describes itself is given up
+ARRAYS = ("covariance", *REFERENCE)  #: ends of the names of fields that are arrays
+FIRST = 16  #: messages of a channel without a definition that are tried for its fields
 
 
 class CannotDecodeError(Exception):
-    """A channel whose messages cannot be decoded; the text says why."""
+    """A channel's messages cannot be decoded; the text states why."""
 
 
 class Decoder(Protocol):
     """Decodes the messages of one channel."""
 
     def fields(self, messages: Messages, rows: Rows) -> list[str]:
-        """Return the dotted paths of the messages' numbers; those of the rows given may be looked at."""
+        """Return the dotted paths of the messages' numbers, from the definition or from some of the rows."""
         ...
 
     def decode(self, messages: Messages, rows: Rows, paths: tuple[str, ...]) -> Iterator[Piece]:
-        """Yield the fields in pieces; messages that do not fit are in none."""
+        """Yield the fields in pieces; a message that does not fit its definition is in no piece."""
         ...
 
 
 def decoder_of(channel: Channel, schema: Schema | None) -> Decoder:
-    """Return what decodes a channel.
+    """Return the decoder of a channel.
 
     Raises:
-        CannotDecodeError: nothing does.
+        CannotDecodeError: there is none.
     """
     encoding = channel.message_encoding
     if encoding == "cdr":
@@ -57,18 +57,20 @@ def decoder_of(channel: Channel, schema: Schema | None) -> Decoder:
         return _ObjectDecoder(json.loads)
     if encoding == "protobuf":
         return _ObjectDecoder(_protobuf(schema))
-    message = f"message encoding {encoding!r} is not one of cdr, ros1, protobuf and json"
+    message = f"message encoding {encoding!r} is not supported; cdr, ros1, protobuf and json are"
     raise CannotDecodeError(message)
 
 
 class _RosDecoder:
     def __init__(self, schema: Schema | None, wire: Literal["cdr", "ros1"]) -> None:
         if schema is None or schema.encoding not in ("ros2msg", "ros1msg"):
-            message = f"schema encoding {schema.encoding if schema else 'none'!r} is not ros1msg or ros2msg"
+            message = (
+                f"schema encoding {schema.encoding if schema else 'none'!r} is not supported; ros1msg and ros2msg are"
+            )
             raise CannotDecodeError(message)
         definition = schema.data.decode("utf-8", "replace")
         if any(line.strip() == "---" for line in definition.splitlines()):
-            message = "a service's events, not a measurement"
+            message = "these are events of a service, not measurements"
             raise CannotDecodeError(message)
         try:
             self._plan = ros_layout.plan(schema.name, definition)
@@ -77,9 +79,9 @@ class _RosDecoder:
         self._wire: Literal["cdr", "ros1"] = wire
 
     def fields(self, messages: Messages, rows: Rows) -> list[str]:
-        del messages, rows  # the definition says it all
-        fields = [step for step in self._plan if isinstance(step, ros_layout.Field)]
-        # An array is no number: a "latitude" of two is not one.
+        del messages, rows  # the definition states all fields
+        fields = [step for step in self._plan if isinstance(step, ros_layout.LayoutField)]
+        # An array is not a number: a "latitude" of two numbers is not a latitude.
         return [f.path for f in fields if not f.count or f.path.rpartition(".")[2].endswith(ARRAYS)]
 
     def decode(self, messages: Messages, rows: Rows, paths: tuple[str, ...]) -> Iterator[Piece]:
@@ -91,20 +93,20 @@ class _RosDecoder:
 def _gathered(
     buffer: NDArray[np.uint8], at: NDArray[np.int64], places: tuple[ros_layout.Place, ...]
 ) -> dict[str, NDArray[Any]]:
-    """Return fields; numbers that stand behind each other, such as x, y and z, are columns of one array."""
-    found: dict[str, NDArray[Any]] = {}
+    """Return fields; numbers that follow each other, such as x, y and z, are columns of one array."""
+    fields: dict[str, NDArray[Any]] = {}
     first = 0
     while first < len(places):
-        one, behind = places[first], first + 1
-        while behind < len(places) and _continues(places[behind - 1], places[behind]):
-            behind += 1
-        if behind == first + 1:
-            found[one.path] = gather(buffer, at + one.offset, one.kind, one.count)
+        place, after = places[first], first + 1
+        while after < len(places) and _continues(places[after - 1], places[after]):
+            after += 1
+        if after == first + 1:
+            fields[place.path] = gather(buffer, at + place.offset, place.kind, place.count)
         else:
-            block = gather(buffer, at + one.offset, one.kind, behind - first)
-            found |= {place.path: block[:, i] for i, place in enumerate(places[first:behind])}
-        first = behind
-    return found
+            block = gather(buffer, at + place.offset, place.kind, after - first)
+            fields |= {p.path: block[:, i] for i, p in enumerate(places[first:after])}
+        first = after
+    return fields
 
 
 def _continues(one: ros_layout.Place, other: ros_layout.Place) -> bool:
@@ -112,7 +114,7 @@ def _continues(one: ros_layout.Place, other: ros_layout.Place) -> bool:
 
 
 class _ObjectDecoder:
-    """Payloads that become an object each; the first that decodes shows the fields."""
+    """Decodes each payload to an object; the first that decodes shows the fields."""
 
     def __init__(self, unpack: Callable[[bytes], object]) -> None:
         self._unpack = unpack
@@ -121,13 +123,13 @@ class _ObjectDecoder:
         for row in rows[:FIRST]:
             try:
                 return list(_paths(self._unpack(_payload(messages, row))))
-            except Exception:  # noqa: BLE001, S112 - a damaged message teaches nothing; the next may
+            except Exception:  # noqa: BLE001, S112 - a damaged message shows no fields; the next may
                 continue
         return []
 
     def decode(self, messages: Messages, rows: Rows, paths: tuple[str, ...]) -> Iterator[Piece]:
         table: list[list[float | list[float]]] = []
-        kept: list[int] = []
+        decoded: list[int] = []
         for row in rows:
             try:
                 message = self._unpack(_payload(messages, row))
@@ -135,12 +137,12 @@ class _ObjectDecoder:
                 if table and [np.shape(x) for x in numbers] != [np.shape(x) for x in table[0]]:
                     continue  # an array of another length than the first message's
                 table.append(numbers)
-                kept.append(int(row))
-            except Exception:  # noqa: BLE001, S112 - whatever a damaged message raises, it is left out
+                decoded.append(int(row))
+            except Exception:  # noqa: BLE001, S112 - a damaged message may raise anything; it is left out
                 continue
-        if kept:
+        if decoded:
             arrays = [np.array(column) for column in zip(*table, strict=True)]
-            yield dict(zip(paths, arrays, strict=True)), np.array(kept)
+            yield dict(zip(paths, arrays, strict=True)), np.array(decoded)
 
 
 def _payload(messages: Messages, row: int) -> bytes:
@@ -149,11 +151,11 @@ def _payload(messages: Messages, row: int) -> bytes:
 
 
 def _protobuf(schema: Schema | None) -> Callable[[bytes], object]:
-    from mcap.records import Schema as McapSchema  # noqa: PLC0415 - heavy, and few logs need it
+    from mcap.records import Schema as McapSchema  # noqa: PLC0415 - slow to import, and few logs need it
     from mcap_protobuf.decoder import DecoderFactory  # noqa: PLC0415
 
     if schema is None:
-        message = "protobuf without a schema"
+        message = "its protobuf schema is missing"
         raise CannotDecodeError(message)
     try:
         decoder = DecoderFactory().decoder_for(
@@ -163,12 +165,12 @@ def _protobuf(schema: Schema | None) -> Callable[[bytes], object]:
         message = f"its protobuf schema is damaged ({type(error).__name__}: {error})"
         raise CannotDecodeError(message) from error
     if decoder is None:
-        message = f"{schema.name} is no protobuf schema"
+        message = f"its schema {schema.name} is not protobuf"
         raise CannotDecodeError(message)
     return decoder
 
 
-def _paths(message: Any, prefix: str = "", depth: int = 0) -> Iterator[str]:  # noqa: ANN401 - whatever a decoder makes
+def _paths(message: Any, prefix: str = "", depth: int = 0) -> Iterator[str]:  # noqa: ANN401 - any decoded object
     """Yield the dotted paths of a decoded message's numbers and arrays of numbers."""
     if depth > ros_layout.DEEPEST:
         return

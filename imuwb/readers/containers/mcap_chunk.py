@@ -1,4 +1,4 @@
-"""The marks of MCAP's records, and a chunk's records unpacked and checked."""
+"""The numbers of MCAP's records, texts and metadata in them, and the unpacked content of chunks."""
 
 from __future__ import annotations
 
@@ -10,51 +10,58 @@ from imuwb.log import MEAN_SEA_LEVEL
 from imuwb.readers.bytes.unpack import unpack, unpack_front
 
 OURS = "imuwb"  #: name of the metadata that imuwb writes
-MAGIC = b"\x89MCAP0\r\n"
 FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, METADATA, DATA_END = 0x02, 0x03, 0x04, 0x05, 0x06, 0x0C, 0x0F
-PREFIX = 9  #: bytes of a record before its content: what it is, u8, and its length, u64
+PREFIX = 9  #: bytes of a record before its content: opcode u8, length u64
 HEADER = 22  #: bytes of a message before its payload: channel u16, sequence u32, log time u64, publish time u64
 
 
 def text(content: bytes, at: int) -> tuple[str, int]:
-    """Return a text that stands behind its length, and where it ends; ValueError where it does not fit."""
+    """Return a text that follows its length, and where it ends.
+
+    Raises:
+        ValueError: the text is longer than its record.
+    """
     size = struct.unpack_from("<I", content, at)[0]
     if at + 4 + size > len(content):
-        message = f"a text of {size} bytes does not fit in its record"
+        message = f"a text of {size} bytes is longer than its record"
         raise ValueError(message)
     return content[at + 4 : at + 4 + size].decode("utf-8", "replace"), at + 4 + size
 
 
 def metadata(content: bytes) -> tuple[str, dict[str, str]]:
-    """Return a metadata record's name and what it says; ValueError or struct.error where it is damaged."""
+    """Return a metadata record's name and entries.
+
+    Raises:
+        ValueError, struct.error: the record is damaged.
+    """
     name, at = text(content, 0)
     end = at + 4 + struct.unpack_from("<I", content, at)[0]
-    at, said = at + 4, dict[str, str]()
+    at, entries = at + 4, dict[str, str]()
     while at < min(end, len(content)):
         key, at = text(content, at)
-        said[key], at = text(content, at)
-    return name, said
+        entries[key], at = text(content, at)
+    return name, entries
 
 
 def above_sea_level(record: tuple[str, dict[str, str]]) -> set[str]:
-    """Return the topics of which our own metadata say that heights are above mean sea level."""
-    name, said = record
-    return {topic for topic, what in said.items() if MEAN_SEA_LEVEL in what} if name == OURS else set()
+    """Return the topics whose heights are above mean sea level, as metadata of imuwb state."""
+    name, entries = record
+    return {topic for topic, text in entries.items() if MEAN_SEA_LEVEL in text} if name == OURS else set()
 
 
 def unpacked_chunk(chunk: memoryview) -> bytes | memoryview:
-    """Return a chunk's records, unpacked and checked.
+    """Return the unpacked records of a chunk; their checksum is tested.
 
     Args:
         chunk: the content of the chunk's record.
 
     Raises:
-        ValueError: why they cannot be used.
+        ValueError: the records cannot be used; the message states why.
     """
     size, crc, compression, packed = _chunk_fields(chunk)
     records = unpack(packed, compression, size)
     if crc and isal_zlib.crc32(records) != crc:
-        message = "its checksum does not match"
+        message = "its checksum is wrong"
         raise ValueError(message)
     return records
 
@@ -71,7 +78,7 @@ def _chunk_fields(chunk: memoryview) -> tuple[int, int, str, memoryview]:
 
 
 def unpacked_front(chunk: bytes) -> bytes:
-    """Return as much of a cut chunk as unpacks; its checksum cannot be checked."""
+    """Return as much of a cut chunk as unpacks; its checksum cannot be tested."""
     try:
         size, _, compression, packed = _chunk_fields(memoryview(chunk))
     except ValueError:

@@ -1,4 +1,4 @@
-"""What an MCAP file says of itself at its end: streams, counts and times, without reading the messages."""
+"""The summary of an MCAP file from its index: streams, counts and times, without reading the messages."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING, BinaryIO
 import numpy as np
 from mcap.reader import make_reader
 
-from imuwb.log import MEAN_SEA_LEVEL
+from imuwb.notes import Note
 from imuwb.readers.bytes.unpack import LARGEST
 from imuwb.readers.containers import shapes
 from imuwb.readers.containers.decoders import CannotDecodeError, decoder_of
 from imuwb.readers.containers.mcap_chunk import HEADER, MESSAGE, PREFIX, above_sea_level, metadata, unpacked_chunk
 from imuwb.readers.containers.messages import Channel, Messages, Schema
+from imuwb.readers.containers.topics import UNIX, origin_of
 from imuwb.summary import LogSummary, StreamSummary
+from imuwb.units import SECOND
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -22,13 +24,11 @@ if TYPE_CHECKING:
     from mcap.records import ChunkIndex, MetadataIndex
     from mcap.summary import Summary
 
-UNIX = 10**17  #: ns
-
 
 def describe(path: Path) -> LogSummary | None:
-    """Return what the index says; None where the file has none.
+    """Return the summary from the index; None without an index.
 
-    Times are the recorder's, to a chunk; gaps and repairs are known only when the messages are read.
+    Times are those of recording, to the resolution of a chunk. Only the messages show gaps and repairs.
     """
     with path.open("rb") as file:
         try:
@@ -38,12 +38,10 @@ def describe(path: Path) -> LogSummary | None:
                 return None
             above = set[str]().union(*(_above_sea(file, index) for index in summary.metadata_indexes))
             streams = tuple(_streams(file, summary, above))
-        except Exception:  # noqa: BLE001 - whatever the library makes of a damaged index
-            return None  # reading the messages says what is wrong, and uses what is whole
-    note = (
-        "from the file's index: times are the recorder's, and gaps and repairs have not been looked for (--scan does)"
-    )
-    return LogSummary(str(path), "mcap", "", streams, (note,))
+        except Exception:  # noqa: BLE001 - a damaged index may raise anything in the library
+            return None  # reading the messages shows what is wrong, and uses what is whole
+    text = "from the file's index: times are those of recording; --scan also finds gaps and repairs"
+    return LogSummary(str(path), "mcap", "", streams, (Note("from_index", text),))
 
 
 def _above_sea(file: BinaryIO, index: MetadataIndex) -> set[str]:
@@ -64,14 +62,13 @@ def _streams(file: BinaryIO, summary: Summary, above: set[str]) -> Iterator[Stre
             continue
         fields = decoder.fields(_alone(_first(file, chunks[0], number)), np.zeros(1, np.int64))
         start, end = min(c.message_start_time for c in chunks), max(c.message_end_time for c in chunks)
-        rate = (count - 1) / (end - start) * 1e9 if end > start else None
+        rate = (count - 1) / (end - start) * SECOND if end > start else None
         for recipe in shapes.recognise(fields, ours.name if ours else "", channel.topic):
-            units, frame = {"imu": ("rad/s, m/s²", "FLU (REP 145)"), "gnss": ("deg, m", "ENU")}.get(
-                recipe.kind, ("°C", "")
-            )
-            units += f" ({MEAN_SEA_LEVEL})" if recipe.kind == "gnss" and channel.topic in above else ""
+            origin = origin_of(recipe.kind, None, above_sea=channel.topic in above)
             epoch = "unix" if start > UNIX else "log"
-            yield StreamSummary(channel.topic, recipe.kind, count, rate, start, end, epoch, (), (), units, frame)
+            yield StreamSummary(
+                channel.topic, recipe.kind, count, rate, start, end, epoch, (), (), origin.units, origin.frame
+            )
 
 
 def _first(file: BinaryIO, chunk: ChunkIndex, number: int) -> bytes:
@@ -84,7 +81,9 @@ def _first(file: BinaryIO, chunk: ChunkIndex, number: int) -> bytes:
         at = content + int.from_bytes(records[at + 1 : content], "little")
         if opcode == MESSAGE and int.from_bytes(records[content : content + 2], "little") == number:
             return bytes(records[content + HEADER : at])
-    message = f"channel {number} is not in the chunk at byte {chunk.chunk_start_offset}, where its index says it is"
+    message = (
+        f"the index states a message of channel {number} in the chunk at byte {chunk.chunk_start_offset}; there is none"
+    )
     raise ValueError(message)
 
 

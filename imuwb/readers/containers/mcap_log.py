@@ -1,20 +1,20 @@
-"""MCAP logs: IMU, GNSS and temperature messages of any topic, by the names of their fields."""
+"""MCAP logs: IMU, GNSS, temperature and speed messages of any topic, recognised by the names of their fields."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from imuwb.readers.containers.mcap_chunk import MAGIC
-
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from imuwb.readers.batch import Batch, ReadOptions, Remark
+    from imuwb.readers.batch import Batch, Remark
+    from imuwb.readers.read_options import ReadOptions
     from imuwb.summary import LogSummary
 
 format = "mcap"  # noqa: A001 - the contract's name
 uses = ("time_source", "frame")
+MAGIC = b"\x89MCAP0\r\n"
 
 
 def probe(head: bytes) -> bool:
@@ -23,19 +23,19 @@ def probe(head: bytes) -> bool:
 
 
 def describe(path: Path) -> LogSummary | None:
-    """Return what the file's index says, without reading its messages; None where it has none."""
-    from imuwb.readers.containers import mcap_index  # noqa: PLC0415 - seldom needed
+    """Return a summary from the file's index, without reading its messages; None without an index."""
+    from imuwb.readers.containers import mcap_index  # noqa: PLC0415 - only large files are summarised this way
 
     return mcap_index.describe(path)
 
 
 def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
-    """Return the IMU, GNSS, speed and temperature messages chunk by chunk.
+    """Return the messages chunk by chunk.
 
     Raises:
-        UnreadableLogError: the file holds not one message.
+        UnreadableLogError: the file has no whole message.
     """
-    from imuwb.readers.containers.mcap_records import Recording  # noqa: PLC0415 - compiled code, which an index does without
+    from imuwb.readers.containers.mcap_records import Recording  # noqa: PLC0415 - a probe and an index need none of this
     from imuwb.readers.containers.topics import streamed  # noqa: PLC0415
 
     return streamed(path, Recording(path), options)

@@ -1,9 +1,8 @@
-"""The container: MCAP's records, chunks and messages, found without a Python step per message.
+"""The records, chunks and messages of an MCAP file, found without a Python step per message.
 
-A chunk (or, in an unchunked file, a block of the file) is one buffer of bytes; a compiled walk over
-its records gives the offsets of all messages, from which any field of all of them is gathered at once. The next chunks are
-unpacked while one is decoded. Nothing depends on the index, so files without one, or cut
-by a crash, are read the same way up to where they end.
+A chunk (or, in a file without chunks, a block) is one buffer of bytes. A compiled walk over its records gives the offsets of all
+messages, from which a field of all messages is gathered at once. The next chunks are unpacked while one is decoded. The index
+is not used, so files without one, or cut by a crash, are read in the same way.
 
 Specification: https://mcap.dev/spec
 """
@@ -16,10 +15,10 @@ from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 
-from imuwb.compiled import compiled
-from imuwb.readers.batch import Remark
+from imuwb.notes import Note
 from imuwb.readers.bytes.ahead import ahead
 from imuwb.readers.bytes.gather import gather
+from imuwb.readers.bytes.loops import compiled_loop, worth_compiling
 from imuwb.readers.bytes.source import extended
 from imuwb.readers.containers.mcap_chunk import (
     CHANNEL,
@@ -27,7 +26,6 @@ from imuwb.readers.containers.mcap_chunk import (
     DATA_END,
     FOOTER,
     HEADER,
-    MAGIC,
     MESSAGE,
     METADATA,
     PREFIX,
@@ -38,6 +36,7 @@ from imuwb.readers.containers.mcap_chunk import (
     unpacked_chunk,
     unpacked_front,
 )
+from imuwb.readers.containers.mcap_log import MAGIC
 from imuwb.readers.containers.messages import Channel, Messages, Schema
 
 if TYPE_CHECKING:
@@ -47,12 +46,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 LATEST = np.uint64(2**62)  #: ns; a later time (after 2116) is damage
+LOG_TIME, PUBLISH_TIME = 6, 14  #: offsets in a message
+CHUNK_HEADER = 40  #: bytes of a chunk before its records, at least
+AHEAD = 2  #: pieces that are unpacked while another is decoded
 
-LOG_TIME, PUBLISH_TIME = 6, 14  #: where they stand in a message
-AHEAD = 2  #: pieces that are unpacked while others are decoded
 
-
-@compiled()
 def _walk(
     buffer: NDArray[np.uint8],
     start: int,
@@ -60,7 +58,7 @@ def _walk(
     content: NDArray[np.int64],
     length: NDArray[np.int64],
 ) -> tuple[int, int]:  # pragma: no cover - compiled
-    """Fill the tables (when they have room) with the whole records from ``start``; return number, end."""
+    """Fill the tables (if they have room) with the whole records from ``start``; return their number, and where they end."""
     count, at, size = 0, start, buffer.size
     while at + 9 <= size:
         n = np.uint64(0)
@@ -80,46 +78,48 @@ def _walk(
 def walk(
     buffer: NDArray[np.uint8], start: int = 0
 ) -> tuple[NDArray[np.uint8], NDArray[np.int64], NDArray[np.int64], int]:
-    """Return opcode, start and length of the content of every whole record, and where they end."""
+    """Return opcode, start and length of the content of each whole record, and where the records end."""
+    fill = compiled_loop(_walk) if worth_compiling(buffer.size) else _walk
     nothing = np.empty(0, np.uint8), np.empty(0, np.int64), np.empty(0, np.int64)
-    count, end = _walk(buffer, start, *nothing)
+    count, end = fill(buffer, start, *nothing)
     tables = np.empty(count, np.uint8), np.empty(count, np.int64), np.empty(count, np.int64)
     if count:
-        _walk(buffer, start, *tables)
+        fill(buffer, start, *tables)
     return *tables, end
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Piece:
-    """A block of the file, or an unpacked chunk, and where its records lie."""
+    """A block of the file, or an unpacked chunk, and the offsets of its records."""
 
     buffer: NDArray[np.uint8]
     opcode: NDArray[np.uint8]
     content: NDArray[np.int64]
     length: NDArray[np.int64]
-    bytes_read: int  #: of the file, up to its end
-    remarks: tuple[Remark, ...] = ()  #: what was wrong with it
+    bytes_read: int  #: position of its end in the file
+    notes: tuple[Note, ...] = ()  #: on what is wrong with it
 
 
 class Recording:
-    """An MCAP file, read from its beginning to its end; schemas and channels fill up on the way."""
+    """An MCAP file, read from its beginning to its end; schemas and channels are added on the way."""
 
     def __init__(self, path: Path) -> None:
-        """Remember the file; nothing is read yet."""
+        """Set the file; nothing is read yet."""
         self.path = path
         self.schemas: dict[int, Schema] = {}
         self.channels: dict[int, Channel] = {}
-        self.remarks: list[Remark] = []  #: what was wrong with the container
-        self.above_sea: set[str] = set()  #: topics with heights above mean sea level, as our own metadata say
-        self.damaged = 0  #: messages left out because their time cannot be
+        self.notes: list[Note] = []  #: on what is wrong with the container
+        self.above_sea: set[str] = set()  #: topics with heights above mean sea level, as metadata of imuwb state
+        self.damaged = 0  #: messages left out because their time is impossible
 
     def messages(self) -> Iterator[Messages]:
-        """Yield the messages of each chunk, or of each block of an unchunked file."""
+        """Yield the messages of each chunk, or, in a file without chunks, of each block."""
         for piece in ahead(self._pieces(), AHEAD):
-            self.remarks.extend(piece.remarks)
+            self.notes.extend(piece.notes)
             yield from self._messages(piece)
         if self.damaged:
-            self.remarks.append(Remark(f"{self.damaged} messages whose recorded time cannot be left out"))
+            text = f"{self.damaged} messages with an impossible recorded time left out"
+            self.notes.append(Note("impossible_time", text))
 
     def _pieces(self) -> Iterator[_Piece]:
         with self.path.open("rb") as file:
@@ -127,7 +127,7 @@ class Recording:
             file.seek(len(MAGIC))
             rest, offset = b"", len(MAGIC)
             while True:
-                whole = 9 + int.from_bytes(rest[1:9], "little") if len(rest) >= 9 else 0  # noqa: PLR2004 - opcode, length
+                whole = PREFIX + int.from_bytes(rest[1:PREFIX], "little") if len(rest) >= PREFIX else 0
                 block = extended(file, rest, whole, size - offset)
                 if block is None:
                     yield _cut_end(rest, offset)
@@ -141,11 +141,10 @@ class Recording:
                 for i in np.flatnonzero(opcode == CHUNK):
                     yield _chunk(buffer.data[content[i] : content[i] + length[i]], offset + int(content[i]))
                 if last.size:
-                    behind = _behind(
-                        file, offset + int(content[count - 1] + length[count - 1]) if count else offset, size
-                    )
-                    if behind:
-                        yield _nothing(size, behind)
+                    end_of_data = offset + int(content[count - 1] + length[count - 1]) if count else offset
+                    fault = _end_fault(file, end_of_data, size)
+                    if fault:
+                        yield _nothing(size, Note("end_damaged", fault))
                     return
                 rest, offset = block[end:], offset + end
 
@@ -183,50 +182,53 @@ class Recording:
                 encoding, _ = text(content, at)
                 self.channels.setdefault(number, Channel(topic, encoding, schema))
         except (struct.error, ValueError) as error:
-            self.remarks.append(Remark(f"a damaged schema, channel or metadata record left out: {error}"))
+            note = Note("damaged_record", f"a damaged schema, channel or metadata record left out: {error}")
+            self.notes.append(note)
 
 
-def _behind(file: BinaryIO, at: int, size: int) -> str:
-    """Return what is wrong with what stands behind the messages: index, footer, end mark, and nothing else; empty for nothing."""
+def _end_fault(file: BinaryIO, at: int, size: int) -> str:
+    """Return what is wrong after the messages, where index, footer and end mark must be; empty for a sound end."""
     opcode = None
     while opcode != FOOTER:
-        file.seek(min(at, size))  # damage may say any length
+        file.seek(min(at, size))  # damage may state any length
         prefix = file.read(PREFIX)
         if len(prefix) < PREFIX or prefix.startswith(MAGIC):
-            return f"the index at the file's end is cut or damaged at byte {at}: all messages are before it"
+            return f"the index at the end of the file is cut or damaged at byte {at}; all messages are before it"
         opcode, at = prefix[0], at + PREFIX + int.from_bytes(prefix[1:], "little")
     file.seek(min(at, size))
     if file.read(len(MAGIC)) != MAGIC:
-        return f"the end mark at byte {at} is missing or damaged: all messages are before it"
+        return f"the end mark at byte {at} is missing or damaged; all messages are before it"
     more = size - at - len(MAGIC)
-    return f"{more} bytes behind the end mark are none of MCAP's: not used" if more else ""
+    return f"{more} bytes after the end mark are not used" if more else ""
 
 
-def _nothing(bytes_read: int, why: str) -> _Piece:
-    none, nowhere = np.empty(0, np.uint8), np.empty(0, np.int64)
-    return _Piece(none, none, nowhere, nowhere, bytes_read, (Remark(why),))
+def _nothing(bytes_read: int, note: Note) -> _Piece:
+    nothing, nowhere = np.empty(0, np.uint8), np.empty(0, np.int64)
+    return _Piece(nothing, nothing, nowhere, nowhere, bytes_read, (note,))
 
 
 def _chunk(packed: memoryview, offset: int) -> _Piece:
-    """Return what a chunk unpacks to; nothing of it, and a remark, where it is damaged."""
+    """Return the content of a chunk; nothing, and a note, if it is damaged."""
+    end = offset + len(packed)
     try:
         records = np.frombuffer(unpacked_chunk(packed), np.uint8)
     except ValueError as error:
-        return _nothing(offset + len(packed), f"chunk at byte {offset} left out: {error}")
-    opcode, content, length, end = walk(records)
-    remarks: list[Remark] = []
-    if end < records.size:
-        remarks.append(Remark(f"chunk at byte {offset}: its last {records.size - end} bytes are no record"))
-    return _Piece(records, opcode, content, length, offset + len(packed), tuple(remarks))
+        return _nothing(end, Note("chunk_left_out", f"chunk at byte {offset} left out: {error}"))
+    opcode, content, length, end_of_records = walk(records)
+    rest = records.size - end_of_records
+    text = f"chunk at byte {offset}: its last {rest} bytes are no record"
+    return _Piece(records, opcode, content, length, end, (Note("chunk_end", text),) if rest else ())
 
 
 def _cut_end(rest: bytes, offset: int) -> _Piece:
-    """Return what is whole in a last record that is not."""
-    where = f"the file ends at byte {offset + len(rest)} without its end mark"
+    """Return what is whole of a last record that is cut."""
+    end = offset + len(rest)
+    text = f"the file ends at byte {end} without its end mark"
     if not rest:
-        return _nothing(offset + len(rest), f"{where}: it was cut, or is still being written; all before is used")
-    remark = Remark(f"{where}, inside a record that begins at byte {offset}: what was whole before it is used")
-    unpacked = unpacked_front(rest[9:]) if rest[0] == CHUNK and len(rest) > 9 + 40 else b""
-    buffer = np.frombuffer(unpacked, np.uint8)
+        text += ": it was cut, or is still being written; everything before is used"
+        return _nothing(end, Note("no_end_mark", text))
+    note = Note("cut", f"{text}, inside a record that begins at byte {offset}; everything before is used")
+    is_chunk = rest[0] == CHUNK and len(rest) > PREFIX + CHUNK_HEADER
+    buffer = np.frombuffer(unpacked_front(rest[PREFIX:]) if is_chunk else b"", np.uint8)
     opcode, content, length, _ = walk(buffer)
-    return _Piece(buffer, opcode, content, length, offset + len(rest), (remark,))
+    return _Piece(buffer, opcode, content, length, end, (note,))

@@ -1,4 +1,4 @@
-"""What the containers of robots' messages (MCAP, bag, db3) have in common: channels, and messages in a buffer."""
+"""Channels, schemas, and messages in a buffer: what MCAP, bag and db3 have in common."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Schema:
-    """How a channel's messages are laid out."""
+    """The definition of a channel's messages."""
 
     name: str
     encoding: str
@@ -21,7 +21,7 @@ class Schema:
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """A topic."""
+    """A topic of one publisher."""
 
     topic: str
     message_encoding: str
@@ -30,12 +30,12 @@ class Channel:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Messages:
-    """Messages of all channels that lie in one buffer."""
+    """The messages of all channels in one buffer."""
 
     buffer: NDArray[np.uint8]
-    channel: NDArray[np.integer[Any]]
-    log_time: NDArray[np.int64]  #: ns
-    publish_time: NDArray[np.int64]  #: ns
-    start: NDArray[np.int64]  #: of the payload in the buffer
-    length: NDArray[np.int64]  #: of the payload
-    bytes_read: int  #: of the file, so far
+    channel: NDArray[np.integer[Any]]  #: (n,)
+    log_time: NDArray[np.int64]  #: (n,) ns, of the recording
+    publish_time: NDArray[np.int64]  #: (n,) ns, of sending
+    start: NDArray[np.int64]  #: (n,) offset of the payload in the buffer
+    length: NDArray[np.int64]  #: (n,) bytes of the payload
+    bytes_read: int  #: position in the file

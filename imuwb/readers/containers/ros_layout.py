@@ -1,9 +1,8 @@
-"""ROS message definitions as byte layouts, for ROS 1 and for ROS 2 (CDR), of any message.
+"""Byte layouts of any ROS message from its definition, for ROS 1 and for ROS 2 (CDR).
 
-A definition becomes a flat plan: fixed fields by dotted path, strings and sequences as jumps whose
-length stands in the message. Messages of one channel that agree in those lengths have all fields at
-the same offsets, so a whole chunk is gathered in a few array operations. No code is made or run
-from what a log says.
+A definition becomes a flat plan: fixed fields by dotted path, and strings and sequences as jumps, whose length is in the message.
+Messages of one channel with equal lengths have all fields at the same offsets, so a whole chunk is gathered in a few array
+operations. No code is made or run from a log's definitions.
 """
 
 from __future__ import annotations
@@ -28,25 +27,25 @@ _PRIMITIVES = {
     "uint16": "u2", "int32": "i4", "uint32": "u4", "int64": "i8", "uint64": "u8", "float32": "f4",
     "float64": "f8", "float": "f4", "double": "f8",
 }  # fmt: skip
-#: Types that definitions leave out because everyone has them.
+#: types that definitions omit
 _KNOWN = {
     "builtin_interfaces/Time": "int32 sec\nuint32 nanosec",
     "builtin_interfaces/Duration": "int32 sec\nuint32 nanosec",
-    "time": "uint32 sec\nuint32 nanosec",  # ROS 1's own; its names are secs and nsecs
+    "time": "uint32 sec\nuint32 nanosec",  # of ROS 1, with its fields secs and nsecs renamed
     "duration": "int32 sec\nint32 nanosec",
 }
-#: CDR, big and little endian; XCDR2 in its plain form, where nothing aligns to more than 4.
+#: encapsulation -> byte order and largest alignment: CDR, big and little endian, and plain XCDR2
 _ENCAPSULATIONS = {0: (">", 8), 1: ("<", 8), 6: (">", 4), 7: ("<", 4)}
 _FIELD = re.compile(r"^([\w/]+)(<=\d+)?(\[(<=)?(\d*)\])?\s+(\w+)\s*(.*)$")
-LARGEST_ARRAY = 64  #: of messages; larger ones hold no stamp, rate or position of ours
-DEEPEST = 16
-DIGITS = 6  #: of a fixed array's length; no message is larger
-LONGEST_PLAN = 4096
+LARGEST_ARRAY = 64  #: messages in an array; larger ones have no stamp, rate or position that imuwb reads
+DEEPEST = 16  #: levels of nested messages
+DIGITS = 6  #: of a fixed array's length; a longer one is damage
+LONGEST_PLAN = 4096  #: fields
 
 
 @dataclass(frozen=True, slots=True)
-class Field:
-    """A number, or ``count`` of them, at a fixed place behind what precedes it."""
+class LayoutField:
+    """A number, or ``count`` numbers, after the step before."""
 
     path: str
     kind: str  #: numpy type without byte order, such as "f8"
@@ -55,30 +54,28 @@ class Field:
 
 @dataclass(frozen=True, slots=True)
 class Jump:
-    """A string or sequence: its length as u32, then that many elements."""
+    """A string or sequence: its length as u32, then its elements."""
 
     path: str
     size: int  #: bytes of an element
     align: int
 
 
-Plan = tuple[Field | Jump, ...]
+Plan = tuple[LayoutField | Jump, ...]
 
 
 class UnknownLayoutError(Exception):
-    """The definition holds something that has no plan."""
+    """A definition has no plan; the text states why."""
 
 
 def plan(name: str, definition: str) -> Plan:
-    """Return the fields of message ``name``, as far as they can be found without decoding elements.
-
-    A plan ends before the first sequence of messages, because what lies behind has no common place.
+    """Return the plan of message ``name``, up to the first sequence of messages: later fields have no common offset.
 
     Raises:
         UnknownLayoutError: a type is not defined, or the definition nests without end.
     """
     texts = dict(_sections(_short(name), definition))
-    steps: list[Field | Jump] = []
+    steps: list[LayoutField | Jump] = []
     _flatten(texts, _short(name), "", steps, 0)
     return tuple(steps)
 
@@ -94,12 +91,12 @@ def _sections(name: str, definition: str) -> Iterator[tuple[str, str]]:
 
 
 def _short(name: str) -> str:
-    """Return ``package/Type``, the form both ROS generations share."""
+    """Return ``package/Type``, the form common to ROS 1 and ROS 2."""
     return name.replace("/msg/", "/")
 
 
-def _flatten(texts: dict[str, str], name: str, prefix: str, steps: list[Field | Jump], depth: int) -> bool:
-    """Append the fields of a message; False when nothing behind it has a common place."""
+def _flatten(texts: dict[str, str], name: str, prefix: str, steps: list[LayoutField | Jump], depth: int) -> bool:
+    """Append the fields of a message; return False if later fields have no common offset."""
     if depth > DEEPEST or len(steps) > LONGEST_PLAN:
         message = f"{name} nests too deep or holds too many fields"
         raise UnknownLayoutError(message)
@@ -113,7 +110,7 @@ def _flatten(texts: dict[str, str], name: str, prefix: str, steps: list[Field | 
             raise UnknownLayoutError(message)
         fixed = int(number) if array and number and not bounded else None
         if kind in _PRIMITIVES and not (array and fixed is None):
-            steps.append(Field(path, _PRIMITIVES[kind], fixed or 0))
+            steps.append(LayoutField(path, _PRIMITIVES[kind], fixed or 0))
         elif kind in _PRIMITIVES:
             size = int(_PRIMITIVES[kind][1])
             steps.append(Jump(path, size, size))
@@ -127,7 +124,7 @@ def _flatten(texts: dict[str, str], name: str, prefix: str, steps: list[Field | 
 
 
 def _flatten_nested(
-    texts: dict[str, str], parent: str, kind: str, path: str, steps: list[Field | Jump], depth: int,
+    texts: dict[str, str], parent: str, kind: str, path: str, steps: list[LayoutField | Jump], depth: int,
     *, array: bool, fixed: int | None,
 ) -> bool:  # fmt: skip
     if array and (fixed is None or fixed > LARGEST_ARRAY):
@@ -149,7 +146,7 @@ def _resolve(texts: dict[str, str], kind: str, parent: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a field stands."""
+    """The offset of a field."""
 
     path: str
     kind: str  #: numpy's name of its type, with byte order
@@ -158,15 +155,15 @@ class Place:
 
     @property
     def end(self) -> int:
-        """Return the offset behind it."""
+        """The offset after the field."""
         return self.offset + int(self.kind[2:]) * max(self.count, 1)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Group:
-    """Messages whose fields lie at the same offsets."""
+    """Messages whose fields have the same offsets."""
 
-    rows: NDArray[np.int64]  #: which of the messages
+    rows: NDArray[np.int64]  #: numbers of the messages
     places: tuple[Place, ...]  #: of the wanted fields
 
 
@@ -174,7 +171,7 @@ def groups(
     steps: Plan, wanted: Sequence[str], wire: Wire, buffer: NDArray[np.uint8],
     start: NDArray[np.int64], length: NDArray[np.int64],
 ) -> Iterator[Group]:  # fmt: skip
-    """Yield the messages group by group; those too short for their own definition are in none.
+    """Yield the messages group by group; a message that is too short for its definition is in no group.
 
     A wanted ``name[0]`` is the first number of the array ``name``.
     """
@@ -190,19 +187,19 @@ def groups(
 
 
 def _split(
-    steps: Plan, wanted: Sequence[str], found: tuple[Place, ...], rows: NDArray[np.int64], at: int,
+    steps: Plan, wanted: Sequence[str], places: tuple[Place, ...], rows: NDArray[np.int64], at: int,
     order: str, align: int, buffer: NDArray[np.uint8], start: NDArray[np.int64], length: NDArray[np.int64], body: int,
 ) -> Iterator[Group]:  # fmt: skip
-    """Walk the plan; at a jump, part the messages by its length and walk on with each part."""
+    """Follow the plan; at a jump, split the messages by its length, and go on with each part."""
     for i, step in enumerate(steps):
-        if len(found) == len(wanted):
+        if len(places) == len(wanted):
             break
-        if isinstance(step, Field):
+        if isinstance(step, LayoutField):
             size = int(step.kind[1])
             at = _aligned(at, min(size, align))
             for path, count in ((step.path, step.count), (f"{step.path}[0]", 0)):
                 if path in wanted:
-                    found = (*found, Place(path, f"{order}{step.kind}", count, body + at))
+                    places = (*places, Place(path, f"{order}{step.kind}", count, body + at))
             at += size * max(step.count, 1)
             continue
         at = _aligned(at, min(4, align))
@@ -210,14 +207,14 @@ def _split(
         counts = gather(buffer, start[rows] + (body + at), f"{order}u4").astype(np.int64)
         fits = counts * step.size <= length[rows] - (body + at + 4)
         for count, chosen in alike(counts[fits], rows[fits]):
-            behind = at + 4
+            after = at + 4
             if count:
-                behind = _aligned(behind, min(step.align, align)) + count * step.size
-            yield from _split(steps[i + 1 :], wanted, found, chosen, behind, order, align, buffer, start, length, body)
+                after = _aligned(after, min(step.align, align)) + count * step.size
+            yield from _split(steps[i + 1 :], wanted, places, chosen, after, order, align, buffer, start, length, body)
         return
-    rows = rows[length[rows] >= max((place.end for place in found), default=0)]
-    if rows.size and len(found) == len(wanted):
-        yield Group(rows, found)
+    rows = rows[length[rows] >= max((place.end for place in places), default=0)]
+    if rows.size and len(places) == len(wanted):
+        yield Group(rows, places)
 
 
 def _aligned(at: int, size: int) -> int:

@@ -1,6 +1,6 @@
-"""Definitions of the ROS 2 messages that imuwb reads: older recordings in SQLite do not hold them.
+"""Definitions of the ROS 2 messages that imuwb reads, which older recordings in SQLite lack.
 
-Field for field as in common_interfaces (sensor_msgs, geometry_msgs, nav_msgs, std_msgs).
+The fields are those of common_interfaces (sensor_msgs, geometry_msgs, nav_msgs, std_msgs).
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _MESSAGES = {
 
 
 def definition(name: str) -> str | None:
-    """Return the whole definition of a message such as ``sensor_msgs/msg/Imu``; None of one that is not read."""
+    """Return the whole definition of a message such as ``sensor_msgs/msg/Imu``; None for an unknown message."""
     body = _MESSAGES.get(name.replace("/msg/", "/"))
     if body is None:
         return None

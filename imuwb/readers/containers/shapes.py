@@ -1,7 +1,7 @@
-"""Recognises what a message measures by the names of its fields, whatever the encoding.
+"""Recognises the quantities of a message by the names of its fields, in any encoding.
 
-``sensor_msgs/Imu``, a protobuf of one's own and a JSON object all have ``angular_velocity.x``; a
-message that nests one has it behind a prefix. A recipe says which fields make which column.
+``sensor_msgs/Imu``, a private protobuf and a JSON object all have ``angular_velocity.x``; a message that contains one has a prefix
+before it. A recipe states which fields make which column.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from imuwb.readers.batch import Kind
+    from imuwb.log import Kind
 
     Values = Mapping[str, NDArray[np.float64]]
 
@@ -31,44 +31,44 @@ STAMPS = (
     ("timestamp.sec", "timestamp.nanosec"),
     ("timestamp.seconds", "timestamp.nanos"),
 )
-UNTOLD = -2  #: status of a NavSatFix of which nothing is told
-ABSENT = -1.0  #: first element of a covariance in ROS: there is no such measurement
-LATEST = 9.2e9  #: s; later, nanoseconds do not fit into int64
+UNKNOWN = -2  #: status of a NavSatFix that is not known
+ABSENT = -1.0  #: first element of a covariance in ROS, if the message lacks the measurement
+LATEST = 9.2e9  #: s; later nanoseconds do not fit into int64
 
 
 @dataclass(frozen=True, slots=True)
 class Recipe:
-    """How messages of one channel become a stream."""
+    """How the messages of one channel become a stream."""
 
     kind: Kind
-    prefix: str  #: where in the message the measurement stands, "" at its root
+    prefix: str  #: path of the measurement in the message; empty for the whole message
     stamp: tuple[str, str] | None  #: paths of seconds and nanoseconds
-    paths: tuple[str, ...]  #: of all numbers that are needed
+    paths: tuple[str, ...]  #: of all fields that are needed
     columns: Callable[[Values, str, str], dict[str, NDArray[np.float64]]]  #: (values, prefix, frame) -> columns
 
 
 def recognise(paths: Collection[str], schema: str, topic: str) -> tuple[Recipe, ...]:
-    """Return what can be read of a topic's messages with these fields: no, one or more streams."""
-    there = set(paths)
-    found: list[Recipe] = []
+    """Return the recipes for a topic's messages with these fields: none, one or several."""
+    known = set(paths)
+    recipes: list[Recipe] = []
     for path in paths:
         for key, kind, required, optional, columns in _SHAPES:
             if not path.endswith(key) or (path != key and not path.endswith(f".{key}")):
                 continue
             prefix = path[: -len(key)]
-            if not all(prefix + name in there for name in required):
+            if not all(prefix + name in known for name in required):
                 continue
             if kind in _SCHEMAS and not _SCHEMAS[kind](schema, topic):
                 continue
-            stamp = _stamp(there, prefix)
-            names = (*required, *(name for name in optional if prefix + name.removesuffix("[0]") in there))
+            stamp = _stamp(known, prefix)
+            names = (*required, *(name for name in optional if prefix + name.removesuffix("[0]") in known))
             used = (*(stamp or ()), *(prefix + name for name in names))
-            found.append(Recipe(kind, prefix, stamp, used, columns))
-    return tuple(found)
+            recipes.append(Recipe(kind, prefix, stamp, used, columns))
+    return tuple(recipes)
 
 
 def stamps(values: Mapping[str, NDArray[Any]], recipe: Recipe) -> NDArray[np.int64] | None:
-    """Return the messages' own times in ns, 0 where one is not set or cannot be; None when they carry none."""
+    """Return the messages' own times (ns), 0 for a time that is not set or impossible; None for messages without a stamp."""
     if recipe.stamp is None:
         return None
     seconds, nanoseconds = (values[path] for path in recipe.stamp)
@@ -77,26 +77,26 @@ def stamps(values: Mapping[str, NDArray[Any]], recipe: Recipe) -> NDArray[np.int
     return whole * SECOND + rest
 
 
-def _stamp(there: set[str], prefix: str) -> tuple[str, str] | None:
-    """Return the stamp nearest to the measurement: beside it, or in a message around it."""
+def _stamp(known: set[str], prefix: str) -> tuple[str, str] | None:
+    """Return the stamp nearest to the measurement: in the same message, or in one that contains it."""
     parts = prefix.split(".")
     for depth in range(len(parts), 0, -1):
         around = ".".join(parts[: depth - 1]) + ("." if depth > 1 else "")
         for seconds, nanoseconds in STAMPS:
-            if around + seconds in there and around + nanoseconds in there:
+            if around + seconds in known and around + nanoseconds in known:
                 return around + seconds, around + nanoseconds
     return None
 
 
 def _triad(values: Values, names: list[str], frame: str) -> NDArray[np.float64]:
-    """Return three columns as one (n, 3) array, FRD; column by column, which numpy does ten times as fast as row by row."""
-    found = np.empty((values[names[0]].size, 3))
+    """Return three columns as one (n, 3) array, FRD; numpy fills it by columns ten times faster than by rows."""
+    triad = np.empty((values[names[0]].size, 3))
     for axis, name in enumerate(names):
         if axis and frame == "FLU":
-            np.negative(values[name], out=found[:, axis])
+            np.negative(values[name], out=triad[:, axis])
         else:
-            found[:, axis] = values[name]
-    return found
+            triad[:, axis] = values[name]
+    return triad
 
 
 def _imu(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
@@ -104,34 +104,36 @@ def _imu(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float6
     for column, field in (("angular_rate", "angular_velocity"), ("specific_force", "linear_acceleration")):
         covariance = values.get(f"{prefix}{field}_covariance[0]")
         if covariance is not None and (covariance == ABSENT).all():
-            continue  # the message says that it has no such measurement
+            continue  # the message lacks this measurement
         columns[column] = _triad(values, [f"{prefix}{field}.{axis}" for axis in "xyz"], frame)
     return columns
 
 
 def _gnss(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
-    del frame  # latitude and longitude have none
+    del frame  # of an IMU only
     latitude = values[f"{prefix}latitude"]
     height = values.get(f"{prefix}altitude", np.zeros_like(latitude))
     columns = {"position": np.stack([np.radians(latitude), np.radians(values[f"{prefix}longitude"]), height], axis=1)}
     covariance = values.get(f"{prefix}position_covariance")
     if covariance is not None and covariance.ndim > 1 and covariance.shape[1] == 9:  # noqa: PLR2004 - 3 x 3
-        # East-north-up in the message. Not positive: unknown (all zero), or absent (-1).
+        # East-north-up in the message; a variance that is unknown (0) or absent (-1) is not positive.
         square = covariance[:, [4, 0, 8]]
         columns["position_sigma"] = np.sqrt(np.where(square > 0, square, np.nan))
     track, speed, climb = (values.get(f"{prefix}{name}") for name in _COURSE)
-    if track is not None and speed is not None and climb is not None:  # gps_common/GPSFix: degrees from north
+    if (
+        track is not None and speed is not None and climb is not None
+    ):  # gps_common/GPSFix; the track is in degrees from north
         course = np.radians(track)
         columns["velocity"] = np.stack([speed * np.cos(course), speed * np.sin(course), -climb], axis=1)
     status = values.get(f"{prefix}status.status")
     # -1 none, 0 fix, 1 with satellite, 2 with ground augmentation
-    if status is not None and (status != UNTOLD).any():
+    if status is not None and (status != UNKNOWN).any():
         columns["fix_type"] = np.select([status < 0, status > 0], [1.0, 4.0], 3.0)
     return columns
 
 
 def _velocity(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
-    del frame  # of a receiver: east, north, up
+    del frame  # a receiver's velocity is east, north, up
     east, north, up = (values[f"{prefix}twist.linear.{axis}"] for axis in "xyz")
     columns = {"velocity": np.stack([north, east, -up], axis=1)}
     covariance = values.get(f"{prefix}covariance")
@@ -142,7 +144,7 @@ def _velocity(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.f
 
 
 def _speed(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
-    del frame  # forward is x in all of them
+    del frame  # x is forward in all frames
     return {"speed": values[f"{prefix}twist.linear.x"]}
 
 
@@ -152,12 +154,12 @@ def _fix_type(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.f
 
 
 def _reference(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
-    del frame  # imuwb's own message: SI, NED
-    found = {
+    del frame  # a message of imuwb is in SI and NED
+    columns = {
         name: values[prefix + field]
         for name, field in zip(("position", "velocity", "attitude"), REFERENCE, strict=True)
     }
-    return {name: column for name, column in found.items() if np.isfinite(column).all()}
+    return {name: column for name, column in columns.items() if np.isfinite(column).all()}
 
 
 def _temperature(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
@@ -183,8 +185,8 @@ def _is_twist(schema: str) -> bool:
     return schema.endswith(("TwistStamped", "TwistWithCovarianceStamped"))
 
 
-#: kind -> of which schemas and topics alone, where fields do not say enough: many messages have a temperature or a
-#: linear.x, and a twist is a receiver's velocity over ground or a body's own.
+#: kind -> test of schema and topic, if the fields are not enough: many messages have a temperature or a linear.x, and a twist may
+#: be a receiver's velocity or a vehicle's speed
 _SCHEMAS: dict[Kind, Callable[[str, str], bool]] = {
     "temperature": lambda schema, _: schema.endswith("Temperature"),
     "fix": lambda schema, _: schema.endswith("FixType"),

@@ -1,8 +1,7 @@
-"""ArduPilot's binary logs: records that describe themselves, found without a Python step per record.
+"""The records of ArduPilot's binary logs, found without a Python step per record.
 
-Each record begins with two bytes and a number; FMT records say, for each number, its name, size and fields. They may come
-late, so they are looked for first. A record counts when another begins right behind it: what lies between damaged places
-is not taken for numbers.
+Each record begins with two bytes and a number. FMT records state name, size and fields of each number. They may come late, so
+they are looked for first. A record is used only if another begins right after it, so damage is not read as numbers.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
 HEAD = b"\xa3\x95"
 FMT, FMT_SIZE = 128, 89
 LARGEST = 256  #: bytes of a record: its size is one byte
-#: letter of a field -> numpy type, how many, factor of the oldest logs' own scaling
+#: letter of a field -> numpy type, count, factor (of types that scale their field)
 _KINDS: dict[str, tuple[str, int, float]] = {
     "a": ("<i2", 32, 1.0), "b": ("|i1", 0, 1.0), "B": ("|u1", 0, 1.0), "h": ("<i2", 0, 1.0), "H": ("<u2", 0, 1.0),
     "i": ("<i4", 0, 1.0), "I": ("<u4", 0, 1.0), "f": ("<f4", 0, 1.0), "d": ("<f8", 0, 1.0), "g": ("<f2", 0, 1.0),
@@ -37,52 +36,52 @@ _NAME = re.compile(rb"[A-Z0-9a-z_]{1,4}\0*")
 
 
 @dataclass(frozen=True, slots=True)
-class Field:
+class RecordField:
     """A field of a record."""
 
     name: str
     kind: str  #: numpy's name of its type
     count: int  #: 0 for a single number
     factor: float
-    offset: int  #: from the record's number on
+    offset: int  #: from the begin of the record
 
 
 @dataclass(frozen=True, slots=True)
-class Format:
-    """What a number's records hold."""
+class RecordFormat:
+    """The fields of the records of one number."""
 
     name: str
-    size: int  #: bytes, with the head
-    fields: tuple[Field, ...]
+    size: int  #: bytes, including the head
+    fields: tuple[RecordField, ...]
 
 
-def formats(buffer: NDArray[np.uint8]) -> dict[int, Format]:
-    """Return the formats that a buffer's FMT records describe, by number; the first of a number counts."""
-    found = {FMT: Format("FMT", FMT_SIZE, ())}
+def formats(buffer: NDArray[np.uint8]) -> dict[int, RecordFormat]:
+    """Return the formats that a buffer's FMT records describe, by number; the first one of a number counts."""
+    known = {FMT: RecordFormat("FMT", FMT_SIZE, ())}
     data = buffer.tobytes()
     at = data.find(mark := HEAD + bytes([FMT]))
     while at >= 0:
         if at + FMT_SIZE <= len(data):
             described = _format(data[at + 3 : at + FMT_SIZE])
             if described is not None:
-                found.setdefault(data[at + 3], described)
+                known.setdefault(data[at + 3], described)
         at = data.find(mark, at + 1)
-    return found
+    return known
 
 
-def _format(body: bytes) -> Format | None:
-    """Return what an FMT record's body describes; None where it is no such thing."""
+def _format(body: bytes) -> RecordFormat | None:
+    """Return the format that an FMT record's body describes; None for another body."""
     size, name, letters, names = body[1], body[2:6], body[6:22].rstrip(b"\0"), body[22:86].rstrip(b"\0")
     if not _NAME.fullmatch(name) or not all(chr(letter) in _KINDS for letter in letters):
         return None
     labels = names.decode("ascii", "replace").split(",") if names else []
-    fields: list[Field] = []
+    fields: list[RecordField] = []
     offset = 3
     for letter, label in zip(letters.decode(), [*labels, *[""] * len(letters)], strict=False):
         kind, count, factor = _KINDS[letter]
-        fields.append(Field(label.strip(), kind, count, factor, offset))
+        fields.append(RecordField(label.strip(), kind, count, factor, offset))
         offset += np.dtype(kind).itemsize * max(count, 1)
-    return Format(name.rstrip(b"\0").decode(), size, tuple(fields)) if offset == size else None
+    return RecordFormat(name.rstrip(b"\0").decode(), size, tuple(fields)) if offset == size else None
 
 
 @compiled()
@@ -93,21 +92,21 @@ def _walk(
     number: NDArray[np.uint8],
     start: NDArray[np.int64],
 ) -> tuple[int, int, int]:  # pragma: no cover - compiled
-    """Fill the tables; return how many records were found, where the search ended, and bytes in between."""
+    """Fill the tables; return the number of records, where the search ended, and the bytes between records."""
     count, at, skipped, end = 0, 0, 0, buffer.size
     while at + 3 <= end and count < number.size:
         size = sizes[buffer[at + 2]] if buffer[at] == 0xA3 and buffer[at + 1] == 0x95 else 0  # noqa: PLR2004 - HEAD
-        behind = at + int(size)
-        if size and behind + 2 > end and not (last and behind <= end):
+        after = at + int(size)
+        if size and after + 2 > end and not (last and after <= end):
             if not last:
                 break
             size = 0  # cut
-        if size and behind + 2 <= end and not (buffer[behind] == 0xA3 and buffer[behind + 1] == 0x95):  # noqa: PLR2004
+        if size and after + 2 <= end and not (buffer[after] == 0xA3 and buffer[after + 1] == 0x95):  # noqa: PLR2004
             size = 0
         if size:
             number[count], start[count] = buffer[at + 2], at
             count += 1
-            at = behind
+            at = after
         else:
             at += 1
             skipped += 1
@@ -116,16 +115,16 @@ def _walk(
 
 @dataclass(slots=True)
 class Tables:
-    """Records by name, column by column; blocks are taken one after the other."""
+    """Records by name, column by column; the file is taken block by block."""
 
-    formats: dict[int, Format]
+    formats: dict[int, RecordFormat]
     wanted: Collection[str]
     records: int = 0
     skipped: int = 0  #: bytes that belong to no record
-    _found: dict[str, list[dict[str, NDArray[Any]]]] = field(default_factory=lambda: defaultdict(list))
+    _pieces: dict[str, list[dict[str, NDArray[Any]]]] = field(default_factory=lambda: defaultdict(list))
 
     def take(self, buffer: NDArray[np.uint8], *, last: bool) -> int:
-        """Keep what a block holds; return where the next begins."""
+        """Keep the records of a block; return where the next block begins."""
         sizes = np.zeros(256, np.int64)
         for number, described in self.formats.items():
             sizes[number] = described.size
@@ -138,20 +137,20 @@ class Tables:
             if described.name in self.wanted:
                 rows = starts[:count][numbers[:count] == number]
                 if rows.size:
-                    self._found[described.name].append(_columns(described, buffer, rows))
+                    self._pieces[described.name].append(_columns(described, buffer, rows))
         return end
 
     def table(self, name: str) -> dict[str, NDArray[Any]] | None:
-        """Return a record's columns, {field: (n,) or (n, count)}; None where there is none."""
-        pieces = self._found.get(name)
+        """Return a record's columns, {field: (n,) or (n, count)}; None without such a record."""
+        pieces = self._pieces.get(name)
         if not pieces:
             return None
         return {key: np.concatenate([piece[key] for piece in pieces]) for key in pieces[0]}
 
 
-def _columns(described: Format, buffer: NDArray[np.uint8], rows: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
-    found: dict[str, NDArray[Any]] = {}
-    for one in described.fields:
-        values = gather(buffer, rows + one.offset, one.kind, one.count)
-        found[one.name] = values if one.factor == 1 else values * one.factor
-    return found
+def _columns(described: RecordFormat, buffer: NDArray[np.uint8], rows: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
+    columns: dict[str, NDArray[Any]] = {}
+    for field_ in described.fields:
+        values = gather(buffer, rows + field_.offset, field_.kind, field_.count)
+        columns[field_.name] = values if field_.factor == 1 else values * field_.factor
+    return columns

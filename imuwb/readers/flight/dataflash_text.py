@@ -1,4 +1,4 @@
-"""ArduPilot's logs as text: one line a record, the fields scaled already."""
+"""ArduPilot's logs as text: a line for each record, with scaled fields."""
 
 from __future__ import annotations
 
@@ -12,26 +12,25 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-STATED = ("FMTU", "UNIT", "MULT")  #: records that hold text
-LARGEST = 2.0**53  #: a time, in µs, or an instance
-BATCH = 1 << 16  #: rows that become an array at a time
+STATED = ("FMTU", "UNIT", "MULT")  #: records that are text
+LARGEST = 2.0**53  #: a larger time (µs) or instance is damage
+BATCH = 1 << 16  #: rows that are made an array at a time
 
 
 class TextTables:
     """Records by name, column by column."""
 
     def __init__(self, wanted: Collection[str]) -> None:
-        """Remember which records are wanted."""
+        """Set the names of the records to keep."""
         self.records = 0
-        self.bad = 0  #: lines of a wanted record that are cut, or hold something else than numbers
+        self.bad = 0  #: lines of a wanted record that are cut or have other text than numbers
         self._wanted = wanted
         self._names: dict[str, tuple[str, ...]] = {}
-        self._letters: dict[str, str] = {}
         self._rows: dict[str, list[list[float]]] = defaultdict(list)
         self._arrays: dict[str, list[NDArray[np.float64]]] = defaultdict(list)
 
     def take(self, lines: Iterable[bytes], *, to_first_bad: bool = False) -> None:
-        """Keep what lines hold, on request only up to the first that is cut or holds something else."""
+        """Keep the records of some lines, on request only up to the first bad line."""
         for line in lines:
             name, _, rest = line.partition(b",")
             record = name.strip().decode("ascii", "replace")
@@ -44,7 +43,7 @@ class TextTables:
                 return
 
     def table(self, name: str) -> dict[str, NDArray[Any]] | None:
-        """Return a record's columns, {field: (n,)}; None where there is none."""
+        """Return a record's columns, {field: (n,)}; None without such a record."""
         self._pack(name)
         if not self._arrays[name]:
             return None
@@ -54,7 +53,6 @@ class TextTables:
     def _describe(self, cells: list[str]) -> None:
         if len(cells) >= 5:  # noqa: PLR2004 - number, size, name, letters, at least one field
             self._names.setdefault(cells[2], tuple(cells[4:]))
-            self._letters.setdefault(cells[2], cells[3])
 
     def _row(self, record: str, rest: bytes) -> None:
         cells = rest.split(b",")

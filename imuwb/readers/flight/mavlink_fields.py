@@ -1,6 +1,6 @@
-"""The MAVLink messages that tell of inertial sensors, receivers and clocks, and where their fields stand.
+"""The MAVLink messages of inertial sensors, receivers and clocks, and the offsets of their fields.
 
-Definitions: https://mavlink.io/en/messages/common.html; fields stand in the order of their size, extensions behind.
+Definitions: https://mavlink.io/en/messages/common.html; fields are ordered by their size, and followed by extensions.
 """
 
 from __future__ import annotations
@@ -40,36 +40,36 @@ _MESSAGES = {
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
-    """One message."""
+class MessageLayout:
+    """The fields of one message."""
 
     name: str
     fields: tuple[tuple[str, str, int], ...]  #: name, numpy type, offset
-    size: int  #: of the payload with all of these
+    size: int  #: bytes of the payload with all fields
 
 
-def _layout(name: str, text: str) -> Layout:
+def _layout(name: str, text: str) -> MessageLayout:
     fields: list[tuple[str, str, int]] = []
     at = 0
     for part in text.split():
         field, _, kind = part.partition(":")
         fields.append((field, f"<{kind}", at))
         at += int(kind[1:])
-    return Layout(name, tuple(fields), at)
+    return MessageLayout(name, tuple(fields), at)
 
 
 LAYOUTS = {number: _layout(name, text) for number, (name, text) in _MESSAGES.items()}
 
 
 def decoded(
-    layout: Layout, buffer: NDArray[np.uint8], payload: NDArray[np.int64], length: NDArray[np.int64]
+    layout: MessageLayout, buffer: NDArray[np.uint8], payload: NDArray[np.int64], length: NDArray[np.int64]
 ) -> dict[str, NDArray[Any]]:
-    """Return a message's fields, (n,) each; zeros at a payload's end are not sent, and are put back.
+    """Return a message's fields, (n,) each; zeros at the end of a payload are not sent, and are restored.
 
     Args:
         layout: of the message.
         buffer: bytes.
-        payload: (n,) where payloads begin.
+        payload: (n,) offsets of the payloads.
         length: (n,) their lengths.
     """
     whole = np.zeros((payload.size, layout.size), np.uint8)

@@ -1,7 +1,7 @@
-"""MAVLink frames in a telemetry log, found and checked without a Python step per frame.
+"""MAVLink frames of a telemetry log, found and checked without a Python step per frame.
 
-A telemetry log is the stream of frames of both protocol versions, each behind eight bytes of the recorder's time. What is
-no frame, or fails its checksum, is skipped to the next that is whole.
+A telemetry log is a series of frames of both protocol versions, each after eight bytes of the recorder's time. Bytes that are
+no frame, and frames with a wrong checksum, are skipped.
 
 Specification: https://mavlink.io/en/guide/serialization.html
 """
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
 STAMP = 8  #: bytes of the recorder's time, big-endian µs since 1970
 FIRST, SECOND_VERSION = 0xFE, 0xFD
-SIGNED = 0x01  #: incompatibility flag: 13 bytes of signature behind the checksum
+SIGNED = 0x01  #: incompatibility flag: 13 bytes of signature after the checksum
 LARGEST = STAMP + 280  #: bytes of a record
-MOST = 3  #: seeds of one number
-_TABLE = 1 << 16  #: numbers above are of no public message
+MOST = 3  #: seeds of one number of a message, at most
+_TABLE = 1 << 16  #: no public message has a larger number
 
 
 def _seeds() -> NDArray[np.int16]:
@@ -36,7 +36,7 @@ def _seeds() -> NDArray[np.int16]:
 
 
 def _steps() -> NDArray[np.uint16]:
-    """Return the table of CRC-16/MCRF4XX, one byte at a time."""
+    """Return the table of CRC-16/MCRF4XX for a byte."""
     table = np.arange(256, dtype=np.uint16)
     for _ in range(8):
         table = np.where(table & 1, (table >> 1) ^ 0x8408, table >> 1).astype(np.uint16)
@@ -48,23 +48,23 @@ _SEEDS, _STEPS = _seeds(), _steps()
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Frames:
-    """Frames whose checksum holds, and what else was in a buffer."""
+    """The frames of a buffer whose checksum is right, and counts of the rest."""
 
     number: NDArray[np.int64]  #: (n,) of the message
     system: NDArray[np.int64]  #: (n,)
     component: NDArray[np.int64]  #: (n,)
-    record: NDArray[np.int64]  #: (n,) where the recorder's time stands
-    payload: NDArray[np.int64]  #: (n,)
+    record: NDArray[np.int64]  #: (n,) offset of the recorder's time
+    payload: NDArray[np.int64]  #: (n,) offset
     length: NDArray[np.int64]  #: (n,) of the payload; trailing zeros are not sent
-    failed: int  #: frames whose checksum does not hold
-    unknown: int  #: frames of messages that no public dialect has: they cannot be checked, and are not used
-    skipped: int  #: bytes that are part of no frame
-    end: int  #: from here on nothing is whole
+    failed: int  #: frames whose checksum is wrong
+    unknown: int  #: frames of messages in no public dialect: they cannot be checked, and are not used
+    skipped: int  #: bytes that belong to no frame
+    end: int  #: offset after the last whole frame
 
 
 @compiled()
 def _span(buffer: NDArray[np.uint8], frame: int) -> tuple[int, int]:  # pragma: no cover - compiled
-    """Return where the payload of a frame ends, and where the frame does."""
+    """Return the ends of a frame's payload and of the frame."""
     end = frame + (6 if buffer[frame] == FIRST else 10) + int(buffer[frame + 1])
     signed = buffer[frame] == SECOND_VERSION and buffer[frame + 2] & SIGNED
     return end, end + (15 if signed else 2)
@@ -81,7 +81,7 @@ def _number(buffer: NDArray[np.uint8], frame: int) -> int:  # pragma: no cover -
 def _holds(
     buffer: NDArray[np.uint8], frame: int, end: int, seeds: NDArray[np.int16], steps: NDArray[np.uint16]
 ) -> bool:  # pragma: no cover - compiled
-    """Return whether the checksum behind a payload is that of the frame with one of the message's seeds."""
+    """Return whether the checksum after a payload is right for one of the message's seeds."""
     crc = np.uint16(0xFFFF)
     for k in range(frame + 1, end):
         crc = np.uint16(crc >> 8) ^ steps[np.uint8(crc) ^ buffer[k]]
@@ -95,7 +95,7 @@ def _holds(
 
 @compiled()
 def _begins(buffer: NDArray[np.uint8], record: int) -> bool:  # pragma: no cover - compiled
-    """Return whether a record seems to begin here; the end of the file is as good."""
+    """Return whether a record may begin here; the end of the buffer counts as one."""
     frame = record + STAMP
     return record == buffer.size or (frame < buffer.size and FIRST >= buffer[frame] >= SECOND_VERSION)
 
@@ -106,41 +106,41 @@ def _scan(
     last: bool,  # noqa: FBT001 - compiled code is called by place
     seeds: NDArray[np.int16],
     steps: NDArray[np.uint16],
-    found: NDArray[np.int64],
+    frames: NDArray[np.int64],
     counts: NDArray[np.int64],
 ) -> tuple[int, int]:  # pragma: no cover - compiled
-    """Fill the table, (6, room); return how many frames were found, and where the search ended."""
+    """Fill the table, (6, room); return the number of frames, and where the search ended."""
     n, at = 0, 0
     none = np.full(1, -1, np.int16)
-    while at + STAMP + 12 <= buffer.size + 4 * last and n < found.shape[1]:
+    while at + STAMP + 12 <= buffer.size + 4 * last and n < frames.shape[1]:
         frame = at + STAMP
         if not _begins(buffer, at) or (buffer[frame] == SECOND_VERSION and frame + 12 > buffer.size):
             counts[2] += 1
             at += 1
             continue
-        end, behind = _span(buffer, frame)
-        if behind > buffer.size:
+        end, after = _span(buffer, frame)
+        if after > buffer.size:
             if not last:
                 break
-            counts[2] += 1  # nothing follows that could complete it; a frame may still begin within
+            counts[2] += 1  # no bytes follow that could complete it, but another frame may begin within it
             at += 1
             continue
         number = _number(buffer, frame)
-        # A flag that nobody knows forbids to read the frame.
+        # A frame with an unknown flag must not be read.
         understood = buffer[frame] == FIRST or buffer[frame + 2] <= SIGNED
         known = understood and number < seeds.shape[0] and seeds[number, 0] >= 0
         if _holds(buffer, frame, end, seeds[number] if known else none, steps):
             place = 3 if buffer[frame] == FIRST else 5
-            found[0, n], found[1, n], found[2, n] = number, buffer[frame + place], buffer[frame + place + 1]
-            found[3, n], found[5, n] = at, buffer[frame + 1]
-            found[4, n] = end - found[5, n]
+            frames[0, n], frames[1, n], frames[2, n] = number, buffer[frame + place], buffer[frame + place + 1]
+            frames[3, n], frames[5, n] = at, buffer[frame + 1]
+            frames[4, n] = end - frames[5, n]
             n += 1
-            at = behind
-        elif behind + STAMP >= buffer.size and not last:
-            break  # what follows tells whether this was a frame at all
-        elif _begins(buffer, behind):
+            at = after
+        elif after + STAMP >= buffer.size and not last:
+            break  # the next bytes show whether this is a frame
+        elif _begins(buffer, after):
             counts[0 if known else 1] += 1
-            at = behind
+            at = after
         else:
             counts[2] += 1
             at += 1
@@ -148,7 +148,7 @@ def _scan(
 
 
 def scan(buffer: NDArray[np.uint8], *, last: bool) -> Frames:
-    """Return the frames of a buffer; ``last`` says that nothing follows it."""
+    """Return the frames of a buffer; ``last`` means that no buffer follows."""
     tables: list[NDArray[np.int64]] = []
     counts, end = np.zeros(3, np.int64), 0
     while True:

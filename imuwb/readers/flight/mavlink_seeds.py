@@ -1,7 +1,7 @@
-"""The byte that MAVLink adds to each message's checksum, from its definition (CRC_EXTRA).
+"""The byte that MAVLink adds to the checksum of each message, from the message's definition (CRC_EXTRA).
 
-Of all public dialects; where two dialects give one number to different messages, both bytes. A test compares the table
-with pymavlink's.
+The table has the messages of all public dialects. A number that dialects use for different messages has several bytes. A test
+compares the table with pymavlink's.
 
 Specification: https://mavlink.io/en/guide/serialization.html#crc_extra
 """

@@ -1,4 +1,4 @@
-"""PX4's logs: messages of topics that the file itself defines, found without a Python step per message.
+"""The messages of PX4's logs, found without a Python step per message; the file itself defines its topics.
 
 Specification: https://docs.px4.io/main/en/dev_log/ulog_file_format
 """
@@ -22,25 +22,24 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-MAGIC = b"ULog\x01\x12\x35"
 HEADER = 16  #: bytes: magic, version, time
 FLAGS = ord("B")
-APPENDED = 0x01  #: in the first incompatible flag: data was appended behind an end that may be cut
-KNOWN = b"AFIMPQLCDSORBX"  #: types of messages; anything else is damage
+APPENDED = 0x01  #: in the first incompatible flag: data was appended after an end that may be cut
+KNOWN = b"AFIMPQLCDSORBX"  #: types of messages; another byte is damage
 _PRIMITIVES = {
     "int8_t": "|i1", "uint8_t": "|u1", "int16_t": "<i2", "uint16_t": "<u2", "int32_t": "<i4", "uint32_t": "<u4",
     "int64_t": "<i8", "uint64_t": "<u8", "float": "<f4", "double": "<f8", "bool": "|u1", "char": "|u1",
 }  # fmt: skip
 _FIELD = re.compile(r"([\w/]+?)(?:\[(\d{1,4})\])? +(\w+)$")
-DEEPEST, LONGEST = 8, 4096
-CHAIN = 8  #: messages that must follow each other behind damage
-LONG = 1024  #: bytes; a longer one behind damage is more likely two bytes of garbage that point at a sound one
-LARGEST = 4096  #: bytes of a message that the end of a file may cut
+DEEPEST, LONGEST = 8, 4096  #: levels of nested messages, and fields of a topic, at most
+CHAIN = 8  #: messages that must follow each other after damage
+LONG = 1024  #: bytes; a longer message after damage is more likely garbage that points at a sound one
+LARGEST = 4096  #: bytes; a longer message at the end of the file is damage, not cut
 
 
 @dataclass(frozen=True, slots=True)
-class Field:
-    """A number, or ``count`` of them, in a topic's message."""
+class TopicField:
+    """A number, or ``count`` numbers, in a topic's message."""
 
     name: str
     kind: str  #: numpy's name of its type
@@ -50,14 +49,14 @@ class Field:
 
 @dataclass(slots=True)
 class ULogFile:
-    """Topics by name and instance, column by column; files are taken whole."""
+    """Topics by name and instance, column by column; the file is taken at once."""
 
     formats: dict[str, str] = field(default_factory=dict[str, str])
     dropouts: list[int] = field(default_factory=list[int])  #: ms each
     messages: int = 0
-    data: int = 0  #: messages with a topic's data, also of those that are not wanted
-    skipped: int = 0  #: bytes that are no message
-    misfits: int = 0  #: messages shorter than their topic's definition
+    data: int = 0  #: messages of all topics, wanted or not
+    skipped: int = 0  #: bytes that belong to no message
+    misfits: int = 0  #: messages that are shorter than their topic's definition
     _topics: dict[int, tuple[str, int]] = field(default_factory=dict[int, tuple[str, int]])
     _columns: dict[tuple[str, int], list[dict[str, NDArray[Any]]]] = field(default_factory=lambda: defaultdict(list))
 
@@ -101,12 +100,12 @@ class ULogFile:
         fits = size >= whole
         self.misfits += int(np.count_nonzero(~fits))
         if fields and fits.any():
-            found = {f.name: gather(buffer, at[fits] + f.offset, f.kind, f.count) for f in fields}
-            self._columns[topic].append(found)
+            columns = {f.name: gather(buffer, at[fits] + f.offset, f.kind, f.count) for f in fields}
+            self._columns[topic].append(columns)
 
 
 def segments(buffer: NDArray[np.uint8]) -> list[tuple[int, int]]:
-    """Return (start, end) of the file's parts: data may have been appended behind an end that is cut."""
+    """Return (start, end) of the file's parts: data may be appended after an end that is cut."""
     size, first = buffer.size, HEADER
     ends: list[int] = []
     if size >= HEADER + 3 + 40 and buffer[HEADER + 2] == FLAGS and buffer[HEADER + 3 + 8] & APPENDED:
@@ -117,8 +116,8 @@ def segments(buffer: NDArray[np.uint8]) -> list[tuple[int, int]]:
 
 
 @compiled()
-def _behind(buffer: NDArray[np.uint8], at: int, known: NDArray[np.bool_]) -> int:  # pragma: no cover - compiled
-    """Return where the message that begins here ends; -1 where none does."""
+def _end_of(buffer: NDArray[np.uint8], at: int, known: NDArray[np.bool_]) -> int:  # pragma: no cover - compiled
+    """Return where the message that begins here ends; -1 if no message begins here."""
     if at + 3 > buffer.size or not known[buffer[at + 2]]:
         return -1
     size = int(buffer[at]) | int(buffer[at + 1]) << 8
@@ -129,11 +128,11 @@ def _behind(buffer: NDArray[np.uint8], at: int, known: NDArray[np.bool_]) -> int
 def _chained(
     buffer: NDArray[np.uint8], at: int, links: int, known: NDArray[np.bool_]
 ) -> bool:  # pragma: no cover - compiled
-    """Return whether so many messages follow each other from here on; the end of the file is as good."""
+    """Return whether some messages follow each other from here; the end of the file counts as a message."""
     for _ in range(links):
         if at + 3 > buffer.size:
             return at == buffer.size
-        at = _behind(buffer, at, known)
+        at = _end_of(buffer, at, known)
         if at < 0:
             return False
     return True
@@ -143,28 +142,28 @@ def _chained(
 def _walk(
     buffer: NDArray[np.uint8], known: NDArray[np.bool_], tables: NDArray[np.int64]
 ) -> tuple[int, int]:  # pragma: no cover - compiled
-    """Fill the table (when it has room) with the whole messages; return their number and the bytes in between.
+    """Fill the table (if it has room) with the whole messages; return their number and the bytes between messages.
 
-    One plausible length is soon found in garbage, and a false message hides up to 64 KiB of sound ones: behind damage a
-    chain of them is asked for.
+    Garbage soon has a plausible length, and a false message hides up to 64 KiB of sound ones. So after damage, a chain of
+    messages is needed.
     """
     count, at, skipped, sure = 0, 0, 0, True
     while at + 3 <= buffer.size:
-        behind = _behind(buffer, at, known)
-        if behind >= 0 and not sure:
-            sure = behind - at < LONG and _chained(buffer, at, CHAIN, known)
-        if behind >= 0 and sure:
-            # What follows must be a message as well; else this one may be what is damaged.
-            if behind + 3 <= buffer.size and _behind(buffer, behind, known) < 0:
+        after = _end_of(buffer, at, known)
+        if after >= 0 and not sure:
+            sure = after - at < LONG and _chained(buffer, at, CHAIN, known)
+        if after >= 0 and sure:
+            # A message must follow; otherwise this one may be damaged.
+            if after + 3 <= buffer.size and _end_of(buffer, after, known) < 0:
                 sure = False
-                if not _ends_well(buffer, behind, known):
+                if not _ends_well(buffer, after, known):
                     at += 1
                     skipped += 1
                     continue
             if tables.size:
-                tables[0, count], tables[1, count], tables[2, count] = buffer[at + 2], at + 3, behind - at - 3
+                tables[0, count], tables[1, count], tables[2, count] = buffer[at + 2], at + 3, after - at - 3
             count += 1
-            at = behind
+            at = after
         else:
             sure = False
             at += 1
@@ -173,16 +172,16 @@ def _walk(
 
 
 @compiled()
-def _ends_well(buffer: NDArray[np.uint8], behind: int, known: NDArray[np.bool_]) -> bool:  # pragma: no cover - compiled
-    """Return whether what follows begins as a message that only the file's end cuts."""
-    size = int(buffer[behind]) | int(buffer[behind + 1]) << 8
-    return size > 0 and bool(known[buffer[behind + 2]]) and behind + 3 + size > buffer.size and size < LARGEST
+def _ends_well(buffer: NDArray[np.uint8], after: int, known: NDArray[np.bool_]) -> bool:  # pragma: no cover - compiled
+    """Return whether a message begins here that the end of the file cuts."""
+    size = int(buffer[after]) | int(buffer[after + 1]) << 8
+    return size > 0 and bool(known[buffer[after + 2]]) and after + 3 + size > buffer.size and size < LARGEST
 
 
 def walk(
     buffer: NDArray[np.uint8],
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], int]:
-    """Return type, start and size of the content of every whole message, and how many bytes are none."""
+    """Return type, start and size of the content of each whole message, and the bytes that belong to no message."""
     known = np.zeros(256, np.bool_)
     known[list(KNOWN)] = True
     count, skipped = _walk(buffer, known, np.empty((0, 0), np.int64))
@@ -193,19 +192,21 @@ def walk(
     return kind, at, size, skipped
 
 
-def layout(name: str, formats: dict[str, str]) -> tuple[tuple[Field, ...], int]:
-    """Return a topic's fields, and the least size of its messages: padding at the end is not written.
+def layout(name: str, formats: dict[str, str]) -> tuple[tuple[TopicField, ...], int]:
+    """Return a topic's fields, and the least size of its messages, which are written without padding at their end.
 
-    A definition that holds an unknown type ends there; nothing is made of what it says.
+    A definition is used up to the first unknown type.
     """
-    found: list[Field] = []
-    end = _flatten(name, formats, "", 0, found, 0)
-    last = max((f.offset + np.dtype(f.kind).itemsize * max(f.count, 1) for f in found), default=0)
-    return (tuple(found), last) if end is not None or found else ((), 0)
+    fields: list[TopicField] = []
+    end = _flatten(name, formats, "", 0, fields, 0)
+    last = max((f.offset + np.dtype(f.kind).itemsize * max(f.count, 1) for f in fields), default=0)
+    return (tuple(fields), last) if end is not None or fields else ((), 0)
 
 
-def _flatten(name: str, formats: dict[str, str], prefix: str, at: int, found: list[Field], depth: int) -> int | None:
-    """Append the fields of a message; return where it ends, None where that is unknown."""
+def _flatten(
+    name: str, formats: dict[str, str], prefix: str, at: int, fields: list[TopicField], depth: int
+) -> int | None:
+    """Append the fields of a message; return where it ends, None if that is unknown."""
     if name not in formats or depth > DEEPEST:
         return None
     for text in formats[name].split(";"):
@@ -217,12 +218,12 @@ def _flatten(name: str, formats: dict[str, str], prefix: str, at: int, found: li
         kind, count, label = match[1], int(match[2] or 0), match[3]
         if kind in _PRIMITIVES:
             if not label.startswith("_padding"):
-                found.append(Field(prefix + label, _PRIMITIVES[kind], count, at))
+                fields.append(TopicField(prefix + label, _PRIMITIVES[kind], count, at))
             at += np.dtype(_PRIMITIVES[kind]).itemsize * max(count, 1)
             continue
         for i in range(max(count, 1)):
-            inner = _flatten(kind, formats, f"{prefix}{label}{f'[{i}]' if count else ''}.", at, found, depth + 1)
-            if inner is None or len(found) > LONGEST:
+            inner = _flatten(kind, formats, f"{prefix}{label}{f'[{i}]' if count else ''}.", at, fields, depth + 1)
+            if inner is None or len(fields) > LONGEST:
                 return None
             at = inner
     return at

@@ -1,1 +1,1 @@
-"""Text logs: separated numbers of any layout, and RTKLIB solutions."""
+"""Text logs: separated numbers in any layout, and RTKLIB solutions."""

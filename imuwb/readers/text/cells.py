@@ -1,61 +1,76 @@
-"""The cells of a text log as columns of numbers, block by block; what is no number is counted."""
+"""The cells of a text log as columns of numbers, block by block; cells that are not numbers are counted."""
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
+from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pyarrow as pa
 from pyarrow import csv
 
-from imuwb.log import SECOND
+from imuwb.notes import Note
 from imuwb.readers.text import lines
 from imuwb.readers.text.trust import is_number
+from imuwb.units import unix_nanoseconds
 
 if TYPE_CHECKING:
     from collections import Counter
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
+    from numpy.typing import NDArray
+
+    from imuwb.log import Floats
     from imuwb.readers.text.clock import Clock
     from imuwb.readers.text.column_names import Column
     from imuwb.readers.text.lines import Layout
 
 BLOCK = 4 << 20
-LINES = "lines without the usual number of cells left out"
-CELLS = "cells that are no number, taken as missing"
+LINES = Note("cell_count", "lines without the usual number of cells left out")
+CELLS = Note("not_a_number", "cells that are not numbers, taken as missing")
 
 
 def blocks(
-    path: Path, layout: Layout, used: tuple[Column, ...], clock: Clock, bad: Counter[str]
+    path: Path, layout: Layout, used: tuple[Column, ...], clock: Clock, faults: Counter[str]
 ) -> Iterator[tuple[pa.RecordBatch, int]]:
-    """Yield the used columns in blocks; where a cell is no number, go on by a slower way that finds it."""
+    """Yield the used columns in blocks, each with the bytes read.
+
+    The parser stops at a cell that is not a number. From there a slower way goes on, which finds and counts such cells.
+    """
     kinds = {c.name: clock.kind if c.quantity == "time" else pa.float64() for c in used}
     names = [f"unused {i}" for i in range(len(layout.first))]
     for column in used:
         names[column.index] = column.name
     rows = 0
     try:
-        for block, bytes_read in _parse(path, layout, names, kinds, bad):
+        for block, bytes_read in _parsed(path, layout, names, kinds, faults):
             yield block, bytes_read
             rows += block.num_rows
     except (pa.ArrowInvalid, ValueError):
-        bad.clear()
-        texts = dict.fromkeys(kinds, pa.binary())
-        for block, bytes_read in _parse(path, layout, names, texts, bad):
-            fresh = block.slice(min(rows, block.num_rows))
-            rows -= block.num_rows - fresh.num_rows
-            if fresh.num_rows:
-                cast_columns = [_numbers(fresh.column(name), kind, bad) for name, kind in kinds.items()]
-                yield pa.RecordBatch.from_arrays(cast_columns, names=list(kinds)), bytes_read
+        faults.clear()
+        yield from _read_as_text(path, layout, names, kinds, faults, rows)
 
 
-def _parse(
-    path: Path, layout: Layout, names: list[str], kinds: Mapping[str, pa.DataType], bad: Counter[str]
+def _read_as_text(
+    path: Path, layout: Layout, names: list[str], kinds: Mapping[str, pa.DataType], faults: Counter[str], skip: int
+) -> Iterator[tuple[pa.RecordBatch, int]]:
+    """Yield the columns after the first ``skip`` rows, each cell read as text first."""
+    texts = dict.fromkeys(kinds, pa.binary())
+    for block, bytes_read in _parsed(path, layout, names, texts, faults):
+        rest = block.slice(min(skip, block.num_rows))
+        skip -= block.num_rows - rest.num_rows
+        if rest.num_rows:
+            columns = [_converted(rest.column(name), kind, faults) for name, kind in kinds.items()]
+            yield pa.RecordBatch.from_arrays(columns, names=list(kinds)), bytes_read
+
+
+def _parsed(
+    path: Path, layout: Layout, names: list[str], kinds: Mapping[str, pa.DataType], faults: Counter[str]
 ) -> Iterator[tuple[pa.RecordBatch, int]]:
     def skip(row: object) -> str:
         del row
-        bad[LINES] += 1
+        faults[LINES] += 1
         return "skip"
 
     with lines.Rows(path, layout) as rows:
@@ -65,9 +80,7 @@ def _parse(
             reader = csv.open_csv(
                 pa.PythonFile(rows, "r"),
                 csv.ReadOptions(column_names=names, block_size=BLOCK),
-                csv.ParseOptions(
-                    delimiter="," if layout.delimiter == " " else layout.delimiter, invalid_row_handler=skip
-                ),
+                csv.ParseOptions(delimiter=layout.parsed_delimiter, invalid_row_handler=skip),
                 csv.ConvertOptions(
                     column_types=dict(kinds), include_columns=list(kinds), strings_can_be_null=True,
                     timestamp_parsers=[csv.ISO8601],
@@ -76,12 +89,12 @@ def _parse(
             for block in reader:
                 yield block, rows.bytes_read
         finally:
-            for trouble in rows.trouble:
-                bad[trouble] = max(bad[trouble], 1)
+            for fault in rows.faults:
+                faults[fault] = max(faults[fault], 1)
 
 
-def _numbers(cells: pa.Array[Any], kind: pa.DataType, bad: Counter[str]) -> pa.Array[Any]:
-    """Return cells of bytes as numbers or times; those that are none as null."""
+def _converted(cells: pa.Array[Any], kind: pa.DataType, faults: Counter[str]) -> pa.Array[Any]:
+    """Return cells of bytes as numbers or times; null for cells that are neither."""
     try:
         return cells.cast(pa.string()).cast(kind)
     except pa.ArrowInvalid:
@@ -89,22 +102,43 @@ def _numbers(cells: pa.Array[Any], kind: pa.DataType, bad: Counter[str]) -> pa.A
     texts = [None if cell is None else cell.decode("utf-8", "replace").strip().strip('"') for cell in cells.to_pylist()]
     if pa.types.is_timestamp(kind):
         times = [None if text is None else _instant(text) for text in texts]
-        bad[CELLS] += sum(bool(text) and time is None for text, time in zip(texts, times, strict=True))
+        faults[CELLS] += sum(bool(text) and time is None for text, time in zip(texts, times, strict=True))
         return pa.array(times, pa.int64()).cast(kind)
-    kept = [text if text and is_number(text) else None for text in texts]
-    bad[CELLS] += sum(bool(text) and keep is None for text, keep in zip(texts, kept, strict=True))
+    numbers = [text if text and is_number(text) else None for text in texts]
+    faults[CELLS] += sum(bool(text) and number is None for text, number in zip(texts, numbers, strict=True))
     try:
-        return pa.array(kept, pa.string()).cast(kind)
+        return pa.array(numbers, pa.string()).cast(kind)
     except pa.ArrowInvalid:  # more digits than a decimal has room for
-        return pa.array([None if text is None else float(text) for text in kept], pa.float64())
+        return pa.array([None if text is None else float(text) for text in numbers], pa.float64())
 
 
 def _instant(text: str) -> int | None:
-    """Return an ISO time in ns since 1970, UTC where it does not say; None when it is none."""
+    """Return an ISO date in ns since 1970 UTC; None for another text."""
     try:
-        when = datetime.fromisoformat(text)
-        since = (when if when.tzinfo else when.replace(tzinfo=UTC)) - datetime(1970, 1, 1, tzinfo=UTC)
+        nanoseconds = unix_nanoseconds(datetime.fromisoformat(text))
     except (ValueError, OverflowError):
         return None
-    nanoseconds = (since.days * 86400 + since.seconds) * SECOND + since.microseconds * 1000
     return nanoseconds if abs(nanoseconds) < 2**63 else None
+
+
+# Arrays are made from pyarrow's buffers: its own conversions import pandas, which takes a second.
+
+
+def known(cells: pa.Array[Any]) -> NDArray[np.bool_]:
+    """Return which cells are not null."""
+    bits = cells.buffers()[0]
+    if bits is None:
+        return np.ones(len(cells), dtype=bool)
+    flags = np.unpackbits(np.frombuffer(bits, np.uint8), bitorder="little")
+    return flags[cells.offset : cells.offset + len(cells)].astype(bool)
+
+
+def words(cells: pa.Array[Any], kind: str, count: int = 1) -> NDArray[Any]:
+    """Return the memory of cells, (n, count) numbers of a numpy kind; undefined for null."""
+    table = np.frombuffer(cells.buffers()[1], kind).reshape(-1, count)
+    return table[cells.offset : cells.offset + len(cells)]
+
+
+def floats(cells: pa.Array[Any]) -> Floats:
+    """Return cells of double precision; nan for null."""
+    return np.where(known(cells), words(cells, "<f8")[:, 0], np.nan)

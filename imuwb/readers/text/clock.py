@@ -11,151 +11,151 @@ import numpy as np
 import pyarrow as pa
 
 from imuwb.errors import UsageError
-from imuwb.log import SECOND
-from imuwb.readers.assembly.gps_time import ahead_of_utc, leap_seconds, unix_of_gps
+from imuwb.notes import Note
+from imuwb.readers.gps_time import ahead_of_utc, leap_seconds, unix_of_gps
+from imuwb.readers.text import cells
 from imuwb.readers.text.column_names import scale_of
 from imuwb.readers.text.trust import is_number
-from imuwb.units import unit
+from imuwb.units import SECOND, Epoch, unit
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from numpy.typing import NDArray
 
-    from imuwb.log import Epoch
-    from imuwb.readers.batch import ReadOptions
+    from imuwb.readers.read_options import ReadOptions
     from imuwb.readers.text.column_names import Column
     from imuwb.readers.text.lines import Layout
+    from imuwb.units import Unit
 
-LONGEST_WEEK = 604_801_000  #: ms
-LATEST_WEEK = 10_000  #: of GPS: the year 2171
-LATEST = 2**63 - 1025  #: ns, the largest a float holds below the end of int64
-DIGITS = {"s": 9, "ms": 6, "us": 3, "ns": 0}  #: behind the point, down to 1 ns
+    Times = tuple[NDArray[np.int64], NDArray[np.bool_]]
+
+WEEK_END = 604_801  #: s; no time of a GPS week is later, not even with a leap second
+LATEST_WEEK = 10_000  #: GPS week of the year 2171
+LATEST = 2**63 - 1025  #: ns, the largest double below the end of int64
+OUR_DAYS = (5e8, 3e9)  #: s since 1970, 1985 to 2065: a time in between counts from 1970
+DIGITS = {"s": 9, "ms": 6, "us": 3, "ns": 0}  #: decimals of each unit, down to 1 ns
 _ISO = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d")
 _ZONE = re.compile(r"(Z|[+-]\d\d(:?\d\d)?)$")
 
 
 @dataclass(frozen=True, slots=True)
 class Clock:
-    """How a row's time is found."""
+    """How the time of a row is found."""
 
     column: Column | None  #: None: from the rate
-    kind: pa.DataType  #: that the column is parsed as
-    rate: float  #: Hz
+    kind: pa.DataType  #: type of the parsed column
     epoch: Epoch
-    remarks: tuple[str, ...] = ()
-    week: Column | None = None  #: of GPS; the column then holds seconds of it
-    ahead: int = 0  #: s, of GPS time over UTC, through the whole log
+    rate: float = 0.0  #: Hz
+    notes: tuple[Note, ...] = ()
+    week: Column | None = None  #: GPS week; the column is then the time of week
+    ahead: int = 0  #: s, of GPS time over UTC in the whole log
 
-    def time(self, block: pa.RecordBatch, first_row: int) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-        """Return the time in ns of the rows that have one, and which those are."""
+    def time(self, block: pa.RecordBatch, first_row: int) -> Times:
+        """Return the time (ns) of the rows that have one, and which rows these are."""
         if self.column is None:
             row = np.arange(first_row, first_row + block.num_rows)
             return np.rint(row * (SECOND / self.rate)).astype(np.int64), np.ones(row.size, dtype=bool)
-        cells = cast("pa.Array[Any]", block.column(self.column.name))
-        there = np.asarray(cells.is_valid()).copy()
-        time, inside = self._nanoseconds(cells.drop_null())
-        there[there] = inside
-        time = time[inside]
-        if self.week is not None:
-            weeks = np.asarray(block.column(self.week.name).to_numpy(zero_copy_only=False), np.float64)[there]
-            known = (weeks >= 0) & (weeks < LATEST_WEEK)
-            there[there] = known
-            time = (
-                unix_of_gps(weeks[known].astype(np.int64), time[known] // 1_000_000, self.ahead)
-                + time[known] % 1_000_000
-            )
-        elif self.ahead:
-            time = time - self.ahead * SECOND
-        return time, there
+        stamps = block.column(self.column.name)
+        time, possible = _nanoseconds(stamps, self.column.unit)
+        timed = possible & cells.known(stamps)
+        if self.week is None:
+            return time[timed] - self.ahead * SECOND, timed
+        weeks = cells.floats(block.column(self.week.name))
+        timed &= (weeks >= 0) & (weeks < LATEST_WEEK)
+        milliseconds, rest = np.divmod(time[timed], 1_000_000)
+        return unix_of_gps(weeks[timed].astype(np.int64), milliseconds, self.ahead) + rest, timed
 
-    def _nanoseconds(self, cells: pa.Array[Any]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-        """Return cells as ns, and which of them are a time that int64 holds."""
-        if pa.types.is_timestamp(cells.type):
-            return np.asarray(cells.cast(pa.int64())), np.ones(len(cells), dtype=bool)
-        if pa.types.is_decimal(cells.type):
-            # Below a decimal lies a 128-bit integer, here in ns: exact, where a float has 200 ns steps in Unix time.
-            words = np.frombuffer(cast("Any", cells.buffers()[1]), "<i8").reshape(-1, 2)
-            low, high = words[cells.offset : cells.offset + len(cells)].T
-            return low, high == low >> 63
-        with np.errstate(over="ignore"):
-            numbers = np.asarray(cells) * (cast("Any", self.column).unit.factor * SECOND)
-        inside = np.isfinite(numbers) & (np.abs(numbers) < LATEST)
-        return np.rint(np.where(inside, numbers, 0.0)).astype(np.int64), inside
+
+def _nanoseconds(stamps: pa.Array[Any], measure: Unit | None) -> Times:
+    """Return times in ns, and which of them int64 can hold; undefined for null."""
+    if pa.types.is_timestamp(stamps.type):
+        return cells.words(stamps, "<i8")[:, 0], np.ones(len(stamps), dtype=bool)
+    if pa.types.is_decimal(stamps.type):
+        # A decimal is stored as a 128-bit integer, here in ns: exact, while a double has steps of 200 ns in Unix time.
+        low, high = cells.words(stamps, "<i8", 2).T
+        return low, high == low >> 63
+    with np.errstate(over="ignore"):
+        numbers = cells.floats(stamps) * (cast("Any", measure).factor * SECOND)
+    possible = np.isfinite(numbers) & (np.abs(numbers) < LATEST)
+    return np.rint(np.where(possible, numbers, 0.0)).astype(np.int64), possible
 
 
 def clock_of(path: Path, layout: Layout, used: tuple[Column, ...], options: ReadOptions) -> Clock:
     """Return how the rows of a log are timed.
 
     Raises:
-        UsageError: neither a time column nor a rate, or a time column in a unit that nobody says.
+        UsageError: there is neither a time column nor a rate, or the unit of the time column is unknown.
     """
     column = next((column for column in used if column.quantity == "time"), None)
     if column is None:
         if not options.rate:
-            message = f"{path}: no time column (columns: {', '.join(c.name for c in used)}); say the rate: --rate HZ"
+            message = f"{path}: there is no time column among {', '.join(c.name for c in used)}; state --rate HZ"
             raise UsageError(message)
-        return Clock(None, pa.null(), options.rate, cast("Epoch", options.epoch or "log"))
-    remarks = ("--rate not used: the file has a time column",) if options.rate else ()
+        return Clock(None, pa.null(), options.epoch or "log", options.rate)
+    notes = (Note("rate_unused", "--rate not used: the file has a time column"),) if options.rate else ()
     first = layout.first[column.index].strip().strip('"')
     if _ISO.match(first):
-        return Clock(column, pa.timestamp("ns", "UTC" if _ZONE.search(first) else None), 0.0, "unix", remarks)
+        return Clock(column, pa.timestamp("ns", "UTC" if _ZONE.search(first) else None), "unix", notes=notes)
     if not is_number(first):
-        message = f"{path}: {first!r} in time column {column.name!r} is neither a number nor an ISO time"
+        message = f"{path}: time column {column.name!r} has {first!r}; it must be a number or an ISO date"
         raise UsageError(message)
+    clock = _week_clock(layout, used, column, first) or _number_clock(path, column, first, options)
+    return replace(clock, notes=(*notes, *clock.notes))
+
+
+def _week_clock(layout: Layout, used: tuple[Column, ...], column: Column, first: str) -> Clock | None:
+    """Return a clock of GPS weeks and times of week; None for a log without these."""
+    week = next((column for column in used if column.quantity == "week"), None)
+    number = layout.first[week.index].strip() if week is not None else ""
     value = float(first)
-    week = next((one for one in used if one.quantity == "week"), None)
-    weeks = layout.first[week.index].strip() if week is not None else ""
-    if week is not None and is_number(weeks) and 0 <= float(weeks) < LATEST_WEEK and value < LONGEST_WEEK:
-        if column.unit is None:
-            column = replace(column, unit=unit("s" if value < 700_000 else "ms"))  # noqa: PLR2004 - a week has 604 800 s
-        remarks = (*remarks, "GPS week and time of week made UTC by the leap seconds of the date")
-        kind = (
-            pa.decimal128(28, 9) if cast("Any", column.unit).name == "s" and "e" not in first.lower() else pa.float64()
-        )
-        milliseconds = value * cast("Any", column.unit).factor * 1000
-        return Clock(column, kind, 0.0, "unix", remarks, week, leap_seconds(int(float(weeks)), int(milliseconds)))
-    if column.unit is None:
-        column = replace(column, unit=unit(_unit_by_size(path, column, value, first)))
-        remarks = (
-            *remarks,
-            f"time column {column.name!r} taken as {cast('Any', column.unit).name} since 1970, as its size tells",
-        )
-    named = cast("Any", column.unit)
-    epoch, ahead, said = _counted_from(column, value * named.factor, cast("Epoch | None", options.epoch))
-    remarks = (*remarks, *said)
-    whole = named.name in DIGITS and "e" not in first.lower()
-    behind = len(first.partition(".")[2])
-    kind = pa.decimal128(28, DIGITS[named.name]) if whole and behind <= DIGITS[named.name] else pa.float64()
-    return Clock(column, kind, 0.0, epoch, remarks, ahead=ahead)
+    if not (is_number(number) and 0 <= float(number) < LATEST_WEEK and value < WEEK_END * 1000):
+        return None
+    measure = column.unit or unit("s" if value < WEEK_END else "ms")
+    kind = pa.decimal128(28, 9) if measure.name == "s" and "e" not in first.lower() else pa.float64()
+    ahead = leap_seconds(int(float(number)), int(value * measure.factor * 1000))
+    note = Note("gps_time", f"GPS week and time of week made UTC by {ahead} leap seconds")
+    return Clock(replace(column, unit=measure), kind, "unix", notes=(note,), week=week, ahead=ahead)
 
 
-def _counted_from(column: Column, seconds: float, said: Epoch | None) -> tuple[Epoch, int, tuple[str, ...]]:
-    """Return where a column's times count from, the leap seconds that they are ahead of UTC, and what is to be told of it."""
-    if said is not None:
-        return said, 0, ()
-    if not 5e8 < seconds < 3e9:  # noqa: PLR2004 - 1985 to 2065
-        return "log", 0, ()
+def _number_clock(path: Path, column: Column, first: str, options: ReadOptions) -> Clock:
+    """Return a clock of numbers in a unit of time."""
+    value, notes = float(first), list[Note]()
+    measure = column.unit
+    if measure is None:
+        measure = unit(_unit_by_size(path, column, value))
+        text = f"time column {column.name!r} taken as {measure.name} since 1970, by the size of its first number"
+        notes.append(Note("time_unit_guessed", text))
+    epoch, ahead = options.epoch or "log", 0
+    if options.epoch is None and OUR_DAYS[0] < value * measure.factor < OUR_DAYS[1]:
+        epoch, ahead = "unix", _ahead_of_utc(column, value * measure.factor, notes)
+    decimals = len(first.partition(".")[2])
+    exact = measure.name in DIGITS and "e" not in first.lower() and decimals <= DIGITS[measure.name]
+    kind = pa.decimal128(28, DIGITS[measure.name]) if exact else pa.float64()
+    return Clock(replace(column, unit=measure), kind, epoch, notes=tuple(notes), ahead=ahead)
+
+
+def _ahead_of_utc(column: Column, seconds: float, notes: list[Note]) -> int:
+    """Return the seconds that a column of times since 1970 is ahead of UTC, and add a note on its time scale."""
     scale = scale_of(column)
     if scale == "GPS":
         ahead = ahead_of_utc(datetime.fromtimestamp(seconds, UTC))
-        return (
-            "unix",
-            ahead,
-            (f"time column {column.name!r} is GPS time, as its name says: made UTC by {ahead} leap seconds",),
-        )
-    told = () if scale == "UTC" else (f"time column {column.name!r} taken as UTC: its name says no time scale",)
-    return "unix", 0, told
+        text = f"time column {column.name!r} is GPS time by its name; made UTC by {ahead} leap seconds"
+        notes.append(Note("gps_time", text))
+        return ahead
+    if scale is None:
+        text = f"time column {column.name!r} taken as UTC: its name states no time scale"
+        notes.append(Note("taken_as_utc", text))
+    return 0
 
 
-def _unit_by_size(path: Path, column: Column, value: float, first: str) -> str:
-    """Return the unit in which ``value`` is a time of our days since 1970."""
-    since_1970 = {"s": 1e9, "ms": 1e12, "us": 1e15, "ns": 1e18}
-    for name, size in since_1970.items():
-        if 0.5 < value / size < 3:  # noqa: PLR2004 - 1985 to 2065
+def _unit_by_size(path: Path, column: Column, value: float) -> str:
+    """Return the unit in which a number is a time of our days since 1970."""
+    for name in DIGITS:
+        if OUR_DAYS[0] < value * unit(name).factor < OUR_DAYS[1]:
             return name
     message = (
-        f"{path}: nobody says the unit of time column {column.name!r} (its first value is {first}); "
-        "add --units time=s (or ms, us, ns)"
+        f"{path}: the unit of time column {column.name!r} is unknown (its first number is {value:g}); "
+        "state it: --units time=s (or ms, us, ns)"
     )
     raise UsageError(message)

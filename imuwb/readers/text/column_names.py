@@ -1,4 +1,4 @@
-"""What a text file's column names mean, and in which unit: ``gyro_x_deg_s``, ``ax [g]``, ``wx(rad/s)``."""
+"""The quantity and the unit that a text file's column name states: ``gyro_x_deg_s``, ``ax [g]``, ``wx(rad/s)``."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from imuwb.errors import ImuwbError, UsageError
+from imuwb.readers.quantities import DIMENSIONS
 from imuwb.units import Unit, unit
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
 _AXIS = r"[_ .\[]*([xyz])\]?"
-#: quantity -> what its columns are called, lower case, unit taken off
+#: quantity -> pattern of its column names, in lower case and without the unit
 _NAMES: dict[str, str] = {
     "gyro": rf"(?:imu[_ .])?(?:gyro(?:scope)?s?|gyr|g|omega|w|ang(?:ular)?[_ .]?(?:vel(?:ocity)?|rate)){_AXIS}",
     "accel": rf"(?:imu[_ .])?(?:accel(?:erometer|eration)?s?|acc|a|f|sf|specific[_ .]?force"
@@ -40,16 +41,7 @@ _NAMES: dict[str, str] = {
 }  # fmt: skip
 _ABOVE_SEA = re.compile(r"(?:^|[^a-z])(?:height|alt)?a?msl(?:[^a-z]|$)")
 _OF_WEEK = re.compile(r"tow|sow|of[_ ](?:the[_ ])?week|gps")
-#: quantity -> the dimension its unit must have
-DIMENSIONS = {
-    "gyro": "angular_rate", "accel": "specific_force", "time": "time", "temperature": "temperature",
-    "latitude": "angle", "longitude": "angle", "height": "length", "velocity_north": "speed",
-    "velocity_east": "speed", "velocity_down": "speed", "sigma_north": "length", "sigma_east": "length",
-    "sigma_down": "length", "fix_type": "dimensionless", "sigma_velocity_north": "speed", "sigma_velocity_east": "speed",
-    "sigma_velocity_down": "speed", "speed": "speed", "roll": "angle", "pitch": "angle", "heading": "angle",
-    "week": "dimensionless",
-}  # fmt: skip
-#: How units end a name, where brackets are not used.
+#: end of a name -> unit, for names without brackets
 _SUFFIXES = {
     "deg_s": "deg/s", "degs": "deg/s", "dps": "deg/s", "deg_per_s": "deg/s", "rad_s": "rad/s", "rads": "rad/s",
     "rad_per_s": "rad/s", "mrad_s": "mrad/s", "deg_h": "deg/h", "m_s2": "m/s²", "m_s_2": "m/s²", "ms2": "m/s²",
@@ -64,66 +56,65 @@ class Column:
     """One column that is used."""
 
     index: int
-    name: str  #: as the file has it
+    name: str  #: in the file
     quantity: str  #: a key of DIMENSIONS
-    axis: int  #: 0, 1, 2 for x, y, z; 0 where there is no axis
-    unit: Unit | None  #: None: nobody has said it
+    axis: int  #: 0, 1, 2 for x, y, z; 0 for a quantity without axes
+    unit: Unit | None  #: None: unknown
 
 
 def above_sea(column: Column) -> bool:
-    """Return whether a column is a height above mean sea level, as its name says."""
+    """Return whether a column's name states heights above mean sea level."""
     return column.quantity == "height" and _ABOVE_SEA.search(column.name.lower()) is not None
 
 
 def scale_of(column: Column) -> str | None:
-    """Return which time scale a column's name says that it counts on: ``"UTC"``, ``"GPS"``; None where it says none."""
+    """Return the time scale that a column's name states, ``"UTC"`` or ``"GPS"``; None if it states none."""
     words = set(re.split(r"[^a-z0-9]+", column.name.lower()))
     return "UTC" if "utc" in words else "GPS" if words & {"gps", "gpst"} else None
 
 
-def columns(names: tuple[str, ...], said: dict[str, str]) -> tuple[Column, ...]:
-    """Return the columns that have a meaning, with the unit of ``said`` before that of the name.
+def columns(names: tuple[str, ...], units: Mapping[str, str]) -> tuple[Column, ...]:
+    """Return the columns with a known quantity.
+
+    Args:
+        names: of all columns, in order.
+        units: {quantity: unit}; they override the units in the names.
 
     Raises:
-        UsageError: a unit that measures something else, or two columns of one meaning.
+        UsageError: two columns have the same quantity and axis.
     """
-    found = [column for i, name in enumerate(names) if (column := _column(i, name, said)) is not None]
-    seen: dict[tuple[str, int], Column] = {}
-    weeks = any(column.quantity == "week" for column in found)
-    for column in sorted(found, key=lambda c: weeks and c.quantity == "time" and not _OF_WEEK.search(c.name.lower())):
-        other = seen.setdefault((column.quantity, column.axis), column)
+    known = [column for i, name in enumerate(names) if (column := _column(i, name, units)) is not None]
+    first: dict[tuple[str, int], Column] = {}
+    # With a GPS week, the time of week comes before any other time.
+    weeks = any(column.quantity == "week" for column in known)
+    for column in sorted(known, key=lambda c: weeks and c.quantity == "time" and not _OF_WEEK.search(c.name.lower())):
+        other = first.setdefault((column.quantity, column.axis), column)
         if other is not column and column.quantity != "time":
-            message = (
-                f"columns {other.name!r} and {column.name!r} both mean {column.quantity}; name them with --columns"
-            )
+            message = f"columns {other.name!r} and {column.name!r} are both {column.quantity}; name the columns with --columns"
             raise UsageError(message)
-    return tuple(seen.values())
+    return tuple(first.values())
 
 
-def _column(index: int, name: str, said: dict[str, str]) -> Column | None:
-    base, written = _parted(name)
+def _column(index: int, name: str, units: Mapping[str, str]) -> Column | None:
+    """Return the column of a name; None for an unknown quantity."""
+    base, stated = _parted(name)
     for quantity, pattern in _NAMES.items():
         for text in dict.fromkeys((base, name.strip().lower())):
             match = re.fullmatch(pattern, text)
             if match is None:
                 continue
             axis = "xyz".index(match[1]) if match.lastindex else 0
-            # A name such as "g_x" or "vd" has no unit; "gyro_x" with suffix "x" neither.
-            found = written if text == base else None
-            chosen = unit(said[quantity]) if quantity in said else found
+            # The end of a name such as "g_x" or "vd" may look like a unit: then the whole name matches, without a unit.
+            measure = unit(units[quantity]) if quantity in units else stated if text == base else None
             if quantity in ("fix_type", "week"):
-                chosen = unit("1")
-            if chosen is not None and chosen.dimension != DIMENSIONS[quantity]:
-                if quantity not in said:
-                    continue
-                message = f"{said[quantity]!r} is no unit of {DIMENSIONS[quantity].replace('_', ' ')} (column {name!r})"
-                raise UsageError(message)
-            return Column(index, name, quantity, axis, chosen)
+                measure = unit("1")
+            if measure is None or measure.dimension == DIMENSIONS[quantity]:
+                return Column(index, name, quantity, axis, measure)
     return None
 
 
 def _parted(name: str) -> tuple[str, Unit | None]:
-    """Return a column's name without its unit, and the unit."""
+    """Return a column's name without its unit, and the unit; None if the name has no known unit."""
     text = name.strip()
     bracketed = re.fullmatch(r"(.+?)\s*[\[(]\s*([^\])]+?)\s*[\])]", text)
     if bracketed and bracketed[2].lower() not in "xyz":
@@ -136,31 +127,3 @@ def _parted(name: str) -> tuple[str, Unit | None]:
         if text.endswith(f"_{suffix}") and len(text) > len(suffix) + 1:
             return text[: -len(suffix) - 1], unit(_SUFFIXES[suffix])
     return text, None
-
-
-def check_units(texts: Mapping[str, str]) -> None:
-    """Raise UsageError unless each quantity is one that text may hold, and its unit measures it."""
-    for quantity, text in said_units(dict(texts)).items():
-        if unit(text).dimension != DIMENSIONS[quantity]:
-            message = f"{text!r} is no unit of {DIMENSIONS[quantity].replace('_', ' ')} ({quantity})"
-            raise UsageError(message)
-
-
-def said_units(texts: dict[str, str]) -> dict[str, str]:
-    """Return units by quantity, ``position`` and ``velocity`` spread over their columns.
-
-    Raises:
-        UsageError: no such quantity.
-    """
-    spread = {
-        "position": ("latitude", "longitude"), "velocity": ("velocity_north", "velocity_east", "velocity_down"),
-    }  # fmt: skip
-    units: dict[str, str] = {}
-    for quantity, text in texts.items():
-        for name in spread.get(quantity, (quantity,)):
-            if name not in DIMENSIONS:
-                known = ", ".join((*DIMENSIONS, *spread))
-                message = f"no quantity {quantity!r} to give a unit to; there are: {known}"
-                raise UsageError(message)
-            units[name] = text
-    return units

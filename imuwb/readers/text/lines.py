@@ -1,4 +1,4 @@
-"""Text as bytes for a parser: unpacked, without comments before the header, without a cut last line."""
+"""Text as bytes for a parser: unpacked, without comments, without a cut last line."""
 
 from __future__ import annotations
 
@@ -8,52 +8,59 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from imuwb.errors import UnreadableLogError
+from imuwb.notes import Note
 from imuwb.readers.bytes import source
-from imuwb.readers.text.trust import DAMAGED, is_number, trusted
+from imuwb.readers.text.trust import is_number, trusted
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 BLOCK = 1 << 20
-#: every byte that is no ASCII as a question mark: no number has one, and the parser stumbles over them
+#: every byte that is not ASCII as a question mark: no number has one, and the parser fails on them
 _ASCII = bytes(range(128)) + b"?" * 128
-ROWS_COMPARED = 100  #: that a last line without its end is measured by
+ROWS_COMPARED = 100  #: rows that a last line without its end is compared with
+DELIMITER_ROWS = 50  #: last rows of the file's head that the delimiter is found in
 COMMENT = (b"#", b"%", b"//")
 
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """How a text file stands: its delimiter, header and first row of numbers."""
+    """The delimiter, header and first row of a text file."""
 
     delimiter: str  #: " " means any run of blanks
     skip: int  #: lines before the first row of numbers
-    names: tuple[str, ...]  #: of the header; empty where there is none
+    names: tuple[str, ...]  #: of the header; empty without a header
     first: tuple[str, ...]  #: the cells of the first whole row of numbers
-    cut_first: bool  #: the file began in the middle of a line, which is skipped
-    fault: str = ""  #: why what the packed file unpacks to may be wrong; empty where nothing says so
+    cut_first: bool  #: the file begins in the middle of a line, which is skipped
+    fault: str = ""  #: why the content of the packed file may be wrong; empty for a sound file
+
+    @property
+    def parsed_delimiter(self) -> str:
+        """The delimiter after runs of blanks are replaced by commas."""
+        return "," if self.delimiter == " " else self.delimiter
 
 
 def layout(path: Path) -> Layout:
-    """Return how a text file stands, from its first lines.
+    """Return the layout of a text file, from its first lines.
 
     Raises:
-        UnreadableLogError: no row of numbers among them.
+        UnreadableLogError: these lines have no row of numbers.
     """
     lines = source.head(path).removeprefix(b"\xef\xbb\xbf").split(b"\n")
-    lines = lines[:-1] if len(lines) > 1 else lines  # the last may go on behind the head
+    lines = lines[:-1] if len(lines) > 1 else lines  # the last one may continue after the head
     texts = [line.decode("utf-8", "replace").strip("\r") for line in lines]
     rows = [i for i, text in enumerate(texts) if text.strip() and not text.encode().lstrip().startswith(COMMENT)]
     if not rows:
-        message = f"{path}: no line but comments in its first {len(lines)} lines"
+        message = f"{path}: the first {len(lines)} lines are all comments; a log needs rows of numbers"
         raise UnreadableLogError(message)
-    delimiter = _delimiter([texts[i] for i in rows[-50:]])
+    delimiter = _delimiter([texts[i] for i in rows[-DELIMITER_ROWS:]])
     cells = {i: _cells(texts[i], delimiter) for i in rows}
     usual = max(set(sizes := [len(cells[i]) for i in rows]), key=sizes.count)
     numeric = [i for i in rows if _is_numeric(cells[i])]
-    if not numeric or usual < 2:  # noqa: PLR2004 - one column is no log
+    if not numeric or usual < 2:  # noqa: PLR2004 - a log has at least two columns
         message = (
-            f"{path}: text without rows of numbers (its first line is {texts[rows[0]][:60]!r}); "
-            "a log is comma, semicolon, tab or blank separated numbers"
+            f"{path}: this text has no rows of numbers (its first line is {texts[rows[0]][:60]!r}); "
+            "a log has numbers separated by commas, semicolons, tabs or blanks"
         )
         raise UnreadableLogError(message)
     header = [i for i in rows if i < numeric[0] and len(cells[i]) == usual]
@@ -64,14 +71,14 @@ def layout(path: Path) -> Layout:
 
 
 def _is_numeric(cells: list[str]) -> bool:
-    """Return whether half of the cells that hold something are numbers."""
+    """Return whether at least half of the cells that are not empty are numbers."""
     filled = [cell for cell in cells if cell]
     numbers = sum(map(is_number, filled))
     return numbers > 0 and numbers * 2 >= len(filled)
 
 
 def _delimiter(rows: list[str]) -> str:
-    """Return the separator that parts most rows into the same number of cells, more than one."""
+    """Return the separator that is in all rows, else the most frequent one; blanks where it is rarer than the rows."""
     counts = {mark: [row.count(mark) for row in rows] for mark in ",;\t"}
     best = max(counts, key=lambda mark: (min(counts[mark]) > 0, sum(counts[mark])))
     return best if sum(counts[best]) >= len(rows) else " "
@@ -85,32 +92,32 @@ def _cells(row: str, delimiter: str) -> list[str]:
 class Rows(io.RawIOBase):
     """The rows of numbers of a text file, as bytes that end with a whole line.
 
-    Blank-separated files come out with commas, comment lines are dropped, and a last line that was
-    cut is left out, as is everything from the first odd line on in a packed file whose checksum fails;
-    ``trouble`` says what was found.
+    Runs of blanks become commas, comments are left out, and so is a cut last line. Of a packed file whose checksum is wrong,
+    everything from the first odd line on is left out. ``faults`` has a note on each fault.
     """
 
     def __init__(self, path: Path, layout: Layout) -> None:
-        """Open the file and stand before its first row."""
+        """Open the file before its first row."""
         super().__init__()
-        self.trouble: list[str] = []
+        self.faults: list[str] = []
         self.bytes_read = 0
         self._file = source.open_unpacked(path)
         self._layout = layout
+        self._delimiter = layout.parsed_delimiter.encode()
         self._tail = b""
         self._out = b""
         self._skip = layout.skip
-        # Of a damaged file is told where that shows, not what the unpacking ended with.
-        self._pieces = source.pieces(self._file, [] if layout.fault else self.trouble)
-        self._good = 0  # rows so far, of a damaged file
-        self._least: tuple[int, int] | None = None  # cells, and the shortest last one, of the last whole rows
+        # For a damaged file, the note on the first odd line replaces that on the end of unpacking.
+        self._pieces = source.pieces(self._file, [] if layout.fault else self.faults)
+        self._good = 0  # rows so far of a damaged file
+        self._least: tuple[int, int] | None = None  # fewest cells and shortest last cell of the last whole rows
 
     def readable(self) -> bool:
-        """Say yes, as the parser asks."""
+        """Return True: the parser asks."""
         return True
 
     def is_empty(self) -> bool:
-        """Return whether no row is left (the next rows are fetched to know)."""
+        """Return whether no row is left; this reads the next rows."""
         while not self._out:
             block = self._block()
             if not block and not self._tail:
@@ -121,12 +128,12 @@ class Rows(io.RawIOBase):
         return False
 
     def close(self) -> None:
-        """Close the file below."""
+        """Close this object and the file."""
         self._file.close()
         super().close()
 
     def readinto(self, buffer: object) -> int:
-        """Fill ``buffer`` with the next bytes; 0 at the end."""
+        """Fill ``buffer`` with the next bytes and return their number; 0 at the end."""
         view = memoryview(buffer)  # pyright: ignore[reportArgumentType] - io's protocol has no narrower type
         if self.is_empty():
             return 0
@@ -145,16 +152,10 @@ class Rows(io.RawIOBase):
         return bytes(block)
 
     def _whole_lines(self, block: bytes) -> bytes:
+        """Return the next whole lines as the parser needs them; an empty block ends the file."""
         data = self._tail + block
-        if block:
-            cut = data.rfind(b"\n") + 1
-            data, self._tail = data[:cut], data[cut:]
-        else:
-            self._tail = b""
-            cut = data.rfind(b"\n") + 1
-            if self._is_cut(data[cut:]):
-                self.trouble.append(f"last line cut ({data[cut:][:40].decode('utf-8', 'replace')!r}): left out")
-                data = data[:cut]
+        cut = data.rfind(b"\n") + 1
+        data, self._tail = (data[:cut], data[cut:]) if block else (self._without_cut_end(data, cut), b"")
         data = data.translate(_ASCII)
         while self._skip and data:
             _, _, data = data.partition(b"\n")
@@ -165,32 +166,40 @@ class Rows(io.RawIOBase):
             data = re.sub(rb"[ \t]+", b",", re.sub(rb"(?m)^[ \t]+|[ \t]+(?=\r?$)", b"", data))
         if self._layout.fault:
             data = self._trusted(data)
-        if data.rstrip():
-            parts = data.rstrip().rsplit(b"\n", ROWS_COMPARED)  # the first is all that lies before, if there is more
-            rows = [row.split(self._mark()) for row in parts[len(parts) > ROWS_COMPARED :]]
-            if rows:
-                self._least = (min(map(len, rows)), min(len(row[-1].strip()) for row in rows))
+        self._remember_sizes(data)
         return data
 
-    def _trusted(self, data: bytes) -> bytes:
-        """Return the rows up to the first that shows the damage; behind it nothing is read."""
-        lines = data.splitlines(keepends=True)
-        good = trusted(lines, self._layout.first, self._mark())
-        self._good += good
-        if good < len(lines):
-            self.trouble.append(
-                f"{DAMAGED} ({self._layout.fault}): it shows behind row {self._good}, from where on all is "
-                "left out; rows before may hold wrong values as well"
-            )
-            self._pieces, self._tail = iter(()), b""
-        return b"".join(lines[:good])
-
-    def _mark(self) -> bytes:
-        return b"," if self._layout.delimiter == " " else self._layout.delimiter.encode()
+    def _without_cut_end(self, data: bytes, cut: int) -> bytes:
+        """Return the end of the file without a cut last line."""
+        last = data[cut:]
+        if not self._is_cut(last):
+            return data
+        text = f"last line left out, because it is cut: {last[:40].decode('utf-8', 'replace')!r}"
+        self.faults.append(Note("last_line_cut", text))
+        return data[:cut]
 
     def _is_cut(self, line: bytes) -> bool:
-        """Return whether a last line without its end lacks cells, or has a shorter last one than all rows before."""
+        """Return whether a line without its end lacks cells, or its last cell is shorter than those of all rows before."""
         if not line.strip() or self._least is None:
             return False
-        cells = line.split() if self._layout.delimiter == " " else line.strip().split(self._mark())
+        cells = line.split() if self._layout.delimiter == " " else line.strip().split(self._delimiter)
         return (len(cells), len(cells[-1].strip())) < self._least
+
+    def _remember_sizes(self, data: bytes) -> None:
+        if not data.rstrip():
+            return
+        parts = data.rstrip().rsplit(b"\n", ROWS_COMPARED)  # if there are more rows, the first part is all earlier ones
+        rows = [row.split(self._delimiter) for row in parts[len(parts) > ROWS_COMPARED :]]
+        if rows:
+            self._least = (min(map(len, rows)), min(len(row[-1].strip()) for row in rows))
+
+    def _trusted(self, data: bytes) -> bytes:
+        """Return the rows before the first that shows the damage; nothing after it is read."""
+        lines = data.splitlines(keepends=True)
+        good = trusted(lines, self._layout.first, self._delimiter)
+        self._good += good
+        if good < len(lines):
+            text = f"the damage shows after row {self._good}; all later rows are left out, and earlier ones may be wrong too"
+            self.faults.append(source.damaged(self._layout.fault, text))
+            self._pieces, self._tail = iter(()), b""
+        return b"".join(lines[:good])

@@ -1,4 +1,4 @@
-"""``LOG.toml`` beside a text log: what the log does not say itself."""
+"""``LOG.toml`` beside a text log states what the log does not."""
 
 from __future__ import annotations
 
@@ -7,59 +7,71 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
 from imuwb.errors import UsageError
+from imuwb.notes import Note
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from imuwb.readers.batch import ReadOptions
+    from imuwb.readers.read_options import ReadOptions
 
-#: key -> what its value must be
+#: key -> the rule for its value
 _KEYS = {
-    "rate": "a number of Hz",
+    "rate": "a number (Hz)",
     "columns": "a list of names",
     "units": 'a table such as { gyro = "deg/s" }',
     "frame": '"FRD" or "FLU"',
-    "epoch": '"unix" (UTC), "boot" (power-up) or "log" (its start)',
+    "epoch": '"unix" (1970 UTC), "boot" (power-up) or "log" (the log\'s start)',
 }
 
 
-def with_sidecar(path: Path, options: ReadOptions) -> tuple[ReadOptions, str]:
-    """Return the options with what the log's sidecar says where they are silent, and a note of what it says.
+def with_sidecar(path: Path, options: ReadOptions) -> tuple[ReadOptions, Note | None]:
+    """Return the options, completed by the log's sidecar, and a note of what the sidecar states.
+
+    An option that is set overrides the sidecar.
 
     Raises:
-        UsageError: the sidecar is not TOML, or a key or its value is not one of a sidecar's.
+        UsageError: the sidecar is not TOML, or has an unknown key or a wrong value.
     """
     for sidecar in (path.with_name(f"{path.name}.toml"), path.with_name(f"{path.name.split('.')[0]}.toml")):
         if sidecar.is_file():
-            said = _checked(sidecar)
-            return replace(
-                options,
-                rate=options.rate or said.get("rate"),
-                columns=options.columns or tuple(said.get("columns", ())),
-                units={**said.get("units", {}), **options.units},
-                frame=options.frame or said.get("frame"),
-                epoch=options.epoch or said.get("epoch"),
-            ), f"{', '.join(said) or 'nothing'} as {sidecar.name} says"
-    return options, ""
+            stated = _checked(sidecar)
+            note = Note("sidecar", f"{sidecar.name} states {', '.join(stated) or 'nothing'}")
+            return _completed(sidecar, options, stated), note
+    return options, None
+
+
+def _completed(sidecar: Path, options: ReadOptions, stated: dict[str, Any]) -> ReadOptions:
+    try:
+        return replace(
+            options,
+            rate=options.rate or stated.get("rate"),
+            columns=options.columns or tuple(stated.get("columns", ())),
+            units={**stated.get("units", {}), **options.units},
+            frame=options.frame or stated.get("frame"),
+            epoch=options.epoch or stated.get("epoch"),
+        )
+    except UsageError as error:
+        message = f"{sidecar}: {error}"
+        raise UsageError(message) from error
 
 
 def _checked(sidecar: Path) -> dict[str, Any]:
     try:
-        said = tomllib.loads(sidecar.read_text("utf-8"))
+        stated = tomllib.loads(sidecar.read_text("utf-8"))
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        message = f"{sidecar}: the log's sidecar is not TOML: {error}"
+        message = f"{sidecar}: the log's sidecar is not valid TOML: {error}"
         raise UsageError(message) from error
-    for key, value in said.items():
+    for key, value in stated.items():
         if key not in _KEYS:
-            message = f"{sidecar}: unknown key {key!r}; a sidecar has {', '.join(_KEYS)}"
+            message = f"{sidecar}: unknown key {key!r}; a sidecar may have {', '.join(_KEYS)}"
             raise UsageError(message)
-        if not _fits(key, value):
+        if not _has_type(key, value):
             message = f"{sidecar}: {key} is {value!r}; it must be {_KEYS[key]}"
             raise UsageError(message)
-    return said
+    return stated
 
 
-def _fits(key: str, value: object) -> bool:
+def _has_type(key: str, value: object) -> bool:
     if key == "rate":
         return isinstance(value, int | float) and not isinstance(value, bool)
     if key in ("frame", "epoch"):

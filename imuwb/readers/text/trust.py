@@ -1,4 +1,4 @@
-"""How far the text of a damaged packed file can be used: up to the first line that is no row like the others."""
+"""How far the text of a damaged packed file can be used: up to the first line that does not look like the others."""
 
 from __future__ import annotations
 
@@ -8,38 +8,40 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-DAMAGED = "the packed file is damaged"  #: how a note of it begins
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(nan|inf)(inity)?", re.IGNORECASE)
 
 
 def is_number(text: str) -> bool:
-    """Return whether a cell reads as a number (nan and inf are)."""
+    """Return whether a cell is a number; nan and inf are."""
     return bool(_NUMBER.fullmatch(text.strip().strip('"')))
 
 
-def trusted(lines: Sequence[bytes], first: Sequence[str], mark: bytes) -> int:
-    """Return how many of the lines are rows like the first one, before one that is not.
+def trusted(lines: Sequence[bytes], first: Sequence[str], delimiter: bytes) -> int:
+    """Return how many lines look like the first row, before one that does not.
 
     Args:
-        lines: with their ends.
-        first: the cells of a row that is sound.
-        mark: between cells.
+        lines: with their line ends.
+        first: the cells of a sound row.
+        delimiter: between cells.
     """
-    kinds = [is_number(cell) for cell in first]
-    shapes = [_shape(cell) for cell in first]
+    kinds = [(is_number(cell), _shape(cell)) for cell in first]
     for i, line in enumerate(lines):
-        cells = [cell.strip().strip('"') for cell in line.decode("ascii", "replace").strip().split(mark.decode())]
+        cells = [cell.strip().strip('"') for cell in line.decode("ascii", "replace").strip().split(delimiter.decode())]
         if cells == [""]:
             continue
-        alike = len(cells) == len(kinds) and all(
-            not cell or (is_number(cell) if number else _shape(cell) == shape or not any(c.isdigit() for c in shape))
-            for cell, number, shape in zip(cells, kinds, shapes, strict=True)
-        )
-        if not alike:
+        if len(cells) != len(kinds) or not all(map(_looks_like, cells, kinds)):
             return i
     return len(lines)
 
 
+def _looks_like(cell: str, kind: tuple[bool, str]) -> bool:
+    """Return whether a cell is empty, or a number or a text with digits in the places of the first row's cell."""
+    number, shape = kind
+    if not cell:
+        return True
+    return is_number(cell) if number else _shape(cell) == shape or not any(c.isdigit() for c in shape)
+
+
 def _shape(cell: str) -> str:
-    """Return a date, say, with all digits alike."""
+    """Return a cell, such as a date, with 0 for each digit."""
     return re.sub(r"\d", "0", cell)

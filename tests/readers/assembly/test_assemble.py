@@ -1,18 +1,18 @@
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from imuwb.log import SECOND, Origin, Provenance
+from imuwb.notes import Note, ids
 from imuwb.readers.assembly.assemble import assemble
 from imuwb.readers.batch import Batch, Remark
+from tests.readers.repairs import repairs
 
 FILE = Provenance("file", "test", "", 0)
-SORTED = "rows out of order sorted by time"
-ALONE = "rows whose time lies far from that of both neighbours left out"
-REPEATED = "rows that repeat the time before left out"
-SET_BACK = "clock set back: time goes on behind it by one nominal step"
-NOT_FINITE = "rows with a value that is not a number left out"
+SORTED, ALONE, REPEATED, SET_BACK, NOT_FINITE = "out_of_order", "lone_time", "repeated_time", "set_back", "not_finite"
 
 
 def batch(time, marks=None, name="imu"):
@@ -31,10 +31,6 @@ def imu_of(*parts):
 def marks(imu):
     np.testing.assert_array_equal(imu.specific_force.value, -imu.angular_rate.value)
     return imu.angular_rate.value[:, 0].tolist()
-
-
-def repairs(stream):
-    return {repair.what: repair.count for repair in stream.origin.repairs}
 
 
 def test_pieces_are_joined_in_order():
@@ -100,13 +96,14 @@ def test_a_row_that_is_not_finite_in_one_value_is_left_out_whole(bad):
 def test_a_stream_without_a_usable_row_is_noted_and_left_out():
     log = assemble([batch([0, 1], [np.nan, np.nan])], FILE)
     assert log.imus == ()
-    assert log.notes == ("imu (imu): none of its 2 rows could be used",)
+    assert ids(log.notes) == ("no_usable_row",)
+    assert "2 rows" in log.notes[0]
 
 
 def test_remarks_become_notes_and_repairs():
-    log = assemble([Remark("odd file"), batch([0]), Remark("odd rows", "imu", 3)], FILE)
+    log = assemble([Remark("odd file"), batch([0]), Remark(Note("odd", "odd rows"), "imu", 3)], FILE)
     assert log.notes == ("odd file",)
-    assert repairs(log.imus[0]) == {"odd rows": 3}
+    assert repairs(log.imus[0]) == {"odd": 3}
 
 
 def test_the_origin_is_that_of_the_pieces():
@@ -129,7 +126,8 @@ def warmth(name, time=(0, 5)):
 def test_a_temperature_is_joined_to_the_only_imu():
     log = assemble([batch([0], name="/a/imu"), warmth("/b/temp")], FILE)
     assert log.imus[0].temperature.time.tolist() == [0, 5]
-    assert log.notes == ("/b/temp: taken as the temperature of /a/imu",)
+    assert ids(log.notes) == ("temperature_joined",)
+    assert re.fullmatch(r"/b/temp: .* /a/imu", log.notes[0])
 
 
 def test_a_temperature_is_joined_to_the_imu_it_is_beside():
@@ -140,7 +138,8 @@ def test_a_temperature_is_joined_to_the_imu_it_is_beside():
 def test_a_temperature_of_no_imu_is_noted():
     log = assemble([batch([0], name="/a/imu"), batch([0], name="/b/imu"), warmth("/c/temp")], FILE)
     assert all(imu.temperature is None for imu in log.imus)
-    assert log.notes == ("/c/temp: temperature of no IMU in the log, left out",)
+    assert ids(log.notes) == ("temperature_left_out",)
+    assert log.notes[0].startswith("/c/temp: ")
 
 
 def test_fixes_and_speeds_have_their_streams():

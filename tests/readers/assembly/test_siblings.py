@@ -1,13 +1,15 @@
 """Velocities and temperatures find the stream that they are of, and are left out with a note where they find none."""
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from imuwb.log import GnssStream
+from imuwb.notes import ids
 from imuwb.readers import read
-from imuwb.readers.assembly.siblings import beside_fixes, sibling
+from imuwb.readers.assembly.siblings import sibling, with_fix_rows
 from tests.readers.containers.bag_writer import FIX, TWIST, Topic, typestore, write_bag
 
 T = 1_714_564_800 * 10**9
@@ -24,7 +26,7 @@ def joined(gnss, time, topic="/fix_velocity"):
     """Return the receiver with velocities whose north counts the times."""
     time = np.array(time, np.int64)
     velocity = np.stack([np.arange(time.size), np.zeros(time.size), np.ones(time.size)], axis=1)
-    (found,), note = beside_fixes((gnss,), topic, time, {"velocity": velocity})
+    (found,), note = with_fix_rows((gnss,), topic, time, {"velocity": velocity})
     return found, note
 
 
@@ -54,7 +56,8 @@ def test_each_fix_takes_the_velocity_nearest_in_time():
     time = T + np.array([-40, 30, 60, 105, 220, 260, 300]) * 1_000_000
     found, note = joined(gnss, time)
     assert found.velocity[:, 0].tolist() == [1, 3, 4, 6]
-    assert note == "/fix_velocity: taken as the velocity of /fix"
+    assert note.id == "fix_rows_joined"
+    assert note.startswith("/fix_velocity: ")
     assert found.origin.repairs == ()
 
 
@@ -77,14 +80,16 @@ def test_of_few_fixes_without_a_velocity_it_is_unknown(missing):
     assert found.fix_type.tolist() == list(range(20))
     assert found.velocity[kept, 0].tolist() == list(range(len(kept)))
     assert np.isnan(found.velocity[missing]).all()
-    assert note == f"/fix_velocity: taken as the velocity of /fix; {len(missing)} fixes have none near"
+    assert note.id == "fix_rows_joined"
+    assert f"{len(missing)} fixes" in note
 
 
 def test_where_many_fixes_have_none_the_velocity_is_left_out():
     gnss = receiver()
     found, note = joined(gnss, gnss.time[:17])
     assert found is gnss
-    assert note == "/fix_velocity: only 17 of 20 fixes of /fix have a velocity near; left out"
+    assert note.id == "fix_rows_left_out"
+    assert "17 of 20 fixes" in note
 
 
 @pytest.mark.parametrize("count", [1, 2])
@@ -97,21 +102,21 @@ def test_a_receiver_that_has_a_velocity_keeps_it():
     gnss = receiver(velocity=np.full((20, 3), 7.0))
     found, note = joined(gnss, gnss.time)
     assert found is gnss
-    assert note == "/fix_velocity: velocity of no receiver in the log, left out"
+    assert note.id == "fix_rows_left_out"
 
 
 def test_of_two_receivers_only_the_sibling_gets_it():
     streams = receiver(name="/a/fix"), receiver(name="/b/fix")
-    found, note = beside_fixes(streams, "/b/vel", streams[0].time, {"velocity": np.ones((20, 3))})
+    found, note = with_fix_rows(streams, "/b/vel", streams[0].time, {"velocity": np.ones((20, 3))})
     assert [gnss.velocity is None for gnss in found] == [True, False]
     assert [gnss.name for gnss in found] == ["/a/fix", "/b/fix"]
-    assert note == "/b/vel: taken as the velocity of /b/fix"
+    assert note.id == "fix_rows_joined"
+    assert re.match(r"/b/vel: .* /b/fix", note)
 
 
 def test_no_receivers_get_none():
-    assert beside_fixes((), "/vel", np.array([T]), {"velocity": np.ones((1, 3))}) == (
-        (), "/vel: velocity of no receiver in the log, left out",
-    )  # fmt: skip
+    streams, note = with_fix_rows((), "/vel", np.array([T]), {"velocity": np.ones((1, 3))})
+    assert (streams, note.id) == ((), "fix_rows_left_out")
 
 
 # In logs
@@ -175,7 +180,8 @@ def test_fixes_and_their_velocities_become_one_stream_in_ned(logged, messages, t
     assert gnss.position_sigma.tolist() == [[2, 1, 3]] * 20
     assert gnss.time.tolist() == [T + STEP * i for i in range(20)]
     assert log.speeds == ()
-    assert log.notes == (f"{topic}: taken as the velocity of /fix",)
+    assert ids(log.notes) == ("fix_rows_joined",)
+    assert log.notes[0].startswith(f"{topic}: ")
 
 
 @pytest.mark.parametrize("topic", ["/cmd_vel", "/wheels/twist"])
@@ -191,20 +197,22 @@ def test_fixes_behind_the_last_velocity_have_none(logged, messages):
     log = logged(messages.fixes(), messages.twists("/fix_velocity", 19))
     (gnss,) = log.gnss
     assert np.isfinite(gnss.velocity[:, 0]).tolist() == [True] * 19 + [False]
-    assert log.notes == ("/fix_velocity: taken as the velocity of /fix; 1 fixes have none near",)
+    assert ids(log.notes) == ("fix_rows_joined",)
+    assert "1 fixes" in log.notes[0]
 
 
 def test_a_velocity_for_half_the_fixes_is_left_out(logged, messages):
     log = logged(messages.fixes(), messages.twists("/fix_velocity", 10))
     assert len(log.gnss[0]) == 20
     assert log.gnss[0].velocity is None
-    assert log.notes == ("/fix_velocity: only 10 of 20 fixes of /fix have a velocity near; left out",)
+    assert ids(log.notes) == ("fix_rows_left_out",)
+    assert "10 of 20 fixes" in log.notes[0]
 
 
 def test_a_velocity_alone_is_left_out_with_a_note(logged, messages):
     log = logged(messages.twists("/fix_velocity"))
     assert log.gnss == ()
-    assert log.notes == ("/fix_velocity: velocity of no receiver in the log, left out",)
+    assert ids(log.notes) == ("fix_rows_left_out",)
 
 
 def test_a_prefix_makes_no_receiver(logged, messages):

@@ -1,8 +1,8 @@
 import pytest
 
 from imuwb import describe, read
-from imuwb.readers import summarize
 from imuwb.simulation import preset, static
+from imuwb.summary import summarize
 from imuwb.writers import write
 
 

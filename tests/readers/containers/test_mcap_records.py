@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from mcap.writer import CompressionType, IndexType
 
 from imuwb.errors import UnreadableLogError
+from imuwb.notes import ids
 from imuwb.readers import read
 from imuwb.readers.containers.mcap_records import MAGIC, Recording, walk
 
@@ -124,7 +125,7 @@ def test_messages_before_the_cut_are_counted_to_the_byte(declared, some, by_hand
     size = len(some(0, 1))
     log = read(by_hand(declared, some(0, 10)[: 7 * size + size // 2], end=False))
     assert numbers(log) == list(range(7))
-    assert any("inside a record that begins at byte" in note for note in log.notes)
+    assert "cut" in ids(log.notes)
 
 
 @pytest.mark.parametrize("compression", PACK)
@@ -140,10 +141,10 @@ def test_a_chunk_that_is_cut_gives_its_whole_messages(declared, some, by_hand, c
     assert 200 <= len(found) <= 400
 
 
-def test_a_file_that_ends_between_records_is_told(declared, some, by_hand):
+def test_a_file_that_ends_between_records_is_noted(declared, some, by_hand):
     log = read(by_hand(declared, some(0), end=False))
     assert numbers(log) == [0, 1, 2, 3]
-    assert any("without its end mark: it was cut, or is still being written" in note for note in log.notes)
+    assert "no_end_mark" in ids(log.notes)
 
 
 def test_what_follows_the_end_mark_is_not_read(declared, some, by_hand):
@@ -152,13 +153,13 @@ def test_what_follows_the_end_mark_is_not_read(declared, some, by_hand):
 
 
 @pytest.mark.parametrize("compression", PACK)
-def test_a_chunk_with_a_wrong_checksum_is_left_out_and_told(declared, some, by_hand, compression):
+def test_a_chunk_with_a_wrong_checksum_is_left_out_with_a_note(declared, some, by_hand, compression):
     bad = chunk(some(4), compression, crc=1)
     log = read(by_hand(declared, chunk(some(0), compression), bad, chunk(some(8), compression)))
     assert numbers(log) == [0, 1, 2, 3, 8, 9, 10, 11]
     (note,) = log.notes
     at = len(MAGIC + declared + chunk(some(0), compression)) + 9
-    assert note == f"chunk at byte {at} left out: its checksum does not match"
+    assert (note.id, f"byte {at} " in note) == ("chunk_left_out", True)
 
 
 def test_a_checksum_of_zero_is_none(declared, some, by_hand):
@@ -171,15 +172,14 @@ def test_a_chunk_that_lies_about_its_size_is_left_out(declared, some, by_hand, c
     bad = chunk(some(4), compression, size=len(some(4)) + lie)
     log = read(by_hand(declared, chunk(some(0)), bad))
     assert numbers(log) == [0, 1, 2, 3]
-    assert len(log.notes) == 1
-    assert "left out: " in log.notes[0]
+    assert ids(log.notes) == ("chunk_left_out",)
 
 
 @pytest.mark.parametrize("compression", PACK)
 def test_a_chunk_that_claims_to_be_enormous_is_not_unpacked(declared, some, by_hand, compression):
     log = read(by_hand(declared, chunk(some(0)), chunk(some(4), compression, size=2**40)))
     assert numbers(log) == [0, 1, 2, 3]
-    assert f"claims to unpack to {2**40} bytes" in log.notes[0]
+    assert f"{2**40} bytes" in log.notes[0]
 
 
 @pytest.mark.parametrize("compression", ["zstd", "lz4"])
@@ -193,7 +193,7 @@ def test_a_compression_nobody_knows_is_named(declared, some, by_hand):
     bad = record(CHUNK, struct.pack("<QQQI", 0, 0, 5, 0) + text("brotli") + struct.pack("<Q", 5) + b"12345")
     log = read(by_hand(declared, some(0), bad))
     assert numbers(log) == [0, 1, 2, 3]
-    assert "compression 'brotli' is not one of zstd, lz4, bz2 and none" in log.notes[0]
+    assert "'brotli'" in log.notes[0]
 
 
 @pytest.mark.parametrize("content", [b"", b"short", bytes(28) + b"\xff\xff\xff\xff"])
@@ -203,29 +203,29 @@ def test_a_chunk_whose_header_is_damaged_is_left_out(declared, some, by_hand, co
     assert len(log.notes) == 1
 
 
-def test_bytes_behind_a_chunks_last_record_are_told(declared, some, by_hand):
+def test_bytes_behind_a_chunks_last_record_are_noted(declared, some, by_hand):
     log = read(by_hand(declared, chunk(some(0) + b"\x05junk")))
     assert numbers(log) == [0, 1, 2, 3]
-    assert "its last 5 bytes are no record" in log.notes[0]
+    assert (log.notes[0].id, " 5 bytes" in log.notes[0]) == ("chunk_end", True)
 
 
 def test_a_schema_inside_a_chunk_counts(declared, some, by_hand):
     assert numbers(read(by_hand(chunk(declared + some(0), "zstd")))) == [0, 1, 2, 3]
 
 
-def test_messages_of_a_channel_nobody_declared_are_told(declared, some, by_hand):
+def test_messages_of_a_channel_nobody_declared_are_noted(declared, some, by_hand):
     log = read(by_hand(declared, some(0), message(77, T, b"x")))
     assert numbers(log) == [0, 1, 2, 3]
     assert len(log.notes) == 1
-    assert "channel 77, which is not declared, left out" in log.notes[0]
+    assert (log.notes[0].id, "channel 77" in log.notes[0]) == ("undeclared", True)
 
 
 @pytest.mark.parametrize("opcode", [SCHEMA, CHANNEL])
 @pytest.mark.parametrize("content", [b"", b"\x01\x00\xff\xff\xff\xff", b"\x09\x00\x01\x00\x40\x00\x00\x00abc"])
-def test_a_damaged_declaration_is_left_out_and_told(declared, some, by_hand, opcode, content):
+def test_a_damaged_declaration_is_left_out_with_a_note(declared, some, by_hand, opcode, content):
     log = read(by_hand(record(opcode, content), declared, some(0)))
     assert numbers(log) == [0, 1, 2, 3]
-    assert log.notes[0].startswith("a damaged schema, channel or metadata record left out")
+    assert log.notes[0].id == "damaged_record"
 
 
 def test_records_nobody_knows_are_passed_over(declared, some, by_hand):
@@ -237,7 +237,7 @@ def test_records_nobody_knows_are_passed_over(declared, some, by_hand):
 def test_a_record_that_claims_more_than_the_file_holds_ends_the_reading(declared, some, by_hand, length):
     log = read(by_hand(declared, some(0), struct.pack("<BQ", MESSAGE, length), some(4)))
     assert numbers(log) == [0, 1, 2, 3]
-    assert "inside a record" in log.notes[0]
+    assert log.notes[0].id == "cut"
 
 
 def test_a_record_larger_than_a_block_is_passed_over(declared, some, by_hand):
@@ -296,27 +296,26 @@ def test_bytes_read_grow_to_the_files_end(declared, some, by_hand):
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "text"),
     [
         (lambda data: data, ""),
         (lambda data: data[:-1], "end mark at byte"),
         (lambda data: data[:-8] + b"12345678", "end mark at byte"),
-        (lambda data: data + b"more" * 5, "20 bytes behind the end mark"),
-        (lambda data: data[:-30], "index at the file's end is cut"),
+        (lambda data: data + b"more" * 5, "20 bytes after"),
+        (lambda data: data[:-30], "index"),
     ],
     ids=["whole", "a byte short", "another mark", "more", "cut"],
 )
-def test_what_stands_behind_the_messages_is_looked_at(whole, change, told):
+def test_the_end_after_the_messages_is_checked(whole, change, text):
     whole.write_bytes(change(whole.read_bytes()))
     log = read(whole)
     assert numbers(log) == list(range(COUNT))
-    assert [told in note for note in log.notes] == ([True] if told else [])
+    assert [(note.id, text in note) for note in log.notes] == ([("end_damaged", True)] if text else [])
 
 
-def test_damaged_metadata_are_told_and_others_are_none_of_ours(by_hand, declared, some):
+def test_damaged_metadata_are_noted_and_others_ignored(by_hand, declared, some):
     others = record(METADATA, text("theirs") + struct.pack("<I", 0))
     damaged = record(METADATA, text("imuwb") + struct.pack("<I", 50) + text("/fix") + struct.pack("<I", 99))
     log = read(by_hand(declared, others, damaged, some(0)))
     assert numbers(log) == [0, 1, 2, 3]
-    (note,) = log.notes
-    assert "metadata record left out" in note
+    assert ids(log.notes) == ("damaged_record",)

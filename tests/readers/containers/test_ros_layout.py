@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from mcap_ros2._dynamic import generate_dynamic, serialize_dynamic
 
 from imuwb.readers.bytes.gather import gather
-from imuwb.readers.containers.ros_layout import Field, Jump, UnknownLayoutError, groups, plan
+from imuwb.readers.containers.ros_layout import Jump, LayoutField, UnknownLayoutError, groups, plan
 
 INTEGERS = {
     f"{sign}int{bits}": st.integers(*((0, 2**bits - 1) if sign else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)))
@@ -45,11 +45,11 @@ def gathered(steps, wanted, wire, *messages):
 def test_nested_fields_have_dotted_paths_and_strings_are_jumps(ros):
     steps = plan("sensor_msgs/msg/Imu", ros.imu_2)
     assert steps[:3] == (
-        Field("header.stamp.sec", "i4", 0),
-        Field("header.stamp.nanosec", "u4", 0),
+        LayoutField("header.stamp.sec", "i4", 0),
+        LayoutField("header.stamp.nanosec", "u4", 0),
         Jump("header.frame_id", 1, 1),
     )
-    assert Field("angular_velocity_covariance", "f8", 9) in steps
+    assert LayoutField("angular_velocity_covariance", "f8", 9) in steps
     assert [s.path for s in steps[-4:]] == [
         *(f"linear_acceleration.{a}" for a in "xyz"),
         "linear_acceleration_covariance",
@@ -64,11 +64,11 @@ def test_a_bare_header_of_ros_1_is_std_msgs(ros):
 @pytest.mark.parametrize(
     ("line", "step"),
     [
-        ("float64 x", Field("x", "f8", 0)),
-        ("  float32[3]   x  # metres", Field("x", "f4", 3)),
-        ("float64 x 1.5", Field("x", "f8", 0)),
-        ("byte x", Field("x", "u1", 0)),
-        ("double x", Field("x", "f8", 0)),
+        ("float64 x", LayoutField("x", "f8", 0)),
+        ("  float32[3]   x  # metres", LayoutField("x", "f4", 3)),
+        ("float64 x 1.5", LayoutField("x", "f8", 0)),
+        ("byte x", LayoutField("x", "u1", 0)),
+        ("double x", LayoutField("x", "f8", 0)),
         ("uint16[] x", Jump("x", 2, 2)),
         ("uint16[<=7] x", Jump("x", 2, 2)),
         ("string x", Jump("x", 1, 1)),
@@ -101,13 +101,13 @@ def test_a_type_that_is_not_defined_is_named():
 
 
 def test_a_definition_without_end_is_refused():
-    with pytest.raises(UnknownLayoutError, match="nests too deep"):
+    with pytest.raises(UnknownLayoutError, match="too deep"):
         plan("a/B", "B again")
 
 
 def test_a_definition_that_doubles_without_end_is_refused():
     nests = "".join(f"===\nMSG: a/C{i}\n" + f"C{i + 1}[64] x\n" * 4 for i in range(8))
-    with pytest.raises(UnknownLayoutError, match="holds too many fields"):
+    with pytest.raises(UnknownLayoutError, match="too many"):
         plan("a/B", f"C0 x\n{nests}===\nMSG: a/C8\nfloat64 x\n")
 
 
@@ -212,7 +212,7 @@ def test_every_field_of_any_message_is_what_the_generic_decoder_reads(case):
     encode, decode = serialize_dynamic("a/msg/B", text)["a/msg/B"], generate_dynamic("a/msg/B", text)["a/msg/B"]
     packed = [encode(message) for message in messages]
     steps = plan("a/msg/B", text)
-    wanted = tuple(step.path for step in steps if isinstance(step, Field))
+    wanted = tuple(step.path for step in steps if isinstance(step, LayoutField))
     if not wanted:
         return
     rows = gathered(steps, wanted, "cdr", *packed)

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from imuwb.readers.flight.dataflash import WANTED
 from imuwb.readers.flight.dataflash_records import Tables, formats
+from imuwb.readers.flight.dataflash_streams import WANTED
 from tests.readers.flight import dataflash_writer as log
 
 FILES = ("ardusub_small.BIN", "mavparser_00000081.BIN", "pymavlink_test.BIN")
@@ -100,7 +100,7 @@ def test_a_format_that_comes_late_counts_for_what_stood_before():
     assert tables.skipped == 0
 
 
-def test_of_two_formats_of_one_number_the_first_counts_and_the_rest_is_told():
+def test_of_two_formats_of_one_number_the_first_counts_and_the_rest_is_skipped():
     other = log.Format(log.IMU.number, "IMU", "Qffffff", "TimeUS,GyrX,GyrY,GyrZ,AccX,AccY,AccZ")
     rows = [(other, (10**9, *[77.0] * 6))] * 5
     tables = tables_of(log.binary([*log.declared(), *(log.imu(i) for i in range(5)), *log.declared(other), *rows]))

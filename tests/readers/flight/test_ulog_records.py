@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from imuwb.readers.flight.ulog import WANTED
 from imuwb.readers.flight.ulog_records import ULogFile, layout, segments, walk
+from imuwb.readers.flight.ulog_streams import WANTED
 from tests.readers.flight import ulog_writer as px4
 
 FILES = ("pyulog_sample.ulg", "pyulog_sample_appended_multiple.ulg", "pyulog_sample_log_small.ulg", "roboto_test.ulg")

@@ -1,12 +1,11 @@
 import pytest
 
 from imuwb.errors import UsageError
-from imuwb.readers.text.column_names import columns, said_units
+from imuwb.readers.text.column_names import columns
 
 
-def meaning(name, **said):
-    found = columns((name,), said)
-    return [(c.quantity, c.axis, c.unit.name if c.unit else None) for c in found]
+def meaning(name, **units):
+    return [(c.quantity, c.axis, c.unit.name if c.unit else None) for c in columns((name,), units)]
 
 
 @pytest.mark.parametrize(
@@ -34,17 +33,12 @@ def test_other_names_mean_nothing(name):
     assert meaning(name) == []
 
 
-def test_what_is_said_goes_before_what_is_written():
+def test_a_stated_unit_overrides_the_name():
     assert meaning("gyro_x_deg_s", gyro="rad/s") == [("gyro", 0, "rad/s")]
 
 
-def test_a_unit_of_something_else_is_refused():
-    with pytest.raises(UsageError, match=r"'g' is no unit of angular rate \(column 'wx'\)"):
-        meaning("wx", gyro="g")
-
-
 def test_two_columns_of_one_meaning_are_refused_with_both_names():
-    with pytest.raises(UsageError, match=r"'gyro_x' and 'wx' both mean gyro"):
+    with pytest.raises(UsageError, match=r"'gyro_x' and 'wx' .* gyro;.*--columns"):
         columns(("gyro_x", "wx"), {})
 
 
@@ -54,13 +48,3 @@ def test_of_two_times_the_first_is_used():
 
 def test_indices_point_into_the_file():
     assert [(c.index, c.axis) for c in columns(("-", "wz", "-", "wx"), {})] == [(1, 2), (3, 0)]
-
-
-def test_units_of_a_position_go_to_both_angles():
-    assert said_units({"position": "deg"}) == {"latitude": "deg", "longitude": "deg"}
-    assert set(said_units({"velocity": "cm/s"})) == {"velocity_north", "velocity_east", "velocity_down"}
-
-
-def test_an_unknown_quantity_lists_the_known():
-    with pytest.raises(UsageError, match=r"no quantity 'magnet'.*gyro, accel"):
-        said_units({"magnet": "T"})

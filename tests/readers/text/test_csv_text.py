@@ -9,7 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from imuwb.errors import UnreadableLogError, UsageError
+from imuwb.notes import ids
 from imuwb.readers import ReadOptions, read, reader_of
+from tests.readers.repairs import repairs
 
 DEG = np.pi / 180
 G = 9.80665
@@ -34,10 +36,6 @@ def imu_of(text_log):
 
 def timed(name, *times):
     return f"{name},{HEADER}\n" + "".join(f"{time},{ROW}\n" for time in times)
-
-
-def repairs(stream):
-    return {repair.what: repair.count for repair in stream.origin.repairs}
 
 
 def assert_one_row(imu, row=0):
@@ -73,7 +71,7 @@ def test_columns_may_stand_in_any_order_among_others(imu_of):
     assert imu.angular_rate.time.tolist() == [500_000_000, 600_000_000]
 
 
-def test_without_a_header_columns_units_and_rate_are_said(imu_of):
+def test_without_a_header_columns_units_and_rate_are_stated(imu_of):
     imu = imu_of(f"{ROW}\n{ROW}\n", columns=NAMES, units=UNITS, rate=200.0)
     assert_one_row(imu, 1)
     assert imu.angular_rate.time.tolist() == [0, 5_000_000]
@@ -85,12 +83,12 @@ def test_a_dash_is_a_column_that_is_not_used(imu_of):
     assert_one_row(imu)
 
 
-def test_said_units_go_before_those_of_the_header(imu_of):
+def test_stated_units_override_those_of_the_header(imu_of):
     imu = imu_of(timed("time_s", "0.0", "0.1"), units={"gyro": "rad/s"})
     np.testing.assert_array_equal(imu.angular_rate.value[0], [1, 2, 3])
 
 
-def test_a_sidecar_says_everything(imu_of):
+def test_a_sidecar_states_everything(imu_of):
     sidecar = f'rate = 50\ncolumns = {list(NAMES)}\nframe = "FLU"\n[units]\ngyro = "deg/s"\naccel = "g"\n'
     imu = imu_of(f"{ROW}\n{ROW}\n", sidecar)
     np.testing.assert_allclose(imu.angular_rate.value[0], RATE * [1, -1, -1], rtol=1e-15)
@@ -107,12 +105,14 @@ def test_options_go_before_the_sidecar(imu_of):
 
 def test_the_sidecar_is_noted(text_log):
     log = read(text_log(timed("time_s", "0.0", "0.1"), sidecar="rate = 1\n"))
-    assert any("as log.toml says" in note for note in log.notes)
+    assert "sidecar" in ids(log.notes)
 
 
-@pytest.mark.parametrize(("sidecar", "says"), [("rat = 5\n", "unknown key 'rat'"), ("rate = = 5\n", "not TOML")])
-def test_a_sidecar_that_is_wrong_is_named(text_log, sidecar, says):
-    with pytest.raises(UsageError, match=rf"log\.toml: .*{says}"):
+@pytest.mark.parametrize(
+    ("sidecar", "message"), [("rat = 5\n", "'rat'"), ("rate = = 5\n", "TOML"), ("rate = true\n", "rate is True")]
+)
+def test_a_sidecar_that_is_wrong_is_named(text_log, sidecar, message):
+    with pytest.raises(UsageError, match=rf"log\.toml: .*{message}"):
         read(text_log(timed("time_s", "0.0", "0.1"), sidecar=sidecar))
 
 
@@ -120,7 +120,7 @@ def test_flu_changes_the_signs_of_y_and_z(imu_of):
     imu = imu_of(timed("time_s", "0.0", "0.1"), frame="FLU")
     np.testing.assert_allclose(imu.angular_rate.value[0], RATE * [1, -1, -1], rtol=1e-15)
     np.testing.assert_allclose(imu.specific_force.value[0], FORCE * [1, -1, -1], rtol=1e-15)
-    assert imu.origin.frame == "FLU (as said)"
+    assert imu.origin.frame == "FLU (stated)"
 
 
 def test_a_gyro_alone_is_an_imu(imu_of):
@@ -240,7 +240,7 @@ def test_times_are_exact(imu_of, name, cells, expected):
 def test_times_that_no_clock_can_show_cost_their_row(imu_of, name, cells):
     imu = imu_of(timed(name, *cells, "1"))
     assert imu.angular_rate.time.tolist() == [0, 10**9 if name == "time_s" else 10**6]
-    assert repairs(imu)["rows without a usable time left out"] == 1
+    assert repairs(imu)["no_time"] == 1
 
 
 @settings(max_examples=20, deadline=None)
@@ -261,17 +261,18 @@ def test_seconds_with_nine_digits_are_exact(text_log, times):
         ("1714564800500000000", 1_714_564_800_500_000_000, "ns"),
     ],
 )
-def test_a_unix_time_tells_its_unit_by_its_size(text_log, cell, ns, unit):
+def test_a_unix_time_has_the_unit_of_its_size(text_log, cell, ns, unit):
     log = read(text_log(timed("time", cell)))
     assert log.imus[0].angular_rate.time.tolist() == [ns]
     assert log.imus[0].origin.epoch == "unix"
-    assert any(f"taken as {unit} since 1970" in note for note in log.notes)
+    (note,) = (note for note in log.notes if note.id == "time_unit_guessed")
+    assert f" {unit} " in note
 
 
 def test_a_rate_beside_a_time_column_is_not_used_and_noted(text_log):
     log = read(text_log(timed("time_s", "0.0", "0.1")), ReadOptions(rate=3.0))
     assert log.imus[0].angular_rate.time[1] == 100_000_000
-    assert any("--rate not used" in note for note in log.notes)
+    assert "rate_unused" in ids(log.notes)
 
 
 def test_rows_out_of_order_are_sorted_with_their_values_and_repeats_dropped(imu_of):
@@ -279,16 +280,17 @@ def test_rows_out_of_order_are_sorted_with_their_values_and_repeats_dropped(imu_
     imu = imu_of(f"time_s,{HEADER}\n{rows}")
     assert imu.angular_rate.time.tolist() == [0, 100_000_000, 200_000_000, 300_000_000]
     np.testing.assert_allclose(imu.angular_rate.value[:, 0] / DEG, [0, 2, 1, 4])
-    assert {"rows out of order sorted by time", "rows that repeat the time before left out"} == set(repairs(imu))
+    assert {"out_of_order", "repeated_time"} == set(repairs(imu))
 
 
 # Faults
 
 
-def test_a_last_line_that_is_cut_is_left_out_and_told(imu_of):
+def test_a_last_line_that_is_cut_is_left_out_with_a_note(imu_of):
     imu = imu_of(timed("time_s", "0.0", "0.1") + "0.2,1,2")
     assert len(imu.angular_rate) == 2
-    assert repairs(imu) == {"last line cut ('0.2,1,2'): left out": 1}
+    assert repairs(imu) == {"last_line_cut": 1}
+    assert "'0.2,1,2'" in imu.origin.repairs[0].what
 
 
 def test_a_last_line_without_its_end_but_whole_is_used(imu_of):
@@ -313,40 +315,40 @@ def test_a_last_line_whose_last_cell_is_shorter_than_all_before_is_cut(imu_of):
 
 
 @pytest.mark.parametrize("first", ["3,0.5,0.25,-1", "# by me\n0.25,-1", "-1"])
-def test_a_first_line_that_is_cut_is_left_out_and_told(text_log, first):
+def test_a_first_line_that_is_cut_is_left_out_with_a_note(text_log, first):
     path = text_log(f"{first}\n" + f"{ROW}\n" * 5)
     log = read(path, ReadOptions(columns=NAMES, units=UNITS, rate=10.0))
     assert len(log.imus[0].angular_rate) == 5
-    assert log.notes == ("first line has fewer cells than the others: left out",)
+    assert ids(log.notes) == ("first_line_cut",)
 
 
 def test_lines_with_another_number_of_cells_are_left_out_and_counted(imu_of):
     imu = imu_of(timed("time_s", "0.0", "0.1") + "0.2,1\n0.3,1,2,3,4,5,6,7,8,9\n" + f"0.4,{ROW}\n0.5,{ROW}\n")
     assert len(imu.angular_rate) == 4
-    assert repairs(imu) == {"lines without the usual number of cells left out": 2}
+    assert repairs(imu) == {"cell_count": 2}
 
 
 def test_text_in_a_number_cell_costs_its_row(imu_of):
     imu = imu_of(timed("time_s", "0.0", "0.1") + "0.2,oops,2,3,0,0,-1\n" + f"0.3,{ROW}\n")
     assert imu.angular_rate.time.tolist() == [0, 100_000_000, 300_000_000]
-    assert repairs(imu)["cells that are no number, taken as missing"] == 1
+    assert repairs(imu)["not_a_number"] == 1
 
 
 def test_rows_full_of_text_cost_no_more_than_themselves(imu_of):
     rows = [f"{i / 10},{'x,x,x,x,x,x' if i % 10 == 5 else ROW}\n" for i in range(100)]
     imu = imu_of(f"time_s,{HEADER}\n{''.join(rows)}")
     assert len(imu.angular_rate) == 90
-    assert repairs(imu)["cells that are no number, taken as missing"] == 60
+    assert repairs(imu)["not_a_number"] == 60
 
 
 @pytest.mark.parametrize("bad", [b"0.2,\xff\xfe,2,3,0,0,-1\n", b"\xff0.2,1,2,3,0,0,-1\n"])
 def test_a_byte_that_is_no_text_costs_its_row(imu_of, bad):
     imu = imu_of(timed("time_s", "0.0", "0.1").encode() + bad + f"0.3,{ROW}\n".encode())
     assert imu.angular_rate.time.tolist() == [0, 100_000_000, 300_000_000]
-    assert repairs(imu)["cells that are no number, taken as missing"] == 1
+    assert repairs(imu)["not_a_number"] == 1
 
 
-def test_text_far_behind_the_first_block_costs_its_row_alone(imu_of):
+def test_text_far_after_the_first_block_costs_its_row_alone(imu_of):
     rows = [f"{i},{ROW}" for i in range(300_000)]
     rows[250_000] = "250000,oops,2,3,0,0,-1"
     imu = imu_of(f"time_ms,{HEADER}\n" + "\n".join(rows) + "\n")
@@ -357,13 +359,13 @@ def test_text_far_behind_the_first_block_costs_its_row_alone(imu_of):
         250_001 * 10**6,
         299_999 * 10**6,
     ]
-    assert repairs(imu)["cells that are no number, taken as missing"] == 1
+    assert repairs(imu)["not_a_number"] == 1
 
 
 def test_text_in_a_time_cell_costs_its_row(imu_of):
     imu = imu_of(timed("time_s", "0.0", "abc", "0.2", "0.3"))
     assert imu.angular_rate.time.tolist() == [0, 200_000_000, 300_000_000]
-    assert repairs(imu)["rows without a usable time left out"] == 1
+    assert repairs(imu)["no_time"] == 1
 
 
 @pytest.mark.parametrize("zone", ["", "Z", "+00:00"])
@@ -372,7 +374,7 @@ def test_a_date_that_is_none_costs_its_row(imu_of, zone, bad):
     good = [f"2024-05-01T12:00:0{i}{zone}" for i in range(3)]
     imu = imu_of(timed("time", good[0], bad and bad + zone, *good[1:]))
     assert (imu.angular_rate.time - 1_714_564_800 * 10**9).tolist() == [0, 10**9, 2 * 10**9]
-    assert repairs(imu)["rows without a usable time left out"] == 1
+    assert repairs(imu)["no_time"] == 1
 
 
 def test_an_accelerometer_that_starts_blocks_later_is_read_from_there(imu_of, monkeypatch):
@@ -380,12 +382,12 @@ def test_an_accelerometer_that_starts_blocks_later_is_read_from_there(imu_of, mo
     rows = "".join(f"{i},1,2,3,{'nan,nan,nan' if i < 40 else '0,0,-1'}\n" for i in range(100))
     imu = imu_of(f"time_ms,{HEADER}\n{rows}")
     assert imu.specific_force.time[0] == 40_000_000
-    assert repairs(imu) == {"rows with a value that is not a number left out": 40}
+    assert repairs(imu) == {"not_finite": 40}
 
 
 def test_an_accelerometer_without_a_number_is_refused(text_log):
     rows = "".join(f"{i}.0,1,2,3,nan,nan,nan\n" for i in range(5))
-    with pytest.raises(UnreadableLogError, match="hardly a row can be used"):
+    with pytest.raises(UnreadableLogError, match=r"5 rows without a number"):
         read(text_log(f"time_s,{HEADER}\n{rows}"))
 
 
@@ -406,12 +408,12 @@ def test_the_sign_of_zero_comes_back(imu_of):
 def test_a_row_with_a_value_that_is_not_finite_is_left_out(imu_of, cell):
     imu = imu_of(timed("time_s", "0.0", "0.1") + f"0.2,{cell},2,3,0,0,-1\n0.3,{ROW}\n")
     assert imu.angular_rate.time.tolist() == [0, 100_000_000, 300_000_000]
-    assert repairs(imu) == {"rows with a value that is not a number left out": 1}
+    assert repairs(imu) == {"not_finite": 1}
 
 
 def test_numbers_that_contradict_the_unit_are_refused_with_the_likely_one(text_log):
     text = "time_s,gx_dps,gy_dps,gz_dps,ax_m_s2,ay_m_s2,az_m_s2\n0.0,1,2,3,0,0,-1\n0.1,1,2,3,0,0,-1.01\n"
-    with pytest.raises(UnreadableLogError, match=r"stated in m/s², but \|f\| is 1.* --units accel=g"):
+    with pytest.raises(UnreadableLogError, match=r"m/s².*\|f\| is 1.*--units accel=g$"):
         read(text_log(text))
 
 
@@ -427,36 +429,23 @@ def test_a_free_fall_is_no_contradiction(imu_of):
 
 
 @pytest.mark.parametrize(
-    ("text", "options", "says"),
+    ("text", "options", "message"),
     [
-        (f"time_s,{HEADER.replace('_dps', '')}\n0.0,{ROW}\n", {}, r"unit of gx, gy, gz .*--units gyro=UNIT"),
-        (f"time_s,gx_dps,gy_dps,gz_dps,ax,ay,az\n0.0,1,2,3,0,0,-9.8\n", {}, r"likely m/s²\); add --units accel=UNIT"),  # noqa: F541
-        (f"time_s,gx_dps,gy_dps,gz_dps,ax,ay,az\n0.0,1,2,3,,0,-1\n0.1,{ROW}\n", {}, r"add --units accel=UNIT"),
-        (f"{HEADER}\n{ROW}\n", {}, r"no time column .*--rate HZ"),
-        (f"{HEADER}\n{ROW}\n", {"rate": -5.0}, r"it must be positive"),
-        (f"{ROW}\n{ROW}\n", {}, r"no header line; name its 6 columns, such as --columns"),
-        (f"{ROW}\n{ROW}\n", {"columns": NAMES[:3]}, r"3 column names \(gx, gy, gz\), but the rows have 6 cells"),
-        (timed("time", "0.0", "0.1"), {}, r"unit of time column 'time' .*--units time=s"),
-        (timed("time_s", "noon", "night"), {}, r"'noon' in time column 'time_s' is neither a number nor an ISO time"),
-        (timed("time_s", "0.0"), {"units": {"gyro": "g"}}, r"'g' is no unit of angular rate"),
-        (timed("time_s", "0.0"), {"units": {"gyro": "foo"}}, r"unknown unit 'foo'"),
+        (f"time_s,{HEADER.replace('_dps', '')}\n0.0,{ROW}\n", {}, r"gx, gy, gz .*--units gyro=UNIT"),
+        (f"time_s,gx_dps,gy_dps,gz_dps,ax,ay,az\n0.0,1,2,3,0,0,-9.8\n", {}, r"likely m/s²\).*--units accel=UNIT"),  # noqa: F541
+        (f"time_s,gx_dps,gy_dps,gz_dps,ax,ay,az\n0.0,1,2,3,,0,-1\n0.1,{ROW}\n", {}, r"--units accel=UNIT"),
+        (f"{HEADER}\n{ROW}\n", {}, r"--rate HZ"),
+        (f"{ROW}\n{ROW}\n", {}, r"6 columns.*--columns"),
+        (f"{ROW}\n{ROW}\n", {"columns": NAMES[:3]}, r"3 .*\(gx, gy, gz\).* 6 "),
+        (timed("time", "0.0", "0.1"), {}, r"'time'.*--units time=s"),
+        (timed("time_s", "noon", "night"), {}, r"'time_s'.*'noon'"),
+        (timed("time_s", "0.0"), {"units": {"gyro": "g"}}, r"'g'.*angular rate"),
+        (timed("time_s", "0.0"), {"units": {"gyro": "foo"}}, r"'foo'"),
     ],
 )
-def test_what_nobody_says_is_asked_for(text_log, text, options, says):
-    with pytest.raises(UsageError, match=says):
+def test_what_is_unknown_is_asked_for(text_log, text, options, message):
+    with pytest.raises(UsageError, match=message):
         read(text_log(text), ReadOptions(**options))
-
-
-@pytest.mark.parametrize("rate", [float("nan"), float("inf"), 0, 0.0, -1.0])
-def test_a_rate_that_is_none_is_refused(rate):
-    with pytest.raises(UsageError, match="Hz: it must be positive"):
-        ReadOptions(rate=rate)
-
-
-@pytest.mark.parametrize("frame", ["XYZ", "frd", ""])
-def test_a_frame_nobody_knows_is_refused(frame):
-    with pytest.raises(UsageError, match=f"frame '{frame}': it is FRD"):
-        ReadOptions(frame=frame)
 
 
 @pytest.mark.parametrize(
@@ -466,38 +455,39 @@ def test_a_frame_nobody_knows_is_refused(frame):
         ("foo,bar\n1,2\n1,2\n", {"rate": 10.0}, "none that is known"),
     ],
 )
-def test_a_file_of_which_nothing_can_be_used_is_told(text_log, text, options, columns):
+def test_a_file_of_which_nothing_can_be_used_is_noted(text_log, text, options, columns):
     log = read(text_log(text), ReadOptions(**options))
     assert (log.imus, log.gnss, len(log.notes)) == ((), (), 1)
-    assert log.notes[0].startswith(f"nothing in this file can be used (columns: {columns})")
+    assert ids(log.notes) == ("no_stream",)
+    assert columns in log.notes[0]
 
 
 @pytest.mark.parametrize(
-    ("text", "says"),
+    ("text", "message"),
     [
-        (b"", "the file is empty"),
-        (b"hello world\nhow are you\n", "which no known log format does"),
-        (b"\x00\x01\x02\x03 123", "which no known log format does"),
-        (b"it was night number 1\nand it was dark\n", "text without rows of numbers"),
-        (b"# 1\n# 2\n", "no line but comments"),
+        (b"", "empty"),
+        (b"hello world\nhow are you\n", "b'hello wo'.*csv, dataflash"),
+        (b"\x00\x01\x02\x03 123", "csv, dataflash"),
+        (b"it was night number 1\nand it was dark\n", "numbers.*'it was night number 1'"),
+        (b"# 1\n# 2\n", "first 2 lines"),
     ],
 )
-def test_what_is_no_log_is_refused(text_log, text, says):
-    with pytest.raises(UnreadableLogError, match=says):
+def test_what_is_no_log_is_refused(text_log, text, message):
+    with pytest.raises(UnreadableLogError, match=message):
         read(text_log(text))
 
 
 def test_a_directory_and_a_missing_file_are_refused(fresh):
     path = fresh("log.csv")
-    with pytest.raises(UnreadableLogError, match="a directory, not a log"):
+    with pytest.raises(UnreadableLogError, match="directory"):
         read(path.parent)
-    with pytest.raises(UnreadableLogError, match="no such file"):
+    with pytest.raises(UnreadableLogError, match=r"log\.csv"):
         read(path)
 
 
 def test_rows_of_text_are_not_a_log(text_log):
     rows = "".join(f"{i}.0,a,b,c,d,e,f\n" for i in range(1, 20))
-    with pytest.raises(UnreadableLogError, match=r"hardly a row can be used \(.*cells that are no number"):
+    with pytest.raises(UnreadableLogError, match=r"114 cells"):
         read(text_log(timed("time_s", "0.0") + rows))
 
 
@@ -537,14 +527,14 @@ class TestGzip:
         (imu,) = read(text_log(packed[:-20_000])).imus
         assert 30_000 < len(imu.angular_rate) < 100_000
         np.testing.assert_array_equal(np.diff(imu.angular_rate.time), 1_000_000)
-        assert any("packed file is cut" in what for what in repairs(imu))
+        assert "packed_cut" in repairs(imu)
 
     def test_of_a_short_gzip_file_that_is_cut_most_rows_are_used(self, text_log):
         packed = gzip.compress(timed("time_ms", *range(2000)).encode())
         (imu,) = read(text_log(packed[:-200])).imus
         assert 1500 < len(imu.angular_rate) < 2000
         np.testing.assert_array_equal(np.diff(imu.angular_rate.time), 1_000_000)
-        assert any("packed file is cut" in what for what in repairs(imu))
+        assert "packed_cut" in repairs(imu)
 
     def test_no_file_is_left_open(self, text_log):
         path = text_log(gzip.compress(timed("time_s", "0.0", "0.1").encode()))
@@ -598,20 +588,20 @@ def packed_with(fault, rows=5000):
 
 class TestDamagedPacked:
     @pytest.mark.parametrize("fault", [0.5, 0.65, 0.8, "hole"])
-    def test_nothing_behind_the_damage_is_used_and_it_is_told(self, text_log, fault):
+    def test_nothing_after_the_damage_is_used_and_a_note_states_it(self, text_log, fault):
         packed, values = packed_with(fault)
         (imu,) = read(text_log(packed, "log.csv.gz")).imus
         rows = np.rint(imu.angular_rate.time / 1e7).astype(int)
         assert 100 < rows.size < 4900
         assert rows.tolist() == list(range(rows.size))
         np.testing.assert_allclose(imu.angular_rate.value, values[: rows.size, :3] * DEG, rtol=1e-12)
-        assert any(what.startswith("the packed file is damaged") for what in repairs(imu))
+        assert "packed_damaged" in repairs(imu)
 
     def test_a_checksum_that_fails_without_an_odd_row_makes_all_doubtful(self, text_log):
         (imu,) = read(text_log(packed_with("checksum")[0], "log.csv.gz")).imus
         (repair,) = imu.origin.repairs
         assert (repair.count, repair.effect) == (5000, "value")
-        assert "no row shows where" in repair.what
+        assert repair.what.id == "packed_damaged"
 
     def test_times_that_leap_end_a_damaged_file(self, text_log):
         rows = [f"{0.01 * i + (5000 if i >= 60 else 0):.2f},{ROW}" for i in range(100)]
@@ -619,14 +609,14 @@ class TestDamagedPacked:
         packed[-8] ^= 0xFF
         (imu,) = read(text_log(bytes(packed), "log.csv.gz")).imus
         assert len(imu.angular_rate) == 60
-        assert any("where times leap" in what for what in repairs(imu))
+        assert "packed_damaged" in repairs(imu)
 
-    def test_bytes_behind_the_end_cost_nothing_and_are_told(self, text_log):
+    def test_bytes_behind_the_end_cost_nothing_but_a_note(self, text_log):
         (imu,) = read(text_log(packed_with(None)[0] + b"garbage", "log.csv.gz")).imus
         assert len(imu.angular_rate) == 5000
-        assert any("behind the end of the packed file" in what for what in repairs(imu))
+        assert "packed_more" in repairs(imu)
 
-    def test_packed_files_one_behind_the_other_are_sound(self, text_log):
+    def test_packed_files_in_a_row_are_sound(self, text_log):
         text = timed("time_s", "0.0", "0.1")
         (imu,) = read(text_log(gzip.compress(text.encode()) + gzip.compress(f"0.2,{ROW}\n".encode()))).imus
         assert (len(imu.angular_rate), repairs(imu)) == (3, {})
@@ -639,13 +629,14 @@ class TestTimeScale:
     def test_a_name_of_gps_time_takes_off_leap_seconds(self, text_log, name):
         log = read(text_log(timed(name, f"{self.UNIX}.5", f"{self.UNIX + 1}.5")))
         assert log.imus[0].angular_rate.time[0] == (self.UNIX - 18) * 10**9 + 500_000_000
-        assert any("GPS time" in note and "18 leap seconds" in note for note in log.notes)
+        assert ids(log.notes) == ("gps_time",)
+        assert "18 leap seconds" in log.notes[0]
 
     @pytest.mark.parametrize("name", ["time_s", "unix_s", "tgpsx_time_s"])
-    def test_another_name_is_taken_as_utc_and_said(self, text_log, name):
+    def test_another_name_is_taken_as_utc_with_a_note(self, text_log, name):
         log = read(text_log(timed(name, f"{self.UNIX}.5", f"{self.UNIX + 1}.5")))
         assert log.imus[0].angular_rate.time[0] == self.UNIX * 10**9 + 500_000_000
-        assert any("taken as UTC" in note for note in log.notes)
+        assert ids(log.notes) == ("taken_as_utc",)
 
     def test_a_name_of_utc_needs_no_note(self, text_log):
         log = read(text_log(timed("gps_utc_time_s", f"{self.UNIX}.5", f"{self.UNIX + 1}.5")))
@@ -656,16 +647,17 @@ class TestTimeScale:
         assert (log.imus[0].angular_rate.time[0], log.notes) == (1_500_000_000, ())
 
     @pytest.mark.parametrize("epoch", ["boot", "log", "unix"])
-    def test_a_sidecar_says_where_times_count_from(self, text_log, epoch):
+    def test_a_sidecar_states_where_times_count_from(self, text_log, epoch):
         log = read(
             text_log(timed("gps_time_s", f"{self.UNIX}.5", f"{self.UNIX + 1}.5"), sidecar=f'epoch = "{epoch}"\n')
         )
         imu = log.imus[0]
         assert (imu.origin.epoch, imu.angular_rate.time[0] // 10**9) == (epoch, self.UNIX)
-        assert log.notes == ("epoch as log.toml says",)
+        assert ids(log.notes) == ("sidecar",)
+        assert "log.toml" in log.notes[0]
 
     def test_another_epoch_is_refused(self, text_log):
-        with pytest.raises(UsageError, match="epoch 'gps': it is unix"):
+        with pytest.raises(UsageError, match=r"log\.toml: epoch is 'gps'"):
             read(text_log(timed("time_s", "0", "1"), sidecar='epoch = "gps"\n'))
 
 

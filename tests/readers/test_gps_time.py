@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from imuwb.readers.assembly.gps_time import LEAP_SECONDS, ahead_of_utc, unix_of_gps
+from imuwb.readers.gps_time import LEAP_SECONDS, ahead_of_utc, unix_of_gps
 
 #: TAI - UTC from the first of a month on, as IERS lists it; GPS time is TAI - 19 s.
 TAI = {

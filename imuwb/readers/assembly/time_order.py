@@ -1,0 +1,99 @@
+"""Makes the time of rows strictly increase: damaged stamps, clocks set back, late rows and repeats."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.notes import Note
+from imuwb.readers.assembly.rows import Fault, taken
+from imuwb.units import SECOND
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from imuwb.log import Floats, Nanoseconds
+
+IMPOSSIBLE = Fault(Note("impossible_time", "rows with an impossible time left out"))
+ALONE = Fault(Note("lone_time", "rows whose time is far from that of both neighbours left out"))
+SET_BACK = Fault(Note("set_back", "clock set back: the time after it goes on by one usual step"), "time")
+LATE = Fault(Note("out_of_order", "rows out of order sorted by time"), "order")
+REPEATED = Fault(Note("repeated_time", "rows with the same time as the row before left out"))
+
+LATEST = 2**62  #: ns from the epoch, the year 2116; differences of such times fit into int64
+CLOCK_STEP = SECOND  #: ns; a row that is older than its predecessor by more shows a clock set back; by less, it is late
+END_STEP = 86_400 * SECOND  #: ns; a first or last row that is further from the others may have a damaged stamp
+END_SPANS = 10  #: durations of all other rows, beyond which its stamp is damaged
+FEWEST = 12  #: rows; of fewer, no stamp can be called damaged
+MOST_STEPS = 10  #: times that a clock may be set back, in a log of any length
+ROWS_PER_STEP = 100  #: rows; a long log may be set back once in so many; rows that step back more often are in no order
+
+
+def in_order(
+    time: Nanoseconds, columns: dict[str, Floats], counts: dict[Fault, int]
+) -> tuple[Nanoseconds, dict[str, Floats]]:
+    """Return rows whose time strictly increases, and count the repairs."""
+    time, columns = _without(np.abs(time) >= LATEST, IMPOSSIBLE, time, columns, counts)
+    steps = np.diff(time)
+    if steps.size and steps.min() > 0 and steps.max() <= CLOCK_STEP:
+        return time, columns  # nearly all logs
+    time, columns = _without(_damaged_stamps(time), ALONE, time, columns, counts)
+    if time.size < 2:  # noqa: PLR2004 - one row is in order
+        return time, columns
+    continued, times_set_back = _continued(time)
+    if 0 < times_set_back <= max(MOST_STEPS, time.size // ROWS_PER_STEP):
+        counts[SET_BACK] = times_set_back
+        time = continued
+    late = int(np.count_nonzero(time < np.maximum.accumulate(time)))
+    if late:
+        counts[LATE] = late
+        time, columns = taken(time, columns, np.argsort(time, kind="stable"))
+    return _without(np.diff(time, prepend=time[0] - 1) == 0, REPEATED, time, columns, counts)
+
+
+def _without(
+    rows: NDArray[np.bool_], fault: Fault, time: Nanoseconds, columns: dict[str, Floats], counts: dict[Fault, int]
+) -> tuple[Nanoseconds, dict[str, Floats]]:
+    """Return time and columns without some rows, and count them."""
+    if not rows.any():
+        return time, columns
+    counts[fault] = int(np.count_nonzero(rows))
+    return taken(time, columns, ~rows)
+
+
+def _damaged_stamps(time: Nanoseconds) -> NDArray[np.bool_]:
+    """Return which rows are alone in time and outside the time of all others; inside it, a row is only late."""
+    alone = _alone(time)
+    others = time[~alone]
+    if not others.size:
+        return alone
+    return alone & ((time < others.min()) | (time > others.max()))
+
+
+def _alone(time: Nanoseconds) -> NDArray[np.bool_]:
+    """Return which rows step far from their predecessor while their successor steps back to it."""
+    alone = np.zeros(time.size, dtype=bool)
+    if time.size > 2:  # noqa: PLR2004 - both neighbours
+        far = np.abs(np.diff(time)) > CLOCK_STEP
+        near = np.abs(time[2:] - time[:-2]) <= CLOCK_STEP
+        alone[1:-1] = far[:-1] & far[1:] & near
+    if time.size >= FEWEST:
+        for end, step, rest in ((0, time[1] - time[0], time[1:]), (-1, time[-1] - time[-2], time[:-1])):
+            alone[end] |= abs(step) > max(END_STEP, END_SPANS * abs(int(rest[-1] - rest[0])))
+    return alone
+
+
+def _continued(time: Nanoseconds) -> tuple[Nanoseconds, int]:
+    """Return time without the steps of a clock that was set back, and the number of these steps."""
+    steps = np.diff(time)
+    back = steps < -CLOCK_STEP
+    if not back.any():
+        return time, 0
+    usual = int(np.median(steps[steps > 0])) if (steps > 0).any() else 1
+    shift = np.where(back, usual - steps, 0)
+    late = np.flatnonzero(_alone(time))  # a late row steps back and forth again; the clock did not
+    shift[(late - 1).clip(0)] = shift[late.clip(max=shift.size - 1)] = 0
+    if float(np.abs(shift.astype(np.float64)).sum()) + float(np.abs(time).max()) >= LATEST:
+        return time, 0  # no clock is set back so far
+    return time + np.concatenate([[0], np.cumsum(shift)]), int(np.count_nonzero(shift))

@@ -1,0 +1,31 @@
+"""Decides whether a loop over bytes is worth the import of the compiler, which costs half a second."""
+
+from __future__ import annotations
+
+import sys
+from functools import cache
+from typing import TYPE_CHECKING, TypeVar, cast
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    Function = TypeVar("Function", bound=Callable[..., object])
+
+SMALL = 1 << 19  #: bytes; plain Python reads them in less time than the import takes
+
+
+def worth_compiling(size: int) -> bool:
+    """Return whether work on so many bytes pays for the compiler, or the compiler is imported already."""
+    return size > SMALL or "numba" in sys.modules
+
+
+def compiled_loop(function: Function) -> Function:
+    """Return the compiled form of a loop; the first call imports the compiler."""
+    return cast("Function", _compiled(function))
+
+
+@cache
+def _compiled(function: Callable[..., object]) -> Callable[..., object]:
+    from imuwb.compiled import compiled  # noqa: PLC0415 - the import that small files avoid
+
+    return compiled()(function)

@@ -1,0 +1,296 @@
+"""The streams of a DataFlash log, from the tables of its records."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from imuwb.errors import UnreadableLogError
+from imuwb.log import MEAN_SEA_LEVEL, Origin
+from imuwb.notes import Note
+from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.bytes import source
+from imuwb.readers.flight.dataflash_records import FMT_SIZE, Tables, formats
+from imuwb.readers.flight.dataflash_text import TextTables
+from imuwb.readers.flight.dataflash_units import si_factors
+from imuwb.readers.flight.trajectory import (
+    attitudes,
+    interpolated,
+    isotropic,
+    located,
+    position_sigmas,
+    positions,
+    triples,
+    velocities,
+)
+from imuwb.readers.gps_time import unix_of_gps
+from imuwb.units import SECOND
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from imuwb.log import Epoch, Floats, Nanoseconds
+
+    Columns = Mapping[str, NDArray[Any]]
+
+IMUS, RECEIVERS, ACCURACIES = ("IMU", "IMU2", "IMU3"), ("GPS", "GPS2"), ("GPA", "GPA2")
+SOLUTIONS = ("XKF1", "NKF1", "EKF1")
+WANTED = {*IMUS, *RECEIVERS, *ACCURACIES, *SOLUTIONS, "POS", "ATT", "ISBH", "ISBD", "FMTU", "UNIT", "MULT"}
+HOTTEST = 300.0  #: °C; a temperature beyond is damage
+FULL_TURNS = 1000.0  #: rad; an angle beyond is damage
+FASTEST, STRONGEST = 200.0, 5000.0  #: rad/s and m/s²; a sample beyond is damage
+NEAR = 500_000_000  #: ns; a fix takes an accuracy that is nearer in time
+BATCH_SIZE = 32  #: samples in a record of a high-rate batch
+ACCEL = 0  #: kind of a high-rate batch; gyro is 1
+FIXED = 3  #: least status of a fix in three dimensions
+WEEKS = (1000, 5000)  #: GPS weeks of 1999 and 2075, between which a receiver knows the week
+IMU_UNITS, POSITION_UNITS = "rad/s, m/s²", f"deg, m ({MEAN_SEA_LEVEL}), m/s"
+_HEAD = ("N", "type", "instance", "mul", "smp_cnt", "SampleUS", "smp_rate")
+_TRIADS = {"angular_rate": ("GyrX", "GyrY", "GyrZ"), "specific_force": ("AccX", "AccY", "AccZ")}
+
+
+class _Tables(Protocol):
+    records: int
+
+    def table(self, name: str) -> dict[str, NDArray[Any]] | None: ...
+
+
+def streamed(path: Path, *, binary: bool) -> Iterator[Batch | Remark]:
+    """Yield the streams of a log.
+
+    Raises:
+        UnreadableLogError: the file has no whole record.
+    """
+    notes: list[str] = []
+    tables = _binary_tables(path, notes) if binary else _text_tables(path, notes)
+    if not tables.records:
+        message = f"{path}: no record has one of the formats that the file describes; it is cut or damaged"
+        raise UnreadableLogError(message)
+    yield from (Remark(note) for note in notes)
+    yield from _Streams(tables, path.stat().st_size).all()
+
+
+def _binary_tables(path: Path, notes: list[str]) -> Tables:
+    known: dict[int, Any] = {}
+    tail = b""
+    with source.open_unpacked(path) as file:
+        for block, _ in source.blocks(file, []):  # the second reading notes what is wrong
+            data = tail + block
+            known = {**formats(np.frombuffer(data, np.uint8)), **known}
+            tail = data[-FMT_SIZE:]  # a record may lie across the edge of two blocks
+    tables, rest = Tables(known, WANTED), b""
+    with source.open_unpacked(path) as file:
+        for block, last in source.blocks(file, notes):
+            data = rest + block
+            rest = data[tables.take(np.frombuffer(data, np.uint8), last=last) :]
+    if tables.skipped:
+        notes.append(Note("no_record", f"{tables.skipped} bytes that belong to no record left out"))
+    return tables
+
+
+def _text_tables(path: Path, notes: list[str]) -> TextTables:
+    tables, rest, fault = TextTables(WANTED), b"", source.packed_fault(path)
+    with source.open_unpacked(path) as file:
+        for piece in source.pieces(file, notes):
+            *lines, rest = (rest + piece).split(b"\n")
+            tables.take(lines, to_first_bad=bool(fault))
+            if fault and tables.bad:
+                notes.append(source.damaged(fault, "everything from the first odd line on is left out"))
+                return tables
+    tables.take([rest])
+    if tables.bad:
+        notes.append(Note("bad_line", f"{tables.bad} lines that are cut or have other text than numbers left out"))
+    return tables
+
+
+class _Streams:
+    """From tables to batches."""
+
+    def __init__(self, tables: _Tables, size: int) -> None:
+        self._tables, self._size = tables, size
+        self._factors = si_factors(tables)
+        self._offset = self._unix_offset()
+        self._epoch: Epoch = "boot" if self._offset is None else "unix"
+        self._imu_origin = Origin(IMU_UNITS, "FRD", self._epoch)
+        self._position_origin = Origin(POSITION_UNITS, "NED", self._epoch)
+
+    def all(self) -> Iterator[Batch | Remark]:
+        """Yield all streams, then a note on the clock."""
+        for name in IMUS:
+            for stream, columns in self._instances(name):
+                yield from self._imu(stream, name, columns)
+        yield from self._high_rate()
+        for name, accuracy in zip(RECEIVERS, ACCURACIES, strict=True):
+            accuracies = dict(self._instances(accuracy))
+            for stream, columns in self._instances(name):
+                yield from self._receiver(stream, columns, accuracies.get(stream.replace(name, accuracy)))
+        yield from self._solution()
+        if self._offset is None:
+            yield Remark(Note("no_date", "times count from power-up: no fix states the date"))
+        else:
+            yield Remark(
+                Note("utc_by_receiver", "times since power-up made UTC by the receiver's week and time of week")
+            )
+
+    def _table(self, name: str) -> Columns | None:
+        """Return a record's columns; None without such a record or its time."""
+        table = self._tables.table(name)
+        if table is None:
+            return None
+        if name not in ("ISBH", "ISBD"):  # a damaged format may state arrays where there are none
+            table = {key: column for key, column in table.items() if column.ndim == 1}
+        return table if "TimeUS" in table or "TimeMS" in table else None
+
+    def _instances(self, name: str) -> Iterator[tuple[str, Columns]]:
+        """Yield a record's rows by instance."""
+        table = self._table(name)
+        if table is None:
+            return
+        if "I" not in table:
+            yield name, table
+            return
+        for instance in np.unique(table["I"]):
+            rows = table["I"] == instance
+            yield f"{name}.{int(instance)}", {key: column[rows] for key, column in table.items()}
+
+    def _boot(self, columns: Columns) -> Nanoseconds:
+        """Return the time since power-up."""
+        ticks, unit = (columns["TimeUS"], 1000) if "TimeUS" in columns else (columns["TimeMS"], 1_000_000)
+        if "TimeUS" not in columns and {"Week", "T"} <= columns.keys():  # TimeMS of an old fix is its time of week
+            ticks = columns["T"]
+        return ticks.astype(np.int64).clip(0, 2**62 // unit) * unit
+
+    def _time(self, columns: Columns) -> Nanoseconds:
+        return self._boot(columns) + (self._offset or 0)
+
+    def _unix_offset(self) -> int | None:
+        """Return the offset (ns) of Unix time from the time since power-up; None if no fix states the date."""
+        tables = (table for name in RECEIVERS if (table := self._table(name)) is not None)
+        offsets = [offset for table in tables if (offset := self._unix_offsets(table)) is not None]
+        return int(np.median(np.concatenate(offsets))) if offsets else None
+
+    def _unix_offsets(self, table: Columns) -> Nanoseconds | None:
+        """Return the offset of each fix that knows the date; None if none does."""
+        week = next((table[key] for key in ("GWk", "Week") if key in table), None)
+        milliseconds = next((table[key] for key in ("GMS", "TimeMS") if key in table), None)
+        if week is None or milliseconds is None or not ("TimeUS" in table or "T" in table):
+            return None
+        first, last = WEEKS
+        dated = (week > first) & (week < last) & (table.get("Status", week * 0 + FIXED) >= FIXED)
+        if not dated.any():
+            return None
+        unix = unix_of_gps(week[dated].astype(np.int64), milliseconds[dated].astype(np.int64))
+        return unix - self._boot(table)[dated]
+
+    def _imu(self, stream: str, name: str, columns: Columns) -> Iterator[Batch | Remark]:
+        if not all(field in columns for fields in _TRIADS.values() for field in fields):
+            text = f"{stream}: not used: it lacks an axis of the gyro or the accelerometer"
+            yield Remark(Note("missing_axis", text))
+            return
+        values = {
+            key: triples(columns, fields) * np.array([self._factors.get((name, field), 1.0) for field in fields])
+            for key, fields in _TRIADS.items()
+        }
+        possible = (np.abs(values["angular_rate"]) < FASTEST).all(axis=1)
+        possible &= (np.abs(values["specific_force"]) < STRONGEST).all(axis=1)
+        if not possible.all():
+            note = Note("impossible_value", "rows with values beyond any sensor's range left out")
+            yield Remark(note, stream, int(np.count_nonzero(~possible)))
+        time, origin = self._time(columns), self._imu_origin
+        if possible.any():
+            yield Batch(stream, "imu", time[possible], {k: v[possible] for k, v in values.items()}, origin, self._size)
+        temperature = columns.get("T")
+        if temperature is not None and temperature.any():
+            rows = possible & (np.abs(temperature) < HOTTEST)
+            yield Batch(stream, "imu", time[rows], {"temperature": temperature[rows].astype(float)}, origin, self._size)
+
+    def _high_rate(self) -> Iterator[Batch | Remark]:
+        """Yield the high-rate batches: samples of one sensor at its full rate, for a short time."""
+        heads, data = self._table("ISBH"), self._table("ISBD")
+        if heads is None or data is None or not _is_high_rate(heads, data):
+            return
+        order = np.lexsort((data["seqno"], data["N"]))
+        number = data["N"][order]
+        samples = np.stack([data[axis][order] for axis in "xyz"], axis=-1).reshape(-1, BATCH_SIZE, 3)
+        lost = 0
+        for i in range(heads["N"].size):
+            head = {key: heads[key][i] for key in _HEAD}
+            first, last = np.searchsorted(number, head["N"]), np.searchsorted(number, head["N"], side="right")
+            batch = self._high_rate_batch(head, samples[first:last])
+            if batch is None:
+                lost += 1
+            else:
+                yield batch
+        if lost:
+            yield Remark(Note("cut_batch", f"{lost} incomplete high-rate batches left out"))
+
+    def _high_rate_batch(self, head: Mapping[str, Any], samples: NDArray[Any]) -> Batch | None:
+        """Return one batch; None if it is incomplete."""
+        rate, multiplier = float(head["smp_rate"]), float(head["mul"])
+        if not (len(samples) * BATCH_SIZE == int(head["smp_cnt"]) and rate > 0 and multiplier > 0):
+            return None
+        values = samples.reshape(-1, 3) / multiplier
+        start = int(head["SampleUS"]) * 1000 + (self._offset or 0)
+        time = start + np.rint(np.arange(len(values)) * (SECOND / rate)).astype(np.int64)
+        quantity = "specific_force" if int(head["type"]) == ACCEL else "angular_rate"
+        name = f"ISB.{int(head['instance'])}"
+        return Batch(name, "imu", time, {quantity: values}, self._imu_origin, self._size)
+
+    def _receiver(self, stream: str, columns: Columns, accuracy: Columns | None) -> Iterator[Batch | Remark]:
+        if not {"Lat", "Lng", "Alt", "Spd"} <= columns.keys():
+            return
+        unknown = np.full(columns["Lat"].size, np.nan)
+        fields = {name: columns.get(name, unknown).astype(float) for name in ("Spd", "GCrs", "VZ", "Status")}
+        sigmas = {name: self._accuracies(columns, accuracy, name) for name in ("HAcc", "VAcc", "SAcc")}
+        known = {
+            "position": positions(columns["Lat"], columns["Lng"], columns["Alt"]),
+            "velocity": velocities(fields["Spd"], fields["GCrs"], fields["VZ"]),
+            "position_sigma": position_sigmas(sigmas["HAcc"], sigmas["VAcc"]),
+            "velocity_sigma": isotropic(sigmas["SAcc"]),
+            "fix_type": fields["Status"],
+        }
+        yield from located(stream, "gnss", self._time(columns), known, self._position_origin, self._size)
+
+    def _accuracies(self, fixes: Columns, accuracy: Columns | None, name: str) -> Floats:
+        """Return the accuracy of each fix, nearest in time; nan if none is near."""
+        if accuracy is None or name not in accuracy:
+            return np.full(fixes["Lat"].size, np.nan)
+        time, at = self._boot(fixes), self._boot(accuracy)
+        after = np.searchsorted(at, time).clip(0, at.size - 1)
+        before = (after - 1).clip(0)
+        nearest = np.where(np.abs(at[before] - time) < np.abs(at[after] - time), before, after)
+        values = accuracy[name][nearest].astype(float)
+        return np.where((np.abs(at[nearest] - time) < NEAR) & (values > 0), values, np.nan)
+
+    def _solution(self) -> Iterator[Batch | Remark]:
+        """Yield the navigation solution: position, with velocity and attitude of other records."""
+        place = self._table("POS")
+        if place is None or not {"Lat", "Lng", "Alt"} <= place.keys():
+            return
+        boot = self._boot(place)
+        columns = {"position": positions(place["Lat"], place["Lng"], place["Alt"])}
+        names = ("VN", "VE", "VD")
+        for table in filter(None, map(self._table, SOLUTIONS)):
+            if set(names) <= table.keys():
+                rows = table["C"] == table["C"][0] if "C" in table else np.ones(table["VN"].size, dtype=bool)
+                columns["velocity"] = interpolated(boot, self._boot(table)[rows], triples(table, names)[rows])
+                break
+        attitude = self._table("ATT")
+        if attitude is not None and {"Roll", "Pitch", "Yaw"} <= attitude.keys():
+            angles = np.radians(triples(attitude, ("Roll", "Pitch", "Yaw")))
+            known = (np.abs(angles) < FULL_TURNS).all(axis=1)
+            if known.any():
+                columns["attitude"] = attitudes(boot, self._boot(attitude)[known], angles[known])
+        yield from located("POS", "reference", self._time(place), columns, self._position_origin, self._size)
+
+
+def _is_high_rate(heads: Columns, data: Columns) -> bool:
+    """Return whether the records of high-rate batches have all their fields."""
+    nothing = np.empty(0)
+    if any(heads.get(key, nothing).ndim != 1 or not heads.get(key, nothing).size for key in _HEAD):
+        return False
+    return {"N", "seqno", "x", "y", "z"} <= data.keys() and all(data[axis].ndim == 2 for axis in "xyz")  # noqa: PLR2004

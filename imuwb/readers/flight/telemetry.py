@@ -1,0 +1,113 @@
+"""The messages of a telemetry log by system, component and number, and what is wrong with its frames."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from imuwb.notes import Note
+from imuwb.readers.bytes import source
+from imuwb.readers.bytes.gather import gather
+from imuwb.readers.flight.mavlink_fields import LAYOUTS, decoded
+from imuwb.readers.flight.mavlink_frames import scan
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from imuwb.log import Nanoseconds
+
+    Values = Mapping[str, NDArray[Any]]
+    #: system, component, number of the message
+    Key = tuple[int, int, int]
+    #: position in the file, recorder's time (ns), fields
+    Rows = tuple[NDArray[np.int64], Nanoseconds, dict[str, NDArray[Any]]]
+
+EARLIEST, LATEST = (
+    946_684_800_000_000,
+    4_102_444_800_000_000,
+)  #: µs of the years 2000 and 2100, between which a time is possible
+MICRO = 1000  #: ns
+
+
+def has_frame(head: bytes) -> bool:
+    """Return whether the first bytes of a file have a frame whose checksum is right, after a possible time."""
+    buffer = np.frombuffer(head, np.uint8)
+    recorded = gather(buffer, scan(buffer, last=False).record, ">u8")
+    return bool(((recorded > EARLIEST) & (recorded < LATEST)).any())
+
+
+@dataclass(slots=True)
+class _Pieces:
+    """The rows of one message of one component, block by block."""
+
+    place: list[NDArray[np.int64]] = field(default_factory=list[Any])
+    recorded: list[Nanoseconds] = field(default_factory=list[Any])
+    values: list[Values] = field(default_factory=list[Any])
+
+    def joined(self) -> Rows:
+        columns = {name: np.concatenate([piece[name] for piece in self.values]) for name in self.values[0]}
+        return np.concatenate(self.place), np.concatenate(self.recorded), columns
+
+
+class Telemetry:
+    """A telemetry log, read to its end."""
+
+    def __init__(self, path: Path) -> None:
+        """Read the file."""
+        self.frames = self.failed = self.unknown = self.skipped = self.impossible = self.bytes_read = 0
+        self.notes: list[str] = []  #: on the packed file
+        self._pieces: dict[Key, _Pieces] = defaultdict(_Pieces)
+        with source.open_unpacked(path) as file:
+            rest, offset = b"", 0
+            for block, last in source.blocks(file, self.notes):
+                data = rest + block
+                end = self._take(data, offset, last=last)
+                self.bytes_read = source.position(file)
+                rest, offset = data[end:], offset + end
+
+    def rows(self) -> dict[Key, Rows]:
+        """Return the rows of each message; they are handed over, and can be asked for once."""
+        return {key: self._pieces.pop(key).joined() for key in sorted(self._pieces)}
+
+    @property
+    def has_rows(self) -> bool:
+        """Whether any message of a kind that is used was found."""
+        return bool(self._pieces)
+
+    def faults(self) -> Iterator[Note]:
+        """Yield what is wrong with the frames."""
+        counts = {
+            "checksum_failed": (self.failed, "frames whose checksum is wrong, not used"),
+            "unknown_message": (self.unknown, "frames of messages in no public dialect, not used"),
+            "no_frame": (self.skipped, "bytes that belong to no frame"),
+            "impossible_time": (self.impossible, "frames with an impossible time of the recorder, not used"),
+        }
+        yield from (Note(name, f"{count} {text}") for name, (count, text) in counts.items() if count)
+
+    def _take(self, data: bytes, offset: int, *, last: bool) -> int:
+        """Keep the rows of a block; return where the next block begins."""
+        buffer = np.frombuffer(data, np.uint8)
+        frames = scan(buffer, last=last)
+        self.frames += frames.number.size
+        self.failed += frames.failed
+        self.unknown += frames.unknown
+        self.skipped += frames.skipped + (buffer.size - frames.end if last else 0)
+        recorded = gather(buffer, frames.record, ">u8")
+        possible = (recorded > EARLIEST) & (recorded < LATEST)
+        self.impossible += int(np.count_nonzero(~possible))
+        key = (frames.system << 40) | (frames.component << 32) | frames.number
+        wanted = np.flatnonzero(possible & np.isin(frames.number, list(LAYOUTS)))
+        for one in np.unique(key[wanted]):
+            rows = wanted[key[wanted] == one]
+            number = int(frames.number[rows[0]])
+            pieces = self._pieces[int(frames.system[rows[0]]), int(frames.component[rows[0]]), number]
+            pieces.place.append(offset + frames.record[rows])
+            pieces.recorded.append(recorded[rows].astype(np.int64) * MICRO)
+            pieces.values.append(decoded(LAYOUTS[number], buffer, frames.payload[rows], frames.length[rows]))
+        return frames.end

@@ -1,0 +1,229 @@
+"""The streams of a telemetry log, on Unix time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.errors import UnreadableLogError
+from imuwb.log import MEAN_SEA_LEVEL, Origin
+from imuwb.notes import Note
+from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.flight.boot_clock import BootClock, boot_clock
+from imuwb.readers.flight.mavlink_fields import LAYOUTS
+from imuwb.readers.flight.telemetry import EARLIEST, LATEST, MICRO, Telemetry
+from imuwb.readers.flight.trajectory import (
+    attitudes,
+    isotropic,
+    located,
+    position_sigmas,
+    positions,
+    triples,
+    usable,
+    velocities,
+)
+from imuwb.units import STANDARD_GRAVITY
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from imuwb.log import Floats, Nanoseconds
+    from imuwb.readers.flight.telemetry import Key, Rows, Values
+    from imuwb.readers.read_options import ReadOptions
+
+MILLI = 1_000_000  #: ns
+SYSTEM_TIME, ATTITUDE, SOLUTION = 2, 30, 33
+RECEIVERS = (24, 124)
+SCALED, RAW, FLOATS = (26, 116, 129), (27,), (105, 107)
+IMUS = (*SCALED, *RAW, *FLOATS)
+CLOCKS = (SYSTEM_TIME, ATTITUDE, SOLUTION, *SCALED)  #: messages with ms since power-up
+UNKNOWN = 65535  #: speed or course that is not known
+FROZEN = 0.5  #: share of fixes with the time of the fix before, above which this time is frozen
+APART = 60_000_000_000  #: ns between a fix's own time and its arrival, beyond which its own time is wrong
+LSB = "its smallest steps are 1 mG (9.8e-3 m/s²) and 1 mrad/s (206 deg/h), so quantization limits a noise model of it"
+ABOVE_SEA = f" ({MEAN_SEA_LEVEL})"
+
+
+def streamed(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
+    """Yield the streams of each system.
+
+    Raises:
+        UnreadableLogError: the file has no frame whose checksum is right.
+    """
+    log = Telemetry(path)
+    if not log.frames:
+        message = f"{path}: no MAVLink frame has a right checksum, and {log.skipped} bytes belong to no frame"
+        raise UnreadableLogError(message)
+    if log.skipped and not log.has_rows:
+        message = (
+            f"{path}: the file is cut: of its {log.frames} MAVLink frames none is of an IMU, a receiver or a clock, and "
+            f"{log.skipped} bytes belong to no frame"
+        )
+        raise UnreadableLogError(message)
+    yield from (Remark(note) for note in log.notes)
+    yield from _Streams(log, own_time=options.time_source == "header").all()
+    yield from (Remark(note) for note in log.faults())
+
+
+class _Streams:
+    """From messages to batches."""
+
+    def __init__(self, log: Telemetry, *, own_time: bool) -> None:
+        self._bytes_read, self._own_time = log.bytes_read, own_time
+        self._rows = log.rows()
+        clocks = {part: _clock(self._rows, part) for part in dict.fromkeys((s, c) for s, c, _ in self._rows)}
+        # The recorder has one clock, so what one component states about it is true for all.
+        ahead = next((clock.ahead for clock in clocks.values() if clock.known), None)
+        self._clocks = clocks if ahead is None else {part: clock.with_recorder(ahead) for part, clock in clocks.items()}
+        systems = {key[:2] for key in self._rows if key[2] not in (SYSTEM_TIME, ATTITUDE)}
+        self._one_system = len(systems) == 1
+
+    def all(self) -> Iterator[Batch | Remark]:
+        """Yield all streams, then notes: on the rows, the clocks, and the fixes' times."""
+        remarks: list[Remark] = []
+        for key, rows in self._rows.items():
+            for part in self._stream(key, rows):
+                if isinstance(part, Batch):
+                    yield part
+                else:
+                    remarks.append(part)
+        yield from remarks
+        for (system, component), clock in self._clocks.items():
+            if clock.reboots:
+                text = f"system {system}, component {component}: {clock.reboots} reboots: its clock restarts"
+                yield Remark(Note("reboots", f"{text}, and time goes on by the recorder's clock"))
+        if any(clock.known for clock in self._clocks.values()):
+            yield Remark(Note("utc_by_message", "boot times made Unix time by SYSTEM_TIME"))
+        else:
+            text = "boot times made Unix time by the recorder's clock: no message states the date"
+            yield Remark(Note("utc_by_recorder", text))
+
+    def _stream(self, key: Key, rows: Rows) -> Iterator[Batch | Remark]:
+        """Yield the stream of one message of one component."""
+        system, component, number = key
+        place, recorded, values = rows
+        clock = self._clocks[system, component]
+        name = LAYOUTS[number].name if self._one_system else f"{system}.{component}.{LAYOUTS[number].name}"
+        if number in IMUS:
+            yield from self._imu(name, number, self._time(clock, place, recorded, values), values)
+        elif number in RECEIVERS:
+            arrived = recorded + clock.ahead if self._own_time else recorded
+            time, remarks = _fix_time(name, clock, place, arrived, values) if self._own_time else (arrived, [])
+            yield from remarks
+            yield from self._receiver(name, time, values)
+        elif number == SOLUTION:
+            time = self._time(clock, place, recorded, values)
+            yield from self._solution(name, time, values, self._rows.get((system, component, ATTITUDE)), clock)
+
+    def _time(self, clock: BootClock, place: NDArray[np.int64], recorded: Nanoseconds, values: Values) -> Nanoseconds:
+        """Return the messages' own time, or the recorder's if the options ask for it."""
+        if not self._own_time:
+            return recorded
+        if "time_boot_ms" in values:
+            return clock.unix(place, _boot(values))
+        own = values["time_usec"].clip(0, LATEST).astype(np.int64) * MICRO
+        return np.where(values["time_usec"] > EARLIEST, own, clock.unix(place, own))
+
+    def _imu(self, name: str, number: int, time: Nanoseconds, values: Values) -> Iterator[Batch | Remark]:
+        floats = number in FLOATS
+        force, rate, degrees = (1.0, 1.0, 1.0) if floats else (1e-3 * STANDARD_GRAVITY, 1e-3, 0.01)
+        origin = Origin("rad/s, m/s²" if floats else "mrad/s, mG", "FRD", "unix")
+        columns = {
+            "angular_rate": triples(values, ("xgyro", "ygyro", "zgyro")) * rate,
+            "specific_force": triples(values, ("xacc", "yacc", "zacc")) * force,
+        }
+        temperature = values["temperature"].astype(np.float64) * degrees
+        if not floats:
+            yield Remark(Note("coarse", f"{name}: {LSB}"))
+        instance = values["id"] if "id" in values else np.zeros(time.size, np.uint8)
+        for one in np.unique(instance):
+            rows = instance == one
+            stream = name if not one else f"{name}.{one}"
+            yield Batch(stream, "imu", time[rows], {k: v[rows] for k, v in columns.items()}, origin, self._bytes_read)
+            measured = rows & (temperature != 0)  # 0: no thermometer
+            if measured.any():
+                warm = {"temperature": temperature[measured]}
+                yield Batch(stream, "imu", time[measured], warm, origin, self._bytes_read)
+
+    def _receiver(self, name: str, time: Nanoseconds, values: Values) -> Iterator[Batch | Remark]:
+        def known(field: str, unknown: int, factor: float) -> Floats:
+            return np.where(values[field] == unknown, np.nan, values[field] * factor)
+
+        ellipsoid = bool(values["alt_ellipsoid"].any())
+        if not ellipsoid:
+            text = "heights are above mean sea level; the receiver sends none above the ellipsoid"
+            yield Remark(Note("above_sea", f"{name}: {text}"))
+        height = values["alt_ellipsoid" if ellipsoid else "alt"] * 1e-3
+        columns = {
+            "position": positions(values["lat"] * 1e-7, values["lon"] * 1e-7, height),
+            "velocity": velocities(known("vel", UNKNOWN, 1e-2), known("cog", UNKNOWN, 1e-2)),
+            "position_sigma": position_sigmas(known("h_acc", 0, 1e-3), known("v_acc", 0, 1e-3)),
+            "velocity_sigma": isotropic(known("vel_acc", 0, 1e-3)),
+            "fix_type": values["fix_type"].astype(np.float64),
+        }
+        origin = Origin(f"1e-7 deg, mm{'' if ellipsoid else ABOVE_SEA}, cm/s", "NED", "unix")
+        yield from located(name, "gnss", time, columns, origin, self._bytes_read)
+
+    def _solution(
+        self, name: str, time: Nanoseconds, values: Values, attitude: Rows | None, clock: BootClock
+    ) -> Iterator[Batch | Remark]:
+        """Yield the navigation solution: position and velocity, with the attitude of another message."""
+        position = positions(values["lat"] * 1e-7, values["lon"] * 1e-7, values["alt"] * 1e-3)
+        columns = {"position": position, "velocity": triples(values, ("vx", "vy", "vz")) * 1e-2}
+        if attitude is not None:
+            place, recorded, angles = attitude
+            at, turns = self._time(clock, place, recorded, angles), triples(angles, ("roll", "pitch", "yaw"))
+            known = np.isfinite(turns).all(axis=1)
+            if known.any():
+                columns["attitude"] = attitudes(time, at[known], turns[known])
+        origin = Origin(f"1e-7 deg, mm{ABOVE_SEA}, cm/s", "NED", "unix")
+        yield from located(name, "reference", time, columns, origin, self._bytes_read)
+        if usable(position).any():
+            yield Remark(Note("above_sea", f"{name}: heights are above mean sea level"))
+
+
+def _fix_time(
+    name: str, clock: BootClock, place: NDArray[np.int64], arrived: Nanoseconds, values: Values
+) -> tuple[Nanoseconds, list[Remark]]:
+    """Return a receiver's own time, since power-up or since 1970; that of arrival for a time that cannot be."""
+    own = values["time_usec"].astype(np.int64) * MICRO
+    time = np.where(values["time_usec"] > EARLIEST, own, clock.unix(place, own))
+    wrong = np.abs(time - arrived) > APART
+    frozen = own.size > 1 and float(np.mean(np.diff(own) == 0)) > FROZEN
+    if frozen:
+        wrong[:] = True
+    if not wrong.any():
+        return time, []
+    why = "is frozen" if frozen else "is 0, or far from that of arrival"
+    note = Note(
+        "fix_time_frozen" if frozen else "fix_time_wrong", f"fixes with the recorder's time, because their own {why}"
+    )
+    return np.where(wrong, arrived, time), [Remark(note, name, int(wrong.sum()), "time")]
+
+
+def _clock(rows: Mapping[Key, Rows], part: tuple[int, int]) -> BootClock:
+    """Return the clock of one component, from all its messages that state the time since power-up."""
+    parts: list[tuple[NDArray[np.int64], ...]] = []
+    for number in (*CLOCKS, *RAW, *FLOATS):
+        if (*part, number) not in rows:
+            continue
+        place, recorded, values = rows[*part, number]
+        in_microseconds = "time_usec" in values
+        if in_microseconds and (values["time_usec"] > EARLIEST).any():
+            continue  # this is Unix time
+        boot = values["time_usec"].astype(np.int64) * MICRO if in_microseconds else _boot(values)
+        unix = values.get("time_unix_usec", np.zeros(place.size, np.uint64))
+        parts.append((place, boot, recorded, np.where(unix < LATEST, unix, 0).astype(np.int64) * MICRO))
+    if not parts:
+        return boot_clock(*[np.empty(0, np.int64)] * 4)
+    place, boot, recorded, unix = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+    order = np.argsort(place, kind="stable")
+    return boot_clock(place[order], boot[order], recorded[order], unix[order])
+
+
+def _boot(values: Values) -> Nanoseconds:
+    return values["time_boot_ms"].astype(np.int64) * MILLI

@@ -1,0 +1,95 @@
+"""Positions, velocities and attitudes of flight controllers and their receivers, as the columns of streams."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from imuwb.notes import Note
+from imuwb.readers.batch import Batch, Remark
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from numpy.typing import NDArray
+
+    from imuwb.log import Floats, Kind, Nanoseconds, Origin
+
+
+HIGHEST = 1e5  #: m; a height beyond is damage
+FASTEST = 2e4  #: m/s; a velocity beyond is damage
+
+
+def positions(latitude: NDArray[Any], longitude: NDArray[Any], height: NDArray[Any]) -> Floats:
+    """Return positions, (n, 3) rad and m, from degrees and metres."""
+    return np.stack([np.radians(latitude), np.radians(longitude), height], axis=1).astype(np.float64)
+
+
+def triples(columns: Mapping[str, NDArray[Any]], names: tuple[str, ...] | str) -> Floats:
+    """Return three columns as one, (n, 3)."""
+    return np.stack([columns[name].astype(np.float64) for name in names], axis=1)
+
+
+def velocities(speed: Floats, course: Floats, down: Floats | float = np.nan) -> Floats:
+    """Return velocities, (n, 3) m/s, NED, from the speed over ground, the course (deg) and the velocity down.
+
+    A value is nan if it is unknown, or beyond what any vehicle reaches.
+    """
+    angle = np.radians(course)
+    velocity = np.stack([speed * np.cos(angle), speed * np.sin(angle), np.broadcast_to(down, speed.shape)], axis=1)
+    with np.errstate(invalid="ignore"):
+        return np.where(np.abs(velocity) < FASTEST, velocity, np.nan)
+
+
+def position_sigmas(horizontal: Floats, vertical: Floats) -> Floats:
+    """Return sigmas of positions, (n, 3) m, NED; the horizontal one counts for north and for east."""
+    return np.stack([horizontal, horizontal, vertical], axis=1)
+
+
+def isotropic(sigma: Floats) -> Floats:
+    """Return one sigma for all three axes, (n, 3)."""
+    return np.stack([sigma] * 3, axis=1)
+
+
+def usable(position: Floats) -> NDArray[np.bool_]:
+    """Return which rows, (n, 3) rad and m, are positions: a receiver without a fix states 0/0."""
+    latitude, longitude, height = position.T
+    possible = (np.abs(latitude) <= np.pi / 2) & (np.abs(longitude) <= np.pi) & (np.abs(height) < HIGHEST)
+    return possible & ((latitude != 0) | (longitude != 0))
+
+
+def located(
+    name: str, kind: Kind, time: Nanoseconds, columns: Mapping[str, Floats], origin: Origin, bytes_read: int
+) -> Iterator[Batch | Remark]:
+    """Yield the rows that have a position, and how many have none."""
+    rows = usable(columns["position"])
+    lost, text = int(np.count_nonzero(~rows)), "rows without a position (0/0: no fix yet) left out"
+    if lost and not rows.any():
+        yield Remark(Note("no_position", f"{name}: all {lost} {text}"))
+        return
+    if lost:
+        yield Remark(Note("no_position", text), name, lost)
+    yield Batch(name, kind, time[rows], {key: column[rows] for key, column in columns.items()}, origin, bytes_read)
+
+
+def interpolated(time: Nanoseconds, at: Nanoseconds, values: Floats) -> Floats:
+    """Return values, (m, k) at rising times ``at``, at other times, (n, k), linear in between."""
+    return np.stack([np.interp(time, at, column) for column in values.T], axis=1)
+
+
+def attitudes(time: Nanoseconds, at: Nanoseconds, angles: Floats) -> Floats:
+    """Return roll, pitch and heading, (m, 3) rad at times ``at`` in any order, at other times, (n, 3).
+
+    They are linear in between, also across the step from 360 to 0 degrees.
+    """
+    order = np.argsort(at, kind="stable")
+    return interpolated(time, at[order], np.unwrap(angles[order].astype(np.float64), axis=0))
+
+
+def euler_angles(q: Floats) -> Floats:
+    """Return roll, pitch and heading, (n, 3) rad, of quaternions, (n, 4), body to NED, scalar first (Groves, eq. 2.37)."""
+    w, x, y, z = q.T
+    roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x**2 + y**2))
+    pitch = np.arcsin((2 * (w * y - z * x)).clip(-1, 1))
+    return np.stack([roll, pitch, np.arctan2(2 * (w * z + x * y), 1 - 2 * (y**2 + z**2))], axis=1)

@@ -1,0 +1,300 @@
+"""The streams of a PX4 log, from the topics of its messages."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from imuwb.errors import UnreadableLogError
+from imuwb.geodesy import displaced
+from imuwb.log import MEAN_SEA_LEVEL, Origin
+from imuwb.notes import Note
+from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.bytes import source
+from imuwb.readers.flight.boot_clock import EARLIEST
+from imuwb.readers.flight.trajectory import (
+    attitudes,
+    euler_angles,
+    interpolated,
+    isotropic,
+    located,
+    position_sigmas,
+    positions,
+    triples,
+    usable,
+)
+from imuwb.readers.flight.ulog_records import ULogFile
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from imuwb.log import Epoch, Floats, Nanoseconds
+
+    Columns = Mapping[str, NDArray[Any]]
+
+COMBINED, INCREMENTS = "sensor_combined", "vehicle_imu"
+RECEIVERS = ("sensor_gps", "vehicle_gps_position")
+GLOBAL, LOCAL, ATTITUDE = "vehicle_global_position", "vehicle_local_position", "vehicle_attitude"
+SENSORS = {"angular_rate": "sensor_gyro", "specific_force": "sensor_accel"}
+FIFOS = tuple(f"{name}_fifo" for name in SENSORS.values())
+WANTED = frozenset((COMBINED, INCREMENTS, *RECEIVERS, GLOBAL, LOCAL, ATTITUDE, *SENSORS.values(), *FIFOS))
+#: shape of a row of each field that is no single number; a field of another shape is not PX4's
+_SHAPES = {"q": (4,), **dict.fromkeys(("gyro_rad", "accelerometer_m_s2", "delta_angle", "delta_velocity"), (3,))}
+LONGEST_STEP = 1e6  #: µs between the samples in a sensor's own buffer; a larger one is damage
+INVALID = 2**31 - 1  #: relative stamp of a sample that is not valid
+MICRO = 1000  #: ns
+IMU_UNITS = "rad/s, m/s²"
+ABOVE_SEA = f" ({MEAN_SEA_LEVEL})"  #: heights of PX4's own solution, and of its oldest receivers
+
+
+def streamed(path: Path) -> Iterator[Batch | Remark]:
+    """Yield the streams of a log.
+
+    Raises:
+        UnreadableLogError: the file has no whole message of data.
+    """
+    notes: list[str] = []
+    log = ULogFile()
+    log.take(_bytes(path, notes), WANTED)
+    if not log.data:
+        message = f"{path}: this PX4 log has no whole message of data; it is cut or damaged"
+        raise UnreadableLogError(message)
+    yield from (Remark(note) for note in notes)
+    yield from _Streams(log, path.stat().st_size).all()
+    yield from map(Remark, _faults(log))
+
+
+def _faults(log: ULogFile) -> Iterator[Note]:
+    if log.dropouts:
+        count, total, longest = len(log.dropouts), sum(log.dropouts), max(log.dropouts)
+        yield Note("dropouts", f"{count} dropouts of the recorder, {total} ms in all, the longest {longest} ms")
+    if log.skipped:
+        yield Note("no_message", f"{log.skipped} bytes that belong to no message")
+    if log.misfits:
+        yield Note("short_message", f"{log.misfits} messages that are shorter than their topic's definition, not used")
+
+
+def _bytes(path: Path, notes: list[str]) -> NDArray[np.uint8]:
+    with source.open_unpacked(path) as file:
+        if source.is_packed(file):
+            return np.frombuffer(b"".join(source.pieces(file, notes)), np.uint8)
+    return np.memmap(path, np.uint8, "r")
+
+
+class _Streams:
+    """From topics to batches."""
+
+    def __init__(self, log: ULogFile, size: int) -> None:
+        self._log, self._size = log, size
+        self._offset = self._unix_offset()
+        self._epoch: Epoch = "boot" if self._offset is None else "unix"
+
+    def all(self) -> Iterator[Batch | Remark]:
+        """Yield all streams, the IMU with most samples first, then a note on the clock."""
+        imus = [*self._sensors(), *self._combined(), *self._increments()]
+        rows: dict[str, int] = {}
+        for batch in imus:
+            rows[batch.stream] = max(rows.get(batch.stream, 0), batch.time.size)
+        yield from sorted(imus, key=lambda batch: -rows[batch.stream])
+        for topic in RECEIVERS:
+            for name, columns in self._topics(topic):
+                yield from self._receiver(name, columns)
+        yield from self._solution()
+        if self._offset is None:
+            yield Remark(Note("no_date", "times count from power-up: no fix states the date"))
+        else:
+            yield Remark(Note("utc_by_receiver", "times since power-up made UTC by the receiver"))
+
+    def _topics(self, name: str) -> list[tuple[str, Columns]]:
+        """Return a topic's instances; if there are several, their names have a number."""
+        fifo = name.endswith("_fifo")
+
+        def fits(field: str, values: NDArray[Any]) -> bool:
+            return values.ndim == 2 if fifo and field in "xyz" else values.shape[1:] == _SHAPES.get(field, ())  # noqa: PLR2004
+
+        shaped = [(i, {k: _wide(v) for k, v in c.items() if fits(k, v)}) for i, c in self._log.topics(name)]
+        timed = [(i, columns) for i, columns in shaped if "timestamp" in columns]
+        several = len(timed) > 1 or any(i for i, _ in timed)
+        return [(f"{name}.{i}" if several else name, columns) for i, columns in timed]
+
+    def _topic(self, name: str) -> Columns | None:
+        """Return a topic with one instance; None otherwise."""
+        return dict(self._topics(name)).get(name)
+
+    def _boot(self, columns: Columns) -> Nanoseconds:
+        """Return the time since power-up: that of the samples if it is logged, else that of the messages."""
+        stamp = columns["timestamp"]
+        sampled = columns.get("timestamp_sample")
+        if sampled is not None and sampled.any():
+            stamp = sampled
+        return _nanoseconds(stamp)
+
+    def _unix_offset(self) -> int | None:
+        """Return the offset (ns) of Unix time from the time since power-up; None if no fix states the date."""
+        offsets: list[Nanoseconds] = []
+        for name in RECEIVERS:
+            for _, columns in self._topics(name):
+                unix = _nanoseconds(columns.get("time_utc_usec", np.zeros(1, np.uint64)))
+                dated = unix > EARLIEST
+                if dated.any():
+                    offsets.append((unix - self._boot(columns))[dated])
+        return int(np.median(np.concatenate(offsets))) if offsets else None
+
+    def _imu_batch(self, name: str, boot: Nanoseconds, quantity: str, values: Floats, units: str = IMU_UNITS) -> Batch:
+        time, origin = boot + (self._offset or 0), Origin(units, "FRD", self._epoch)
+        return Batch(name, "imu", time, {quantity: values}, origin, self._size)
+
+    def _sensors(self) -> Iterator[Batch]:
+        """Yield the single sensors: gyro and accelerometer of one number are one IMU, each with its own clock."""
+        for suffix in ("_fifo", ""):
+            topics = {quantity: dict(self._topics(name + suffix)) for quantity, name in SENSORS.items()}
+            names = {quantity: {_instance(name): name for name in streams} for quantity, streams in topics.items()}
+            for instance in sorted({i for numbered in names.values() for i in numbered}):
+                parts = {quantity: names[quantity][instance] for quantity in SENSORS if instance in names[quantity]}
+                imu = "+".join(sorted(parts.values()))
+                for quantity, name in parts.items():
+                    yield from self._sensor(imu, quantity, topics[quantity][name], fifo=bool(suffix))
+
+    def _sensor(self, imu: str, quantity: str, columns: Columns, *, fifo: bool) -> Iterator[Batch]:
+        shapes = {columns[axis].shape if axis in columns else () for axis in "xyz"}
+        if len(shapes) > 1 or () in shapes:
+            return
+        boot = self._boot(columns)
+        if fifo:
+            if {"samples", "dt", "scale"} <= columns.keys():
+                yield self._imu_batch(imu, *_unrolled(boot, columns, quantity))
+            return
+        yield self._imu_batch(imu, boot, quantity, triples(columns, "xyz"))
+        temperature = columns.get("temperature")
+        if temperature is not None and quantity == "specific_force" and np.isfinite(temperature).any():
+            yield self._imu_batch(imu, boot, "temperature", temperature.astype(float))
+
+    def _combined(self) -> Iterator[Batch]:
+        for name, columns in self._topics(COMBINED):
+            boot = self._boot(columns)
+            if "gyro_rad" in columns:
+                yield self._imu_batch(name, boot, "angular_rate", columns["gyro_rad"].astype(float))
+            force = columns.get("accelerometer_m_s2")
+            if force is None:
+                continue
+            relative = columns.get("accelerometer_timestamp_relative", np.zeros(boot.size, np.int32))
+            valid = np.abs(relative.astype(float)) < INVALID  # a damaged definition may make any numbers of them
+            time = boot + np.where(valid, relative, 0).astype(np.int64) * MICRO
+            yield self._imu_batch(name, time[valid], "specific_force", force[valid].astype(float))
+
+    def _increments(self) -> Iterator[Batch]:
+        """Yield increments of angle and velocity as the mean rates over their spans."""
+        for name, columns in self._topics(INCREMENTS):
+            for quantity, delta in (("angular_rate", "delta_angle"), ("specific_force", "delta_velocity")):
+                if not {delta, f"{delta}_dt"} <= columns.keys():
+                    continue
+                span = columns[f"{delta}_dt"].astype(float)  # µs, but s in the oldest logs
+                span = np.where(span > 1, span * 1e-6, span)
+                rows = span > 0
+                values = columns[delta].astype(float)[rows] / span[rows, None]
+                yield self._imu_batch(name, self._boot(columns)[rows], quantity, values, "rad, m/s (increments)")
+
+    def _receiver(self, name: str, columns: Columns) -> Iterator[Batch | Remark]:
+        place = _receiver_position(columns)
+        if place is None:
+            return
+        position, above_sea = place
+        known = {"position": position}
+        velocity = ("vel_n_m_s", "vel_e_m_s", "vel_d_m_s")
+        if set(velocity) <= columns.keys():
+            valid = columns.get("vel_ned_valid", np.ones(len(position)))
+            known["velocity"] = np.where(valid[:, None] > 0, triples(columns, velocity), np.nan)
+        if {"eph", "epv"} <= columns.keys():
+            known["position_sigma"] = position_sigmas(_positive(columns["eph"]), _positive(columns["epv"]))
+        if "s_variance_m_s" in columns:
+            known["velocity_sigma"] = isotropic(_positive(columns["s_variance_m_s"]))
+        if "fix_type" in columns:
+            known["fix_type"] = columns["fix_type"].astype(float)
+        origin = Origin(f"deg, m{above_sea}, m/s", "NED", self._epoch)
+        time = self._boot(columns) + (self._offset or 0)
+        yield from located(name, "gnss", time, known, origin, self._size)
+
+    def _solution(self) -> Iterator[Batch | Remark]:
+        """Yield the navigation solution: position, with velocity and attitude of other topics."""
+        local, places = self._topic(LOCAL), self._topic(GLOBAL)
+        if places is not None and {"lat", "lon", "alt"} <= places.keys():
+            name, boot = GLOBAL, self._boot(places)
+            position = positions(places["lat"], places["lon"], places["alt"])
+        elif local is not None and {"ref_lat", "ref_lon", "ref_alt", "x", "y", "z"} <= local.keys():
+            name, boot, position = LOCAL, self._boot(local), _local_position(local)
+        else:
+            return
+        rows = usable(position)
+        if not rows.any():
+            return
+        columns = {"position": position}
+        if local is not None and {"vx", "vy", "vz"} <= local.keys():
+            columns["velocity"] = interpolated(boot, self._boot(local), triples(local, ("vx", "vy", "vz")))
+        attitude = self._topic(ATTITUDE)
+        if attitude is not None and "q" in attitude:
+            known = np.isfinite(attitude["q"]).all(axis=1)
+            if known.any():
+                angles = euler_angles(attitude["q"][known].astype(float))
+                columns["attitude"] = attitudes(boot, self._boot(attitude)[known], angles)
+        origin = Origin(f"deg, m{ABOVE_SEA}, m/s", "NED", self._epoch)
+        # Rows without a position are normal here: the solution begins before the first fix.
+        kept = {key: column[rows] for key, column in columns.items()}
+        yield Batch(name, "reference", boot[rows] + (self._offset or 0), kept, origin, self._size)
+
+
+def _nanoseconds(microseconds: NDArray[Any]) -> Nanoseconds:
+    return microseconds.clip(0, 2**62 // MICRO).astype(np.int64) * MICRO
+
+
+def _wide(values: NDArray[Any]) -> NDArray[Any]:
+    """Return single precision as double; damage makes signalling nans, of which the processor warns."""
+    with np.errstate(invalid="ignore"):
+        return values.astype(np.float64) if values.dtype == np.float32 else values
+
+
+def _instance(stream: str) -> int:
+    _, _, number = stream.rpartition(".")
+    return int(number) if number.isdigit() else 0
+
+
+def _unrolled(boot: Nanoseconds, columns: Columns, quantity: str) -> tuple[Nanoseconds, str, Floats]:
+    """Return time, quantity and values of the samples in a sensor's own buffer; a message's stamp is that of its last sample."""
+    values = np.stack([columns[axis].astype(float) for axis in "xyz"], axis=2)  # message, sample, axis
+    step = np.where((columns["dt"] >= 0) & (columns["dt"] < LONGEST_STEP), columns["dt"], np.nan) * MICRO
+    count = np.where(np.isfinite(step), columns["samples"].astype(np.int64).clip(0, values.shape[1]), 0)
+    step = np.nan_to_num(step)
+    sample = np.arange(values.shape[1])[None, :]
+    used = sample < count[:, None]
+    time = boot[:, None] - np.rint((count[:, None] - 1 - sample) * step[:, None]).astype(np.int64)
+    return time[used], quantity, (values * columns["scale"].astype(float)[:, None, None])[used]
+
+
+def _receiver_position(columns: Columns) -> tuple[Floats, str] | None:
+    """Return a receiver's positions, and a text on their heights if none above the ellipsoid is logged; None without any."""
+    above_sea = "" if {"altitude_ellipsoid_m", "alt_ellipsoid"} & columns.keys() else ABOVE_SEA
+    if {"latitude_deg", "longitude_deg"} <= columns.keys():
+        height = columns.get("altitude_ellipsoid_m", columns.get("altitude_msl_m"))
+        latitude, longitude, unit = columns["latitude_deg"], columns["longitude_deg"], 1.0
+    elif {"lat", "lon"} <= columns.keys():
+        height = columns.get("alt_ellipsoid", columns.get("alt"))
+        latitude, longitude, unit = columns["lat"] * 1e-7, columns["lon"] * 1e-7, 1e-3
+    else:
+        return None
+    return None if height is None else (positions(latitude, longitude, height * unit), above_sea)
+
+
+def _local_position(local: Columns) -> Floats:
+    """Return positions from displacements, (n, 3) m, NED, from a reference point; 0 where the point is unknown."""
+    reference = positions(local["ref_lat"], local["ref_lon"], local["ref_alt"])
+    known = (local.get("xy_global", local["ref_lat"] != 0) > 0) & usable(reference)
+    position = np.zeros_like(reference)
+    position[known] = displaced(reference[known], triples(local, "xyz")[known])
+    return position
+
+
+def _positive(values: NDArray[Any]) -> Floats:
+    return np.where(values > 0, values, np.nan).astype(float)

@@ -1,0 +1,51 @@
+"""The quantities of a text log, and what their units measure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from imuwb.errors import UsageError
+from imuwb.units import unit
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+#: quantity -> the dimension of its units
+DIMENSIONS = {
+    "gyro": "angular_rate", "accel": "specific_force", "time": "time", "temperature": "temperature",
+    "latitude": "angle", "longitude": "angle", "height": "length",
+    "velocity_north": "speed", "velocity_east": "speed", "velocity_down": "speed",
+    "sigma_north": "length", "sigma_east": "length", "sigma_down": "length",
+    "sigma_velocity_north": "speed", "sigma_velocity_east": "speed", "sigma_velocity_down": "speed",
+    "fix_type": "dimensionless", "speed": "speed", "roll": "angle", "pitch": "angle", "heading": "angle",
+    "week": "dimensionless",
+}  # fmt: skip
+#: A unit of one of these is the unit of several quantities.
+GROUPS = {
+    "position": ("latitude", "longitude"),
+    "velocity": ("velocity_north", "velocity_east", "velocity_down"),
+}
+
+
+def units_by_quantity(texts: Mapping[str, str]) -> dict[str, str]:
+    """Return the unit of each quantity; ``position`` and ``velocity`` stand for their parts.
+
+    Raises:
+        UsageError: an unknown quantity or unit, or a unit of another dimension.
+    """
+    units: dict[str, str] = {}
+    for quantity, text in texts.items():
+        for name in GROUPS.get(quantity, (quantity,)):
+            if name not in DIMENSIONS:
+                message = f"units: there is no quantity {quantity!r}; write one of: {', '.join((*DIMENSIONS, *GROUPS))}"
+                raise UsageError(message)
+            if unit(text).dimension != DIMENSIONS[name]:
+                message = f"units: {text!r} is not a unit of {dimension_text(name)}, which {quantity} needs"
+                raise UsageError(message)
+            units[name] = text
+    return units
+
+
+def dimension_text(quantity: str) -> str:
+    """Return what a quantity's unit measures: ``angular rate``."""
+    return DIMENSIONS[quantity].replace("_", " ")

@@ -1,0 +1,64 @@
+"""What a file does not state itself, and its user states for it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping  # noqa: TC003 - the fields' types are looked up when the program runs
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from imuwb.errors import UsageError
+from imuwb.options import Between, Form, check
+from imuwb.readers.quantities import units_by_quantity
+from imuwb.units import Epoch  # noqa: TC001 - as above
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+TimeSource = Literal["header", "log", "publish"]
+
+
+@dataclass(frozen=True, slots=True)
+class ReadOptions:
+    """How a file is read where it does not state this itself. Texts become values: ``units="gyro=deg/s,accel=g"``.
+
+    Raises:
+        UsageError: a value that is not allowed.
+    """
+
+    time_source: Annotated[
+        TimeSource,
+        "Time stamp of a message: its header's, the one of the recording (log), or the one of sending (publish).",
+    ] = "header"
+    rate: Annotated[
+        float | None, "Sampling rate of a text log without a time column (Hz).", Between(1e-6, 1e8), Form("HZ", "100")
+    ] = None
+    columns: Annotated[
+        tuple[str, ...],
+        "Names of a text log's columns, in order; - for a column that is not used.",
+        Form("NAMES", "time,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z"),
+    ] = ()
+    units: Annotated[
+        Mapping[str, str], "Units of a text log's columns.", Form("QUANTITY=UNIT,...", "gyro=deg/s,accel=g,time=ms")
+    ] = field(default_factory=dict[str, str])
+    frame: Annotated[
+        Literal["FRD", "FLU"] | None,
+        "Body frame, if the log does not state it: forward-right-down or forward-left-up.",
+    ] = None
+    epoch: Annotated[
+        Epoch | None,
+        "Start of a text log's time: 1970 UTC (unix), power-up (boot), or the log's own start (log).",
+    ] = None
+
+    def __post_init__(self) -> None:
+        """Check the values before a file is opened."""
+        try:
+            check(self)
+        except ValueError as error:
+            raise UsageError(str(error)) from error
+        units_by_quantity(self.units)
+
+    def unused(self, uses: Collection[str]) -> tuple[str, ...]:
+        """Return the names of the options that are set but that a format does not use."""
+        default = ReadOptions()
+        changed = (f.name for f in fields(self) if getattr(self, f.name) != getattr(default, f.name))
+        return tuple(name for name in changed if name not in uses)

@@ -1,0 +1,112 @@
+"""Reads a file of any known format as a Log, a stream of pieces, or a summary."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
+
+from imuwb import registry
+from imuwb.errors import UnreadableLogError
+from imuwb.log import Provenance
+from imuwb.notes import Note
+from imuwb.readers.assembly.assemble import assemble
+from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.bytes import source
+from imuwb.readers.read_options import ReadOptions
+from imuwb.summary import LogSummary, summarize
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from imuwb.log import Log
+    from imuwb.readers.batch import Reader
+
+    Progress = Callable[[int, int], None]
+
+#: Formats are asked in the order of their names, but for these: MCAP first, then, after those with a magic number,
+#: telemetry and text. Only the readers that are asked are imported.
+ORDER = {"mcap": -1, "tlog": 1, "csv": 2}
+
+
+def reader_of(path: str | Path) -> Reader:
+    """Return the reader whose format the file's leading bytes show.
+
+    Raises:
+        UnreadableLogError: the file is missing, empty, a directory, or of no known format.
+    """
+    path = Path(path)
+    source.check(path)
+    head = source.head(path)
+    points = registry.installed(registry.READERS)
+    for name in sorted(points, key=lambda name: ORDER.get(name, 0)):
+        reader = cast("Reader | None", registry.load(points[name]))
+        if reader is not None and reader.probe(head):
+            return reader
+    if not head:
+        message = f"{path}: a gzip file whose first bytes cannot be unpacked; it is cut or damaged: copy it again"
+        raise UnreadableLogError(message)
+    message = f"{path}: no known log format begins with {head[:8]!r}; the known formats are {', '.join(points)}"
+    raise UnreadableLogError(message)
+
+
+def stream(path: str | Path, options: ReadOptions | None = None) -> Iterator[Batch | Remark]:
+    """Yield a log piece by piece in the file's order; memory is bounded by the size of a piece.
+
+    Raises:
+        UnreadableLogError: the file cannot be read.
+        UsageError: the file needs an option, such as its rate or its units.
+    """
+    return _parts(reader_of(path), Path(path), options or ReadOptions())
+
+
+def _parts(reader: Reader, path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
+    unused = options.unused(getattr(reader, "uses", [f.name for f in fields(ReadOptions)]))
+    if unused:
+        names = ", ".join(f"--{name.replace('_', '-')}" for name in unused)
+        yield Remark(Note("options_unused", f"{names} not used: a {reader.format} log states this itself"))
+    yield from reader.stream(path, options)
+
+
+def read(path: str | Path, options: ReadOptions | None = None, progress: Progress | None = None) -> Log:
+    """Return the whole log.
+
+    Args:
+        path: a file of any known format; its leading bytes decide which.
+        options: what the file does not state itself, such as rate, columns, and units.
+        progress: called now and then with (bytes read, bytes of the file).
+
+    Raises:
+        UnreadableLogError: the file cannot be read, or contradicts its stated units.
+        UsageError: the file needs an option, such as its rate or its units.
+    """
+    path = Path(path)
+    reader = reader_of(path)
+    size = path.stat().st_size
+    with ThreadPoolExecutor(1) as pool:
+        fingerprint = pool.submit(source.fingerprint, path)
+        parts = _reporting(_parts(reader, path, options or ReadOptions()), size, progress)
+        log = assemble(parts, Provenance(str(path), reader.format, "", size))
+        return replace(log, provenance=replace(log.provenance, hash=fingerprint.result()))
+
+
+def describe(path: str | Path, options: ReadOptions | None = None) -> LogSummary:
+    """Return a summary of a log, from the file's index where it has one, else by reading the log.
+
+    An index states neither gaps nor repairs; a note of the summary says so. ``summarize(read(path))`` always reads.
+
+    Raises:
+        UnreadableLogError: the file cannot be read.
+        UsageError: the file needs an option, such as its rate or its units.
+    """
+    from_index = getattr(reader_of(path), "describe", None)
+    summary = cast("LogSummary | None", from_index(Path(path))) if from_index is not None else None
+    return summary if summary is not None else summarize(read(path, options))
+
+
+def _reporting(parts: Iterator[Batch | Remark], size: int, progress: Progress | None) -> Iterator[Batch | Remark]:
+    for part in parts:
+        if progress is not None and isinstance(part, Batch):
+            progress(part.bytes_read, size)
+        yield part

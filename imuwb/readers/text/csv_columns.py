@@ -1,0 +1,103 @@
+"""The columns of a text log that are used, each with its unit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.errors import UnreadableLogError, UsageError
+from imuwb.readers.quantities import DIMENSIONS, units_by_quantity
+from imuwb.readers.text.column_names import Column, columns
+from imuwb.readers.text.trust import is_number
+from imuwb.units import STANDARD_GRAVITY, UNITS, unit
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from imuwb.log import Floats
+    from imuwb.readers.read_options import ReadOptions
+    from imuwb.readers.text.lines import Layout
+
+#: dimension -> unit of a column that states none; an IMU's unit must be stated, because several are common
+_USUAL = {"temperature": "°C", "angle": "deg", "length": "m", "speed": "m/s"}
+STILL = 0.1  #: relative difference between the specific force at rest and one gravity
+WRONG = 2.0  #: factor between the specific force and one gravity, beyond which the stated unit is doubtful
+DAMAGED = 1e9  #: a larger number is damage, whatever its unit
+
+
+def used_columns(path: Path, layout: Layout, options: ReadOptions) -> tuple[Column, ...]:
+    """Return the columns that are used, each with its unit.
+
+    Raises:
+        UsageError: names or units of the columns are unknown.
+    """
+    names = options.columns or layout.names
+    if not names:
+        message = (
+            f"{path}: there is no header line; name the {len(layout.first)} columns, for example "
+            "--columns gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z (- for a column that is not used)"
+        )
+        raise UsageError(message)
+    if len(names) != len(layout.first):
+        message = (
+            f"{path}: there are {len(names)} column names ({', '.join(names)}), but the rows have {len(layout.first)} cells; "
+            "name each column with --columns"
+        )
+        raise UsageError(message)
+    known = columns(names, units_by_quantity(options.units))
+    return tuple(_with_unit(path, column, known, layout) for column in known)
+
+
+def _with_unit(path: Path, column: Column, known: tuple[Column, ...], layout: Layout) -> Column:
+    """Return a column with its unit, stated or usual; that of a time column is found later."""
+    if column.unit is not None or column.quantity == "time":
+        return column
+    usual = _USUAL.get(DIMENSIONS[column.quantity])
+    if usual is not None:
+        return replace(column, unit=unit(usual))
+    group = [other for other in known if other.quantity == column.quantity]
+    hint = "deg/s or rad/s"
+    if column.quantity == "accel":
+        cells = [layout.first[other.index] for other in group]
+        norm = float(np.linalg.norm([float(cell) for cell in cells])) if all(map(_is_small, cells)) else 0.0
+        hint = f"its first row has |f| = {norm:.4g}, so likely {_likely(norm) or 'g or m/s²'}"
+    names = ", ".join(other.name for other in group)
+    message = f"{path}: the unit of {names} is unknown ({hint}); state it: --units {column.quantity}=UNIT"
+    raise UsageError(message)
+
+
+def check_gravity(path: Path, force: Floats, used: tuple[Column, ...]) -> bool:
+    """Return whether there are samples to check.
+
+    Raises:
+        UnreadableLogError: the samples are one gravity in another unit than the stated one.
+    """
+    stated = next(column.unit for column in used if column.quantity == "accel")
+    sound = force[np.isfinite(force).all(axis=1) & (np.abs(force) < DAMAGED).all(axis=1)]
+    if not sound.size:
+        return False
+    norm = float(np.median(np.linalg.norm(sound, axis=1)))
+    if stated is None or STANDARD_GRAVITY / WRONG < norm < WRONG * STANDARD_GRAVITY:
+        return True
+    likely = _likely(norm / stated.factor)
+    if likely is not None:
+        message = (
+            f"{path}: accel is stated in {stated.name}, but |f| is {norm / stated.factor:.4g}; an accelerometer at rest "
+            f"measures one gravity, so the unit is likely {likely}: --units accel={likely}"
+        )
+        raise UnreadableLogError(message)
+    return True
+
+
+def _is_small(cell: str) -> bool:
+    return is_number(cell) and abs(float(cell)) < DAMAGED  # nan is not
+
+
+def _likely(norm: float) -> str | None:
+    """Return the unit in which a specific force is about one gravity; None if there is none."""
+    for name in ("m/s²", "g", "mg"):
+        if abs(norm * UNITS[name].factor / STANDARD_GRAVITY - 1) < STILL:
+            return name
+    return None

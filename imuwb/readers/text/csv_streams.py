@@ -1,0 +1,78 @@
+"""The streams that the columns of a text log make up, in SI and FRD."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from numpy.typing import NDArray
+
+    from imuwb.log import Floats, Kind
+    from imuwb.readers.text.column_names import Column
+    from imuwb.units import Unit
+
+    #: kind, columns, and the rows that have them (None: all)
+    Stream = tuple[Kind, dict[str, Floats], NDArray[np.bool_] | None]
+    #: (quantity, axis) -> values in SI
+    Values = Mapping[tuple[str, int], Floats]
+
+_WAYS = ("north", "east", "down")
+#: column of a receiver -> beginning of the names of its quantities
+_TRIPLES = {"velocity": "velocity_", "position_sigma": "sigma_", "velocity_sigma": "sigma_velocity_"}
+
+
+def streams_of(values: Mapping[Column, Floats], frame: str) -> Iterator[Stream]:
+    """Yield the streams of the columns; slower ones beside an IMU have rows of their own.
+
+    Args:
+        values: cells of each column, in its unit.
+        frame: of the IMU, ``FRD`` or ``FLU``.
+    """
+    si = {(c.quantity, c.axis): _si(v, c.unit) for c, v in values.items() if c.unit is not None}
+    signs = np.array([1.0, -1.0, -1.0]) if frame == "FLU" else np.ones(3)
+    imu = {
+        field: triad * signs
+        for quantity, field in (("gyro", "angular_rate"), ("accel", "specific_force"))
+        if (triad := _stacked(si, [(quantity, axis) for axis in range(3)])) is not None
+    }
+    if imu:
+        yield "imu", imu, None
+        temperature = si.get(("temperature", 0))
+        if temperature is not None and np.isfinite(temperature).any():
+            yield "imu", {"temperature": temperature}, np.isfinite(temperature)
+    if ("latitude", 0) in si and ("longitude", 0) in si:
+        yield _position_stream(si, np.isfinite(si["latitude", 0]) if imu else None)
+    if ("speed", 0) in si:
+        yield "speed", {"speed": si["speed", 0]}, np.isfinite(si["speed", 0]) if imu else None
+
+
+def _position_stream(si: Values, rows: NDArray[np.bool_] | None) -> Stream:
+    """Return a receiver's fixes, or, if there is an attitude, a reference: receivers have none."""
+    latitude, longitude = si["latitude", 0], si["longitude", 0]
+    columns = {"position": np.stack([latitude, longitude, si.get(("height", 0), np.zeros_like(latitude))], axis=1)}
+    for field, prefix in _TRIPLES.items():
+        triple = _stacked(si, [(f"{prefix}{way}", 0) for way in _WAYS])
+        if triple is not None:
+            columns[field] = triple
+    attitude = _stacked(si, [("roll", 0), ("pitch", 0), ("heading", 0)])
+    if attitude is not None:
+        columns = {name: columns[name] for name in ("position", "velocity") if name in columns} | {"attitude": attitude}
+        return "reference", {name: x for name, x in columns.items() if np.isfinite(x).any()}, rows
+    if ("fix_type", 0) in si:
+        columns["fix_type"] = si["fix_type", 0]
+    return "gnss", columns, rows
+
+
+def _stacked(si: Values, keys: list[tuple[str, int]]) -> Floats | None:
+    """Return three quantities as (n, 3); None if one is missing."""
+    return np.stack([si[key] for key in keys], axis=1) if all(key in si for key in keys) else None
+
+
+def _si(values: Floats, measure: Unit) -> Floats:
+    with np.errstate(over="ignore"):
+        scaled = values * measure.factor
+    return scaled + measure.offset if measure.offset else scaled  # adding 0 would turn -0 into +0
