@@ -1,4 +1,4 @@
-"""The command line: a command per analysis, an option per parameter."""
+"""The command line: a command for each analysis, an option for each parameter."""
 
 from __future__ import annotations
 
@@ -10,33 +10,36 @@ from pathlib import Path
 
 from imuwb.errors import ImuwbError
 
-INTERRUPTED = 130  #: what shells expect of a program that Ctrl-C ended
+INTERRUPTED = 130  #: exit code that shells expect of a program that Ctrl-C ended
 
 
 def main() -> None:
-    """Run the command line; every error is a message on stderr and an exit code, never a traceback."""
-    warnings.showwarning = _warn
+    """Run the command line. Every error is a message on stderr and an exit code, never a traceback."""
+    warnings.showwarning = _print_warning
     _prepare_streams()
     try:
-        from imuwb.cli.app import build  # noqa: PLC0415 - what fails on import is reported like the rest
+        # Imported here, so that an error on import is reported like the others.
+        from imuwb.cli.app import build  # noqa: PLC0415
+        from imuwb.cli.completion import ASKED, words_before  # noqa: PLC0415
 
-        build(sys.argv[1:])(prog_name="imuwb")
+        arguments = words_before(os.environ) if ASKED in os.environ else sys.argv[1:]
+        build(arguments)(prog_name="imuwb")
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the reader of our output has left
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the program that reads our output has ended
         sys.exit(1)
     except (KeyboardInterrupt, SystemExit) as leaving:
         if isinstance(leaving, SystemExit) and leaving.code != INTERRUPTED:
             raise
-        _say("imuwb: interrupted; what was not finished is not written")
+        _print("imuwb: interrupted; unfinished files are not written")
         sys.exit(INTERRUPTED)
     except Exception as error:
         if os.environ.get("IMUWB_TRACEBACK") and not isinstance(error, ImuwbError):
             raise
-        _say(f"imuwb: {_explained(error)}")
+        _print(f"imuwb: {_message_of(error)}")
         sys.exit(error.exit_code if isinstance(error, ImuwbError) else 1)
 
 
-def _explained(error: Exception) -> str:
+def _message_of(error: Exception) -> str:
     if isinstance(error, ImuwbError):
         return str(error)
     if isinstance(error, OSError):
@@ -45,23 +48,23 @@ def _explained(error: Exception) -> str:
         return "the log does not fit in memory; analyse a part of it with --start and --end"
     return (
         f"internal error: {type(error).__name__}: {error}\n"
-        "This is a fault of imuwb; run again with IMUWB_TRACEBACK=1 and report what it prints."
+        "This is a fault of imuwb. Run the command again with IMUWB_TRACEBACK=1, and report the output."
     )
 
 
 def _prepare_streams() -> None:
-    sys.stdout = sys.stdout or Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115 - whoever started us closed it
+    sys.stdout = sys.stdout or Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115 - None if the parent closed it
     sys.stderr = sys.stderr or sys.stdout
     for stream in (sys.stdout, sys.stderr):
-        # Units have letters that a pipe's or an old console's encoding may lack.
+        # Units have letters that the encoding of a pipe or of an old console may lack.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(encoding=stream.encoding if stream.isatty() else "utf-8", errors="replace")
 
 
-def _say(text: str) -> None:
+def _print(text: str) -> None:
     print(text, file=sys.stderr)  # noqa: T201 - this is the command line
 
 
-def _warn(message: Warning | str, category: type[Warning], *_: object, **__: object) -> None:
+def _print_warning(message: Warning | str, category: type[Warning], *_: object, **__: object) -> None:
     del category
-    _say(f"imuwb: warning: {message}")
+    _print(f"imuwb: warning: {message}")

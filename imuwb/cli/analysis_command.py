@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import inspect
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
 from imuwb.analysis import offers
-from imuwb.cli.options import ANY_LOG, LOG_PANEL, Conditions, Outputs, Part
+from imuwb.cli.options import ANY_LOG, LOG_PANEL, Conditions, Outputs, Part, Request
 from imuwb.cli.parameters import make, parameters_of
 from imuwb.errors import UsageError
 
@@ -18,37 +17,26 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from imuwb.analysis import Analysis
-    from imuwb.readers import ReadOptions
 
 #: a shared option -> the part that an analysis must offer for it
 NEEDED = {"save_model": "error_model", "study": "study"}
 
 
-@dataclass(frozen=True)
-class Request:
-    """What a user asks of every analysis."""
-
-    reading: ReadOptions
-    part: Part
-    conditions: Conditions
-    outputs: Outputs
-
-
 def command_function(name: str, analysis: Analysis) -> Callable[..., None]:
-    """Return a function whose signature holds the logs, the parameters of an analysis, and the shared options.
+    """Return a function whose signature has the logs, the parameters of an analysis, and the shared options.
 
     Raises:
-        UsageError: a parameter of the analysis that has the name of a shared option.
+        UsageError: a parameter of the analysis has the name of a shared option.
     """
-    from imuwb.readers.read_options import ReadOptions  # noqa: PLC0415 - only a command's own help needs it
+    from imuwb.readers.read_options import ReadOptions  # noqa: PLC0415 - the list of commands does without
 
-    groups = {"reading": ReadOptions, "part": Part, "conditions": Conditions, "outputs": Outputs}
+    groups = {"part": Part, "reading": ReadOptions, "conditions": Conditions, "outputs": Outputs}
     own = parameters_of(analysis.Parameters)
     shared = {
         group: [p for p in parameters_of(kind, LOG_PANEL) if offers(analysis, NEEDED.get(p.name, "run"))]
         for group, kind in groups.items()
     }
-    options = [p for group in ("part", "reading", "conditions", "outputs") for p in shared[group]]
+    options = [parameter for parameters in shared.values() for parameter in parameters]
     clash = {p.name for p in own} & {p.name for p in options}
     if clash:
         message = (
@@ -63,11 +51,11 @@ def command_function(name: str, analysis: Analysis) -> Callable[..., None]:
     def command(**values: Any) -> None:  # noqa: ANN401 - each option has its own type
         from imuwb.cli.perform import perform  # noqa: PLC0415 - help must not wait for numpy and rerun
 
-        def taken(parameters: list[inspect.Parameter]) -> dict[str, Any]:
+        def given(parameters: list[inspect.Parameter]) -> dict[str, Any]:
             return {p.name: values[p.name] for p in parameters}
 
-        request = Request(**{group: make(kind, taken(shared[group])) for group, kind in groups.items()})
-        perform(name, analysis, values["logs"], make(analysis.Parameters, taken(own)), request)
+        request = Request(**{group: make(kind, given(shared[group])) for group, kind in groups.items()})
+        perform(name, analysis, values["logs"], make(analysis.Parameters, given(own)), request)
 
     cast("Any", command).__signature__ = inspect.Signature([logs, *own, *options])
     command.__annotations__ = {p.name: p.annotation for p in (logs, *own, *options)}

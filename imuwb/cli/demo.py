@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 
 from imuwb import registry
-from imuwb.cli.options import Conditions, Force, Outputs, Part
+from imuwb.cli.options import Conditions, Force, Outputs, Part, Request
 from imuwb.errors import MissingDataError
 
 if TYPE_CHECKING:
     from imuwb.analysis import Analysis
 
-LOGS = {"still": "static.mcap", "drive": "drive.mcap"}  #: what an analysis is marked for -> its sample log
+LOGS = {"still": "static.mcap", "drive": "drive.mcap"}  #: value of an analysis's DEMO -> its sample log
 
 
 def demo(
@@ -24,7 +24,7 @@ def demo(
         typer.Option(
             "--output",
             "-o",
-            help="The recording of the noise; that of the drive has -drive in its name.",
+            help="Recording of the still log's analysis. The recording of the drive has -drive added to its name.",
             metavar="FILE.rrd",
         ),
     ] = Path("imuwb-demo.rrd"),
@@ -34,49 +34,50 @@ def demo(
 
     The noise of a still log gives the error model with which the outages of a drive are replayed.
     """
-    from imuwb.cli.analysis_command import Request  # noqa: PLC0415 - help must not wait
-    from imuwb.cli.parameters import make  # noqa: PLC0415
+    from imuwb.cli.parameters import make  # noqa: PLC0415 - help must not wait
     from imuwb.cli.perform import perform  # noqa: PLC0415
     from imuwb.cli.places import Places, check_places  # noqa: PLC0415
     from imuwb.readers.read_options import ReadOptions  # noqa: PLC0415
 
     still, drive = (samples() / log for log in LOGS.values())
-    (first, identify), (second, replay) = (marked(log) for log in LOGS)
-    noise_outputs = Outputs(output=output, force=force)
+    (still_name, still_analysis), (drive_name, drive_analysis) = (marked(log) for log in LOGS)
+    still_outputs = Outputs(output=output, force=force)
     drive_outputs = Outputs(output=output.with_name(f"{output.stem}-drive.rrd"), force=force)
-    places = Places.of(identify, [still], noise_outputs)
-    check_places([*places.all(), *Places.of(replay, [drive], drive_outputs).all()], [still, drive], force=force)
+    settings = make(still_analysis.Parameters, {})
+    places = Places.of(still_analysis, [still], still_outputs, settings)
+    drive_settings = make(drive_analysis.Parameters, {"error_model": places.model})
+    drive_places = Places.of(drive_analysis, [drive], drive_outputs, drive_settings)
+    check_places([*places.all(), *drive_places.all()], [still, drive], force=force)
 
     def request(outputs: Outputs) -> Request:
         return Request(ReadOptions(), Part(), Conditions(), outputs)
 
-    perform(first, identify, [still], make(identify.Parameters, {}), request(noise_outputs))
-    parameters = make(replay.Parameters, {"error_model": places.model})
-    perform(second, replay, [drive], parameters, request(drive_outputs))
-    typer.echo(f"look at them: imuwb view {output}; imuwb view {drive_outputs.output}", err=True)
+    perform(still_name, still_analysis, [still], settings, request(still_outputs))
+    perform(drive_name, drive_analysis, [drive], drive_settings, request(drive_outputs))
+    typer.echo(f"look at the results: imuwb view {output}; imuwb view {drive_outputs.output}", err=True)
 
 
 def marked(log: str) -> tuple[str, Analysis]:
-    """Return the name and the analysis that is marked for a sample log.
+    """Return the name of the analysis that the demo runs on a sample log, and the analysis.
 
     Raises:
-        MissingDataError: no installed analysis is.
+        MissingDataError: no installed analysis is marked for that log.
     """
     if plugin := registry.marked(registry.ANALYSES, "DEMO", value=log):
         return plugin[0], cast("Analysis", plugin[1])
-    message = f"no analysis that is installed is marked for the demo of the {log} log"
+    message = f"no installed analysis has DEMO = {log!r}; install imuwb with its plugins"
     raise MissingDataError(message)
 
 
 def samples() -> Path:
-    """Return the folder of sample logs: in the package, or beside it in a checkout.
+    """Return the folder of the sample logs: in the package, or beside the package in a checkout.
 
     Raises:
-        MissingDataError: neither folder exists.
+        MissingDataError: neither folder has the sample logs.
     """
     package = Path(__file__).resolve().parent.parent
     for folder in (package / "samples", package.parent / "samples"):
         if all((folder / log).is_file() for log in LOGS.values()):
             return folder
-    message = f"the sample logs are not installed; they would be in {package / 'samples'}"
+    message = f"the sample logs are missing in {package / 'samples'}; install imuwb again"
     raise MissingDataError(message)

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path  # noqa: TC003 - the command line reads the annotations as the program runs
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+if TYPE_CHECKING:
+    from imuwb.readers import ReadOptions
 
 ANY_LOG = "A log: MCAP, ROS bag, db3, tlog, bin, ulg, CSV or RTKLIB .pos."
 IMU_HELP = "Name of the IMU to use, as in imuwb info. A+B: the gyro of A with the accelerometer of B."
@@ -86,3 +89,13 @@ class Outputs:
         Path | None, _output("--save-model", text="Write the error model that is identified.", metavar="FILE.toml")
     ] = None
     live: Annotated[bool, _output("--live", text="Also show the result in a running viewer.")] = False
+
+
+@dataclass(frozen=True)
+class Request:
+    """All that a user asks of any analysis."""
+
+    reading: ReadOptions
+    part: Part
+    conditions: Conditions
+    outputs: Outputs

@@ -1,4 +1,4 @@
-"""One analysis, from the logs' paths to the recording."""
+"""Runs one analysis, from the paths of the logs to the recording."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, cast
 import typer
 
 from imuwb import __version__
-from imuwb.analysis import offers
 from imuwb.cli.places import Places, check_places
 from imuwb.cli.reading import read_log
 from imuwb.cli.studies import cases, grid
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Generator, Sequence
 
     from imuwb.analysis import Analysis
-    from imuwb.cli.analysis_command import Request
+    from imuwb.cli.options import Request
     from imuwb.cli.through import Step
     from imuwb.log import Log
 
@@ -36,21 +35,20 @@ VIEWER = "rerun+http://127.0.0.1:9876/proxy"
 
 
 def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: object, request: Request) -> None:
-    """Read the logs, condition them, run the analysis, and write what it draws."""
+    """Read the logs, condition them, run the analysis, and write its results."""
     plugin = cast("Any", analysis)
     check_count(name, analysis, paths)
     for text in request.conditions.through:
         step(text)
     grid(request.conditions.study)
-    places = Places.of(analysis, paths, request.outputs)
-    own_files: tuple[Path, ...] = plugin.outputs(parameters) if offers(analysis, "outputs") else ()
-    second = [request.part.gnss] if request.part.gnss is not None else []
-    check_places([*places.all(), *own_files], [*paths, *second], force=request.outputs.force)
+    places = Places.of(analysis, paths, request.outputs, parameters)
+    gnss = [request.part.gnss] if request.part.gnss is not None else []
+    check_places(places.all(), [*paths, *gnss], force=request.outputs.force)
 
     through = [conditioned(read_log(path, request.reading, request.part), request.conditions.through) for path in paths]
     logs = [log for log, _ in through]
-    with blaming(name, analysis), progress(f"{name}: computing") as report, watched(lambda part: report(part, 1.0)):
-        # The study comes first: a setting that a log cannot have is found before the long work.
+    with errors_named(name, analysis), progress(f"{name}: computing") as report, watched(lambda part: report(part, 1)):
+        # The study comes first, because it finds a setting that a log cannot have before the long work begins.
         study = plugin.study(cases(logs, request.conditions.study), parameters) if request.conditions.study else None
         result = plugin.run(logs, parameters)
 
@@ -60,7 +58,7 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: ob
         overview(logs, review)
         draw_conditioning(logs[0], through[0][1], review)
         review.tab(name.capitalize())
-        with blaming(name, analysis):
+        with errors_named(name, analysis):
             plugin.draw(result, review)
             if study is not None:
                 review.tab("Study")
@@ -71,29 +69,34 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: ob
     except BaseException:
         review.discard()
         raise
+    _write(places, text, model)
+    if places.own:
+        plugin.write_outputs(result, parameters)
+    for file in places.all():
+        typer.echo(f"wrote {file}", err=True)
+
+
+def _write(places: Places, text: str, model: str) -> None:
+    """Write the JSON and the error model to their places."""
     if places.to_stdout:
         typer.echo(text)
     if places.document is not None:
         write_text(places.document, text + "\n")
     if places.model is not None:
         write_text(places.model, model)
-    if own_files:
-        plugin.write_outputs(result, parameters)
-    for file in (*places.all(), *own_files):
-        typer.echo(f"wrote {file}", err=True)
 
 
 def check_count(name: str, analysis: Analysis, paths: Sequence[Path]) -> None:
     """Raise UsageError unless the analysis takes that many logs."""
     fewest, most = cast("tuple[int, int | None]", getattr(analysis, "LOGS", (1, 1)))
     if len(paths) < fewest or (most is not None and len(paths) > most):
-        wanted = str(fewest) if fewest == most else f"{fewest} to {most or 'any number'}"
+        wanted = str(fewest) if fewest == most else f"{fewest} to {most}" if most else f"{fewest} or more"
         message = f"{name} takes {wanted} log{'s' if wanted != '1' else ''}; {len(paths)} are given"
         raise UsageError(message)
 
 
 def draw_conditioning(log: Log, steps: list[tuple[Step, Any]], review: RecordingReview) -> None:
-    """State and show on a tab of its own what was done to the samples."""
+    """State and show on a tab of its own what the conditioners did to the samples."""
     if not steps:
         return
     review.tab("Conditioning")
@@ -103,13 +106,13 @@ def draw_conditioning(log: Log, steps: list[tuple[Step, Any]], review: Recording
         for c in log.conditioning
     ]
     review.note("the samples were conditioned: " + "; then ".join(stated))
-    for one, drawable in steps:
-        one.draw(drawable, review)
+    for conditioner, applied in steps:
+        conditioner.draw(applied, review)
 
 
 @contextmanager
-def blaming(name: str, analysis: Analysis) -> Generator[None]:
-    """Name the plugin, and the line in it, when an error is raised that is neither imuwb's own nor the log's."""
+def errors_named(name: str, analysis: Analysis) -> Generator[None]:
+    """Raise ImuwbError with the plugin's name and its line in place of an error that imuwb did not raise on purpose."""
     try:
         yield
     except ImuwbError:

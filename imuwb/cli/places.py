@@ -1,12 +1,13 @@
-"""Where outputs go, checked before the work begins."""
+"""Where outputs go. The places are checked before the work begins."""
 
 from __future__ import annotations
 
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
+from imuwb.analysis import offers
 from imuwb.errors import ImuwbError, UsageError
 
 if TYPE_CHECKING:
@@ -26,31 +27,34 @@ class Places:
     document: Path | None  #: the JSON
     model: Path | None  #: the error model
     to_stdout: bool  #: whether the JSON goes to stdout
+    own: tuple[Path, ...] = ()  #: files that the analysis itself writes
 
     @staticmethod
-    def of(analysis: Analysis, logs: Sequence[Path], outputs: Outputs) -> Places:
-        """Return the places that are asked for, or the usual ones beside the first log.
+    def of(analysis: Analysis, logs: Sequence[Path], outputs: Outputs, parameters: object) -> Places:
+        """Return the places that the user gives, or the default places beside the first log.
 
         Raises:
-            UsageError: a recording that does not end in .rrd.
+            UsageError: the name of the recording does not end in .rrd.
         """
         recording = recording_place(outputs.output, logs[0])
         model = outputs.save_model
         if model is None and (kind := getattr(analysis, "LEAVES_MODEL", False)):
             model = recording.with_name(f"{stem(recording)}.{kind if isinstance(kind, str) else 'error-model'}.toml")
         to_stdout = outputs.json == "-"
-        return Places(recording, Path(outputs.json) if outputs.json and not to_stdout else None, model, to_stdout)
+        document = Path(outputs.json) if outputs.json and not to_stdout else None
+        own = cast("Any", analysis).outputs(parameters) if offers(analysis, "outputs") else ()
+        return Places(recording, document, model, to_stdout, own)
 
     def all(self) -> list[Path]:
-        """Return all files that will be written."""
-        return [file for file in (self.recording, self.document, self.model) if file is not None]
+        """Return all files that are written."""
+        return [file for file in (self.recording, self.document, self.model, *self.own) if file is not None]
 
 
 def recording_place(output: Path | None, source: Path) -> Path:
-    """Return the recording that is asked for, or the one beside a source.
+    """Return the recording that the user gives, or the one beside a source.
 
     Raises:
-        UsageError: a recording that does not end in .rrd.
+        UsageError: the name of the recording does not end in .rrd.
     """
     recording = output or source.with_name(f"{stem(source)}.rrd")
     if recording.suffix != ".rrd":
@@ -68,11 +72,11 @@ def stem(path: Path) -> str:
 
 
 def check_places(files: Sequence[Path], logs: Sequence[Path], *, force: bool) -> None:
-    """Check that all outputs can be written: no file twice, none over a log that is read.
+    """Check that all outputs can be written, that no two have the same name, and that none is a log that is read.
 
     Raises:
-        UsageError: two outputs of one name, or a file that exists without ``force``.
-        ImuwbError: a place that cannot be written to.
+        UsageError: two outputs have the same name, or a file exists and ``force`` is not set.
+        ImuwbError: a file cannot be written.
     """
     taken = {log.resolve() for log in logs}
     for file in files:

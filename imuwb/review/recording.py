@@ -96,7 +96,7 @@ class RecordingReview:
         """Show quantities over time. Long series are drawn as the envelopes of their extremes."""
         path = f"{self._tab.path}/series_{len(self._tab.series)}"
         time, values = envelope(series.time, series.values)
-        names = list(series.names)
+        names = [f"{name} [{series.unit}]" for name in series.names]
         style = rr.SeriesLines(
             names=names, colors=list(series.colors) or None, aggregation_policy=rr.components.AggregationPolicy.MinMax,
             widths=[SERIES_WIDTH] * len(names),
