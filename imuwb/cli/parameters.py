@@ -84,7 +84,7 @@ def make(kind: Any, values: Mapping[str, Any]) -> Any:  # noqa: ANN401 - the dat
             for name, value in values.items()
             if value is not None or _is_native(options[name].kind)
         })  # fmt: skip
-    except ValueError as error:
+    except (ValueError, UsageError) as error:
         name, _, rest = str(error).partition(" ")
         message = f"--{name.replace('_', '-')} {rest}" if name in options else str(error)
         raise UsageError(message) from error
