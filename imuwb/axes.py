@@ -61,7 +61,7 @@ def rates(axes: Mapping[str, Axis]) -> dict[str, float]:
     return {axis.sensor: 1 / axis.clock.interval for axis in axes.values()}
 
 
-def gap_notes(axes: Mapping[str, Axis], result: str) -> list[str]:
+def gap_notes(axes: Mapping[str, Axis], result: str) -> list[Note]:
     """Return a note for each sensor with gaps: the named result uses its longest part without gaps."""
     clocks = {axis.sensor: axis.clock for axis in axes.values()}
     return [

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from imuwb.statistics.estimate import Coefficient, Estimate
     from imuwb.units import Unit
@@ -76,6 +76,11 @@ def estimate_text(estimate: Estimate, unit: str, factor: float = 1.0) -> str:
     return f"{value:.{digits}f} [{low:.{digits}f}, {high:.{digits}f}] {unit}".rstrip()
 
 
+def converted_text(estimate: Estimate, unit: Unit) -> str:
+    """Return an estimate in SI with its interval in a display unit, three digits each."""
+    return interval_text(estimate.scaled(1 / unit.factor, unit.name))
+
+
 def coefficient_text(coefficient: Coefficient, unit: Unit) -> str:
     """Return a coefficient and its interval in a display unit, with as many digits as the width of the interval justifies.
 
@@ -93,6 +98,11 @@ def coefficient_text(coefficient: Coefficient, unit: Unit) -> str:
     if high > low and value > 0:
         digits = min(max(2 - math.floor(math.log10((high - low) / value)), fewest), most)
     return f"{value:.{digits}g} [{low:.{digits}g}, {high:.{digits}g}] {unit.name}"
+
+
+def coefficients_text(coefficients: Mapping[str, Coefficient]) -> str:
+    """Return noise coefficients on one line: N 0.0014 [0.0013, 0.0015], K < 0.002."""
+    return ", ".join(f"{letter} {coefficient}" for letter, coefficient in coefficients.items())
 
 
 def decimals(width: float) -> int:

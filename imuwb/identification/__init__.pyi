@@ -1,7 +1,5 @@
 from .allan_variance.averaging import averaging_factors as averaging_factors
 from .allan_variance.fit import AllanFit as AllanFit
-from .allan_variance.fit import CorrelationTime as CorrelationTime
-from .allan_variance.fit import Region as Region
 from .allan_variance.fit import fit_allan as fit_allan
 from .allan_variance.moments import equivalent_degrees_of_freedom as equivalent_degrees_of_freedom
 from .allan_variance.overlapping import AllanDeviation as AllanDeviation
@@ -15,13 +13,15 @@ from .correlation.autoregressive import AutoregressiveFit as AutoregressiveFit
 from .correlation.autoregressive import fit_autoregressive as fit_autoregressive
 from .correlation.burg import Burg as Burg
 from .correlation.burg import burg as burg
+from .headline import NoiseIdentification as NoiseIdentification
+from .headline import identify as identify
 from .likelihood.cosine_spectrum import CosineSpectrum as CosineSpectrum
 from .likelihood.cosine_spectrum import cosine_spectrum as cosine_spectrum
 from .likelihood.fit import LikelihoodFit as LikelihoodFit
 from .likelihood.fit import fit_cosine_spectrum as fit_cosine_spectrum
 from .likelihood.fit import fit_likelihood as fit_likelihood
 from .likelihood.fit import spectrum_without as spectrum_without
-from .likelihood.model_choice import Candidate as Candidate
+from .likelihood.model_choice import ModelCandidate as ModelCandidate
 from .likelihood.model_choice import ModelChoice as ModelChoice
 from .likelihood.model_choice import choose_model as choose_model
 from .record.stationarity import Stationarity as Stationarity
@@ -29,6 +29,7 @@ from .record.stationarity import stationarity as stationarity
 from .record.stillness import Disturbance as Disturbance
 from .record.stillness import Stillness as Stillness
 from .record.stillness import stillness as stillness
+from .region import Region as Region
 from .spectral.lines import Line as Line
 from .spectral.lines import find_lines as find_lines
 from .spectral.spectrum import PowerSpectrum as PowerSpectrum

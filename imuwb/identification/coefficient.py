@@ -1,19 +1,19 @@
-"""Where noise coefficients are read off, and the interval of one whose square is estimated."""
+"""Where noise coefficients are read, and the interval of a coefficient whose square is estimated."""
 
 from __future__ import annotations
 
 from imuwb.statistics.distributions import chi_square_limits, normal_limit
 
-FEWEST_DEGREES = 3.0  #: of freedom of a square, for an interval that does not begin at 0
-#: averaging time at which IEEE reads a coefficient off its own line (B: off the flat part)
+FEWEST_DEGREES = 3.0  #: degrees of freedom of a square, below which an interval begins at 0
+#: s, averaging time at which IEEE 952 reads a coefficient on its own line; B is read on the flat part
 READ_OUT = {"Q": 3**0.5, "N": 1.0, "B": None, "K": 3.0, "R": 2**0.5}
 
 
 def interval(square: float, sigma: float, level: float) -> tuple[float, float]:
-    """Return the ends of a coefficient whose square was estimated with this standard error.
+    """Return the ends of the interval of a coefficient whose square was estimated with this standard error.
 
-    A positive quadratic estimate is about a scaled chi-square, skewed where few degrees of freedom are left. It never
-    reaches 0: a term that chance may have made has its lower end there all the same.
+    A positive quadratic estimate is about a scaled chi-square, which is skewed for few degrees of freedom and never reaches 0.
+    The lower end is 0 nevertheless where chance alone may have made the term.
     """
     z = normal_limit(level)
     freedom = 2 * square**2 / sigma**2

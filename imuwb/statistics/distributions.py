@@ -1,6 +1,6 @@
-"""Quantiles and tails of the few distributions that estimates are judged by.
+"""Quantiles and tail probabilities of the distributions that estimates and tests need.
 
-Of ``scipy.special``: the same functions that ``scipy.stats`` wraps, without the second it takes to load.
+They come from ``scipy.special``: the functions that ``scipy.stats`` wraps, without the second that its import takes.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def normal_quantile(probability: float) -> float:
-    """Return what a standard normal variable stays below with this probability."""
+    """Return the value that a standard normal variable stays below with this probability."""
     return float(special.ndtri(probability))
 
 
@@ -30,7 +30,7 @@ def student_limit(level: float, freedom: float) -> float:
 
 
 def chi_square_quantile(probability: float, freedom: ArrayLike) -> Any:  # noqa: ANN401 - a number for a number, an array for an array
-    """Return what a chi-square variable stays below with this probability."""
+    """Return the value that a chi-square variable stays below with this probability."""
     return 2 * special.gammaincinv(np.asarray(freedom, dtype=np.float64) / 2, probability)
 
 
@@ -40,19 +40,19 @@ def chi_square_tail(value: ArrayLike, freedom: ArrayLike) -> Any:  # noqa: ANN40
 
 
 def chi_square_limits(level: float, freedom: ArrayLike) -> tuple[Any, Any]:
-    """Return by what an estimated variance is multiplied for the ends of its interval.
+    """Return the factors that turn an estimated variance into the ends of its interval.
 
     Args:
         level: of the interval.
-        freedom: of the estimate, which is about the true variance times chi-square over that.
+        freedom: degrees of freedom; the estimate is about the true variance times chi-square over ``freedom``.
     """
     nu, tail = np.asarray(freedom, dtype=np.float64), (1 - level) / 2
     return nu / chi_square_quantile(1 - tail, nu), nu / chi_square_quantile(tail, nu)
 
 
 def pearson3_quantile(probability: float, skewness: float) -> float:
-    """Return what a Pearson III variable of mean 0 and variance 1 stays below with this probability; skewness 0 or more."""
-    if skewness < 1e-6:  # noqa: PLR2004 - a normal one, by then to nine digits
+    """Return the value that a Pearson III variable of mean 0 and variance 1 stays below; skewness is 0 or more."""
+    if skewness < 1e-6:  # noqa: PLR2004 - normal to nine digits
         return normal_quantile(probability)
     shape = 4 / skewness**2
     return float((cast("NDArray[np.float64]", special.gammaincinv(shape, probability)) - shape) / shape**0.5)

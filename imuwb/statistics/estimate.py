@@ -1,4 +1,4 @@
-"""A value with its interval, as every estimator gives it and every table shows it."""
+"""A value with its interval, as all estimators give it and all tables show it."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from dataclasses import dataclass, replace
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A value, and the interval that holds the truth as often as the level of its result says.
+    """A value, and the interval that contains the truth with the probability given by the level of its result.
 
-    An end that nothing bounds is infinite; both ends are nan where no interval can be given.
+    An end without a bound is infinite. Both ends are nan where there is no interval.
     """
 
     value: float
     lower: float
     upper: float
     sigma: float | None = None  #: standard deviation, where the estimator gives one
-    unit: str = ""  #: name of the SI unit; empty: that of the samples
+    unit: str = ""  #: name of the SI unit; empty: the unit of the samples, or 1
 
     def __contains__(self, value: float) -> bool:
-        """Return whether the interval holds a value."""
+        """Return whether the interval contains a value."""
         return self.lower <= value <= self.upper
 
     def scaled(self, factor: float, unit: str) -> Estimate:
-        """Return the estimate in another unit; a negative factor turns the interval round."""
+        """Return the estimate in another unit; a negative factor exchanges the ends."""
         low, high = sorted((self.lower * factor, self.upper * factor))
         sigma = None if self.sigma is None else self.sigma * abs(factor)
         return Estimate(self.value * factor, low, high, sigma, unit)
@@ -43,19 +43,19 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True)
 class Coefficient:
-    """A noise coefficient, which a record may not show: ``value`` is then None, and ``upper`` its limit.
+    """A noise coefficient. If the record does not show it, ``value`` is None and ``upper`` is its limit.
 
-    A limit is one-sided, at the level of its result; an infinite one says that nothing bounds the coefficient.
+    A limit is one-sided, at the level of its result. An infinite limit means that the record does not bound the coefficient.
     """
 
     value: float | None
     lower: float | None
     upper: float
-    unit: str = ""  #: name of the SI unit; empty: it follows from the samples'
-    at: float | None = None  #: s, averaging time at which it is read off its own line
+    unit: str = ""  #: name of the SI unit; empty: it follows from the unit of the samples
+    at: float | None = None  #: s, averaging time at which it is read on its own line
 
     def in_unit(self, unit: str) -> Coefficient:
-        """Return the coefficient with the name of its SI unit."""
+        """Return the coefficient with this name of its SI unit."""
         return replace(self, unit=unit)
 
     def __str__(self) -> str:
@@ -67,5 +67,5 @@ class Coefficient:
         return f"{text} {self.unit}".rstrip()
 
 
-#: A coefficient that nothing bounds.
+#: A coefficient without a bound.
 UNKNOWN = Coefficient(None, None, math.inf)

@@ -5,6 +5,7 @@ import pytest
 
 from imuwb.errors import MissingDataError
 from imuwb.log import SECOND, Conditioning, ImuStream, Log, Provenance, Triad
+from imuwb.notes import ids
 from imuwb.simulation import preset, static
 from imuwb_plugins import allan, bandwidth, kaiser
 
@@ -43,10 +44,11 @@ def rows_of(log, keep):
     return replace(log, imus=(replace(log.imus[0], angular_rate=left, specific_force=None),))
 
 
-def test_a_gap_is_told_and_leaves_the_figures_as_they_are(log):
+def test_a_gap_is_noted_and_leaves_the_figures_as_they_are(log):
     n = len(log.imus[0].angular_rate)
     result = run(rows_of(log, np.r_[0:20_000, 30_000:n]))
-    assert any("1 gaps, 200 s" in note and "longest part without" in note for note in result.notes)
+    (gaps,) = (note for note in result.notes if note.id == "gaps")
+    assert gaps.startswith("gyro: 1 gaps, 200 s")
     assert result.axes["gyro_x"].coefficients["N"].value == pytest.approx(7.04e-4, rel=0.03)
     alone = run(rows_of(log, np.r_[30_000:n]))
     for axis, found in result.axes.items():
@@ -88,7 +90,7 @@ def test_what_a_filter_took_away_is_not_missing_from_the_white_noise(kind):
         log = filtered(made(0.01 * np.random.default_rng(seed).standard_normal((20_000, 3)), None, 50.0), kind)
         for found in run(log).axes.values():
             assert set(found.estimates.by) == {"allan", "likelihood"}
-            assert any("no wavelet variance" in note for note in found.estimates.notes)
+            assert ids(found.estimates.notes) == ("no-wavelet",)
             assert found.lines == ()
             assert found.fit.from_averaging_time > 10 / log.band
             n = found.estimates.by["likelihood"]["N"]
@@ -100,7 +102,7 @@ def test_what_a_filter_took_away_is_not_missing_from_the_white_noise(kind):
     assert np.median(sizes) == pytest.approx(1, abs=0.015)
 
 
-def test_lines_above_a_filters_band_are_not_told(short):
+def test_lines_above_a_filters_band_are_not_reported(short):
     """In a stop band, what a tone leaves stands out from what the noise leaves."""
     n = 10_000
     values = short.imus[0].angular_rate.value.copy()
@@ -116,8 +118,8 @@ def test_a_record_too_short_for_its_filter_has_no_fit_and_says_why(gyros):
     low = bandwidth.condition(gyros, bandwidth.Parameters(0.5, order=1))[0]
     found = run(low)
     assert all(f.processes is None for f in found.axes.values())
-    assert any("gyro_x" in note and "where a filter no longer shows" in note for note in found.notes)
-    assert any("likelihood" in note for note in found.axes["gyro_x"].estimates.notes)
+    assert any(note.startswith("gyro_x: no fit") for note in found.notes if note.id == "no-fit")
+    assert "no-likelihood" in ids(found.axes["gyro_x"].estimates.notes)
 
 
 def test_triads_may_have_clocks_of_their_own(log):
@@ -134,12 +136,13 @@ def test_one_triad_is_enough(log):
     assert list(result.axes) == ["gyro_x", "gyro_y", "gyro_z"]
 
 
-def test_a_shock_is_told_with_the_quiet_part(log):
+def test_a_shock_is_noted_with_the_quiet_part(log):
     imu = log.imus[0]
     value = imu.specific_force.value.copy()
     value[10_000:10_100] += 3.0
     result = run(replace(log, imus=(replace(imu, specific_force=Triad(imu.specific_force.time, value)),)))
-    assert any("shock" in note and "--start 2" in note for note in result.notes)
+    (note,) = (note for note in result.notes if note.id == "disturbances")
+    assert "--start 2" in note
 
 
 def test_a_record_too_short_to_be_still_or_moving_says_so(log):
@@ -147,12 +150,14 @@ def test_a_record_too_short_to_be_still_or_moving_says_so(log):
     parts = (Triad(t.time[:150], t.value[:150]) for t in (imu.angular_rate, imu.specific_force))
     result = run(replace(log, imus=(ImuStream(imu.name, *parts),)))
     assert (result.moving, result.quiet) == (None, None)
-    assert any("too short, or too slow" in note for note in result.notes)
+    assert "stillness-unknown" in ids(result.notes)
 
 
-def test_several_imus_are_told(log):
+def test_several_imus_are_noted(log):
     other = replace(log.imus[0], name="/imu/other")
-    assert any("2 IMUs" in note and "--imu" in note for note in run(replace(log, imus=(log.imus[0], other))).notes)
+    (note,) = (note for note in run(replace(log, imus=(log.imus[0], other))).notes if note.id == "imus")
+    assert note.startswith("2 IMUs")
+    assert "--imu" in note
 
 
 def test_too_few_samples_and_no_imu_are_missing_data():
@@ -199,7 +204,7 @@ def test_every_estimator_finds_the_white_noise(chosen):
         assert estimates.by["allan"]["N"].value == chosen.axes[axis].coefficients["N"].value
 
 
-def test_differences_are_told_where_intervals_do_not_meet(chosen):
+def test_differences_are_reported_where_intervals_do_not_meet(chosen):
     for found in chosen.axes.values():
         by = found.estimates.by
         names = list(by)
@@ -266,8 +271,10 @@ def test_noise_that_grows_is_not_stationary():
     assert growing.start[growing.worst_part] == pytest.approx(180)
     assert growing.worst_ratio == pytest.approx(2 / (15 / 12) ** 0.5, rel=0.1)
     remarks = {f.axis: f.remarks for f in allan.findings(found) if f.headline}
-    assert any("SUSPICIOUS: not stationary: the part from 180 s on" in r for r in remarks["gyro_z"])
-    assert not any("stationary" in r for r in remarks["gyro_x"])
+    (unsteady,) = (r for r in remarks["gyro_z"] if r.id == "not-stationary")
+    assert unsteady.startswith("SUSPICIOUS")
+    assert "180 s" in unsteady
+    assert "not-stationary" not in ids(remarks["gyro_x"])
 
 
 def test_findings_have_one_headline_for_each_axis(chosen):
@@ -276,9 +283,9 @@ def test_findings_have_one_headline_for_each_axis(chosen):
         of_axis = [f for f in found if f.axis == axis]
         assert [f.source for f in of_axis if f.headline] == ["likelihood"]
         assert all(f.headline or not f.remarks for f in of_axis)
-        assert next(f for f in of_axis if f.headline).remarks[0].startswith("white noise to ")
-    (best,) = (r for f in found if f.axis == "gyro_x" for r in f.remarks if "best sum" in r)
-    assert best.endswith("best sum: N")
+        assert next(f for f in of_axis if f.headline).remarks[0].id == "dominant"
+    (best,) = (r for f in found if f.axis == "gyro_x" for r in f.remarks if r.id == "best-sum")
+    assert best.endswith(": N")
 
 
 def test_remarks_say_when_a_sensor_drifts_and_when_it_is_quantized():
@@ -289,10 +296,10 @@ def test_remarks_say_when_a_sensor_drifts_and_when_it_is_quantized():
     gyro[:, 0] += 1e-3 * time
     gyro[:, 1] += np.diff(rng.standard_normal(n + 1)) * 1e-3 * rate
     found = run(made(gyro, None, rate))
-    remarks = {f.axis: " ".join(f.remarks) for f in allan.findings(found) if f.headline}
-    assert "drifts: 0.001 rad/s²" in remarks["gyro_x"]
-    assert "quantization-limited below" in remarks["gyro_y"]
-    assert "drifts" not in remarks["gyro_z"]
+    remarks = {f.axis: {r.id: r for r in f.remarks} for f in allan.findings(found) if f.headline}
+    assert "0.001 rad/s²" in remarks["gyro_x"]["ramp"]
+    assert "quantization" in remarks["gyro_y"]
+    assert "ramp" not in remarks["gyro_z"]
 
 
 def test_a_constant_axis_is_suspicious_and_the_others_are_analysed(gyros):
@@ -301,8 +308,9 @@ def test_a_constant_axis_is_suspicious_and_the_others_are_analysed(gyros):
     value[:, 2] = 0.5
     found = run(replace(gyros, imus=(replace(imu, angular_rate=Triad(imu.angular_rate.time, value)),)))
     (finding,) = (f for f in allan.findings(found) if f.axis == "gyro_z")
-    assert finding.remarks[0].startswith("SUSPICIOUS: the channel is constant")
-    assert any("gyro_z" in note and "constant" in note for note in found.notes)
+    assert ids(finding.remarks) == ("no-fit",)
+    assert finding.remarks[0].startswith("SUSPICIOUS")
+    assert any(note.startswith("gyro_z: ") for note in found.notes if note.id == "no-fit")
     assert "gyro_z" not in allan.error_model(found).axes
     assert found.axes["gyro_x"].coefficients["N"].value == pytest.approx(0.01 / 50**0.5, rel=0.05)
 
@@ -363,5 +371,5 @@ def test_all_is_drawn(chosen, shown):
     "wrong", [{"level": 1.0}, {"level": 0.2}, {"averaging_times": "often"}, {"averaging_times": "-1,2"}]
 )
 def test_wrong_parameters_say_why(wrong):
-    with pytest.raises(ValueError, match=r"must be|write octave"):
+    with pytest.raises(ValueError, match="must be"):
         allan.Parameters(**wrong)

@@ -51,8 +51,8 @@ def test_criteria_are_those_of_the_books(result):
 
 def test_first_order_says_what_the_series_is_like(result):
     readings = {axis: found.reading for axis, found in result.axes.items()}
-    assert "white noise" in readings["gyro_y"]
-    assert "random walk" in readings["gyro_z"]
+    assert readings["gyro_y"].id == "white-noise"
+    assert readings["gyro_z"].id == "random-walk"
     remarks = {f.axis: f.remarks for f in autoregressive.findings(result)}
     assert remarks["gyro_y"][1] == "AR(1) is tenable"
     assert remarks["gyro_x"][1] == "AR(2) is tenable"

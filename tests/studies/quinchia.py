@@ -22,7 +22,7 @@ import numpy as np
 from study_report import Share, Table, main, over_records, verdict
 
 from imuwb.identification import (
-    CorrelationTime,
+    AllanFit,
     allan,
     choose_model,
     fit_allan,
@@ -75,7 +75,7 @@ def markov(seed, axis, hours):
         min(choice.candidates, key=lambda c: c.aic).name,
         min(choice.candidates, key=lambda c: c.out_of_sample).name,
         next((t for t in sums.terms if isinstance(t, GaussMarkov)), None),
-        fit_allan(curve).correlation_time,
+        fit_allan(curve),
         peak(curve),
     )
 
@@ -88,7 +88,7 @@ class Markov(NamedTuple):
     by_aic: str
     by_half: str
     term: GaussMarkov | None
-    read: CorrelationTime | None
+    read: AllanFit
     peak: float | None  #: s
 
 
@@ -203,12 +203,12 @@ def _times(chosen):
     for axis, found in chosen.items():
         true = next(t for t in preset(MARKOV).axes[axis].processes.terms if isinstance(t, GaussMarkov))
         terms = [c.term for c in found if c.term is not None]
-        read = [c.read for c in found if c.read is not None]
+        read = [c.read for c in found if c.read.correlation_time is not None]
         peaks = [c.peak / PEAK for c in found if c.peak is not None]
         rows.append((
             axis, f"{true.sigma / unit.factor:.4g}", _spread([t.sigma / unit.factor for t in terms]),
-            f"{true.Tc:g}", _spread([t.Tc for t in terms]), _spread([r.flat_centre for r in read]),
-            _spread([r.peak_matched for r in read]), f"{len(read)} of {len(found)}", _spread(peaks), f"{len(peaks)} of {len(found)}",
+            f"{true.Tc:g}", _spread([t.Tc for t in terms]), _spread([r.correlation_time.value for r in read]),
+            _spread([r.gauss_markov_time for r in read]), f"{len(read)} of {len(found)}", _spread(peaks), f"{len(peaks)} of {len(found)}",
         ))  # fmt: skip
     note = (
         "Median, least and largest over the records. The papers read Tc from the centre of the curve's flat part; "

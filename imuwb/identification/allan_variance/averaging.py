@@ -1,4 +1,4 @@
-"""Which averaging times to take: octaves, evenly on a log axis, all, or a list."""
+"""The averaging times of a curve: octaves, evenly spaced on a log axis, all, or a list."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-MOST_TIMES = 10_000  #: of log:N
-MOST_WORK = 10**11  #: second differences; about a minute
+MOST_TIMES = 10_000  #: for log:N
+MOST_WORK = 10**11  #: second differences, which take about a minute
 
 
 def averaging_factors(times: str | Sequence[float], n: int, dt: float) -> NDArray[np.int64]:
-    """Return rising averaging factors m (tau = m dt) for n samples; each at most n/2.
+    """Return rising averaging factors m (tau = m dt) for n samples, each at most n/2.
 
     Args:
-        times: ``"octave"`` (m = 1, 2, 4, ...), ``"log:N"`` (about N of them), ``"all"``, or times in s,
-            as numbers or as a text with commas; each goes to the nearest multiple of dt.
+        times: ``"octave"`` (m = 1, 2, 4, ...), ``"log:N"`` (about N times), ``"all"``, or times in s as numbers or as a
+            text with commas; each is rounded to a multiple of dt.
         n: number of samples.
         dt: s.
 
     Raises:
-        ValueError: none of these, or nothing is left between dt and half the record.
+        ValueError: another text, or no time between dt and half the record.
     """
     largest = n // 2
     if largest < 1:
-        message = f"{n} samples have no Allan variance; it takes at least 2"
+        message = f"{n} samples have no Allan variance, which takes at least 2"
         raise ValueError(message)
     if not isinstance(times, str):
         return _listed(times, largest, dt)
@@ -37,7 +37,9 @@ def averaging_factors(times: str | Sequence[float], n: int, dt: float) -> NDArra
         return 2 ** np.arange(int(np.log2(largest)) + 1)
     if times == "all":
         if n * n / 4 > MOST_WORK:
-            message = f"all {largest} averaging times of {n} samples would take minutes to hours; use log:1000"
+            message = (
+                f"all {largest} averaging times of {n} samples would take minutes to hours; write log:1000 instead"
+            )
             raise ValueError(message)
         return np.arange(1, largest + 1)
     kind, _, number = times.partition(":")
@@ -53,11 +55,11 @@ def averaging_factors(times: str | Sequence[float], n: int, dt: float) -> NDArra
 def _listed(times: Sequence[float], largest: int, dt: float) -> NDArray[np.int64]:
     seconds = np.asarray(times, dtype=np.float64)
     if not np.isfinite(seconds).all():
-        message = "a time that is no number"
+        message = "an averaging time is not finite"
         raise ValueError(message)
     factors = np.unique(np.rint(np.clip(seconds / dt, 0, 2**53)).astype(np.int64))
     inside = factors[(factors >= 1) & (factors <= largest)]
     if not inside.size:
-        message = f"none lies between {dt:g} s (one sample) and {largest * dt:g} s (half the record)"
+        message = f"no averaging time is between {dt:g} s (one sample) and {largest * dt:g} s (half the record)"
         raise ValueError(message)
     return inside

@@ -1,8 +1,8 @@
-"""Allan variances of a record with samples missing, without bias, from block means of the samples there are.
+"""Unbiased Allan variances of a record with missing samples, from block means of the samples that are present.
 
-The mean of c out of m samples is that of all m, but for an error of variance (1/c - 1/m) s², where s² is the scatter of the samples
-within the block: the classical law of sampling without replacement (Cochran 1977, 2.5). It holds whatever the noise, if samples are
-missing at random. So the excess is taken off; filling gaps, or leaving the excess in, would bias every averaging time.
+The mean of c out of m samples differs from the mean of all m by an error of variance (1/c - 1/m) s², where s² is the variance of
+the samples within the block: the classical law of sampling without replacement (Cochran 1977, 2.5). The law is valid for any noise
+if samples are missing at random. So this excess is subtracted. To fill gaps, or to keep the excess, would bias every averaging time.
 """
 
 from __future__ import annotations
@@ -18,20 +18,21 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-FEWEST = 2  #: samples of a block that is not whole, for its scatter
-FULLNESS = 0.8  #: of the record's own share of samples; an emptier block is left out
+FEWEST = 2  #: samples of an incomplete block, which its variance takes
+FULLNESS = 0.8  #: of the share of samples in the whole record; emptier blocks are left out
 
 
 def bridged(
     values: Floats, place: NDArray[np.int64], factors: NDArray[np.int64]
 ) -> tuple[Floats, NDArray[np.int64], Floats]:
-    """Return the Allan variance at each factor, NaN where there is none, of how many differences it is the mean, and its clearness.
+    """Return the Allan variance at each factor (NaN where there is none), the number of differences, and the clear share.
 
-    Clearness is what is left of the mean square when the excess is off: the less, the more the excess's own scatter counts.
+    The clear share is the part of the mean square that is left without the excess. The smaller it is, the more the scatter of
+    the excess itself counts.
 
     Args:
         values: (n,) samples.
-        place: (n,) their places on an even grid, rising from 0.
+        place: (n,) indices of the samples on an even grid, rising from 0.
         factors: (k,) averaging factors.
     """
     size = int(place[-1]) + 1

@@ -1,15 +1,14 @@
 """The sampling distribution of overlapping Allan variances: exact second moments.
 
-The Allan variance at factor m is the mean of z² over 2 tau², z(k) = theta(k+2m) - 2 theta(k+m) +
-theta(k). For Gaussian noise the covariance of two such means is a double sum of squared covariances of
-z, and those follow from the generalised covariance of theta: a multiple of 1 at lag 0 only, |t|, t² ln|t|
-and |t|³ for quantization, white, flicker and random-walk noise. Greenhall and Riley (2003, "Uncertainty
-of stability variances based on finite differences") sum them for one m and tabulate approximations of
-the equivalent degrees of freedom; here the sums are done outright, also between different m, so a fit
-knows how its points hang together.
+The Allan variance at factor m is the mean of z² over 2 tau², z(k) = theta(k+2m) - 2 theta(k+m) + theta(k). For Gaussian noise the
+covariance of two such means is a double sum of squared covariances of z. Those follow from the generalised covariance of theta: a
+multiple of 1 at lag 0 only, |t|, t² ln|t| and |t|³ for quantization, white, flicker and random-walk noise. Greenhall and Riley
+(2003, "Uncertainty of stability variances based on finite differences") sum them for one m and tabulate approximations of the
+equivalent degrees of freedom. Here the sums are computed exactly, also between different m, so that a fit knows the correlations
+of its points.
 
-One difference is meant: Greenhall and Riley take phase samples that are averages; the angle of a gyro is
-the plain sum of its samples. For white noise at m = 1 that is 2/3 of the number of terms, not 4/5.
+One difference is intended: Greenhall and Riley take phase samples that are averages, but the angle of a gyro is the plain sum of
+its samples. For white noise at m = 1 the degrees of freedom are then 2/3 of the number of terms, not 4/5.
 """
 
 from __future__ import annotations
@@ -28,13 +27,14 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Power-law exponents alpha of the rate's density f^alpha, in the order of the tables here.
+#: exponents alpha of the rate's density f^alpha, in the order of all tables here
 EXPONENTS = (2, 0, -1, -2)  # quantization Q, white N, flicker B, random walk K
-NEAR = 24  #: lags summed one by one on each side of a corner
-FAR = 30  #: times m + q; from here on flicker is taken from its series
-SCALED, FEW = 64, 16  #: averaging factor from which only m/n matters; records in factors, from which on no end is felt
-FARTHEST = 4096  #: factors; farther apart, differences hang together no more
-RATIO = 1.12  #: beyond, each step is this much longer
+NEAR = 24  #: lags on each side of a corner that are all summed
+FAR = 30  #: times m + q; beyond this lag flicker is computed from its series
+SCALED = 64  #: averaging factor above which only m/n matters
+FEW = 16  #: length of a record, over the averaging time, above which the ends of the record have no effect
+FARTHEST = 4096  #: lag, over the averaging time, beyond which differences are not correlated
+RATIO = 1.12  #: ratio of successive lags far from a corner
 
 
 def _quantization(lag: Floats) -> Floats:
@@ -47,7 +47,7 @@ def _flicker_phase(lag: Floats) -> Floats:
     near = np.minimum(size, 1000.0)
     exact = special.xlogy((near + 1) ** 2, near + 1) + special.xlogy((near - 1) ** 2, np.abs(near - 1))
     exact -= 2 * special.xlogy(near**2, near)
-    return -np.where(size < 1000, exact, 2 * np.log(np.maximum(size, 1.0)) + 3)  # noqa: PLR2004 - where the limit holds
+    return -np.where(size < 1000, exact, 2 * np.log(np.maximum(size, 1.0)) + 3)  # noqa: PLR2004 - where the limit is reached
 
 
 def _white(lag: Floats) -> Floats:
@@ -68,7 +68,7 @@ _KERNELS: dict[int, Callable[[Floats], Floats]] = {
 
 
 def _grid(m: int, q: int, first: int, last: int) -> tuple[Floats, Floats]:
-    """Return lags and the weights with which a sum over all lags, first to last, is a sum over these."""
+    """Return some lags between first and last, and the weights that make a sum over them a sum over all lags."""
     steps = [*range(NEAR + 1)]
     while steps[-1] < last - first:
         steps.append(int(np.ceil(steps[-1] * RATIO)))
@@ -86,24 +86,24 @@ def _grid(m: int, q: int, first: int, last: int) -> tuple[Floats, Floats]:
 
 
 def _pairs(lags: Floats, n_m: int, n_q: int) -> Floats:
-    """Return how many pairs of terms, of n_m and of n_q, are a lag apart."""
+    """Return the number of pairs of n_m and n_q terms at each lag."""
     return np.minimum(n_m, n_q - lags) - np.maximum(0, -lags)
 
 
 def _cross(kernel: Callable[[Floats], Floats], lags: Floats, m: int, q: int) -> Floats:
-    """Return the covariance of z at factor m and z at factor q, a lag later."""
+    """Return the covariance of z at factor m with z at factor q, a lag later."""
     total = np.zeros_like(lags)
-    # In units of the longer factor, so that t² ln|t| is small where its differences are.
+    # The unit is the longer factor, so that t² ln|t| is small where its differences are small.
     unit = float(max(m, q)) if kernel is _flicker else 1.0
-    shifts: dict[int, int] = {}  # of the two second differences against each other; some coincide
+    shifts: dict[int, int] = {}  # between the points of the two second differences; some coincide
     for a, wa in enumerate((1, -2, 1)):
         for b, wb in enumerate((1, -2, 1)):
             shifts[b * q - a * m] = shifts.get(b * q - a * m, 0) + wa * wb
     for shift, weight in shifts.items():
         total += weight * kernel((lags + shift) / unit)
-    # Far out the terms cancel to what rounding leaves, which over a million lags is no little.
+    # At long lags the terms cancel except for rounding errors, which add up over a million lags.
     distance = np.abs(lags + q - m)
-    if kernel is _random_walk:  # a cubic, differenced four times
+    if kernel is _random_walk:  # four differences of a cubic are 0
         return np.where(distance >= m + q, 0.0, total)
     if kernel is _flicker:  # the fourth derivative of t² ln t is -2/t², the sixth -12/t⁴
         far = np.maximum(distance, 1.0)
@@ -124,15 +124,15 @@ def equivalent_degrees_of_freedom(m: int, n: int, exponent: int) -> float:
     terms = n + 1 - 2 * m
     if exponent == 1 or n <= FEW * m:
         return _summed(m, n, exponent)
-    # Variances of long averages are alike but for their scale; those of phase noise are not.
-    like = SCALED if exponent <= 0 and m > SCALED else m
-    flat, rising = _long(like, exponent)
-    return terms / (m / like * flat - (m / like) ** 2 * rising / terms)
+    # Variances of long averages differ in scale only; those of phase noise do not.
+    reference = SCALED if exponent <= 0 and m > SCALED else m
+    flat, rising = _long(reference, exponent)
+    return terms / (m / reference * flat - (m / reference) ** 2 * rising / terms)
 
 
 @lru_cache(maxsize=512)
 def _long(m: int, exponent: int) -> tuple[float, float]:
-    """Return the sums of squared correlations of second differences over all lags, and of those times the lag."""
+    """Return two sums over all lags: squared correlations of second differences, and those times the lag."""
     lags, weights = _grid(m, m, -FARTHEST * m, FARTHEST * m)
     squared = weights * (_cross(_KERNELS[exponent], lags, m, m) / _variance(m, exponent)) ** 2
     return float(squared.sum()), float(squared @ np.abs(lags))
@@ -143,7 +143,7 @@ def _variance(m: int, exponent: int) -> float:
 
 
 def _summed(m: int, n: int, exponent: int) -> float:
-    """Return the degrees of freedom by the sum over all lags."""
+    """Return the degrees of freedom from the sum over all lags of the record."""
     terms = n + 1 - 2 * m
     lags, weights = _grid(m, m, 1 - terms, terms - 1)
     gamma = _cross(_KERNELS[exponent], lags, m, m)
@@ -152,14 +152,14 @@ def _summed(m: int, n: int, exponent: int) -> float:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Moments:
-    """Second moments of the Allan variances at k factors, per pair of processes Q, N, B, K of size 1."""
+    """Second moments of the Allan variances at k factors, for each pair of processes Q, N, B, K of size 1."""
 
     factor: NDArray[np.int64]  #: (k,)
     squares: Floats  #: (k, k, 4, 4)
     linear: Floats  #: (k, k, 4) for the cross terms with a ramp
 
     def scaled(self, wider: Floats) -> Moments:
-        """Return the moments of variances that scatter so many times wider, (k,)."""
+        """Return the moments of variances that scatter wider by these factors, (k,)."""
         both = np.outer(wider, wider)
         return Moments(self.factor, self.squares * both[:, :, None, None], self.linear * both[:, :, None])
 

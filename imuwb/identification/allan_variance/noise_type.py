@@ -1,4 +1,4 @@
-"""Which power law rules at an averaging time: the lag-1 autocorrelation method.
+"""The power law that dominates at an averaging time, by the lag-1 autocorrelation.
 
 W. J. Riley and C. A. Greenhall (2004), "Power law noise identification using the lag 1
 autocorrelation"; NIST SP 1065, 5.5.3.
@@ -15,15 +15,15 @@ from imuwb.compiled import compiled
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-FEWEST = 30  #: averaged points; with fewer the method guesses
-MOST = 1 << 11  #: points looked at; the autocorrelation is then sure to 0.022, and its steps are 0.25 apart
+FEWEST = 30  #: averaged points, which the method takes
+MOST = 1 << 11  #: points that are used; the autocorrelation then scatters by 0.022, and the noise types are 0.25 apart
 MOST_DIFFERENCES = 2
 
 
 def exponent(phase: NDArray[np.float64]) -> int | None:
     """Return alpha (2 quantization ... 0 white, -1 flicker, -2 random walk) of phase data at its own step.
 
-    None where there are fewer than 30 points, or nothing varies.
+    None for fewer than 30 points, or constant phase.
     """
     if phase.size < FEWEST:
         return None
@@ -33,7 +33,7 @@ def exponent(phase: NDArray[np.float64]) -> int | None:
 
 @compiled()
 def _order(series: NDArray[np.float64]) -> float:  # pragma: no cover - compiled
-    """Return the order of fractional differencing; nan where nothing varies. ``series`` is used up."""
+    """Return the order of fractional differencing; nan for a constant series. ``series`` is overwritten."""
     n = series.size
     for differences in range(MOST_DIFFERENCES + 1):
         mean = 0.0

@@ -15,6 +15,7 @@ from imuwb.identification.allan_variance.averaging import averaging_factors
 from imuwb.identification.allan_variance.gapped import bridged
 from imuwb.identification.allan_variance.moments import equivalent_degrees_of_freedom
 from imuwb.statistics.distributions import chi_square_limits, normal_limit
+from imuwb.texts import number_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,19 +25,17 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 Uncertainty = Literal["edf", "printed"]
-BLOCK = 2048  #: samples of the sum that stay in the fastest cache while all factors use them
-ROUNDED = 1e-8  #: of a sum of squares: the largest mean square of rounding errors that the fast mode allows
-BRIDGE = 0.5  #: share of the second differences; where gaps leave less, block means bridge them
-LEAST_CLEAR = (
-    0.1  #: share of the degrees of freedom left; with less, a bridged variance is what its correction makes of it
-)
-ROUGHLY = 61  #: every so many samples are averaged to what is taken off before they are summed up
-THINNEST = 16  #: points of the sum in an averaging time that the fast mode keeps at least
+BLOCK = 2048  #: points; a block of the sum stays in the fastest cache while all factors use it
+ROUNDED = 1e-8  #: of a sum of squares: largest mean square of rounding errors in the fast mode
+BRIDGE = 0.5  #: share of the second differences; where gaps leave less, block means bridge the gaps
+LEAST_CLEAR = 0.1  #: share of the degrees of freedom; a bridged variance with less depends mostly on its correction
+ROUGHLY = 61  #: every 61st sample is averaged to the value that is taken off before the sum
+THINNEST = 16  #: least number of points of the sum in an averaging time, in the fast mode
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class AllanDeviation:
-    """An Allan curve with its intervals. Units are those of the samples."""
+    """An Allan curve with its intervals, in the unit of the samples."""
 
     n: int  #: samples
     dt: float  #: s
@@ -48,7 +47,19 @@ class AllanDeviation:
     upper: Floats  #: (k,)
     degrees_of_freedom: Floats  #: (k,)
     noise_type: NDArray[np.int64]  #: (k,) exponent of the power law: 2, 1, 0, -1, -2
-    terms: NDArray[np.int64]  #: (k,) second differences that were averaged
+    terms: NDArray[np.int64]  #: (k,) second differences in the mean
+
+    def __str__(self) -> str:
+        """Return the range of averaging times and the least deviation."""
+        least = int(np.argmin(self.deviation))
+        return (
+            f"Allan deviation of {self.n} samples at {1 / self.dt:.6g} Hz: {self.factor.size} averaging times from "
+            f"{number_text(float(self.averaging_time[0]))} to {number_text(float(self.averaging_time[-1]))} s, least "
+            f"{self.deviation[least]:.4g} [{self.lower[least]:.4g}, {self.upper[least]:.4g}] at "
+            f"{number_text(float(self.averaging_time[least]))} s, {100 * self.level:g} % intervals"
+        )
+
+    __repr__ = __str__
 
 
 def allan(
@@ -64,28 +75,52 @@ def allan(
 ) -> AllanDeviation:
     """Return the overlapping Allan deviation of a rate (or specific force) series.
 
-    sigma²(tau) = sum (theta(k+2m) - 2 theta(k+m) + theta(k))² / (2 tau² (n + 1 - 2m)), theta the sum of
-    the samples times dt, their mean taken off.
+    sigma²(tau) = sum (theta(k+2m) - 2 theta(k+m) + theta(k))² / (2 tau² (n + 1 - 2m)), where theta is the sum of the samples
+    times dt, without their mean.
 
     Args:
-        values: (n,) samples, evenly spaced.
+        values: (n,) evenly spaced samples.
         dt: s.
         averaging_times: ``"octave"``, ``"log:N"``, ``"all"``, or times in s.
         level: of the intervals.
-        uncertainty: ``"edf"``: chi-square with Greenhall-Riley degrees of freedom of the noise type
-            found at each averaging time; ``"printed"``: +-z/√(2(n/m - 1)), the papers' formula
-            (Quinchia, eq. 15; Hassaballa, eq. 10).
-        breaks: indices at which samples are missing before; no second difference spans one.
-        time: (n,) ns; where gaps leave too few second differences, averaging times are bridged by the
-            block means of the samples there are (``gapped.bridged``). Without it, they end with the longest part.
-        fast: thin the sum out at long averaging times, to 16 to 32 points in one; the averaging times are rounded to
-            that, and the intervals are those of the thinned sums.
+        uncertainty: ``"edf"``: chi-square with Greenhall-Riley degrees of freedom of the noise type at each averaging time;
+            ``"printed"``: +-z/√(2(n/m - 1)), the papers' formula (Quinchia, eq. 15; Hassaballa, eq. 10).
+        breaks: indices before which samples are missing; no second difference spans a break.
+        time: (n,) ns. Where gaps leave too few second differences, block means bridge them (``gapped.bridged``). Without
+            ``time``, the averaging times end with half the longest part.
+        fast: whether the sum is thinned at long averaging times, to 16 to 32 points in each; the averaging times are rounded
+            to that, and the intervals are those of the thinned sums.
 
     Raises:
-        ValueError: fewer than 2 samples, or no averaging time within the record.
+        ValueError: fewer than 2 samples, samples that are not finite, or no averaging time within the record.
     """
     values = np.ascontiguousarray(values, dtype=np.float64)
-    # What is taken off leaves the second differences alone; it keeps the sum's digits. So a rough mean will do.
+    phases = _phases(values, dt, breaks)
+    place = _places(time, dt) if time is not None and breaks else None
+    factor = averaging_factors(averaging_times, max(map(len, phases)) - 1 if place is None else int(place[-1]) + 1, dt)
+    thin = np.ones_like(factor)
+    if fast:
+        factor = np.unique(factor // _strides(factor) * _strides(factor))
+        thin = _strides(factor)
+    longest = max(phases, key=len)
+    exponents = {int(m): noise_type.exponent(longest[::m]) for m in factor}
+    variance, terms = _variances(phases, factor, fast=fast)
+    loss = np.ones(factor.size)
+    if place is not None:
+        factor, variance, terms, loss = _with_bridges(values, place, factor, variance, terms)
+        thin = _strides(factor) if fast else np.ones_like(factor)
+    deviation = np.sqrt(variance)
+    kinds = _noise_types([exponents[int(m)] for m in factor])
+    edf = loss * _degrees_of_freedom(factor, terms, kinds, thin)
+    lower, upper = _interval(deviation, edf, values.size / factor, level, uncertainty)
+    return AllanDeviation(
+        values.size, dt, level, factor, factor.astype(np.float64) * dt, deviation, lower, upper, edf, kinds, terms
+    )
+
+
+def _phases(values: Floats, dt: float, breaks: Sequence[int]) -> list[Floats]:
+    """Return the running sums of the parts between breaks that have at least two samples."""
+    # An offset does not change second differences, but it costs the sum digits; so a rough mean will do.
     center = float(values[0] + (values[::ROUGHLY] - values[0]).mean()) if values.size else 0.0
     edges = [0, *sorted(breaks), values.size]
     phases = [_phase(values[a:b], center) for a, b in pairwise(edges) if b > a]
@@ -95,38 +130,34 @@ def allan(
         raise ValueError(message)
     phases = [phase for phase in phases if phase.size > 2]  # noqa: PLR2004 - two samples
     if not phases:
-        message = f"{values.size} samples hold no two that follow each other; the Allan variance needs them"
+        message = f"{values.size} samples, no two without a gap between them; the Allan variance takes at least 2"
         raise ValueError(message)
-    place = _places(time, dt) if time is not None and breaks else None
-    factor = averaging_factors(averaging_times, max(map(len, phases)) - 1 if place is None else int(place[-1]) + 1, dt)
-    if fast:
-        factor = np.unique(factor // _strides(factor) * _strides(factor))
-    longest = max(phases, key=len)
-    exponents = {int(m): noise_type.exponent(longest[::m]) for m in factor}
-    counted = _thinned_terms(phases, factor) if fast else None
-    squares, terms = np.zeros(factor.size), np.zeros(factor.size, dtype=np.int64)
+    return phases
+
+
+def _variances(phases: Sequence[Floats], factor: NDArray[np.int64], *, fast: bool) -> tuple[Floats, NDArray[np.int64]]:
+    """Return the Allan variance at each factor, 0 where there is none, and the number of its second differences."""
+    sums = thinned_sums_of_squares if fast else sums_of_squares
+    # The fast mode overwrites the phases, so their terms are counted first.
+    terms = np.sum([np.maximum(phase.size - 2 * factor, 0) for phase in phases], axis=0)
+    counted = _thinned_terms(phases, factor) if fast else terms
+    squares = np.zeros(factor.size)
     for phase in phases:
-        squares += thinned_sums_of_squares(phase, factor) if fast else sums_of_squares(phase, factor)
-        terms += np.maximum(phase.size - 2 * factor, 0)
-    counted = terms if counted is None else counted
+        squares += sums(phase, factor)
     variance = np.divide(squares, 2.0 * counted * factor**2.0, out=np.zeros(factor.size), where=counted > 0)
-    loss = np.ones(factor.size)
-    if place is not None:
-        factor, variance, terms, loss = _with_bridges(values, place, factor, variance, terms)
-    deviation = np.sqrt(variance)
-    kinds = _noise_types([exponents[int(m)] for m in factor])
-    # Gaps leave fewer terms; as if from a record that has that many. Thinned sums are those of a thinned record.
-    n_effective = terms + 2 * factor - 1
-    thin = _strides(factor) if fast else np.ones_like(factor)
-    edf = loss * np.array(
+    return variance, terms
+
+
+def _degrees_of_freedom(
+    factor: NDArray[np.int64], terms: NDArray[np.int64], kinds: NDArray[np.int64], thin: NDArray[np.int64]
+) -> Floats:
+    """Return the degrees of freedom of each variance: those of a record without gaps, thinned, of as many terms."""
+    n = terms + 2 * factor - 1
+    return np.array(
         [
-            equivalent_degrees_of_freedom(int(m // s), int(n // s), int(a))
-            for m, n, a, s in zip(factor, n_effective, kinds, thin, strict=True)
+            equivalent_degrees_of_freedom(int(m // s), int(k // s), int(a))
+            for m, k, a, s in zip(factor, n, kinds, thin, strict=True)
         ]
-    )
-    lower, upper = _interval(deviation, edf, values.size / factor, level, uncertainty)
-    return AllanDeviation(
-        values.size, dt, level, factor, factor.astype(np.float64) * dt, deviation, lower, upper, edf, kinds, terms
     )
 
 
@@ -141,7 +172,7 @@ def _interval(
 
 
 def _places(time: NDArray[np.int64], dt: float) -> NDArray[np.int64]:
-    """Return each sample's place on an even grid; stamps that scatter never swap two or put two in one."""
+    """Return the index of each sample on an even grid; scattered stamps never exchange two samples or merge them."""
     steps = np.maximum(np.rint(np.diff(time) / (dt * 1e9)), 1).astype(np.int64)
     return np.concatenate([[0], np.cumsum(steps)])
 
@@ -149,7 +180,7 @@ def _places(time: NDArray[np.int64], dt: float) -> NDArray[np.int64]:
 def _with_bridges(
     values: Floats, place: NDArray[np.int64], factor: NDArray[np.int64], variance: Floats, terms: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], Floats, NDArray[np.int64], Floats]:
-    """Return factors, variances, terms and the loss of degrees of freedom, bridged where gaps leave less than half."""
+    """Return factors, variances, terms and loss of degrees of freedom, bridged where gaps leave less than half the terms."""
     whole = int(place[-1]) + 2 - 2 * factor
     thin = terms < BRIDGE * whole
     loss = np.ones(factor.size)
@@ -173,14 +204,14 @@ def _integrate(values: Floats, center: float, out: Floats) -> None:  # pragma: n
 
 
 def _phase(values: Floats, center: float) -> Floats:
-    """Return the running sum of the samples less ``center``, from 0 on: theta/dt."""
+    """Return theta/dt: the running sum of the samples less ``center``, which begins with 0."""
     phase = np.empty(values.size + 1)
     _integrate(values, center, phase)
     return phase
 
 
 def integrated(values: Floats) -> Floats:
-    """Return the running sum of the samples less their mean, from 0 on."""
+    """Return the running sum of the samples less their mean, which begins with 0."""
     return _phase(np.ascontiguousarray(values, dtype=np.float64), float(values.mean()))
 
 
@@ -188,7 +219,7 @@ def integrated(values: Floats) -> Floats:
 def _sum_of_squares(
     early: NDArray[Any], middle: NDArray[Any], late: NDArray[Any]
 ) -> float:  # pragma: no cover - compiled
-    """Return the sum of (late - 2 middle + early)²; slices of one array, so the loop vectorises."""
+    """Return the sum of (late - 2 middle + early)²; the arguments are slices of one array, so the loop vectorises."""
     total = early.dtype.type(0.0)
     for k in range(late.size):
         z = late[k] - middle[k] - middle[k] + early[k]
@@ -198,7 +229,7 @@ def _sum_of_squares(
 
 @compiled()
 def _sums(phase: Floats, factors: NDArray[np.int64], block: int, out: Floats) -> None:  # pragma: no cover - compiled
-    """Add the squares of all factors block by block, so that a block is fetched from memory once."""
+    """Add the squares of all factors block by block, so that each block is read from memory once."""
     n = phase.size
     for begin in range(0, n, block):
         for i in range(factors.size):
@@ -211,7 +242,7 @@ def _sums(phase: Floats, factors: NDArray[np.int64], block: int, out: Floats) ->
 
 
 def sums_of_squares(phase: Floats, factors: NDArray[np.int64]) -> Floats:
-    """Return sum (phase(k+2m) - 2 phase(k+m) + phase(k))² for every factor m; 0 where none fits."""
+    """Return sum (phase(k+2m) - 2 phase(k+m) + phase(k))² for every factor m; 0 where m is too long."""
     out = np.zeros(factors.size)
     _sums(phase, np.ascontiguousarray(factors, dtype=np.int64), BLOCK, out)
     return out
@@ -219,7 +250,7 @@ def sums_of_squares(phase: Floats, factors: NDArray[np.int64]) -> Floats:
 
 @compiled(reorder=True)
 def _bends(piece: Floats, ramp: Floats, out: NDArray[np.float32]) -> float:  # pragma: no cover - compiled
-    """Write a piece less the straight line through its ends; return the mean square."""
+    """Write a piece less the straight line through its ends, and return its mean square."""
     total, first = 0.0, piece[0]
     slope = (piece[-1] - first) / max(piece.size - 1, 1)
     for k in range(piece.size):
@@ -233,10 +264,10 @@ def _bends(piece: Floats, ramp: Floats, out: NDArray[np.float32]) -> float:  # p
 def _single_sums(
     phase: Floats, factors: NDArray[np.int64], block: int, out: Floats
 ) -> None:  # pragma: no cover - compiled
-    """Add the squares as ``_sums`` does, in numbers of half the length, of which twice as many go at a time.
+    """Add the squares as ``_sums`` does, in single precision, which is twice as fast.
 
-    A block's straight line, which no second difference sees, is taken off, so that only what bends counts. Where
-    rounding errors could show all the same, the sum is done in full.
+    A straight line does not change second differences, so the line of each block is taken off to keep digits. Where rounding
+    errors could still show, the sum is in double precision.
     """
     n, longest = phase.size, 2 * factors.max()
     local, ramp = np.empty(block + longest, np.float32), np.arange(float(block + longest))
@@ -259,7 +290,7 @@ def _single_sums(
 
 
 def _strides(factors: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return powers of two by which the phase may be thinned out and leave 16 to 32 points in an averaging time."""
+    """Return the powers of two that thin the phase to 16 to 32 points in each averaging time."""
     return 2 ** np.maximum(np.log2(factors / THINNEST).astype(np.int64), 0)
 
 
@@ -272,7 +303,7 @@ def _thinned_terms(phases: Sequence[Floats], factors: NDArray[np.int64]) -> NDAr
 
 
 def thinned_sums_of_squares(phase: Floats, factors: NDArray[np.int64]) -> Floats:
-    """Return ``sums_of_squares`` of every ``_strides``-th second difference; ``phase`` is used up."""
+    """Return ``sums_of_squares`` of every ``_strides``-th second difference; ``phase`` is overwritten."""
     out = np.zeros(factors.size)
     strides = _strides(factors)
     stride = 1
@@ -289,21 +320,21 @@ def thinned_sums_of_squares(phase: Floats, factors: NDArray[np.int64]) -> Floats
 
 @compiled()
 def _halved(phase: Floats) -> Floats:  # pragma: no cover - compiled
-    """Return every second value, moved to the front: new memory would cost more than the sums."""
+    """Return every second value, moved to the front, because new memory would cost more than the sums."""
     for k in range((phase.size + 1) // 2):
         phase[k] = phase[2 * k]
     return phase[: (phase.size + 1) // 2]
 
 
 def _noise_types(exponents: Sequence[int | None]) -> NDArray[np.int64]:
-    """Return the exponent at each factor; where too few points are left to tell (None), the last that was sure.
+    """Return the exponent at each factor; where too few points are left (None), the last exponent.
 
-    In a sum, ever redder processes rule as averaging times grow: a bluer type is chance.
+    In a sum of processes, the exponent falls as the averaging time grows, so a higher exponent is chance.
     """
     kinds = np.zeros(len(exponents), dtype=np.int64)
-    last = next((found for found in exponents if found is not None), 0)
-    for i, found in enumerate(exponents):
-        last = last if found is None else min(found, last)
+    last = next((exponent for exponent in exponents if exponent is not None), 0)
+    for i, exponent in enumerate(exponents):
+        last = last if exponent is None else min(exponent, last)
         kinds[i] = last
     return kinds
 

@@ -29,7 +29,7 @@ LEAST_EIGENVALUE = 1e-9  #: of a correlation matrix
 
 
 def _thinned_by_gaps(curve: AllanDeviation, chosen: NDArray[np.int64], n: int) -> Floats:
-    """Return how much wider than in a record of n samples without gaps each Allan variance scatters, at least 1."""
+    """Return by what factor (1 or more) gaps widen the scatter of each Allan variance, against n samples without gaps."""
     whole = [
         equivalent_degrees_of_freedom(int(m), n, int(a))
         for m, a in zip(curve.factor[chosen], curve.noise_type[chosen], strict=True)
@@ -41,26 +41,26 @@ def _thinned_by_gaps(curve: AllanDeviation, chosen: NDArray[np.int64], n: int) -
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Problem:
-    """Allan variances to be explained: design @ (Q², N², B², K², R²) + lines."""
+    """Allan variances to be explained: design @ (Q², N², B², K², R²) + periodic lines."""
 
     dt: float
     tau: Floats  #: (k,)
-    variance: Floats  #: (k,) less what the lines make
+    variance: Floats  #: (k,) without the part of the lines
     design: Floats  #: (k, 5)
-    by_lines: Floats  #: (k,) what the lines make
-    of_lines: Floats  #: (k, k) covariance from the lines' own uncertainty
+    by_lines: Floats  #: (k,) part of the lines
+    of_lines: Floats  #: (k, k) covariance from the uncertainty of the lines' amplitudes
     moments: Moments
 
     @staticmethod
     def of(curve: AllanDeviation, chosen: NDArray[np.int64], lines: Sequence[Line]) -> Problem:
-        """Return the problem of a curve's chosen points, with what the lines make of it taken off."""
+        """Return the problem of a curve's chosen points, with the part of the lines taken off."""
         factor, tau = curve.factor[chosen], curve.averaging_time[chosen]
         n = int(curve.terms[0]) + 2 * int(curve.factor[0]) - 1
         factor_fits = factor <= n // 2
         chosen, factor, tau = chosen[factor_fits], factor[factor_fits], tau[factor_fits]
         variance = curve.deviation[chosen] ** 2
         if not variance.all():
-            message = "the Allan variance is 0: the channel is constant"
+            message = "the Allan variance is 0, so the channel is constant; check that the sensor is connected"
             raise ValueError(message)
         units = [PROCESSES[letter](1.0) for letter in LETTERS]
         design = np.stack([unit.allan_variance(tau, curve.dt) for unit in units], axis=1)
@@ -68,7 +68,7 @@ class Problem:
         for line in lines:
             part = line.process(curve.dt).allan_variance(tau, curve.dt)
             variance, by_lines = variance - part, by_lines + part
-            of_lines += np.outer(part, part) * (line.power_sigma / line.amplitude**2) ** 2
+            of_lines += np.outer(part, part) * (line.power_sigma / line.amplitude.value**2) ** 2
         known = moments(tuple(int(m) for m in factor), n).scaled(_thinned_by_gaps(curve, chosen, n))
         return Problem(curve.dt, tau, variance, design, by_lines, of_lines, known)
 
@@ -92,20 +92,20 @@ class Problem:
         return self.moments.covariance(squared[:4], float(np.sqrt(squared[4])), self.dt) + self.of_lines
 
     def whiten(self, squared: Floats, columns: Floats) -> Floats:
-        """Return columns in which the errors, if these coefficients are true, are independent and of size 1."""
+        """Return the columns whitened: if these coefficients are true, the errors are independent and of size 1."""
         return whitener(self.covariance(squared)) @ columns
 
     def misfit(self, squared: Floats) -> tuple[float, float]:
-        """Return chi-square of the residual, and minus twice the log likelihood if its law were Gaussian."""
+        """Return chi-square of the residual, and minus twice its Gaussian log likelihood."""
         whiten = whitener(self.covariance(squared))
         chi2 = float(np.sum((whiten @ (self.variance - self.design @ squared)) ** 2))
         return chi2, chi2 - 2 * float(np.linalg.slogdet(whiten)[1])
 
     def strangeness(self, squared: Floats) -> float:
-        """Return the probability that chance puts any point as far, up or down, from what the sum makes there.
+        """Return the probability that chance puts any point as far above or below the sum.
 
-        The residual alone does not tell: a variance of a hundredth of the expected one is less than one
-        standard deviation away where there are few degrees of freedom. Its chi-square law tells.
+        The residual alone cannot show that. With few degrees of freedom, a variance of a hundredth of the expected one is
+        less than one standard deviation away; its chi-square law shows how improbable it is.
         """
         expected = self.design @ squared + self.by_lines
         freedom = 2 * expected**2 / np.diag(self.covariance(squared)).clip(1e-300)
@@ -114,11 +114,17 @@ class Problem:
         return float(min(tails.min() * tails.size, 1.0))
 
     def solve(self, active: Sequence[int], held: Floats | None = None, rounds: int = ROUNDS) -> tuple[Floats, Floats]:
-        """Return the squares, none negative, of the active terms (0 elsewhere), and the covariance of those.
+        """Return the non-negative squares of the active terms (0 elsewhere), and the covariance of the active ones.
 
-        ``held``: (5,) squares of other terms that are in the sum, but not free.
+        Args:
+            active: indices of the free terms.
+            held: (5,) squares of terms that are in the sum but not free.
+            rounds: repetitions of the fit, each with the covariance of the one before, at most.
+
+        Raises:
+            ValueError: no active term.
         """
-        if not active:  # the library's solver does not survive a matrix without columns
+        if not active:  # the solver crashes on a matrix without columns
             message = "a fit needs at least one term"
             raise ValueError(message)
         squared = np.zeros(5)
@@ -140,8 +146,8 @@ class Problem:
                 break
         return squared, scaled_inverse(information)
 
-    def added(self, squared: Floats, active: Sequence[int], extra: int) -> Estimate:
-        """Return the free estimate of one more term's square, and how it scatters if ``squared`` is true."""
+    def added(self, squared: Floats, active: Sequence[int], extra: int) -> FreeSquare:
+        """Return the free estimate of one more term's square, and its scatter if ``squared`` is true."""
         columns = self.design[:, [*active, extra]]
         covariance = self.covariance(squared)
         whiten = whitener(covariance)
@@ -155,26 +161,26 @@ class Problem:
         sigma = float(np.sqrt(inverse[-1, -1]) / size[-1])
         third = np.divide(2 * weights**3 * scatter**2, expected, out=np.zeros_like(expected), where=expected > 0)
         skewness = float(third.sum()) / sigma**3
-        return Estimate(float(weights @ self.variance), sigma, skewness)
+        return FreeSquare(float(weights @ self.variance), sigma, skewness)
 
 
 def scaled_inverse(information: Floats) -> Floats:
-    """Return the pseudo-inverse of a matrix whose rows may be of very different size: squares of Q and of K are 1e17 apart."""
+    """Return the pseudo-inverse of a matrix with rows of very different size: squares of Q and of K differ by 1e17."""
     size = np.sqrt(np.diag(information))
     size = np.where(size > 0, size, 1.0)
     return np.asarray(linalg.pinvh(information / np.outer(size, size))) / np.outer(size, size)
 
 
 @dataclass(frozen=True, slots=True)
-class Estimate:
-    """A term's square, estimated freely, and how such an estimate scatters."""
+class FreeSquare:
+    """A term's square, which may be negative here, and the scatter of such an estimate."""
 
     value: float
     sigma: float
     skewness: float
 
     def quantile(self, probability: float) -> float:
-        """Return how far above the truth the estimate is found with this probability, in sigmas (Pearson III)."""
+        """Return the error, in sigmas, that the estimate stays below with this probability (Pearson III)."""
         skewness = float(np.clip(self.skewness, 0.0, 4.0))
         return pearson3_quantile(probability, skewness)
 
@@ -182,7 +188,7 @@ class Estimate:
 def whitener(covariance: Floats) -> Floats:
     """Return W with W covariance W' = 1.
 
-    Far from the truth, points may hang together so closely that rounding shows: the least eigenvalue is held.
+    Far from the truth, points may be so strongly correlated that rounding shows, so the least eigenvalue has a floor.
     """
     size = np.sqrt(np.diag(covariance))
     size = np.where(size > 0, size, size.max() or 1.0)  # a ramp alone does not scatter

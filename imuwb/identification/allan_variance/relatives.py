@@ -1,7 +1,7 @@
 """Modified, Hadamard and total deviations: the Allan deviation's relatives (NIST SP 1065, 5.2).
 
-The modified one tells quantization from white noise, the Hadamard one is blind to a ramp, the total one is surer at the
-longest averaging times. All take samples of a rate, and integrate them.
+The modified deviation separates quantization from white noise. The Hadamard deviation does not see a ramp. The total deviation has
+more degrees of freedom at the longest averaging times. All integrate samples of a rate.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 
 Kind = Literal["allan", "modified", "hadamard", "total"]
 QUANTIZED = 2  #: alpha
-SCALED = 16  #: averaging factor at which degrees of freedom are computed; they depend on n/m beyond it
-MOST_CLUSTERS = 256  #: n/m from which on degrees of freedom grow in proportion
-#: alpha -> (b, c): degrees of freedom b T/tau - c of the total deviation, and its bias factor a in 1 - a tau/T (SP 1065, table 9)
+SCALED = 16  #: averaging factor above which degrees of freedom depend on n/m only
+MOST_CLUSTERS = 256  #: n/m above which degrees of freedom grow in proportion to n/m
+#: alpha -> (b, c, a): degrees of freedom b T/tau - c of the total deviation, and bias factor 1 - a tau/T (SP 1065, table 9)
 _TOTAL = {
     2: (1.5, 0.0, 0.0),
     1: (1.5, 0.0, 0.0),
@@ -51,7 +51,7 @@ def deviation(
         values: (n,) samples of a rate or specific force.
         dt: s.
         kind: ``"allan"``, ``"modified"``, ``"hadamard"`` or ``"total"``.
-        averaging_times: as for ``allan``; modified and Hadamard ones end at a third of the record.
+        averaging_times: as for ``allan``; those of the modified and Hadamard deviations end at a third of the record.
         level: of the intervals.
 
     Raises:
@@ -65,7 +65,7 @@ def deviation(
     span = 2 if kind == "total" else 3
     factor = factor[factor <= (phase.size - 1) // span]
     if not factor.size:
-        message = f"{values.size} samples have no {kind} deviation at these averaging times"
+        message = f"{values.size} samples have no {kind} deviation at these averaging times; take shorter times"
         raise ValueError(message)
     noise = plain.noise_type[np.isin(plain.factor, factor)]
     terms = np.maximum(phase.size - span * factor, 1)
@@ -77,7 +77,7 @@ def deviation(
         variance, freedom = variance / (1 - a / ratio), (b * ratio - c).clip(0.5)
     else:
         modified = kind == "modified"
-        terms = terms + modified  # the running sum of the phase has a point more
+        terms = terms + modified  # the running sum of the phase has one more point
         squares = _modified(phase, factor) if modified else _hadamard(phase, factor)
         scale = 2.0 * factor.astype(np.float64) ** 4 if modified else 6.0 * factor.astype(np.float64) ** 2
         variance = squares / (scale * terms)
@@ -109,7 +109,7 @@ def _hadamard(phase: Floats, factors: NDArray[np.int64]) -> Floats:
 
 
 def _modified(phase: Floats, factors: NDArray[np.int64]) -> Floats:
-    # The sum of m second differences in a row is a third difference of the phase's running sum.
+    # The sum of m successive second differences is a third difference of the phase's running sum.
     added = integrated(phase)
     n = added.size
     return np.array(
@@ -118,13 +118,13 @@ def _modified(phase: Floats, factors: NDArray[np.int64]) -> Floats:
 
 
 def _total(phase: Floats, factors: NDArray[np.int64]) -> Floats:
-    """Return the sums of squared second differences about every inner point, the phase mirrored at its ends."""
+    """Return the sums of squared second differences at all inner points, with the phase mirrored at its ends."""
     n = phase.size
     out = np.zeros(factors.size)
     for i, m in enumerate(factors):
         before = 2 * phase[0] - phase[m:0:-1]
-        behind = 2 * phase[-1] - phase[-2 : -m - 2 : -1]
-        whole = np.concatenate([before, phase, behind])
+        after = 2 * phase[-1] - phase[-2 : -m - 2 : -1]
+        whole = np.concatenate([before, phase, after])
         middle = whole[m + 1 : m + n - 1]
         out[i] = float(np.sum((whole[1 : n - 1] - 2 * middle + whole[2 * m + 1 : 2 * m + n - 1]) ** 2))
     return out
@@ -132,25 +132,24 @@ def _total(phase: Floats, factors: NDArray[np.int64]) -> Floats:
 
 @lru_cache(maxsize=4096)
 def _freedom(kind: Kind, factor: int, n: int, alpha: int) -> float:
-    """Return the degrees of freedom of a mean of squared differences: 2 E²/var, from the density of the differences.
+    """Return the degrees of freedom, 2 E²/var, of a mean of squared differences, from the density of the differences.
 
-    The difference's autocovariance R is the transform of its density; the variance of the mean of M squares is
-    2 sum (M - |l|) R(l)²/M². Beyond a factor of 16 only n/m matters.
+    The autocovariance R of the differences is the transform of their density. The variance of the mean of M squares is
+    2 sum (M - |l|) R(l)²/M². Above a factor of 16 only n/m matters.
     """
     m = min(factor, SCALED)
     clusters = n / factor
     size = round(min(clusters, MOST_CLUSTERS) * m)
     terms = max(size + 1 - 3 * m, 1)
     length = 1 << (8 * size).bit_length()
-    f = (np.arange(length // 2) + 0.5) / length  # between the grid's points, as 1/f² has none at 0
+    f = (np.arange(length // 2) + 0.5) / length  # at half-integer frequencies, because 1/f² has no value at 0
     step = 2 * np.sin(np.pi * f)  # of one difference
     wide = 2 * np.sin(np.pi * f * m)
-    # phase is the sum of a rate of density f^alpha, aliased into the sine
+    # The phase is the sum of a rate of density f^alpha; aliasing turns f into a sine.
     density = step ** float(alpha) / step**2 * wide**6
     if kind == "modified":
         density = density / step**2
     lags = np.arange(terms)
-    # cosine transform at half-integer frequencies
     spectrum = np.zeros(length, dtype=np.complex128)
     spectrum[: length // 2] = density
     covariance = (np.fft.ifft(spectrum)[:terms] * np.exp(1j * np.pi * lags / length)).real
@@ -159,6 +158,6 @@ def _freedom(kind: Kind, factor: int, n: int, alpha: int) -> float:
     freedom = terms**2 * covariance[0] ** 2 / float(weights @ covariance**2)
     if (
         alpha == QUANTIZED and kind == "hadamard"
-    ):  # differences of independent noise: each term is worth about as much as any other
+    ):  # in differences of independent noise all terms have about equal weight
         return float(freedom * max(n + 1 - 3 * factor, 1) / terms)
     return float(freedom * max(clusters / MOST_CLUSTERS, 1.0))

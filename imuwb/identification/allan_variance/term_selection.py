@@ -1,4 +1,4 @@
-"""Which terms a curve shows, and from which averaging time on their sum explains it."""
+"""Which terms a curve shows, and the averaging time from which their sum explains it."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 ACCEPTED = 1e-3  #: probability of a misfit as large; below it the sum does not explain the curve
-MUCH = 15.0  #: chi-square that a left-out point, or a term that comes back, must be worth
-FEWEST_POINTS = 6  #: that a fit is left with
-BEYOND_DOUBT = 8.0  #: sigmas; a term this large is not tried without
+MUCH = 15.0  #: reduction of chi-square that justifies leaving out one point, or taking a term back
+FEWEST_POINTS = 6  #: that a fit keeps
+BEYOND_DOUBT = 8.0  #: sigmas; a term this large stays without a test
 
 
-def begin(problem: Problem) -> int:
+def first_time(problem: Problem) -> int:
     """Return how many of the shortest averaging times to leave out so that the sum explains the rest.
 
-    A sensor's own filter, or its resonances, bend the short end of the curve; no sum of these processes
-    follows. There the points are sure, so a misfit is large: a cut must take away far more of it than the
-    points it leaves out would have by chance. Nothing is left out when no cut helps.
+    A sensor's own filter, or its resonances, bend the short end of the curve, and no sum of these processes can follow. The
+    points there are precise, so the misfit is large. A cut must reduce the misfit by far more than chance gives the points
+    that it leaves out. Nothing is left out when no cut helps.
     """
     misfits: list[float] = []
     for first in range(max(problem.tau.size - FEWEST_POINTS, 1)):
         part = problem.since(first)
         try:
             squared, _, active = select(part, 0.95)
-        except ValueError:  # nothing is left so far out; an earlier begin may do
+        except ValueError:  # nothing is left at these times; an earlier first time may do
             if not first:
                 raise
             break
@@ -47,11 +47,11 @@ def begin(problem: Problem) -> int:
 
 
 def select(problem: Problem, level: float) -> tuple[Floats, Floats, list[int]]:
-    """Fit the terms that chance does not explain: all at first, the weakest left out one by one.
+    """Return squares, covariance and indices of the terms that chance does not explain.
 
-    A term can lose its place to another that loses its own later (a ramp and a random walk look alike
-    over the last octaves), so those left out are tried again at the end; and where what is left does not
-    explain the curve, the term that makes it much more likely comes back for good.
+    The fit begins with all terms and leaves out the weakest, one by one. A ramp and a random walk look alike over the last
+    octaves, so one can displace the other and then be left out itself. Therefore the terms left out are tried again at the
+    end. Where the rest does not explain the curve, the term that makes the curve much more likely comes back for good.
     """
     active, kept = list(range(5)), set[int]()
     tried: set[tuple[int, ...]] = set()
@@ -72,7 +72,7 @@ def select(problem: Problem, level: float) -> tuple[Floats, Floats, list[int]]:
 
 
 def _missing(problem: Problem, squared: Floats, active: list[int], rest: list[int]) -> int | None:
-    """Return the term without which the curve is not explained, and is far less likely; None where there is none."""
+    """Return the term that an unexplained curve needs most; None where no term makes the curve much more likely."""
     chi2, surprise = problem.misfit(squared)
     if not rest or chi_square_tail(chi2, max(problem.tau.size - len(active), 1)) > ACCEPTED:
         return None
@@ -82,12 +82,12 @@ def _missing(problem: Problem, squared: Floats, active: list[int], rest: list[in
 
 
 def _without_weak(problem: Problem, active: list[int], kept: set[int], level: float) -> list[int]:
-    """Return the terms that are each larger than chance makes them in their absence, and those to be kept."""
+    """Return the terms to be kept, and those that are larger than chance would make them if they were absent."""
     while len(active) > 1:
         squared, covariance = problem.solve(active)
         zero = [t for t in active if squared[t] == 0]
         if len(zero) == len(active):
-            message = "nothing of the curve is left for these processes behind its lines"
+            message = "the periodic lines explain the whole curve; nothing is left for the noise processes"
             raise ValueError(message)
         if zero:
             active = [t for t in active if t not in zero]
@@ -106,6 +106,6 @@ def _without_weak(problem: Problem, active: list[int], kept: set[int], level: fl
 
 
 def _ratio(problem: Problem, squared: Floats, active: list[int], term: int, level: float) -> float:
-    """Return a term's size over the size that chance gives it, one time in 2/(1 - level), in its absence."""
+    """Return a term's size over the size that chance exceeds one time in 2/(1 - level) if the term is absent."""
     estimate = problem.added(squared, active, term)
     return estimate.value / (estimate.sigma * estimate.quantile((1 + level) / 2))

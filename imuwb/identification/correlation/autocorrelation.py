@@ -9,76 +9,100 @@ import numpy as np
 from scipy import fft, optimize
 
 from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum, cosine_spectrum
+from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import chi_square_tail, normal_limit
 from imuwb.stochastic import GaussMarkov
+from imuwb.texts import number_text
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
 
-TENABLE = 0.01  #: probability of a misfit as large; below it, first order does not explain the record
-GROUP = 2**0.5  #: last frequency over first, of what is judged together
-FEWEST = 32  #: coefficients that are judged together, the lowest
-SHORTEST = 1e-5  #: sampling intervals; a process of such a Tc is white
-UNKNOWN = 30.0  #: of a logarithm; wider intervals say nothing
-LONG = 1_000_000  #: samples, from which on the transform is of half the length of numbers
-SHOWN = 2000  #: lags that are kept
+TENABLE = 0.01  #: probability of the misfit, below which a first-order process does not explain the record
+GROUP = 2**0.5  #: ratio of the last frequency to the first in a group that is tested as one
+FEWEST = 32  #: lowest coefficients, which are one group
+FEWEST_SAMPLES = 16
+SHORTEST = 1e-5  #: sampling intervals; a process with so short a Tc is white noise
+WIDEST = 30.0  #: half width of the interval of a logarithm; wider ones are cut here
+LONG = 1_000_000  #: samples; a longer record is transformed in single precision
+SHOWN = 2000  #: lags that are kept, about
+VAGUE = 100.0  #: ratio of the ends of Tc's interval, above which the record does not show Tc
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class GaussMarkovFit:
-    """The first-order Gauss-Markov process that makes a record likeliest, and whether it explains it."""
+    """The first-order Gauss-Markov process that makes a record likeliest, and whether it explains the record."""
 
-    sigma: float  #: unit
-    sigma_interval: tuple[float, float]
-    Tc: float  #: s
-    Tc_interval: tuple[float, float]
-    tenable: bool
+    sigma: Estimate
+    Tc: Estimate  #: s
+    tenable: bool  #: the process alone explains the record
     misfit: float  #: chi-square of the spectrum over its degrees of freedom
-    probability: float  #: of a misfit as large by chance
+    probability: float  #: that chance makes a misfit as large
 
     def process(self) -> GaussMarkov:
         """Return the process."""
-        return GaussMarkov(self.sigma, self.Tc)
+        return GaussMarkov(self.sigma.value, self.Tc.value)
+
+    @property
+    def vague(self) -> bool:
+        """Return whether the record does not show Tc: its interval spans more than a factor of 100."""
+        return self.Tc.upper > VAGUE * self.Tc.lower
+
+    def __str__(self) -> str:
+        """Return sigma, Tc, and whether the process alone explains the record."""
+        verdict = "tenable" if self.tenable else "not tenable"
+        return f"Gauss-Markov sigma {self.sigma}, Tc {self.Tc}: {verdict} alone (p = {self.probability:.2g})"
+
+    __repr__ = __str__
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class Autocorrelation:
     """The normalised autocorrelation of a record."""
 
     lag: Floats  #: (k,) s, the first 0
     value: Floats  #: (k,)
-    band: float  #: +-, within which white noise stays at a lag, with probability ``level``
+    band: float  #: at each lag, white noise stays within +-band with probability ``level``
     level: float
     variance: float  #: unit²
-    falls_to: float | None  #: s, where it first is below 1/e; the papers' reading of Tc
-    gauss_markov: GaussMarkovFit | None
+    falls_to: float | None  #: s, lag at which the correlation first falls to 1/e, which papers read as Tc
+    gauss_markov: GaussMarkovFit | None  #: None: the record is too short for a fit
+
+    def __str__(self) -> str:
+        """Return the lags, where the correlation falls to 1/e, and the Gauss-Markov process."""
+        falls = "stays above 1/e" if self.falls_to is None else f"falls to 1/e at {number_text(self.falls_to)} s"
+        fit = "" if self.gauss_markov is None else f"; {self.gauss_markov}"
+        return f"autocorrelation to a lag of {number_text(float(self.lag[-1]))} s: {falls}{fit}"
+
+    __repr__ = __str__
 
 
 def autocorrelation(values: Floats, dt: float, longest: float | None = None, *, level: float = 0.95) -> Autocorrelation:
-    """Return the autocorrelation, the mean taken off, by fast Fourier transform.
+    """Return the autocorrelation of a record less its mean, by fast Fourier transform.
 
-    r(k) = sum x(i) x(i+k) / sum x(i)²: the biased estimate, which is a correlation at every lag.
+    r(k) = sum x(i) x(i+k) / sum x(i)²: the biased estimate, which stays within +-1 at every lag.
 
     Args:
         values: (n,) evenly spaced samples.
         dt: s.
-        longest: lag in s; None: a tenth of the record. Of many lags 2,000 are kept, denser near 0.
+        longest: s, longest lag; None: a tenth of the record. Of many lags about 2,000 are kept, more densely near 0.
         level: of the band and of the intervals.
 
     Raises:
         ValueError: a constant channel, or fewer than 16 samples.
     """
     n = values.size
-    if n < 16 or np.ptp(values) == 0:  # noqa: PLR2004 - fewer have no shape
-        message = f"{n} samples, {'all alike' if n else 'none'}: there is no autocorrelation; it takes 16 that vary"
+    if n < FEWEST_SAMPLES or np.ptp(values) == 0:
+        message = (
+            f"{n} samples{' that are all equal' if n else ''}: no autocorrelation; it takes {FEWEST_SAMPLES} that vary"
+        )
         raise ValueError(message)
     centered = values - values.mean()
     most = min(max(round((n * dt / 10 if longest is None else longest) / dt), 1), n - 1)
     size = fft.next_fast_len(n + most, real=True)
     variance = float(np.mean(np.square(centered)))
-    # Of a long record half the digits do, to a part in a million: chance alone makes a thousandth.
+    # Single precision gives a part in a million, and the scatter of so long a record is a thousandth.
     digits = np.float32 if n > LONG else np.float64
     power = np.abs(fft.rfft((centered / variance**0.5).astype(digits), size))
     np.square(power, out=power)
@@ -103,10 +127,14 @@ def autocorrelation(values: Floats, dt: float, longest: float | None = None, *, 
 
 
 def fit_gauss_markov(spectrum: CosineSpectrum, level: float = 0.95) -> GaussMarkovFit:
-    """Return the likeliest first-order Gauss-Markov process, found in the spectrum of the whole record.
+    """Return the first-order Gauss-Markov process that makes a record's cosine spectrum likeliest.
 
-    The likelihood weighs every frequency by what it tells; an exponential laid through the first lags of a
-    correlation, whose errors hang together, does not. White noise is such a process of a Tc far below dt.
+    The likelihood weighs each frequency by its information. An exponential through the first lags of the autocorrelation
+    does not, because the errors of those lags are correlated. White noise is such a process with Tc far below dt.
+
+    Args:
+        spectrum: of the whole record.
+        level: of the intervals.
     """
     index: Floats = np.concatenate([spectrum.index.astype(np.float64), (spectrum.first + spectrum.last) / 2])
     power = np.concatenate([(spectrum.low + spectrum.ramp * spectrum.trend()) ** 2, spectrum.power])
@@ -134,12 +162,12 @@ def fit_gauss_markov(spectrum: CosineSpectrum, level: float = 0.95) -> GaussMark
     slopes = np.stack([np.ones(f.size), slope])
     inverse = np.linalg.pinv((slopes * count) @ slopes.T / 2)
     z = normal_limit(level)
-    # Far beyond the record's length a correlation time is not known at all.
-    half_square, half_time = (z * np.sqrt(np.diag(inverse))).clip(0, UNKNOWN)
+    # A correlation time far longer than the record has no finite interval.
+    half_square, half_time = (z * np.sqrt(np.diag(inverse))).clip(0, WIDEST)
     group = (np.log(f[-1] / f) / np.log(GROUP)).astype(np.int64)
-    # The lowest frequencies are too few for the law of large numbers: they are one group.
-    few = np.cumsum(count) < FEWEST
-    group[few] = group[few].min(initial=int(group.max()))
+    # The lowest frequencies are too few for the law of large numbers, so they are one group.
+    lowest = np.cumsum(count) < FEWEST
+    group[lowest] = group[lowest].min(initial=int(group.max()))
     total = np.bincount(group, count)
     excess = np.bincount(group, count * (power / (shape * square) - 1))
     filled = total > 0
@@ -148,7 +176,7 @@ def fit_gauss_markov(spectrum: CosineSpectrum, level: float = 0.95) -> GaussMark
     probability = float(chi_square_tail(chi2, freedom))
     sigma, tc = square**0.5, float(np.exp(at))
     return GaussMarkovFit(
-        sigma, (sigma * float(np.exp(-half_square / 2)), sigma * float(np.exp(half_square / 2))),
-        tc, (tc * float(np.exp(-half_time)), tc * float(np.exp(half_time))),
+        Estimate(sigma, sigma * float(np.exp(-half_square / 2)), sigma * float(np.exp(half_square / 2))),
+        Estimate(tc, tc * float(np.exp(-half_time)), tc * float(np.exp(half_time)), unit="s"),
         probability > TENABLE, chi2 / freedom, probability,
     )  # fmt: skip

@@ -1,12 +1,12 @@
-"""Autoregressive models of a record: Burg's of every order, how sure they are, and whether they are tenable.
+"""Autoregressive models of a record: Burg's model of each order, its standard errors, and whether it is tenable.
 
-x(n) = -sum alpha_k x(n-k) + beta0 w(n) (Quinchia, eq. 9; El-Diasty's tables of filtered data). alpha of an order
-1 model is -1 for a random walk and 0 for white noise. Other libraries, R's among them, give phi = -alpha.
+x(n) = -sum alpha_k x(n-k) + beta0 w(n) (Quinchia, eq. 9; El-Diasty's tables of filtered data). alpha of a model
+of order 1 is -1 for a random walk and 0 for white noise. Other libraries, such as R, give phi = -alpha.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,7 @@ from scipy import fft, linalg
 
 from imuwb.compiled import compiled
 from imuwb.identification.correlation.burg import burg
+from imuwb.notes import Note
 from imuwb.statistics.distributions import chi_square_tail, normal_limit
 from imuwb.stochastic import Autoregressive
 
@@ -25,22 +26,23 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-WHITE_LAGS = 20  #: of the innovations' autocorrelation, behind those that the model itself makes small
-BLOCK = 1024  #: samples that stay in the fastest cache while all lags use them
-GRID = 4096  #: samples of a segment of the innovations' spectrum
-RANDOM_WALK, WHITE = 0.99, 0.02  #: |alpha_1| from, and up to, which an order 1 model is said to be one
+WHITE_LAGS = 20  #: lags of the innovations' autocorrelation that are tested, beyond those that the fit makes small
+BLOCK = 1024  #: samples; a block stays in the fastest cache while all lags use it
+GRID = 4096  #: samples in a segment of the innovations' spectrum
+RANDOM_WALK = 0.99  #: with alpha of order 1 below -0.99, the series is called a random walk
+WHITE = 0.02  #: with |alpha| of order 1 below 0.02, the series is called white noise
+TENABLE = 0.01  #: probability of the Ljung-Box statistic, below which innovations are not white
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class Order:
-    """The model of one order. Standard errors are of alpha as estimated from this record."""
+    """The model of one order, with standard errors of alpha."""
 
     order: int
     alpha: Floats  #: (p,)
-    alpha_sigma: Floats  #: (p,) Bartlett's: true whatever the series is
-    alpha_sigma_if_ar: (
-        Floats  #: (p,) true only if the series is autoregressive of this order: √((1 - alpha²)/n) for order 1
-    )
+    alpha_sigma: Floats  #: (p,) Bartlett's, valid for any series
+    #: (p,) valid only if the series is autoregressive of this order: √((1 - alpha²)/n) for order 1
+    alpha_sigma_if_ar: Floats
     significant: NDArray[np.bool_]  #: (p,) at ``level``
     beta0: float  #: unit
     aicc: float
@@ -48,39 +50,66 @@ class Order:
     fpe: float  #: unit²
     largest_pole: float  #: magnitude
     stable: bool
+    beta0_ratio: float = 1.0  #: beta0 over that of order 1
+    aicc_excess: float = 0.0  #: AICc over that of order 1
+    bic_excess: float = 0.0  #: BIC over that of order 1
+
+    def compared(self, first: Order) -> Order:
+        """Return the model with its differences from the model of order 1."""
+        ratio = self.beta0 / first.beta0
+        return replace(self, beta0_ratio=ratio, aicc_excess=self.aicc - first.aicc, bic_excess=self.bic - first.bic)
+
+    def __str__(self) -> str:
+        """Return the coefficients with their standard errors."""
+        alphas = ", ".join(f"{a:.6g} ± {s:.1g}" for a, s in zip(self.alpha, self.alpha_sigma, strict=True))
+        return f"AR({self.order}): alpha {alphas}; beta0 {self.beta0:.6g}{'' if self.stable else '; NOT stable'}"
+
+    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Whiteness:
-    """Whether the innovations of one order are white (Ljung and Box, 20 lags more than the order)."""
+    """Test of whether the innovations of one order are white (Ljung and Box, 20 lags more than the order)."""
 
     order: int
     statistic: float
-    probability: float  #: of a statistic as large by chance
-    largest: float  #: correlation within the lags, in magnitude
+    probability: float  #: that chance makes a statistic as large
+    largest: float  #: magnitude of the largest correlation within the lags
+    white: bool  #: at 1 %, so the order is tenable
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class AutoregressiveFit:
     """Models of orders 1 ... p of one record."""
 
-    dt: float  #: s; the models hold at this step only
-    n: int
-    mean: float  #: taken off
+    dt: float  #: s; the models are valid at this step only
+    n: int  #: samples
+    mean: float  #: taken off before the fit
     level: float  #: of the significance of coefficients
     orders: tuple[Order, ...]
     chosen: int  #: order, by BIC
-    whiteness: tuple[Whiteness, ...]  #: of the orders asked for, and the chosen one
-    reading: str  #: what the order 1 model says
+    whiteness: tuple[Whiteness, ...]  #: of the orders asked for, and of the chosen order
+    reading: Note  #: what the model of order 1 means
 
     def process(self, order: int) -> Autoregressive:
         """Return the model of an order as a process.
 
         Raises:
-            ValueError: it is not stable; the message names the pole.
+            ValueError: the model is not stable; the message names the pole.
         """
-        found = self.orders[order - 1]
-        return Autoregressive(tuple(found.alpha), found.beta0, self.dt)
+        model = self.orders[order - 1]
+        return Autoregressive(tuple(model.alpha), model.beta0, self.dt)
+
+    def __str__(self) -> str:
+        """Return the chosen model, the orders that are tenable, and the reading of order 1."""
+        tenable = ", ".join(str(w.order) for w in self.whiteness if w.white) or "no order"
+        return (
+            f"autoregressive models of orders 1 to {len(self.orders)}, step {self.dt:g} s; least BIC: "
+            f"{self.orders[self.chosen - 1]}; white innovations: {tenable} of {', '.join(str(w.order) for w in self.whiteness)}; "
+            f"order 1: {self.reading}"
+        )
+
+    __repr__ = __str__
 
 
 def fit_autoregressive(
@@ -92,15 +121,15 @@ def fit_autoregressive(
     test: Sequence[int] = (1, 3),
     breaks: Sequence[int] = (),
 ) -> AutoregressiveFit:
-    """Fit autoregressive models of all orders up to ``orders``.
+    """Return the autoregressive models of all orders up to ``orders``.
 
     Args:
         values: (n,) evenly spaced samples.
         dt: s.
         orders: highest order.
-        level: at which a coefficient is called significant.
-        test: orders whose innovations are tested for whiteness; the chosen one always is.
-        breaks: indices at which samples are missing before.
+        level: of significance of the coefficients.
+        test: orders whose innovations are tested for whiteness; the chosen order is always tested.
+        breaks: indices before which samples are missing.
 
     Raises:
         ValueError: too few samples, or a constant channel.
@@ -113,29 +142,38 @@ def fit_autoregressive(
     density = _density(innovations, models.alpha[highest])
     covariances = fft.irfft(density)[: highest + 1]
     z = normal_limit(level)
-    found: list[Order] = []
+    fitted: list[Order] = []
     for p in range(1, highest + 1):
         alpha, variance = models.alpha[p], float(models.variance[p])
         sigma = _bartlett(alpha, covariances, density, n)
         ideal = _ideal(models.alpha[: p + 1], models.variance, n)
         pole = float(np.abs(np.roots([1.0, *alpha])).max())
         likelihood = n * np.log(max(variance, 1e-300))
-        k = p + 1  # the mean, and one for each coefficient
-        found.append(Order(
+        k = p + 1  # the coefficients and the mean
+        fitted.append(Order(
             p, alpha, sigma, ideal, np.abs(alpha) > z * sigma, variance**0.5,
             float(likelihood + 2 * k + 2 * k * (k + 1) / max(n - k - 1, 1)), float(likelihood + k * np.log(n)),
             variance * (n + k) / max(n - k, 1), pole, pole < 1,
         ))  # fmt: skip
-    chosen = min(found, key=lambda order: order.bic).order
+    chosen = min(fitted, key=lambda order: order.bic).order
     tested = sorted({p for p in (*test, chosen) if 1 <= p <= highest})
     whiteness = tuple(_whiteness(parts, models.alpha[p], p) for p in tested)
-    return AutoregressiveFit(dt, n, models.mean, level, tuple(found), chosen, whiteness, _reading(found[0]))
+    return AutoregressiveFit(
+        dt,
+        n,
+        models.mean,
+        level,
+        tuple(order.compared(fitted[0]) for order in fitted),
+        chosen,
+        whiteness,
+        _reading(fitted[0]),
+    )
 
 
 def _density(innovations: Floats, alpha: Floats) -> Floats:
-    """Return the series' density at GRID/2 + 1 frequencies, its mean over the circle the variance.
+    """Return the series' density at GRID/2 + 1 frequencies, scaled so that its mean over the circle is the variance.
 
-    The innovations are nearly white, so their spectrum neither leaks nor needs a fine grid; the model colours it.
+    The innovations are nearly white, so their spectrum does not leak and a coarse grid will do; the model then colours it.
     """
     size = min(GRID, 1 << max(innovations.size // 8, 2).bit_length() - 1)
     pieces = innovations[: innovations.size // size * size].reshape(-1, size)
@@ -148,8 +186,8 @@ def _density(innovations: Floats, alpha: Floats) -> Floats:
 def _bartlett(alpha: Floats, covariances: Floats, density: Floats, n: int) -> Floats:
     """Return the standard errors of alpha for a linear process of any density.
 
-    alpha solves g_i = sum_j a_j r(i - j) = 0; Bartlett's covariance of sample autocovariances makes that of g
-    a mean over frequencies of 2 Re(A e^(-iwi)) Re(A e^(-iwj)) S², and alpha follows by R.
+    alpha solves g_i = sum_j a_j r(i - j) = 0; By Bartlett's covariance of sample
+    autocovariances, that of g is the mean over frequencies of 2 Re(A e^(-iwi)) Re(A e^(-iwj)) S². R then gives that of alpha.
     """
     p = alpha.size
     w = np.pi * np.arange(density.size) / (density.size - 1)
@@ -183,15 +221,16 @@ def _whiteness(parts: Sequence[Floats], alpha: Floats, order: int) -> Whiteness:
     sizes = np.array([part.size - order for part in parts])
     lags = np.arange(1, most + 1)
     n = int(sizes.sum())
-    # Under whiteness a lag's correlation has the variance of its number of products over n² (Ljung and Box, for one part).
+    # The correlation of white noise at a lag has the variance products/n² (Ljung and Box give it for one part).
     counts = np.maximum(sizes[:, None] - lags, 0).sum(axis=0).clip(1)
     statistic = float(n * (n + 2) * np.sum(r**2 / counts))
-    return Whiteness(order, statistic, float(chi_square_tail(statistic, WHITE_LAGS)), float(np.abs(r).max()))
+    probability = float(chi_square_tail(statistic, WHITE_LAGS))
+    return Whiteness(order, statistic, probability, float(np.abs(r).max()), probability > TENABLE)
 
 
 @compiled(reorder=True)
 def _errors(values: Floats, alpha: Floats) -> Floats:  # pragma: no cover - compiled
-    """Return x(n) + sum alpha_k x(n-k) wherever all of it is there."""
+    """Return x(n) + sum alpha_k x(n-k) for each n that has all the samples."""
     p = alpha.size
     out = values[p:].copy()
     for low in range(0, out.size, BLOCK):
@@ -218,15 +257,13 @@ def _products(values: Floats, lags: int) -> Floats:  # pragma: no cover - compil
     return out
 
 
-def _reading(first: Order) -> str:
+def _reading(first: Order) -> Note:
     alpha = float(first.alpha[0])
     if alpha < -RANDOM_WALK:
-        return "alpha is near -1: the series is as good as a random walk"
+        return Note("random-walk", "alpha is near -1: the series is close to a random walk")
     if abs(alpha) < WHITE:
-        return "alpha is near 0: the series is as good as white noise"
-    kind = "each value resembles the last" if alpha < 0 else "each value opposes the last"
-    return (
-        f"alpha is {alpha:.4g}: {kind}, between white noise (0) and a random walk (-1)"
-        if alpha < 0
-        else f"alpha is {alpha:.4g}: {kind}"
-    )
+        return Note("white-noise", "alpha is near 0: the series is close to white noise")
+    if alpha > 0:
+        return Note("opposite", f"alpha is {alpha:.4g}: successive values tend to opposite signs")
+    text = f"alpha is {alpha:.4g}: successive values are alike, between white noise (0) and a random walk (-1)"
+    return Note("alike", text)

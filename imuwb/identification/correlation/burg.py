@@ -1,7 +1,7 @@
-"""Burg's method, all orders in one sweep over the record each.
+"""Burg's method: one pass over the record for each order.
 
-J. P. Burg (1975); the form with alpha as in Quinchia, eq. 9: x(n) = -sum alpha_k x(n-k) + beta0 w(n). Forward
-and backward errors of an order and the sums for the next are computed in the same pass, block by block.
+J. P. Burg (1975), with the sign of Quinchia, eq. 9: x(n) = -sum alpha_k x(n-k) + beta0 w(n). The same pass computes, block by
+block, the forward and backward errors of an order and the sums for the next order.
 """
 
 from __future__ import annotations
@@ -20,39 +20,45 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-BLOCK = 1024
+BLOCK = 1024  #: samples; a block stays in the fastest cache
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class Burg:
     """Autoregressive models of order 0 ... p of one record."""
 
-    mean: float  #: taken off
+    mean: float  #: taken off before the fit
     n: int  #: samples
     alpha: tuple[Floats, ...]  #: (k,) for order k
     variance: Floats  #: (p + 1,) of the innovations, beta0²
+
+    def __str__(self) -> str:
+        """Return the number of models."""
+        return f"Burg's models of orders 0 to {len(self.alpha) - 1}, from {self.n} samples"
+
+    __repr__ = __str__
 
 
 def burg(values: Floats, orders: int, breaks: Sequence[int] = ()) -> Burg:
     """Return the models of all orders up to ``orders``.
 
     Args:
-        values: (n,) evenly spaced samples; their mean is taken off.
+        values: (n,) evenly spaced samples.
         orders: highest order.
-        breaks: indices at which samples are missing before; no error spans one.
+        breaks: indices before which samples are missing; no error spans a break.
 
     Raises:
         ValueError: no part between breaks is longer than the highest order, or the channel is constant.
     """
     edges = np.array([0, *sorted(breaks), values.size], dtype=np.int64)
     if np.diff(edges).max() <= orders:
-        message = f"the longest part of the record has {np.diff(edges).max()} samples; order {orders} needs more"
+        message = f"the longest part without gaps has {np.diff(edges).max()} samples; order {orders} takes at least {orders + 1}"
         raise ValueError(message)
     mean = float(values.mean())
     forward = values - mean
     power = float(np.einsum("i,i", forward, forward)) / values.size
     if power == 0:
-        message = "the channel is constant: it has no autoregressive model"
+        message = "the channel is constant, so it has no autoregressive model"
         raise ValueError(message)
     backward = forward.copy()
     alpha, variance = [np.empty(0)], [power]
@@ -70,10 +76,10 @@ def burg(values: Floats, orders: int, breaks: Sequence[int] = ()) -> Burg:
 def _sweep(
     forward: Floats, backward: Floats, edges: NDArray[np.int64], order: int, reflection: float
 ) -> tuple[float, float]:  # pragma: no cover - compiled
-    """Take the errors from the order before to ``order`` in place; return the sums for the one above.
+    """Update the errors to ``order`` in place, and return the sums for the next order.
 
-    Of a part that begins at s, the forward error of sample s + i + order lies at that place, the backward error
-    that it meets at s + i: so neither is ever moved.
+    In a part that begins at s, the forward error of sample s + i + order stays at that index, and the backward error that it
+    is multiplied with stays at s + i, so no error is ever moved.
     """
     product = squares = 0.0
     for part in range(edges.size - 1):
@@ -86,7 +92,7 @@ def _sweep(
             high = min(low + BLOCK, count)
             if reflection != 0.0:
                 _update(f[low:high], b[low:high], reflection)
-            # The backward error of one sample meets the forward error of the next.
+            # The backward error of a sample is multiplied with the forward error of the next sample.
             first = max(low - 1, 0)
             p, s = _sums(f[first + 1 : high], b[first : high - 1])
             product += p

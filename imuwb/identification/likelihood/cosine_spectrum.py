@@ -1,11 +1,10 @@
-"""The record in cosines: coefficients that are independent under white noise and random walk, nearly so under all.
+"""The cosine coefficients of a record, which are nearly independent under all noise processes.
 
-The discrete cosine transform (type II) of a record has, at j half periods, a coefficient whose variance is
-the two-sided density of the sampled process at f = j/(2 T). For white noise and for a random walk,
-averaged over dt as a sensor does, that is exact and the coefficients are independent, though a random walk is
-not stationary: cosines do not mind where a record begins and ends, which a Fourier series does. Flicker
-and Gauss-Markov noise couple the lowest coefficients; their covariance there is known in closed form.
-So a likelihood of the whole record costs one transform.
+The discrete cosine transform (type II) of a record has, at j half periods, a coefficient whose variance is the two-sided
+density of the sampled process at f = j/(2 T). For white noise and for a random walk, averaged over dt as a sensor does, that is
+exact and the coefficients are independent. This holds although a random walk is not stationary, because cosines, unlike a
+Fourier series, need no match of the record's two ends. Flicker and Gauss-Markov noise couple the lowest coefficients; their
+covariance is known in closed form. So a likelihood of the whole record costs one transform.
 """
 
 from __future__ import annotations
@@ -28,30 +27,39 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-LOW = 32  #: coefficients that are taken one by one, with all their covariances
-WIDTH = 1.04  #: of a bin, last frequency over first
-POINTS = 8  #: of a wide bin at which a density is averaged
+LOW = 32  #: lowest coefficients, which have a joint covariance
+WIDTH = 1.04  #: ratio of the last frequency to the first in a bin
+POINTS = 8  #: frequencies of a wide bin at which a density is averaged
 FEWEST = 256  #: samples
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class CosineSpectrum:
-    """A record's cosine coefficients: the lowest one by one, the others' mean squares in narrow bins."""
+    """A record's cosine coefficients: each of the lowest, and the mean squares of the others in narrow bins."""
 
     n: int  #: samples
     dt: float  #: s
-    ramp: float  #: unit/s, taken off beforehand
+    ramp: float  #: unit/s, taken off before the transform
     index: NDArray[np.int64]  #: (l,) half periods of the lowest coefficients, from 1 on
     low: Floats  #: (l,) coefficients, scaled so that their variance is the two-sided density
-    first: NDArray[np.int64]  #: (k,) half periods at which a bin begins
-    last: NDArray[np.int64]  #: (k,) and ends, inclusive
+    first: NDArray[np.int64]  #: (k,) first half period of each bin
+    last: NDArray[np.int64]  #: (k,) last half period of each bin
     power: Floats  #: (k,) mean square in a bin
-    count: NDArray[np.int64]  #: (k,) coefficients in a bin that are no line's
+    count: NDArray[np.int64]  #: (k,) coefficients in a bin, without those near lines
 
     @property
     def frequency(self) -> Floats:
-        """Return each bin's centre, Hz."""
+        """Return the centre of each bin (Hz)."""
         return np.sqrt(self.first * self.last.astype(np.float64)) / (2 * self.n * self.dt)
+
+    def __str__(self) -> str:
+        """Return the number of coefficients and bins."""
+        return (
+            f"cosine spectrum of {self.n} samples at {1 / self.dt:.6g} Hz: {self.low.size} lowest coefficients, "
+            f"{self.power.size} bins"
+        )
+
+    __repr__ = __str__
 
     def density(self, process: Process) -> Floats:
         """Return a process's two-sided density averaged over each bin, (k,)."""
@@ -73,7 +81,7 @@ class CosineSpectrum:
         f = self.index / (2 * self.n * self.dt)
         diagonal = np.diag(process.power_spectral_density(f, self.dt))
         if isinstance(process, Quantization):
-            # The steps before the first and behind the last sample, which no cosine cancels.
+            # No cosine cancels the steps before the first sample and after the last one.
             edge = np.sqrt(2 / self.n) * np.cos(np.pi * self.index / (2 * self.n))
             sign = np.where(self.index % 2 == 0, 1.0, -1.0)
             diagonal += process.Q**2 / self.dt * (np.outer(edge, edge) + np.outer(edge * sign, edge * sign))
@@ -82,7 +90,7 @@ class CosineSpectrum:
     def trend(self) -> Floats:
         """Return the lowest coefficients of a ramp of 1 unit/s, (l,)."""
         t = np.pi * self.index / (2 * self.n)
-        # sum of k cos(pi j (k + 1/2)/n): -1/(2 sin²) for odd j, with cos t; 0 for even j
+        # The sum of k cos(pi j (k + 1/2)/n) is -cos t/(2 sin² t) for odd j, and 0 for even j.
         odd = -np.cos(t) / (2 * np.sin(t) ** 2)
         return np.where(self.index % 2 == 1, odd, 0.0) * np.sqrt(2 / self.n) * self.dt**1.5
 
@@ -93,7 +101,7 @@ def cosine_spectrum(values: Floats, dt: float, lines: Sequence[tuple[float, floa
     Args:
         values: (n,) samples.
         dt: s.
-        lines: (frequency, half width) in Hz of what is to be left out.
+        lines: (frequency, half width) in Hz; coefficients within are left out.
 
     Raises:
         ValueError: fewer than 256 samples.
@@ -144,7 +152,7 @@ def _without_line(values: Floats, level: float, slope: float, out: Floats) -> No
 def _binned(
     coefficients: Floats, edges: NDArray[np.int64], first: NDArray[np.int64], last: NDArray[np.int64]
 ) -> tuple[Floats, NDArray[np.int64]]:  # pragma: no cover - compiled
-    """Return the sums of squares between edges, and how many went in: none of first ... last, which are lines."""
+    """Return the sums of squares between edges and their counts, without the lines at first ... last."""
     sums, counts = np.zeros(edges.size - 1), np.zeros(edges.size - 1, np.int64)
     for i in range(edges.size - 1):
         total, count = 0.0, 0
@@ -171,7 +179,7 @@ def _cin(x: Floats) -> Floats:
 
 
 def _pairs(index: NDArray[np.int64]) -> tuple[Floats, Floats, NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return pi i and pi j of all pairs, where they are equal, and where a record's symmetry uncouples them."""
+    """Return pi i and pi j of all pairs, which pairs are equal, and which the symmetry of the record decouples."""
     a = np.pi * index.astype(np.float64)
     same = np.eye(index.size, dtype=bool)
     apart = (index[:, None] + index[None, :]) % 2 == 1
@@ -191,7 +199,7 @@ def _gauss_markov(index: NDArray[np.int64], duration: float, correlation_time: f
     """Return the covariance under a Gauss-Markov process of sigma 1, from its autocovariance e^(-|t|/Tc)."""
     a, b, same, apart = _pairs(index)
     x = duration / correlation_time
-    end = np.exp(-x) * np.cos(a)  # cos(pi j) = +-1; the same for a pair that is coupled
+    end = np.exp(-x) * np.cos(a)  # cos(pi j) = +-1 has the same sign for both of a coupled pair
 
     def sine(w: Floats) -> Floats:  # integral of e^(-x t) sin(w t) over the record
         return w * (1 - end) / (x**2 + w**2)

@@ -1,8 +1,8 @@
 """The sum Q, N, B, K, R that makes a record likeliest, with intervals from its likelihood.
 
-What the Allan variance condenses to some twenty correlated figures, the likelihood of the cosine
-coefficients keeps: its errors are near the Cramer-Rao bound. A term's value is its likeliest size. One
-that is likeliest to be absent has none, and an upper limit; one whose interval begins at 0 may be absent.
+The Allan variance condenses a record to some twenty correlated figures. The likelihood of the cosine coefficients uses all of
+the record, and its errors are near the Cramer-Rao bound. The value of a term is its likeliest size. A term whose likeliest size
+is 0 has no value but an upper limit. A term whose interval begins at 0 may be absent.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from imuwb.identification.likelihood.problem import LikelihoodProblem
 from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import chi_square_quantile, chi_square_tail, normal_limit, normal_quantile
 from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, Sum, WhiteNoise
+from imuwb.texts import coefficients_text, number_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Sequence
@@ -35,31 +36,32 @@ if TYPE_CHECKING:
 TERMS: dict[str, Callable[[float], Process]] = {
     "Q": Quantization, "N": WhiteNoise, "B": FlickerNoise, "K": RandomWalk,
 }  # fmt: skip
-RAMP_EVIDENCE = 10.8  #: fall of the deviance for which a ramp is taken into the sum; chance makes it in about 1 %
-ACCEPTED = 1e-3  #: probability of a misfit as large; below it the sum does not explain the spectrum
-TOLERATED = (
-    0.02  #: of a density, by which a real sensor may miss the sum where it is fitted; intervals are widened by it
+RAMP_EVIDENCE = (
+    10.8  #: reduction of the deviance for which the sum takes a ramp; chance gives it in about 1 % of records
 )
-MUCH = 15.0  #: chi-square that leaving out another group of bins must be worth
-GROUP = 2**0.5  #: last frequency over first, of the bins that are judged together
+ACCEPTED = 1e-3  #: probability of the misfit, below which the sum does not explain the spectrum
+#: relative error of a real sensor's density that does not count against the sum when the highest frequency is chosen
+TOLERATED = 0.02
+MUCH = 15.0  #: reduction of chi-square that justifies leaving out another group of bins
+GROUP = 2**0.5  #: ratio of the last frequency to the first in a group of bins
 FEWEST_GROUPS = 8
-FEWEST_BINS = 20  #: of the spectrum, below the frequency up to which it is used
-FARTHEST = 60  #: doublings of a square within which the end of its interval is sought
-SURE = 300.0  #: degrees of freedom of a term; beyond, its interval is that of a scaled chi-square
-LINE_BINS = 6.0  #: of the line search, left out on both sides of a line
+FEWEST_BINS = 20  #: bins of the spectrum in a fit
+FARTHEST = 60  #: doublings of a square in the search for the end of its interval
+SURE = 300.0  #: degrees of freedom of a term, above which its interval is that of a scaled chi-square
+LINE_BINS = 6.0  #: bins of the line search that are left out on both sides of a line
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class LikelihoodFit:
     """A sum of processes fitted to a record by likelihood."""
 
     level: float
     coefficients: dict[str, Coefficient]  #: Q, N, B, K, R
     processes: Sum  #: the terms that have a value
-    deviance: float  #: -2 log likelihood, but for a constant of the record
-    highest: float  #: Hz, up to which the sum explains the spectrum
+    deviance: float  #: -2 log likelihood plus a constant of the record
+    highest: float  #: Hz; the sum explains the spectrum up to this frequency
     misfit: float  #: chi-square over its degrees of freedom, up to there
-    probability: float  #: of a misfit as large by chance
+    probability: float  #: that chance makes a misfit as large
 
     @property
     def identified(self) -> Sum:
@@ -68,14 +70,23 @@ class LikelihoodFit:
         ramp = [term for term in self.processes.terms if isinstance(term, RateRamp)]
         return Sum((*(TERMS[x](self.coefficients[x].value or 0.0) for x in sure), *ramp))
 
+    def __str__(self) -> str:
+        """Return the coefficients and how well they explain the spectrum."""
+        return (
+            f"likelihood fit up to {number_text(self.highest)} Hz (p = {self.probability:.2g}): "
+            f"{coefficients_text(self.coefficients)}; {100 * self.level:g} % intervals and limits"
+        )
+
+    __repr__ = __str__
+
 
 def spectrum_without(values: Floats, dt: float, lines: Sequence[Line] = ()) -> CosineSpectrum:
-    """Return a record's cosine coefficients, those near lines left out."""
+    """Return a record's cosine coefficients without those near periodic lines."""
     return cosine_spectrum(values, dt, [(line.frequency, LINE_BINS * line.resolution) for line in lines])
 
 
 def fit_likelihood(values: Floats, dt: float, lines: Sequence[Line] = (), *, level: float = 0.95) -> LikelihoodFit:
-    """Fit the sum to an evenly spaced record without gaps.
+    """Return the likeliest sum of an evenly spaced record without gaps.
 
     Args:
         values: (n,) samples.
@@ -87,7 +98,7 @@ def fit_likelihood(values: Floats, dt: float, lines: Sequence[Line] = (), *, lev
         ValueError: fewer than 256 samples, or a constant channel.
     """
     if np.ptp(values) == 0:
-        message = "the channel is constant"
+        message = "the channel is constant, so it has no noise to fit; check that the sensor is connected"
         raise ValueError(message)
     return fit_cosine_spectrum(spectrum_without(values, dt, lines), level=level)
 
@@ -95,50 +106,48 @@ def fit_likelihood(values: Floats, dt: float, lines: Sequence[Line] = (), *, lev
 def fit_cosine_spectrum(
     spectrum: CosineSpectrum, *, level: float = 0.95, highest: float = float("inf")
 ) -> LikelihoodFit:
-    """Fit the sum to a record's cosine coefficients up to a frequency, Hz: a filter has changed what lies above.
+    """Return the likeliest sum of a record's cosine coefficients.
+
+    Args:
+        spectrum: of the record.
+        level: of the intervals and limits.
+        highest: Hz; coefficients above are left out, such as those that a filter has changed.
 
     Raises:
-        ValueError: too little lies below.
+        ValueError: fewer than 20 bins of the spectrum are left.
     """
     problem = LikelihoodProblem.of(spectrum, [make(1.0) for make in TERMS.values()]).below(highest)
     if problem.power.size < FEWEST_BINS:
-        message = f"only {problem.power.size} bins of the spectrum lie below {highest:.3g} Hz; it takes {FEWEST_BINS}"
+        message = f"{problem.power.size} bins of the spectrum lie below {highest:.3g} Hz; a likelihood fit takes {FEWEST_BINS}"
         raise ValueError(message)
     return fit_problem(problem, level)
 
 
 def fit_problem(problem: LikelihoodProblem, level: float = 0.95, *, without: Collection[str] = ()) -> LikelihoodFit:
-    """Fit the sum Q, N, B, K to the cosine coefficients of one record, or of several side by side.
+    """Return the likeliest sum Q, N, B, K of the cosine coefficients of one record, or of several together.
 
     Args:
         problem: of these four.
         level: of the intervals and limits.
-        without: terms that are known to be absent; their limits are given all the same.
+        without: terms that are known to be absent; their limits are estimated as well.
     """
     problem, misfit, freedom = explained(problem)
     probability = float(chi_square_tail(misfit, freedom))
     everything = [t for t, letter in enumerate(TERMS) if letter not in without]
     steady, sloping = (problem.solve(everything, ramp=ramp) for ramp in (False, True))
-    # Restricted likelihoods with and without a ramp do not compare; the plain ones do.
-    known = sloping.ramp_sigma > 0  # not so where a line hides all of the lowest coefficients
+    # Restricted likelihoods with and without a ramp cannot be compared; the plain likelihoods can.
+    known = sloping.ramp_sigma > 0  # 0 where a line hides all of the lowest coefficients
     ramped = known and steady.deviance - (sloping.deviance + 2 * np.log(sloping.ramp_sigma)) > RAMP_EVIDENCE
     best = sloping if ramped else steady
-    # A sum that does not explain the spectrum has wider intervals than its statistics say (Birge).
+    # A sum that does not explain the spectrum has wider intervals than its statistics give (Birge).
     inflation = max(misfit / freedom, 1.0) if probability < ACCEPTED else 1.0
     coefficients = profiled(problem, best, level, ramped=bool(ramped), inflation=inflation, terms=everything)
     coefficients["R"] = _ramp(sloping, level, inflation, ramped=bool(ramped))
     terms: list[Process] = [TERMS[x](c.value) for x in TERMS if (c := coefficients[x]).value]
     if ramped:
         terms.append(RateRamp(sloping.ramp))
-    return LikelihoodFit(
-        level,
-        coefficients,
-        Sum(tuple(terms)),
-        best.deviance,
-        float(problem.frequency[-1]),
-        misfit / freedom,
-        probability,
-    )
+    highest = float(problem.frequency[-1])
+    return LikelihoodFit(level, coefficients, Sum(tuple(terms)), best.deviance, highest, misfit / freedom, probability)
 
 
 def _ramp(sloping: Solution, level: float, inflation: float, *, ramped: bool) -> Coefficient:
@@ -152,30 +161,30 @@ def _ramp(sloping: Solution, level: float, inflation: float, *, ramped: bool) ->
 
 
 def explained(problem: LikelihoodProblem) -> tuple[LikelihoodProblem, float, float]:
-    """Return the problem up to the frequency to which the sum explains it, chi-square and its degrees of freedom.
+    """Return the part of the problem that the sum explains, chi-square and its degrees of freedom.
 
-    A sensor's own filter, or its resonances, bend the spectrum's upper end, where the bins are sure; no sum of
-    these processes follows. A cut must take away far more misfit than the bins it leaves out would have by chance.
+    A sensor's own filter, or its resonances, bend the upper end of the spectrum, and no sum of these processes can follow. The
+    bins there are precise. A cut must reduce the misfit by far more than chance gives the bins that it leaves out.
     """
     top = float(problem.frequency[-1])
     groups = int(np.log(top / problem.frequency[0]) / np.log(GROUP))
-    found: list[tuple[LikelihoodProblem, float, float]] = []
+    cuts: list[tuple[LikelihoodProblem, float, float]] = []
     for cut in range(max(groups - FEWEST_GROUPS, 1)):
         part = problem.below(top / GROUP**cut * (1 + 1e-12))
         solution = part.solve(range(len(TERMS)))
         misfit, freedom = _misfit(part, solution)
-        found.append((part, misfit, freedom))
-        pays = not cut or found[0][1] - misfit > MUCH * (cut + 1)
+        cuts.append((part, misfit, freedom))
+        pays = not cut or cuts[0][1] - misfit > MUCH * (cut + 1)
         if pays and chi_square_tail(_misfit(part, solution, TOLERATED)[0], freedom) > ACCEPTED:
-            return found[-1]
-    gains = [found[0][1] - misfit - MUCH * (cut + 1) for cut, (_, misfit, _) in enumerate(found)]
-    return found[int(np.argmax(gains)) if max(gains) > 0 else 0]
+            return cuts[-1]
+    gains = [cuts[0][1] - misfit - MUCH * (cut + 1) for cut, (_, misfit, _) in enumerate(cuts)]
+    return cuts[int(np.argmax(gains)) if max(gains) > 0 else 0]
 
 
 def _misfit(problem: LikelihoodProblem, solution: Solution, tolerated: float = 0.0) -> tuple[float, float]:
-    """Return chi-square of the mean power, group by group of bins, and its degrees of freedom.
+    """Return chi-square of the mean power in groups of bins, and its degrees of freedom.
 
-    ``tolerated`` is a relative error of the sum that is not held against it.
+    ``tolerated`` is a relative error of the density that does not count as misfit.
     """
     density = problem.design @ solution.squared
     group = (np.log(problem.frequency[-1] / problem.frequency) / np.log(GROUP)).astype(np.int64)
@@ -194,14 +203,14 @@ def profiled(
     inflation: float,
     terms: Sequence[int] | None = None,
 ) -> dict[str, Coefficient]:
-    """Return Q, N, B and K with their intervals, or their limits; ``terms`` are those that may be there, all unless told."""
-    there = range(len(TERMS)) if terms is None else terms
-    profile = _Profile(problem, best, ramped=bool(ramped), inflation=inflation, terms=there)
+    """Return Q, N, B and K with their intervals, or their limits; ``terms`` (default all) are those that may be present."""
+    free = range(len(TERMS)) if terms is None else terms
+    profile = _Profile(problem, best, ramped=bool(ramped), inflation=inflation, terms=free)
     return {letter: replace(profile.coefficient(t, level), at=READ_OUT[letter]) for t, letter in enumerate(TERMS)}
 
 
 class _Profile:
-    """How much less likely the record gets as one term's size leaves its likeliest, the others following."""
+    """The loss of likelihood as one term leaves its likeliest size and the other terms are fitted again."""
 
     def __init__(
         self, problem: LikelihoodProblem, best: Solution, *, ramped: bool, inflation: float, terms: Sequence[int]
@@ -228,23 +237,23 @@ class _Profile:
         best = self._best
         others = [t for t in self._terms if t != term]
         held = np.eye(best.squared.size)[term] * size
-        there = self._problem.solve(others, ramp=self._ramped, start=best.squared, held=held)
-        return (there.deviance - best.deviance) / self._inflation
+        solution = self._problem.solve(others, ramp=self._ramped, start=best.squared, held=held)
+        return (solution.deviance - best.deviance) / self._inflation
 
     def _end(self, term: int, reach: float, *, upward: bool) -> float:
-        """Return the square at which the likelihood has fallen by ``reach``; 0 where it never does downward."""
+        """Return the square at which the deviance has risen by ``reach``; 0 where it rises by less down to 0."""
         best = self._best
         value = float(best.squared[term])
         if not upward and self._loss(term, 0.0) < reach:
             return 0.0
         sigma = float(best.information[term, term]) ** -0.5
         inner, outer = value, value
-        for _ in range(FARTHEST):  # outward until the end lies between
+        for _ in range(FARTHEST):  # outward until the end lies between inner and outer
             outer = outer / 2 if not upward else max(2 * outer, value + sigma)
             if self._loss(term, outer) > reach:
                 break
             inner = outer
-        else:  # the likelihood is flat, as of a record that is no noise
+        else:  # the likelihood is flat: the record is no noise
             return outer if upward else 0.0
         inner = max(inner, 1e-3 * outer)
         for _ in range(7):  # to a hundredth of a factor of two

@@ -1,12 +1,12 @@
-"""Which sum of processes explains a record best: by information criterion, and on the half it was not fitted to.
+"""Which sum of processes explains a record best: by information criterion, and on the half that it was not fitted to.
 
-All sums are judged by one likelihood, of the same cosine coefficients. A Gauss-Markov term's correlation time is
-sought on a grid and refined; an autoregressive model enters with Burg's coefficients.
+All sums have one likelihood, that of the same cosine coefficients. The correlation time of a Gauss-Markov term is searched on a
+grid and then refined. An autoregressive model is compared with Burg's coefficients.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,41 +28,69 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Letters of ``TERMS``; M is a Gauss-Markov term. Those with Q are tried where a record shows any.
+#: Letters of ``TERMS``; M is a Gauss-Markov term. Sums with Q are compared where a record shows quantization.
 SUMS = ("N", "NB", "NK", "NBK", "NM", "NMK", "NMM", "QN", "QNB", "QNK", "QNBK", "QNM", "QNMK", "QNMM")
-GRID = 12  #: correlation times that are tried
-SEARCHING = 0.05  #: change of the deviance that ends a solution while correlation times are sought
-SWEEPS = 3
-REFINEMENTS = 6
-QUANTIZED = 2.7  #: fall of the deviance for which sums with quantization are tried
-CLEAR = 10.0  #: difference of information criteria that is called clear (Kass and Raftery 1995)
+GRID = 12  #: correlation times in the first search
+SEARCHING = 0.05  #: change of the deviance that ends a solution during the search of correlation times
+SWEEPS = 3  #: refinements of each of several correlation times in turn
+REFINEMENTS = 6  #: steps of the golden section
+QUANTIZED = 2.7  #: reduction of the deviance by quantization, above which sums with Q are compared
+CLEAR = 10.0  #: difference of BIC that is called clear (Kass and Raftery 1995)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Candidate:
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
+class ModelCandidate:
     """One sum, and how well it explains the record."""
 
     name: str  #: such as "N + GM + K"
-    processes: Sum  #: at its likeliest; terms of size 0 left out
-    parameters: int  #: free ones
-    deviance: float  #: -2 log likelihood, but for a constant
+    processes: Sum  #: with the likeliest parameters, without terms of size 0
+    parameters: int  #: number of free parameters
+    deviance: float  #: -2 log likelihood plus a constant of the record
     aic: float
     bic: float
-    out_of_sample: float | None  #: deviance of each half under the other half's fit, added up
+    out_of_sample: (
+        float | None
+    )  #: sum of the deviances of each half under the fit to the other half; None for AR models
+    aic_excess: float = 0.0  #: over the best sum
+    bic_excess: float = 0.0  #: over the best sum
+    out_of_sample_excess: float | None = None  #: over the best sum
+
+    def compared(self, best: ModelCandidate) -> ModelCandidate:
+        """Return the candidate with its differences from the best one."""
+        known = self.out_of_sample is not None and best.out_of_sample is not None
+        return replace(
+            self,
+            aic_excess=self.aic - best.aic,
+            bic_excess=self.bic - best.bic,
+            out_of_sample_excess=(self.out_of_sample or 0.0) - (best.out_of_sample or 0.0) if known else None,
+        )
+
+    def __str__(self) -> str:
+        """Return the sum, its parameters and its BIC over the best sum's."""
+        return f"{self.name} ({self.processes}), BIC {self.bic_excess:+.1f}"
+
+    __repr__ = __str__
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class ModelChoice:
-    """Candidates, the best by BIC first."""
+    """The candidates, in the order of BIC."""
 
-    candidates: tuple[Candidate, ...]
-    highest: float  #: Hz, up to which they were judged
-    clear: bool  #: the best is better than the next by 10, and does best out of sample as well
+    candidates: tuple[ModelCandidate, ...]
+    highest: float  #: Hz; the comparison uses the spectrum up to this frequency
+    clear: bool  #: the BIC of the best is lower than the next by 10, and the best is also best out of sample
 
     @property
-    def best(self) -> Candidate:
+    def best(self) -> ModelCandidate:
         """Return the sum of the least BIC."""
         return self.candidates[0]
+
+    def __str__(self) -> str:
+        """Return the best sum and the next ones."""
+        others = "; ".join(f"{c.name} {c.bic_excess:+.1f}" for c in self.candidates[1:4])
+        return f"{'clearly ' if self.clear else ''}best sum: {self.best.name} ({self.best.processes}); BIC of the next: {others}"
+
+    __repr__ = __str__
 
 
 def choose_model(
@@ -75,22 +103,23 @@ def choose_model(
     models: Sequence[Autoregressive] = (),
     spectrum: CosineSpectrum | None = None,
 ) -> ModelChoice:
-    """Compare sums of processes on an evenly spaced record without gaps.
+    """Return sums of processes, ranked by how well they explain an evenly spaced record without gaps.
 
     Args:
         values: (n,) samples.
         dt: s.
         lines: sinusoids; their frequencies are left out.
-        highest: Hz; what lies above (a sensor's own filter) is left out.
+        highest: Hz; the spectrum above is left out, such as where a sensor's own filter shows.
         sums: texts of the letters Q, N, B, K, and M for a Gauss-Markov process.
-        models: autoregressive models of this record, compared as they are.
-        spectrum: of the record, where it is at hand.
+        models: autoregressive models of this record, compared without a fit.
+        spectrum: of the record, if it has been computed.
 
     Raises:
-        ValueError: fewer than 512 samples, an unknown letter.
+        ValueError: fewer than 512 samples.
+        KeyError: an unknown letter.
     """
     if values.size < 2 * FEWEST:
-        message = f"{values.size} samples are too few to compare sums; it takes {2 * FEWEST}"
+        message = f"{values.size} samples are too few to compare sums; the comparison takes {2 * FEWEST}"
         raise ValueError(message)
     half = values.size // 2
     first, second = (
@@ -100,39 +129,44 @@ def choose_model(
     without, everything = (whole.fit(text).deviance for text in ("NBK", "QNBK"))
     if without - everything < QUANTIZED:
         sums = [text for text in sums if "Q" not in text]
-    found: list[Candidate] = []
+    candidates: list[ModelCandidate] = []
     for text in sorted(sums, key=lambda text: text.count("M")):
-        if text.count("M") > 1 and len(sums) > 1 and not _gauss_markov_may_win(found):
+        if text.count("M") > 1 and len(sums) > 1 and not _gauss_markov_may_win(candidates):
             continue
         fitted = whole.fit(text)
         a, b = first.fit(text, fitted.times), second.fit(text, fitted.times)
         out = first.deviance(b.processes, b.squared) + second.deviance(a.processes, a.squared)
         k = len(text) + text.count("M")
         name = " + ".join(text).replace("M", "GM")
-        found.append(_candidate(name, fitted.sum(), k, fitted.deviance, whole.count, out))
+        candidates.append(_candidate(name, fitted.sum(), k, fitted.deviance, whole.count, out))
     for model in models:
-        one = np.ones(1)
-        deviance = whole.deviance([model], one)
-        found.append(_candidate(
+        deviance = whole.deviance([model], np.ones(1))
+        candidates.append(_candidate(
             f"AR({len(model.alpha)})", Sum((model,)), len(model.alpha) + 1, deviance, whole.count, None
         ))  # fmt: skip
-    ranked = sorted(found, key=lambda c: c.bic)
-    tested = [c.out_of_sample for c in ranked if c.out_of_sample is not None]
+    return _ranked(candidates, float(whole.problem([TERMS["N"](1.0)]).frequency[-1]))
+
+
+def _ranked(candidates: Sequence[ModelCandidate], highest: float) -> ModelChoice:
+    ranked = sorted(candidates, key=lambda c: c.bic)
     best = ranked[0]
+    tested = [c.out_of_sample for c in ranked if c.out_of_sample is not None]
     clear = (
         len(ranked) > 1 and ranked[1].bic - best.bic > CLEAR and best.out_of_sample in (None, min(tested, default=None))
     )
-    return ModelChoice(tuple(ranked), float(whole.problem([TERMS["N"](1.0)]).frequency[-1]), clear)
+    return ModelChoice(tuple(c.compared(best) for c in ranked), highest, clear)
 
 
-def _gauss_markov_may_win(found: Sequence[Candidate]) -> bool:
-    """Return whether sums with one Gauss-Markov term are not clearly worse than those with flicker, which two would imitate."""
-    one, flicker = (min((c.bic for c in found if word in c.name.split(" + ")), default=np.inf) for word in ("GM", "B"))
-    return bool(one < flicker + CLEAR)
+def _gauss_markov_may_win(candidates: Sequence[ModelCandidate]) -> bool:
+    """Return whether sums with one Gauss-Markov term come near those with flicker, which two such terms would imitate."""
+    single, flicker = (
+        min((c.bic for c in candidates if term in c.name.split(" + ")), default=np.inf) for term in ("GM", "B")
+    )
+    return bool(single < flicker + CLEAR)
 
 
-def _candidate(name: str, processes: Sum, k: int, deviance: float, n: float, out: float | None) -> Candidate:
-    return Candidate(name, processes, k, deviance, deviance + 2 * k, deviance + k * float(np.log(n)), out)
+def _candidate(name: str, processes: Sum, k: int, deviance: float, n: float, out: float | None) -> ModelCandidate:
+    return ModelCandidate(name, processes, k, deviance, deviance + 2 * k, deviance + k * float(np.log(n)), out)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -155,7 +189,7 @@ class _Fitted:
 
 
 class _Record:
-    """The coefficients of a record, and what was already computed of them."""
+    """The cosine coefficients of a record, with the covariances and densities that were already computed."""
 
     def __init__(self, spectrum: CosineSpectrum, highest: float | None) -> None:
         self._spectrum, self._highest = spectrum, highest
@@ -179,7 +213,7 @@ class _Record:
         return self.problem(processes).deviance(squared)
 
     def fit(self, text: str, times: tuple[float, ...] = ()) -> _Fitted:
-        """Return the likeliest sum of this shape; correlation times are sought anew, or only near those given."""
+        """Return the likeliest sum of these letters; correlation times are searched over the record, or only near ``times``."""
         fixed = [TERMS[letter](1.0) for letter in text if letter != "M"]
         count = text.count("M")
         if not count:
@@ -187,11 +221,11 @@ class _Record:
         s = self._spectrum
         ends = np.log(3 * s.dt), np.log(s.n * s.dt / 2)
         chosen = [float(np.log(t)) for t in times]
-        for _ in range(count - len(chosen)):  # one more term at a time, wherever it helps most
+        for _ in range(count - len(chosen)):  # one more term at a time, at the correlation time that helps most
             grid = np.linspace(*ends, GRID)
             chosen.append(float(min(grid, key=lambda t: self._deviance(fixed, [*chosen, float(t)]))))
         step = (ends[1] - ends[0]) / (GRID - 1) if not times else 0.5
-        # Two terms share what either explains: each is refined in turn, at first from afar, until neither moves.
+        # Two terms compete for one part of the spectrum: each is refined in turn, at first over a wider span.
         for sweep in range(SWEEPS if count > 1 and not times else 1):
             for place in range(count):
                 chosen[place] = self._refined(fixed, chosen, place, step * (2.0 if count > 1 and not sweep else 1.0))
@@ -223,9 +257,9 @@ class _Record:
 
     def _solved(self, fixed: list[Process], times: tuple[float, ...], close: float = CLOSE) -> _Fitted:
         processes = [*fixed, *(GaussMarkov(1.0, t) for t in times)]
-        # Correlation times that are near each other have like squares.
-        near = self._last.get(len(processes)) if times else None
-        start = None if near is None else near.clip(near.max() * 1e-9)
+        # Similar correlation times have similar squares, so the last solution is the start of the next.
+        last = self._last.get(len(processes)) if times else None
+        start = None if last is None else last.clip(last.max() * 1e-9)
         solution: Solution = self.problem(processes).solve(range(len(processes)), ramp=False, start=start, close=close)
         self._last[len(processes)] = solution.squared
         return _Fitted(processes, solution.squared, solution.deviance, times)

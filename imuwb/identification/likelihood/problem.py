@@ -1,9 +1,9 @@
 """The likelihood of a sum of processes, given a record's cosine coefficients.
 
-The coefficients are Gaussian with a covariance linear in the squares of the processes' sizes: the lowest ones
-jointly, those of a bin independently and with one density (Whittle). Squares are found by Fisher
-scoring, none negative; a ramp is estimated along with them (restricted likelihood: what the ramp takes
-of the lowest coefficients is not counted as scatter).
+The coefficients are Gaussian, and their covariance is linear in the squares of the processes' sizes. The lowest coefficients have
+a joint covariance; those of a bin are independent and have one density (Whittle). Fisher scoring finds the squares, which are not
+negative. A ramp is estimated too (restricted likelihood: the part of the lowest coefficients that the ramp explains does not
+count as scatter).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 ROUNDS = 60
 CLOSE = 1e-4  #: change of the deviance at which scoring ends
-FAINT = 1e-3  #: of a rough estimate, from which a term that was absent starts
+FAINT = 1e-3  #: of the rough estimate; a term that was absent starts at this size
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -38,26 +38,26 @@ class Solution:
     squared: Floats  #: (t,) of all terms, 0 where one is left out
     deviance: float  #: -2 log likelihood
     information: Floats  #: (t, t) Fisher's, of the squares
-    ramp: float  #: unit/s; 0 where it is left out
-    ramp_sigma: float
+    ramp: float  #: unit/s; 0 where no ramp is estimated
+    ramp_sigma: float  #: unit/s
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class LikelihoodProblem:
-    """Cosine coefficients, and what t processes of size 1 make of them."""
+    """Cosine coefficients, with the covariances and densities of t processes of size 1."""
 
-    low: Floats  #: (l,)
-    trend: Floats  #: (l,) of a ramp of 1
+    low: Floats  #: (l,) lowest coefficients
+    trend: Floats  #: (l,) lowest coefficients of a ramp of 1 unit/s
     parts: Floats  #: (t, l, l) covariances
-    frequency: Floats  #: (k,) Hz
-    power: Floats  #: (k,)
-    count: Floats  #: (k,)
+    frequency: Floats  #: (k,) Hz, of the bins
+    power: Floats  #: (k,) mean squares
+    count: Floats  #: (k,) coefficients in each bin
     design: Floats  #: (k, t) densities
-    ramp: float  #: taken off beforehand
+    ramp: float  #: unit/s, taken off the samples before the transform
 
     @staticmethod
     def of(spectrum: CosineSpectrum, processes: Sequence[Process]) -> LikelihoodProblem:
-        """Return the problem of a spectrum and the processes that may be in it, each of size 1."""
+        """Return the problem of a spectrum; ``processes`` are those that may be present, each of size 1."""
         return LikelihoodProblem(
             spectrum.low, spectrum.trend(), np.stack([spectrum.covariance(p) for p in processes]), spectrum.frequency,
             spectrum.power, spectrum.count.astype(np.float64), np.stack([spectrum.density(p) for p in processes], axis=1),
@@ -88,15 +88,15 @@ class LikelihoodProblem:
 
         Args:
             active: indices of the free terms.
-            ramp: estimate a ramp too.
-            start: (t,) where to begin.
-            held: (t,) squares of terms that are in the sum, but not free.
+            ramp: whether a ramp is estimated too.
+            start: (t,) squares to begin with.
+            held: (t,) squares of terms that are in the sum but not free.
             close: change of the deviance at which scoring ends.
         """
         free = list(active)
         held = np.zeros(self.design.shape[1]) if held is None else held
         squared = self._start(free) + held
-        if start is not None:  # a term that was absent may be needed now that another is held
+        if start is not None:  # a term that was absent may be needed when another is held
             squared[free] = np.where(start[free] > 0, start[free], FAINT * squared[free])
         now = self._score(squared, ramp=ramp)
         for _ in range(ROUNDS):
@@ -120,7 +120,7 @@ class LikelihoodProblem:
         return self._score(squared, ramp=ramp).deviance
 
     def slope(self, squared: Floats, *, ramp: bool = False) -> tuple[Floats, Floats]:
-        """Return the derivative of the log likelihood by the squares, (t,), and Fisher's information, (t, t)."""
+        """Return the derivative of the log likelihood with respect to the squares, (t,), and Fisher's information, (t, t)."""
         now = self._score(squared, ramp=ramp)
         return now.target - now.information @ squared, now.information
 

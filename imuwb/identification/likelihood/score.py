@@ -1,4 +1,4 @@
-"""Deviance, Fisher information and scoring target of a sum of processes, compiled: a search takes thousands of them."""
+"""Deviance, Fisher information and scoring target of a sum of processes; compiled, because a search takes thousands."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LEAST_SHARE = 1e-14  #: of a density; nothing is smaller
 def add_bins(
     squared: Floats, power: Floats, count: Floats, design: Floats, information: Floats, target: Floats
 ) -> float:  # pragma: no cover - compiled
-    """Add what the bins, each of one density, say; return their part of the deviance.
+    """Add the information of the bins, which have one density each; return their part of the deviance.
 
     Args:
         squared: (t,) sizes².
@@ -28,7 +28,7 @@ def add_bins(
         count: (k,) coefficients in each.
         design: (k, t) densities of sizes of 1.
         information: (t, t) to add to.
-        target: (t,) likewise.
+        target: (t,) to add to.
     """
     bins, terms = design.shape
     density = np.empty(bins)
@@ -60,24 +60,24 @@ def add_low(
     trend: Floats,
     parts: Floats,
     removed: float,
-    ramp: bool,  # noqa: FBT001 - compiled code is called by place
+    ramp: bool,  # noqa: FBT001 - compiled code takes positional arguments
     information: Floats,
     target: Floats,
 ) -> tuple[float, float, float]:  # pragma: no cover - compiled
-    """Add what the lowest coefficients, with all their covariances, say; return deviance, ramp and its sigma.
+    """Add the information of the lowest coefficients with all their covariances; return deviance, ramp and its sigma.
 
-    By the record's symmetry those of odd and of even half periods do not hang together, and a ramp is in the odd ones
-    alone: two matrices of half the size.
+    By the symmetry of the record, coefficients of odd and of even half periods are not correlated, and a ramp is in the odd ones
+    only. So there are two matrices of half the size.
 
     Args:
         squared: (t,) sizes².
         low: (l,) coefficients.
         trend: (l,) of a ramp of 1; 0 at even half periods.
         parts: (t, l, l) covariances of sizes of 1.
-        removed: ramp that was taken off beforehand; without a ramp in the sum it is put back.
-        ramp: estimate one, and do not count as scatter what it takes (restricted likelihood).
+        removed: ramp that was taken off the samples; it is put back if ``ramp`` is false.
+        ramp: whether a ramp is estimated (restricted likelihood).
         information: (t, t) to add to.
-        target: (t,) likewise.
+        target: (t,) to add to.
     """
     deviance, slope, sigma = 0.0, 0.0, 0.0
     for odd in (True, False):
@@ -104,7 +104,7 @@ def add_low(
 def _whitener(
     squared: Floats, parts: Floats, chosen: NDArray[np.int64]
 ) -> tuple[Floats, float]:  # pragma: no cover - compiled
-    """Return a lower triangular W, W C W' = 1, and log |C|, infinite where C is not positive definite."""
+    """Return a lower triangular W with W C W' = 1, and log |C|, which is infinite where C is not positive definite."""
     n = chosen.size
     lower, scale = np.zeros((n, n)), np.empty(n)
     for i in range(n):
@@ -128,11 +128,11 @@ def _whitener(
 
 @compiled()
 def _product(lower: Floats, vector: Floats) -> Floats:  # pragma: no cover - compiled
-    found = np.zeros(vector.size)
+    product = np.zeros(vector.size)
     for i in range(vector.size):
         for j in range(i + 1):
-            found[i] += lower[i, j] * vector[j]
-    return found
+            product[i] += lower[i, j] * vector[j]
+    return product
 
 
 @compiled()
@@ -145,7 +145,7 @@ def _add_shapes(
     information: Floats,
     target: Floats,
 ) -> None:  # pragma: no cover - compiled
-    """Add half the products of the whitened covariances of each term: with each other, and with the data."""
+    """Add half the products of the terms' whitened covariances with each other, and with the data."""
     n, terms = chosen.size, parts.shape[0]
     shapes = np.empty((terms, n, n))
     for t in range(terms):
@@ -163,7 +163,7 @@ def _add_shapes(
 
 @compiled()
 def _factored(a: Floats) -> bool:  # pragma: no cover - compiled
-    """Replace the lower half of a matrix by its Cholesky factor; False where it is not positive definite."""
+    """Replace the lower half of a matrix by its Cholesky factor; return False where it is not positive definite."""
     for j in range(a.shape[0]):
         for k in range(j):
             a[j, j] -= a[j, k] ** 2
@@ -181,21 +181,21 @@ def _factored(a: Floats) -> bool:  # pragma: no cover - compiled
 def _inverse(lower: Floats) -> Floats:  # pragma: no cover - compiled
     """Return the inverse of a lower triangular matrix."""
     n = lower.shape[0]
-    found = np.zeros((n, n))
+    inverse = np.zeros((n, n))
     for j in range(n):
-        found[j, j] = 1.0 / lower[j, j]
+        inverse[j, j] = 1.0 / lower[j, j]
         for i in range(j + 1, n):
             for k in range(j, i):
-                found[i, j] -= lower[i, k] * found[k, j]
-            found[i, j] /= lower[i, i]
-    return found
+                inverse[i, j] -= lower[i, k] * inverse[k, j]
+            inverse[i, j] /= lower[i, i]
+    return inverse
 
 
 @compiled(reorder=True)
 def _whitened(
     white: Floats, part: Floats, chosen: NDArray[np.int64], out: Floats
 ) -> None:  # pragma: no cover - compiled
-    """Write W part W' of the chosen rows, W lower triangular."""
+    """Write W part W' of the chosen rows; W is lower triangular."""
     n = chosen.size
     half = np.zeros((n, n))  # part W'
     for i in range(n):
@@ -214,7 +214,7 @@ def _whitened(
 
 @compiled()
 def _without(along: Floats, a: Floats) -> None:  # pragma: no cover - compiled
-    """Project a symmetric matrix off a direction of length 1 (or none: 0), on both sides."""
+    """Project a direction of length 1, or of length 0 for none, out of a symmetric matrix."""
     n = along.size
     image = np.zeros(n)
     for i in range(n):

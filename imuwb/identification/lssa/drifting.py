@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from imuwb.identification.spectral.lines import find_lines
-from imuwb.statistics import Estimate
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
 
     from imuwb.identification.lssa.peaks import Peak
     from imuwb.identification.spectral.lines import Line
+    from imuwb.statistics import Estimate
 
     Floats = NDArray[np.float64]
 
@@ -54,7 +54,7 @@ def drifting_lines(
     drifting = [
         line
         for line in whole
-        if not any(_near(line, p) and p.amplitude.value**2 > HELD * line.amplitude**2 for p in peaks)
+        if not any(_near(line, p) and p.amplitude.value**2 > HELD * line.amplitude.value**2 for p in peaks)
     ]
     steady = tuple(p for p in peaks if not any(_near(line, p) for line in drifting))
     if not drifting:
@@ -63,7 +63,7 @@ def drifting_lines(
     halves = [find_lines(part, dt, confidence, 1 - level) for part in (values[:middle], values[middle:])]
     lines = tuple(
         DriftingLine(
-            line.frequency, line.resolution, Estimate(line.amplitude, line.lower, line.upper),
+            line.frequency, line.resolution, line.amplitude,
             all(any(abs(other.frequency - line.frequency) < NEAR * other.resolution for other in half) for half in halves),
         )
         for line in drifting

@@ -1,1 +1,1 @@
-"""What a record is like before its noise is identified: suitable, still, the same throughout."""
+"""Checks of a record before its noise is identified: suitable, still, stationary."""

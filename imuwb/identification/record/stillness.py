@@ -1,4 +1,4 @@
-"""Finds motion and shocks in a record that should be still, and the longest quiet part."""
+"""Finds motion and shocks in a record that should be still, and its longest quiet part."""
 
 from __future__ import annotations
 
@@ -18,41 +18,48 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 BLOCK = 1.0  #: s
-SCATTER = 3.0  #: times the median standard deviation of a block
+SCATTER = 3.0  #: ratio of a block's standard deviation to the median, above which the block is disturbed
 JUMP = 8.0  #: standard errors between a block's mean and the running median of the means
 WINDOW = 61  #: blocks of that running median
 FEWEST_BLOCKS = 10
-FEWEST_SAMPLES = 4  #: of a block that is judged
-JOIN = 5  #: blocks between two disturbances that are one
+FEWEST_SAMPLES = 4  #: samples of a block that is tested
+JOIN = 5  #: blocks; disturbances closer than this are one
+MOVING = 0.5  #: share of disturbed blocks, above which the record is not static
 
 
 @dataclass(frozen=True, slots=True)
 class Disturbance:
-    """A span that is not still; times in s, on the clock that was given."""
+    """A span that is not still; times in s, on the clock of the samples."""
 
     start: float
     end: float
     axes: tuple[str, ...]
-    largest: float  #: times the usual scatter
+    largest: float  #: ratio to the usual scatter
 
 
 @dataclass(frozen=True, slots=True)
 class Stillness:
-    """What disturbs a record, and its longest part without."""
+    """The disturbances of a record, and its longest quiet part."""
 
     disturbances: tuple[Disturbance, ...]
-    quiet_start: float  #: s, likewise
+    quiet_start: float  #: s, on the clock of the samples
     quiet_end: float  #: s
-    moving: bool  #: most of the record is not still: it is no static record at all
-    recorded: tuple[tuple[float, float], ...]  #: s, (start, end) of the spans with samples; shorter breaks are within
+    moving: bool  #: most of the record is not still, so it is not a static record
+    recorded: tuple[
+        tuple[float, float], ...
+    ]  #: s, (start, end) of the spans with samples; short breaks do not divide a span
+
+    def __str__(self) -> str:
+        """Return the number of disturbances and the longest quiet part."""
+        state = "moving" if self.moving else f"{len(self.disturbances)} disturbances"
+        return f"{state}; longest quiet part from {self.quiet_start:.0f} to {self.quiet_end:.0f} s"
 
 
 def stillness(axes: Mapping[str, tuple[Floats, Floats]]) -> Stillness | None:
-    """Return the disturbances of a record of several axes; None where it is too short, or too slow, to tell.
+    """Return the disturbances of a record of several axes; None where the record is too short, or its rate too low.
 
-    A block of a second is disturbed when its standard deviation is three times the record's usual one,
-    or its mean stands eight standard errors (and a usual deviation) off the running median. Seconds without
-    samples are no blocks, however many there are.
+    A block of one second is disturbed if its standard deviation is three times the usual one of the record, or if its mean is
+    eight standard errors, and one usual deviation, from the running median. Seconds without samples are no blocks.
 
     Args:
         axes: name -> (time in s, values); the axes need not share a clock, and may have gaps.
@@ -62,7 +69,7 @@ def stillness(axes: Mapping[str, tuple[Floats, Floats]]) -> Stillness | None:
     blocks = _occupied([time for time, _ in axes.values()], begin, finish)
     count = blocks.size
     starts, ends = begin + BLOCK * blocks, begin + BLOCK * (blocks + 1)
-    # What lies between two blocks is empty, so the rows of one end where those of the next begin.
+    # No samples lie between two blocks, so the rows of a block end where those of the next block begin.
     edges = np.append(starts, ends[-1:])
     rows = {axis: np.searchsorted(time, edges) for axis, (time, _) in axes.items()}
     judged = [axis for axis, row in rows.items() if np.count_nonzero(np.diff(row) >= FEWEST_SAMPLES) >= FEWEST_BLOCKS]
@@ -73,7 +80,7 @@ def stillness(axes: Mapping[str, tuple[Floats, Floats]]) -> Stillness | None:
     moving = any(restless for _, restless in scored.values())
     worst = np.max(list(scores.values()), axis=0)
     bad = ndimage.binary_closing(worst > 1, iterations=JOIN) | (worst > 1)
-    found = tuple(
+    disturbances = tuple(
         Disturbance(
             float(starts[start]), float(ends[stop - 1]),
             tuple(axis for axis, score in scores.items() if score[start:stop].max() > 1),
@@ -86,29 +93,29 @@ def stillness(axes: Mapping[str, tuple[Floats, Floats]]) -> Stillness | None:
     recorded = tuple(zip(starts[np.append(0, far + 1)].tolist(), [*ends[far].tolist(), last_end], strict=True))
     quiet = _spans(~bad)
     if not quiet:
-        return Stillness(found, begin, begin, moving=True, recorded=recorded)
+        return Stillness(disturbances, begin, begin, moving=True, recorded=recorded)
     first, last = max(quiet, key=_length)
-    moving |= float(bad.mean()) > 0.5  # noqa: PLR2004 - most of it
+    moving |= float(bad.mean()) > MOVING
     end = finish if last == count else float(starts[last])
-    return Stillness(found, float(starts[first]), end, moving=moving, recorded=recorded)
+    return Stillness(disturbances, float(starts[first]), end, moving=moving, recorded=recorded)
 
 
 def _occupied(times: Iterable[Floats], begin: float, finish: float) -> NDArray[np.int64]:
-    """Return the numbers of the whole blocks that hold a sample of any axis."""
-    found: list[NDArray[np.int64]] = []
+    """Return the indices of the whole blocks that contain a sample of any axis."""
+    occupied: list[NDArray[np.int64]] = []
     for time in {id(time): time for time in times}.values():
         block = ((time - begin) / BLOCK).astype(np.int64)
-        found.append(block[np.append(True, np.diff(block) > 0)])
-    blocks = np.unique(np.concatenate(found))
+        occupied.append(block[np.append(True, np.diff(block) > 0)])
+    blocks = np.unique(np.concatenate(occupied))
     return blocks[blocks < int((finish - begin) / BLOCK)]
 
 
 def _scores(rows: NDArray[np.int64], values: Floats) -> tuple[Floats, bool]:
-    """Return each block's disturbance, above 1 where it is one, and whether the axis never rests.
+    """Return the disturbance of each block (disturbed above 1), and whether the axis moves most of the time.
 
     Args:
-        rows: first row of each block, and the end of the last.
-        values: of the axis.
+        rows: first row of each block, and the row after the last block.
+        values: (n,) samples of the axis.
     """
     sizes = np.diff(rows)
     score = np.zeros(sizes.size)
@@ -121,7 +128,7 @@ def _scores(rows: NDArray[np.int64], values: Floats) -> tuple[Floats, bool]:
     usual = float(np.median(deviation))
     if usual == 0:
         return score, False
-    # A still sensor's blocks scatter alike: its quietest tenth is near its median. One that moves is judged by that tenth.
+    # The blocks of a still sensor scatter alike, so their quietest tenth is near the median. If not, that tenth is the scale.
     calm = float(np.quantile(deviation, 0.1))
     restless = calm < usual / SCATTER
     usual = calm if restless and calm > 0 else usual
@@ -133,7 +140,7 @@ def _scores(rows: NDArray[np.int64], values: Floats) -> tuple[Floats, bool]:
 
 @compiled()
 def _block_sums(values: Floats, rows: NDArray[np.int64]) -> tuple[Floats, Floats]:  # pragma: no cover - compiled
-    """Return the sums, and the sums of squares, of what lies between rows; from the first value, for the digits' sake."""
+    """Return the sums and the sums of squares between rows, of values less the first one (to keep digits)."""
     sums, squares = np.zeros(rows.size - 1), np.zeros(rows.size - 1)
     for block in range(rows.size - 1):
         for k in range(rows[block], rows[block + 1]):

@@ -1,1 +1,1 @@
-"""Power spectral densities and the lines in them."""
+"""Power spectral densities and their periodic lines."""

@@ -1,4 +1,4 @@
-"""Periodic lines in a noisy record: found against the local floor of an averaged spectrum."""
+"""Periodic lines in a noisy record: peaks of an averaged spectrum above the local noise floor."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from scipy import ndimage
 
 from imuwb.identification.spectral.welch import independent, welch
+from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import chi_square_quantile, normal_limit
 from imuwb.stochastic import Sinusoid
 
@@ -20,7 +21,9 @@ if TYPE_CHECKING:
 LONGEST_SEGMENT = 1 << 16
 FLOOR_BINS = 101  #: of the running median that is the floor
 LEAST_SEGMENTS = 8
-MOST = 12
+MOST = 12  #: lines
+DRIFT_BINS = 4  #: lowest bins, in which the window spreads the drift
+CLEARLY, ABOVE = 1.3, 0.5  #: factor and margin over the limit, because the floor itself scatters
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,15 +31,17 @@ class Line:
     """A sinusoid in the data."""
 
     frequency: float  #: Hz
-    amplitude: float  #: peak, of the samples, which are averages over dt
-    lower: float
-    upper: float
+    amplitude: Estimate  #: peak value of the samples, which are averages over dt
     power_sigma: float  #: standard error of amplitude²
-    resolution: float  #: Hz, of the spectrum it was found in
+    resolution: float  #: Hz, bin width of the spectrum
 
     def process(self, dt: float) -> Sinusoid:
         """Return the continuous sinusoid whose averages over dt these samples are."""
-        return Sinusoid(self.amplitude / float(np.sinc(self.frequency * dt)), self.frequency)
+        return Sinusoid(self.amplitude.value / float(np.sinc(self.frequency * dt)), self.frequency)
+
+    def __str__(self) -> str:
+        """Return frequency and amplitude."""
+        return f"line at {self.frequency:.4g} Hz, amplitude {self.amplitude}"
 
 
 def find_lines(values: Floats, dt: float, level: float = 0.95, false_alarm: float = 0.01) -> tuple[Line, ...]:
@@ -46,7 +51,7 @@ def find_lines(values: Floats, dt: float, level: float = 0.95, false_alarm: floa
         values: (n,) evenly spaced samples.
         dt: s.
         level: of the amplitudes' intervals.
-        false_alarm: probability that a record without lines shows one all the same.
+        false_alarm: probability that a record without lines shows a line.
     """
     size = min(LONGEST_SEGMENT, 1 << max(values.size // LEAST_SEGMENTS, 1).bit_length() - 1)
     if size < 4 * FLOOR_BINS:
@@ -56,26 +61,26 @@ def find_lines(values: Floats, dt: float, level: float = 0.95, false_alarm: floa
     f = np.arange(density.size) / (size * dt)
     freedom = 2 * segments
     floor = ndimage.median_filter(density, FLOOR_BINS, mode="nearest") / (chi_square_quantile(0.5, freedom) / freedom)
-    inside = np.arange(4, f.size - 2)  # below lies the drift, above the edge
+    inside = np.arange(DRIFT_BINS, f.size - 2)
     ratio = np.zeros(f.size)
     ratio[inside] = density[inside] / np.maximum(floor[inside], 1e-300)
     limit = chi_square_quantile(1 - false_alarm / inside.size, freedom) / freedom
-    # The floor itself scatters, and falls within its window: ask for clearly more.
-    high = ratio > max(1.3 * limit, limit + 0.5)
-    labels, count = ndimage.label(ndimage.binary_dilation(high, iterations=1))
-    found = [_line(f, density, floor, np.flatnonzero(labels == i), freedom, level) for i in range(1, count + 1)]
-    return tuple(sorted(found, key=lambda line: -line.amplitude)[:MOST])
+    # The floor itself scatters, and falls within its window.
+    high = ratio > max(CLEARLY * limit, limit + ABOVE)
+    labels, peaks = ndimage.label(ndimage.binary_dilation(high, iterations=1))
+    lines = [_line(f, density, floor, np.flatnonzero(labels == i), freedom, level) for i in range(1, peaks + 1)]
+    return tuple(sorted(lines, key=lambda line: -line.amplitude.value)[:MOST])
 
 
 def _line(f: Floats, density: Floats, floor: Floats, bins: NDArray[np.int64], freedom: float, level: float) -> Line:
-    """Return the line in these bins: its power is what rises above the floor."""
+    """Return the line in these bins and their neighbours: its power is the power above the floor."""
     wide = np.arange(max(bins[0] - 1, 1), min(bins[-1] + 2, f.size))
     step = f[1] - f[0]
     excess = np.maximum(density[wide] - floor[wide], 0.0)
     power = 2 * float(excess.sum()) * step  # amplitude²/2 is the power of a sine
     frequency = float((excess * f[wide]).sum() / excess.sum())
-    # Noise in the bins, and its beat with the line.
+    # The noise in the bins scatters, and beats with the line.
     noise = float(np.sqrt((floor[wide] ** 2 + 2 * floor[wide] * excess).sum() * 2 / freedom)) * 2 * step
     z = normal_limit(level)
     lower, upper = np.sqrt(max(power - z * noise, 0.0)), np.sqrt(power + z * noise)
-    return Line(frequency, float(np.sqrt(power)), float(lower), float(upper), noise, float(step))
+    return Line(frequency, Estimate(float(np.sqrt(power)), float(lower), float(upper)), noise, float(step))

@@ -14,9 +14,12 @@ from scipy import special
 
 from imuwb.identification.likelihood.fit import ACCEPTED, GROUP, TERMS, explained, profiled
 from imuwb.identification.likelihood.problem import LikelihoodProblem
+from imuwb.identification.region import SHARE, Region
 from imuwb.identification.spectral.welch import independent, welch
+from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import chi_square_limits, chi_square_tail, normal_limit
 from imuwb.stochastic import Sum
+from imuwb.texts import coefficients_text, number_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,18 +32,20 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-LONGEST = 1 << 20  #: samples of a segment, as Quinchia's
+LONGEST = 1 << 20  #: samples of a segment (Quinchia, 5.4)
 WIDTH = 1.08  #: of an averaged band, last frequency over first
-FIRST = 3  #: bins from 0 on that the window spreads the drift over
-SHARE = 0.6  #: of the density; a term with more rules its region
+FIRST = 3  #: lowest bins, in which the window spreads the drift
+FEWEST_BANDS = 8  #: of a fit; four terms need more than four
+LINE_BINS = 6  #: bins of the line search that are left out on both sides of a line
+NOMINAL = dict(zip(TERMS, (2.0, 0.0, -1.0, -2.0), strict=True))  #: slope of the density of each pure process
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class PowerSpectrum:
-    """A one-sided density in frequency bands, with its intervals. unit²/Hz."""
+    """A one-sided density (unit²/Hz) in frequency bands, with its intervals."""
 
-    n: int
-    dt: float
+    n: int  #: samples
+    dt: float  #: s
     segment: int  #: samples
     level: float
     frequency: Floats  #: (k,) Hz
@@ -50,46 +55,52 @@ class PowerSpectrum:
     degrees_of_freedom: Floats  #: (k,)
     sides: int = 1
 
+    def __str__(self) -> str:
+        """Return the range of frequencies and the segments."""
+        return (
+            f"one-sided spectrum of {self.n} samples at {1 / self.dt:.6g} Hz: {self.frequency.size} bands from "
+            f"{number_text(float(self.frequency[0]))} to {number_text(float(self.frequency[-1]))} Hz, segments of "
+            f"{self.segment} samples, {100 * self.level:g} % intervals"
+        )
 
-@dataclass(frozen=True, slots=True)
-class SpectralRegion:
-    """Frequencies that one term rules, and the slope a free line has there."""
-
-    letter: str
-    start: float  #: Hz
-    end: float  #: Hz
-    slope: float
-    lower: float
-    upper: float
-    nominal: float
+    __repr__ = __str__
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class SpectralFit:
-    """The sum fitted to a spectrum."""
+    """A sum of processes fitted to a spectrum."""
 
     level: float
     coefficients: dict[str, Coefficient]  #: Q, N, B, K
     processes: Sum
-    regions: tuple[SpectralRegion, ...]
-    highest: float  #: Hz, up to which the sum explains the spectrum
-    misfit: float
-    probability: float
+    regions: tuple[Region, ...]
+    highest: float  #: Hz; the sum explains the spectrum up to this frequency
+    misfit: float  #: chi-square over its degrees of freedom, up to there
+    probability: float  #: that chance makes a misfit as large
 
     def density(self, frequency: Floats, dt: float) -> Floats:
         """Return the fitted sum's one-sided density."""
         return 2 * self.processes.power_spectral_density(frequency, dt)
 
+    def __str__(self) -> str:
+        """Return the coefficients and how well they explain the spectrum."""
+        return (
+            f"spectral fit up to {number_text(self.highest)} Hz (p = {self.probability:.2g}): "
+            f"{coefficients_text(self.coefficients)}; {100 * self.level:g} % intervals and limits"
+        )
+
+    __repr__ = __str__
+
 
 def power_spectrum(values: Floats, dt: float, segment: int = LONGEST, *, level: float = 0.95) -> PowerSpectrum:
     """Return the one-sided density, averaged over segments and over bands of frequency.
 
-    Hann windows, half overlapping; each segment's straight line is taken off.
+    Segments have Hann windows and overlap by half; a straight line is taken off each.
 
     Args:
         values: (n,) evenly spaced samples.
         dt: s.
-        segment: samples of a segment at most; a shorter record is one segment.
+        segment: longest segment (samples); a shorter record is one segment.
         level: of the intervals.
 
     Raises:
@@ -98,7 +109,9 @@ def power_spectrum(values: Floats, dt: float, segment: int = LONGEST, *, level: 
     n = values.size
     size = min(segment, n)
     if size < 64:  # noqa: PLR2004 - fewer have no spectrum worth the name
-        message = f"a segment of {size} samples; a spectrum needs at least 64"
+        message = (
+            f"the segment has {size} samples; a spectrum needs at least 64: record for longer, or take longer segments"
+        )
         raise ValueError(message)
     total, count = welch(values, dt, size)
     edges = np.unique(np.rint(np.geomspace(FIRST, total.size - 1, max(round(np.log((total.size - 1) / FIRST) / np.log(WIDTH)), 1) + 1)).astype(np.int64))  # fmt: skip
@@ -111,12 +124,12 @@ def power_spectrum(values: Floats, dt: float, segment: int = LONGEST, *, level: 
 
 
 def fit_spectrum(spectrum: PowerSpectrum, lines: Sequence[Line] = (), highest: float = float("inf")) -> SpectralFit:
-    """Fit the sum of quantization, white, flicker and random-walk noise to a spectrum, by Whittle's likelihood.
+    """Return the sum of quantization, white, flicker and random-walk noise that fits a spectrum by Whittle's likelihood.
 
     Args:
         spectrum: from ``power_spectrum``.
-        lines: sinusoids; bands that hold one are left out.
-        highest: Hz; bands above are left out: a filter has changed them.
+        lines: sinusoids; bands that contain a line are left out.
+        highest: Hz; bands above are left out, such as those that a filter has changed.
 
     Raises:
         ValueError: a density of 0 (a constant channel), or fewer than 8 bands.
@@ -124,12 +137,15 @@ def fit_spectrum(spectrum: PowerSpectrum, lines: Sequence[Line] = (), highest: f
     kept = spectrum.frequency <= highest
     edge = WIDTH**0.5
     for line in lines:
-        reach = 6 * line.resolution
+        reach = LINE_BINS * line.resolution
         kept &= (spectrum.frequency * edge < line.frequency - reach) | (
             spectrum.frequency / edge > line.frequency + reach
         )
-    if kept.sum() < 8 or not spectrum.density[kept].all():  # noqa: PLR2004 - four terms need more
-        message = "the spectrum is 0 somewhere, or holds too few bands to fit"
+    if kept.sum() < FEWEST_BANDS or not spectrum.density[kept].all():
+        message = (
+            f"{kept.sum()} bands of frequency are left, and {np.count_nonzero(spectrum.density[kept] == 0)} of them have a "
+            f"density of 0; a fit takes {FEWEST_BANDS} bands, none of 0: record for longer, or check the channel"
+        )
         raise ValueError(message)
     f = spectrum.frequency[kept]
     none = np.zeros(0)
@@ -145,37 +161,32 @@ def fit_spectrum(spectrum: PowerSpectrum, lines: Sequence[Line] = (), highest: f
     terms: list[Process] = [TERMS[x](c.value) for x in TERMS if (c := coefficients[x]).value]
     regions = _regions(problem, best.squared, spectrum.level, inflation)
     return SpectralFit(
-        spectrum.level,
-        coefficients,
-        Sum(tuple(terms)),
-        regions,
-        float(problem.frequency[-1]),
-        misfit / freedom,
-        probability,
-    )
+        spectrum.level, coefficients, Sum(tuple(terms)), regions, float(problem.frequency[-1]), misfit / freedom, probability
+    )  # fmt: skip
 
 
-def _regions(problem: LikelihoodProblem, squared: Floats, level: float, inflation: float) -> tuple[SpectralRegion, ...]:
-    """Return where each term makes most (60 %) of the density, and the slope of a free line there."""
+def _regions(problem: LikelihoodProblem, squared: Floats, level: float, inflation: float) -> tuple[Region, ...]:
+    """Return the frequencies that each term dominates, and the slope of a free line there."""
     parts = problem.design * squared
     share = parts / parts.sum(axis=1, keepdims=True)
-    z = normal_limit(level)
-    found: list[SpectralRegion] = []
-    for t, (letter, nominal) in enumerate(zip(TERMS, (2.0, 0.0, -1.0, -2.0), strict=True)):
+    regions: list[Region] = []
+    for t, (letter, nominal) in enumerate(NOMINAL.items()):
         inside = share[:, t] > SHARE
-        if inside.sum() < 3:  # noqa: PLR2004 - a slope needs points
+        if inside.sum() < 3:  # noqa: PLR2004 - a slope needs three points
             continue
         f, power, count = problem.frequency[inside], problem.power[inside], problem.count[inside]
         if f[-1] < GROUP * f[0]:
             continue
-        # log of a chi-square mean: its expectation is not the log of the mean
+        # The expectation of the log of a chi-square mean is not the log of the mean.
         y = np.log(power) - (special.digamma(count / 2) - np.log(count / 2))
-        # A sampled process is no power law near half the rate: the slope is its departure from its own density.
+        # Near half the rate a sampled process is no power law: the slope is the departure from the process's own density.
         y = y - np.log(parts[inside, t]) + nominal * np.log(f)
         design = np.stack([np.ones(f.size), np.log(f)], axis=1)
         weighted = design * (count / 2)[:, None]
         inverse = np.linalg.inv(design.T @ weighted)
         slope = float((inverse @ weighted.T @ y)[1])
-        half = z * float(np.sqrt(inverse[1, 1] * inflation))
-        found.append(SpectralRegion(letter, float(f[0]), float(f[-1]), slope, slope - half, slope + half, nominal))
-    return tuple(found)
+        sigma = float(np.sqrt(inverse[1, 1] * inflation))
+        half = normal_limit(level) * sigma
+        estimate = Estimate(slope, slope - half, slope + half, sigma)
+        regions.append(Region(letter, float(f[0]), float(f[-1]), estimate, nominal))
+    return tuple(regions)

@@ -1,4 +1,4 @@
-"""The averaged periodogram that spectra and the search for lines share (Welch 1967)."""
+"""The averaged periodogram (Welch 1967), which the spectrum and the search for lines share."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Between the powers of neighbouring Hann-windowed segments that half overlap, both sides added up.
+#: Sum of the correlations of a segment's power with those of both neighbours; Hann windows that overlap by half.
 NEIGHBOURS = 2 * (1 / 6) ** 2
-ASIDE = 1 / 36  #: the same, at the next frequency
-#: Of one segment, at frequencies a bin, and two, apart.
+ASIDE = 1 / 36  #: correlation with a neighbour's power at the next frequency
+#: Correlations of the powers of one segment at frequencies one and two bins apart.
 APART_1, APART_2 = (2 / 3) ** 2, (1 / 6) ** 2
 
 
 def welch(values: Floats, dt: float, size: int) -> tuple[Floats, int]:
-    """Return the one-sided density at frequencies k/(size dt), and of how many segments it is the mean.
+    """Return the one-sided density at frequencies k/(size dt), and the number of segments.
 
-    Hann windows, half overlapping; each segment's straight line is taken off.
+    Segments have Hann windows and overlap by half; a straight line is taken off each.
 
     Args:
         values: (n,) evenly spaced samples, n at least ``size``.
@@ -44,7 +44,7 @@ def welch(values: Floats, dt: float, size: int) -> tuple[Floats, int]:
 
 @compiled(reorder=True)
 def _tapered(values: Floats, window: Floats, out: Floats) -> None:  # pragma: no cover - compiled
-    """Take the least-squares line off, and taper."""
+    """Write the values less their least-squares line, tapered."""
     n = values.size
     middle, total, moment = (n - 1) / 2.0, 0.0, 0.0
     for k in range(n):
@@ -63,10 +63,10 @@ def _add_power(transform: NDArray[np.complex128], total: Floats) -> None:  # pra
 
 
 def independent(count: int, width: float = 1.0) -> float:
-    """Return of how many independent segments the mean over ``width`` neighbouring frequencies is worth, times the width.
+    """Return the number of independent powers in a mean over ``count`` segments and ``width`` neighbouring frequencies.
 
-    Powers of half-overlapping segments correlate, at the same frequency and at the next one; those of one segment at
-    frequencies one and two apart.
+    Powers of segments that overlap by half are correlated, at the same frequency and at the next one. So are the powers of one
+    segment at frequencies one and two bins apart.
     """
     across = 2 * APART_1 * (width - 1) / width + 2 * APART_2 * max(width - 2, 0.0) / width
     overlapping = (NEIGHBOURS + 4 * ASIDE * (width - 1) / width) * (count - 1) / count

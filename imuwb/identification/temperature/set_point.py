@@ -37,9 +37,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from imuwb.identification.allan_variance.fit import Region
     from imuwb.identification.allan_variance.overlapping import AllanDeviation
     from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
+    from imuwb.identification.region import Region
     from imuwb.identification.spectral.lines import Line
     from imuwb.identification.temperature.first_order import FirstOrder
     from imuwb.identification.temperature.record import Record

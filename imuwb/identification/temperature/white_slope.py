@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.identification.allan_variance.fit import SHARE, Region
 from imuwb.identification.allan_variance.moments import moments
-from imuwb.identification.allan_variance.problem import whitener
-from imuwb.statistics.distributions import normal_limit
+from imuwb.identification.allan_variance.regions import free_slope
+from imuwb.identification.region import SHARE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -17,6 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from imuwb.identification.allan_variance.overlapping import AllanDeviation
+    from imuwb.identification.region import Region
     from imuwb.statistics import Coefficient
     from imuwb.stochastic import Sum
 
@@ -46,13 +46,8 @@ def white_slope(
     if inside.size < 2:  # noqa: PLR2004 - a slope needs two points
         return None
     inside = np.arange(inside[0], inside[-1] + 1)[:MOST]
-    factor, tau, variance = (a[inside] for a in (curve.factor, curve.averaging_time, curve.deviation**2))
+    factor, tau, variance = curve.factor[inside], curve.averaging_time[inside], curve.deviation[inside] ** 2
     n = int(curve.terms[0]) + 2 * int(curve.factor[0]) - 1
     squared = np.array([(coefficients[letter].value or 0.0) ** 2 for letter in "QNBK"])
     spread = moments(tuple(int(m) for m in factor), n).covariance(squared, 0.0, curve.dt)
-    whiten = whitener(spread / np.outer(variance, variance))
-    design = whiten @ np.stack([np.ones(tau.size), np.log(tau)], axis=1)
-    inverse = np.linalg.inv(design.T @ design)
-    slope = float((inverse @ design.T @ (whiten @ np.log(variance)))[1]) / 2
-    half = normal_limit(level) * float(inverse[1, 1]) ** 0.5 / 2
-    return Region("N", float(tau[0]), float(tau[-1]), slope, slope - half, slope + half, -0.5)
+    return free_slope("N", tau, variance, spread, level)

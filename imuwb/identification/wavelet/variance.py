@@ -1,8 +1,8 @@
 """The sum Q, N, B, K from the variance of wavelet coefficients, scale by scale (GMWM).
 
-S. Guerrier and others (2013), "Wavelet-variance-based estimation for composite stochastic processes". Daubechies' wavelet of four
-taps is blind to a straight line, so a ramp is no matter here; with Haar's, half the Allan variance, this would be
-the Allan fit over again.
+S. Guerrier and others (2013), "Wavelet-variance-based estimation for composite stochastic processes". Daubechies' wavelet of
+four taps does not see a straight line, so a ramp has no effect. Haar's wavelet gives half the Allan variance, so it would repeat
+the Allan fit.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from imuwb.identification.likelihood.fit import ACCEPTED, TERMS
 from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import chi_square_tail, normal_quantile
 from imuwb.stochastic import Sum
+from imuwb.texts import coefficients_text, number_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -33,48 +34,72 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _R3 = 3**0.5
-#: of the maximal-overlap transform: scaled so that the gain at 0 is 1
+#: taps of the maximal-overlap transform, scaled to a gain of 1 at frequency 0
 SMOOTH = np.array([1 + _R3, 3 + _R3, 3 - _R3, 1 - _R3]) / 8
 DETAIL = SMOOTH[::-1] * np.array([1.0, -1.0, 1.0, -1.0])
-OVERSAMPLED = 8  #: coefficients kept in the time of a wavelet; more tell nothing new
+OVERSAMPLED = 8  #: coefficients kept in the duration of a wavelet; more would add no information
 FEWEST = 4  #: independent coefficients of a scale
-SELF_SIMILAR = 9  #: level from which on a scale is twice the last one also for flicker
-GRID = 48  #: frequencies an octave
-ROUNDS = 8
-LEAST = 1e-12  #: of the largest variance, for a weight
-MUCH = 15.0  #: chi-square that leaving out the shortest scale must be worth
+FEWEST_SAMPLES = 64  #: which give four scales
+SELF_SIMILAR = 9  #: level from which the wavelet variance of flicker no longer changes
+GRID = 48  #: frequencies per octave
+ROUNDS = 8  #: repetitions of a fit, each with the covariance of the one before
+LEAST = 1e-12  #: of the largest variance, floor of the weights' variances
+MUCH = 15.0  #: reduction of chi-square that justifies leaving out another scale
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class WaveletVariance:
-    """Mean squares of a record's wavelet coefficients. unit²."""
+    """Mean squares (unit²) of a record's wavelet coefficients."""
 
-    n: int
-    dt: float
+    n: int  #: samples
+    dt: float  #: s
     scale: Floats  #: (j,) s, 2^j dt for level j = 1, 2, ...
     variance: Floats  #: (j,)
-    terms: NDArray[np.int64]  #: (j,) coefficients, were none left out
+    terms: NDArray[np.int64]  #: (j,) number of coefficients before any are thinned out
+
+    def __str__(self) -> str:
+        """Return the range of scales."""
+        return (
+            f"wavelet variances of {self.n} samples at {1 / self.dt:.6g} Hz: {self.scale.size} scales from "
+            f"{number_text(float(self.scale[0]))} to {number_text(float(self.scale[-1]))} s"
+        )
+
+    __repr__ = __str__
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class WaveletFit:
-    """The sum fitted to wavelet variances."""
+    """A sum of processes fitted to wavelet variances."""
 
+    level: float
     coefficients: dict[str, Coefficient]  #: Q, N, B, K
     processes: Sum
-    shortest: float  #: s, scale from which on the sum explains the variances
-    misfit: float
-    probability: float
+    shortest: float  #: s; the sum explains the variances from this scale up
+    misfit: float  #: chi-square over its degrees of freedom, from there up
+    probability: float  #: that chance makes a misfit as large
+
+    def __str__(self) -> str:
+        """Return the coefficients and how well they explain the variances."""
+        return (
+            f"wavelet-variance fit from {number_text(self.shortest)} s (p = {self.probability:.2g}): "
+            f"{coefficients_text(self.coefficients)}; {100 * self.level:g} % intervals and limits"
+        )
+
+    __repr__ = __str__
 
 
 def wavelet_variance(values: Floats, dt: float) -> WaveletVariance:
-    """Return the wavelet variances of an evenly spaced record without gaps; boundary coefficients are left out.
+    """Return the wavelet variances of an evenly spaced record without gaps, without the coefficients at its ends.
+
+    Args:
+        values: (n,) samples.
+        dt: s.
 
     Raises:
         ValueError: fewer than 64 samples.
     """
-    if values.size < 64:  # noqa: PLR2004 - four scales
-        message = f"{values.size} samples are too few for wavelet variances; it takes 64"
+    if values.size < FEWEST_SAMPLES:
+        message = f"{values.size} samples are too few for wavelet variances; they take {FEWEST_SAMPLES}"
         raise ValueError(message)
     smooth = values - values.mean()
     variances: list[float] = []
@@ -111,23 +136,23 @@ def _level(values: Floats, step: int, smooth: Floats, detail: Floats) -> tuple[F
 
 @lru_cache(maxsize=4)
 def _expectations(levels: int) -> Floats:
-    """Return the wavelet variances of Q, N, B and K of size 1 in units of dt, (levels, 4), from the filters themselves."""
-    found = np.zeros((levels, 4))
+    """Return the wavelet variances of Q, N, B and K of size 1 in units of dt, (levels, 4), from the taps of the filters."""
+    variance = np.zeros((levels, 4))
     smooth = np.ones(1)
     for j in range(levels):
         wavelet = spread_convolve(smooth, DETAIL, 2**j)
         walk = np.cumsum(wavelet)
-        found[j, 0] = float(np.sum(np.diff(wavelet, prepend=0.0, append=0.0) ** 2))
-        found[j, 1] = float(wavelet @ wavelet)
-        # the increments of an averaged walk have variance 2/3 and covariance 1/6
-        found[j, 3] = float(2 / 3 * walk @ walk + 1 / 3 * walk[1:] @ walk[:-1])
-        found[j, 2] = _flicker(wavelet) if j < SELF_SIMILAR else found[j - 1, 2]
+        variance[j, 0] = float(np.sum(np.diff(wavelet, prepend=0.0, append=0.0) ** 2))
+        variance[j, 1] = float(wavelet @ wavelet)
+        # The increments of an averaged walk have variance 2/3 and covariance 1/6.
+        variance[j, 3] = float(2 / 3 * walk @ walk + 1 / 3 * walk[1:] @ walk[:-1])
+        variance[j, 2] = _flicker(wavelet) if j < SELF_SIMILAR else variance[j - 1, 2]
         smooth = spread_convolve(smooth, SMOOTH, 2**j)
-    return found
+    return variance
 
 
 def spread_convolve(series: Floats, taps: Floats, step: int) -> Floats:
-    """Return the convolution with taps that stand ``step`` apart."""
+    """Return the convolution with taps at a spacing of ``step`` samples."""
     out = np.zeros(series.size + (taps.size - 1) * step)
     for k, tap in enumerate(taps):
         out[k * step : k * step + series.size] += tap * series
@@ -135,7 +160,7 @@ def spread_convolve(series: Floats, taps: Floats, step: int) -> Floats:
 
 
 def _flicker(wavelet: Floats) -> float:
-    """Return the variance that averaged flicker of B = 1 has behind a filter that stops constants."""
+    """Return the variance of averaged flicker of B = 1 after a filter that stops constants."""
     size = fft.next_fast_len(2 * wavelet.size, real=True)
     correlation = fft.irfft(np.abs(fft.rfft(wavelet, size)) ** 2, size)[: wavelet.size]
     lag = np.arange(wavelet.size, dtype=np.float64)
@@ -149,14 +174,14 @@ def _flicker(wavelet: Floats) -> float:
 
 @lru_cache(maxsize=4)
 def _responses(levels: int) -> tuple[Floats, Floats, Floats]:
-    """Return frequencies (of the sampling rate), their widths, and each level's squared gain there, (levels, k)."""
+    """Return frequencies and widths, over the sampling rate, and each level's squared gain there, (levels, k)."""
     edges = np.geomspace(2.0 ** -(levels + 4), 0.5, (levels + 3) * GRID + 1)
     f = np.sqrt(edges[1:] * edges[:-1])
     return f, np.diff(edges), _gains(f, levels)
 
 
 def _gains(f: Floats, levels: int) -> Floats:
-    """Return each level's squared gain at frequencies of the sampling rate, (levels, k)."""
+    """Return each level's squared gain, (levels, k), at frequencies over the sampling rate."""
     smooth = np.ones(f.size)
     rows: list[Floats] = []
     for j in range(levels):
@@ -166,24 +191,27 @@ def _gains(f: Floats, levels: int) -> Floats:
     return np.array(rows)
 
 
-def fit_wavelet_variance(found: WaveletVariance, lines: Sequence[Line] = (), *, level: float = 0.95) -> WaveletFit:
-    """Fit the sum of quantization, white, flicker and random-walk noise by generalised least squares.
+def fit_wavelet_variance(variances: WaveletVariance, lines: Sequence[Line] = (), *, level: float = 0.95) -> WaveletFit:
+    """Return the sum of quantization, white, flicker and random-walk noise that fits by generalised least squares.
 
     Args:
-        found: from ``wavelet_variance``.
-        lines: sinusoids found in the spectrum, held as found.
+        variances: from ``wavelet_variance``.
+        lines: sinusoids found in the spectrum; their frequencies and amplitudes are held.
         level: of the intervals.
 
     Raises:
         ValueError: fewer than six scales, or a variance of 0 (a constant channel).
     """
-    levels = found.scale.size
-    if levels <= len(TERMS) + 1 or not found.variance.all():
-        message = "too few scales, or a wavelet variance of 0 (a constant channel)"
+    levels = variances.scale.size
+    if levels <= len(TERMS) + 1 or not variances.variance.all():
+        message = (
+            f"{levels} scales{'' if variances.variance.all() else ', one with a variance of 0'}; a fit takes {len(TERMS) + 2} "
+            "scales, none of 0: record for longer, or check the channel"
+        )
         raise ValueError(message)
-    whole = _Scales.of(found, lines)
+    whole = _Scales.of(variances, lines)
     fits = [whole.fit()]
-    # A sensor's own filter bends the shortest scales: they are left out where that pays, until the rest is explained.
+    # A sensor's own filter changes the shortest scales. They are left out, until the rest is explained, where that pays.
     for first in range(1, levels - len(TERMS) - 1):
         if fits[-1].probability > ACCEPTED:
             break
@@ -195,9 +223,8 @@ def fit_wavelet_variance(found: WaveletVariance, lines: Sequence[Line] = (), *, 
     spread = scales.covariance(fit.squared) * inflation
     coefficients = _coefficients(scales.variance, scales.design, fit.squared, spread, level)
     terms: list[Process] = [TERMS[x](c.value) for x in TERMS if (c := coefficients[x]).value]
-    return WaveletFit(
-        coefficients, Sum(tuple(terms)), float(found.scale[first]), fit.chi2 / fit.freedom, fit.probability
-    )
+    shortest = float(variances.scale[first])
+    return WaveletFit(level, coefficients, Sum(tuple(terms)), shortest, fit.chi2 / fit.freedom, fit.probability)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -210,50 +237,44 @@ class _Fit:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Scales:
-    """Wavelet variances to be explained, and how they scatter together."""
+    """Wavelet variances to be explained, with what their covariance follows from."""
 
-    variance: Floats  #: (j,) less what lines make
-    terms: Floats  #: (j,)
-    of_lines: Floats  #: (j, j) covariance from the lines' own uncertainty
-    design: Floats  #: (j, 4) of processes of size 1
-    gains: Floats  #: (j, k) squared, by frequency
-    width: Floats  #: (k,) of the frequencies, of the rate
+    variance: Floats  #: (j,) without the part of the lines
+    terms: Floats  #: (j,) number of coefficients
+    of_lines: Floats  #: (j, j) covariance from the uncertainty of the lines' amplitudes
+    design: Floats  #: (j, 4) variances of processes of size 1
+    gains: Floats  #: (j, k) squared gain at each frequency
+    width: Floats  #: (k,) of the frequencies, over the sampling rate
     parts: Floats  #: (k, 4) densities of processes of size 1
 
     @staticmethod
-    def of(found: WaveletVariance, lines: Sequence[Line]) -> _Scales:
-        dt = found.dt
-        variance, of_lines = found.variance.copy(), np.zeros((found.scale.size, found.scale.size))
+    def of(variances: WaveletVariance, lines: Sequence[Line]) -> _Scales:
+        dt, levels = variances.dt, variances.scale.size
+        variance, of_lines = variances.variance.copy(), np.zeros((levels, levels))
         for line in lines:
-            part = line.amplitude**2 / 2 * _gains(np.array([line.frequency * dt]), found.scale.size)[:, 0]
+            part = line.amplitude.value**2 / 2 * _gains(np.array([line.frequency * dt]), levels)[:, 0]
             variance -= part
-            of_lines += np.outer(part, part) * (line.power_sigma / line.amplitude**2) ** 2
-        f, width, gains = _responses(found.scale.size)
+            of_lines += np.outer(part, part) * (line.power_sigma / line.amplitude.value**2) ** 2
+        f, width, gains = _responses(levels)
         parts = np.stack([make(1.0).power_spectral_density(f / dt, dt) / dt for make in TERMS.values()], axis=1)
-        design = _expectations(found.scale.size) * np.array([1 / dt**2, 1 / dt, 1.0, dt])
-        return _Scales(variance, found.terms.astype(np.float64), of_lines, design, gains, width, parts)
+        design = _expectations(levels) * np.array([1 / dt**2, 1 / dt, 1.0, dt])
+        return _Scales(variance, variances.terms.astype(np.float64), of_lines, design, gains, width, parts)
 
     def since(self, first: int) -> _Scales:
-        """Return all but the first scales."""
+        """Return the problem without its ``first`` shortest scales."""
         rest = slice(first, None)
         return _Scales(
-            self.variance[rest],
-            self.terms[rest],
-            self.of_lines[rest, rest],
-            self.design[rest],
-            self.gains[rest],
-            self.width,
-            self.parts,
-        )
+            self.variance[rest], self.terms[rest], self.of_lines[rest, rest], self.design[rest], self.gains[rest], self.width, self.parts
+        )  # fmt: skip
 
     def covariance(self, squared: Floats) -> Floats:
-        """Return the covariance of the variances if these squares are true: twice the product of spectra, added up."""
+        """Return the covariance of the variances if these squares are true: the integral of twice the product of spectra."""
         seen = self.gains * (self.parts @ squared)
-        # twice over, for the negative frequencies
+        # The factor is 4, not 2, because the grid has no negative frequencies.
         return 4 * (seen * self.width) @ seen.T / np.minimum.outer(self.terms, self.terms) + self.of_lines
 
     def fit(self) -> _Fit:
-        """Return the squares, none negative, the covariance taken from the fit and the fit repeated."""
+        """Return the non-negative squares; the covariance is taken from the fit, and the fit is repeated."""
         weight = 1 / np.abs(self.variance).clip(float(np.abs(self.variance).max()) * LEAST)
         columns = self.design * weight[:, None]
         size = np.linalg.norm(columns, axis=0)
@@ -273,23 +294,22 @@ class _Scales:
 def _coefficients(
     variance: Floats, design: Floats, squared: Floats, spread: Floats, level: float
 ) -> dict[str, Coefficient]:
-    """Return intervals by a scaled chi-square, one-sided limits where a term is 0."""
+    """Return intervals by a scaled chi-square, or one-sided limits where a term is 0."""
     root = linalg.cholesky(spread, lower=True)
     white = linalg.solve_triangular(root, design, lower=True)
     data = linalg.solve_triangular(root, variance, lower=True)
     active = np.flatnonzero(squared > 0)
-    found: dict[str, Coefficient] = {}
+    coefficients: dict[str, Coefficient] = {}
     for t, letter in enumerate(TERMS):
         columns = white[:, np.union1d(active, [t])]
         place = int(np.flatnonzero(np.union1d(active, [t]) == t)[0])
         inverse = scaled_inverse(columns.T @ columns)
         sigma = float(inverse[place, place]) ** 0.5
         if squared[t] > 0:
-            found[letter] = Coefficient(
-                float(squared[t]) ** 0.5, *interval(float(squared[t]), sigma, level), at=READ_OUT[letter]
-            )
+            ends = interval(float(squared[t]), sigma, level)
+            coefficients[letter] = Coefficient(float(squared[t]) ** 0.5, *ends, at=READ_OUT[letter])
             continue
         free = float((inverse @ columns.T @ data)[place])
         limit = max(free, 0.0) + normal_quantile(level) * sigma
-        found[letter] = Coefficient(None, None, limit**0.5, at=READ_OUT[letter])
-    return found
+        coefficients[letter] = Coefficient(None, None, limit**0.5, at=READ_OUT[letter])
+    return coefficients

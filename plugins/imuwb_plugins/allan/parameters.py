@@ -1,52 +1,60 @@
-"""What can be asked of the Allan analysis."""
+"""Options of the Allan analysis."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-MOST_TIMES = 10_000  #: of log:N
+from imuwb.options import POSITIVE, Form, Level, check
+
+MOST_TIMES = 10_000  #: for log:N
 
 
 @dataclass(frozen=True)
 class Parameters:
     """Options of ``imuwb allan``."""
 
-    averaging_times: Annotated[str, "octave, log:N (N of them), all, or seconds such as 0.1,1,10"] = "octave"
+    averaging_times: Annotated[
+        tuple[float, ...] | str,
+        "Averaging times: octave, log:N (N times, evenly spaced on a log axis), all, or a list (s).",
+        Form("octave|log:N|all|SECONDS,...", "log:90 or 0.1,1,10"),
+        POSITIVE,
+    ] = "octave"
     uncertainty: Annotated[
-        Literal["edf", "printed"], "edf: chi-square, by noise type; printed: the papers' 1/√(2(N/n-1))"
+        Literal["edf", "printed"],
+        "Intervals of the curve: edf (chi-square, degrees of freedom by noise type), or printed (the papers' 1/√(2(N/n-1))).",
     ] = "edf"
-    lines: Annotated[bool, "look for periodic lines and take them into the fit"] = True
+    lines: Annotated[bool, "Search for periodic lines, and include them in the fits."] = True
     fast: Annotated[
         bool,
-        "thin the sums out at long averaging times; for all but quantization off by less than a quarter of an interval",
+        "Thin the sums at long averaging times; except for quantization noise, the error is below a quarter of an interval.",
     ] = False
     deviation: Annotated[
-        Literal["allan", "modified", "hadamard", "total"], "another deviation, drawn beside the Allan deviation"
+        Literal["allan", "modified", "hadamard", "total"],
+        "Second deviation, shown in a figure of its own; allan: none.",
     ] = "allan"
     estimators: Annotated[
-        bool, "fit the sum by likelihood and by wavelet variance too, and test whether the noise stays the same"
+        bool, "Fit the sum by likelihood and by wavelet variances too, and test whether the noise is stationary."
     ] = True
-    choose: Annotated[bool, "compare sums of processes, also with Gauss-Markov and autoregressive terms"] = False
+    choose: Annotated[bool, "Compare sums of processes, also with Gauss-Markov and autoregressive terms."] = False
     model: Annotated[
         Literal["allan", "headline"],
-        "whose figures --save-model takes: the Allan fit's, or those of the estimator of the least error",
+        "Coefficients that --save-model writes: of the Allan fit, or of the headline (the estimator with the least error).",
     ] = "allan"
-    level: Annotated[float, "of all intervals and limits"] = 0.95
+    level: Level = 0.95
 
     def __post_init__(self) -> None:
         """Check the values."""
-        if not 0.6 <= self.level < 1:  # noqa: PLR2004 - a limit at even odds is none
-            message = f"level is {self.level}; it must be at least 0.6 and below 1"
-            raise ValueError(message)
-        text = self.averaging_times
-        kind, _, number = text.partition(":")
-        if text in ("octave", "all") or (kind == "log" and number.isdecimal() and 1 < int(number) <= MOST_TIMES):
-            return
-        try:
-            times = [float(part) for part in text.split(",")]
-        except ValueError:
-            times = []
-        if not times or min(times) <= 0:
-            message = f"averaging times are {text!r}; write octave, log:90, all, or positive seconds such as 0.1,1,10"
+        check(self)
+        times = self.averaging_times
+        if isinstance(times, str) and times not in ("octave", "all"):
+            kind, _, number = times.partition(":")
+            if not (kind == "log" and number.isdecimal() and 1 < int(number) <= MOST_TIMES):
+                message = (
+                    f"averaging_times is {times!r}; it must be octave, log:N (N up to {MOST_TIMES}), all, or positive seconds: "
+                    "write log:90 or 0.1,1,10"
+                )
+                raise ValueError(message)
+        if not times:
+            message = "averaging_times is empty; it must be octave, log:N, all, or positive seconds"
             raise ValueError(message)

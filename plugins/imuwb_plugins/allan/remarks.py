@@ -1,4 +1,4 @@
-"""What a person should know of an axis, one line each, and act on."""
+"""Remarks on the noise of an axis, one line each, for a person to act on."""
 
 from __future__ import annotations
 
@@ -7,113 +7,110 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.analysis import Finding
+from imuwb.notes import Note
 from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, Sinusoid, WhiteNoise
-from imuwb.texts import seconds_text
+from imuwb.texts import number_text, seconds_text
+from imuwb_plugins.allan.notes import UNEXPLAINED
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
     from imuwb.statistics import Coefficient
     from imuwb.stochastic import Process
-    from imuwb_plugins.allan.result import AxisResult, Result
+    from imuwb_plugins.allan.result import AllanAxis, EstimatorComparison, Result
 
-_WORDS: dict[type, str] = {
+_NAMES: dict[type, str] = {
     Quantization: "quantization", WhiteNoise: "white noise", FlickerNoise: "bias instability", RandomWalk: "random walk",
     RateRamp: "ramp", Sinusoid: "lines",
 }  # fmt: skip
-MUCH = 0.2  #: of a logarithm, about a fifth: change of the deviation that puts figures in doubt
-DECISIVE = 3.0  #: times the limit of K, whose walk a longer record would show
-LONGER = 1.5  #: times the record; a wish for less is none
+MUCH = 0.2  #: of a logarithm, about a fifth: change of the Allan deviation that puts the coefficients in doubt
+DECISIVE = 3.0  #: ratio of a random walk to the other terms, at a tenth of the record, at which the walk shows
+LONGER = 1.5  #: ratio to the length of the record, below which no longer record is recommended
+POINTS = 200  #: averaging times at which the terms are compared
 
 
 def findings(result: Result) -> tuple[Finding, ...]:
-    """Return what each estimator says of each axis; remarks go with the headline."""
-    found: list[Finding] = []
+    """Return the coefficients of each estimator and axis; the headline's finding has the remarks."""
+    all_findings: list[Finding] = []
     for axis, r in result.axes.items():
         remarks = tuple(_remarks(result, axis, r))
         if r.estimates is None:
-            found.append(Finding(axis, "allan", r.coefficients, remarks, headline=True))
+            all_findings.append(Finding(axis, "allan", r.coefficients, remarks, headline=True))
             continue
         for name, coefficients in r.estimates.by.items():
             headline = name == r.estimates.headline
-            found.append(Finding(axis, name, coefficients, remarks if headline else (), headline=headline))
-    return tuple(found)
+            all_findings.append(Finding(axis, name, coefficients, remarks if headline else (), headline=headline))
+    return tuple(all_findings)
 
 
-def _remarks(result: Result, axis: str, found: AxisResult) -> list[str]:
-    if found.why_no_fit is not None:
-        return [f"SUSPICIOUS: {found.why_no_fit}"]
-    said = [_dominant(found)]
-    coefficients = found.estimates.by[found.estimates.headline] if found.estimates else found.coefficients
+def _remarks(result: Result, axis: str, r: AllanAxis) -> Iterator[Note]:
+    if r.why_no_fit is not None:
+        yield Note("no-fit", f"SUSPICIOUS: {r.why_no_fit}")
+        return
+    yield Note("dominant", _dominant(r))
+    coefficients = r.estimates.by[r.estimates.headline] if r.estimates else r.coefficients
     dt = 1 / result.rate_hz[axis.partition("_")[0]]
     q, n, k, ramp = (coefficients.get(x) for x in ("Q", "N", "K", "R"))
     if q is not None and q.lower and n is not None and n.value and q.value and 3 * q.value**2 / dt**2 > n.value**2 / dt:
-        said.append(f"quantization-limited below {seconds_text(3 * q.value**2 / n.value**2)}")
+        yield Note("quantization", f"quantization-limited below {seconds_text(3 * q.value**2 / n.value**2)}")
     if ramp is not None and ramp.value:
-        said.append(f"drifts: {ramp.value:.3g} {ramp.unit}; let it warm up, or hold its temperature")
+        yield Note("ramp", f"drifts: {ramp.value:.3g} {ramp.unit}; let it warm up, or hold its temperature")
     if k is not None and not k.lower:
         wish = _long_enough(coefficients, result.duration)
-        said.append(f"too short for K: {wish}" if wish else "no random walk seen")
-    if found.fit is not None and found.fit.probability < 1e-3:  # noqa: PLR2004 - one in a thousand
-        said.append(
-            f"SUSPICIOUS: no sum of these processes explains the curve (chi-square {found.fit.misfit:.2g} per degree of freedom)"
+        text = (
+            f"too short for K: a random walk as large as its limit would show in {wish}" if wish else "no random walk"
         )
-    if found.estimates is not None:
-        said += _beside(found)
-    return said
+        yield Note("too-short" if wish else "no-walk", text)
+    if r.fit is not None and r.fit.probability < UNEXPLAINED:
+        yield Note(
+            "unexplained",
+            f"SUSPICIOUS: no sum of these processes explains the curve (chi-square {r.fit.misfit:.2g} per degree of freedom)",
+        )
+    if r.estimates is not None:
+        yield from _comparison(r.estimates)
 
 
-def _beside(found: AxisResult) -> list[str]:
-    estimates = found.estimates
-    if estimates is None:
-        return []
-    said: list[str] = []
-    if estimates.stationarity is not None and not estimates.stationarity.stationary:
-        s = estimates.stationarity
-        word = "SUSPICIOUS: not stationary" if abs(np.log(s.worst_ratio)) > MUCH else "not quite stationary"
-        said.append(
-            f"{word}: the part from {s.start[s.worst_part]:.0f} s on has {s.worst_ratio:.2g} times the usual deviation at "
-            f"{s.worst_time:.3g} s"
+def _comparison(estimates: EstimatorComparison) -> Iterator[Note]:
+    s = estimates.stationarity
+    if s is not None and not s.stationary:
+        verdict = "SUSPICIOUS: not stationary" if abs(np.log(s.worst_ratio)) > MUCH else "not quite stationary"
+        yield Note(
+            "not-stationary",
+            f"{verdict}: the part from {s.start[s.worst_part]:.0f} s has {s.worst_ratio:.2g} times the usual Allan deviation at "
+            f"{number_text(s.worst_time)} s",
         )
     if not estimates.agree:
         letters = dict.fromkeys(text.partition(":")[0] for text in estimates.disagreements)
-        said.append(f"estimators differ in {', '.join(letters)}")
+        yield Note("differ", f"estimators differ in {', '.join(letters)}")
     if estimates.choice is not None:
-        best = estimates.choice.best
-        sure = "clearly " if estimates.choice.clear else ""
-        said.append(f"{sure}best sum: {best.name}")
-    return said
+        clearly = "clearly " if estimates.choice.clear else ""
+        yield Note("best-sum", f"{clearly}best sum: {estimates.choice.best.name}")
 
 
-def _dominant(found: AxisResult) -> str:
-    """Return which process rules where: "white noise to 12 s, bias instability to 1600 s"."""
-    processes = found.processes
-    if processes is None or not processes.terms or not found.averaging_time.size:
+def _dominant(r: AllanAxis) -> str:
+    """Return the dominant process by averaging time, such as "white noise to 12 s, bias instability to 1600 s"."""
+    processes = r.processes
+    if processes is None or not processes.terms or not r.averaging_time.size:
         return "no process is identified"
-    tau = np.geomspace(found.averaging_time[0], found.averaging_time[-1], 200)
-    dt = float(found.averaging_time[0])
-    kinds: list[type] = []
-    parts: list[np.ndarray[tuple[int], np.dtype[np.float64]]] = []
+    tau = np.geomspace(r.averaging_time[0], r.averaging_time[-1], POINTS)
+    parts: dict[type, np.ndarray[tuple[int], np.dtype[np.float64]]] = {}
     for term in processes.terms:
-        part = term.allan_variance(tau, dt)
-        if type(term) in kinds:
-            parts[kinds.index(type(term))] += part
-        else:
-            kinds.append(type(term))
-            parts.append(part)
-    ruler = np.argmax(parts, axis=0)
-    edges = np.append(np.flatnonzero(np.diff(ruler)), tau.size - 1)
-    return ", ".join(
-        f"{_WORDS.get(kinds[ruler[e]], _name(processes.terms[0]))} to {seconds_text(float(tau[e]))}" for e in edges
-    )
+        part = term.allan_variance(tau, float(r.averaging_time[0]))
+        parts[type(term)] = parts[type(term)] + part if type(term) in parts else part
+    dominant = np.argmax(list(parts.values()), axis=0)
+    names = [_NAMES.get(kind, _name(processes.terms[0])) for kind in parts]
+    ends = np.append(np.flatnonzero(np.diff(dominant)), tau.size - 1)
+    return ", ".join(f"{names[dominant[end]]} to {seconds_text(float(tau[end]))}" for end in ends)
 
 
 def _name(term: Process) -> str:
     return str(getattr(term, "name", "noise"))
 
 
-def _long_enough(coefficients: dict[str, Coefficient], duration: float) -> str | None:
-    """Return how long a record would have to be to show a walk of the size of K's limit; None where this one would do.
+def _long_enough(coefficients: Mapping[str, Coefficient], duration: float) -> str | None:
+    """Return the length of a record that would show a random walk as large as K's limit; None if this record is long enough.
 
-    A walk shows when its Allan variance at a tenth of the record, K² T/30, is above that of the other terms there.
+    A random walk shows when its Allan variance at a tenth of the record, K² T/30, exceeds that of the other terms there.
     """
     k = coefficients["K"].upper
     n, b = (coefficients[x].value or 0.0 for x in ("N", "B"))
@@ -125,5 +122,4 @@ def _long_enough(coefficients: dict[str, Coefficient], duration: float) -> str |
     if needed < LONGER * duration:
         return None
     unit, size = next((u, x) for u, x in (("h", 3600.0), ("min", 60.0), ("s", 1.0)) if needed > 2 * x or u == "s")
-    text = f"{needed / size:.0f} {unit}"
-    return f"one as large as its limit would show in {text}"
+    return f"{needed / size:.0f} {unit}"

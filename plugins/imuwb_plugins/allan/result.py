@@ -1,27 +1,52 @@
-"""What the Allan analysis finds."""
+"""Result of the Allan analysis."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from imuwb.texts import coefficients_text
+
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import numpy as np
     from numpy.typing import NDArray
 
     from imuwb.analysis import LineResult
-    from imuwb.identification import CorrelationTime, Disturbance, ModelChoice, Region, Stationarity
-    from imuwb.statistics import Coefficient
+    from imuwb.identification import Disturbance, ModelChoice, Region, Stationarity
+    from imuwb.notes import Note
+    from imuwb.statistics import Coefficient, Estimate
     from imuwb.stochastic import Sum
+
+    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
 class FitQuality:
     """How well the sum explains the curve."""
 
-    from_averaging_time: float  #: s; shorter ones are left out of the fit
+    from_averaging_time: float  #: s; shorter averaging times are left out of the fit
     misfit: float  #: chi-square over degrees of freedom
-    probability: float
+    probability: float  #: that chance makes a misfit as large
+
+
+@dataclass(frozen=True, slots=True)
+class ReadOut:
+    """Where a coefficient is read on the Allan curve. SI."""
+
+    letter: str
+    averaging_time: float  #: s
+    deviation: float  #: of the term's own line, or of the flat level
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ModelCurves:
+    """The fitted sum and its terms on a fine grid, for the figure."""
+
+    averaging_time: Floats  #: s
+    total: Floats
+    terms: tuple[Floats, ...]  #: all lines are one term
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -29,51 +54,61 @@ class OtherDeviation:
     """A relative of the Allan deviation."""
 
     kind: str
-    averaging_time: NDArray[np.float64]
-    deviation: NDArray[np.float64]
-    lower: NDArray[np.float64]
-    upper: NDArray[np.float64]
+    averaging_time: Floats
+    deviation: Floats
+    lower: Floats
+    upper: Floats
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Estimates:
-    """What other estimators say of the same record."""
+class EstimatorComparison:
+    """The estimates of all estimators, stationarity, and the comparison of sums."""
 
-    headline: str  #: the estimator of the least error, "likelihood", where the record allows it
+    headline: str  #: the estimator with the least error: "likelihood" where the record allows it
     by: dict[str, dict[str, Coefficient]]  #: estimator -> coefficients
-    processes: Sum | None  #: the headline's terms whose intervals do not begin at 0
+    processes: Sum  #: of the headline's error model
+    intervals_apply: bool  #: the headline's intervals are of that sum; not so for a sum with a Gauss-Markov process
     highest: float | None  #: Hz, up to which the likelihood's sum explains the spectrum
-    agree: bool  #: wherever two estimators give a coefficient, their intervals meet
+    agree: bool  #: intervals of all estimators overlap
     disagreements: tuple[str, ...]
     stationarity: Stationarity | None
     choice: ModelChoice | None
     mean: float  #: of the samples
-    notes: tuple[str, ...]
+    notes: tuple[Note, ...]
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class AxisResult:
-    """One axis, SI."""
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
+class AllanAxis:
+    """One axis. SI."""
 
-    averaging_time: NDArray[np.float64]
-    allan_deviation: NDArray[np.float64]
-    lower: NDArray[np.float64]
-    upper: NDArray[np.float64]
-    degrees_of_freedom: NDArray[np.float64]
+    averaging_time: Floats
+    allan_deviation: Floats
+    lower: Floats
+    upper: Floats
+    degrees_of_freedom: Floats
     noise_exponent: NDArray[np.int64]
-    fitted: NDArray[np.float64] | None
-    coefficients: dict[str, Coefficient]
-    regions: tuple[Region, ...]
-    correlation_time: CorrelationTime | None
-    lines: tuple[LineResult, ...]
-    fit: FitQuality | None
-    processes: Sum | None
-    why_no_fit: str | None
+    fitted: Floats | None
+    coefficients: Mapping[str, Coefficient]
+    regions: tuple[Region, ...] = ()
+    correlation_time: Estimate | None = None  #: s, centre of the flat region, between its begin and end
+    gauss_markov_time: float | None = None  #: s, Tc of the Gauss-Markov process whose peak is that centre
+    lines: tuple[LineResult, ...] = ()
+    fit: FitQuality | None = None
+    processes: Sum | None = None
+    read_outs: tuple[ReadOut, ...] = ()
+    why_no_fit: str | None = None
     other: OtherDeviation | None = None
-    estimates: Estimates | None = None
+    estimates: EstimatorComparison | None = None
+    model_curves: ModelCurves | None = field(default=None, metadata={"document": False})
+
+    def __str__(self) -> str:
+        """Return the coefficients, or why there are none."""
+        return self.why_no_fit or coefficients_text(self.coefficients)
+
+    __repr__ = __str__
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class Result:
     """All axes of one IMU."""
 
@@ -82,9 +117,17 @@ class Result:
     level: float  #: of all intervals and limits
     rate_hz: dict[str, float]
     duration: float  #: s
-    axes: dict[str, AxisResult]
-    moving: bool | None  #: most of the record is not still; None: too short or too slow to tell
+    axes: dict[str, AllanAxis]
+    moving: bool | None  #: most of the record is not still; None: the record is too short, or its rate too low, to test
     disturbances: tuple[Disturbance, ...]
-    quiet: tuple[float, float] | None  #: s from the log's start; None likewise
+    quiet: tuple[float, float] | None  #: s from the start of the log; None: not tested
     notes: tuple[str, ...]
-    model: str  #: whose figures go into the error model: "allan" or "headline"
+    model: str  #: coefficients that the error model takes: "allan" or "headline"
+
+    def __str__(self) -> str:
+        """Return the coefficients of each axis."""
+        return "\n".join(
+            [f"{self.imu}, {self.duration:.0f} s, Allan fit:", *(f"  {a}: {r}" for a, r in self.axes.items())]
+        )
+
+    __repr__ = __str__

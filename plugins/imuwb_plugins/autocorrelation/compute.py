@@ -12,81 +12,105 @@ from imuwb.conditioning import denoise
 from imuwb.errors import MissingDataError
 from imuwb.identification import autocorrelation
 from imuwb.identification.record.suitable import unsuitable
+from imuwb.notes import Note
 from imuwb.units import coefficient_units
-from imuwb_plugins.autocorrelation.result import AxisResult, Curve, Result
+from imuwb_plugins.autocorrelation.result import (
+    NO_VERDICT,
+    CorrelationAxis,
+    CorrelationCurve,
+    GaussMarkovResult,
+    Result,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from imuwb.axes import Axis
-    from imuwb.identification import Autocorrelation
-    from imuwb.log import Log
+    from imuwb.identification import GaussMarkovFit
+    from imuwb.log import Floats, Log
     from imuwb_plugins.autocorrelation.parameters import Parameters
 
 FEWEST = 256  #: samples
 
 
 def run(logs: Sequence[Log], parameters: Parameters) -> Result:
-    """Return the autocorrelations of the log's (first) IMU."""
+    """Return the autocorrelations of the log's (first) IMU.
+
+    Raises:
+        MissingDataError: no axis has an autocorrelation.
+    """
     log = logs[0]
     imu = log.imu()
     axes = axes_of(imu)
     results = for_each(axes, lambda axis: _axis(axis, parameters))
     if all(r.why_none for r in results.values()):
-        message = f"{log.provenance.path}: {imu.name}: no axis has an autocorrelation: {next(iter(results.values())).why_none}"
+        why = next(iter(results.values())).why_none
+        message = f"{log.provenance.path}: {imu.name}: no axis has an autocorrelation: {why}"
         raise MissingDataError(message)
-    notes = [
-        *gap_notes(axes, "the autocorrelation"),
-        *(f"{name}: {r.why_none}" for name, r in results.items() if r.why_none),
-    ]
-    short = [name for name, r in results.items() if r.lag.size and r.denoised is None]
-    if short and parameters.denoise:
-        notes.append(
-            f"{', '.join(short)}: too short for {parameters.denoise} levels of denoising; --denoise takes fewer"
-        )
     intervals = {sensor: 1 / rate for sensor, rate in rates(axes).items()}
-    return Result(imu.name, parameters.level, parameters.denoise, intervals, results, tuple(notes))
+    notes = (*gap_notes(axes, "the autocorrelation"), *_notes(results, parameters.denoise))
+    return Result(imu.name, parameters.level, parameters.denoise, intervals, results, notes)
 
 
-def _axis(axis: Axis, parameters: Parameters) -> AxisResult:
+def _notes(results: Mapping[str, CorrelationAxis], levels: int) -> list[Note]:
+    notes = [Note("no-correlation", f"{name}: {r.why_none}") for name, r in results.items() if r.why_none]
+    short = [name for name, r in results.items() if r.lag.size and r.denoised is None]
+    if short and levels:
+        text = f"{', '.join(short)}: the record is too short for {levels} levels of denoising; give --denoise fewer"
+        notes.append(Note("not-denoised", text))
+    return notes
+
+
+def _axis(axis: Axis, parameters: Parameters) -> CorrelationAxis:
     unit = coefficient_units(axis.name, "rate")[0].name
     series, dt = axis.longest, axis.clock.interval
     why = unsuitable(series, FEWEST)
     if why is not None:
-        return AxisResult(np.empty(0), np.empty(0), None, None, None, None, None, unit, why)
-    found = autocorrelation(series, dt, parameters.longest, level=parameters.level)
-    after: Curve | None = None
+        return CorrelationAxis(np.empty(0), np.empty(0), unit, why_none=why)
+    curve = _curve(series, dt, parameters)
+    after: CorrelationCurve | None = None
     if parameters.denoise:
         try:
-            quiet = denoise(series, parameters.denoise).values
-            after = _curve(autocorrelation(quiet, dt, parameters.longest, level=parameters.level))
+            after = _curve(denoise(series, parameters.denoise).values, dt, parameters)
         except ValueError:
-            after = None  # too short for so many levels; the note says so
-    return AxisResult(
-        found.lag, found.value, found.band, found.variance**0.5, found.falls_to, found.gauss_markov, after, unit, None
-    )
+            after = None  # the record is too short for so many levels, which a note reports
+    return CorrelationAxis(
+        curve.lag, curve.value, unit, curve.band, curve.deviation, curve.falls_to, curve.gauss_markov,
+        _verdict(curve.gauss_markov, dt, unit), after,
+    )  # fmt: skip
 
 
-def _curve(found: Autocorrelation) -> Curve:
-    return Curve(found.lag, found.value, found.band, found.variance**0.5, found.falls_to, found.gauss_markov)
+def _curve(series: Floats, dt: float, parameters: Parameters) -> CorrelationCurve:
+    a = autocorrelation(series, dt, parameters.longest, level=parameters.level)
+    model = None if a.gauss_markov is None else np.exp(-a.lag / a.gauss_markov.Tc.value)
+    return CorrelationCurve(a.lag, a.value, a.band, a.variance**0.5, a.falls_to, _gauss_markov(a.gauss_markov), model)
+
+
+def _gauss_markov(fit: GaussMarkovFit | None) -> GaussMarkovResult | None:
+    if fit is None:
+        return None
+    sigma, tc = fit.sigma, fit.Tc
+    return GaussMarkovResult(
+        sigma.value, (sigma.lower, sigma.upper), tc.value, (tc.lower, tc.upper), fit.tenable, fit.misfit, fit.probability, fit.vague
+    )  # fmt: skip
+
+
+def _verdict(fit: GaussMarkovResult | None, interval: float, unit: str) -> Note:
+    """Return whether the series is white, a first-order Gauss-Markov process, or neither."""
+    if fit is None:
+        return NO_VERDICT
+    if not fit.tenable:
+        return Note("untenable", "not a first-order Gauss-Markov process alone")
+    if fit.Tc < interval:
+        return Note("white", "white: no correlation from one sample to the next")
+    text = f"a first-order Gauss-Markov process alone is tenable: sigma {fit.sigma:.3g} {unit}, Tc {fit.Tc:.3g} s"
+    return Note("tenable", text)
 
 
 def findings(result: Result) -> tuple[Finding, ...]:
-    """Return whether a first-order Gauss-Markov process is tenable."""
+    """Return whether a first-order Gauss-Markov process is tenable, axis by axis."""
     return tuple(
-        Finding(axis, "autocorrelation", {}, (verdict(found, result.interval[axis.partition("_")[0]]),))
-        for axis, found in result.axes.items()
-        if found.gauss_markov is not None
+        Finding(axis, "autocorrelation", {}, (r.verdict,))
+        for axis, r in result.axes.items()
+        if r.gauss_markov is not None
     )
-
-
-def verdict(found: AxisResult, interval: float) -> str:
-    """Return in words whether the series is white, a first-order Gauss-Markov process, or neither."""
-    fitted = found.gauss_markov
-    if fitted is None:
-        return "no verdict"
-    if fitted.tenable and fitted.Tc < interval:
-        return "white: no correlation from one sample to the next"
-    if fitted.tenable:
-        return f"first-order Gauss-Markov alone is tenable: sigma {fitted.sigma:.3g} {found.unit}, Tc {fitted.Tc:.3g} s"
-    return "not a first-order Gauss-Markov process alone"

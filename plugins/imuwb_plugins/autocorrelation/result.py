@@ -1,45 +1,71 @@
-"""What the autocorrelation shows."""
+"""Result of the autocorrelation."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
+
+from imuwb.notes import Note
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from imuwb.identification import GaussMarkovFit
+    Floats = NDArray[np.float64]
+
+NO_VERDICT = Note("none", "no verdict")
+
+
+@dataclass(frozen=True, slots=True)
+class GaussMarkovResult:
+    """The likeliest first-order Gauss-Markov process. SI."""
+
+    sigma: float
+    sigma_interval: tuple[float, float]
+    Tc: float  #: s
+    Tc_interval: tuple[float, float]  #: s
+    tenable: bool  #: the process alone explains the series
+    misfit: float  #: chi-square of the spectrum over its degrees of freedom
+    probability: float  #: that chance makes a misfit as large
+    vague: bool  #: the record does not show Tc
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Curve:
-    """A normalised autocorrelation, and the Gauss-Markov process that fits the series best."""
+class CorrelationCurve:
+    """A normalised autocorrelation, and the Gauss-Markov process that fits the series best. SI."""
 
-    lag: NDArray[np.float64]  #: s
-    value: NDArray[np.float64]
-    band: float  #: of white noise, +-
-    deviation: float  #: of the series, SI
-    falls_to: float | None  #: s, where it is 1/e
-    gauss_markov: GaussMarkovFit | None
+    lag: Floats  #: s
+    value: Floats
+    band: float  #: white noise stays within +-band
+    deviation: float  #: standard deviation of the series
+    falls_to: float | None  #: s, lag of 1/e
+    gauss_markov: GaussMarkovResult | None
+    model: Floats | None = field(metadata={"document": False})  #: correlation of the Gauss-Markov process, at the lags
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class AxisResult:
-    """One axis, SI: as it is, and denoised."""
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
+class CorrelationAxis:
+    """One axis, before and after denoising. SI."""
 
-    lag: NDArray[np.float64]
-    value: NDArray[np.float64]
-    band: float | None
-    deviation: float | None
-    falls_to: float | None
-    gauss_markov: GaussMarkovFit | None
-    denoised: Curve | None
+    lag: Floats
+    value: Floats
     unit: str
-    why_none: str | None
+    band: float | None = None
+    deviation: float | None = None
+    falls_to: float | None = None
+    gauss_markov: GaussMarkovResult | None = None
+    verdict: Note = NO_VERDICT
+    denoised: CorrelationCurve | None = None
+    why_none: str | None = None
+
+    def __str__(self) -> str:
+        """Return the verdict, or why there is none."""
+        return self.why_none or self.verdict
+
+    __repr__ = __str__
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class Result:
     """All axes of one IMU."""
 
@@ -47,5 +73,11 @@ class Result:
     level: float
     denoise: int  #: levels
     interval: dict[str, float]  #: s, of sampling
-    axes: dict[str, AxisResult]
+    axes: dict[str, CorrelationAxis]
     notes: tuple[str, ...]
+
+    def __str__(self) -> str:
+        """Return the verdict of each axis."""
+        return "\n".join([f"autocorrelation of {self.imu}:", *(f"  {a}: {r}" for a, r in self.axes.items())])
+
+    __repr__ = __str__

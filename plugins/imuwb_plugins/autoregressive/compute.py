@@ -13,12 +13,13 @@ from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification import fit_autoregressive
 from imuwb.identification.record.suitable import unsuitable
 from imuwb.log import source_of
+from imuwb.notes import Note
 from imuwb.stochastic import AxisModel, ImuErrorModel, Sum
 from imuwb.units import coefficient_units
-from imuwb_plugins.autoregressive.result import AxisResult, Result
+from imuwb_plugins.autoregressive.result import AutoregressiveAxis, Result
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from imuwb.axes import Axis
     from imuwb.identification import AutoregressiveFit
@@ -28,22 +29,27 @@ if TYPE_CHECKING:
 
 CONVENTION = "x(n) = -sum alpha_k x(n-k) + beta0 w(n); libraries that print phi mean -alpha"
 FEWEST = 128  #: samples
-ROUNDING = 1e-3  #: of a rate, that it may miss a whole fraction by
+ROUNDING = 1e-3  #: relative error of a ratio of rates that counts as a whole number
 
 
 def run(logs: Sequence[Log], parameters: Parameters) -> Result:
-    """Return the models of the log's (first) IMU."""
+    """Return the models of the log's (first) IMU.
+
+    Raises:
+        MissingDataError: no axis has a model.
+        UsageError: the log's rate is no multiple of ``resample``.
+    """
     log = logs[0]
     imu = log.imu()
     results = for_each(axes_of(imu), lambda axis: _axis(axis, parameters))
     if all(r.why_none for r in results.values()):
         message = f"{log.provenance.path}: {imu.name}: no axis has a model: {next(iter(results.values())).why_none}"
         raise MissingDataError(message)
-    notes = [f"{axis}: {r.why_none}" for axis, r in results.items() if r.why_none]
-    return Result(imu.name, source_of(log), parameters.level, CONVENTION, bool(log.conditioning), results, tuple(notes))
+    notes = tuple(Note("no-model", f"{axis}: {r.why_none}") for axis, r in results.items() if r.why_none)
+    return Result(imu.name, source_of(log), parameters.level, CONVENTION, bool(log.conditioning), results, notes)
 
 
-def _axis(axis: Axis, parameters: Parameters) -> AxisResult:
+def _axis(axis: Axis, parameters: Parameters) -> AutoregressiveAxis:
     unit, clock = coefficient_units(axis.name, "rate")[0].name, axis.clock
     series = np.ascontiguousarray(axis.values)
     why = unsuitable(series, max(4 * parameters.orders + 16, FEWEST))
@@ -57,47 +63,54 @@ def _axis(axis: Axis, parameters: Parameters) -> AxisResult:
         else:
             model, why = _model(fit, parameters)
             poles = tuple(complex(p) for p in np.roots([1.0, *model.alpha])) if model is not None else ()
-            return AxisResult(
+            return AutoregressiveAxis(
                 fit.orders, fit.chosen, fit.whiteness, fit.reading, model, poles, clock.interval, unit, why
             )
-    return AxisResult((), None, (), "", None, (), clock.interval, unit, why)
+    return AutoregressiveAxis((), None, (), "", None, (), clock.interval, unit, why)
 
 
 def _model(fit: AutoregressiveFit, parameters: Parameters) -> tuple[Autoregressive | None, str | None]:
+    order = parameters.order or fit.chosen
     try:
-        model = fit.process(parameters.order or fit.chosen)
+        model = fit.process(order)
     except ValueError as error:
-        return None, f"the model of order {parameters.order or fit.chosen} is refused: {error}"
+        return None, f"the model of order {order} is not saved: {error}"
     if parameters.resample is None:
         return model, None
     factor = 1 / (parameters.resample * fit.dt)
     if round(factor) < 1 or abs(factor / round(factor) - 1) > ROUNDING:
-        message = f"--resample {parameters.resample:g}: it must be the log's rate, {1 / fit.dt:.6g} Hz, divided by a whole number"
+        message = f"resample is {parameters.resample:g} Hz; it must be the log's rate, {1 / fit.dt:.6g} Hz, divided by a whole number"
         raise UsageError(message)
     return model.resampled(round(factor)), None
 
 
 def findings(result: Result) -> tuple[Finding, ...]:
-    """Return what the models say."""
-    return tuple(Finding(axis, "autoregressive", {}, tuple(_remarks(found))) for axis, found in result.axes.items())
+    """Return remarks on the models of each axis."""
+    return tuple(Finding(axis, "autoregressive", {}, tuple(_remarks(r))) for axis, r in result.axes.items())
 
 
-def _remarks(found: AxisResult) -> list[str]:
-    if not found.orders:
-        return []
-    first = found.orders[0]
-    said = [f"AR(1): alpha {first.alpha[0]:.4g} ± {first.alpha_sigma[0]:.1g}, {found.reading.partition(': ')[2]}"]
-    tested = ", ".join(str(w.order) for w in found.whiteness)
-    tenable = [w.order for w in found.whiteness if w.probability > 0.01]  # noqa: PLR2004 - 99 %
-    said.append(
-        f"AR({tenable[0]}) is tenable" if tenable else f"of the orders tested ({tested}) none leaves white innovations"
+def _remarks(r: AutoregressiveAxis) -> Iterator[Note]:
+    if not r.orders:
+        return
+    first = r.orders[0]
+    reading = r.reading.partition(": ")[2]
+    yield Note("first-order", f"AR(1): alpha {first.alpha[0]:.4g} ± {first.alpha_sigma[0]:.1g}, {reading}")
+    tenable = [w.order for w in r.whiteness if w.white]
+    tested = ", ".join(str(w.order) for w in r.whiteness)
+    yield (
+        Note("tenable", f"AR({tenable[0]}) is tenable")
+        if tenable
+        else Note("untenable", f"no tested order ({tested}) leaves white innovations")
     )
-    return said
 
 
 def error_model(result: Result) -> ImuErrorModel:
-    """Return the saved models of all axes."""
-    axes = {axis: AxisModel(Sum((found.model,))) for axis, found in result.axes.items() if found.model is not None}
+    """Return the saved models of all axes.
+
+    Raises:
+        MissingDataError: no axis has a stable model.
+    """
+    axes = {axis: AxisModel(Sum((r.model,))) for axis, r in result.axes.items() if r.model is not None}
     if not axes:
         message = f"{result.imu}: no axis has a stable model, so there is no error model to save"
         raise MissingDataError(message)

@@ -1,4 +1,4 @@
-"""What the autoregressive models are."""
+"""Result of the autoregressive analysis."""
 
 from __future__ import annotations
 
@@ -10,22 +10,28 @@ if TYPE_CHECKING:
     from imuwb.stochastic import Autoregressive
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class AxisResult:
-    """One axis, SI. x(n) = -sum alpha_k x(n-k) + beta0 w(n)."""
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
+class AutoregressiveAxis:
+    """One axis. SI. x(n) = -sum alpha_k x(n-k) + beta0 w(n)."""
 
     orders: tuple[Order, ...]
     chosen: int | None  #: order, by BIC
     whiteness: tuple[Whiteness, ...]
-    reading: str
-    model: Autoregressive | None  #: what is saved
-    poles: tuple[complex, ...]  #: of the model that is saved
+    reading: str  #: what the model of order 1 means
+    model: Autoregressive | None  #: that is saved
+    poles: tuple[complex, ...]  #: of the saved model
     dt: float  #: s
     unit: str
     why_none: str | None
 
+    def __str__(self) -> str:
+        """Return the chosen model, or why there is none."""
+        return f"{self.orders[self.chosen - 1]}; {self.reading}" if self.chosen else str(self.why_none)
 
-@dataclass(frozen=True, eq=False, slots=True)
+    __repr__ = __str__
+
+
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class Result:
     """All axes of one IMU."""
 
@@ -34,5 +40,11 @@ class Result:
     level: float
     convention: str
     conditioned: bool
-    axes: dict[str, AxisResult]
+    axes: dict[str, AutoregressiveAxis]
     notes: tuple[str, ...]
+
+    def __str__(self) -> str:
+        """Return the chosen model of each axis."""
+        return "\n".join([f"autoregressive models of {self.imu}:", *(f"  {a}: {r}" for a, r in self.axes.items())])
+
+    __repr__ = __str__

@@ -1,42 +1,66 @@
-"""What the spectrum shows."""
+"""Result of the spectrum."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from imuwb.texts import coefficients_text
+
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import numpy as np
     from numpy.typing import NDArray
 
     from imuwb.analysis import LineResult
-    from imuwb.identification.spectral.spectrum import SpectralRegion
+    from imuwb.identification import Region
     from imuwb.statistics import Coefficient
     from imuwb.stochastic import Sum
 
+    Floats = NDArray[np.float64]
+
 
 @dataclass(frozen=True, eq=False, slots=True)
-class AxisResult:
-    """One axis, SI."""
+class ModelDensities:
+    """The fitted sum and its terms on a fine grid, for the figure."""
 
-    frequency: NDArray[np.float64]
-    density: NDArray[np.float64]
-    lower: NDArray[np.float64]
-    upper: NDArray[np.float64]
+    frequency: Floats  #: Hz
+    total: Floats  #: one-sided
+    terms: tuple[Floats, ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
+class SpectrumAxis:
+    """One axis. SI."""
+
+    frequency: Floats
+    density: Floats
+    lower: Floats
+    upper: Floats
     sides: int  #: 1: a one-sided density, twice IEEE's
-    coefficients: dict[str, Coefficient]
-    regions: tuple[SpectralRegion, ...]
-    lines: tuple[LineResult, ...]
-    processes: Sum | None
-    white_to: float | None  #: Hz, from which on the spectrum leaves its white level; None: never, or no white level
-    excess: float  #: of the density there and beyond over the white level, geometric mean
-    explained_to: float | None  #: Hz
-    probability: float | None  #: of the misfit
-    why_none: str | None
+    coefficients: Mapping[str, Coefficient]
+    regions: tuple[Region, ...] = ()
+    lines: tuple[LineResult, ...] = ()
+    processes: Sum | None = None
+    white_to: float | None = (
+        None  #: Hz, above which the spectrum leaves its white level; None: it does not, or has none
+    )
+    excess: float = 1.0  #: ratio of the density above white_to to the white level, geometric mean
+    explained_to: float | None = None  #: Hz
+    probability: float | None = None  #: that chance makes a misfit as large
+    why_none: str | None = None
     resonances: tuple[float, ...] = ()  #: Hz, broad peaks above the fitted band
+    model_densities: ModelDensities | None = field(default=None, metadata={"document": False})
+
+    def __str__(self) -> str:
+        """Return the coefficients, or why there are none."""
+        return self.why_none or coefficients_text(self.coefficients)
+
+    __repr__ = __str__
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class Result:
     """All axes of one IMU."""
 
@@ -44,5 +68,11 @@ class Result:
     level: float
     rate_hz: dict[str, float]
     segment: dict[str, int]  #: samples
-    axes: dict[str, AxisResult]
+    axes: dict[str, SpectrumAxis]
     notes: tuple[str, ...]
+
+    def __str__(self) -> str:
+        """Return the coefficients of each axis."""
+        return "\n".join([f"{self.imu}, by power spectral density:", *(f"  {a}: {r}" for a, r in self.axes.items())])
+
+    __repr__ = __str__

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.statistics import Estimate
 from imuwb.units import coefficient_units
 from imuwb_plugins.temperature.result import DependenceResult, FunctionResult, TemperatureAxis, TemperatureResult
 
 if TYPE_CHECKING:
     from imuwb.identification.temperature import AxisTemperatures, Dependence, Law, SetPoint
+    from imuwb.statistics import Estimate
 
 #: quantity -> its name in tables and verdicts
 NAMES = {"N": "N", "B": "B", "K": "K", "Q": "Q", "alpha": "AR(1)", "bias": "bias"}
@@ -60,7 +60,7 @@ def _at(axis: str, point: SetPoint, bias: Estimate) -> TemperatureResult:
         point.celsius, point.samples, point.duration, len(point.means),
         {letter: c.in_unit(coefficient_units(axis, letter)[0].name) for letter, c in point.coefficients.items()},
         point.ar1, point.deviation.in_unit(coefficient_units(axis, "rate")[0].name),
-        None if region is None else Estimate(region.slope, region.lower, region.upper, unit="1"),
+        None if region is None else replace(region.slope, unit="1"),
         None if region is None else (region.start, region.end), bias, point.fit.highest, tau, point.curve.deviation,
         NONE if white is None else white / np.sqrt(tau),
     )  # fmt: skip

@@ -39,7 +39,7 @@ def test_a_line_is_taken_into_the_sum():
     lines = find_lines(values, DT)
     assert len(lines) == 1
     assert lines[0].frequency == pytest.approx(0.56, abs=2e-3)
-    assert lines[0].lower < 0.05 < lines[0].upper
+    assert 0.05 in lines[0].amplitude
     with_line, without = fit_allan(allan(values, DT), lines), fit_allan(allan(values, DT))
     assert with_line.coefficients["N"].value == pytest.approx(0.002, rel=0.02)
     assert with_line.misfit < without.misfit
@@ -57,7 +57,7 @@ def test_slopes_of_pure_processes():
         (FlickerNoise(1.0), "B", 0.0),
     ):
         region = next(r for r in fit(process, seed=5).regions if r.letter == letter)
-        assert region.lower - 0.02 < slope < region.upper + 0.02
+        assert region.slope.lower - 0.02 < slope < region.slope.upper + 0.02
         assert region.nominal == slope
 
 
@@ -66,12 +66,13 @@ def test_correlation_time_is_the_centre_of_a_flat_region_that_ends():
     flat = next(region for region in found.regions if region.letter == "B")
     tc = found.correlation_time
     assert (tc.lower, tc.upper) == (flat.start, flat.end)
-    assert tc.flat_centre == pytest.approx((flat.start * flat.end) ** 0.5) == found.coefficients["B"].at
-    assert tc.peak_matched == pytest.approx(tc.flat_centre / 1.8926)
+    assert tc.value == pytest.approx((flat.start * flat.end) ** 0.5) == found.coefficients["B"].at
+    assert found.gauss_markov_time == pytest.approx(tc.value / 1.8926)
 
 
 def test_flicker_that_lasts_to_the_end_of_the_record_has_no_correlation_time():
-    assert fit(WhiteNoise(0.005) + FlickerNoise(0.004)).correlation_time is None
+    found = fit(WhiteNoise(0.005) + FlickerNoise(0.004))
+    assert (found.correlation_time, found.gauss_markov_time) == (None, None)
 
 
 @pytest.mark.parametrize("frequency", [5.0, 20.0, 40.0])
@@ -110,7 +111,7 @@ def test_a_constant_channel_is_refused():
 
 
 def test_three_octaves_are_needed():
-    with pytest.raises(ValueError, match="at least 3"):
+    with pytest.raises(ValueError, match="^2 averaging times .* at least 3"):
         fit_allan(allan(np.arange(6.0) % 2, DT))
 
 
@@ -123,7 +124,7 @@ def test_times_at_which_a_filter_shows_are_left_out():
     assert fit_allan(curve, shortest=0.0).coefficients == fit_allan(curve).coefficients
 
 
-def test_too_few_times_behind_a_filter_are_told():
+def test_too_few_times_above_a_filter_are_named():
     curve = allan(WhiteNoise(0.01).sample(10_000, DT, np.random.default_rng(9)), DT)
-    with pytest.raises(ValueError, match="at least 5 averaging times an octave apart from 30 s on, .*; there are"):
+    with pytest.raises(ValueError, match="averaging times .* 30 s.* at least 5"):
         fit_allan(curve, shortest=30.0)

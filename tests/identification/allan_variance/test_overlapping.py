@@ -112,7 +112,7 @@ def test_published_variance_of_the_adis16405(shared):
 
 def test_two_samples_are_too_few_and_one_is_none():
     assert allan(np.array([1.0, 2.0]), 1.0).deviation == pytest.approx([np.sqrt(0.5)])
-    with pytest.raises(ValueError, match="no two that follow"):
+    with pytest.raises(ValueError, match="^1 samples.*at least 2"):
         allan(np.array([1.0]), 1.0)
 
 

@@ -123,7 +123,7 @@ def test_does_not_write_into_the_record():
 
 
 def test_what_has_no_model_says_why():
-    with pytest.raises(ValueError, match="longest part of the record has 10 samples; order 10"):
+    with pytest.raises(ValueError, match="10 samples; order 10 takes at least 11"):
         burg(np.arange(20.0), 10, [10])
     with pytest.raises(ValueError, match="constant"):
         burg(np.full(100, 2.0), 3)

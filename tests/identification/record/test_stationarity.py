@@ -65,7 +65,8 @@ def test_parts_have_the_allan_deviation():
     for part in range(3):
         curve = allan(values[part * 1000 : (part + 1) * 1000], DT, list(found.averaging_time))
         np.testing.assert_allclose(found.deviation[part], curve.deviation, rtol=0.1)
-        np.testing.assert_allclose(found.deviation[part][:4], curve.deviation[:4])
+        # The first four are not thinned. Their squares are added in single precision: a rounding of 6e-8 in each of 1,000 sums.
+        np.testing.assert_allclose(found.deviation[part][:4], curve.deviation[:4], rtol=1e-5)
     assert found.deviation.shape == (3, found.averaging_time.size)
 
 

@@ -1,3 +1,5 @@
+import re
+
 import numpy as np
 import pytest
 
@@ -11,12 +13,10 @@ def test_a_usable_series_has_nothing_against_it():
 @pytest.mark.parametrize(
     ("values", "reason"),
     [
-        (np.arange(63.0), "63 samples; it takes 64"),
+        (np.arange(63.0), "63 samples; .* 64"),
         (np.full(64, 9.81), "constant"),
         (np.append(np.zeros(63), -2e12), "2e[+]12"),
     ],
 )
 def test_what_is_against_a_series(values, reason):
-    import re
-
     assert re.search(reason, unsuitable(values, 64))

@@ -99,9 +99,9 @@ def test_pure_noise_has_one_region_of_its_slope(process, letter, slope):
         region = regions[letter]
         assert region.nominal == slope
         if slope == 0:
-            assert region.lower - 0.01 < slope < region.upper + 0.01
+            assert region.slope.lower - 0.01 < slope < region.slope.upper + 0.01
         else:
-            assert region.slope == pytest.approx(slope, abs=0.25)  # averages over dt bend the upper end
+            assert region.slope.value == pytest.approx(slope, abs=0.25)  # averages over dt bend the upper end
         assert region.end > 5 * region.start
 
 
@@ -135,7 +135,7 @@ def test_bands_that_hold_a_line_are_left_out():
 
 
 def test_what_has_no_spectrum_says_why():
-    with pytest.raises(ValueError, match="63 samples; a spectrum needs at least 64"):
+    with pytest.raises(ValueError, match=r"63 samples\b.*\b64\b"):
         power_spectrum(np.arange(63.0), DT)
-    with pytest.raises(ValueError, match="is 0 somewhere"):
+    with pytest.raises(ValueError, match="density of 0"):
         fit_spectrum(power_spectrum(np.zeros(2**12), DT, 256))

@@ -24,7 +24,7 @@ def test_one_record_has_the_coefficients_that_the_likelihood_gives_it(sensor):
     if sensor is SENSOR:
         assert point.deviation.value == pytest.approx(x.std(), rel=0.02)
     assert point.region is not None
-    assert point.region.lower < -0.5 + 0.02
+    assert point.region.slope.lower < -0.5 + 0.02
     assert point.region.nominal == -0.5
 
 

@@ -1,0 +1,266 @@
+"""The noise of one record in one call: lines, Allan curve, three estimators, stationarity, and the sum of processes to use.
+
+The order of the steps matters. Periodic lines are found first, because each fit needs them. The Allan variances are fitted to
+all samples; gaps are bridged. The likelihood of the spectrum, which has the least error, and the wavelet variances need evenly
+spaced samples, so they use the longest part without gaps. Their agreement with the Allan fit, and a test of stationarity, show
+whether the coefficients can be trusted. A comparison of sums shows whether a Gauss-Markov process explains the record better.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING, Literal, TypeVar
+
+import numpy as np
+
+from imuwb.identification.allan_variance.fit import fit_allan
+from imuwb.identification.allan_variance.overlapping import allan
+from imuwb.identification.correlation.burg import burg
+from imuwb.identification.likelihood.fit import fit_cosine_spectrum, spectrum_without
+from imuwb.identification.likelihood.model_choice import choose_model
+from imuwb.identification.record.stationarity import stationarity
+from imuwb.identification.spectral.lines import find_lines
+from imuwb.identification.wavelet.variance import fit_wavelet_variance, wavelet_variance
+from imuwb.notes import Note
+from imuwb.sampling import longest_part
+from imuwb.statistics import UNKNOWN
+from imuwb.stochastic import Autoregressive, GaussMarkov, Sum
+from imuwb.texts import coefficients_text, seconds_text
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from imuwb.identification.allan_variance.fit import AllanFit
+    from imuwb.identification.allan_variance.overlapping import AllanDeviation, Uncertainty
+    from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
+    from imuwb.identification.likelihood.fit import LikelihoodFit
+    from imuwb.identification.likelihood.model_choice import ModelChoice
+    from imuwb.identification.record.stationarity import Stationarity
+    from imuwb.identification.spectral.lines import Line
+    from imuwb.identification.wavelet.variance import WaveletFit
+    from imuwb.statistics import Coefficient
+
+    Floats = NDArray[np.float64]
+    Computed = TypeVar("Computed")
+
+AR_ORDERS = (1, 3)  #: autoregressive models that are compared (Quinchia; El-Diasty)
+SETTLED = 20.0  #: times 1/band: averaging time (s) above which a filter takes less than a part in 250 of white noise
+LONG_ENOUGH = (
+    0.5  #: share of the record in its longest part without gaps, below which only the Allan curve is identified
+)
+
+
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
+class NoiseIdentification:
+    """The noise of one record. A part that the record does not allow is None, and a note gives the reason."""
+
+    n: int  #: samples
+    dt: float  #: s
+    level: float  #: of all intervals and limits
+    mean: float  #: of the samples that the likelihood uses
+    curve: AllanDeviation
+    lines: tuple[Line, ...]
+    allan: AllanFit | None
+    likelihood: LikelihoodFit | None
+    wavelet: WaveletFit | None
+    stationarity: Stationarity | None
+    choice: ModelChoice | None
+    notes: tuple[Note, ...]
+
+    @property
+    def headline(self) -> Literal["likelihood", "allan"]:
+        """Return the name of the estimator with the least error that the record allows."""
+        return "allan" if self.likelihood is None else "likelihood"
+
+    @property
+    def estimators(self) -> dict[str, Mapping[str, Coefficient]]:
+        """Return the coefficients of each estimator; those of the Allan fit are unknown where there is none."""
+        unknown = dict.fromkeys("QNBKR", UNKNOWN)
+        fits = {"likelihood": self.likelihood, "wavelet": self.wavelet}
+        others = {name: fit.coefficients for name, fit in fits.items() if fit is not None}
+        return {"allan": unknown if self.allan is None else self.allan.coefficients, **others}
+
+    @property
+    def coefficients(self) -> Mapping[str, Coefficient]:
+        """Return Q, N, B, K and R of the headline."""
+        return self.estimators[self.headline]
+
+    @property
+    def differences(self) -> tuple[str, ...]:
+        """Return the coefficients whose intervals do not overlap between two estimators, such as "N: allan and wavelet"."""
+        return tuple(
+            sorted(
+                f"{letter}: {first} and {second}"
+                for (first, a), (second, b) in combinations(self.estimators.items(), 2)
+                for letter in a.keys() & b.keys()
+                if _apart(a[letter], b[letter])
+            )
+        )
+
+    @property
+    def agree(self) -> bool:
+        """Return whether the intervals of all estimators overlap, coefficient by coefficient."""
+        return not self.differences
+
+    @property
+    def prefers_gauss_markov(self) -> bool:
+        """Return whether a sum with a Gauss-Markov process explains the record clearly best."""
+        best = None if self.choice is None or not self.choice.clear else self.choice.best.processes
+        return best is not None and any(isinstance(term, GaussMarkov) for term in best.terms)
+
+    @property
+    def processes(self) -> Sum:
+        """Return the sum for an error model: terms whose intervals do not begin at 0, or a clearly better sum, and lines."""
+        lines = [line.process(self.dt) for line in self.lines]
+        if self.choice is not None and self.prefers_gauss_markov:
+            return Sum((*self.choice.best.processes.terms, *lines))
+        if self.likelihood is not None:
+            return Sum((*self.likelihood.identified.terms, *lines))
+        return Sum() if self.allan is None else self.allan.processes
+
+    def __str__(self) -> str:
+        """Return the headline in a few lines."""
+        rows = [
+            f"noise of {self.n} samples at {1 / self.dt:.6g} Hz ({seconds_text(self.n * self.dt)}), by {self.headline}:",
+            f"  {coefficients_text(self.coefficients)}",
+            f"  sum: {self.processes}",
+            f"  estimators {'agree' if self.agree else 'differ in ' + '; '.join(self.differences)}",
+        ]
+        rows += [f"  {line}" for line in self.lines]
+        rows += [f"  {part}" for part in (self.stationarity, self.choice, *self.notes) if part is not None]
+        return "\n".join(rows)
+
+    __repr__ = __str__
+
+
+def identify(
+    values: Floats,
+    dt: float,
+    *,
+    time: NDArray[np.int64] | None = None,
+    breaks: Sequence[int] = (),
+    averaging_times: str | Sequence[float] = "octave",
+    uncertainty: Uncertainty = "edf",
+    level: float = 0.95,
+    lines: bool = True,
+    estimators: bool = True,
+    choose: bool = False,
+    band: float = math.inf,
+    fast: bool = False,
+) -> NoiseIdentification:
+    """Return the noise of a rate or specific force series that is at rest.
+
+    Args:
+        values: (n,) evenly spaced samples.
+        dt: s.
+        time: (n,) ns, for a record with gaps: averages then bridge the gaps.
+        breaks: indices before which samples are missing.
+        averaging_times: of the curve: ``"octave"``, ``"log:N"``, ``"all"``, or times in s; fits use octaves.
+        uncertainty: of the curve: ``"edf"`` or ``"printed"``, as in ``allan``.
+        level: of all intervals and limits.
+        lines: whether periodic lines are searched; the fits then include or leave out the lines.
+        estimators: whether the likelihood, the wavelet variances and the test of stationarity are computed too.
+        choose: whether sums of processes are compared, also with Gauss-Markov and autoregressive terms.
+        band: Hz; a filter has changed what lies above. Fits use what lies below.
+        fast: whether the curve is thinned at long averaging times, as in ``allan``; fits are not.
+
+    Raises:
+        ValueError: fewer than 2 samples, samples that are not finite, or no averaging time within the record.
+    """
+    values = np.ascontiguousarray(values, dtype=np.float64)
+    curve = allan(
+        values, dt, averaging_times, level=level, uncertainty=uncertainty, breaks=breaks, time=time, fast=fast
+    )
+    octaves = curve
+    if averaging_times != "octave" or fast:
+        octaves = allan(values, dt, "octave", level=level, breaks=breaks, time=time)
+    part = values[longest_part(breaks, values.size)]
+    whole = part.size >= LONG_ENOUGH * values.size
+    reasons = _Reasons()
+    if not whole:
+        reasons.add(
+            "gaps", "the longest part without gaps is less than half of the record, so there is an Allan fit only"
+        )
+    inside = tuple(line for line in find_lines(part, dt, level) if line.frequency <= band) if lines and whole else ()
+    fit = reasons.attempt("no-fit", "no fit", lambda: fit_allan(octaves, inside, SETTLED / band))
+    likelihood = wavelet = steady = choice = None
+    if estimators and whole:
+        record = _Part(part, dt, inside, level, band)
+        spectrum = reasons.attempt("no-likelihood", "no likelihood", record.spectrum)
+        if spectrum is not None:
+            likelihood = reasons.attempt("no-likelihood", "no likelihood", lambda: record.likelihood(spectrum))
+        wavelet = reasons.attempt("no-wavelet", "no wavelet variance", record.wavelet)
+        steady = reasons.attempt("no-stationarity", "no test of stationarity", lambda: stationarity(part, dt))
+        if choose:
+            highest = None if likelihood is None else likelihood.highest
+            choice = reasons.attempt("no-choice", "no choice of a sum", lambda: record.choice(spectrum, highest))
+    return NoiseIdentification(
+        values.size,
+        dt,
+        level,
+        float(part.mean()),
+        curve,
+        inside,
+        fit,
+        likelihood,
+        wavelet,
+        steady,
+        choice,
+        reasons.notes,
+    )
+
+
+class _Reasons:
+    """The reasons why parts are missing."""
+
+    def __init__(self) -> None:
+        self.notes: tuple[Note, ...] = ()
+
+    def add(self, name: str, text: str) -> None:
+        self.notes = (*self.notes, Note(name, text))
+
+    def attempt(self, name: str, what: str, compute: Callable[[], Computed]) -> Computed | None:
+        """Return a part of the result; None, with a note, where the record does not allow it."""
+        try:
+            return compute()
+        except ValueError as error:
+            self.add(name, f"{what}: {error}")
+            return None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Part:
+    """Evenly spaced samples without gaps."""
+
+    values: Floats
+    dt: float
+    lines: tuple[Line, ...]
+    level: float
+    band: float
+
+    def spectrum(self) -> CosineSpectrum:
+        return spectrum_without(self.values, self.dt, self.lines)
+
+    def likelihood(self, spectrum: CosineSpectrum) -> LikelihoodFit:
+        return fit_cosine_spectrum(spectrum, level=self.level, highest=self.band)
+
+    def wavelet(self) -> WaveletFit:
+        if self.band < 0.5 / self.dt:
+            message = f"a filter has changed what lies above {self.band:.3g} Hz, which the shortest wavelets see"
+            raise ValueError(message)
+        return fit_wavelet_variance(wavelet_variance(self.values, self.dt), self.lines, level=self.level)
+
+    def choice(self, spectrum: CosineSpectrum | None, highest: float | None) -> ModelChoice:
+        models = burg(self.values, max(AR_ORDERS))
+        regressions = [
+            Autoregressive(tuple(models.alpha[p]), float(models.variance[p]) ** 0.5, self.dt) for p in AR_ORDERS
+        ]
+        return choose_model(self.values, self.dt, self.lines, highest=highest, models=regressions, spectrum=spectrum)
+
+
+def _apart(a: Coefficient, b: Coefficient) -> bool:
+    return a.upper < (b.lower or 0.0) or b.upper < (a.lower or 0.0)
