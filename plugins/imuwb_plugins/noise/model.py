@@ -1,46 +1,54 @@
-"""The error model of several logs of one sensor."""
+"""The error model of one log, or of several logs of one sensor."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from imuwb.stochastic import AxisModel, Constant, FlickerNoise, ImuErrorModel, Quantization, RandomWalk, Sum, WhiteNoise
+from imuwb_plugins import allan
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from imuwb.stochastic import Process
     from imuwb_plugins.noise.repeatability import Repeatability
+    from imuwb_plugins.noise.result import Result
 
 _TERMS = {"Q": Quantization, "N": WhiteNoise, "B": FlickerNoise, "K": RandomWalk}
+_ALLAN: Any = allan
 
 
-def combined(models: Sequence[ImuErrorModel], together: Repeatability | None) -> ImuErrorModel:
-    """Return one log's model; of several logs the coefficients that all together show, and the turn-on bias.
+def error_model(result: Result) -> ImuErrorModel:
+    """Return the headline's sums; of several logs their means, with the turn-on bias."""
+    return combined([_ALLAN.error_model(part["allan"]) for part in result.parts], result.repeatability)
 
-    They are those of one sum Q, N, B, K: logs may prefer different sums, of which the terms mean different things. What all
-    logs together do not show has a limit. Lines are left to the single logs.
+
+def combined(models: Sequence[ImuErrorModel], repeatability: Repeatability | None) -> ImuErrorModel:
+    """Return one log's model; of several logs the coefficients that they show together, and the turn-on bias.
+
+    All logs together have one sum Q, N, B, K, because single logs may prefer different sums, whose terms mean different things.
+    A coefficient that the logs together do not show has a limit. Periodic lines belong to a single log and are left out.
     """
-    if together is None:
+    if repeatability is None:
         return models[0]
-    axes = {axis: _axis(axis, together) for axis in together.coefficients}
+    axes = {axis: _axis(axis, repeatability) for axis in repeatability.coefficients}
     source = "; ".join(f"{key} {i + 1}: {text}" for i, m in enumerate(models) for key, text in m.provenance.items())
     return ImuErrorModel(models[0].name, axes, {"logs": source})
 
 
-def _axis(axis: str, together: Repeatability) -> AxisModel:
+def _axis(axis: str, repeatability: Repeatability) -> AxisModel:
     terms: list[Process] = []
     intervals: dict[str, tuple[float, float]] = {}
     limits: dict[str, float] = {}
-    for letter, compared in together.coefficients[axis].items():
+    for letter, compared in repeatability.coefficients[axis].items():
         mean = compared.mean
         if mean.value is not None and mean.lower:
             intervals[f"{len(terms)}.{letter}"] = mean.lower, mean.upper
             terms.append(_TERMS[letter](mean.value))
         elif math.isfinite(mean.upper):
             limits[letter] = mean.upper
-    turn_on = together.turn_on[axis].sigma
+    turn_on = repeatability.turn_on[axis].sigma
     if turn_on.value is not None and turn_on.lower is not None:
         intervals[f"{len(terms)}.sigma"] = (turn_on.lower, turn_on.upper)
         terms.append(Constant(turn_on.value))

@@ -2,58 +2,69 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from imuwb.analysis import Table
 from imuwb.texts import coefficient_text
 from imuwb.units import coefficient_units
+from imuwb_plugins.noise.result import NoiseAxis
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from imuwb.analysis import Finding, Review
 
 LETTERS = "QNBK"
-SUSPICIOUS = "SUSPICIOUS"  #: what a remark begins with that puts the figures in doubt
+SUSPICIOUS = "SUSPICIOUS"  #: begin of a remark that puts the coefficients in doubt
 _NAMES = {"allan": "Allan", "likelihood": "likelihood", "wavelet": "wavelet variance", "psd": "PSD"}
 
 
-def axes(findings: Sequence[Finding]) -> dict[str, dict[str, Any]]:
-    """Return {axis: estimators, headline, its coefficients, remarks}."""
-    found: dict[str, dict[str, Any]] = {}
-    for finding in findings:
-        axis = found.setdefault(finding.axis, {"headline": None, "coefficients": {}, "estimators": {}, "verdict": []})
-        if finding.coefficients:
-            axis["estimators"][finding.source] = dict(finding.coefficients)
-        if finding.headline:
-            axis["headline"], axis["coefficients"] = finding.source, dict(finding.coefficients)
-        axis["verdict"] += finding.remarks
-    return found
+def axes(findings: Sequence[Finding]) -> dict[str, NoiseAxis]:
+    """Return the estimates and remarks of each axis."""
+    names = dict.fromkeys(finding.axis for finding in findings)
+    return {name: _axis([finding for finding in findings if finding.axis == name]) for name in names}
 
 
-def draw(found: dict[str, dict[str, Any]], findings: Sequence[Finding], review: Review) -> None:
-    """Show the verdicts, and what the estimators give (Quinchia, tables 3 and 4 beside each other)."""
-    rows: list[tuple[str, ...]] = []
-    also: list[tuple[str, ...]] = []
-    for axis in found:
-        acting = [r for f in findings if f.axis == axis and f.coefficients for r in f.remarks]
-        urgent = [r for r in acting[1:] if r.startswith(SUSPICIOUS)]
-        rest = [r for r in acting[1:] if r not in urgent]
-        rows.append((axis, acting[0] if acting else "—", "; ".join([*urgent, *rest]) or "nothing to act on"))
-        also += [(axis, f.source, r) for f in findings if f.axis == axis and not f.coefficients for r in f.remarks]
+def _axis(findings: Sequence[Finding]) -> NoiseAxis:
+    headline = next((f for f in findings if f.headline), None)
+    first, *rest = [r for f in findings if f.coefficients for r in f.remarks] or [""]
+    doubts = [r for r in rest if r.startswith(SUSPICIOUS)]
+    return NoiseAxis(
+        None if headline is None else headline.source, {} if headline is None else headline.coefficients,
+        {f.source: f.coefficients for f in findings if f.coefficients}, tuple(r for f in findings for r in f.remarks),
+        (first, *doubts, *(r for r in rest if r not in doubts)),
+        tuple((f.source, r) for f in findings if not f.coefficients for r in f.remarks),
+    )  # fmt: skip
+
+
+def draw(found: Mapping[str, NoiseAxis], review: Review) -> None:
+    """Show the verdicts, and the estimators side by side (as Quinchia, tables 3 and 4)."""
+    review.table(_verdicts(found))
+    review.table(_estimators(found))
+    rows = tuple((name, *other) for name, axis in found.items() for other in axis.others)
+    review.table(Table("Other analyses", ("axis", "analysis", "remark"), rows))
+
+
+def _verdicts(found: Mapping[str, NoiseAxis]) -> Table:
+    rows = tuple(
+        (name, axis.remarks[0] or "—", "; ".join(axis.remarks[1:]) or "nothing to act on")
+        for name, axis in found.items()
+    )
     doubtful = any(SUSPICIOUS in cell for row in rows for cell in row)
-    caption = f"{SUSPICIOUS}: look before you trust the figures." if doubtful else ""
-    review.table(Table("Verdicts", ("axis", "what rules", "what to know"), tuple(rows), caption, wide=True))
-    lines: list[tuple[str, ...]] = []
-    for axis, content in found.items():
-        for source, coefficients in content["estimators"].items():
-            name = str(_NAMES.get(source, source)) + (" (headline)" if source == content["headline"] else "")
+    caption = f"{SUSPICIOUS}: look at the figures before you use the coefficients." if doubtful else ""
+    return Table("Verdicts", ("axis", "dominant process by averaging time", "remarks"), rows, caption, wide=True)
+
+
+def _estimators(found: Mapping[str, NoiseAxis]) -> Table:
+    rows: list[tuple[str, ...]] = []
+    for name, axis in found.items():
+        for source, coefficients in axis.estimators.items():
+            label = _NAMES.get(source, source) + (" (headline)" if source == axis.headline else "")
             cells = (
-                coefficient_text(coefficients[x], coefficient_units(axis, x)[1]) if x in coefficients else "—"
+                coefficient_text(coefficients[x], coefficient_units(name, x)[1]) if x in coefficients else "—"
                 for x in LETTERS
             )
-            lines.append((axis, name, *cells))
+            rows.append((name, label, *cells))
     headings = ("axis", "estimator", "Q quantization", "N random walk", "B bias instability", "K rate random walk")
-    caption = "Value [interval]; < is an upper limit. The headline goes into the error model: those of its terms whose interval does not begin at 0."
-    review.table(Table("Noise by estimator", headings, tuple(lines), caption, wide=True))
-    review.table(Table("Also seen", ("axis", "by", "remark"), tuple(also)))
+    caption = "Value [interval]; < is an upper limit. The error model takes those terms of the headline whose intervals do not begin at 0."
+    return Table("Noise by estimator", headings, tuple(rows), caption, wide=True)

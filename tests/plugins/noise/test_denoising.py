@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from imuwb.log import SECOND, ImuStream, Log, Provenance, Triad
-from imuwb_plugins.noise import denoising
+from imuwb_plugins.noise import denoising, show_denoising
 
 
 def log(values, rate=100):
@@ -49,7 +49,7 @@ def test_limits_of_motion_are_drawn(found):
         figure = figures.append
         table = tables.append
 
-    denoising.draw(found, Review())
+    show_denoising.draw(found, Review())
     allan, spectrum = figures
     assert [v.x for v in allan.verticals] == pytest.approx([0.16, 0.64])
     assert [v.x for v in spectrum.verticals] == pytest.approx([6.25, 1.5625])

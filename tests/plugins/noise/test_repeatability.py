@@ -7,7 +7,8 @@ from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.coefficient import interval
 from imuwb.log import SECOND, ImuStream, Log, Provenance, Triad
 from imuwb.statistics import UNKNOWN, Coefficient
-from imuwb_plugins.noise.repeatability import compare, draw
+from imuwb_plugins.noise.repeatability import compare
+from imuwb_plugins.noise.show_repeatability import draw
 
 
 def log(mean, name="a.csv", step=1):
@@ -170,13 +171,14 @@ def test_the_table_shows_all_logs_together_beside_each():
     found = compare([log(0.0), log(1.0, "b.csv")], [(finding(1.0, K=SURE),), (finding(1.0),)], 0.95)
     draw(found, Review())
     table = tables[0]
-    assert table.headings[2:] == ("a.csv", "b.csv", "all logs", "equal?")
+    assert table.headings[2:4] == ("a.csv", "b.csv")
     rows = {row[1]: row[2:] for row in table.rows}
     assert "[" in rows["K"][0]
     assert rows["K"][1].startswith("< ")
     assert "[" in rows["K"][2]
     assert rows["K"][3].endswith("DIFFER")
     assert rows["Q"][2].startswith("< ")
+    assert notes[0].id == "differ"
     assert "gyro_x K" in notes[0]
 
 
@@ -216,6 +218,16 @@ def test_the_turn_on_bias_is_the_scatter_of_the_means():
     assert turn_on.sigma.unit == "rad/s"
 
 
+def test_each_process_within_the_logs_has_its_own_share_of_the_means_scatter():
+    """Of a mean over T = 3 s: N²/T, 2 ln2/pi B², and K² T/3 of a walk from 0."""
+    others = {"B": Coefficient(0.03, 0.02, 0.04), "K": Coefficient(0.05, 0.04, 0.06)}
+    logs = [log(m) for m in (0.1, 0.3, 0.2, -0.1)]
+    sigma = compare(logs, [(finding(0.02, **others),)] * 4, 0.95).turn_on["gyro_x"].sigma
+    noise = 0.02**2 / 3 + 2 * np.log(2) / np.pi * 0.03**2 + 0.05**2 * 3 / 3
+    square = np.var([0.1, 0.3, 0.2, -0.1], ddof=1)
+    assert sigma.value == pytest.approx((square - noise) ** 0.5, rel=1e-12)
+
+
 def test_means_that_scatter_as_the_noise_makes_them_have_no_turn_on_bias():
     logs = [log(m) for m in (0.1, 0.3, 0.2, -0.1)]
     turn_on = compare(logs, [(finding(1.0),)] * 4, 0.95).turn_on["gyro_x"]
@@ -224,12 +236,12 @@ def test_means_that_scatter_as_the_noise_makes_them_have_no_turn_on_bias():
 
 
 def test_a_log_is_not_compared_with_itself():
-    with pytest.raises(UsageError, match="given twice"):
+    with pytest.raises(UsageError, match="a.csv, .*a.csv: .*twice"):
         compare([log(0.0), log(0.0)], [(finding(1.0),)] * 2, 0.95)
 
 
 def test_logs_without_a_common_axis_cannot_be_compared():
-    with pytest.raises(MissingDataError, match="no axis is in all of them"):
+    with pytest.raises(MissingDataError, match="no axis is in all"):
         compare([log(0.0), log(1.0)], [(finding(1.0),), (finding(1.0, axis="gyro_y"),)], 0.95)
 
 

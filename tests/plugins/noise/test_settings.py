@@ -6,8 +6,9 @@ from imuwb.cli.studies import cases
 from imuwb.errors import MissingDataError
 from imuwb.log import SECOND, ImuStream, Log, Provenance, Triad
 from imuwb.stochastic import WhiteNoise
-from imuwb_plugins.noise import settings
-from imuwb_plugins.noise.settings import AxisCase, CaseResult, _rule
+from imuwb_plugins.noise import show_settings
+from imuwb_plugins.noise.parameters import Parameters
+from imuwb_plugins.noise.settings import AxisCase, CaseResult, rule, study
 
 N = 1e-3
 
@@ -22,7 +23,7 @@ def white(samples, rate, seed=61):
 @pytest.fixture(scope="module")
 def grid():
     """Return the study of a fast sensor's bandwidths and rates."""
-    return settings.study(cases([white(200_000, 1000)], ["bandwidth=98,42,20", "rate=200,100,50"]), 0.95)
+    return study(cases([white(200_000, 1000)], ["bandwidth=98,42,20", "rate=200,100,50"]), Parameters())
 
 
 def test_every_setting_is_there_at_its_rate(grid):
@@ -45,16 +46,16 @@ def test_n_is_kept_where_the_rate_is_twice_the_bandwidth_and_grows_where_it_is_n
 
 
 def test_the_rule_is_found(grid):
-    assert [rule.axis for rule in grid.rule] == ["gyro_x", "gyro_y", "gyro_z"]
-    for rule in grid.rule:
-        assert rule.best == pytest.approx(N, rel=0.05)
-        assert rule.broken > 1.3
-        assert rule.kept < 1.1
-        assert rule.holds
+    assert [tested.axis for tested in grid.rule] == ["gyro_x", "gyro_y", "gyro_z"]
+    for tested in grid.rule:
+        assert tested.best == pytest.approx(N, rel=0.05)
+        assert tested.broken > 1.3
+        assert tested.kept < 1.1
+        assert tested.holds
 
 
 def test_what_a_filter_takes_for_q_is_n_squared_of_white_samples():
-    (found,) = settings.study([Case({}, white(20_000, 100))], 0.95).cases
+    (found,) = study([Case({}, white(20_000, 100))], Parameters()).cases
     for axis in found.axes.values():
         assert axis.deviation == pytest.approx(N * 10, rel=0.03)
         assert axis.per_step == pytest.approx(N**2, rel=0.05)
@@ -66,7 +67,9 @@ def result(bandwidth, rate, n):
 
     none = np.empty(0)
     axis = AxisCase(none, none, {"N": Coefficient(n, n, n or 1.0, at=1.0)}, 1.0, 1.0)
-    return CaseResult({"bandwidth": str(bandwidth)}, {"gyro": rate}, {"gyro_x": axis})
+    return CaseResult(
+        {"bandwidth": str(bandwidth)}, {"gyro": rate}, {"gyro_x": axis}, {"gyro": rate / (2 * bandwidth)}, {}
+    )
 
 
 @pytest.mark.parametrize(
@@ -75,21 +78,21 @@ def result(bandwidth, rate, n):
 )  # fmt: skip
 def test_the_rule_holds_where_n_is_kept_above_and_grows_below(sizes, holds):
     found = tuple(result(b, r, n) for (b, r), n in zip(((20, 100), (40, 100), (20, 50), (40, 50)), sizes, strict=True))
-    (rule,) = _rule(found)
-    assert rule.holds == holds
-    assert rule.best == 1.0
-    assert rule.broken == pytest.approx(sizes[3])
+    (tested,) = rule(found)
+    assert tested.holds == holds
+    assert tested.best == 1.0
+    assert tested.broken == pytest.approx(sizes[3])
 
 
 def test_without_a_grid_there_is_no_rule():
-    assert _rule((result(20, 100, 1.0), result(40, 100, 1.0))) == ()
-    (found,) = settings.study([Case({"rate": "100"}, white(2000, 100))], 0.95).cases
-    assert _rule((found,)) == ()
+    assert rule((result(20, 100, 1.0), result(40, 100, 1.0))) == ()
+    (found,) = study([Case({"rate": "100"}, white(2000, 100))], Parameters()).cases
+    assert rule((found,)) == ()
 
 
 def test_a_setting_that_leaves_too_little_is_named():
-    with pytest.raises(MissingDataError, match=r"fast\.csv, rate=10: too few samples"):
-        settings.study(cases([white(1000, 100)], ["rate=50,10"]), 0.95)
+    with pytest.raises(MissingDataError, match=r"fast\.csv, rate=10: .*256"):
+        study(cases([white(1000, 100)], ["rate=50,10"]), Parameters())
 
 
 def test_settings_are_drawn_over_each_other(grid):
@@ -99,7 +102,7 @@ def test_settings_are_drawn_over_each_other(grid):
         figure = figures.append
         table = tables.append
 
-    settings.draw(grid, Review())
+    show_settings.draw_study(grid, Review())
     assert len(figures[0].curves) == 9
     assert figures[0].curves[0].label == "bandwidth 98, rate 200"
     assert [v.text for v in figures[1].verticals] == ["rate = 2 bandwidth"]

@@ -1,0 +1,23 @@
+"""Options of the noise analysis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from imuwb.options import Between, Level, check
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Options of ``imuwb noise``."""
+
+    choose: Annotated[bool, "Compare sums of processes, which takes most of the time."] = True
+    denoise: Annotated[
+        int, "Number of levels of wavelet denoising in the autocorrelation and on the denoising tab; 0: no denoising.", Between(0, 20)
+    ] = 6  # fmt: skip
+    level: Level = 0.95
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        check(self)

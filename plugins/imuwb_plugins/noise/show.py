@@ -1,0 +1,32 @@
+"""Tabs of the noise analysis."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from imuwb_plugins.noise import show_denoising, show_repeatability, summary
+from imuwb_plugins.noise.compute import ANALYSES
+from imuwb_plugins.noise.result import TITLES
+
+if TYPE_CHECKING:
+    from imuwb.analysis import Review
+    from imuwb_plugins.noise.result import Result
+
+
+def draw(result: Result, review: Review) -> None:
+    """Show the summary, then each analysis on its own tab."""
+    review.tab("Summary")
+    for note in result.notes:
+        review.note(note)
+    if result.repeatability is not None:
+        show_repeatability.draw(result.repeatability, review)
+    else:
+        summary.draw(result.axes, review)
+    for i, part in enumerate(result.parts):
+        for name, content in part.items():
+            log = result.repeatability.names[i] if result.repeatability is not None else ""
+            review.tab(f"{TITLES[name]} {log}".strip())
+            ANALYSES[name].draw(content, review)
+    if result.denoising is not None:
+        review.tab("Denoising")
+        show_denoising.draw(result.denoising, review)
