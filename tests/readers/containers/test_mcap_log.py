@@ -1,41 +1,17 @@
+"""MCAP messages in any encoding become IMUs, fixes and temperatures."""
+
 import json
 
 import numpy as np
 import pytest
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
-from mcap.reader import make_reader
 from mcap_protobuf.writer import Writer as ProtobufWriter
-from mcap_ros1.decoder import DecoderFactory as Ros1Decoder
-from mcap_ros2.decoder import DecoderFactory as Ros2Decoder
-from mcap_ros2.writer import Writer as Ros2Writer
 
 from imuwb.errors import UnreadableLogError
 from imuwb.notes import ids
-from imuwb.readers import ReadOptions, read
+from imuwb.readers import read
+from tests.readers.containers.imu_messages import FORCE, RATE, T, assert_imu, own
 from tests.readers.repairs import repairs
-
-T = 1_714_564_800 * 10**9
-RATE, FORCE = (0.1, 0.2, 0.3), (0.5, 0.25, 9.75)
-FRD = np.array([1, -1, -1])
-HUSKY = ("json", "protobuf", "ros1msg_lz4", "ros2cdr_unchunked", "ros2cdr_zstd")
-REPAIR_NO_STAMP, REPAIR_NO_FIT = "no_stamp", "no_fit"
-
-
-def assert_imu(imu, count=3):
-    assert imu.angular_rate.time.tolist() == [T + i for i in range(count)]
-    np.testing.assert_array_equal(imu.angular_rate.value, [np.array(RATE) * FRD] * count)
-    np.testing.assert_array_equal(imu.specific_force.value, [np.array(FORCE) * FRD] * count)
-
-
-@pytest.fixture
-def imus_of(mcap):
-    def imus(*topics, **options):
-        return read(mcap.write(*topics), ReadOptions(**options)).imus
-
-    return imus
-
-
-# Encodings
 
 
 @pytest.mark.parametrize("code", [0, 1, 6, 7])
@@ -69,24 +45,12 @@ def test_json(mcap, imus_of):
     assert_imu(imus_of(topic)[0])
 
 
-def own(i, x=1.0, stamp=None, **fields):
-    """Return a JSON IMU of second ``i``."""
-    return json.dumps(
-        {
-            "stamp": {"sec": T // 10**9 + i, "nanosec": 0, **(stamp or {})},
-            "angular_velocity": {"x": x, "y": 2.0, "z": 3.0},
-            "linear_acceleration": dict(zip("xyz", FORCE, strict=True)),
-            **fields,
-        },
-    ).encode()
-
-
 @pytest.mark.parametrize("odd", [[], [1, 2], None, "one", {}])
 def test_a_json_number_that_is_none_costs_its_message(mcap, imus_of, odd):
     messages = [(T, own(i, odd if i == 1 else 1.0)) for i in range(3)]
     (imu,) = imus_of(mcap.Topic(messages, "/imu", "Imu", "{}", "jsonschema", "json"))
     assert (imu.angular_rate.time - T).tolist() == [0, 2 * 10**9]
-    assert repairs(imu) == {REPAIR_NO_FIT: 1}
+    assert repairs(imu) == {"no_fit": 1}
 
 
 def test_a_json_array_of_another_length_costs_its_message(mcap):
@@ -98,7 +62,7 @@ def test_a_json_array_of_another_length_costs_its_message(mcap):
     (gnss,) = read(mcap.write(mcap.Topic(messages, "/fix", "Fix", "{}", "jsonschema", "json"))).gnss
     assert gnss.time.tolist() == [T, T + 2]
     assert gnss.position_sigma.tolist() == [[2.0] * 3] * 2
-    assert repairs(gnss)[REPAIR_NO_FIT] == 1
+    assert repairs(gnss)["no_fit"] == 1
 
 
 def test_json_that_is_none_is_left_out_and_counted(mcap, imus_of):
@@ -109,7 +73,7 @@ def test_json_that_is_none_is_left_out_and_counted(mcap, imus_of):
     messages = [(T, b"{oops"), (T + 1, json.dumps(good).encode()), (T + 2, b"{}")]
     (imu,) = imus_of(mcap.Topic(messages, "/imu", "", "", "", "json"))
     assert imu.angular_rate.time.tolist() == [T + 1]
-    assert repairs(imu) == {REPAIR_NO_FIT: 2, REPAIR_NO_STAMP: 1}
+    assert repairs(imu) == {"no_fit": 2, "no_stamp": 1}
 
 
 @pytest.fixture(scope="module")
@@ -189,7 +153,7 @@ def test_two_imus_of_one_message_share_the_repairs_as_notes(mcap):
     log = read(mcap.write(mcap.Topic(messages, "/two", "Two", "{}", "jsonschema", "json")))
     assert [imu.name for imu in log.imus] == ["/two.left", "/two.right"]
     assert [len(imu.angular_rate) for imu in log.imus] == [2, 2]
-    assert any(note.id == REPAIR_NO_FIT and note.startswith("/two: ") for note in log.notes)
+    assert any(note.id == "no_fit" and note.startswith("/two: ") for note in log.notes)
 
 
 def test_two_topics_are_two_imus(mcap, ros, imus_of):
@@ -271,70 +235,6 @@ def test_temperatures_that_are_no_numbers_are_noted(mcap, ros):
     assert any(note.id == "not_finite" and note.endswith("(1)") for note in log.notes)
 
 
-# Time
-
-
-@pytest.mark.parametrize(("time_source", "offset"), [("header", 0), ("log", 100), ("publish", 50)])
-def test_each_of_three_stamps_can_count(mcap, ros, imus_of, time_source, offset):
-    messages = [(T + i + 100, T + i + 50, ros.imu(T + i, RATE, FORCE)) for i in range(3)]
-    (imu,) = imus_of(mcap.Topic(messages), time_source=time_source)
-    assert (imu.angular_rate.time - T - offset).tolist() == [0, 1, 2]
-
-
-def test_without_stamps_the_recorders_time_is_used_with_a_note(mcap, ros, imus_of):
-    messages = [(T + i, ros.imu(0, RATE, FORCE)) for i in range(3)]
-    (imu,) = imus_of(mcap.Topic(messages))
-    assert_imu(imu)
-    assert repairs(imu) == {REPAIR_NO_STAMP: 3}
-
-
-def test_stamps_that_count_from_power_up_are_not_unix(mcap, ros, imus_of):
-    (imu,) = imus_of(mcap.Topic([(T, ros.imu(10**9 * i, RATE, FORCE)) for i in (1, 2)]))
-    assert imu.angular_rate.time.tolist() == [10**9, 2 * 10**9]
-    assert imu.origin.epoch == "log"
-
-
-@pytest.mark.parametrize("at", [0, 4, 9])
-def test_one_stamp_of_zero_takes_the_recorders_time(mcap, ros, imus_of, at):
-    stamps = [T + i * 10**8 for i in range(10)]
-    messages = [(t + 7, ros.imu(0 if i == at else t, RATE, FORCE)) for i, t in enumerate(stamps)]
-    (imu,) = imus_of(mcap.Topic(messages))
-    assert (imu.angular_rate.time - stamps).tolist() == [7 if i == at else 0 for i in range(10)]
-    assert repairs(imu) == {REPAIR_NO_STAMP: 1}
-
-
-def test_a_simulations_clock_may_begin_at_zero(mcap, ros, imus_of):
-    (imu,) = imus_of(mcap.Topic([(T + i, ros.imu(i * 10**8, RATE, FORCE)) for i in range(10)]))
-    assert imu.angular_rate.time.tolist() == [i * 10**8 for i in range(10)]
-    assert imu.origin.epoch == "log"
-    assert repairs(imu) == {}
-
-
-@pytest.mark.parametrize("damaged", [2**63, 2**63 + 5, 2**64 - 1])
-def test_a_log_time_no_clock_can_show_costs_its_message(mcap, ros, damaged):
-    messages = [(T + i * 10**8, ros.imu(T, (i, 0, 0), FORCE)) for i in range(10)]
-    messages[4] = damaged, messages[4][1]
-    log = read(mcap.write(mcap.Topic(messages)), ReadOptions(time_source="log"))
-    imu, others = log.imus[0], [i for i in range(10) if i != 4]
-    assert imu.angular_rate.time.tolist() == [T + i * 10**8 for i in others]
-    assert imu.angular_rate.value[:, 0].tolist() == others
-    assert any(note.id == "impossible_time" and note.startswith("1 ") for note in log.notes)
-
-
-@pytest.mark.parametrize(
-    "stamp",
-    [{"sec": 2**60}, {"sec": float("nan")}, {"sec": float("inf")}, {"nanosec": float("nan")}, {"nanosec": 10**9}],
-)
-def test_a_json_stamp_that_is_none_takes_the_recorders_time(mcap, imus_of, stamp):
-    messages = [(T + i * 10**9 + 7, own(i, stamp=stamp if i == 1 else None)) for i in range(3)]
-    (imu,) = imus_of(mcap.Topic(messages, "/imu", "Imu", "{}", "jsonschema", "json"))
-    assert (imu.angular_rate.time - T).tolist() == [0, 10**9 + 7, 2 * 10**9]
-    assert repairs(imu) == {REPAIR_NO_STAMP: 1}
-
-
-# A note names what is not read
-
-
 @pytest.mark.parametrize(
     ("change", "why"),
     [
@@ -370,98 +270,9 @@ def test_messages_that_are_too_short_are_left_out_and_counted(mcap, ros, imus_of
     messages = [(T, whole[:50]), (T, whole), (T, b""), (T, whole[:3])]
     (imu,) = imus_of(mcap.Topic(messages))
     assert len(imu.angular_rate) == 1
-    assert repairs(imu) == {REPAIR_NO_FIT: 3}
+    assert repairs(imu) == {"no_fit": 3}
 
 
 def test_an_empty_recording_is_refused(mcap):
     with pytest.raises(UnreadableLogError, match="empty"):
         read(mcap.write(mcap.Topic([])))
-
-
-# Against the generic decoders
-
-
-def random_messages(seed, count):
-    rng = np.random.default_rng(seed)
-
-    def vector():
-        return dict(zip("xyz", (rng.normal(size=3) * 10.0 ** rng.integers(-9, 9)).tolist(), strict=True))
-
-    for i in range(count):
-        yield {
-            "header": {"stamp": {"sec": T // 10**9, "nanosec": i * 4_999_999}, "frame_id": "f" * int(rng.integers(20))},
-            "orientation": {**vector(), "w": 1.0},
-            "orientation_covariance": rng.normal(size=9).tolist(),
-            "angular_velocity": vector(),
-            "angular_velocity_covariance": rng.normal(size=9).tolist(),
-            "linear_acceleration": vector(),
-            "linear_acceleration_covariance": rng.normal(size=9).tolist(),
-        }  # fmt: skip
-
-
-def decoded(path, factory):
-    with path.open("rb") as file:
-        messages = [m for _, _, _, m in make_reader(file, decoder_factories=[factory]).iter_decoded_messages()]
-    rate, force = (
-        np.array([[v.x, -v.y, -v.z] for v in (getattr(m, name) for m in messages)])
-        for name in ("angular_velocity", "linear_acceleration")
-    )
-    return messages, rate, force
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_ros_2_equals_the_generic_decoder(ros, fresh, seed):
-    path = fresh("log.mcap")
-    with path.open("wb") as file:
-        writer = Ros2Writer(file)
-        schema = writer.register_msgdef("sensor_msgs/msg/Imu", ros.imu_2)
-        for message in random_messages(seed, 200):
-            writer.write_message("/imu", schema, message, T)
-        writer.finish()
-    messages, rate, force = decoded(path, Ros2Decoder())
-    (imu,) = read(path).imus
-    assert imu.angular_rate.time.tolist() == [m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in messages]
-    np.testing.assert_array_equal(imu.angular_rate.value, rate)
-    np.testing.assert_array_equal(imu.specific_force.value, force)
-
-
-def test_ros_1_equals_the_generic_decoder(mcap, ros):
-    rng = np.random.default_rng(4)
-    values = rng.normal(size=(50, 6))
-    messages = [(T, ros.imu(T + i, tuple(v[:3]), tuple(v[3:]), "f" * (i % 7), ros.ROS_1)) for i, v in enumerate(values)]
-    path = mcap.write(mcap.Topic(messages, "/imu", "sensor_msgs/Imu", ros.imu_1, "ros1msg", "ros1"))
-    _, rate, force = decoded(path, Ros1Decoder())
-    (imu,) = read(path).imus
-    np.testing.assert_array_equal(imu.angular_rate.value, rate)
-    np.testing.assert_array_equal(imu.specific_force.value, force)
-
-
-# Real recordings
-
-
-def test_one_run_in_five_encodings_is_one_log(shared):
-    logs = [read(shared / "mcap" / f"husky_test1_{name}.mcap") for name in HUSKY]
-    first = logs[0]
-    assert len(first.imus[0].angular_rate) == 11865
-    for log in logs[1:]:
-        (a,), (b,) = first.imus, log.imus
-        for x, y in (
-            (a.angular_rate.time, b.angular_rate.time),
-            (a.angular_rate.value, b.angular_rate.value),
-            (a.specific_force.value, b.specific_force.value),
-            (first.gnss[0].time, log.gnss[0].time),
-            (first.gnss[0].position, log.gnss[0].position),
-        ):
-            assert x.tobytes() == y.tobytes()
-
-
-def test_every_odd_recording_is_read_or_refused(shared):
-    paths = sorted((shared / "mcap" / "native").glob("*.mcap"))
-    assert paths
-    for path in paths:
-        try:
-            log = read(path)
-        except UnreadableLogError as error:
-            assert str(path) in str(error)  # noqa: PT017 - either is right, and both are checked
-        else:
-            assert log.notes or log.imus or log.gnss

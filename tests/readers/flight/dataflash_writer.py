@@ -128,3 +128,31 @@ def heard(path):
         found.setdefault(message.get_type(), []).append(message)
     log.filehandle.close()
     return found
+
+
+def imus(found):
+    return {imu.name: imu for imu in found.imus}
+
+
+def assert_same(one, other, rtol=0.0):
+    """Compare all streams of two logs."""
+    assert [imu.name for imu in one.imus] == [imu.name for imu in other.imus]
+    triads = [(a.axes(), b.axes()) for a, b in zip(one.imus, other.imus, strict=True)]
+    for a, b in triads:
+        assert a.keys() == b.keys()
+        for name in a:
+            np.testing.assert_array_equal(a[name][0], b[name][0])
+            np.testing.assert_allclose(a[name][1], b[name][1], rtol=rtol)
+    for a, b in zip(one.imus, other.imus, strict=True):
+        np.testing.assert_allclose(a.temperature.value, b.temperature.value, rtol=rtol)
+    for kind, columns in (
+        ("gnss", ("time", "position", "velocity", "position_sigma", "velocity_sigma", "fix_type")),
+        ("references", ("time", "position", "velocity", "attitude")),
+    ):
+        assert [x.name for x in getattr(one, kind)] == [x.name for x in getattr(other, kind)]
+        for a, b in zip(getattr(one, kind), getattr(other, kind), strict=True):
+            for column in columns:
+                if getattr(a, column) is None or column == "time":
+                    np.testing.assert_array_equal(getattr(a, column), getattr(b, column))
+                else:
+                    np.testing.assert_allclose(getattr(a, column), getattr(b, column), rtol=rtol)

@@ -58,3 +58,44 @@ def heard(path):
                 told = mav.parse_char(data)
             if told is not None and told.get_type() != "BAD_DATA":
                 yield struct.unpack(">Q", stamp)[0], told
+
+
+START = T * 1000
+STEP = 100_000  #: µs between messages
+BOOT = 5000  #: ms since power-up at the start
+FIX = {"lat": 473_977_420, "lon": 85_455_940, "alt": 488_000, "fix_type": 3, "vel": 65_535, "cog": 65_535}
+IMU_COUNTS = ("SCALED_IMU", "SCALED_IMU2", "SCALED_IMU3", "RAW_IMU")
+
+
+def at(i, name, *, clock=True, **fields):
+    """Return the record of a message that is the i-th, its clock set to that."""
+    if clock and name in (*IMU_COUNTS[:3], "ATTITUDE", "GLOBAL_POSITION_INT"):
+        fields = {"time_boot_ms": BOOT + 100 * i, **fields}
+    elif clock:
+        fields = {"time_usec": 1000 * BOOT + STEP * i, **fields}
+    return record(T + STEP * i, frame(name, **fields))
+
+
+def system_time(unix, i=0, **options):
+    return record(T + STEP * i, frame("SYSTEM_TIME", time_unix_usec=unix, time_boot_ms=BOOT + 100 * i, **options))
+
+
+def fixes(count=4, first=0, name="GPS_RAW_INT", **fields):
+    return [at(i, name, **{**FIX, **fields}) for i in range(first, first + count)]
+
+
+def since_start(stream):
+    """Return a stream's times in steps from the start."""
+    return ((stream.time - START) / (1000 * STEP)).tolist()
+
+
+def solution(i, **fields):
+    return at(i, "GLOBAL_POSITION_INT", **{"lat": 473_977_420, "lon": -85_455_940, "alt": 488_500, **fields})
+
+
+def content(log):
+    """Return the content of a log, to be compared."""
+    triads = [part for imu in log.imus for part in (imu.angular_rate, imu.specific_force)]
+    others = [*log.gnss, *log.references]
+    arrays = [*(t.value for t in triads), *(o.position for o in others), *(s.time for s in (*triads, *others))]
+    return [array.tobytes() for array in arrays], [s.origin for s in (*log.imus, *others)], log.notes

@@ -146,3 +146,12 @@ def heard(path, names=None):
         key: {name: np.stack(values, 1) if isinstance(values, list) else values for name, values in columns.items()}
         for key, columns in found.items()
     }, told
+
+
+def local_rows(count=20, **changes):
+    """Return rows of a local position with its reference point."""
+    return [
+        {"timestamp": START + 100_000 * i, "timestamp_sample": START + 100_000 * i, "ref_lat": 47.3,
+         "ref_lon": 8.5, "ref_alt": 450.0, "x": 10.0 * i, "y": -20.0, "z": -3.0, "vx": 100.0, "vy": i, "vz": -1.0,
+         "xy_global": True, **changes} for i in range(count)
+    ]  # fmt: skip
