@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from imuwb.readers.containers.magic import BAG
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
@@ -13,12 +15,11 @@ if TYPE_CHECKING:
 
 format = "bag"  # noqa: A001 - the contract's name
 uses = ("time_source", "frame")
-MAGIC = b"#ROSBAG V2.0\n"
 
 
 def probe(head: bytes) -> bool:
     """Return whether the file begins as a bag of version 2.0."""
-    return head.startswith(MAGIC)
+    return head.startswith(BAG)
 
 
 def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:

@@ -20,7 +20,7 @@ from imuwb.readers.bytes.ahead import ahead
 from imuwb.readers.bytes.gather import gather
 from imuwb.readers.bytes.source import extended
 from imuwb.readers.bytes.unpack import unpack, unpack_front
-from imuwb.readers.containers.bag_log import MAGIC
+from imuwb.readers.containers.magic import BAG as MAGIC
 from imuwb.readers.containers.messages import Channel, Messages, Schema
 from imuwb.units import SECOND
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from imuwb.readers.containers.magic import MCAP
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
@@ -14,12 +16,11 @@ if TYPE_CHECKING:
 
 format = "mcap"  # noqa: A001 - the contract's name
 uses = ("time_source", "frame")
-MAGIC = b"\x89MCAP0\r\n"
 
 
 def probe(head: bytes) -> bool:
     """Return whether the file begins with MCAP's magic."""
-    return head.startswith(MAGIC)
+    return head.startswith(MCAP)
 
 
 def describe(path: Path) -> LogSummary | None:

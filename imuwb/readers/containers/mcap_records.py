@@ -20,6 +20,7 @@ from imuwb.readers.bytes.ahead import ahead
 from imuwb.readers.bytes.gather import gather
 from imuwb.readers.bytes.loops import compiled_loop, worth_compiling
 from imuwb.readers.bytes.source import extended
+from imuwb.readers.containers.magic import MCAP as MAGIC
 from imuwb.readers.containers.mcap_chunk import (
     CHANNEL,
     CHUNK,
@@ -36,7 +37,6 @@ from imuwb.readers.containers.mcap_chunk import (
     unpacked_chunk,
     unpacked_front,
 )
-from imuwb.readers.containers.mcap_log import MAGIC
 from imuwb.readers.containers.messages import Channel, Messages, Schema
 
 if TYPE_CHECKING:

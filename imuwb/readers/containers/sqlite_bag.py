@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from imuwb.readers.containers.magic import SQLITE
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
@@ -13,12 +15,11 @@ if TYPE_CHECKING:
 
 format = "db3"  # noqa: A001 - the contract's name
 uses = ("time_source", "frame")
-MAGIC = b"SQLite format 3\0"
 
 
 def probe(head: bytes) -> bool:
     """Return whether the file begins as an SQLite database with topics."""
-    return head.startswith(MAGIC) and b"topics" in head
+    return head.startswith(SQLITE) and b"topics" in head
 
 
 def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:

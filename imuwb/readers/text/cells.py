@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from imuwb.log import Floats
-    from imuwb.readers.text.clock import Clock
     from imuwb.readers.text.column_names import Column
     from imuwb.readers.text.lines import Layout
 
@@ -32,13 +31,13 @@ CELLS = Note("not_a_number", "cells that are not numbers, taken as missing")
 
 
 def blocks(
-    path: Path, layout: Layout, used: tuple[Column, ...], clock: Clock, faults: Counter[str]
+    path: Path, layout: Layout, used: tuple[Column, ...], time_kind: pa.DataType, faults: Counter[str]
 ) -> Iterator[tuple[pa.RecordBatch, int]]:
-    """Yield the used columns in blocks, each with the bytes read.
+    """Yield the used columns in blocks, each with the bytes read; the time column has its own type.
 
     The parser stops at a cell that is not a number. From there a slower way goes on, which finds and counts such cells.
     """
-    kinds = {c.name: clock.kind if c.quantity == "time" else pa.float64() for c in used}
+    kinds = {c.name: time_kind if c.quantity == "time" else pa.float64() for c in used}
     names = [f"unused {i}" for i in range(len(layout.first))]
     for column in used:
         names[column.index] = column.name

@@ -99,7 +99,7 @@ class _Rows:
     def _pieces(self) -> Iterator[Piece]:
         """Yield the rows that have a time; those of a damaged file up to a leap in time."""
         first_row, before = 0, None
-        for block, bytes_read in blocks(self._path, self._layout, self._used, self._clock, self._faults):
+        for block, bytes_read in blocks(self._path, self._layout, self._used, self._clock.kind, self._faults):
             time, timed = self._clock.time(block, first_row)
             first_row += block.num_rows
             self._faults[UNTIMED] += int(np.count_nonzero(~timed))

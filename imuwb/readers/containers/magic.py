@@ -1,0 +1,5 @@
+"""The first bytes of each container."""
+
+BAG = b"#ROSBAG V2.0\n"
+MCAP = b"\x89MCAP0\r\n"
+SQLITE = b"SQLite format 3\0"
