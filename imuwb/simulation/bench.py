@@ -1,4 +1,4 @@
-"""What a calibration bench records: a motion measured in one go, so that slow noise runs on, and cut into logs."""
+"""The record of a calibration bench: one motion, measured without a break so that slow noise goes on, and cut into logs."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.errors import UsageError
+from imuwb.geodesy.earth import EARTH_RATE
 from imuwb.log import AXES, Log, Provenance, Scalars, Triad
 from imuwb.simulation.sensor import LONGEST, Sensor, stamps
 
@@ -18,13 +19,13 @@ if TYPE_CHECKING:
     from imuwb.log import Floats, ImuStream
     from imuwb.stochastic import ImuErrorModel
 
-FEWEST = 16  #: samples in one place
-EARTH_RATE = 7.292_115e-5  #: rad/s (WGS 84)
+FEWEST = 16  #: samples in one position
+MOST_TILT = 0.2  #: rad
 
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """Where the bench stands. Without a latitude the earth does not turn, and gravity is what it is said to be."""
+    """Where the bench stands. Without a latitude the earth does not turn."""
 
     gravity: float = 9.80665  #: m/s²
     latitude: float | None = None  #: rad
@@ -41,7 +42,7 @@ class Site:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Bench:
-    """A motion and how it is recorded."""
+    """A motion, and the logs into which its record is cut."""
 
     rate: float  #: Hz
     motion: tuple[Floats, Floats]  #: (n, 3) rad/s and (n, 3) m/s², true
@@ -66,11 +67,9 @@ class Bench:
 
 
 def check_size(seconds: float, each: int, rate: float) -> None:
-    """Raise UsageError unless a record of ``each`` stretches of so many seconds can be."""
+    """Raise UsageError unless a record of ``each`` stretches of so many seconds is of a possible size."""
     if not 0 < seconds * rate < LONGEST or round(seconds * rate) < FEWEST:
-        message = (
-            f"{seconds:g} s at {rate} Hz in each place are {seconds * rate:.3g} samples; there must be {FEWEST} or more"
-        )
+        message = f"{seconds:g} s at {rate} Hz in each position are {seconds * rate:.3g} samples; there must be {FEWEST} or more"
         raise UsageError(message)
     samples = seconds * rate * each
     if not 1 <= rate <= 1e5 or not 2 <= samples <= LONGEST:  # noqa: PLR2004 - a rate needs two samples
@@ -78,8 +77,15 @@ def check_size(seconds: float, each: int, rate: float) -> None:
         raise UsageError(message)
 
 
+def check_misplacement(misplacement: float) -> None:
+    """Raise UsageError unless tilts of the sensor on the bench, rms in rad, are small."""
+    if not 0 <= misplacement <= MOST_TILT:
+        message = f"the misplacement is {np.degrees(misplacement):g}°; it must be 0 to {np.degrees(MOST_TILT):.0f}°"
+        raise UsageError(message)
+
+
 def noted(model: ImuErrorModel, text: str) -> ImuErrorModel:
-    """Return the true model with what else was drawn."""
+    """Return the true model with a note of what else was drawn."""
     return replace(model, provenance={**model.provenance, "bench": text})
 
 

@@ -1,4 +1,4 @@
-"""A climate chamber: a still IMU, recorded at one temperature after the other."""
+"""A climate chamber: a still IMU, recorded at one temperature after another."""
 
 from __future__ import annotations
 
@@ -19,26 +19,28 @@ if TYPE_CHECKING:
 
 MOST = 200  #: set-points
 CLOSE = 1e-9  #: of a step, by which the last set-point may miss the end
-FINE = 1000  #: a seed knows temperatures to a thousandth of a degree
+FINE = 1000  #: seeds differ between temperatures that differ by a thousandth of a degree
 
 
 def set_points(first: float, last: float, step: float) -> tuple[float, ...]:
-    """Return the temperatures from the first to the last, °C, a step apart; the last is one of them if it is a whole step.
+    """Return the temperatures from the first to the last by steps, °C; the last one only if a whole step leads to it.
 
     Raises:
-        UsageError: a step that does not lead from one to the other, or too small a one; a temperature that no sensor is at.
+        UsageError: a step of the wrong sign, or too small; a temperature that no sensor has.
     """
     for celsius in (first, last):
-        temperature(celsius)  # says what is wrong with it
+        temperature(celsius)  # raises an error if it is out of range
     if not math.isfinite(step) or step * (last - first) < 0 or (step == 0 and first != last):
-        message = f"set-points from {first:g} to {last:g} °C in steps of {step:g} °C: the step must lead from one to the other"
+        message = f"set-points from {first:g} to {last:g} °C in steps of {step:g} °C: the step must lead from the first to the last"
         raise UsageError(message)
     count = 1 if first == last else math.floor((last - first) / step + CLOSE) + 1
     if count > MOST:
-        message = f"{count} set-points from {first:g} to {last:g} °C in steps of {step:g} °C; there may be {MOST}"
+        message = (
+            f"{count} set-points from {first:g} to {last:g} °C in steps of {step:g} °C; there must be at most {MOST}"
+        )
         raise UsageError(message)
     if abs(step) * FINE < 1 and count > 1:
-        message = f"a step of {step:g} °C; it must be {1 / FINE:g} °C or more"
+        message = f"the step is {step:g} °C; it must be {1 / FINE:g} °C or more"
         raise UsageError(message)
     return tuple(round(first + k * step, 9) for k in range(count))
 
@@ -54,16 +56,16 @@ def chamber(
     bandwidth: float | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Iterator[Log]:
-    """Yield the static log of each set-point; a turn-on bias is drawn anew at each.
+    """Yield the static log of each set-point, each with turn-on biases of its own.
 
     Args:
         model: the sensor.
-        points: °C; each has noise of its own, whichever others there are.
+        points: °C; the noise at a set-point does not depend on the other set-points.
         duration: s, of each log.
         rate: Hz.
         seed: the same seed gives the same log at a temperature.
-        quantize: as of ``static``.
-        bandwidth: likewise.
+        quantize: as in ``static``.
+        bandwidth: as in ``static``.
         progress: called with (set-points done, set-points).
 
     Raises:
@@ -78,7 +80,7 @@ def chamber(
 
 
 def names(points: Sequence[float]) -> tuple[str, ...]:
-    """Return a name for each set-point's log, such as ``03_minus-10C``: they sort as they were recorded."""
+    """Return a name for each set-point's log, such as ``03_minus-10C``; sorted, they are in the order of recording."""
     width = len(str(len(points)))
     return tuple(f"{k + 1:0{width}d}_{_word(c)}C" for k, c in enumerate(points))
 

@@ -1,7 +1,7 @@
 """A car with an IMU and a GNSS receiver, and the truth.
 
 An IMU sample stamped t_k is the average of the true angular rate omega_ib^b and specific force f^b over (t_(k-1), t_k],
-so that times dt it is the increment of the step that ends there; the errors of the sensor come on top.
+so that its product with dt is the increment of the step that ends there; the errors of the sensor are added.
 """
 
 from __future__ import annotations
@@ -21,12 +21,13 @@ from imuwb.simulation.vibration import vibration as shaking
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from imuwb.log import Nanoseconds
     from imuwb.simulation.receiver import Odometer
     from imuwb.simulation.route import Route
     from imuwb.simulation.thermal import Temperature
     from imuwb.stochastic import ImuErrorModel
 
-LOWEST_RATE, HIGHEST_RATE = 20.0, 10_000.0  #: Hz; below, four nodes no longer follow a sample's motion
+LOWEST_RATE, HIGHEST_RATE = 20.0, 10_000.0  #: Hz; at lower rates four nodes do not follow the motion within a sample
 RECEIVER = Receiver()
 
 
@@ -45,56 +46,61 @@ def drive(
     vibration: float = 0.0,
     progress: Callable[[int, int], None] | None = None,
 ) -> Log:
-    """Return the log of a drive: IMU, GNSS, perhaps an odometer, and the truth at samples of the IMU.
+    """Return the log of a drive: IMU, GNSS, an odometer if there is one, and the truth at samples of the IMU.
 
     Args:
-        model: the sensor; one without axes is ideal.
+        model: the sensor; a model without axes is an ideal sensor.
         route: where the car goes, ``planned_route`` or ``mixed_route``.
         seed: of all noise; the same seed, route and options give the same log.
         rate: Hz, of the IMU.
         receiver: the GNSS receiver.
-        odometer: None: there is none.
-        truth_rate: Hz; every n-th sample of the IMU that comes nearest to it.
-        celsius: the sensor's temperature, the same all the while or over time; None: 25, and the model's own processes
-            where it has no thermal table.
+        odometer: None: there is no odometer.
+        truth_rate: Hz; the truth is at every n-th sample of the IMU, as near to this rate as possible.
+        celsius: the sensor's temperature, constant or over time; None: 25 °C.
         quantize: round to each axis's ``lsb``, and clip to its ``range``.
-        bandwidth: Hz, of the noise; None: the axis's own, if it states one.
+        bandwidth: Hz, of the noise; None: the bandwidth that the axis states, if any.
         vibration: m/s² rms of each accelerometer axis.
         progress: called with (axes done, axes).
 
     Raises:
-        UsageError: a rate, bandwidth or vibration that cannot be, or an axis that states no ``lsb``.
+        UsageError: a rate, bandwidth or vibration out of its range, or an axis that states no ``lsb``.
     """
-    samples = route.duration * rate
-    if not LOWEST_RATE <= rate <= HIGHEST_RATE or not samples <= LONGEST:
-        message = f"a drive at {rate} Hz: it must be {LOWEST_RATE:g} to {HIGHEST_RATE:g}, and at most {LONGEST} samples"
-        raise UsageError(message)
-    if not 0 < truth_rate <= rate:
-        message = f"a truth at {truth_rate} Hz: it must be above 0, and at most the IMU's {rate:g} Hz"
-        raise UsageError(message)
+    _check(route, rate, truth_rate)
     sensor = Sensor(model, temperature(celsius), quantize, bandwidth)
-    n = round(samples)
+    n = round(route.duration * rate)
     time = stamps(n, rate)
     *axes, of_receiver, of_vibration = np.random.SeedSequence(seed).spawn(len(AXES) + 2)
     rates, forces = route.averages(n, rate)
     if vibration:
         shaken = shaking(n, rate, vibration, np.random.default_rng(of_vibration))
         rates, forces = rates + shaken[0], forces + shaken[1]
-    told = np.arange(0, n, max(1, round(rate / truth_rate)))
-    state = route.state(told / rate)
-    truth = Reference("truth", time[told], state.position, state.velocity, state.attitude, Origin("SI", "FRD", "unix"))
     recipe = f"{model.to_toml()}|{seed}|{rate}|{receiver}|{odometer}|{truth_rate}|{recipe_of(celsius)}|{quantize}|{bandwidth}|{vibration}"
     return Log(
         Provenance(f"drive {route.name} of {model.name}", "simulation", _digest(recipe, route), 0),
         imus=(sensor.measure(time, rate, (rates, forces), axes, progress),),
         gnss=(receiver.fixes(route, np.random.default_rng(of_receiver)),),
         speeds=() if odometer is None else (odometer.speeds(route),),
-        references=(truth,),
+        references=(_truth(route, time, rate, truth_rate),),
     )
 
 
+def _check(route: Route, rate: float, truth_rate: float) -> None:
+    if not LOWEST_RATE <= rate <= HIGHEST_RATE or not route.duration * rate <= LONGEST:
+        message = f"the rate of the drive is {rate} Hz; it must be {LOWEST_RATE:g} to {HIGHEST_RATE:g} Hz, and give at most {LONGEST} samples"
+        raise UsageError(message)
+    if not 0 < truth_rate <= rate:
+        message = f"the rate of the truth is {truth_rate} Hz; it must be above 0, and at most the IMU's {rate:g} Hz"
+        raise UsageError(message)
+
+
+def _truth(route: Route, time: Nanoseconds, rate: float, truth_rate: float) -> Reference:
+    rows = np.arange(0, time.size, max(1, round(rate / truth_rate)))
+    state = route.state(rows / rate)
+    return Reference("truth", time[rows], state.position, state.velocity, state.attitude, Origin("SI", "FRD", "unix"))
+
+
 def _digest(recipe: str, route: Route) -> str:
-    known = hashlib.sha256(f"{recipe}|{route.start}|{route.duration}".encode())
-    known.update(route.profile.manoeuvres.c.tobytes())
-    known.update(route.profile.road.c.tobytes())
-    return f"sha256:{known.hexdigest()}"
+    digest = hashlib.sha256(f"{recipe}|{route.start}|{route.duration}".encode())
+    digest.update(route.profile.manoeuvres.c.tobytes())
+    digest.update(route.profile.road.c.tobytes())
+    return f"sha256:{digest.hexdigest()}"

@@ -1,4 +1,4 @@
-"""What a driver does: legs of a drive, drawn as one drives in a town, on a country road, on a highway."""
+"""The legs of a drive, drawn as people drive in a town, on a country road, on a highway."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ if TYPE_CHECKING:
 
 KMH = 1 / 3.6  #: m/s
 SHORTEST_TURN = 4.0  #: s
-SPEEDING_UP, SLOWING_DOWN = 1.4, 1.8  #: m/s², on purpose
-SETTLING = 8.0  #: s of going on behind a stop or a turn
+SPEEDING_UP, SLOWING_DOWN = 1.4, 1.8  #: m/s², largest
+SETTLING = 8.0  #: s of driving on after a stop or a turn
 
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """A while at one speed; a turn is spread evenly over it."""
+    """A span at one speed; a turn is spread evenly over it."""
 
     duration: float  #: s
-    speed: float  #: m/s; what is meant, and reached as far as braking and speeding up allow
+    speed: float  #: m/s, wanted; reached as far as braking and speeding up allow
     turn: float = 0.0  #: rad, to the right
 
 
 @dataclass(frozen=True, slots=True)
 class Pin:
-    """A mean speed that an interval must have."""
+    """The mean speed that a span must have."""
 
     start: float  #: s
     duration: float  #: s
@@ -35,19 +35,19 @@ class Pin:
 
 @dataclass(frozen=True, slots=True)
 class Zone:
-    """How one drives somewhere; each pair is (least, most), drawn evenly."""
+    """How people drive on a kind of road; each pair is (least, most) of a uniform distribution."""
 
     speed: tuple[float, float]  #: m/s
     going_on: tuple[float, float]  #: s between two events
     turn: tuple[float, float]  #: rad, to either side
     turning: float  #: m/s in a turn
     lateral: float  #: m/s² in a turn
-    stops: float  #: part of the events that are stops; the others are turns
+    stops: float  #: share of the events that are stops; the others are turns
     stop: tuple[float, float]  #: s
 
     @property
     def slowest(self) -> float:
-        """Return the speed, m/s, that one may come down to."""
+        """Return the lowest speed of the zone, m/s."""
         return 0.0 if self.stops else min(self.turning, self.speed[0])
 
     def corner(self, angle: float, speed: float) -> Leg:
@@ -61,7 +61,7 @@ HIGHWAY = Zone((105 * KMH, 126 * KMH), (20, 60), (math.radians(4), math.radians(
 
 
 def wander(zone: Zone, duration: float, rng: np.random.Generator) -> list[Leg]:
-    """Return legs of a zone that last ``duration`` s: going on, and between it stops and turns."""
+    """Return legs of a zone that last ``duration`` s: driving on, with stops and turns between."""
     legs: list[Leg] = []
     left = duration
     while left > 0:
@@ -79,7 +79,7 @@ def wander(zone: Zone, duration: float, rng: np.random.Generator) -> list[Leg]:
 
 
 def between(zone: Zone, duration: float, before: float, after: float, rng: np.random.Generator) -> list[Leg]:
-    """Return legs that last ``duration`` s, and leave and meet two speeds, m/s, without a change beyond their ends."""
+    """Return legs that last ``duration`` s, from the speed before them to the speed after them (m/s)."""
     leaving = Leg(max(0.0, before - zone.slowest) / SLOWING_DOWN + 2, before)
     meeting = Leg(max(0.0, after - zone.slowest) / SPEEDING_UP + 4, after)
     return [leaving, *wander(zone, duration - leaving.duration - meeting.duration, rng), meeting]

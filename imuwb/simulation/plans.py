@@ -1,4 +1,4 @@
-"""The routes: two made after Quinchia's drives in Turin, with outages of the published lengths and speeds, and any other."""
+"""Routes: two after Quinchia's drives in Turin, with outages of the published lengths and speeds, and mixed ones."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from imuwb.simulation.legs import COUNTRY, HIGHWAY, KMH, TOWN, Leg, Pin, between
 from imuwb.simulation.profile import profile
 from imuwb.simulation.route import Route
 
-STANDING = 62.0  #: s, before anything moves
+STANDING = 62.0  #: s, before the car moves
 FAST = 25.0  #: m/s, above which both neighbours are on a highway
 TURN_SLOWS = 0.75  #: speed in an outage's turn over its mean
 CURVE = 12.0  #: s of a slight curve
@@ -23,13 +23,13 @@ LONGEST_ZONE = 300.0  #: s
 
 @dataclass(frozen=True, slots=True)
 class PlannedOutage:
-    """A while without GNSS as a table of Quinchia et al. (2013) has it; the speed is its mean."""
+    """An outage from a table of Quinchia et al. (2013)."""
 
     table: int
     number: int
-    start: float  #: s from the log's start; the paper does not tell, so it is ours
+    start: float  #: s from the log's start; not in the paper, chosen here
     duration: float  #: s
-    speed: float  #: m/s
+    speed: float  #: m/s, mean
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +59,7 @@ PLANS = {
         ),
     ),
 }  # fmt: skip
-#: (table, number) -> angle, rad, of the turn that the paper tells of
+#: (table, number) -> angle of the turn that the paper mentions, rad
 TURNS = {(9, 1): math.radians(90), (10, 5): math.radians(90)}
 CURVES_AT_THE_END = {(10, 7): math.radians(12)}
 
@@ -68,7 +68,7 @@ def planned_outages(preset: str) -> tuple[PlannedOutage, ...]:
     """Return the outages of a preset route, in the order of time; they are the same for every route seed.
 
     Raises:
-        UsageError: no such preset; the message lists those there are.
+        UsageError: no such preset; the message lists all.
     """
     return _plan(preset).outages
 
@@ -78,7 +78,7 @@ def planned_route(preset: str, route_seed: int = 0) -> Route:
 
     Args:
         preset: its name.
-        route_seed: chooses sides and times of turns, stops and speeds between the outages, and the road.
+        route_seed: seed of the turns, stops and speeds between the outages, and of the road.
 
     Raises:
         UsageError: no such preset.
@@ -98,14 +98,14 @@ def mixed_route(duration: float, route_seed: int = 0) -> Route:
     """Return a route through towns and over country roads and highways.
 
     Args:
-        duration: s, 90 to 86400; from 10 minutes on it has something of all.
-        route_seed: another one, another route.
+        duration: s, 90 to 86400; from 10 minutes on the route has all kinds of roads.
+        route_seed: seed of the route.
 
     Raises:
-        UsageError: a duration that cannot be.
+        UsageError: a duration out of its range.
     """
     if not SHORTEST <= duration <= LONGEST:
-        message = f"a drive of {duration} s: it must last {SHORTEST:g} to {LONGEST:g} s, {STANDING:g} of them standing"
+        message = f"the duration of the drive is {duration} s; it must be {SHORTEST:g} to {LONGEST:g} s ({STANDING:g} s of them standing)"
         raise UsageError(message)
     rng = np.random.default_rng(route_seed)
     legs, left = [Leg(STANDING, 0.0)], duration - STANDING
@@ -121,13 +121,13 @@ def mixed_route(duration: float, route_seed: int = 0) -> Route:
 
 def _plan(preset: str) -> _Plan:
     if preset not in PLANS:
-        message = f"no preset {preset!r} of a route; there are: {', '.join(PLANS)}"
+        message = f"there is no route {preset!r}; there are: {', '.join(PLANS)}"
         raise UsageError(message)
     return PLANS[preset]
 
 
 def _driven(outage: PlannedOutage, rng: np.random.Generator) -> list[Leg]:
-    """Return the legs of an outage: straight on, but for the turn that is told of it."""
+    """Return the legs of an outage: straight on, except for a turn that the paper mentions."""
     side, key = rng.choice([-1.0, 1.0]), (outage.table, outage.number)
     if key in TURNS:
         turn = TOWN.corner(side * TURNS[key], TURN_SLOWS * outage.speed)

@@ -1,4 +1,4 @@
-"""Published sensors: the figures of the three papers as error models."""
+"""Published sensors: error models with the figures of the three papers."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ def preset(name: str) -> ImuErrorModel:
     """Return a published sensor's error model.
 
     Raises:
-        UsageError: no such preset; the message lists those there are.
+        UsageError: no such preset; the message lists all.
     """
     if name not in preset_names():
-        message = f"no preset {name!r}; there are: {', '.join(preset_names())}"
+        message = f"there is no preset {name!r}; there are: {', '.join(preset_names())}"
         raise UsageError(message)
     text = files("imuwb.simulation").joinpath("preset_data", f"{name}.toml").read_text("utf-8")
     return ImuErrorModel.from_toml(text, f"preset {name}")

@@ -1,7 +1,7 @@
-"""A driver's legs as smooth functions of time, and the road below as one of the distance.
+"""A driver's legs as smooth functions of time, and the road as smooth functions of the distance.
 
-All are quintic B-splines over even knots: four continuous derivatives, and within the bounds of their control points, as
-are their slopes within those of the control polygon. Half a second between knots leaves nothing at 5 Hz.
+All are quintic B-splines over even knots: they have four continuous derivatives and stay within the bounds of their control
+points, and their slopes within those of the control polygon. With half a second between knots nothing is left at 5 Hz.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from imuwb.simulation.legs import Leg, Pin
 
 DEGREE = 5
-MARGIN = 3  #: control points beyond each end that a value there depends on
+MARGIN = 3  #: control points outside each end that a value at the end depends on
 STEP = 0.5  #: s between control points
-UNEVEN = 0.03  #: by which part a driver misses the speed he means
-UNEVEN_STEP = 4.0  #: s, in which he notices
-TAPER = 8.0  #: s, in which a pinned speed goes over to what was meant
+UNEVEN = 0.03  #: share by which a driver misses the wanted speed
+UNEVEN_STEP = 4.0  #: s, after which he corrects it
+TAPER = 8.0  #: s, from a pinned speed to the wanted one
 
 ROAD_STEP = 100.0  #: m between the road's control points
 STEEPEST = 0.05  #: rad
@@ -34,7 +34,7 @@ SLOPE, BANK, BEND = 0.02, 0.02, 0.008  #: rad, sigma of a control point
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """What a route is made of."""
+    """Speed, heading and road of a route."""
 
     manoeuvres: BSpline  #: s -> speed m/s, heading of the manoeuvres rad
     road: BSpline  #: m driven -> slope up, bank to the right, bend off the manoeuvres' heading; rad
@@ -46,7 +46,7 @@ def profile(legs: Sequence[Leg], pins: Sequence[Pin], rng: np.random.Generator) 
     Args:
         legs: from time 0 on, the first standing.
         pins: intervals and the mean speed in each.
-        rng: what is the driver's and the road's own.
+        rng: for the driver's unevenness and the road.
     """
     ends = np.cumsum([leg.duration for leg in legs])
     time = np.arange(-MARGIN, np.ceil(ends[-1] / STEP) + MARGIN + 1) * STEP
@@ -62,13 +62,13 @@ def profile(legs: Sequence[Leg], pins: Sequence[Pin], rng: np.random.Generator) 
 
 
 def _smooth(controls: Floats, step: float) -> BSpline:
-    """Return the spline whose control point k, counted from -MARGIN, counts most at k step."""
+    """Return the spline whose control point k, counted from -MARGIN, has its largest weight at k step."""
     knots = (np.arange(controls.shape[0] + DEGREE + 1) - MARGIN - (DEGREE + 1) / 2) * step
     return BSpline(knots, controls, DEGREE)
 
 
 def _reachable(speed: Floats, time: Floats) -> Floats:
-    """Return the highest speeds below those meant that can be had without braking or speeding up harder."""
+    """Return the highest speeds below the wanted ones that the limits of braking and speeding up allow."""
     reached = np.minimum.accumulate(speed - SPEEDING_UP * time) + SPEEDING_UP * time
     braked = np.minimum.accumulate((reached + SLOWING_DOWN * time)[::-1])[::-1]
     return braked - SLOWING_DOWN * time
@@ -80,7 +80,7 @@ def _uneven(speed: Floats, time: Floats, rng: np.random.Generator) -> Floats:
 
 
 def _pinned(speed: Floats, time: Floats, pins: Sequence[Pin]) -> Floats:
-    """Return control points scaled around each pin so that the mean there is as it must be: a mean is linear in them."""
+    """Return control points scaled around each pin so that the mean there is the pinned one: a mean is linear in them."""
     if not pins:
         return speed
     shapes = [

@@ -1,4 +1,4 @@
-"""An IMU on a rate table: up and down a staircase of rates, clockwise and counter-clockwise, an axis a log."""
+"""An IMU on a rate table: a staircase of rates, counter-clockwise and clockwise, one log for each axis."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.errors import UsageError
-from imuwb.simulation.bench import Bench, Site, check_size, noted
+from imuwb.simulation.bench import Bench, Site, check_misplacement, check_size, noted
 from imuwb.simulation.sensor import Sensor
-from imuwb.simulation.six_position import MOST_TILT, SITE, tilted
+from imuwb.simulation.six_position import SITE, tilted
 from imuwb.simulation.thermal import recipe_of, temperature
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def rate_table(
     bandwidth: float | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> RateTable:
-    """Return a log for each axis: at rest, all rates one way, at rest, all the other way, at rest.
+    """Return a log for each axis: at rest, all rates one way, at rest, all rates the other way, at rest.
 
     The turned axis points up, and positive rates turn it counter-clockwise as seen from above.
 
@@ -56,18 +56,18 @@ def rate_table(
         model: one sensor; its deterministic terms are the truth.
         seed: the same seed and settings give the same logs.
         rates: rad/s, magnitudes.
-        axes: which, in order.
-        seconds: s on each step.
+        axes: the turned axes, in order.
+        seconds: s, on each step.
         rate: Hz, of the samples.
         misplacement: rad, rms of each of two tilts of the sensor on the table.
         site: gravity, and the earth's rate.
-        celsius: as of ``static``.
-        quantize: as of ``static``.
-        bandwidth: as of ``static``.
+        celsius: as in ``static``.
+        quantize: as in ``static``.
+        bandwidth: as in ``static``.
         progress: called with (axes done, axes).
 
     Raises:
-        UsageError: settings that cannot be.
+        UsageError: a setting out of its range.
     """
     steps = sorted({abs(float(r)) for r in rates})
     if not steps or len(steps) > MOST_RATES or not all(0 < r <= FASTEST for r in steps):
@@ -76,9 +76,7 @@ def rate_table(
     if not axes or set(axes) - set("xyz") or len(set(axes)) < len(axes):
         message = f"axis is {axes!r}; it must be x, y or z, or several of them"
         raise UsageError(message)
-    if not 0 <= misplacement <= MOST_TILT:
-        message = f"a misplacement of {np.degrees(misplacement):g}°: it must be 0 to {np.degrees(MOST_TILT):.0f}°"
-        raise UsageError(message)
+    check_misplacement(misplacement)
     check_size(seconds, (2 * len(steps) + 3) * len(axes), rate)
     rng = np.random.default_rng([seed, len(axes)])
     profile = _profile([0.0, *steps, 0.0, *(-s for s in steps), 0.0], seconds, rate)
@@ -89,12 +87,12 @@ def rate_table(
     logs = Bench(rate, motion, parts).record(
         Sensor(model, temperature(celsius), quantize, bandwidth), seed, recipe, progress
     )
-    said = f"rate table, mounting misplaced by {np.degrees(misplacement):g}° rms, seed {seed}"
-    return RateTable(logs, noted(model, said))
+    note = f"rate table, mounting misplaced by {np.degrees(misplacement):g}° rms, seed {seed}"
+    return RateTable(logs, noted(model, note))
 
 
 def _profile(steps: Sequence[float], seconds: float, rate: float) -> Floats:
-    """Return the table's rate at each sample, rad/s: steps, and straight ramps between."""
+    """Return the table's rate at each sample, rad/s: steps with straight ramps between them."""
     parts: list[Floats] = []
     for i, step in enumerate(steps):
         if i:
@@ -108,11 +106,14 @@ def _profile(steps: Sequence[float], seconds: float, rate: float) -> Floats:
 def _motion(up: Floats, profile: Floats, rate: float, site: Site, rng: np.random.Generator) -> tuple[Floats, Floats]:
     turned = profile[:, None] * up
     if site.latitude is not None:
-        # The earth's horizontal rate goes round the other way, as seen from the table.
-        gone = np.cumsum(profile) / rate + rng.uniform(0, 2 * np.pi)
+        # Seen from the table, the earth's horizontal rate turns the other way round.
+        angle = np.cumsum(profile) / rate + rng.uniform(0, 2 * np.pi)
         still, aside = site.earth_rate(up, 0.0), site.earth_rate(up, np.pi / 2)
         vertical = up * float(still @ up)
         turned = (
-            turned + vertical + np.cos(gone)[:, None] * (still - vertical) - np.sin(gone)[:, None] * (aside - vertical)
+            turned
+            + vertical
+            + np.cos(angle)[:, None] * (still - vertical)
+            - np.sin(angle)[:, None] * (aside - vertical)
         )
     return turned, np.broadcast_to(site.gravity * up, turned.shape)

@@ -1,4 +1,4 @@
-"""What is measured beside the IMU: a GNSS receiver's fixes, and an odometer's speed."""
+"""The other sensors of a car: a GNSS receiver and an odometer."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ LONGEST_ARM, LONGEST_LATENCY = 1000.0, 60.0  #: m, s
 
 @dataclass(frozen=True, slots=True)
 class Receiver:
-    """A GNSS receiver; its noise is white, and it claims the sigmas it has.
+    """A GNSS receiver; its noise is white, and the sigmas in its fixes are the true ones.
 
     Raises:
-        UsageError: a figure that no receiver has.
+        UsageError: a value out of its range.
     """
 
     rate: float = 1.0  #: Hz
@@ -39,7 +39,7 @@ class Receiver:
     lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)  #: m, FRD, from the IMU to the antenna
 
     def __post_init__(self) -> None:
-        """Check the figures."""
+        """Check the values."""
         _require("a receiver's rate", self.rate, HIGHEST_RATE, "Hz", above_zero=True)
         for sigma in (*self.position_sigma, *self.velocity_sigma):
             _require("a receiver's sigma", sigma, 1e6, "m or m/s")
@@ -48,7 +48,7 @@ class Receiver:
             _require("the length of a lever arm", abs(arm), LONGEST_ARM, "m")
 
     def fixes(self, route: Route, rng: np.random.Generator) -> GnssStream:
-        """Return the fixes of a whole route, the first at its start."""
+        """Return the fixes of a whole route; the first one is at its start."""
         count = _count(route, self.rate)
         position, velocity = antenna(route, np.arange(count) / self.rate - self.latency, self.lever_arm)
         noise = rng.standard_normal((2, count, 3))
@@ -70,21 +70,21 @@ class Odometer:
     """Forward speed from the wheels.
 
     Raises:
-        UsageError: a figure that no odometer has.
+        UsageError: a value out of its range.
     """
 
     rate: float = 10.0  #: Hz
     scale_error: float = 0.0  #: measured = (1 + s) true, rounded
-    step: float = 0.0  #: m/s, to whole ones of which it rounds; 0: not
+    step: float = 0.0  #: m/s, to which it rounds; 0: no rounding
 
     def __post_init__(self) -> None:
-        """Check the figures."""
+        """Check the values."""
         _require("an odometer's rate", self.rate, HIGHEST_RATE, "Hz", above_zero=True)
         _require("the size of an odometer's scale error", abs(self.scale_error), 1.0, "")
         _require("an odometer's step", self.step, 100.0, "m/s")
 
     def speeds(self, route: Route) -> Scalars:
-        """Return the speeds of a whole route, the first at its start."""
+        """Return the speeds of a whole route; the first one is at its start."""
         count = _count(route, self.rate)
         speed = (1 + self.scale_error) * route.speed(np.arange(count) / self.rate)
         if self.step:
@@ -96,7 +96,7 @@ def antenna(route: Route, t: Floats, lever_arm: tuple[float, float, float]) -> t
     """Return the position and velocity of a point of the car (Groves, eq. 14.122 and 14.123, without their approximations).
 
     Args:
-        route: of the IMU.
+        route: the route of the IMU.
         t: (n,) s.
         lever_arm: m, FRD, from the IMU to the point.
 
@@ -111,7 +111,7 @@ def antenna(route: Route, t: Floats, lever_arm: tuple[float, float, float]) -> t
 
 
 def _count(route: Route, rate: float) -> int:
-    """Return how many samples from time 0 on lie before the end."""
+    """Return the number of samples from time 0 to the end."""
     return max(1, math.ceil(round(route.duration * rate, 6)))
 
 

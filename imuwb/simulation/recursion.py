@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 @compiled()
 def carried(start: float, factor: Floats, steps: Floats) -> Floats:  # pragma: no cover - compiled
     """Return x(k) = factor(k) x(k-1) + steps(k) of (n,) factors and steps, the start first: (n + 1,)."""
-    found = np.empty(steps.size + 1)
-    found[0] = start
+    series = np.empty(steps.size + 1)
+    series[0] = start
     for k in range(steps.size):
-        found[k + 1] = factor[k] * found[k] + steps[k]
-    return found
+        series[k + 1] = factor[k] * series[k] + steps[k]
+    return series

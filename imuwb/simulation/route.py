@@ -1,6 +1,6 @@
-"""A car's motion on the rotating earth as functions of time, and what an ideal IMU in it feels.
+"""A car's motion on the rotating earth as functions of time, and what an ideal IMU in it measures.
 
-The body axes are those of the car: it moves along its x axis. The IMU is the point that is navigated.
+The body axes are those of the car: it moves along its x axis. The position is that of the IMU.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
     from imuwb.simulation.profile import Profile
 
 TURIN = (np.radians(45.06), np.radians(7.66), 240.0)  #: rad, rad, m
-CELL = 0.1  #: s; a cubic over it leaves a micrometre of a car's position
+CELL = 0.1  #: s; a cubic over a cell misses a car's position by a micrometre
 #: Gauss-Legendre on (-1, 1), weights for a mean
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)[0], np.polynomial.legendre.leggauss(4)[1] / 2
-PASSES = 5  #: each leaves less than a thousandth of the error of latitude before
-BLOCK = 1 << 14  #: samples at a time
+PASSES = 5  #: each pass leaves less than a thousandth of the error of latitude that the pass before left
+BLOCK = 1 << 14  #: samples that are computed at once
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class State:
-    """Where a car is, how fast, and which way up."""
+    """Position, velocity and attitude of a car over time."""
 
     position: Floats  #: (n, 3) latitude rad, longitude rad, height m
     velocity: Floats  #: (n, 3) m/s, NED
@@ -37,7 +37,7 @@ class State:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Route:
-    """A drive from its profile on; before time 0 the car stands where it starts."""
+    """A drive made of its profile; before time 0 the car stands at its start."""
 
     name: str
     duration: float  #: s
@@ -58,7 +58,7 @@ class Route:
             t: (n,) s from the start.
 
         Raises:
-            ValueError: a time beyond the end.
+            ValueError: a time after the end.
         """
         moving = self._moving(t)
         attitude = moving.attitude.copy()
@@ -70,16 +70,16 @@ class Route:
         return self._moving(t).speed
 
     def inertial(self, t: Floats) -> tuple[Floats, Floats]:
-        """Return what an ideal IMU feels at the very times: omega_ib^b, (n, 3) rad/s, and f^b, (n, 3) m/s².
+        """Return what an ideal IMU measures at instants: omega_ib^b, (n, 3) rad/s, and f^b, (n, 3) m/s².
 
-        With Euler rates, C_n_b (omega_ie + omega_en) more (Groves, 2.3 and 5.4); the specific force is
+        omega_ib^b is the rate of the Euler angles plus C_n_b (omega_ie + omega_en) (Groves, 2.3 and 5.4); the specific force is
         C_n_b (dv/dt + (2 omega_ie + omega_en) x v - g) (Groves, eq. 5.53).
 
         Args:
             t: (n,) s from the start.
 
         Raises:
-            ValueError: a time beyond the end.
+            ValueError: a time after the end.
         """
         moving = self._moving(t)
         latitude, _, height = self._track(np.maximum(t, 0.0)).T
@@ -92,16 +92,16 @@ class Route:
         force = moving.acceleration + np.cross(2 * earth + transport, moving.velocity)
         force[:, 2] -= gravity(latitude, height)
         turning = _body_rate(moving.attitude, moving.attitude_rate)
-        # Rows times C_b_n are C_n_b times columns.
+        # A row times C_b_n is C_n_b times a column.
         turning += np.einsum("ij,ijk->ik", earth + transport, to_body)
         return turning, np.einsum("ij,ijk->ik", force, to_body)
 
     def averages(self, count: int, rate: float) -> tuple[Floats, Floats]:
-        """Return the averages of what an ideal IMU feels over (t_(k-1), t_k], t_k = k / rate.
+        """Return the averages of what an ideal IMU measures over (t_(k-1), t_k], t_k = k / rate.
 
         Args:
             count: samples, from k = 0 on.
-            rate: Hz, 20 at least: below, four nodes no longer follow the motion.
+            rate: Hz, at least 20: at lower rates four nodes do not follow the motion.
 
         Returns:
             (n, 3) rad/s and (n, 3) m/s²
@@ -110,14 +110,14 @@ class Route:
         for first in range(0, count, BLOCK):
             part = slice(first, min(first + BLOCK, count))
             at = (np.arange(part.start, part.stop)[:, None] + (NODES - 1) / 2) / rate
-            felt = self.inertial(at.ravel())
-            for into, values in zip((rates, forces), felt, strict=True):
-                into[part] = np.einsum("j,ijk->ik", WEIGHTS, values.reshape(-1, NODES.size, 3))
+            measured = self.inertial(at.ravel())
+            for averages, values in zip((rates, forces), measured, strict=True):
+                averages[part] = np.einsum("j,ijk->ik", WEIGHTS, values.reshape(-1, NODES.size, 3))
         return rates, forces
 
     def _moving(self, t: Floats) -> _Moving:
         if t.size and not t.max() <= self.duration:
-            message = f"{t.max()} s is beyond the end of a route of {self.duration} s"
+            message = f"the time is {t.max()} s; it must not be after the end of the route, {self.duration} s"
             raise ValueError(message)
         t = np.maximum(t, 0.0)
         (speed, turned), (speeding, turning) = self.profile.manoeuvres(t).T, self.profile.manoeuvres(t, 1).T
@@ -142,7 +142,7 @@ class Route:
     def _integrated(self) -> CubicHermiteSpline:
         """Return latitude, longitude and height over time (Groves, eq. 2.111), by quadrature cell by cell.
 
-        Latitude's rate depends on latitude, by the radius of curvature alone: so little that a few passes are exact.
+        The rate of latitude depends on latitude only through the radius of curvature: so little that a few passes are exact.
         """
         ends = np.linspace(0.0, self.duration, int(np.ceil(self.duration / CELL)) + 1)
         cell = ends[1]
@@ -175,7 +175,7 @@ class Route:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Moving:
-    """What the profile alone says; NED without the earth's shape or rotation."""
+    """The motion by the profile alone: NED without the earth's shape and rotation."""
 
     speed: Floats  #: (n,) m/s
     velocity: Floats  #: (n, 3) m/s

@@ -1,4 +1,4 @@
-"""What the sensors of an error model put out for a given motion: deterministic terms, noise, bandwidth, whole steps."""
+"""What the sensors of an error model put out for a motion: deterministic terms, noise, bandwidth, steps."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ LONGEST = 2**31  #: samples
 
 
 def stamps(count: int, rate: float) -> Nanoseconds:
-    """Return the times of ``count`` samples at ``rate`` Hz, (n,) ns, from the log's start on."""
+    """Return the times of ``count`` samples at ``rate`` Hz from the log's start, (n,) ns."""
     return START + np.rint(np.arange(count) * (SECOND / rate)).astype(np.int64)
 
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """An IMU and how it is run."""
+    """An IMU, its temperature and its settings."""
 
     model: ImuErrorModel
     celsius: Temperature
     quantize: bool = False  #: round to each axis's ``lsb``, and clip to its ``range``
-    #: Hz; the noise goes through a Butterworth low-pass of second order. None: the axis's own bandwidth, if it states one
+    #: Hz; the noise goes through a Butterworth low-pass of second order. None: the bandwidth that the axis states, if any
     bandwidth: float | None = None
 
     def measure(
@@ -57,22 +57,22 @@ class Sensor:
             progress: called with (axes done, axes).
 
         Raises:
-            UsageError: a bandwidth that cannot be, an axis that states no ``lsb``, an AR set of another rate.
+            UsageError: a bandwidth out of its range, an axis that states no ``lsb``, an AR set of another rate.
         """
         values = np.empty((2, time.size, 3))
         seconds = (time - time[0]) / SECOND
-        same = self.celsius.constant
-        celsius = self.celsius.at(seconds) if same is None else np.array(same)
+        constant = self.celsius.constant
+        celsius = self.celsius.at(seconds) if constant is None else np.array(constant)
         shows = shown(self.model, motion, celsius)
         for i, (axis, stream) in enumerate(zip(AXES, streams, strict=True)):
             values[i // 3, :, i % 3] = self._axis(axis, shows, celsius, rate, np.random.default_rng(stream))
             if progress is not None:
                 progress(i + 1, len(AXES))
         if not np.isfinite(values).all():
-            message = f"{self.model.name}: its figures are so large that the samples overflow"
+            message = f"{self.model.name}: its terms are so large that the samples overflow"
             raise UsageError(message)
-        told = slice(None, None, max(1, round(rate)))
-        thermometer = Scalars("/imu/temperature", time[told], self.celsius.at(seconds[told]))
+        rows = slice(None, None, max(1, round(rate)))  # one each second
+        thermometer = Scalars("/imu/temperature", time[rows], self.celsius.at(seconds[rows]))
         return ImuStream(
             "/imu/data", Triad(time, values[0]), Triad(time, values[1]), thermometer, Origin("SI", "FRD", "unix")
         )
@@ -94,13 +94,15 @@ class Sensor:
                 noise = thermal_noise(model, celsius, 1 / rate, rng)
             else:
                 noise = model.at(float(celsius)).sample(n, 1 / rate, rng)
-        except (ValueError, OverflowError) as error:  # an AR set of another rate, or one that is not stable in between
+        except (ValueError, OverflowError) as error:  # an AR set of another rate, or not stable between two set-points
             raise UsageError(str(error)) from error
         cutoff = self.bandwidth if self.bandwidth is not None else model.bandwidth
         if cutoff is None:
             return noise
         if not 1e-6 * rate < cutoff < rate / 2:
-            message = f"a bandwidth of {cutoff} Hz must lie between a millionth and half of the rate ({rate / 2} Hz)"
+            message = (
+                f"the bandwidth is {cutoff} Hz; it must be between a millionth and half of the rate ({rate / 2} Hz)"
+            )
             raise UsageError(message)
         sections = signal.butter(2, cutoff, fs=rate, output="sos")
         settled = signal.sosfilt_zi(sections) * noise[0]
@@ -109,7 +111,7 @@ class Sensor:
 
 def _quantized(values: Floats, model: AxisModel, axis: str) -> Floats:
     if not model.lsb:
-        message = f"--quantize: the model states no lsb for {axis}"
+        message = f"--quantize: the error model states no lsb for {axis}; add it, or leave --quantize out"
         raise UsageError(message)
     steps = np.rint(values / model.lsb)
     if model.range:

@@ -1,4 +1,4 @@
-"""An IMU that is set down in positions: the six faces of a cube, or many spread over all directions."""
+"""An IMU in positions at rest: on the six faces of a cube, or in many directions."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from imuwb.errors import UsageError
-from imuwb.simulation.bench import Bench, Site, check_size, noted
+from imuwb.simulation.bench import Bench, Site, check_misplacement, check_size, noted
 from imuwb.simulation.sensor import Sensor
 from imuwb.simulation.thermal import recipe_of, temperature
 
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 FACES = ("up_x", "down_x", "up_y", "down_y", "up_z", "down_z")
 FEWEST, MOST = 9, 100  #: positions spread over all directions
 TURN = 3.0  #: s from one position to the next
-MOST_TILT = 0.2  #: rad
 SITE = Site()
 
 
@@ -52,7 +51,7 @@ def six_position(
     bandwidth: float | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Positions:
-    """Return a log of each position, or one of all with turns between.
+    """Return a log of each position, or one log of all positions with turns between them.
 
     Args:
         model: one sensor; its deterministic terms are the truth.
@@ -61,22 +60,20 @@ def six_position(
         seconds: s in each position.
         rate: Hz.
         misplacement: rad, rms of each of two tilts of a position.
-        one_log: all in one log.
-        site: gravity, and the earth's rate; headings are drawn.
-        celsius: as of ``static``.
-        quantize: as of ``static``.
-        bandwidth: as of ``static``.
+        one_log: all positions in one log.
+        site: gravity, and the earth's rate; headings are random.
+        celsius: as in ``static``.
+        quantize: as in ``static``.
+        bandwidth: as in ``static``.
         progress: called with (axes done, axes).
 
     Raises:
-        UsageError: settings that cannot be.
+        UsageError: a setting out of its range.
     """
     if positions != len(FACES) and not FEWEST <= positions <= MOST:
-        message = f"{positions} positions: it must be 6, the faces of a cube, or {FEWEST} to {MOST}, spread over all directions"
+        message = f"{positions} positions are given; there must be 6 (the faces of a cube), or {FEWEST} to {MOST} (spread over all directions)"
         raise UsageError(message)
-    if not 0 <= misplacement <= MOST_TILT:
-        message = f"a misplacement of {np.degrees(misplacement):g}°: it must be 0 to {np.degrees(MOST_TILT):.0f}°"
-        raise UsageError(message)
+    check_misplacement(misplacement)
     check_size(seconds, positions, rate)
     still, turn = round(seconds * rate), round(TURN * rate)
     names = FACES if positions == len(FACES) else tuple(f"position_{i + 1:02d}" for i in range(positions))
@@ -90,9 +87,9 @@ def six_position(
     logs = Bench(rate, motion, parts).record(
         Sensor(model, temperature(celsius), quantize, bandwidth), seed, recipe, progress
     )
-    said = f"gravity {site.gravity:.6f} m/s², positions misplaced by {np.degrees(misplacement):g}° rms, seed {seed}"
+    note = f"gravity {site.gravity:.6f} m/s², positions misplaced by {np.degrees(misplacement):g}° rms, seed {seed}"
     attitudes = np.stack([np.arctan2(-wanted[:, 1], -wanted[:, 2]), np.arcsin(wanted[:, 0].clip(-1, 1))], axis=1)
-    return Positions(logs, noted(model, said), attitudes, names)
+    return Positions(logs, noted(model, note), attitudes, names)
 
 
 def spread(count: int) -> Floats:
@@ -108,7 +105,7 @@ def _faces() -> Floats:
 
 
 def tilted(up: Floats, misplacement: float, rng: np.random.Generator) -> Floats:
-    """Return a direction tilted by two normal angles about axes across it."""
+    """Return a direction tilted by two normal angles about axes at right angles to it."""
     tilt = rng.normal(0.0, 1.0, 3) * misplacement
     return Rotation.from_rotvec(tilt - up * (tilt @ up)).apply(up)
 
@@ -116,16 +113,16 @@ def tilted(up: Floats, misplacement: float, rng: np.random.Generator) -> Floats:
 def _motion(
     ups: Floats, headings: Floats, site: Site, still: int, turn: int, rate: float
 ) -> tuple[tuple[Floats, Floats], list[tuple[int, int]]]:
-    """Return angular rate and specific force all along, and the rows (first, end) of each position."""
+    """Return angular rate and specific force of all samples, and the rows (first, end) of each position."""
     rates: list[Floats] = []
     forces: list[Floats] = []
     rows: list[tuple[int, int]] = []
     at = 0
     for i, (up, heading) in enumerate(zip(ups, headings, strict=True)):
         if i:
-            moved, felt = _turn(ups[i - 1], up, turn, rate)
-            rates.append(moved)
-            forces.append(site.gravity * felt)
+            turned, ways = _turn(ups[i - 1], up, turn, rate)
+            rates.append(turned)
+            forces.append(site.gravity * ways)
             at += turn
         rates.append(np.broadcast_to(site.earth_rate(up, heading), (still, 3)))
         forces.append(np.broadcast_to(site.gravity * up, (still, 3)))
@@ -135,14 +132,14 @@ def _motion(
 
 
 def _turn(before: Floats, after: Floats, count: int, rate: float) -> tuple[Floats, Floats]:
-    """Return the body's rate and its up, (count, 3) each, over a turn that begins and ends at rest."""
-    axis = np.cross(after, before)  # what turns in the body's frame is up, the other way round
-    if np.linalg.norm(axis) < 1e-3:  # noqa: PLR2004 - upside down, or nearly: any axis across will do
+    """Return the body's rate and the direction up in it, (count, 3) each, over a turn that begins and ends at rest."""
+    axis = np.cross(after, before)  # in the body's frame up turns the other way round
+    if np.linalg.norm(axis) < 1e-3:  # noqa: PLR2004 - upside down, or nearly: any axis at right angles is right
         axis = np.cross(before, np.eye(3)[int(np.argmin(np.abs(before)))])
     axis = axis / np.linalg.norm(axis)
     angle = float(np.arctan2(np.linalg.norm(np.cross(before, after)), before @ after))
     share = (np.arange(count) + 0.5) / count
     speed = angle * np.pi / 2 * np.sin(np.pi * share) / (count / rate)
-    gone = angle * (1 - np.cos(np.pi * share)) / 2
-    up = np.asarray(Rotation.from_rotvec(-gone[:, None] * axis).apply(before), dtype=np.float64)
+    turned = angle * (1 - np.cos(np.pi * share)) / 2
+    up = np.asarray(Rotation.from_rotvec(-turned[:, None] * axis).apply(before), dtype=np.float64)
     return np.asarray(speed[:, None] * axis, dtype=np.float64), up

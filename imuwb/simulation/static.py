@@ -31,26 +31,25 @@ def static(
     bandwidth: float | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Log:
-    """Return the log of a level, still IMU: gravity on z as the model's scale factors show it, noise, no earth rate.
+    """Return the log of a level, still IMU: gravity on z with the model's deterministic terms, noise, no earth rate.
 
     Args:
         model: the sensor.
         duration: s.
         rate: Hz.
         seed: the same seed, model, rate and duration give the same log.
-        celsius: the sensor's temperature, the same all the while or over time; None: 25, and the model's own processes
-            where it has no thermal table.
+        celsius: the sensor's temperature, constant or over time; None: 25 °C.
         quantize: round to each axis's ``lsb``, and clip to its ``range``.
         bandwidth: Hz; each axis's noise goes through a Butterworth low-pass of second order. None: the
-            axis's own bandwidth, if it states one.
+            bandwidth that the axis states, if any.
         progress: called with (axes done, axes).
 
     Raises:
-        UsageError: a duration, rate or bandwidth that cannot be, or an axis that states no ``lsb``.
+        UsageError: a duration, rate or bandwidth out of its range, or an axis that states no ``lsb``.
     """
     samples = duration * rate
     if not 1e-3 <= rate <= 1e6 or not 2 <= samples <= LONGEST:  # noqa: PLR2004 - a rate needs two samples
-        message = f"{duration} s at {rate} Hz are {samples} samples; there must be 2 to {LONGEST}, at 0.001 Hz to 1 MHz"
+        message = f"{duration} s at {rate} Hz are {samples} samples; there must be 2 to {LONGEST} samples, at 0.001 Hz to 1 MHz"
         raise UsageError(message)
     sensor = Sensor(model, temperature(celsius), quantize, bandwidth)
     n = round(samples)

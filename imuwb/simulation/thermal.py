@@ -1,4 +1,4 @@
-"""How warm a sensor is over time."""
+"""The temperature of a sensor over time."""
 
 from __future__ import annotations
 
@@ -20,28 +20,32 @@ ROOM_TEMPERATURE = 25.0  #: °C
 
 @dataclass(frozen=True, slots=True)
 class Temperature:
-    """A sensor's temperature: that of its surroundings, and by how much its own electronics warm it.
+    """A sensor's temperature: that of its surroundings, and the rise by its own electronics.
 
     Raises:
-        UsageError: no corner, times that do not rise, a temperature that no sensor is at.
+        UsageError: no corner, times that do not rise, a temperature that no sensor has.
     """
 
-    corners: tuple[tuple[float, float], ...]  #: (s from the log's start, °C), rising; linear between, held beyond
-    rise: float = 0.0  #: °C, by which it warms up of itself
-    time_constant: float = 300.0  #: s, of that
+    corners: tuple[
+        tuple[float, float], ...
+    ]  #: (s from the log's start, °C), rising; straight lines between, constant before and after
+    rise: float = 0.0  #: °C, by which its own electronics warm it
+    time_constant: float = 300.0  #: s, of that rise
 
     def __post_init__(self) -> None:
         """Check the corners and the time constant."""
         seconds, celsius = [t for t, _ in self.corners], [c for _, c in self.corners]
         if not seconds or not all(map(math.isfinite, seconds)) or any(b <= a for a, b in pairwise(seconds)):
-            message = f"the times {seconds} s of a temperature's corners: there must be one, and they must rise"
+            message = (
+                f"the times of a temperature's corners are {seconds} s; there must be at least one, and they must rise"
+            )
             raise UsageError(message)
         for c in (*celsius, *(c + self.rise for c in celsius)):
             if not ABSOLUTE_ZERO < c < HOTTEST:
-                message = f"a temperature of {c} °C: no sensor is at it"
+                message = f"the temperature is {c} °C; it must be above {ABSOLUTE_ZERO} and below {HOTTEST:g} °C"
                 raise UsageError(message)
         if not (math.isfinite(self.time_constant) and self.time_constant > 0):
-            message = f"a sensor that warms up with a time constant of {self.time_constant} s: it must be above 0"
+            message = f"the time constant of a temperature is {self.time_constant} s; it must be above 0"
             raise UsageError(message)
 
     @staticmethod
@@ -55,7 +59,7 @@ class Temperature:
 
     @property
     def constant(self) -> float | None:
-        """Return the temperature, °C, if it is the same all the while; else None."""
+        """Return the temperature, °C, if it is constant; else None."""
         first = self.corners[0][1]
         return first if self.rise == 0 and all(c == first for _, c in self.corners) else None
 
@@ -66,10 +70,10 @@ class Temperature:
 
 
 def temperature(celsius: float | Temperature | None) -> Temperature:
-    """Return what a sensor is at: a number is the same all the while, None is room temperature, 25 °C.
+    """Return a temperature over time: a number is constant, None is room temperature, 25 °C.
 
     Raises:
-        UsageError: a temperature that no sensor is at.
+        UsageError: a temperature that no sensor has.
     """
     if isinstance(celsius, Temperature):
         return celsius
@@ -77,6 +81,6 @@ def temperature(celsius: float | Temperature | None) -> Temperature:
 
 
 def recipe_of(celsius: float | Temperature | None) -> float | Temperature | None:
-    """Return what tells a temperature in a log's hash: one that is the same all the while is its number."""
-    same = celsius.constant if isinstance(celsius, Temperature) else celsius
-    return celsius if same is None else same
+    """Return a temperature as a log's hash contains it: a constant one is its number."""
+    constant = celsius.constant if isinstance(celsius, Temperature) else celsius
+    return celsius if constant is None else constant

@@ -1,8 +1,8 @@
 """The noise of a sensor whose temperature changes.
 
-Amplitudes multiply a process of unit amplitude, sample by sample; steps of a random walk and of a ramp are scaled before
-they are added up; what shapes a process (a correlation time, a frequency, the coefficients of an AR set) changes within the
-recursion, whose state goes on: the output never jumps. The variance at any time is that of the temperature at that time.
+An amplitude multiplies a process of unit amplitude, sample by sample. The steps of a random walk and of a ramp are scaled
+before they are added up. A correlation time, a frequency or the coefficients of an AR set change within the recursion, whose
+state goes on, so that the output never jumps. The variance at any time is that of the temperature at that time.
 """
 
 from __future__ import annotations
@@ -33,18 +33,18 @@ if TYPE_CHECKING:
 
     Parameters = Mapping[str, Floats]  #: of a process -> (n,) at each sample
 
-PIECE = 0.25  #: °C, over which an AR set is held
+PIECE = 0.25  #: °C, over which an AR set is constant
 SMALL = 1e-3  #: dt/Tc, below which a difference of tanh cancels
 
 
 def thermal_noise(model: AxisModel, celsius: Floats, dt: float, rng: np.random.Generator) -> Floats:
-    """Return an axis's noise at temperatures, a sample each.
+    """Return an axis's noise, one sample for each temperature.
 
     Args:
         model: its processes at set-points.
         celsius: (n,) °C.
         dt: s.
-        rng: of all draws; the terms are drawn one after the other.
+        rng: for all draws; the terms are drawn one after another.
 
     Returns:
         (n,) in the axis's unit.
@@ -61,14 +61,14 @@ def thermal_noise(model: AxisModel, celsius: Floats, dt: float, rng: np.random.G
             total += _autoregressive(model, place, celsius, dt, rng)
             continue
         if type(term) not in RULES:
-            message = f"{term} has no rule for a temperature that changes"
+            message = f"{term} has no rule for a changing temperature"
             raise ValueError(message)
         total += RULES[type(term)](_parameters(model, place, celsius), dt, rng)
     return total
 
 
 def _parameters(model: AxisModel, place: int, celsius: Floats) -> Parameters:
-    """Return a term's parameters at each sample, as ``AxisModel.at`` has them."""
+    """Return a term's parameters at each sample, as ``AxisModel.at`` computes them."""
     terms: list[Any] = [sums.terms[place] for _, sums in model.thermal]
     points = [t for t, _ in model.thermal]
     return {f.name: np.interp(celsius, points, [getattr(term, f.name) for term in terms]) for f in fields(terms[0])}
@@ -85,7 +85,7 @@ def _times(unit: Any, name: str) -> Callable[[Parameters, float, np.random.Gener
 
 def _random_walk(p: Parameters, dt: float, rng: np.random.Generator) -> Floats:
     steps = rng.standard_normal((2, p["K"].size)) * (p["K"] * np.sqrt(dt))
-    # As of a walk at one temperature: the mean of a step's ends, and a bridge of variance 1/12.
+    # As in a walk at one temperature: the mean of a step's ends, and a bridge of variance 1/12.
     return np.cumsum(steps[0]) - steps[0] / 2 + steps[1] / np.sqrt(12)
 
 
@@ -101,8 +101,8 @@ def _sinusoid(p: Parameters, dt: float, rng: np.random.Generator) -> Floats:
 
 
 def _gauss_markov(p: Parameters, dt: float, rng: np.random.Generator) -> Floats:
-    """Return averages over dt: given both ends of a step, of mean (a + b) tanh(x/2)/x with x = dt/Tc, and normal about it."""
-    from imuwb.simulation.recursion import carried  # noqa: PLC0415 - numba is slow to import, and seldom needed
+    """Return averages over dt: given both ends of a step, they are normal with mean (a + b) tanh(x/2)/x, x = dt/Tc."""
+    from imuwb.simulation.recursion import carried  # noqa: PLC0415 - numba is slow to import
 
     x = dt / p["Tc"]
     start = rng.standard_normal()
@@ -114,13 +114,13 @@ def _gauss_markov(p: Parameters, dt: float, rng: np.random.Generator) -> Floats:
 
 
 def _autoregressive(model: AxisModel, place: int, celsius: Floats, dt: float, rng: np.random.Generator) -> Floats:
-    """Return a series whose set is changed every quarter of a degree, while its past goes on."""
+    """Return a series whose AR set changes every quarter of a degree, while its past values stay."""
     edges = np.flatnonzero(np.diff(np.floor(celsius / PIECE))) + 1
-    found: list[Floats] = []
+    series: list[Floats] = []
     past = np.empty(0)  # the newest first
     for piece in np.split(celsius, edges):
         term: Any = model.at(float(piece.mean())).terms[place]
-        if not found:
+        if not series:
             order = len(term.alpha)
             past = term.sample(order, dt, rng)[::-1] if order else past
         driving = term.beta0 * rng.standard_normal(piece.size)
@@ -128,11 +128,11 @@ def _autoregressive(model: AxisModel, place: int, celsius: Floats, dt: float, rn
         state = signal.lfiltic([1.0], taps, past)
         values = signal.lfilter([1.0], taps, driving, zi=state)[0] if past.size else driving
         past = np.concatenate([values[::-1][: past.size], past])[: past.size]
-        found.append(values)
-    return np.concatenate(found)
+        series.append(values)
+    return np.concatenate(series)
 
 
-#: what to do with each process; of an AR set the recursion itself changes
+#: process -> its rule; an AR set has none, as its recursion changes
 RULES: dict[type, Callable[[Parameters, float, np.random.Generator], Floats]] = {
     WhiteNoise: _times(WhiteNoise(1.0), "N"),
     Quantization: _times(Quantization(1.0), "Q"),

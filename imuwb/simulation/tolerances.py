@@ -1,4 +1,4 @@
-"""One specimen of a sensor: what a data sheet's tolerances leave open, drawn once."""
+"""One specimen of a sensor: its turn-on biases and its errors within the tolerances of a data sheet, drawn once."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _DRAWS = 0x7201E  #: keeps these draws apart from those of noise with the same s
 
 @dataclass(frozen=True, slots=True)
 class Tolerances:
-    """Largest deviations, each drawn evenly between minus and plus; what InvenSense states of an MPU-6050."""
+    """Largest errors, each drawn from a uniform distribution; defaults: the data sheet of InvenSense's MPU-6050."""
 
     scale_factor: float = 0.03
     cross_axis: float = 0.02  #: rad
@@ -29,7 +29,7 @@ class Tolerances:
 
 
 def specimen(model: ImuErrorModel, seed: int, tolerances: Tolerances | None) -> ImuErrorModel:
-    """Return one sensor of a kind: its turn-on biases drawn once, and its tolerances.
+    """Return one sensor of a kind, its turn-on biases and its errors within the tolerances drawn.
 
     Args:
         model: the kind. A ``Constant`` process becomes a bias, normally distributed.

@@ -1,4 +1,4 @@
-"""What an engine and a road shake an IMU by: without mean, and no part of the true trajectory."""
+"""Vibration by an engine and a road: its mean is zero, and it is no part of the true trajectory."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ if TYPE_CHECKING:
     from imuwb.log import Floats
 
 BAND = (5.0, 50.0)  #: Hz, of the road
-ENGINE = 27.0  #: Hz; a four-cylinder engine that idles fires so often
-ENGINES_PART = 0.5  #: of the variance
+ENGINE = 27.0  #: Hz, at which a four-cylinder engine fires when it idles
+ENGINE_SHARE = 0.5  #: of the variance
 ROTATION = 0.01  #: rad/s for each m/s²
-LOWEST_RATE = 60.0  #: Hz, which still shows the engine where it is
+LOWEST_RATE = 60.0  #: Hz, at which the engine is still below half the rate
 STRONGEST = 100.0  #: m/s²
 
 
@@ -27,23 +27,21 @@ def vibration(count: int, rate: float, strength: float, rng: np.random.Generator
         count: samples.
         rate: Hz.
         strength: m/s², rms of each accelerometer axis; a gyro's is 0.01 rad/s for each m/s².
-        rng: draws it.
+        rng: for all draws.
 
     Returns:
         (n, 3) rad/s and (n, 3) m/s², FRD
 
     Raises:
-        UsageError: a strength that cannot be, or a rate that cannot show it.
+        UsageError: a strength out of its range, or a rate too low to show the engine.
     """
     if not 0 <= strength <= STRONGEST or rate < LOWEST_RATE:
-        message = (
-            f"a vibration of {strength} m/s² at {rate} Hz: it must be 0 to {STRONGEST:g}, at {LOWEST_RATE:g} Hz or more"
-        )
+        message = f"the vibration is {strength} m/s² at {rate} Hz; it must be 0 to {STRONGEST:g} m/s², at {LOWEST_RATE:g} Hz or more"
         raise UsageError(message)
     sections = signal.butter(4, (BAND[0], min(BAND[1], 0.45 * rate)), "bandpass", fs=rate, output="sos")
     broad = signal.sosfilt(sections, rng.standard_normal((count, 6)), axis=0)
-    broad *= np.sqrt(1 - ENGINES_PART) / broad.std(axis=0)
+    broad *= np.sqrt(1 - ENGINE_SHARE) / broad.std(axis=0)
     phase = rng.uniform(0, 2 * np.pi, 6)
     line = np.sin(2 * np.pi * ENGINE / rate * np.arange(count)[:, None] + phase)
-    shaken = strength * (broad + np.sqrt(2 * ENGINES_PART) * line)
-    return ROTATION * shaken[:, :3], shaken[:, 3:]
+    shaking = strength * (broad + np.sqrt(2 * ENGINE_SHARE) * line)
+    return ROTATION * shaking[:, :3], shaking[:, 3:]

@@ -1,7 +1,8 @@
-"""From a Log to a file."""
+"""Write a Log to files."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from imuwb.errors import UsageError
@@ -9,7 +10,6 @@ from imuwb.writers.beside import beside, write_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     from imuwb.log import Log
 
@@ -20,20 +20,21 @@ __all__ = ["SUFFIXES", "beside", "places", "write", "write_text"]
 SUFFIXES = (".mcap", ".csv")
 
 
-def places(log: Log, path: Path) -> tuple[Path, ...]:
-    """Return the files that ``write`` would make: CSV has a table for each kind of stream, and a sidecar beside it."""
+def places(log: Log, path: str | Path) -> tuple[Path, ...]:
+    """Return the files that ``write`` would make; CSV has a table for each kind of stream, and a sidecar beside each table."""
+    path = Path(path)
     if path.suffix != ".csv":
         return (path,)
-    from imuwb.writers import csv_text  # noqa: PLC0415 - only what is asked for
+    from imuwb.writers import csv_text  # noqa: PLC0415 - pyarrow is slow to import
 
     return csv_text.places(log, path)
 
 
-def write(log: Log, path: Path, progress: Progress | None = None) -> None:
-    """Write a log; the suffix chooses the format.
+def write(log: Log, path: str | Path, progress: Progress | None = None) -> None:
+    """Write a log; the suffix of the path is the format.
 
     Args:
-        log: what to write.
+        log: the log.
         path: ``*.mcap`` (ROS 2 messages) or ``*.csv``.
         progress: called with (rows done, rows).
 
@@ -41,8 +42,9 @@ def write(log: Log, path: Path, progress: Progress | None = None) -> None:
         UsageError: another suffix.
         ImuwbError: the file cannot be written.
     """
+    path = Path(path)
     if path.suffix == ".mcap":
-        from imuwb.writers.mcap_log import write_mcap  # noqa: PLC0415 - only what is asked for
+        from imuwb.writers.mcap_log import write_mcap  # noqa: PLC0415 - only the writer that is needed
 
         write_mcap(log, path, progress)
     elif path.suffix == ".csv":
@@ -50,5 +52,5 @@ def write(log: Log, path: Path, progress: Progress | None = None) -> None:
 
         write_csv(log, path, progress)
     else:
-        message = f"{path}: a log is written as {' or '.join(SUFFIXES)}; {path.suffix or 'no suffix'!r} is neither"
+        message = f"{path}: the suffix is {path.suffix!r}; it must be {' or '.join(SUFFIXES)}"
         raise UsageError(message)

@@ -1,31 +1,31 @@
-"""Files that appear whole or not at all: written beside their place, then renamed."""
+"""Files that appear whole or not at all: each is written beside its place, then renamed."""
 
 from __future__ import annotations
 
 import os
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from imuwb.errors import ImuwbError
 
 if TYPE_CHECKING:
     from collections.abc import Generator
-    from pathlib import Path
 
 
 def partial(path: Path) -> Path:
-    """Return the name under which a file is written until it is whole."""
+    """Return the path to which a file is written until it is whole."""
     return path.with_name(f".{path.name}.{os.getpid()}.partial")
 
 
 @contextmanager
-def beside(path: Path) -> Generator[Path]:
-    """Give a name to write to; behind the block the file stands at ``path``, or, on an error, nowhere.
+def beside(path: str | Path) -> Generator[Path]:
+    """Yield a path to write to; after the block the file stands at ``path``, or nowhere if there was an error.
 
     Raises:
-        ImuwbError: the place cannot be written.
+        ImuwbError: the file cannot be written.
     """
-    path = path.resolve()  # a link stays a link, to the new file
+    path = Path(path).resolve()  # a link stays a link, to the new file
     temporary = partial(path)
     try:
         yield temporary
@@ -37,7 +37,7 @@ def beside(path: Path) -> Generator[Path]:
         temporary.unlink(missing_ok=True)
 
 
-def write_text(path: Path, text: str) -> None:
+def write_text(path: str | Path, text: str) -> None:
     """Write a text file, whole or not at all."""
     with beside(path) as temporary:
         temporary.write_text(text, "utf-8")

@@ -1,6 +1,6 @@
-"""CSV with unit-bearing names; numbers in full, so that reading gives back every bit.
+"""CSV with units in the column names, and numbers with all digits, so that reading gives back every bit.
 
-A sidecar beside each table, as the reader takes it, keeps what numbers do not say: the body frame, and where times count from.
+Each table has a sidecar, which the reader takes too: the body frame, and the epoch that times count from.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _WAYS = ("north", "east", "down")
 
 
 def places(log: Log, path: Path) -> tuple[Path, ...]:
-    """Return the files that a log becomes: tables, and beside each what its numbers do not say."""
+    """Return the files that a log becomes: the tables, and the sidecar of each."""
     return tuple(file for table in _tables(log, path).values() for file in (table, _sidecar(table)))
 
 
@@ -35,23 +35,23 @@ def _sidecar(table: Path) -> Path:
 
 
 def _tables(log: Log, path: Path) -> dict[str, Path]:
-    """Return the tables by kind: the IMU's is ``path``, the others' have the kind in their name."""
+    """Return {kind: table}: the first kind has ``path``, the others have the kind in their name."""
     kinds = {"imu": log.imus, "gnss": log.gnss, "speed": log.speeds, "reference": log.references}
     there = [kind for kind, streams in kinds.items() if streams]
     return {kind: path if kind == there[0] else path.with_name(f"{path.stem}.{kind}.csv") for kind in there}
 
 
 def write_csv(log: Log, path: Path, progress: Callable[[int, int], None] | None = None) -> None:
-    """Write the log's IMU, receiver, speed and reference, each to a table of its own with a sidecar beside it.
+    """Write the log's IMU, receiver, speed and reference, each to a table of its own with a sidecar.
 
     Raises:
-        MissingDataError: more than one stream of a kind, or triads on two clocks; one table has room for one clock.
+        MissingDataError: more than one stream of a kind, or triads on two clocks: a table has one clock.
     """
     kinds = {"imu": log.imus, "gnss": log.gnss, "speed": log.speeds, "reference": log.references}
     several = {kind: [s.name for s in streams] for kind, streams in kinds.items() if len(streams) > 1}
     if several:
         what = "; ".join(f"{kind}: {', '.join(names)}" for kind, names in several.items())
-        message = f"a CSV file holds one stream of a kind, and this log has more ({what}); --imu takes one IMU, .mcap holds all"
+        message = f"{path}: a CSV table has one stream of a kind, and this log has more ({what}); choose an IMU with --imu, or write .mcap"
         raise MissingDataError(message)
     made = [
         *map(_table, log.imus), *map(_gnss_table, log.gnss), *map(_speed_table, log.speeds), *map(_reference_table, log.references),
@@ -68,13 +68,11 @@ def write_csv(log: Log, path: Path, progress: Callable[[int, int], None] | None 
                 if progress is not None:
                     progress(done + min(start + ROWS, table.num_rows), rows)
         done += table.num_rows
-        # A speed has no origin of its own: it runs on the clock of the others.
+        # A speed has no origin of its own: it has the clock of the others.
         origins = [stream.origin.epoch for stream in kinds[kind] if not isinstance(stream, Scalars)]
         epoch = (*origins, *epochs, "log")[0]
         frame = 'frame = "FRD"\n' if kind == "imu" else ""
-        write_text(
-            _sidecar(place), f'# What the numbers of {place.name} do not say themselves.\n{frame}epoch = "{epoch}"\n'
-        )
+        write_text(_sidecar(place), f'# Frame and epoch of {place.name}.\n{frame}epoch = "{epoch}"\n')
 
 
 def _gnss_table(gnss: GnssStream) -> pa.Table:
@@ -119,7 +117,7 @@ def _table(imu: ImuStream) -> pa.Table:
     columns: dict[str, Any] = {"time_ns": time}
     for name, triad in there.items():
         if not np.array_equal(triad.time, time):
-            message = f"{imu.name}: gyro and accelerometer have clocks of their own; one CSV table has room for one"
+            message = f"{imu.name}: gyro and accelerometer have different clocks, and a CSV table has one; write .mcap"
             raise MissingDataError(message)
         for column, axis in enumerate("xyz"):
             columns[name.format(axis)] = np.ascontiguousarray(triad.value[:, column])

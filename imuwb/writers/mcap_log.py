@@ -1,7 +1,7 @@
-"""MCAP with ROS 2 messages (cdr, zstd) that other tools open; written a chunk at a time, not a message.
+"""MCAP with ROS 2 messages (cdr, zstd) that other tools open; whole chunks are written, not single messages.
 
-Messages of one stream are alike but for their numbers, so a chunk is one array of records. ROS bodies
-are forward-left-up (REP 145): y and z change sign on the way out as they do on the way in.
+The messages of a stream differ in their numbers only, so that a chunk is one array of records. ROS bodies are
+forward-left-up (REP 145): y and z change sign, as they do when a log is read.
 Specification: https://mcap.dev/spec
 """
 
@@ -34,7 +34,7 @@ MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX, STATISTICS, METADATA, METADATA_INDEX, DATA_END = (
     0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x07, 0x08, 0x0B, 0x0C, 0x0D, 0x0F,
 )  # fmt: skip
-OURS = "imuwb"  #: name of our metadata
+OURS = "imuwb"  #: name of the metadata that imuwb writes
 ROWS = 12_000  #: of the fastest stream in a chunk, about 4 MB
 LAST = 2**63 - 1  #: ns
 STAMPS_END = 2**31 * 10**9  #: ns; seconds of a stamp are an int32
@@ -42,7 +42,7 @@ STAMPS_END = 2**31 * 10**9  #: ns; seconds of a stamp are an int32
 
 @dataclass(slots=True)
 class _Index:
-    """What the summary at the end of the file says."""
+    """The contents of the summary at the end of the file."""
 
     chunks: list[bytes] = field(default_factory=list[bytes])
     metadata: list[bytes] = field(default_factory=list[bytes])
@@ -52,25 +52,29 @@ class _Index:
 
 
 def write_mcap(log: Log, path: Path, progress: Progress | None = None) -> None:
-    """Write all streams of a log as ROS 2 messages, in chunks in the order of time."""
-    found = topics(log)
-    late = next((topic.name for topic in found if topic.time.size and topic.time[-1] >= STAMPS_END), None)
+    """Write all streams of a log as ROS 2 messages, in chunks in the order of time.
+
+    Raises:
+        MissingDataError: times after 2038, which the stamps of ROS 2 do not reach.
+    """
+    streams = topics(log)
+    late = next((topic.name for topic in streams if topic.time.size and topic.time[-1] >= STAMPS_END), None)
     if late is not None:
-        message = f"{path}: {late} has times after 2038, which a ROS 2 message cannot tell; write .csv"
+        message = f"{path}: {late} has times after 2038, which the stamps of ROS 2 do not reach; write .csv"
         raise MissingDataError(message)
     with beside(path) as temporary, temporary.open("wb") as file:
         file.write(MAGIC + _record(HEADER, _text("ros2") + _text("imuwb")))
-        declared = _declarations([(topic.name, topic.schema) for topic in found])
+        declared = _declarations([(topic.name, topic.schema) for topic in streams])
         file.write(declared)
         index = _Index()
         _write_heights(file, log, index)
-        fastest = max(found, key=lambda topic: topic.time.size).time if found else np.empty(0, np.int64)
-        begins = [0] * len(found)
+        fastest = max(streams, key=lambda topic: topic.time.size).time if streams else np.empty(0, np.int64)
+        begins = [0] * len(streams)
         for start in range(0, fastest.size, ROWS):
-            # A chunk ends where so many rows of the fastest stream do; the others bring what lies before.
+            # A chunk has so many rows of the fastest stream; the rows of the others up to the same time go with them.
             until = int(fastest[start + ROWS]) - 1 if start + ROWS < fastest.size else LAST
             parts: list[NDArray[np.void]] = []
-            for place, topic in enumerate(found):
+            for place, topic in enumerate(streams):
                 begin, end = begins[place], int(np.searchsorted(topic.time, until, side="right"))
                 if end > begin:
                     parts.append(stamped(topic.fill(begin, end), place + 1, topic.time[begin:end], begin, MESSAGE))
@@ -80,19 +84,19 @@ def write_mcap(log: Log, path: Path, progress: Progress | None = None) -> None:
             if progress is not None:
                 progress(min(start + ROWS, fastest.size), fastest.size)
         file.write(_record(DATA_END, struct.pack("<I", 0)))
-        _write_summary(file, declared, index, len(found))
+        _write_summary(file, declared, index, len(streams))
 
 
 def _write_heights(file: BinaryIO, log: Log, index: _Index) -> None:
-    """Say which streams' heights are above mean sea level, which no message has room for."""
-    said = {
+    """Write which streams have heights above mean sea level, as no message has a field for it."""
+    heights = {
         stream.name: f"heights are {MEAN_SEA_LEVEL}"
         for stream in (*log.gnss, *log.references)
         if stream.origin.above_sea
     }
-    if not said:
+    if not heights:
         return
-    pairs = b"".join(_text(name) + _text(what) for name, what in said.items())
+    pairs = b"".join(_text(name) + _text(what) for name, what in heights.items())
     record = _record(METADATA, _text(OURS) + struct.pack("<I", len(pairs)) + pairs)
     index.metadata.append(_record(METADATA_INDEX, struct.pack("<QQ", file.tell(), len(record)) + _text(OURS)))
     file.write(record)

@@ -1,4 +1,4 @@
-"""A log's streams as ROS 2 messages: definitions, and rows of bytes laid out as CDR lays them out."""
+"""A log's streams as ROS 2 messages: their definitions, and rows of bytes in the layout of CDR."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 FRAME_ID = "imu_link"
 FRD_TO_FLU = np.array([1.0, -1.0, -1.0])
-ABSENT = -1.0  #: first element of a covariance: there is no such measurement
-UNTOLD = -2  #: status of a fix of which nothing is told (ROS 2: unknown)
+ABSENT = -1.0  #: first element of a covariance: the message has no such measurement
+UNKNOWN = -2  #: status of a fix whose type is unknown
 KNOWN_DIAGONAL = 2  #: NavSatFix: the covariance's diagonal is known
 _HEADER = "std_msgs/Header header"
 _PARTS = {
@@ -44,7 +44,7 @@ _MESSAGES = {
     ),
     "geometry_msgs/msg/TwistWithCovarianceStamped": "geometry_msgs/TwistWithCovariance twist\n",
     "geometry_msgs/msg/TwistStamped": "geometry_msgs/Twist twist\n",
-    # What no common message holds, with names that say units: SI, rad, north-east-down.
+    # No common message has these fields. Units: SI, rad; north-east-down.
     "imuwb_msgs/msg/FixType": "uint8 fix_type\n",
     "imuwb_msgs/msg/Reference": (
         "float64[3] latitude_longitude_height\nfloat64[3] velocity_north_east_down\nfloat64[3] roll_pitch_heading\n"
@@ -53,7 +53,7 @@ _MESSAGES = {
 
 
 def definition(schema: str) -> str:
-    """Return the whole definition of a message, as ``ros2msg`` wants it."""
+    """Return the whole definition of a message in the form of ``ros2msg``."""
     ruler = "=" * 80 + "\n"
     texts = [
         f"{_HEADER}\n{_MESSAGES[schema]}",
@@ -63,7 +63,7 @@ def definition(schema: str) -> str:
 
 
 def _used(schema: str, part: str) -> bool:
-    """Return whether a message holds a part, directly or within another."""
+    """Return whether a message has a part, directly or within another part."""
     texts, seen = [_HEADER, _MESSAGES[schema]], set[str]()
     while texts:
         text = texts.pop()
@@ -74,7 +74,7 @@ def _used(schema: str, part: str) -> bool:
 
 
 _FRAME = np.frombuffer(FRAME_ID.encode() + b"\0", np.uint8)
-#: a message record: MCAP's own header, then the CDR message; the string is padded to where doubles begin
+#: a message record: the header of MCAP, then the CDR message; padding after the string aligns the doubles
 _RECORD: list[tuple[Any, ...]] = [
     ("opcode", "u1"), ("size", "<u8"), ("channel", "<u2"), ("sequence", "<u4"), ("log_time", "<u8"),
     ("publish_time", "<u8"), ("encapsulation", "u1", (4,)), ("sec", "<i4"), ("nanosec", "<u4"), ("length", "<u4"),
@@ -86,7 +86,7 @@ _IMU = np.dtype([
     ("rate_covariance", "<f8", (9,)), ("force", "<f8", (3,)), ("force_covariance", "<f8", (9,)),
 ])  # fmt: skip
 _TEMPERATURE = np.dtype([*_RECORD, *_TO_DOUBLES, ("temperature", "<f8"), ("variance", "<f8")])
-_FIX = np.dtype([  # status stands where the string ends; service is aligned to two, doubles to eight
+_FIX = np.dtype([  # status follows the string; service is aligned to two bytes, doubles to eight
     *_RECORD, ("status", "i1"), ("between", "u1", (1 - (12 + _FRAME.size) % 2,)), ("service", "<u2"),
     ("padding", "u1", (-(12 + _FRAME.size + 1 + (1 - (12 + _FRAME.size) % 2) + 2) % 8,)), ("position", "<f8", (3,)),
     ("covariance", "<f8", (9,)), ("covariance_type", "u1"),
@@ -113,15 +113,16 @@ class Topic:
 
 def topics(log: Log) -> list[Topic]:
     """Return all streams of a log as messages."""
-    found = [topic for imu in log.imus for topic in _imu(imu)]
-    found += [topic for gnss in log.gnss for topic in _gnss(gnss)]
-    found += [_speed(speed) for speed in log.speeds]
-    found += [_reference(reference) for reference in log.references]
-    return found
+    return [
+        *(topic for imu in log.imus for topic in _imu(imu)),
+        *(topic for gnss in log.gnss for topic in _gnss(gnss)),
+        *map(_speed, log.speeds),
+        *map(_reference, log.references),
+    ]
 
 
 def stamped(rows: NDArray[np.void], channel: int, time: Nanoseconds, first: int, opcode: int) -> NDArray[np.void]:
-    """Return rows as whole records: with the container's header, the stamp, and the frame's name."""
+    """Return rows as whole records: with the header of MCAP, the stamp, and the name of the frame."""
     rows["opcode"] = opcode
     rows["size"] = rows.dtype.itemsize - 9
     rows["channel"] = channel
@@ -150,37 +151,39 @@ def _imu(imu: ImuStream) -> Iterator[Topic]:
                     rows[field] = part.value[start:end] * FRD_TO_FLU
             return rows
 
-        # Sensors with clocks of their own are two topics, which a reader joins.
+        # Sensors with different clocks are two topics, which a reader joins.
         yield Topic(imu.name if together else f"{imu.name}/{sensor}", "sensor_msgs/msg/Imu", triad.time, motion)
-    warmth = imu.temperature
-    if warmth is not None:
+    if imu.temperature is not None:
+        yield _temperature(imu.name, imu.temperature)
 
-        def temperature(start: int, end: int) -> NDArray[np.void]:
-            rows = np.zeros(end - start, _TEMPERATURE)
-            rows["temperature"] = warmth.value[start:end]
-            return rows
 
-        topic = warmth.name if warmth.name != imu.name else f"{imu.name}/temperature"
-        yield Topic(topic, "sensor_msgs/msg/Temperature", warmth.time, temperature)
+def _temperature(imu: str, celsius: Scalars) -> Topic:
+    def rows_of(start: int, end: int) -> NDArray[np.void]:
+        rows = np.zeros(end - start, _TEMPERATURE)
+        rows["temperature"] = celsius.value[start:end]
+        return rows
+
+    topic = celsius.name if celsius.name != imu else f"{imu}/temperature"
+    return Topic(topic, "sensor_msgs/msg/Temperature", celsius.time, rows_of)
 
 
 def _gnss(gnss: GnssStream) -> Iterator[Topic]:
     def fix(start: int, end: int) -> NDArray[np.void]:
         rows = np.zeros(end - start, _FIX)
         rows["service"] = 1
-        rows["status"] = UNTOLD
-        if gnss.fix_type is not None:  # 0 and 1: none; from 4 on with corrections of a satellite or of the ground
+        rows["status"] = UNKNOWN
+        if gnss.fix_type is not None:  # 0 and 1: no fix; from 4 on: with corrections
             kind = gnss.fix_type[start:end]
-            rows["status"] = np.select([kind < 2, kind > 4, kind == 4], [-1, 2, 1], 0)  # noqa: PLR2004 - as MAVLink counts
+            rows["status"] = np.select([kind < 2, kind > 4, kind == 4], [-1, 2, 1], 0)  # noqa: PLR2004 - the fix types of MAVLink
         rows["position"] = gnss.position[start:end] * (180 / np.pi, 180 / np.pi, 1.0)
         if gnss.position_sigma is not None:
             rows["covariance"][:, [4, 0, 8]] = np.nan_to_num(gnss.position_sigma[start:end]) ** 2
-            told = np.isfinite(gnss.position_sigma[start:end]).all(axis=1)
-            rows["covariance_type"] = np.where(told, KNOWN_DIAGONAL, 0)
+            known = np.isfinite(gnss.position_sigma[start:end]).all(axis=1)
+            rows["covariance_type"] = np.where(known, KNOWN_DIAGONAL, 0)
         return rows
 
     yield Topic(gnss.name, "sensor_msgs/msg/NavSatFix", gnss.time, fix)
-    velocity, sigma, kinds = gnss.velocity, gnss.velocity_sigma, gnss.fix_type
+    velocity, sigma, fix_type = gnss.velocity, gnss.velocity_sigma, gnss.fix_type
     if velocity is not None:
 
         def moving(start: int, end: int) -> NDArray[np.void]:
@@ -192,14 +195,14 @@ def _gnss(gnss: GnssStream) -> Iterator[Topic]:
 
         topic = f"{gnss.name}/gnss_velocity"
         yield Topic(topic, "geometry_msgs/msg/TwistWithCovarianceStamped", gnss.time, moving)
-    if kinds is not None:
+    if fix_type is not None:
 
-        def of_kind(start: int, end: int) -> NDArray[np.void]:
+        def types(start: int, end: int) -> NDArray[np.void]:
             rows = np.zeros(end - start, _FIX_TYPE)
-            rows["fix_type"] = kinds[start:end]
+            rows["fix_type"] = fix_type[start:end]
             return rows
 
-        yield Topic(f"{gnss.name}/fix_type", "imuwb_msgs/msg/FixType", gnss.time, of_kind)
+        yield Topic(f"{gnss.name}/fix_type", "imuwb_msgs/msg/FixType", gnss.time, types)
 
 
 def _speed(speed: Scalars) -> Topic:

@@ -1,7 +1,8 @@
-"""Trajectories for other tools: TUM (evo), KML (maps on the desk), CSV; MCAP goes the way of logs."""
+"""Trajectories for other tools: TUM (evo), KML (Google Earth and other maps), CSV and MCAP."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,8 +12,6 @@ from imuwb.log import SECOND, Log, Provenance
 from imuwb.writers.beside import beside, write_text
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from imuwb.log import Floats, Reference
 
 SUFFIXES = (".tum", ".kml", ".csv", ".mcap")
@@ -20,15 +19,16 @@ MOST_POINTS = 20_000  #: of a KML line
 EARTH_RADIUS = 6_378_137.0
 
 
-def check_trajectory(path: Path) -> None:
-    """Raise UsageError unless the suffix is one of those that are written."""
-    if path.suffix not in SUFFIXES:
-        message = f"{path}: a trajectory ends in {', '.join(SUFFIXES)}"
+def check_trajectory(path: str | Path) -> None:
+    """Raise UsageError unless the suffix is a format of trajectories."""
+    suffix = Path(path).suffix
+    if suffix not in SUFFIXES:
+        message = f"{path}: the suffix is {suffix!r}; that of a trajectory must be one of {', '.join(SUFFIXES)}"
         raise UsageError(message)
 
 
-def write_trajectory(reference: Reference, quaternion: Floats, path: Path) -> None:
-    """Write a trajectory; the suffix is the format.
+def write_trajectory(reference: Reference, quaternion: Floats, path: str | Path) -> None:
+    """Write a trajectory; the suffix of the path is the format.
 
     Args:
         reference: time, position, velocity and attitude.
@@ -39,8 +39,9 @@ def write_trajectory(reference: Reference, quaternion: Floats, path: Path) -> No
         UsageError: no such format.
     """
     check_trajectory(path)
+    path = Path(path)
     if path.suffix in (".csv", ".mcap"):
-        from imuwb.writers import write  # noqa: PLC0415 - it imports what this module does not need
+        from imuwb.writers import write  # noqa: PLC0415 - the other formats do not need it
 
         write(Log(Provenance(reference.name, "imuwb", "", 0), references=(reference,)), path)
     elif path.suffix == ".tum":
@@ -50,7 +51,7 @@ def write_trajectory(reference: Reference, quaternion: Floats, path: Path) -> No
 
 
 def _write_tum(reference: Reference, quaternion: Floats, path: Path) -> None:
-    """Write lines of time in s, x y z in m and a quaternion x y z w, in north, east and down of the first point."""
+    """Write lines of time (s), x y z (m) and quaternion x y z w; north, east and down from the first point."""
     first = reference.position[0]
     north = (reference.position[:, 0] - first[0]) * EARTH_RADIUS
     east = (reference.position[:, 1] - first[1]) * EARTH_RADIUS * np.cos(first[0])

@@ -45,8 +45,8 @@ def test_set_points_go_from_the_first_to_the_last():
         (-30, 60, float("nan"), "must lead"),
         (-30, 60, 0.1, "901 set-points"),
         (0, 0.01, 1e-4, "0.001"),
-        (-300, 60, 10, "no sensor"),
-        (0, float("inf"), 10, "no sensor"),
+        (-300, 60, 10, "-273.15"),
+        (0, float("inf"), 10, "-273.15"),
     ],
 )
 def test_set_points_that_cannot_be_are_refused(first, last, step, why):

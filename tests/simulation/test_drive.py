@@ -131,7 +131,7 @@ def test_before_the_start_it_stands_and_behind_the_end_there_is_nothing(town):
     early, start = town.state(np.array([-5.0])), town.state(np.array([0.0]))
     assert np.array_equal(early.position, start.position)
     assert not early.velocity.any()
-    with pytest.raises(ValueError, match="beyond the end"):
+    with pytest.raises(ValueError, match="1038"):
         town.state(np.array([town.duration + 1]))
 
 
@@ -319,7 +319,7 @@ def test_every_stream_survives_mcap(short, tmp_path):
         (lambda: drive(IDEAL, mixed_route(90), 0, rate=5), "20 to 10000"),
         (lambda: drive(IDEAL, mixed_route(90), 0, truth_rate=0), "truth"),
         (lambda: drive(IDEAL, mixed_route(90), 0, rate=50, vibration=1), "60 Hz or more"),
-        (lambda: drive(IDEAL, mixed_route(90), 0, celsius=-300), "no sensor"),
+        (lambda: drive(IDEAL, mixed_route(90), 0, celsius=-300), "-273.15"),
     ],
 )
 def test_what_cannot_be_is_refused_with_its_reason(make, why):

@@ -55,7 +55,7 @@ def test_the_earths_horizontal_rate_goes_round_with_the_table():
         (RATES, {"axes": "xq"}, "axis is 'xq'"),
         (RATES, {"axes": "xx"}, "axis is 'xx'"),
         (RATES, {"misplacement": -1.0}, "misplacement"),
-        (RATES, {"seconds": 0.0}, "in each place are 0 samples"),
+        (RATES, {"seconds": 0.0}, "are 0 samples"),
     ],
 )
 def test_settings_that_cannot_be(rates, settings, message):

@@ -88,11 +88,11 @@ def test_the_same_seed_gives_the_same_samples():
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"positions": 7}, "7 positions: it must be 6"),
+        ({"positions": 7}, "7 positions .* 6"),
         ({"positions": 101}, "101 positions"),
-        ({"misplacement": 1.0}, "misplacement of 57"),
-        ({"seconds": 0.0}, "0 s at 50 Hz in each place are 0 samples"),
-        ({"seconds": float("nan")}, "in each place"),
+        ({"misplacement": 1.0}, "misplacement is 57"),
+        ({"seconds": 0.0}, "0 s at 50 Hz .* 0 samples"),
+        ({"seconds": float("nan")}, "nan samples"),
         ({"rate": 0.1, "seconds": 1000.0}, "at 0.1 Hz"),
         ({"seconds": 1e9}, "samples"),
     ],

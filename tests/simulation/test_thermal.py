@@ -33,7 +33,7 @@ def test_electronics_warm_themselves_up():
 @pytest.mark.parametrize(
     ("make", "why"),
     [
-        (lambda: Temperature(()), "there must be one"),
+        (lambda: Temperature(()), "at least one"),
         (lambda: Temperature(((0.0, 1.0), (0.0, 2.0))), "must rise"),
         (lambda: Temperature(((float("nan"), 1.0),)), "must rise"),
         (lambda: Temperature(((0.0, -300.0),)), "-300"),

@@ -224,7 +224,7 @@ def test_csv_of_a_receiver_that_at_first_tells_little(back, rows):
 def test_csv_has_room_for_one_stream_of_a_kind_and_says_which_there_are(fresh):
     path = fresh("run.csv")
     log = log_of(imu_of(), gnss=(gnss_of("/front"), gnss_of("/rear")))
-    with pytest.raises(MissingDataError, match=r"gnss: /front, /rear.*\.mcap holds all"):
+    with pytest.raises(MissingDataError, match="gnss: /front, /rear"):
         write(log, path)
     assert list(path.parent.iterdir()) == []
 
