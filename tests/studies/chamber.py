@@ -1,25 +1,24 @@
-"""A climate chamber of El-Diasty's two units: does the interval of N hold the truth, and what is AR(1) behind a filter?
+"""Test the coverage of N in a climate chamber, and fit AR(1) after low-pass filters, for El-Diasty's two units.
 
-The presets ``motionpakii`` and ``ahrs300cc`` (table 1 at its four temperatures, linear between, the y axis's values on all
-axes), -30 to 60 °C in steps of 10, 3 h at 100 Hz each, by ``identify`` and ``over_temperature``. Wanted: N inside its 95 % interval in
-93 to 97 % of all axes, temperatures and seeds.
+The presets ``motionpakii`` and ``ahrs300cc`` hold table 1 at its four temperatures, interpolate linearly between them, and
+have the y axis's values on all axes. The chamber goes from -30 to 60 °C in steps of 10 °C, with 3 h at 100 Hz at each step;
+``identify`` and ``over_temperature`` estimate N. Goal: the 95 % interval contains the true N in 93 to 97 % of all axes,
+temperatures and seeds.
 
-AR(1) behind Kaiser low-passes of 8, 16 and 24 Hz, of the y axes of seed 0, beside tables 2 to 5: the presets are white,
-so that theirs follows from the filter alone (table 2's own coefficients are put through the same filters in
-``filtered_ar1.py``). The paper's figures are read from ``../shared/papers/tables.toml`` where there is such a file.
+AR(1) is fitted to the y axes of seed 0 after Kaiser low-passes of 8, 16 and 24 Hz, and stands beside tables 2 to 5. The presets
+are white, so their coefficient follows from the filter alone; ``filtered_ar1.py`` filters table 2's own coefficients in the same
+way. The tables show the paper's figures where the folder of recordings has them (tests/recordings.py).
 
 Command: ``python tests/studies/chamber.py`` (5 seeds: about 4 minutes in one process).
-Seeds: the log of preset p at temperature k, seed s, has all six axes of ``SeedSequence([p, k, s])``.
+Seeds: ``SeedSequence([p, k, s])`` makes all six axes of the log of preset p at temperature k with seed s.
 """
 
 from __future__ import annotations
 
-import tomllib
 from functools import cache
-from pathlib import Path
 
 import numpy as np
-from study_report import Share, Table, main, over_records, verdict
+from study_report import GOALS, Share, Table, main, over_records, published, verdict
 
 from imuwb.conditioning import design_kaiser, filtered
 from imuwb.identification.temperature import Record, first_order, identify, over_temperature
@@ -27,19 +26,18 @@ from imuwb.log import AXES
 from imuwb.simulation import preset
 from imuwb.units import coefficient_units
 
-QUESTION = "A chamber of two published units: N by temperature, and AR(1) by temperature and cut-off"
+QUESTION = "Two published units in a climate chamber: N by temperature, AR(1) by temperature and cut-off"
 PRESETS = ("motionpakii", "ahrs300cc")
 CELSIUS = tuple(range(-30, 61, 10))
 TABULATED = (-30, 0, 30, 60)
 RATE, HOURS, CUTOFFS = 100.0, 3.0, (None, 8.0, 16.0, 24.0)
 LOW, HIGH = 0.93, 0.97
-PAPER = Path(__file__).parents[2] / ".." / "shared" / "papers" / "tables.toml"
 NAMES = {"motionpakii": "MotionPakII", "ahrs300cc": "AHRS300CC"}
 
 
 @cache
 def taps(cutoff):
-    """Return the filter of a cutoff in Hz, 4 Hz from pass to stop band."""
+    """Return the taps of the low-pass with this cut-off (Hz), with 4 Hz from pass band to stop band."""
     return design_kaiser(RATE, cutoff - 2.0, cutoff + 2.0, 100.0).taps
 
 
@@ -55,7 +53,7 @@ def samples(unit, place, seed, hours):
 
 
 def record(unit, seed, hours):
-    """Return, of one unit's chamber, {axis: ((truth, N, lower, upper) at each temperature, whether it depends)} and AR(1)s."""
+    """Return {axis: ([(truth, N, lower, upper) by temperature], N depends on temperature, kind of N(T))} and {(axis, °C, cut-off): AR(1)}."""
     points = {axis: [] for axis in AXES}
     first = {}
     for place, t in enumerate(CELSIUS):
@@ -66,23 +64,23 @@ def record(unit, seed, hours):
                     series = x if cutoff is None else filtered(x, taps(cutoff))
                     f = first_order([Record(series, 0.0, float(t))], 1 / RATE)
                     first[axis, t, cutoff] = (f.alpha, f.sigma, f.sigma_if_ar)
-    found = {}
-    for axis, some in points.items():
-        over = over_temperature(some)
+    white = {}
+    for axis, by_temperature in points.items():
+        over = over_temperature(by_temperature)
         rows = []
         for t, p in zip(CELSIUS, over.points, strict=True):
             n = p.coefficients["N"]
             rows.append((preset(PRESETS[unit]).axes[axis].at(t).terms[0].N, n.value or 0.0, n.lower or 0.0, n.upper))
-        found[axis] = rows, bool(over.dependence["N"].depends), over.laws["N"].function.kind
-    return found, first
+        white[axis] = rows, bool(over.dependence["N"].depends), over.laws["N"].function.kind
+    return white, first
 
 
 def study(seeds=5, hours=HOURS, workers=1):
-    """Return the tables: a summary, N by temperature, AR(1) without filter and behind each."""
+    """Return the tables: a summary, N by temperature, AR(1) without a filter and after each filter."""
     jobs = [(unit, seed, hours) for unit in range(len(PRESETS)) for seed in range(seeds)]
     done = dict(zip(jobs, over_records(record, jobs, workers), strict=True))
     cells = [
-        (job[0], axis, row) for job, (found, _) in done.items() for axis, (rows, *_) in found.items() for row in rows
+        (job[0], axis, row) for job, (white, _) in done.items() for axis, (rows, *_) in white.items() for row in rows
     ]
     first = {unit: done[unit, 0, hours][1] for unit in range(len(PRESETS))}
     return (
@@ -93,24 +91,24 @@ def study(seeds=5, hours=HOURS, workers=1):
 
 
 def inside(cells):
-    """Return how many intervals hold the truth."""
+    """Return the share of intervals that contain the truth."""
     return Share(sum(lower <= true <= upper for *_, (true, _, lower, upper) in cells), len(cells))
 
 
 def _summary(cells, done):
-    both = inside(cells)
-    rows = [("N inside its 95 % interval, all", "93 to 97 %", both, verdict(LOW <= both.value <= HIGH))]
+    every = inside(cells)
+    rows = [("coverage of N by its 95 % interval, all", "93 to 97 %", every, verdict(LOW <= every.value <= HIGH))]
     for unit, name in enumerate(PRESETS):
-        for sensor, what in (("gyro", "angular random walk"), ("accel", "velocity random walk")):
-            some = [c for c in cells if c[0] == unit and c[1].startswith(sensor)]
-            rows.append((f"{name}, {what}", "–", inside(some), "–"))
+        for sensor, term in (("gyro", "angle random walk"), ("accel", "velocity random walk")):
+            own = [c for c in cells if c[0] == unit and c[1].startswith(sensor)]
+            rows.append((f"coverage of {term}, {name}", "–", inside(own), "–"))
     error = np.array([n / true - 1 for *_, (true, n, _, _) in cells])
     rows.append(("rms error of N, %", "–", f"{100 * np.sqrt(np.mean(error**2)):.4f}", "–"))
     bound = 100 / (2 * HOURS * 3600 * RATE) ** 0.5
-    rows.append(("its bound were nothing else unknown, for 3 h, %", "–", f"{bound:.4f}", "–"))
-    told = [depends for found, _ in done.values() for _, depends, _ in found.values()]
-    rows.append(("N found to depend on temperature", "all", Share(sum(told), len(told)), "–"))
-    return Table("What was wanted", ("figure", "wanted", "reached", "verdict"), tuple(rows))
+    rows.append(("bound of that error for 3 h if all else is known, %", "–", f"{bound:.4f}", "–"))
+    depends = [depends for white, _ in done.values() for _, depends, _ in white.values()]
+    rows.append(("test finds that N depends on temperature", "all", Share(sum(depends), len(depends)), "–"))
+    return Table("Goals", GOALS, tuple(rows))
 
 
 def _white(done, unit, seeds, hours):
@@ -121,7 +119,7 @@ def _white(done, unit, seeds, hours):
             display = coefficient_units(axis, "N")[1]
             true, value, lower, upper = done[unit, 0, hours][0][axis][0][place]
             sensor = axis.partition("_")[0]
-            some = [
+            own = [
                 (unit, a, done[unit, seed, hours][0][a][0][place])
                 for seed in range(seeds)
                 for a in AXES
@@ -130,25 +128,19 @@ def _white(done, unit, seeds, hours):
             cells += [f"{display.from_si(true):.4f}"]
             cells += [
                 f"{display.from_si(value):.4f} [{display.from_si(lower):.4f}, {display.from_si(upper):.4f}]",
-                str(inside(some)),
+                str(inside(own)),
             ]
         rows.append(tuple(cells))
-    headings = (
-        "°C",
-        "ARW, true, deg/√h",
-        "y axis, seed 0",
-        "held, 3 axes",
-        "VRW, true, m/s/√h",
-        "y axis, seed 0",
-        "held, 3 axes",
-    )
+    figures = [
+        (f"true {name}", "estimate, y axis, seed 0", "coverage, 3 axes") for name in ("ARW, deg/√h", "VRW, m/s/√h")
+    ]
+    headings = ("°C", *figures[0], *figures[1])
     return Table(f"{NAMES[PRESETS[unit]]} (table 1 at -30, 0, 30 and 60 °C)", headings, tuple(rows))
 
 
-@cache
 def printed():
-    """Return the paper's coefficients; nothing where they are not there."""
-    return tomllib.loads(PAPER.read_text("utf-8"))["eldiasty"]["ar1"] if PAPER.exists() else {}
+    """Return the paper's coefficients; an empty dict where the file is absent."""
+    return published("eldiasty").get("ar1", {})
 
 
 def _ar1(first, cutoff):
@@ -160,27 +152,18 @@ def _ar1(first, cutoff):
                 paper = (
                     printed().get(f"{NAMES[name]}_{short}", {}).get("none" if cutoff is None else f"fc{cutoff:g}", [])
                 )
-                told = (f"{paper[place]:.4f}",) if paper else ()
-                rows.append((NAMES[name], axis, t, f"{alpha:.5f} ± {sigma:.1g}", f"{ideal:.1g}", *told))
+                theirs = (f"{paper[place]:.4f}",) if paper else ()
+                rows.append((NAMES[name], axis, t, f"{alpha:.5f} ± {sigma:.1g}", f"{ideal:.1g}", *theirs))
     number = {None: 2, 8.0: 3, 16.0: 4, 24.0: 5}[cutoff]
-    title = "AR(1) without a filter" if cutoff is None else f"AR(1) behind a low-pass of {cutoff:g} Hz"
-    note = "x(n) = -alpha x(n-1) + beta0 w(n). ± Bartlett's standard error."
-    headings = (
-        "unit",
-        "axis",
-        "°C",
-        "alpha of the white preset",
-        "error were it an AR(1)",
-        *(("paper",) if printed() else ()),
-    )
+    title = "AR(1) without a filter" if cutoff is None else f"AR(1) after a low-pass of {cutoff:g} Hz"
+    note = "x(n) = -alpha x(n-1) + beta0 w(n); ± is Bartlett's standard error."
+    headings = ("unit", "axis", "°C", "alpha of the white preset", "standard error if it were AR(1)")
+    headings += ("paper",) if printed() else ()
     return Table(f"{title} (table {number})", headings, tuple(rows), note)
 
 
 if __name__ == "__main__":
     main(
-        __file__,
-        QUESTION,
-        study,
-        5,
+        __file__, QUESTION, study, 5,
         lambda n: f"seeds (p, k, 0..{n - 1}) for presets p = 0, 1 and temperatures k = 0..9",
-    )
+    )  # fmt: skip

@@ -1,4 +1,4 @@
-"""What tests of the studies share."""
+"""The fixture that loads a study for a test."""
 
 import sys
 from importlib.util import module_from_spec, spec_from_file_location
@@ -11,14 +11,14 @@ HERE = Path(__file__).parent
 
 @pytest.fixture(scope="module")
 def load():
-    """Load a study by its path, as ``python tests/studies/NAME.py`` would find its neighbours."""
+    """Return a function that imports a study by its name; a study imports the files beside it."""
     sys.path.insert(0, str(HERE))
 
-    def loaded(name):
+    def study(name):
         spec = spec_from_file_location(f"study_{name}", HERE / f"{name}.py")
         module = module_from_spec(spec)
         spec.loader.exec_module(module)
         return module
 
-    yield loaded
+    yield study
     sys.path.remove(str(HERE))

@@ -1,11 +1,12 @@
-"""How often does a least-squares spectrum claim a line where there is none, and how small a line does it find?
+"""Count the false alarms of the least-squares spectrum, and measure its power to find a line.
 
-4,096 samples at 100 Hz of white noise, of AR(1) with 0.9, and of a random walk; a constant and a trend are estimated with every
-line, the noise's parameters are estimated, two frequencies to each of Fourier's. Counted is how many frequencies exceed the
-99 % level of one frequency, and how many records hold one that exceeds the 99 % level of the record. Likewise for ``local``
-noise over white noise and AR(1), which assumes neither; and for the tests whether noise is a random walk or AR(1).
+Records are 4,096 samples at 100 Hz of white noise, of AR(1) noise of 0.9, and of a random walk. A constant and a trend are
+estimated with every line, the parameters of the noise are estimated, and there are two frequencies to each Fourier frequency.
+The study counts the frequencies that exceed the 99 % level of one frequency, and the records with a frequency that exceeds the
+99 % level of the record. It does the same for ``local`` noise, which assumes no structure, on white noise and AR(1) noise. It
+also counts how often the tests for a random walk and for AR(1) reject a true and a wrong structure.
 
-Then a line of growing amplitude at a random frequency is added, 1,000 records each.
+For the power, a line of increasing amplitude at a random frequency is added to 1,000 records of each noise.
 
 Command: ``nice python tests/studies/lssa_false_alarms.py`` (20,000 records of each: about 8 minutes in two processes).
 Seeds: record r of noise k uses ``default_rng([k, r])``.
@@ -15,7 +16,7 @@ from __future__ import annotations
 
 import os
 
-os.environ.setdefault("OMP_NUM_THREADS", "1")  # small products; threads only get in each other's way
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # matrix products are small: threads would slow each other down
 
 import numpy as np
 from scipy import signal
@@ -43,7 +44,7 @@ CASES = {
     "local, of white noise": ("white", Noise("local")),
     "local, of AR(1), 0.9": ("ar", Noise("local")),
 }
-#: amplitude of a line over the noise's level, as A²n/(4 sigma²): the exceedance it adds on the average
+#: A²n/(4 sigma²) of a line of amplitude A, where sigma² is the noise's level: the mean exceedance that the line adds
 STRENGTHS = (4.0, 8.0, 12.0, 16.0, 24.0, 32.0)
 LINES = 1000
 
@@ -59,19 +60,19 @@ def noise_of(kind, seed):
 
 
 def false_alarms(case, first, last):
-    """Return frequencies, those above their level, records, those with one above the record's."""
+    """Return the numbers of frequencies, of frequencies above their level, of records, of records with a frequency above the record's level."""
     kind, noise = CASES[case]
     counts = np.zeros(4, dtype=int)
     for seed in range(first, last):
         spectrum = least_squares_spectrum(adjust(TIME, noise_of(kind, seed), KNOWN, noise))
-        found = significance(spectrum, 0.99)
-        looked = found.exceedance > 0
-        counts += (looked.sum(), (found.exceedance > found.one).sum(), 1, (found.exceedance > found.record).any())
+        levels = significance(spectrum, 0.99)
+        tested = levels.exceedance > 0
+        counts += (tested.sum(), (levels.exceedance > levels.one).sum(), 1, (levels.exceedance > levels.record).any())
     return counts
 
 
 def refusals(first, last):
-    """Return how often a true structure, and a wrong one, is refused at 1 %."""
+    """Return the number of records, and of rejections at 1 % of two true and two wrong structures."""
     counts = np.zeros(5, dtype=int)
     for seed in range(first, last):
         white, coloured, walk = (adjust(TIME, noise_of(k, seed), KNOWN).residual for k in ("white", "ar", "walk"))
@@ -83,7 +84,7 @@ def refusals(first, last):
 
 
 def finds(case, strength, first, last):
-    """Return how many records show an added line above the record's level, at its frequency."""
+    """Return the numbers of records, and of records that show the added line above the record's level at its frequency."""
     kind, noise = CASES[case]
     counts = np.zeros(2, dtype=int)
     for seed in range(first, last):
@@ -95,9 +96,9 @@ def finds(case, strength, first, last):
         size = np.sqrt(4 * strength / SAMPLES) * level
         series = noise_of(kind, 10**6 + seed) + size * np.cos(2 * np.pi * f * TIME + phase)
         spectrum = least_squares_spectrum(adjust(TIME, series, KNOWN, noise))
-        found = significance(spectrum, 0.99)
+        levels = significance(spectrum, 0.99)
         near = np.abs(spectrum.frequency - f) < 1.5 / TIME[-1]
-        counts += (1, (found.exceedance[near] > found.record).any())
+        counts += (1, (levels.exceedance[near] > levels.record).any())
     return counts
 
 
@@ -106,26 +107,29 @@ def study(records=20_000, workers=2):
     blocks = [(first, min(first + BLOCK, records)) for first in range(0, records, BLOCK)]
     rows = []
     for case in CASES:
-        looked, one, count, record = sum(over_records(false_alarms, [(case, *b) for b in blocks], workers))
+        tested, above, count, record = sum(over_records(false_alarms, [(case, *b) for b in blocks], workers))
         share = Share(int(record), int(count))
-        good = 0.008 <= one / looked <= 0.012 and 0.008 <= share.value <= 0.012
-        rows.append((case, int(count), f"{100 * one / looked:.3f} %", _per_cent(share), verdict(good)))
+        good = 0.008 <= above / tested <= 0.012 and 0.008 <= share.value <= 0.012
+        rows.append((case, int(count), f"{100 * above / tested:.3f} %", share.text(2), verdict(good)))
     alarms = Table(
-        "False alarms at 99 %",
-        ("noise", "records", "one frequency", "anywhere in the record", "0.8 to 1.2 %"),
+        "False alarms at the 99 % levels",
+        (
+            "noise", "records", "frequencies above their level", "records with a frequency above the record's level",
+            "goal: 0.8 to 1.2 %",
+        ),
         tuple(rows),
-    )
-    few = max(records // 10, 20)
+    )  # fmt: skip
+    fewer = max(records // 10, 20)
     count, walk, ar, other, mixed = sum(
-        over_records(refusals, [(a, min(a + BLOCK, few)) for a in range(0, few, BLOCK)], workers)
+        over_records(refusals, [(a, min(a + BLOCK, fewer)) for a in range(0, fewer, BLOCK)], workers)
     )
     tests = Table(
-        "Tests of the structure at 1 %: how often it is refused", ("noise", "hypothesis", "refused"),
+        "Tests of the structure at 1 %", ("noise", "hypothesis", "rejected"),
         (
-            ("random walk", "random walk", _per_cent(Share(int(walk), int(count)))),
-            ("AR(1), 0.9", "AR(1)", _per_cent(Share(int(ar), int(count)))),
-            ("AR(1), 0.9", "random walk", _per_cent(Share(int(other), int(count)))),
-            ("white and a tenth of a random walk", "AR(1)", _per_cent(Share(int(mixed), int(count)))),
+            ("random walk", "random walk", Share(int(walk), int(count)).text(2)),
+            ("AR(1), 0.9", "AR(1)", Share(int(ar), int(count)).text(2)),
+            ("AR(1), 0.9", "random walk", Share(int(other), int(count)).text(2)),
+            ("white and a tenth of a random walk", "AR(1)", Share(int(mixed), int(count)).text(2)),
         ),
     )  # fmt: skip
     lines = min(LINES, records)
@@ -138,15 +142,10 @@ def study(records=20_000, workers=2):
             cells.append(f"{100 * hits / count:.0f} %")
         rows.append((f"{strength:g}", *cells))
     power = Table(
-        "Records in which an added line is found", ("A²n/4 over the noise's level squared", *CASES), tuple(rows),
-        f"{lines} records each; the level is that of the noise at the line's frequency; above the 99 % level of the record.",
+        "Share of records in which an added line is found", ("A²n/4 over the squared level of the noise", *CASES), tuple(rows),
+        f"{lines} records of each noise. The level of the noise is that at the line's frequency. A line is found above the 99 % level of the record.",
     )  # fmt: skip
     return alarms, tests, power
-
-
-def _per_cent(share):
-    low, high = share.interval
-    return f"{100 * share.value:.2f} % ({100 * low:.2f}–{100 * high:.2f})"
 
 
 if __name__ == "__main__":

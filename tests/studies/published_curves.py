@@ -1,49 +1,48 @@
-"""What does ``fit_allan`` make of published Allan curves of real sensors?
+"""Fit published Allan curves of real sensors with ``fit_allan``.
 
-Five static records, from navigation to MEMS grade, as the R package avar publishes them: overlapping Allan variances at octaves
-from two samples on, with the number of samples and the rate. Each curve, without its record, becomes an ``AllanDeviation`` and
-goes to ``fit_allan``. There is no truth here: the table shows what is found, from which averaging time on the sum
-explains the curve, and how well.
+The R package avar publishes the curves of five static records, from navigation grade to MEMS: overlapping Allan variances at
+octaves from two samples on, with the number of samples and the rate. Each curve becomes an ``AllanDeviation`` without its record
+and goes to ``fit_allan``. The true coefficients are unknown: the tables show the estimates, the averaging time from which the
+sum of processes explains the curve, and the quality of the fit.
 
-The files name no units. The fit needs none, so its figures are in the unit that is stored, times the power of a second
-that each coefficient has. Which unit that is can only be guessed from the sensors' data sheets: the guess is printed with what it
-rests on, and one column is worked out with it.
+The files name no units. The fit needs no unit, so its figures are in the stored unit, times the power of a second that each
+coefficient has. The stored unit can only be guessed from the sensors' data sheets: the last table gives each guess and its
+reason, and one column of the second table uses the guess.
 
-Command: ``python tests/studies/published_curves.py`` (some seconds); reads ``../shared/data/vectors/smac_avar/*_av.csv`` from the
-repository's root and does nothing where there are none. No seeds.
+Command: ``python tests/studies/published_curves.py`` (some seconds). It reads ``data/vectors/smac_avar/*_av.csv`` in the folder
+of recordings (tests/recordings.py), and does nothing where there are no such files. There are no seeds.
 """
 
 from __future__ import annotations
 
 import csv
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from scipy import stats
-from study_report import Table, main
+from study_report import FOLDER, Table, main
 
 from imuwb.identification import AllanDeviation, equivalent_degrees_of_freedom, fit_allan
 from imuwb.identification.allan_variance.term_selection import ACCEPTED
 
-QUESTION = "Published Allan curves, fitted"
-CURVES = Path(__file__).parents[2] / ".." / "shared" / "data" / "vectors" / "smac_avar"
+QUESTION = "Fits of published Allan curves"
+CURVES = FOLDER / "data" / "vectors" / "smac_avar"
 LETTERS = ("Q", "N", "B", "K", "R")
 LEVEL = 0.95
 MOST_OFF = 1e-6
-#: What the magnitudes say: {(file, sensor): (unit, why)}; no file states it. What is usual is as data sheets have it, roughly.
+#: {(file, sensor): (unit, reason)}, guessed from magnitudes: no file states a unit. "Usual" is a rough figure of data sheets.
 GUESSES = {
-    ("adis", "Gyroscope"): ("deg/s", "N near the usual 2 deg/√h; in rad/s it would be 60 times that"),
-    ("adis", "Accelerometer"): ("g", "B near the usual 0.2 mg; in m/s² it would be a tenth of that"),
-    ("imar", "Gyroscope"): ("deg/s", "N is 0.002 deg/√h, as of navigation grade; in rad/s it would be tactical grade. Unsure"),
-    ("kvh1750", "Gyroscope"): ("deg/s", "N and B somewhat below the usual 0.01 deg/√h and 0.05 deg/h; in rad/s ten times above. Unsure"),
-    ("kvh1750", "Accelerometer"): ("g", "B near the usual 0.05 mg; in m/s² it would be a tenth of that. Unsure"),
-    ("ln200", "Gyroscope"): ("rad/s", "N near the usual 0.05 deg/√h; in deg/s it would be a sixtieth of that"),
-    ("ln200", "Accelerometer"): ("m/s²", "as the same file's gyroscopes are in SI: N is 10 µg/√Hz, in g it would be 100; usual is 50. Unsure"),
-    ("navchip", "Gyroscope"): ("rad/s", "N near the usual 0.2 deg/√h; in deg/s it would be a sixtieth of that"),
-    ("navchip", "Accelerometer"): ("m/s²", "N near the usual 50 µg/√Hz; in g it would be ten times that"),
+    ("adis", "Gyroscope"): ("deg/s", "N is near the usual 2 deg/√h; in rad/s N would be 60 times that"),
+    ("adis", "Accelerometer"): ("g", "B is near the usual 0.2 mg; in m/s² B would be a tenth of that"),
+    ("imar", "Gyroscope"): ("deg/s", "N is 0.002 deg/√h, which is navigation grade; in rad/s N would be tactical grade. Unsure"),
+    ("kvh1750", "Gyroscope"): ("deg/s", "N and B are somewhat below the usual 0.01 deg/√h and 0.05 deg/h; in rad/s they would be ten times above. Unsure"),
+    ("kvh1750", "Accelerometer"): ("g", "B is near the usual 0.05 mg; in m/s² B would be a tenth of that. Unsure"),
+    ("ln200", "Gyroscope"): ("rad/s", "N is near the usual 0.05 deg/√h; in deg/s N would be a sixtieth of that"),
+    ("ln200", "Accelerometer"): ("m/s²", "the gyroscopes of the same file are in SI; N is 10 µg/√Hz, in g N would be 100; 50 is usual. Unsure"),
+    ("navchip", "Gyroscope"): ("rad/s", "N is near the usual 0.2 deg/√h; in deg/s N would be a sixtieth of that"),
+    ("navchip", "Accelerometer"): ("m/s²", "N is near the usual 50 µg/√Hz; in g N would be ten times that"),
 }  # fmt: skip
-#: N in 1 unit/√Hz, in the unit that data sheets use
+#: unit of a record -> (unit of N on data sheets, N of 1 unit/√Hz in it)
 SHEETS = {"deg/s": ("deg/√h", 60.0), "rad/s": ("deg/√h", 60 * 180 / np.pi), "g": ("µg/√Hz", 1e6), "m/s²": ("µg/√Hz", 1e6 / 9.80665)}  # fmt: skip
 
 
@@ -57,25 +56,25 @@ class Published(NamedTuple):
     curve: AllanDeviation
 
 
-def published(folder=CURVES):
-    """Return every axis of every file; none where there are none."""
-    found = []
+def published_axes(folder=CURVES):
+    """Return every axis of every file of a folder; an empty list where the folder has no such file."""
+    axes = []
     for path in sorted(folder.glob("*_av.csv")):
         with path.open(encoding="utf-8") as text:
             rows = list(csv.DictReader(text))
         for kind, axis in dict.fromkeys((row["type"], row["axis"]) for row in rows):
-            mine = [row for row in rows if (row["type"], row["axis"]) == (kind, axis)]
-            found.append(Published(path.name.removesuffix("_av.csv"), mine[0]["sensor"], kind, axis, curve_of(mine)))
-    return found
+            own = [row for row in rows if (row["type"], row["axis"]) == (kind, axis)]
+            axes.append(Published(path.name.removesuffix("_av.csv"), own[0]["sensor"], kind, axis, curve_of(own)))
+    return axes
 
 
 def curve_of(rows):
-    """Return the curve of one axis. Intervals and their degrees of freedom are as for white noise; the fit uses neither."""
+    """Return the curve of one axis. Its intervals and degrees of freedom assume white noise; the fit does not use them."""
     n, rate = int(rows[0]["n"]), float(rows[0]["freq"])
     tau, variance = (np.array([float(row[name]) for row in rows]) for name in ("tau", "avar"))
     factor = np.rint(tau * rate).astype(np.int64)
     if np.abs(factor / (tau * rate) - 1).max() > MOST_OFF:
-        message = "averaging times that are no multiples of the sampling interval"
+        message = "an averaging time is not a multiple of the sampling interval"
         raise ValueError(message)
     deviation = np.sqrt(variance)
     edf = np.array([equivalent_degrees_of_freedom(int(m), n, 0) for m in factor])
@@ -86,10 +85,10 @@ def curve_of(rows):
 
 
 def study(records=0, folder=CURVES):
-    """Return the tables: coefficients of every axis, how well the sum explains the curve, the units that were guessed."""
-    fits = [(one, fit_allan(one.curve)) for one in published(folder)]
+    """Return the tables: coefficients of every axis, quality of the fits, guessed units."""
+    fits = [(axis, fit_allan(axis.curve)) for axis in published_axes(folder)]
     if not fits:
-        return (Table("Nothing", ("file",), (), f"There are no curves in {folder.name}."),)
+        return (Table("No curves", ("file",), (), f"The folder {folder} contains no *_av.csv."),)
     return (_coefficients(fits), _misfits(fits), _guesses(fits))
 
 
@@ -98,58 +97,58 @@ def _cell(coefficient):
     return f"< {c.upper:.3g}" if c.value is None else f"{c.value:.4g} ({c.lower or 0:.3g}–{c.upper:.3g})"
 
 
-def _said(one, fit):
-    word = "yes" if fit.probability > ACCEPTED else "NO"
-    return word if fit.shortest <= one.curve.averaging_time[0] else f"{word}, from {fit.shortest:g} s on"
+def _explained(axis, fit):
+    answer = "yes" if fit.probability > ACCEPTED else "NO"
+    return answer if fit.shortest <= axis.curve.averaging_time[0] else f"{answer}, from {fit.shortest:g} s on"
 
 
 def _coefficients(fits):
     rows = tuple(
-        (one.sensor, one.kind, one.axis, *(_cell(fit.coefficients[letter]) for letter in LETTERS), _said(one, fit))
-        for one, fit in fits
+        (a.sensor, a.kind, a.axis, *(_cell(fit.coefficients[letter]) for letter in LETTERS), _explained(a, fit))
+        for a, fit in fits
     )
     note = (
-        "In the unit u that is stored, with 95 % intervals; < is an upper limit of a term that was not identified. Where the sum "
-        "does not explain the curve the intervals are widened. A curve alone cannot tell a line from quantization noise: the "
-        "ADIS 16405's accelerometers have one at 0.56 Hz, found in the record itself, and what is called Q there is that line "
-        "(in the record, with the line taken off, Q is a limit and N is 0.26 m/s/√h)."
+        "u is the stored unit; intervals are at 95 %; < is the upper limit of a term that was not identified. Where the sum of "
+        "processes does not explain the curve, the intervals are widened. A curve alone cannot distinguish a line from quantization "
+        "noise: the record of the ADIS 16405's accelerometers has a line at 0.56 Hz, and the Q of this table is that line "
+        "(after removal of the line from the record, Q is not identified and N is 0.26 m/s/√h)."
     )
-    headings = ("sensor", "type", "axis", "Q, u·s", "N, u·√s", "B, u", "K, u/√s", "R, u/s", "explained")
+    headings = ("sensor", "type", "axis", "Q, u·s", "N, u·√s", "B, u", "K, u/√s", "R, u/s", "curve explained")
     return Table("Coefficients", headings, rows, note)
 
 
 def _misfits(fits):
     rows = []
-    for one, fit in fits:
-        unit, _ = GUESSES.get((one.file, one.kind), ("?", ""))
+    for axis, fit in fits:
+        unit, _ = GUESSES.get((axis.file, axis.kind), ("?", ""))
         sheet, scale = SHEETS.get(unit, ("", 1.0))
         n = fit.coefficients["N"]
         flat = next((r for r in fit.regions if r.letter == "B"), None)
         rows.append((
-            one.sensor, one.kind, one.axis, f"{one.curve.dt * one.curve.n / 3600:.2g} h", f"{fit.shortest:g}", fit.misfit, f"{fit.probability:.2g}",
+            axis.sensor, axis.kind, axis.axis, f"{axis.curve.dt * axis.curve.n / 3600:.2g} h", f"{fit.shortest:g}", fit.misfit, f"{fit.probability:.2g}",
             "–" if flat is None else f"{flat.start:g}–{flat.end:g}",
             "–" if n.value is None else f"{n.value * scale:.3g} {sheet}",
         ))  # fmt: skip
-    note = "Explained from: the shortest averaging time in the fit. The last column holds if the guessed unit does."
+    note = "The curve is explained from the shortest averaging time in the fit. The last column is right if the guessed unit is right."
     return Table(
-        "How well the sum explains the curve",
+        "Quality of the fits",
         (
-            "sensor", "type", "axis", "record", "explained from tau, s", "chi-square over degrees of freedom", "probability",
-            "flat region, s", "N if the unit is right",
+            "sensor", "type", "axis", "length of the record", "curve explained from, s", "chi-square over degrees of freedom",
+            "probability of a larger chi-square", "flat region, s", "N in the guessed unit",
         ),
         tuple(rows), note,
     )  # fmt: skip
 
 
 def _guesses(fits):
-    known = dict.fromkeys((one.file, one.sensor, one.kind) for one, _ in fits)
+    known = dict.fromkeys((axis.file, axis.sensor, axis.kind) for axis, _ in fits)
     rows = [(sensor, kind, *GUESSES.get((file, kind), ("unknown", "–"))) for file, sensor, kind in known]
-    note = "The files and the package's documentation name no unit; these are guesses from magnitudes."
-    return Table("Units, guessed", ("sensor", "type", "unit", "because"), tuple(rows), note)
+    note = "The files and the documentation of the package name no unit; these units are guessed from magnitudes."
+    return Table("Guessed units", ("sensor", "type", "unit", "reason"), tuple(rows), note)
 
 
 if __name__ == "__main__":
     if any(CURVES.glob("*_av.csv")):
         main(__file__, QUESTION, study, 0, lambda _: "curves of the R package avar (SMAC-Group/avar, data/*_av.rda)")
     else:
-        print("there are no published curves at ../shared/data/vectors/smac_avar; nothing was done")
+        print(f"The folder {CURVES} contains no published curves (*_av.csv); the study did nothing.")

@@ -1,13 +1,13 @@
-"""Are the published coefficients found again in records that were made from them (Quinchia and others 2013)?
+"""Recover the published coefficients from records that are simulated with them (Quinchia and others 2013).
 
-Preset 3dm-gx3-25 (table 4): 7 h at 100 Hz, six axes; each axis by ``fit_likelihood``, ``fit_allan`` of an octave curve and
-``fit_spectrum``. Printed are the recovered means beside table 4, how often the likelihood's 95 % intervals hold it,
-and in how many cells (axis, and N, B or K, where both have a value) the spectrum and the Allan variance agree: within
-z √(sa² + sb²), each s a half width over z. Wanted: at least 93 %. Both see the same record, so chance
-alone would part them in fewer than 5 %.
+Preset 3dm-gx3-25 (table 4): 7 h at 100 Hz, six axes. Each axis goes through ``fit_likelihood``, ``fit_allan`` of an octave
+curve and ``fit_spectrum``. The tables show the recovered means beside table 4, how often the 95 % intervals of the likelihood
+contain table 4's values, and in how many cells (axis, and N, B or K, where both estimators identify it) the spectrum and the
+Allan variance agree: their difference is within z √(sa² + sb²), where each s is a half width divided by z. Goal: at least
+93 %. Both estimators use the same record, so chance alone makes them differ in fewer than 5 % of cells.
 
-Preset 3dm-gx3-25-gm (tables 4 and 5): how often ``choose_model`` puts N + GM first on the gyro axes, its correlation
-time and size beside the preset's, and the correlation time as the papers read it, from the flat part's centre.
+Preset 3dm-gx3-25-gm (tables 4 and 5): how often ``choose_model`` ranks N + GM first on the gyro axes, its correlation
+time and sigma beside the preset's, and the correlation time as the papers read it, from the centre of the flat part.
 
 Command: ``python tests/studies/quinchia.py`` (20 records of the first preset, half as many of the second: about 10
 minutes in one process).
@@ -19,7 +19,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from study_report import Share, Table, main, over_records, verdict
+from study_report import Share, Table, main, over_records, pooled, verdict
 
 from imuwb.identification import (
     AllanFit,
@@ -35,16 +35,16 @@ from imuwb.simulation import preset
 from imuwb.stochastic import GaussMarkov
 from imuwb.units import UNITS, coefficient_units
 
-QUESTION = "Quinchia's tables 4 and 5, found again"
+QUESTION = "Quinchia's tables 4 and 5, recovered from simulated records"
 FLICKER, MARKOV, RATE, HOURS = "3dm-gx3-25", "3dm-gx3-25-gm", 100.0, 7.0
 LETTERS = ("N", "B", "K")
 GYROS = tuple(axis for axis in AXES if axis.startswith("gyro"))
 AGREE = 0.93
-PEAK = 1.8926  #: Tc, where the Allan deviation of a Gauss-Markov process is highest
+PEAK = 1.8926  #: averaging time over Tc at which the Allan deviation of a Gauss-Markov process is largest
 
 
 def truth(axis):
-    """Return {letter: coefficient} of an axis; each process has one, its letter."""
+    """Return {letter: coefficient} of an axis; each process has one coefficient, named by its letter."""
     terms = preset(FLICKER).axes[axis].processes.terms
     return {letter: getattr(term, letter) for term in terms for letter in LETTERS if hasattr(term, letter)}
 
@@ -64,7 +64,7 @@ def record(seed, axis, hours):
 
 
 def markov(seed, axis, hours):
-    """Return the choice, without its processes but for the Gauss-Markov term of N + GM, and readings of Tc."""
+    """Return the choice of model, the Gauss-Markov term of N + GM, and readings of Tc from the Allan curve."""
     x = samples(MARKOV, axis, seed, hours)
     choice = choose_model(x, 1 / RATE)
     sums = next(c.processes for c in choice.candidates if c.name == "N + GM")
@@ -81,7 +81,7 @@ def markov(seed, axis, hours):
 
 
 class Markov(NamedTuple):
-    """What was found in one axis of the second preset."""
+    """The choice of model and the readings of Tc for one axis of the second preset."""
 
     first: str
     clear: bool
@@ -93,7 +93,7 @@ class Markov(NamedTuple):
 
 
 def peak(curve):
-    """Return where the curve is highest behind its valley, s, between octaves by a parabola; None where it ends rising."""
+    """Return the averaging time (s) of the peak after the valley, by a parabola between octaves; None where the curve ends rising."""
     y, x = np.log(curve.deviation), np.log(curve.averaging_time)
     valley = next((i for i in range(1, y.size - 1) if y[i] < y[i + 1]), None)
     if valley is None:
@@ -106,65 +106,65 @@ def peak(curve):
 
 
 def study(records=20, hours=HOURS, workers=1, markov_records=None):
-    """Return the tables: a summary, table 4, cells in which two estimators part, choices, correlation times."""
+    """Return the tables: a summary, table 4, agreement of two estimators, choices of model, correlation times."""
     jobs = [(seed, axis, hours) for seed in range(records) for axis in AXES]
     done = over_records(record, jobs, workers)
-    found = {axis: [f for (_, a, _), f in zip(jobs, done, strict=True) if a == axis] for axis in AXES}
+    fits = {axis: [f for (_, a, _), f in zip(jobs, done, strict=True) if a == axis] for axis in AXES}
     seeds = range(max(records // 2, 1) if markov_records is None else markov_records)
     jobs = [(seed, axis, hours) for seed in seeds for axis in GYROS]
     done = over_records(markov, jobs, workers)
     chosen = {axis: [c for (_, a, _), c in zip(jobs, done, strict=True) if a == axis] for axis in GYROS}
-    table4, cells, choices = _table4(found), _cells(found), _choices(chosen)
-    return (_summary(table4, cells, choices), table4, _absent(found), cells, choices, _times(chosen))
+    table4, cells, choices = _table4(fits), _cells(fits), _choices(chosen)
+    return (_summary(table4, cells, choices), table4, _absent(fits), cells, choices, _times(chosen))
 
 
-def _table4(found):
+def _table4(fits):
     rows = []
     for axis in AXES:
         for letter, true in truth(axis).items():
             unit = coefficient_units(axis, letter)[1]
-            cells = [one["likelihood"][letter] for one in found[axis]]
-            held = Share(sum(bool((c.lower or 0.0) <= true <= c.upper) for c in cells), len(cells))
+            cells = [fit["likelihood"][letter] for fit in fits[axis]]
+            coverage = Share(sum(bool((c.lower or 0.0) <= true <= c.upper) for c in cells), len(cells))
             values = [
-                np.array([one[name][letter].value or 0.0 for one in found[axis]]) / unit.factor
+                np.array([fit[name][letter].value or 0.0 for fit in fits[axis]]) / unit.factor
                 for name in ("likelihood", "allan", "spectrum")
             ]
             means = [f"{v.mean():.5g} ± {v.std(ddof=1) if v.size > 1 else np.nan:.2g}" for v in values]
-            rows.append((axis, letter, unit.name, f"{true / unit.factor:.5g}", *means, held))
+            rows.append((axis, letter, unit.name, f"{true / unit.factor:.5g}", *means, coverage))
     note = (
-        "Mean and standard deviation over the records; a null counts as 0. Covered: the likelihood's 95 % interval holds table 4's "
-        "value, or its limit is above it."
+        "Mean and standard deviation over the records; a term that was not identified counts as 0. Coverage: the 95 % interval of the "
+        "likelihood contains the value of table 4, or its limit is above the value."
     )
     return Table(
-        "Table 4", ("axis", "term", "unit", "table 4", "likelihood", "Allan variance", "spectrum", "covered"), tuple(rows), note
+        "Table 4", ("axis", "term", "unit", "table 4", "likelihood", "Allan variance", "spectrum", "coverage"), tuple(rows), note
     )  # fmt: skip
 
 
-def _absent(found):
+def _absent(fits):
     rows = []
     for axis in AXES:
         for letter in ("Q", *LETTERS):
             if letter in truth(axis):
                 continue
             unit = coefficient_units(axis, letter)[1]
-            cells = [one["likelihood"][letter] for one in found[axis]]
-            held = Share(sum(not c.lower for c in cells), len(cells))
+            cells = [fit["likelihood"][letter] for fit in fits[axis]]
+            from_zero = Share(sum(not c.lower for c in cells), len(cells))
             nulls = Share(sum(c.value is None for c in cells), len(cells))
             most = float(np.median([c.upper for c in cells])) / unit.factor
-            rows.append((axis, letter, nulls, held, f"{most:.3g} {unit.name}"))
-    note = "A likeliest size above 0 is no finding while its interval begins at 0."
+            rows.append((axis, letter, nulls, from_zero, f"{most:.3g} {unit.name}"))
+    note = "An estimate above 0 does not identify a term while its interval begins at 0."
     return Table(
-        "Terms that are not there, by the likelihood",
-        ("axis", "term", "nulls", "interval begins at 0, or null", "median upper end"), tuple(rows), note,
+        "Terms that are absent, by the likelihood",
+        ("axis", "term", "not identified", "interval begins at 0, or not identified", "median upper end"), tuple(rows), note,
     )  # fmt: skip
 
 
-def _cells(found):
-    """Return in how many cells the spectrum's and the Allan variance's values agree."""
+def _cells(fits):
+    """Return the table of cells in which the values of the spectrum and of the Allan variance agree."""
     rows = []
     for axis in AXES:
         for letter in LETTERS:
-            pairs = [(one["allan"][letter], one["spectrum"][letter]) for one in found[axis]]
+            pairs = [(fit["allan"][letter], fit["spectrum"][letter]) for fit in fits[axis]]
             pairs = [(a, b) for a, b in pairs if a.value is not None and b.value is not None]
             if not pairs and letter not in truth(axis):
                 continue
@@ -173,54 +173,55 @@ def _cells(found):
             share = Share(int((np.abs(apart) <= joint).sum()), len(pairs))
             rms = float(np.sqrt(np.mean((apart / joint) ** 2))) if pairs else float("nan")
             rows.append((axis, letter, share, rms))
-    note = "The difference over the joint half width has an rms of 0.51 where the two are independent and the intervals true."
+    note = "If the two were independent and the intervals exact, the difference over the joint half width would have an rms of 0.51."
     return Table("Spectrum and Allan variance", ("axis", "term", "agree", "rms of the difference, half widths"), tuple(rows), note)  # fmt: skip
 
 
 def _choices(chosen):
     rows = []
-    for axis, found in chosen.items():
-        names = [c.first for c in found]
+    for axis, choices in chosen.items():
+        names = [c.first for c in choices]
         others = ", ".join(f"{n} ({names.count(n)})" for n in sorted(set(names) - {"N + GM"})) or "–"
         counts = [
-            sum(c.first == "N + GM" for c in found),
-            sum(c.first == "N + GM" and c.clear for c in found),
-            sum(c.by_aic == "N + GM" for c in found),
-            sum(c.by_half == "N + GM" for c in found),
+            sum(c.first == "N + GM" for c in choices),
+            sum(c.first == "N + GM" and c.clear for c in choices),
+            sum(c.by_aic == "N + GM" for c in choices),
+            sum(c.by_half == "N + GM" for c in choices),
         ]
-        rows.append((axis, *(Share(count, len(found)) for count in counts), others))
+        rows.append((axis, *(Share(count, len(choices)) for count in counts), others))
+    firsts = ("N + GM first", "N + GM first and clear", "N + GM first by AIC", "N + GM first on the other half")
     return Table(
-        "Which sum is first, 3dm-gx3-25-gm",
-        ("axis", "N + GM first", "and clear", "first by AIC", "first on the other half", "others that were first"),
+        "Which sum of processes ranks first, 3dm-gx3-25-gm",
+        ("axis", *firsts, "other sums ranked first"),
         tuple(rows),
-        "First by BIC. Clear: the next sum's BIC is more than 10 worse, and no other does better on the half it was not fitted to.",
+        "First: the lowest BIC. Clear: the next sum's BIC is more than 10 higher, and no other sum predicts the half of the record that was not fitted better.",
     )
 
 
 def _times(chosen):
     rows = []
     unit = UNITS["deg/h"]
-    for axis, found in chosen.items():
+    for axis, choices in chosen.items():
         true = next(t for t in preset(MARKOV).axes[axis].processes.terms if isinstance(t, GaussMarkov))
-        terms = [c.term for c in found if c.term is not None]
-        read = [c.read for c in found if c.read.correlation_time is not None]
-        peaks = [c.peak / PEAK for c in found if c.peak is not None]
+        terms = [c.term for c in choices if c.term is not None]
+        read = [c.read for c in choices if c.read.correlation_time is not None]
+        peaks = [c.peak / PEAK for c in choices if c.peak is not None]
         rows.append((
             axis, f"{true.sigma / unit.factor:.4g}", _spread([t.sigma / unit.factor for t in terms]),
             f"{true.Tc:g}", _spread([t.Tc for t in terms]), _spread([r.correlation_time.value for r in read]),
-            _spread([r.gauss_markov_time for r in read]), f"{len(read)} of {len(found)}", _spread(peaks), f"{len(peaks)} of {len(found)}",
+            _spread([r.gauss_markov_time for r in read]), f"{len(read)} of {len(choices)}", _spread(peaks), f"{len(peaks)} of {len(choices)}",
         ))  # fmt: skip
     note = (
-        "Median, least and largest over the records. The papers read Tc from the centre of the curve's flat part; "
-        "the process whose curve peaks there has a Tc of that over 1.893. `fit_allan` gives no reading where its flat part "
-        "lasts to the record's end, and that of a sum with flicker does unless K or R follows. Last: the "
-        "curve's own peak behind its valley, over 1.893."
+        "Each cell: median (smallest–largest) over the records. The papers read Tc from the centre of the flat part of the curve; "
+        "a Gauss-Markov process whose curve peaks at that centre has a Tc of the centre over 1.893. `fit_allan` gives no reading where "
+        "the flat part lasts to the end of the record; the flat part of a sum with flicker lasts to the end unless K or R follows. The last "
+        "columns use the peak of the curve after its valley, over 1.893."
     )
     return Table(
         "Gauss-Markov terms of N + GM",
         (
-            "axis", "sigma, deg/h", "found", "Tc, s", "found by likelihood", "flat part's centre, s", "peak-matched, s",
-            "readings of the flat part", "peak of the curve over 1.893, s", "peaks",
+            "axis", "true sigma, deg/h", "sigma by likelihood, deg/h", "true Tc, s", "Tc by likelihood, s", "centre of the flat part, s", "Tc from the flat part, s",
+            "readings of the flat part", "peak of the curve over 1.893, s", "readings of the peak",
         ),
         tuple(rows), note,
     )  # fmt: skip
@@ -231,16 +232,14 @@ def _spread(values):
 
 
 def _summary(table4, cells, choices):
-    held, agree, first = (
-        Share(sum(s.count for s in column), sum(s.of for s in column))
-        for column in (table4.column("covered"), cells.column("agree"), choices.column("N + GM first"))
-    )
+    columns = table4.column("coverage"), cells.column("agree"), choices.column("N + GM first")
+    coverage, agree, first = map(pooled, columns)
     rows = (
-        ("table 4's values covered by the likelihood", "95 %", held, "–"),
+        ("coverage of table 4's values by the likelihood", "95 %", coverage, "–"),
         ("cells in which spectrum and Allan variance agree", "at least 93 %", agree, verdict(agree.value >= AGREE)),
         ("N + GM first", "–", first, "–"),
     )
-    return Table("What was wanted", ("figure", "wanted", "reached (95 % interval)", "verdict"), rows)
+    return Table("Goals", ("figure", "goal", "result (95 % interval)", "verdict"), rows)
 
 
 if __name__ == "__main__":

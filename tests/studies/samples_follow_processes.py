@@ -1,14 +1,14 @@
-"""Do the samples of each process have the Allan variance and the spectrum that it states?
+"""Compare the samples of each process with the Allan variance and the spectrum that the process states.
 
-For every process: the overlapping Allan variance of its samples at octaves m and at n/10, and their
-Welch spectrum in octave bands, each divided by what the process states, averaged over records. The
-Allan variance is worked out here, plainly, not by ``imuwb.identification``. A stated density is
-two-sided and Welch's estimate one-sided, so that is halved.
+For every process: the overlapping Allan variance of its samples at octaves m and at n/10, and their Welch spectrum in
+octave bands. Each is divided by the value that the process states, and averaged over records. The Allan variance is
+calculated here from its definition, not by ``imuwb.identification``. The stated density is two-sided and Welch's
+estimate is one-sided, so Welch's estimate is halved.
 
-Wanted of flicker: an Allan deviation flat within 1 % from m = 1 to n/10, standard errors below 0.3 %.
+Goal for flicker: an Allan deviation that is flat within 1 % from m = 1 to n/10, with standard errors below 0.3 %.
 
 Command: ``python tests/studies/samples_follow_processes.py`` (2000 records, 10 000 of flicker: 1 to 2 minutes).
-Seeds: record r of process number p in the list below uses ``SeedSequence([p, r])``.
+Seeds: record r of process p in the list below uses ``SeedSequence([p, r])``.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ from imuwb.stochastic import (
     WhiteNoise,
 )
 
-QUESTION = "Samples against what their processes state"
+QUESTION = "Samples of processes against the stated Allan variance and spectrum"
 N, DT, SEGMENT = 16384, 0.01, 4096
-FLICKER_TIMES = 5  #: as many records of flicker; its long averages scatter most, and are to be known best
-BLOCK = 50  #: records in a job
-#: Bins of a segment at which bands begin. Below 32 the window's own width shows: 1/k² of a 1/f² spectrum.
+FLICKER_TIMES = 5  #: times as many records of flicker, whose long averages scatter most and have the strictest goal
+BLOCK = 50  #: records of one job
+#: Bins of a segment at which bands begin. Below bin 32, the width of the window distorts a 1/f² spectrum by 1/k².
 BANDS = (32, 64, 128, 256, 512, 1024, SEGMENT // 2)
 FACTORS = np.array([*2 ** np.arange(int(np.log2(N / 10)) + 1), N // 10])
 #: AR(3): poles at 0.9 and 0.5 ± 0.4 i
@@ -50,19 +50,19 @@ PROCESSES = {
     "sinusoid, f dt = 1/30": Sinusoid(0.4, 1 / (30 * DT)),
     "rate ramp": RateRamp(0.01),
 }
-#: A line's power is in no density, and a ramp has none.
+#: A sinusoid is a line, not a density, and a ramp has no density.
 WITHOUT_DENSITY = (Sinusoid, RateRamp)
 
 
 def allan_variance(x, m):
-    """Return the overlapping Allan variance of each row of x, straight from its definition."""
+    """Return the overlapping Allan variance of each row of x, from its definition."""
     theta = np.concatenate([np.zeros((len(x), 1)), np.cumsum(x - x.mean(axis=1, keepdims=True), axis=1)], axis=1)
     z = theta[:, 2 * m :] - 2 * theta[:, m:-m] + theta[:, : -2 * m]
     return (z**2).mean(axis=1) / (2 * m**2)
 
 
 def ratios(number, first, count):
-    """Return of ``count`` records (Allan variances, band densities), each over what the process states."""
+    """Return (Allan variances, band densities) of ``count`` records, each divided by the stated value."""
     process = list(PROCESSES.values())[number]
     streams = [np.random.default_rng(np.random.SeedSequence([number, first + r])) for r in range(count)]
     x = np.stack([process.sample(N, DT, rng) for rng in streams])
@@ -86,14 +86,15 @@ def study(records=2000, workers=2):
         allan.append((name, total, *_means(np.concatenate([part[0] for part in parts]))))
         if parts[0][1].size:
             density.append((name, total, *_means(np.concatenate([part[1] for part in parts]))))
-    note = "Mean over the records ± its standard error; 1 is what is wanted. The rows' points are correlated."
-    f = [f"{a / SEGMENT:.4g}–{b / SEGMENT:.4g}" for a, b in itertools.pairwise(BANDS)]
-    heads = ("process", "records", *(f"m = {m}" for m in FACTORS)), ("process", "records", *(f"f dt = {x}" for x in f))
+    note = "Mean over the records ± its standard error; the goal is 1. The points of one row are correlated."
+    bands = [f"{a / SEGMENT:.4g}–{b / SEGMENT:.4g}" for a, b in itertools.pairwise(BANDS)]
+    of_factors = ("process", "records", *(f"m = {m}" for m in FACTORS))
+    of_bands = ("process", "records", *(f"f dt = {band}" for band in bands))
     return (
         _flicker(allan),
         _farthest(allan, density),
-        Table("Allan variance, measured / stated", heads[0], tuple(allan), note),
-        Table("Density, Welch / 2 / stated", heads[1], tuple(density), note),
+        Table("Allan variance of the samples / stated Allan variance", of_factors, tuple(allan), note),
+        Table("Density, one-sided Welch estimate / 2 / stated density", of_bands, tuple(density), note),
     )
 
 
@@ -102,20 +103,21 @@ def _means(values):
 
 
 def _flicker(allan):
-    """Return the deviation's table: half of a small relative error of the variance."""
+    """Return the table of the deviation, whose relative error is half that of the variance."""
     name, records, *means = next(row for row in allan if row[0] == "flicker")
     deviation = [Mean(mean.value**0.5, mean.error / 2 / mean.value**0.5) for mean in means]
+    largest = max(abs(d.value - 1) for d in deviation)
     rows = (
-        ("farthest from flat, m = 1 ... n/10", "below 1 %", f"{100 * max(abs(d.value - 1) for d in deviation):.2f} %"),
+        ("largest difference from flat, m = 1 ... n/10", "below 1 %", f"{100 * largest:.2f} %"),
         ("largest standard error", "below 0.3 %", f"{100 * max(d.error for d in deviation):.2f} %"),
         *((f"deviation / 0.664 B at m = {m}", "", d) for m, d in zip(FACTORS, deviation, strict=True)),
     )
     note = f"{records} records of {N} samples."
-    return Table(f"The Allan deviation of {name}", ("figure", "wanted", "reached"), rows, note)
+    return Table(f"Allan deviation of {name}", ("figure", "goal", "result"), rows, note)
 
 
 def _farthest(allan, density):
-    """Return by how many standard errors each process's farthest point is off."""
+    """Return the largest difference of each process, in standard errors."""
     rows = []
     spectra = {row[0]: row[2:] for row in density}
     for name, _, *means in allan:
@@ -124,8 +126,8 @@ def _farthest(allan, density):
         ]
         rows.append((name, *far))
     points = len(allan) * len(FACTORS) + len(density) * (len(BANDS) - 1)
-    note = f"In standard errors. Of {points} points that are right, the farthest is expected near 3."
-    return Table("Farthest points", ("process", "Allan variance", "density"), tuple(rows), note)
+    note = f"Unit: standard errors. If all {points} points are right, the largest difference is expected near 3."
+    return Table("Largest differences", ("process", "Allan variance", "density"), tuple(rows), note)
 
 
 if __name__ == "__main__":

@@ -1,15 +1,18 @@
-"""What the studies share: tables of estimates, their Markdown, the command line, the seeds.
+"""Parts that all studies share: tables of estimates in Markdown, the command line, workers, the papers' published figures.
 
-The seed of a record is its number; ``numpy.random.SeedSequence`` makes independent streams of it.
-Nothing here knows the day or the machine, so a study that is run again gives the same file.
+The seed of a record is its number; ``numpy.random.SeedSequence`` makes independent streams from that number.
+A table contains no date and no name of a machine: a study that runs again writes the same file.
 """
 
 from __future__ import annotations
 
 import argparse
 import math
+import sys
+import tomllib
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,10 +23,15 @@ import imuwb
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
+sys.path.append(str(Path(__file__).resolve().parents[2]))  # a script's own folder is on the path, the repository is not
+from tests.recordings import FOLDER
+
+GOALS = ("figure", "goal", "result", "verdict")  #: headings of a table of goals
+
 
 @dataclass(frozen=True)
 class Share:
-    """So many of so many. Its interval is Clopper and Pearson's, 95 %."""
+    """A count out of a total, with the 95 % interval of Clopper and Pearson."""
 
     count: int
     of: int
@@ -39,11 +47,14 @@ class Share:
         )
         return (0.0 if not self.count else float(low), 1.0 if self.count == self.of else float(high))
 
-    def __str__(self) -> str:
+    def text(self, digits: int = 1) -> str:
+        """Return the share and its interval in per cent, with this many digits after the point."""
         if not self.of:
             return "–"
         low, high = self.interval
-        return f"{100 * self.value:.1f} % ({100 * low:.1f}–{100 * high:.1f})"
+        return f"{100 * self.value:.{digits}f} % ({100 * low:.{digits}f}–{100 * high:.{digits}f})"
+
+    __str__ = text
 
 
 @dataclass(frozen=True)
@@ -55,7 +66,7 @@ class Mean:
 
     @property
     def off(self) -> float:
-        """Return how many standard errors the mean is from 1; 0 where both differ by rounding only."""
+        """Return how many standard errors the mean is from 1; 0 where the difference is rounding only."""
         return 0.0 if abs(self.value - 1) < 1e-9 else (self.value - 1) / max(self.error, 1e-12)
 
     def __str__(self) -> str:
@@ -64,7 +75,7 @@ class Mean:
 
 @dataclass(frozen=True)
 class Table:
-    """A titled table; ``note`` says how to read it."""
+    """A table with a title; ``note`` explains how to read it."""
 
     title: str
     headings: tuple[str, ...]
@@ -85,13 +96,26 @@ def _cell(value: object) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-def verdict(reached: bool) -> str:  # noqa: FBT001 - one thing, said or not
-    """Return what a summary says of a figure."""
+def pooled(shares: Iterable[Share]) -> Share:
+    """Return the share of several counts together."""
+    counts = [(share.count, share.of) for share in shares]
+    return Share(sum(count for count, _ in counts), sum(of for _, of in counts))
+
+
+def verdict(reached: bool) -> str:  # noqa: FBT001 - the only argument
+    """Return the verdict on a goal."""
     return "reached" if reached else "NOT reached"
 
 
+@cache
+def published(paper: str) -> dict[str, object]:
+    """Return the published figures of a paper; an empty dict where the file of figures is absent."""
+    path = FOLDER / "papers" / "tables.toml"
+    return tomllib.loads(path.read_text("utf-8"))[paper] if path.exists() else {}
+
+
 def over_records(work: Callable[..., object], jobs: Iterable[tuple[object, ...]], workers: int) -> list[object]:
-    """Return ``work(*job)`` of every job, in order; in this process when there is one worker."""
+    """Return ``work(*job)`` of every job, in order; one worker is this process itself."""
     if workers == 1:
         return [work(*job) for job in jobs]
     with ProcessPoolExecutor(workers) as pool:
@@ -101,16 +125,21 @@ def over_records(work: Callable[..., object], jobs: Iterable[tuple[object, ...]]
 def main(
     script: str, question: str, study: Callable[[int], tuple[Table, ...]], records: int, about: Callable[[int], str]
 ) -> None:
-    """Run a study from the command line and write its tables next to it."""
+    """Run a study from the command line and write its tables into a file beside the script."""
     parser = argparse.ArgumentParser(description=question)
-    parser.add_argument("--records", type=int, default=records, metavar="N", help=f"default: {records}")
-    parser.add_argument("--output", type=Path, default=Path(script).with_suffix(".md"), metavar="FILE")
-    given = parser.parse_args()
-    tables = study(given.records)
+    parser.add_argument(
+        "--records", type=int, default=records, metavar="N", help=f"Number of records (default: {records})."
+    )
+    parser.add_argument(
+        "--output", type=Path, default=Path(script).with_suffix(".md"), metavar="FILE",
+        help="File for the tables (default: beside the script).",
+    )  # fmt: skip
+    options = parser.parse_args()
+    tables = study(options.records)
     name = Path(script).stem
-    option = "" if given.records == records else f" --records {given.records}"
+    option = "" if options.records == records else f" --records {options.records}"
     command = f"    python tests/studies/{name}.py{option}"
-    head = f"{command}\n\nimuwb {imuwb.__version__}; {about(given.records)}\n\n# {question}\n"
+    head = f"{command}\n\nimuwb {imuwb.__version__}; {about(options.records)}\n\n# {question}\n"
     text = "\n".join((head, *(table.markdown() for table in tables)))
-    given.output.write_text(text, "utf-8")
+    options.output.write_text(text, "utf-8")
     print(text)

@@ -1,12 +1,12 @@
-"""Does the test "the same at all temperatures" err as often as it says, and does it find a change of N?
+"""Measure the size and the power of the test that a coefficient is the same at all temperatures.
 
-Six set-points of 5 minutes at 100 Hz, one after the other, by ``identify`` and ``over_temperature``, of sensors in which nothing depends on
-temperature: white noise alone; white noise, flicker and random walk (a gyro of 0.3 deg/√h, 7.2 deg/h, 15.8 deg/h^1.5);
-with quantization besides. And a ramp of 110 °C in 2 h, cut into 22 bins of 5 °C, with a bias that follows the temperature
-by 1 deg/s and a parabola. Wanted: the test of N, at 5 %, rejects in 3.5 to 6.5 % of records where nothing depends on temperature.
+The size is measured on sensors that do not depend on temperature: white noise alone; white noise, flicker and random walk (a gyro
+of 0.3 deg/√h, 7.2 deg/h, 15.8 deg/h^1.5); and these with quantization. A record has six successive set-points of 5 minutes at
+100 Hz; ``identify`` and ``over_temperature`` estimate the coefficients. A further case is a ramp of 110 °C in 2 h, cut into 22 bins
+of 5 °C, whose bias follows the temperature by 1 deg/s and a parabola. Goal: the test of N at 5 % rejects in 3.5 to 6.5 % of records.
 
-Power: N changes linearly by so many per cent from the coldest to the hottest set-point. Wanted: at 10 % the test
-rejects in at least 90 % of records.
+The power is measured with an N that changes linearly from the coldest to the hottest set-point. Goal: a change of 10 % is found in
+at least 90 % of records.
 
 Command: ``python tests/studies/temperature_dependence.py`` (600 records, half as many ramps: about 15 minutes in two processes).
 Seeds: record r of case c uses ``SeedSequence([c, r])``.
@@ -17,10 +17,10 @@ from __future__ import annotations
 import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small products; threads only get in each other's way
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # matrix products are small: threads would slow each other down
 
 import numpy as np
-from study_report import Share, Table, main, over_records, verdict
+from study_report import GOALS, Share, Table, main, over_records, verdict
 
 from imuwb.identification.temperature import Record, identify, over_temperature, smooth_temperature, stretches
 from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, Sum, WhiteNoise
@@ -35,13 +35,13 @@ SENSORS = {
     "with quantization": Sum((WHITE, FLICKER, WALK, Quantization(9.1e-4 * DEGREE))),
 }
 RAMP = "a ramp with thermal drift"
-CHANGES = (0.0025, 0.005, 0.01, 0.02, 0.1)  #: of N over the set-points
+CHANGES = (0.0025, 0.005, 0.01, 0.02, 0.1)  #: of N from the coldest to the hottest set-point
 LETTERS = ("N", "B", "K", "alpha", "bias")
 SIZE, LOW, HIGH, POWER = 0.05, 0.035, 0.065, 0.9
 
 
 def set_points(case, seed, change, minutes):
-    """Return {what: whether it was found to depend on temperature} of one chamber."""
+    """Return {quantity: whether the test finds a dependence, None where there is no test} of one record of set-points."""
     rng = np.random.default_rng(np.random.SeedSequence([case, seed]))
     sensor = list(SENSORS.values())[case % len(SENSORS)]
     n = round(minutes * 60 * RATE)
@@ -56,7 +56,7 @@ def set_points(case, seed, change, minutes):
 
 
 def ramp(seed, hours):
-    """Return the same of one ramp."""
+    """Return {quantity: whether the test finds a dependence, None where there is no test} of one ramp."""
     rng = np.random.default_rng(np.random.SeedSequence([len(SENSORS), seed]))
     n = round(hours * 3600 * RATE)
     t = np.arange(n) / RATE
@@ -75,30 +75,30 @@ def ramp(seed, hours):
     return _decisions(over_temperature(points, size=SIZE))
 
 
-def _decisions(found):
-    return {what: None if (d := found.dependence[what]) is None else d.depends for what in LETTERS}
+def _decisions(result):
+    return {name: None if (d := result.dependence[name]) is None else d.depends for name in LETTERS}
 
 
 def study(records=600, ramps=None, minutes=MINUTES, hours=RAMP_HOURS, workers=2):
-    """Return the tables: a summary, sizes, and power."""
+    """Return the tables: a summary, the size, and the power."""
     ramps = records // 2 if ramps is None else ramps
-    few = max(records // 10, 1)
+    fewer = max(records // 10, 1)
     sizes = {
         name: over_records(set_points, [(case, seed, 0.0, minutes) for seed in range(records)], workers)
         for case, name in enumerate(SENSORS)
     }
     sizes[RAMP] = over_records(ramp, [(seed, hours) for seed in range(ramps)], workers)
     powers = {
-        change: over_records(set_points, [(1 + 3 * (1 + i), seed, change, minutes) for seed in range(few)], workers)
+        change: over_records(set_points, [(1 + 3 * (1 + i), seed, change, minutes) for seed in range(fewer)], workers)
         for i, change in enumerate(CHANGES)
     }
     return _summary(sizes, powers), _sizes(sizes), _powers(powers)
 
 
-def share(found, what):
-    """Return how often it was said to depend, among those in which there was anything to test."""
-    told = [one[what] for one in found if one[what] is not None]
-    return Share(sum(told), len(told))
+def share(decisions, name):
+    """Return the share of records in which the test finds a dependence, among the records with a test."""
+    tested = [of[name] for of in decisions if of[name] is not None]
+    return Share(sum(tested), len(tested))
 
 
 def _summary(sizes, powers):
@@ -106,39 +106,38 @@ def _summary(sizes, powers):
         (
             f"size, N: {name}",
             f"{100 * LOW:g} to {100 * HIGH:g} %",
-            s := share(found, "N"),
+            s := share(decisions, "N"),
             verdict(LOW <= s.value <= HIGH),
         )
-        for name, found in sizes.items()
+        for name, decisions in sizes.items()
     ]
-    pooled = share([one for found in sizes.values() for one in found], "N")
-    rows.append(
-        ("size, N: all together", f"{100 * LOW:g} to {100 * HIGH:g} %", pooled, verdict(LOW <= pooled.value <= HIGH))
-    )
+    together = share([of for decisions in sizes.values() for of in decisions], "N")
+    goal = f"{100 * LOW:g} to {100 * HIGH:g} %"
+    rows.append(("size, N: all together", goal, together, verdict(LOW <= together.value <= HIGH)))
     most = share(powers[CHANGES[-1]], "N")
     rows.append(
         (f"power for {100 * CHANGES[-1]:g} % of N", f"at least {100 * POWER:g} %", most, verdict(most.value >= POWER))
     )
-    return Table("What was wanted", ("figure", "wanted", "reached", "verdict"), tuple(rows))
+    return Table("Goals", GOALS, tuple(rows))
 
 
 def _sizes(sizes):
     note = (
-        "Share of records in which the test at 5 % says that it depends on temperature, which it does not; of all in which there was a sure "
-        "trace of it (how many). The ramp's bias does depend on it."
+        "Share of records in which the test at 5 % finds a dependence on temperature, of the records in which the quantity was identified "
+        "(their number follows). Nothing depends on temperature, except the bias of the ramp."
     )
     rows = []
-    for name, found in sizes.items():
-        shares = [share(found, what) for what in LETTERS]
-        rows.append((name, *(f"{s} of {s.of}" for s in shares)))
+    for sensor, decisions in sizes.items():
+        shares = [share(decisions, name) for name in LETTERS]
+        rows.append((sensor, *(f"{s} of {s.of}" for s in shares)))
     return Table("Size", ("sensor", *LETTERS), tuple(rows), note)
 
 
 def _powers(powers):
-    rows = [(f"{100 * change:g} %", share(found, "N")) for change, found in powers.items()]
+    rows = [(f"{100 * change:g} %", share(decisions, "N")) for change, decisions in powers.items()]
     error = 100 / (2 * MINUTES * 60 * RATE) ** 0.5
-    note = f"White noise, flicker and random walk. The standard error of N at one set-point is {error:.2f} % or more."
-    return Table("Power", ("change of N over 90 °C", "found"), tuple(rows), note)
+    note = f"The sensor has white noise, flicker and random walk. The standard error of N at one set-point is {error:.2f} % or more."
+    return Table("Power", ("change of N over 90 °C", "records in which the test finds the change"), tuple(rows), note)
 
 
 if __name__ == "__main__":

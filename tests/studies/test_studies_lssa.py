@@ -1,4 +1,4 @@
-"""The studies of least-squares spectra with few records: their figures must lie within what chance allows."""
+"""The studies of least-squares spectra with few records: their figures must lie within the limits of chance."""
 
 import numpy as np
 import pytest
@@ -11,17 +11,17 @@ def as_often_as(count, of, probability):
     return stats.binom.cdf(count, of, probability) > RARE and stats.binom.sf(count - 1, of, probability) > RARE
 
 
-def test_false_alarms_are_as_many_as_said(load):
+def test_false_alarms_are_as_many_as_stated(load):
     module = load("lssa_false_alarms")
     for case in module.CASES:
-        looked, one, records, record = module.false_alarms(case, 0, 60)
+        tested, above, records, record = module.false_alarms(case, 0, 60)
         assert records == 60
-        # every second frequency is independent of the others
-        assert one / looked == pytest.approx(0.01, abs=4 * np.sqrt(0.01 / (looked / 2))), case
+        # Every second frequency is independent of the others.
+        assert above / tested == pytest.approx(0.01, abs=4 * np.sqrt(0.01 / (tested / 2))), case
         assert as_often_as(record, records, 0.01), case
 
 
-def test_structures_are_told_apart(load):
+def test_structures_are_distinguished(load):
     module = load("lssa_false_alarms")
     count, walk, coloured, other, mixed = module.refusals(0, 40)
     assert as_often_as(walk, count, 0.01)
@@ -29,15 +29,15 @@ def test_structures_are_told_apart(load):
     assert other == mixed == count
 
 
-def test_a_line_is_found_the_oftener_the_stronger_it_is(load):
+def test_a_stronger_line_is_found_more_often(load):
     module = load("lssa_false_alarms")
     for case in ("white", "local, of AR(1), 0.9"):
-        found = [module.finds(case, strength, 0, 15)[1] for strength in (4.0, 32.0)]
-        assert found[0] < 8, case
-        assert found[1] >= 13, case
+        weak, strong = (module.finds(case, strength, 0, 15)[1] for strength in (4.0, 32.0))
+        assert weak < 8, case
+        assert strong >= 13, case
 
 
-def test_intervals_hold_the_lines(load):
+def test_intervals_contain_the_lines(load):
     module = load("lssa_lines")
     (table,) = module.study(records=8, workers=1)
     assert table.column("record") == tuple(module.CASES)

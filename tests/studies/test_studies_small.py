@@ -1,4 +1,4 @@
-"""The studies with few records: their figures must lie within what chance allows (about 1 in 10 000)."""
+"""The studies with few records: chance alone puts a figure outside the tested limits about once in 10 000 times."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ RARE = 1e-4
 
 
 def at_least(share, probability):
-    """Say whether so few of so many are no rarer than chance makes them."""
+    """Return whether a share as low as this is likely enough, if the true probability is this one."""
     return stats.binom.cdf(share.count, share.of, probability) > RARE
 
 
@@ -16,33 +16,29 @@ def at_most(share, probability):
     return stats.binom.sf(share.count - 1, share.of, probability) > RARE
 
 
-def pooled(module, shares):
-    return module.Share(sum(s.count for s in shares), sum(s.of for s in shares))
-
-
-def test_intervals_hold_the_truth(load):
+def test_intervals_contain_the_truth(load):
     module = load("coverage_table4")
     _, present, absent, curve = module.study(records=4, hours=1.0, workers=1)
-    # accel z's K is near the limit of what an hour shows; a null counts as not covered
-    sure = [row for row in present.rows if row[:2] != ("accel_z", "K")]
-    covered = pooled(module, [row[4] for row in sure])
+    # An hour hardly identifies K of accel_z, and a term that is not identified counts as not covered.
+    clear = [row for row in present.rows if row[:2] != ("accel_z", "K")]
+    covered = module.pooled([row[4] for row in clear])
     assert covered.of == 4 * 14
     assert at_least(covered, 0.95)
-    for axis, letter, _, identified, *_, mean, _rms in sure:
+    for axis, letter, _, identified, *_, mean, _rms in clear:
         if letter in "NB":
             assert identified.value == 1, (axis, letter)
             assert abs(mean) < {"N": 1, "B": 15}[letter], (axis, letter)
-    nulls = pooled(module, absent.column("not identified"))
+    nulls = module.pooled(absent.column("not identified"))
     assert at_least(nulls, 0.95)
     assert all(share.value == 1 for share in absent.column("upper limit above 0") if share.of)
-    # the six axes of a record are independent; so are its octaves, nearly
-    assert at_least(pooled(module, curve.column("edf")), 0.95)
+    # The six axes of a record are independent, and its octaves nearly so.
+    assert at_least(module.pooled(curve.column("edf")), 0.95)
 
 
 def test_printed_intervals_cover_less_than_edf_at_long_times(load):
     module = load("coverage_table4")
     curve = module.study(records=10, hours=0.1, workers=1)[3]
-    edf, printed = (pooled(module, curve.column(kind)[-2:]) for kind in ("edf", "printed"))
+    edf, printed = (module.pooled(curve.column(kind)[-2:]) for kind in ("edf", "printed"))
     assert edf.count > printed.count
     assert at_least(edf, 0.93)
 
@@ -63,33 +59,33 @@ def test_samples_follow_their_processes(load):
 def test_limits_are_not_exceeded(load):
     module = load("limits")
     _, k, others = module.study(records=12, minutes=10.0, workers=1)
-    none, least, *_ = k.rows
-    assert at_most(none[2], 0.05)
-    assert none[4].value == 1
-    assert at_least(least[3], 0.95)
-    assert k.rows[-1][2].count > none[2].count  # three times the detection size is found more often
+    absent, smallest, *_ = k.rows
+    assert at_most(absent[2], 0.05)
+    assert absent[4].value == 1
+    assert at_least(smallest[3], 0.95)
+    assert k.rows[-1][2].count > absent[2].count  # K of three times the detection size
     assert all(at_most(share, 0.05) for share in others.column("identified"))
     assert all(share.value == 1 for share in others.column("limit above 0"))
 
 
-def test_headline_errors_and_coverage_are_as_wanted(load):
+def test_the_likelihood_reaches_its_goals(load):
     module = load("headline")
     summary, together, every = module.study(records=6, hours=1.0)
     errors = summary.rows[:4]
-    # a third of the time has √3 times the error, and an rms of 6 errors is seldom twice what it should be
+    # A third of the length has √3 times the error, and the rms of 6 errors is seldom twice the expected rms.
     assert all(float(row[2]) < 3.5 * module.MOST[letter] for letter, row in zip(module.TRUTH, errors, strict=True))
     assert together.column("estimator") == tuple(module.ESTIMATORS)
-    assert all(at_least(share, 0.93) for share in together.column("covered"))
+    assert all(at_least(share, 0.93) for share in together.column("coverage"))
     assert len(every.rows) == 16
-    assert not any(share.count for share in every.column("nulls")[:3])  # Q, N, B are always found
+    assert not any(share.count for share in every.column("not identified")[:3])  # Q, N, B are always identified
 
 
-def test_quinchia_coefficients_are_found_again(load):
+def test_quinchias_coefficients_are_recovered(load):
     module = load("quinchia")
     _, table4, absent, cells, choices, times = module.study(records=2, hours=0.6, markov_records=1)
-    assert at_least(pooled(module, table4.column("covered")), 0.94)
-    assert at_least(pooled(module, absent.column("interval begins at 0, or null")), 0.95)
-    assert at_least(pooled(module, cells.column("agree")), module.AGREE)
+    assert at_least(module.pooled(table4.column("coverage")), 0.94)
+    assert at_least(module.pooled(absent.column("interval begins at 0, or not identified")), 0.95)
+    assert at_least(module.pooled(cells.column("agree")), module.AGREE)
     assert len(table4.rows) == 15
     assert [row[0] for row in choices.rows] == [row[0] for row in times.rows] == list(module.GYROS)
 
@@ -102,7 +98,7 @@ def test_filtered_autoregressive_series_are_as_derived(load):
             assert float(row[2]) < 4.5, row
     assert len(plain.rows) == 3
     assert len(filters) == 3
-    # the integral is the sum of the taps' and the sensor's autocorrelations
+    # The integral equals a sum over the autocorrelations of the taps and of the sensor.
     taps = module.taps(8.0)
     full = np.correlate(taps, taps, "full")
     lag = np.arange(full.size) - taps.size + 1
@@ -119,43 +115,42 @@ def test_missing_samples_do_not_bias(load):
             mean for mean, count in zip(table.column("mean"), table.column("records"), strict=True) if count == whole
         ]
         assert all(abs(mean.off) < 6 for mean in means), table.title
-        inside = pooled(module, table.column("true value in the 95 % interval")[:8])
+        inside = module.pooled(table.column("coverage of the 95 % interval")[:8])
         assert inside.value > 0.88, table.title
     assert set(tables[2].column("bridged")) == {"0 %", "100 %"}
 
 
 def test_thinning_changes_little(load):
     module = load("fast_allan")
-    found = module.study(records=1, n=200_000)
-    assert found[1].column("process") == module.NAMES
-    for name, most in zip(module.NAMES, found[1].column("largest, % of the half width"), strict=True):
+    tables = module.study(records=1, n=200_000)
+    assert tables[1].column("process") == module.NAMES
+    for name, most in zip(module.NAMES, tables[1].column("largest, % of the half width"), strict=True):
         if "Q" not in name:
             assert most < 20, name
 
 
 def test_matched_filters_know_their_errors(load):
     module = load("outage_consistency")
-    model = module.filter_of("WN + GM + RW")
-    results = [module.one((module.driven(model, 0.5, seed), model)) for seed in range(3)]
-    nis = np.concatenate([r[0] for r in results])
-    nees = np.concatenate([r[1] for r in results])
+    outcomes = [module.record("WN + GM + RW", seed, 0.5) for seed in range(3)]
+    nis, nees = (np.concatenate([getattr(o[""], name) for o in outcomes]) for name in ("nis", "nees"))
     assert len(nees) >= 36
     assert stats.chi2.cdf(np.nansum(nis), np.isfinite(nis).sum() * 3) == pytest.approx(0.5, abs=0.5 - RARE)
-    # neighbours share a bias: half as many count
+    # Successive outages share a bias, so half as many are independent.
     for at in range(nees.shape[1]):
         tail = stats.chi2.cdf(nees[:, at].mean() / 2 * len(nees), len(nees))
         assert RARE < tail < 1 - RARE, at
-    printed = module.one((module.driven(model, 0.5, 0), module.replace(model, reading="as printed")))
-    assert printed[1][:, 2].mean() < 0.3 * 2
+    assert outcomes[0][", as printed"].nees[:, 2].mean() < 0.3 * 2
 
 
 def test_denoising_changes_little_in_quinchias_outages(load):
     module = load("turin")
-    base = module.FilterModel("base", module.preset("3dm-gx3-25"))
-    filters = [module.model_named(name, base, interval=0.01) for name in ("18AV", "18AVWD")]
-    bare = [module.model_named("none", base, interval=0.01)]
-    found = module.one(("turin-1", 0, filters, bare))
-    assert sorted(found["9/10"]) == [1, 2, 3]
-    for models in found["9/10"].values():
+    filters = module.filters_of("corrected")
+    filters = {
+        module.NINE: filters[module.NINE][1:3],
+        module.SIX: filters[module.SIX][:1],
+    }  # 18AV and 18AVWD; no denoising
+    errors = module.errors("turin-1", 0, filters)
+    assert sorted(errors[module.NINE]) == [1, 2, 3]
+    for models in errors[module.NINE].values():
         assert models["18AVWD"] == pytest.approx(models["18AV"], rel=0.1, abs=1.0)
-    assert all(0 < m["none"][1] < 1000 for m in found["6"].values())
+    assert all(0 < models["0 levels"][1] < 1000 for models in errors[module.SIX].values())

@@ -1,21 +1,21 @@
-"""The studies of temperature with few, short records: what they reach must lie within what chance allows."""
+"""The studies of temperature with few, short records: their figures must lie within the limits of chance."""
 
 from scipy import stats
 
 RARE = 1e-4
 
 
-def test_the_test_of_dependence_errs_seldom_and_finds_a_tenth(load):
+def test_the_test_of_dependence_keeps_its_size_and_finds_a_tenth(load):
     module = load("temperature_dependence")
     summary, sizes, powers = module.study(records=2, ramps=0, minutes=0.5, workers=1)
-    pooled = summary.rows[4][2]
-    assert pooled.of == 6
-    assert stats.binom.sf(pooled.count - 1, pooled.of, 0.05) > RARE
+    together = summary.rows[4][2]
+    assert together.of == 6
+    assert stats.binom.sf(together.count - 1, together.of, 0.05) > RARE
     assert len(sizes.rows) == 4
     assert powers.rows[-1][1].value == 1
 
 
-def test_a_chamber_holds_the_published_figures(load, monkeypatch):
+def test_a_chamber_recovers_the_published_figures(load, monkeypatch):
     module = load("chamber")
     monkeypatch.setattr(module, "PRESETS", ("motionpakii",))
     monkeypatch.setattr(module, "CELSIUS", (-30, 30))
@@ -33,6 +33,6 @@ def test_a_ramp_reaches_its_bound(load):
     summary, bins = module.study(records=2, hours=0.3)
     ratio = float(summary.rows[0][2])
     assert 0.3 < ratio < 2
-    held = summary.rows[3][2]
-    assert stats.binom.cdf(held.count, held.of, 0.95) > RARE
+    coverage = summary.rows[3][2]
+    assert stats.binom.cdf(coverage.count, coverage.of, 0.95) > RARE
     assert len(bins.rows) >= 4

@@ -1,66 +1,90 @@
-"""Quinchia's outages, simulated: does wavelet denoising with 18AV improve on the others (tables 6, 9 and 10, figure 26)?
+"""Simulate Quinchia's outages, and compare wavelet denoising with 18AV with the other filters (tables 6, 9 and 10, figure 26).
 
-The two drives of ``planned_route`` with the paper's sensor (table 4's N, B and K, flicker as flicker), noise by seed; the paper's
-outages at its durations and speeds. Each filter's horizontal error, mean and largest over an outage, against its own run without
-outage, as the paper has it, and against the truth. The claim: the mean over the seven outages of 1 - 18AVWD/other, which the paper
-gives as 50.95 % (15AR), 48.20 % (27AR), 31.89 % (15AV) and 26.06 % (18AV) for the largest errors. Here it is a mean over seeds with
-its 95 % interval. Table 6: filters without biases, at 0, 3 and 7 levels of denoising.
+The drives are the two of ``planned_route``, with the paper's sensor (N, B and K of table 4, with flicker for B) and noise by seed. The
+outages have the paper's durations and speeds. Each filter's horizontal error, mean and largest over an outage, is taken against its
+own run without outages, as in the paper, and against the truth. The paper claims a gain: the mean over the seven outages of
+1 - 18AVWD/other is 50.95 % (15AR), 48.20 % (27AR), 31.89 % (15AV) and 26.06 % (18AV) for the largest errors. The study takes the mean
+of this gain over seeds, with its 95 % interval. Table 6 has filters without biases, at 0, 3 and 7 levels of denoising.
 
-Command: ``python tests/studies/turin.py [--seeds 50] > tests/studies/turin.md`` (about 6 minutes). Seeds: 0, 1, ...
-The paper's figures are read from ``../shared/papers/tables.toml``, where there is such a file.
+The tables show the paper's figures where the folder of recordings has them (tests/recordings.py).
+
+Command: ``python tests/studies/turin.py`` (50 seeds: about 6 minutes on two cores).
+Seeds: seed r makes the noise of record r, which is both drives.
 """
 
 from __future__ import annotations
 
-import argparse
-import tomllib
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
+from study_report import Table, main, over_records, published
 
 from imuwb.navigation import FilterModel
 from imuwb.replay import Outage, model_named, prepare, replay
 from imuwb.simulation import drive, planned_outages, planned_route, preset
 
-PAPER = Path(__file__).parents[2] / ".." / "shared" / "papers" / "tables.toml"
+QUESTION = "The outages of Quinchia et al., simulated"
+PRESET, INTERVAL = "3dm-gx3-25", 0.01
 FILTERS = ("15AV", "18AV", "18AVWD", "15AR", "27AR", "full")
 LEVELS = {"0": (), "3": (3, 2, 2, 3, 2, 2), "7": (7, 7, 7, 7, 6, 6)}
 DRIVES = ("turin-1", "turin-2")
-NINE, SIX = "9/10", "6"
+NINE, SIX = "9/10", "6"  #: numbers of the paper's tables
+READINGS = ("corrected", "as printed")
 
 
 def outages(name, table):
-    """Return a drive's outages of a table, by number."""
-    found = [o for o in planned_outages(name) if (str(o.table) == SIX) == (table == SIX)]
-    return sorted(found, key=lambda o: o.start)
+    """Return a drive's outages of a table, by start."""
+    planned = [o for o in planned_outages(name) if (str(o.table) == SIX) == (table == SIX)]
+    return sorted(planned, key=lambda o: o.start)
 
 
-def one(job):
-    """Return {table: {number: {filter: (own mean, own max, true mean, true max)}}} of one drive and seed."""
-    name, seed, filters, bare = job
-    log = drive(preset("3dm-gx3-25"), planned_route(name), seed)
-    prepared = prepare(log, filters[0])
+def filters_of(reading):
+    """Return {table: filters} with the formulas of a reading."""
+    base = FilterModel("base", preset(PRESET))
+    nine = [model_named(name, base, interval=INTERVAL, reading=reading) for name in FILTERS]
+    bare = model_named("none", base, interval=INTERVAL, reading=reading)
+    six = [replace(bare, name=f"{level} levels", wavelet_levels=levels) for level, levels in LEVELS.items()]
+    return {NINE: nine, SIX: six}
+
+
+def errors(name, seed, filters):
+    """Return {table: {outage: {filter: (own mean, own largest, true mean, true largest)}}} of one drive and seed, m."""
+    log = drive(preset(PRESET), planned_route(name), seed)
+    prepared = prepare(log, filters[NINE][0])
+    return {table: _errors(prepared, models, outages(name, table)) for table, models in filters.items()}
+
+
+def _errors(prepared, models, planned):
+    replayed = replay(prepared, models, [Outage(float(o.start), float(o.duration)) for o in planned], reference="truth")
     result = {}
-    for table, models in ((NINE, filters), (SIX, bare)):
-        planned = outages(name, table)
-        found = replay(
-            prepared, models, [Outage(float(o.start), float(o.duration)) for o in planned], reference="truth"
-        )
-        result[table] = {}
-        for duration in found.scored:
-            of = [o for o in planned if o.duration == duration]
-            for i, o in enumerate(of):
-                result[table][o.number] = {
-                    model: tuple(
-                        float(part)
-                        for kind in (run.outages[duration].own, run.outages[duration].scores)
-                        for part in (kind.horizontal[i].mean(), kind.horizontal[i].max())
-                    )
-                    for model, run in found.runs.items()
-                }
+    for duration in replayed.scored:
+        for i, o in enumerate(o for o in planned if o.duration == duration):
+            result[o.number] = {
+                model: tuple(
+                    float(part)
+                    for scores in (run.outages[duration].own, run.outages[duration].scores)
+                    for part in (scores.horizontal[i].mean(), scores.horizontal[i].max())
+                )
+                for model, run in replayed.runs.items()
+            }
     return result
+
+
+def record(reading, seed):
+    """Return {table: {outage: {filter: errors}}} of both drives."""
+    filters = filters_of(reading)
+    first, second = (errors(name, seed, filters) for name in DRIVES)
+    return {table: first[table] | second[table] for table in filters}
+
+
+def study(records=50, workers=2):
+    """Return three tables of each reading of the formulas."""
+    tables = []
+    for reading in READINGS:
+        seeds = over_records(record, [(reading, seed) for seed in range(records)], workers)
+        nine, six = ([seed[table] for seed in seeds] for table in (NINE, SIX))
+        tables += [_largest(nine, reading), _gains(nine, reading), _levels(six, reading)]
+    return tuple(tables)
 
 
 def gain(values):
@@ -75,71 +99,62 @@ def spread(values):
     return f"{middle:.1f} ({low:.1f} to {high:.1f})"
 
 
-def main():
-    """Run and print the tables."""
-    parser = argparse.ArgumentParser(description="the outages of Quinchia et al. in simulation")
-    parser.add_argument("--seeds", type=int, default=50)
-    given = parser.parse_args()
-    base = FilterModel("base", preset("3dm-gx3-25"))
-    paper = tomllib.loads(PAPER.read_text("utf-8"))["quinchia2013"] if PAPER.exists() else None
-    print("# The outages of Quinchia et al., simulated\n")
-    for reading in ("corrected", "as printed"):
-        filters = [model_named(name, base, interval=0.01, reading=reading) for name in FILTERS]
-        nine = model_named("none", base, interval=0.01, reading=reading)
-        bare = [replace(nine, name=f"{level} levels", wavelet_levels=levels) for level, levels in LEVELS.items()]
-        jobs = [(name, seed, filters, bare) for seed in range(given.seeds) for name in DRIVES]
-        with ThreadPoolExecutor(2) as pool:
-            results = list(pool.map(one, jobs))
-        seeds = [{t: results[2 * s][t] | results[2 * s + 1][t] for t in (NINE, SIX)} for s in range(given.seeds)]
-        print(f"## Formulas {reading}: {given.seeds} seeds\n")
-        tables(seeds, paper)
+def _of(seeds, outage, name, place):
+    """Return one error of a filter in an outage, by seed."""
+    return np.array([seed[outage][name][place] for seed in seeds])
 
 
-def tables(seeds, paper):
-    """Print tables 9 and 10, the claims, and table 6."""
-    numbers = sorted(seeds[0][NINE])
-    values = {(n, f): np.array([s[NINE][n][f] for s in seeds]) for n in numbers for f in FILTERS}
-    print(
-        "Largest horizontal error against the own run, m: median (16 to 84 %) over seeds; the paper's figure behind.\n"
-    )
-    print("| outage | " + " | ".join(FILTERS) + " |\n|" + " --- |" * (len(FILTERS) + 1))
-    for i, n in enumerate(numbers):
-        cells = []
-        for f in FILTERS:
-            theirs = f"; {paper['table9_10_outages'][f'max_{f}'][i]:.1f}" if paper and f != "full" else ""
-            cells.append(spread(values[n, f][:, 1]) + theirs)
-        print(f"| {n} | " + " | ".join(cells) + " |")
-    print(
-        "\nMean over the seven outages of 1 - 18AVWD/other, mean over seeds with its 95 % interval; the paper's behind.\n"
-    )
-    print(
-        "| against | largest, own run | mean, own run | largest, truth | mean, truth | paper, largest and mean |\n|"
-        + " --- |" * 6
-    )
-    for f in FILTERS:
-        if f == "18AVWD":
+def _paper(*keys):
+    """Return a figure of the paper; None where it is absent."""
+    figure = published("quinchia2013")
+    for key in keys:
+        figure = figure.get(key) if figure else None
+    return figure
+
+
+def _cells(seeds, names, figures):
+    """Return rows of the largest errors against a filter's own run, each with the paper's figure."""
+    for i, outage in enumerate(sorted(seeds[0])):
+        cells = (spread(_of(seeds, outage, name, 1)) for name in names)
+        theirs = ("" if column is None else f"; {column[i]:.1f}" for column in figures)
+        yield (outage, *map("".join, zip(cells, theirs, strict=True)))
+
+
+def _largest(seeds, reading):
+    note = "Largest horizontal error against the filter's own run, m: median (16 to 84 %) over seeds; then the paper's figure."
+    rows = _cells(seeds, FILTERS, [_paper("table9_10_outages", f"max_{name}") for name in FILTERS])
+    return Table(f"Formulas {reading}: the outages of tables 9 and 10", ("outage", *FILTERS), tuple(rows), note)
+
+
+def _gains(seeds, reading):
+    note = "Mean over the seven outages of 1 - 18AVWD/other: mean over seeds with its 95 % interval; then the paper's figures."
+    rows = []
+    for name in FILTERS:
+        if name == "18AVWD":
             continue
-        cells = [
-            gain(np.mean([1 - values[n, "18AVWD"][:, k] / values[n, f][:, k] for n in numbers], axis=0))
+        gains = (
+            np.mean([1 - _of(seeds, o, "18AVWD", k) / _of(seeds, o, name, k) for o in seeds[0]], axis=0)
             for k in (1, 0, 3, 2)
-        ]
-        theirs = (
-            f"{paper['claims']['max_vs'][f]} and {paper['claims']['mean_vs'][f]} %" if paper and f != "full" else "—"
         )
-        print(f"| {f} | " + " | ".join(cells) + f" | {theirs} |")
+        theirs = [_paper("claims", f"{kind}_vs", name) for kind in ("max", "mean")]
+        rows.append((name, *map(gain, gains), "—" if None in theirs else f"{theirs[0]} and {theirs[1]} %"))
+    headings = (
+        "other filter", "largest error against own run", "mean error against own run", "largest error against truth",
+        "mean error against truth", "paper: largest and mean error",
+    )  # fmt: skip
+    return Table(f"Formulas {reading}: gain of 18AVWD", headings, tuple(rows), note)
+
+
+def _levels(seeds, reading):
     names = [f"{level} levels" for level in LEVELS]
-    numbers = sorted(seeds[0][SIX])
-    print("\nTable 6: largest horizontal error of nine states against the own run, m; the paper's behind.\n")
-    print("| outage | " + " | ".join(names) + " |\n|" + " --- |" * (len(names) + 1))
-    for i, n in enumerate(numbers):
-        cells = []
-        for level, name in zip(LEVELS, names, strict=True):
-            theirs = f"; {paper['table6_wavelet_levels'][f'lod{level}'][i]:.1f}" if paper else ""
-            cells.append(spread(np.array([s[SIX][n][name][1] for s in seeds])) + theirs)
-        print(f"| {n} | " + " | ".join(cells) + " |")
-    sums = [np.array([sum(s[SIX][n][name][1] for n in numbers) for s in seeds]) for name in names]
-    print(f"\n7 levels against 0, by sums as the paper reckons it (4.3 %): {gain(1 - sums[2] / sums[0])}\n")
+    sums = [sum(_of(seeds, outage, name, 1) for outage in sorted(seeds[0])) for name in names]
+    note = (
+        "Largest horizontal error of nine states against the filter's own run, m: median (16 to 84 %) over seeds; then the paper's "
+        f"figure. Gain of 7 levels over 0 by sums, as in the paper (4.3 %): {gain(1 - sums[2] / sums[0])}"
+    )
+    rows = _cells(seeds, names, [_paper("table6_wavelet_levels", f"lod{level}") for level in LEVELS])
+    return Table(f"Formulas {reading}: levels of denoising (table 6)", ("outage", *names), tuple(rows), note)
 
 
 if __name__ == "__main__":
-    main()
+    main(__file__, QUESTION, study, 50, lambda n: f"seeds 0..{n - 1}; n = {n} records of two drives")
