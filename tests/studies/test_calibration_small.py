@@ -3,6 +3,7 @@
 import pytest
 from scipy import stats
 
+pytestmark = pytest.mark.slow
 RARE = 1e-4
 
 

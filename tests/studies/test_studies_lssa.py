@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+pytestmark = pytest.mark.slow
 RARE = 1e-4
 
 

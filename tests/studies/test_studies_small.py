@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+pytestmark = pytest.mark.slow
 RARE = 1e-4
 
 
@@ -16,29 +17,33 @@ def at_most(share, probability):
     return stats.binom.sf(share.count - 1, share.of, probability) > RARE
 
 
+def pooled(load, shares):
+    return load("study_report").pooled(shares)
+
+
 def test_intervals_contain_the_truth(load):
     module = load("coverage_table4")
     _, present, absent, curve = module.study(records=4, hours=1.0, workers=1)
     # An hour hardly identifies K of accel_z, and a term that is not identified counts as not covered.
     clear = [row for row in present.rows if row[:2] != ("accel_z", "K")]
-    covered = module.pooled([row[4] for row in clear])
+    covered = pooled(load, [row[4] for row in clear])
     assert covered.of == 4 * 14
     assert at_least(covered, 0.95)
     for axis, letter, _, identified, *_, mean, _rms in clear:
         if letter in "NB":
             assert identified.value == 1, (axis, letter)
             assert abs(mean) < {"N": 1, "B": 15}[letter], (axis, letter)
-    nulls = module.pooled(absent.column("not identified"))
+    nulls = pooled(load, absent.column("not identified"))
     assert at_least(nulls, 0.95)
     assert all(share.value == 1 for share in absent.column("upper limit above 0") if share.of)
     # The six axes of a record are independent, and its octaves nearly so.
-    assert at_least(module.pooled(curve.column("edf")), 0.95)
+    assert at_least(pooled(load, curve.column("edf")), 0.95)
 
 
 def test_printed_intervals_cover_less_than_edf_at_long_times(load):
     module = load("coverage_table4")
     curve = module.study(records=10, hours=0.1, workers=1)[3]
-    edf, printed = (module.pooled(curve.column(kind)[-2:]) for kind in ("edf", "printed"))
+    edf, printed = (pooled(load, curve.column(kind)[-2:]) for kind in ("edf", "printed"))
     assert edf.count > printed.count
     assert at_least(edf, 0.93)
 
@@ -83,9 +88,9 @@ def test_the_likelihood_reaches_its_goals(load):
 def test_quinchias_coefficients_are_recovered(load):
     module = load("quinchia")
     _, table4, absent, cells, choices, times = module.study(records=2, hours=0.6, markov_records=1)
-    assert at_least(module.pooled(table4.column("coverage")), 0.94)
-    assert at_least(module.pooled(absent.column("interval begins at 0, or not identified")), 0.95)
-    assert at_least(module.pooled(cells.column("agree")), module.AGREE)
+    assert at_least(pooled(load, table4.column("coverage")), 0.94)
+    assert at_least(pooled(load, absent.column("interval begins at 0, or not identified")), 0.95)
+    assert at_least(pooled(load, cells.column("agree")), module.AGREE)
     assert len(table4.rows) == 15
     assert [row[0] for row in choices.rows] == [row[0] for row in times.rows] == list(module.GYROS)
 
@@ -115,7 +120,7 @@ def test_missing_samples_do_not_bias(load):
             mean for mean, count in zip(table.column("mean"), table.column("records"), strict=True) if count == whole
         ]
         assert all(abs(mean.off) < 6 for mean in means), table.title
-        inside = module.pooled(table.column("coverage of the 95 % interval")[:8])
+        inside = pooled(load, table.column("coverage of the 95 % interval")[:8])
         assert inside.value > 0.88, table.title
     assert set(tables[2].column("bridged")) == {"0 %", "100 %"}
 

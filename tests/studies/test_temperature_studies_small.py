@@ -1,7 +1,11 @@
 """The studies of temperature with few, short records: their figures must lie within the limits of chance."""
 
+import pytest
 from scipy import stats
 
+from imuwb.notes import ids
+
+pytestmark = pytest.mark.slow
 RARE = 1e-4
 
 
@@ -36,3 +40,12 @@ def test_a_ramp_reaches_its_bound(load):
     coverage = summary.rows[3][2]
     assert stats.binom.cdf(coverage.count, coverage.of, 0.95) > RARE
     assert len(bins.rows) >= 4
+
+
+def test_only_a_model_with_temperature_knows_its_errors_on_a_drive_that_warms_up(load, monkeypatch):
+    module = load("thermal_drive")
+    monkeypatch.setattr(module, "MODELS", {name: module.MODELS[name] for name in ("thermal", "constant, of 25 °C")})
+    thermal, constant = module.record(0, 12.0).values()
+    assert stats.chi2.cdf(thermal.nees[:, -1].sum(), thermal.nees.shape[0] * 2) < 1 - RARE
+    assert stats.chi2.sf(constant.nees[:, -1].sum(), constant.nees.shape[0] * 2) < RARE
+    assert [("corrected" in ids(of.notes)) for of in (thermal, constant)] == [True, False]
