@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from imuwb.log import GnssStream, ImuStream, Reference, Scalars, Triad
+from imuwb.log import SECOND, GnssStream, ImuStream, Log, Origin, Provenance, Reference, Scalars, Triad
 
 TIME = np.arange(3, dtype=np.int64)
 BODY = np.arange(9.0).reshape(3, 3)
@@ -31,7 +31,7 @@ def test_sound_arrays_are_kept(make):
 
 
 @pytest.mark.parametrize("kind", ["velocity", "position_sigma", "velocity_sigma"])
-def test_what_a_receiver_does_not_tell_is_nan(kind):
+def test_what_a_receiver_does_not_state_is_nan(kind):
     value = BODY.copy()
     value[1, 0] = np.nan
     assert np.isnan(getattr(kinds()[kind](TIME, value), kind)[1, 0])
@@ -107,3 +107,36 @@ def test_axes_are_the_columns_of_both_triads():
 
 def test_an_imu_without_gyro_has_three_axes():
     assert list(ImuStream("imu", None, Triad(TIME, BODY)).axes()) == ["accel_x", "accel_y", "accel_z"]
+
+
+def test_a_log_prints_a_line_for_its_file_and_one_for_each_stream():
+    time = np.delete(np.arange(101), [40, 41, 42]) * (SECOND // 100)
+    sensors = Triad(time, np.zeros((98, 3)))
+    slow = Triad(time[::2], np.zeros((49, 3)))
+    warmth = Scalars("/warm", time[::10], np.zeros(10))
+    fixes = GnssStream("/fix", time, np.zeros((98, 3)), origin=Origin("deg, m", "ENU", "unix"))
+    log = Log(
+        Provenance("run.mcap", "mcap", "sha256:0", 9),
+        imus=(ImuStream("/imu", sensors, sensors, warmth, Origin("deg/s, g", "FLU")), ImuStream("/two", sensors, slow)),
+        gnss=(fixes,),
+        speeds=(Scalars("/wheel", time, np.zeros(98)),),
+        references=(Reference("/truth", time, np.zeros((98, 3))),),
+    )
+    file, *lines = str(log).splitlines()
+    assert file == "run.mcap (mcap)"
+    clock = "98 rows, 100 Hz, 1 s, 1 gap (longest 0.04 s)"
+    assert lines[0] == f"/imu: imu, {clock}, deg/s, g, FLU"
+    assert [line.split(":")[0] for line in lines] == [
+        "/imu", "/warm", "/two (gyro)", "/two (accelerometer)", "/fix", "/truth", "/wheel",
+    ]  # fmt: skip
+    assert lines[4] == f"/fix: gnss, {clock}, deg, m, ENU"
+    for value in (log, *log.streams(), sensors):
+        assert repr(value) == str(value)
+        assert all(len(line) < 120 for line in str(value).splitlines())
+
+
+def test_a_log_of_nothing_and_a_single_row_print_too():
+    assert len(str(Log(Provenance("a", "csv", "", 0))).splitlines()) == 2
+    assert "1 rows" in str(Triad(TIME[:1], BODY[:1]))
+    assert "0 rows" in str(Triad(TIME[:0], BODY[:0]))
+    assert str(ImuStream("imu", None, None)).startswith("imu:")

@@ -140,3 +140,8 @@ def test_describe_returns_the_streams_of_a_file(text_log):
     ]
     assert summary.streams[0].units == "deg/s, g"
     assert [s.gaps for s in summary.streams] == [((1.5, 2.0),), (), ((1.5, 2.0),)]
+
+
+def test_a_summary_prints_the_lines_of_its_log():
+    log = log_of([ImuStream("left", every(0.01, 11), every(0.02, 6, 0.003))], notes=("odd",))
+    assert str(summarize(log)) == repr(summarize(log)) == str(log)

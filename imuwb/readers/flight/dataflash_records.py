@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 HEAD = b"\xa3\x95"
 FMT, FMT_SIZE = 128, 89
-LARGEST = 256  #: bytes of a record: its size is one byte
 #: letter of a field -> numpy type, count, factor (of types that scale their field)
 _KINDS: dict[str, tuple[str, int, float]] = {
     "a": ("<i2", 32, 1.0), "b": ("|i1", 0, 1.0), "B": ("|u1", 0, 1.0), "h": ("<i2", 0, 1.0), "H": ("<u2", 0, 1.0),

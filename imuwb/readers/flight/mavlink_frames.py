@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 STAMP = 8  #: bytes of the recorder's time, big-endian µs since 1970
 FIRST, SECOND_VERSION = 0xFE, 0xFD
 SIGNED = 0x01  #: incompatibility flag: 13 bytes of signature after the checksum
-LARGEST = STAMP + 280  #: bytes of a record
 MOST = 3  #: seeds of one number of a message, at most
 _TABLE = 1 << 16  #: no public message has a larger number
 

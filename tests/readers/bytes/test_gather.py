@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from imuwb.readers.bytes import gather as module
 from imuwb.readers.bytes.gather import alike, gather
 
 KINDS = {
@@ -44,3 +45,16 @@ def test_rows_alike_are_each_row_once_under_its_key(keys):
     assert set(found) == set(keys)
     assert all(keys[row - 5] == key for key, some in found.items() for row in some)
     assert sorted(row for some in found.values() for row in some) == rows.tolist()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("count", [0, 3])
+def test_few_numbers_are_gathered_without_the_compiler(monkeypatch, kind, count):
+    rng = np.random.default_rng(0)
+    buffer, at = rng.integers(0, 256, 500).astype(np.uint8), rng.integers(0, 400, 50)
+    plain, compiled = (
+        monkeypatch.setattr(module, "worth_compiling", lambda _, answer=answer: answer)
+        or gather(buffer, at, kind, count)
+        for answer in (False, True)
+    )
+    assert plain.tobytes() == compiled.tobytes()

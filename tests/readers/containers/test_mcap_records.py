@@ -12,6 +12,7 @@ from mcap.writer import CompressionType, IndexType
 from imuwb.errors import UnreadableLogError
 from imuwb.notes import ids
 from imuwb.readers import read
+from imuwb.readers.containers import mcap_records
 from imuwb.readers.containers.mcap_records import MAGIC, Recording, walk
 
 T = 1_714_564_800 * 10**9
@@ -319,3 +320,13 @@ def test_damaged_metadata_are_noted_and_others_ignored(by_hand, declared, some):
     log = read(by_hand(declared, others, damaged, some(0)))
     assert numbers(log) == [0, 1, 2, 3]
     assert ids(log.notes) == ("damaged_record",)
+
+
+def test_records_are_found_the_same_with_and_without_the_compiler(declared, some, monkeypatch):
+    buffer = np.frombuffer(declared + some(0, 20) + b"\x05\x00", np.uint8)
+    found = []
+    for answer in (False, True):
+        monkeypatch.setattr(mcap_records, "worth_compiling", lambda _, answer=answer: answer)
+        found.append([np.asarray(table).tolist() for table in walk(buffer)])
+    assert found[0] == found[1]
+    assert len(found[0][0]) > 20
