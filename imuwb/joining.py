@@ -1,4 +1,4 @@
-"""Joins two files to one log, such as an IMU's and its receiver's."""
+"""Joins two files to one log, for example an IMU's and a receiver's."""
 
 from __future__ import annotations
 

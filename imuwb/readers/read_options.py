@@ -27,7 +27,7 @@ class ReadOptions:
 
     time_source: Annotated[
         TimeSource,
-        "Time stamp of a message: its header's, the one of the recording (log), or the one of sending (publish).",
+        "Time stamp of a message: its own (header), or the time of recording (log) or of sending (publish).",
     ] = "header"
     rate: Annotated[
         float | None, "Sampling rate of a text log without a time column (Hz).", Between(1e-6, 1e8), Form("HZ", "100")
@@ -42,7 +42,7 @@ class ReadOptions:
     ] = field(default_factory=dict[str, str])
     frame: Annotated[
         Literal["FRD", "FLU"] | None,
-        "Body frame, if the log does not state it: forward-right-down or forward-left-up.",
+        "Body frame of the IMU, if the log does not state it: forward-right-down or forward-left-up.",
     ] = None
     epoch: Annotated[
         Epoch | None,

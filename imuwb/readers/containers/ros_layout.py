@@ -98,7 +98,7 @@ def _short(name: str) -> str:
 def _flatten(texts: dict[str, str], name: str, prefix: str, steps: list[LayoutField | Jump], depth: int) -> bool:
     """Append the fields of a message; return False if later fields have no common offset."""
     if depth > DEEPEST or len(steps) > LONGEST_PLAN:
-        message = f"{name} nests too deep or holds too many fields"
+        message = f"{name} has too many levels or too many fields"
         raise UnknownLayoutError(message)
     for line in texts[name].splitlines():
         match = _FIELD.match(line.split("#", 1)[0].strip())
@@ -106,7 +106,7 @@ def _flatten(texts: dict[str, str], name: str, prefix: str, steps: list[LayoutFi
             continue
         kind, array, bounded, number, path = match[1], match[3], match[4], match[5], prefix + match[6]
         if len(number or "") > DIGITS:
-            message = f"an array of {number[:DIGITS]}... elements in {name}"
+            message = f"an array in {name} has {number[:DIGITS]}... elements, which is too many"
             raise UnknownLayoutError(message)
         fixed = int(number) if array and number and not bounded else None
         if kind in _PRIMITIVES and not (array and fixed is None):

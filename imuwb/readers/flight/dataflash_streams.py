@@ -103,7 +103,7 @@ def _text_tables(path: Path, notes: list[str]) -> TextTables:
                 return tables
     tables.take([rest])
     if tables.bad:
-        notes.append(Note("bad_line", f"{tables.bad} lines that are cut or have other text than numbers left out"))
+        notes.append(Note("bad_line", f"{tables.bad} lines left out: they are cut, or have text in place of numbers"))
     return tables
 
 

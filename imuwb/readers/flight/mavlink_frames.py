@@ -47,7 +47,7 @@ _SEEDS, _STEPS = _seeds(), _steps()
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Frames:
-    """The frames of a buffer whose checksum is right, and counts of the rest."""
+    """The frames of a buffer whose checksum is correct, and counts of the rest."""
 
     number: NDArray[np.int64]  #: (n,) of the message
     system: NDArray[np.int64]  #: (n,)
@@ -80,7 +80,7 @@ def _number(buffer: NDArray[np.uint8], frame: int) -> int:  # pragma: no cover -
 def _holds(
     buffer: NDArray[np.uint8], frame: int, end: int, seeds: NDArray[np.int16], steps: NDArray[np.uint16]
 ) -> bool:  # pragma: no cover - compiled
-    """Return whether the checksum after a payload is right for one of the message's seeds."""
+    """Return whether the checksum after a payload is correct for one of the message's seeds."""
     crc = np.uint16(0xFFFF)
     for k in range(frame + 1, end):
         crc = np.uint16(crc >> 8) ^ steps[np.uint8(crc) ^ buffer[k]]

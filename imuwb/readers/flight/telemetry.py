@@ -36,7 +36,7 @@ MICRO = 1000  #: ns
 
 
 def has_frame(head: bytes) -> bool:
-    """Return whether the first bytes of a file have a frame whose checksum is right, after a possible time."""
+    """Return whether the first bytes of a file have a frame whose checksum is correct, after a possible time."""
     buffer = np.frombuffer(head, np.uint8)
     recorded = gather(buffer, scan(buffer, last=False).record, ">u8")
     return bool(((recorded > EARLIEST) & (recorded < LATEST)).any())

@@ -17,7 +17,7 @@ SHORTEST = 16  #: bytes: a time stamp and the shortest frame
 
 
 def probe(head: bytes) -> bool:
-    """Return whether the file begins with a possible time and a frame whose checksum is right."""
+    """Return whether the file begins with a possible time and a frame whose checksum is correct."""
     if len(head) < SHORTEST or b"\0" not in head:
         return False
     from imuwb.readers.flight.telemetry import has_frame  # noqa: PLC0415 - text needs no decoder of frames
@@ -29,7 +29,7 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     """Return the streams of each system; the whole file is read first, for its clocks.
 
     Raises:
-        UnreadableLogError: the file has no frame whose checksum is right.
+        UnreadableLogError: the file has no frame whose checksum is correct.
     """
     from imuwb.readers.flight.tlog_streams import streamed  # noqa: PLC0415 - a probe needs none of this
 

@@ -52,11 +52,11 @@ def streamed(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     """Yield the streams of each system.
 
     Raises:
-        UnreadableLogError: the file has no frame whose checksum is right.
+        UnreadableLogError: the file has no frame whose checksum is correct.
     """
     log = Telemetry(path)
     if not log.frames:
-        message = f"{path}: no MAVLink frame has a right checksum, and {log.skipped} bytes belong to no frame"
+        message = f"{path}: no MAVLink frame has a correct checksum, and {log.skipped} bytes belong to no frame"
         raise UnreadableLogError(message)
     if log.skipped and not log.has_rows:
         message = (

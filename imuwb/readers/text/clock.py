@@ -140,7 +140,7 @@ def _ahead_of_utc(column: Column, seconds: float, notes: list[Note]) -> int:
     scale = scale_of(column)
     if scale == "GPS":
         ahead = ahead_of_utc(datetime.fromtimestamp(seconds, UTC))
-        text = f"time column {column.name!r} is GPS time by its name; made UTC by {ahead} leap seconds"
+        text = f"time column {column.name!r} is GPS time, as its name states; made UTC by {ahead} leap seconds"
         notes.append(Note("gps_time", text))
         return ahead
     if scale is None:

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 UNTIMED = Note("no_time", "rows without a usable time left out")
 INCOMPLETE = Note("incomplete", "rows without a number in every used column")
-LEAP = 3600 * SECOND  #: ns; a longer step forward shows the damage of a packed file
+JUMP = 3600 * SECOND  #: ns; a longer step forward shows the damage of a packed file
 MOST_UNUSABLE = 0.5  #: share of rows; with more unusable rows, the file is not a log of these columns
 
 
@@ -97,7 +97,7 @@ class _Rows:
         yield from self._repairs()
 
     def _pieces(self) -> Iterator[Piece]:
-        """Yield the rows that have a time; those of a damaged file up to a leap in time."""
+        """Yield the rows that have a time; those of a damaged file up to a jump in time."""
         first_row, before = 0, None
         for block, bytes_read in blocks(self._path, self._layout, self._used, self._clock.kind, self._faults):
             time, timed = self._clock.time(block, first_row)
@@ -107,7 +107,7 @@ class _Rows:
             values = {c: floats(block.column(c.name))[timed][:good] for c in self._used if c.quantity != "time"}
             yield time[:good], values, bytes_read
             if good < time.size:
-                text = "the damage shows at a leap in time; all later rows are left out"
+                text = "the damage shows at a jump in time; all later rows are left out"
                 self._faults[damaged(self._layout.fault, text)] = 1
                 return
             before = int(time[-1]) if time.size else before
@@ -154,7 +154,7 @@ class _Rows:
 
 
 def _rising(time: NDArray[np.int64], before: int | None) -> int:
-    """Return how many times follow the one before and each other without a step back or a leap."""
+    """Return how many times follow the one before and each other without a step back or a jump."""
     steps = np.diff(time, prepend=time[:1] - 1 if before is None else before)
-    odd = np.flatnonzero((steps <= 0) | (steps > LEAP))
+    odd = np.flatnonzero((steps <= 0) | (steps > JUMP))
     return int(odd[0]) if odd.size else time.size

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 format = "rtklib"  # noqa: A001 - the contract's name
 uses: tuple[str, ...] = ()
-LEFT_OUT = Note("bad_line", "lines that are cut or have other text than numbers left out")
+LEFT_OUT = Note("bad_line", "lines left out: they are cut, or have text in place of numbers")
 ROWS = 20_000  #: most rows in a batch
 YEARS = range(1980, 2200)  #: a date outside is damage
 #: RTKLIB's quality flag (fixed, float, SBAS, DGPS, single, PPP) -> MAVLink's fix type

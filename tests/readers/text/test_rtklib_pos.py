@@ -186,3 +186,15 @@ def test_of_a_damaged_packed_file_nothing_behind_the_damage_is_used(text_log):
     assert 100 < len(log.gnss[0]) < 2900
     assert log.gnss[0].position[:, 2].tolist() == whole[: len(log.gnss[0])]
     assert "packed_damaged" in ids(log.notes)
+
+
+def test_every_quality_flag_has_its_fix_type(fix_of):
+    stamps = [f"2024/05/01 12:00:{i:02d}.000" for i in range(8)]
+    fix = fix_of(pos(*stamps, scale="UTC", flags=range(8)))
+    assert fix.fix_type.tolist() == [0, 6, 5, 4, 4, 3, 8, 0]  # fixed, float, SBAS, DGPS, single, PPP
+
+
+@pytest.mark.parametrize(("year", "used"), [(1979, False), (1980, True), (2115, True), (2200, False), (2250, False)])
+def test_a_year_before_gps_or_after_2199_is_damage(fix_of, year, used):
+    fix = fix_of(pos(f"{year}/05/01 12:00:00.000", "2024/05/01 12:00:00.000", scale="UTC"))
+    assert repairs(fix).get("bad_line", 0) == (not used)
