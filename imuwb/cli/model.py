@@ -16,43 +16,47 @@ if TYPE_CHECKING:
     from imuwb.analysis import Table
     from imuwb.stochastic import ImuErrorModel
 
-FEWEST = 100  #: samples whose curves are drawn
+FEWEST = 100  #: samples for which curves are drawn
 
 app = typer.Typer(no_args_is_help=True, help="Show, compare, export and check error models.")
 
-_Model = Annotated[Path, typer.Argument(help="An error model.", metavar="MODEL.toml")]
+_Model = Annotated[Path, typer.Argument(help="The error model.", metavar="MODEL.toml")]
 _Output = Annotated[
     Path | None,
-    typer.Option("--output", "-o", help="The recording; default: the model's name with .rrd.", metavar="FILE.rrd"),
+    typer.Option(
+        "--output", "-o", help="The recording to write. Default: the model's name with .rrd.", metavar="FILE.rrd"
+    ),
 ]
-_Force = Annotated[bool, typer.Option("--force", help="Write over files that exist.")]
+_Rate = Annotated[float, typer.Option(help="Rate of the samples for which the curves are drawn (Hz).")]
+_Hours = Annotated[float, typer.Option(help="Length of the record for which the curves are drawn (h).")]
+_Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exist.")]
 
 
 @app.command()
 def show(
     model: _Model,
     *,
-    rate: Annotated[float, typer.Option(help="Of the samples whose curves are drawn, Hz.")] = 100.0,
-    hours: Annotated[float, typer.Option(help="How far the Allan deviation is drawn.")] = 10.0,
+    rate: _Rate = 100.0,
+    hours: _Hours = 10.0,
     output: _Output = None,
     force: _Force = False,
 ) -> None:
-    """Its figures, and its Allan deviation and spectrum drawn."""
+    """Show the terms of an error model, its Allan deviation and its spectrum."""
     _review([model], rate, hours, output, force=force)
 
 
 @app.command()
 def compare(
-    models: Annotated[list[Path], typer.Argument(help="Two or more.", metavar="MODEL.toml...")],
+    models: Annotated[list[Path], typer.Argument(help="Two or more error models.", metavar="MODEL.toml...")],
     *,
-    rate: Annotated[float, typer.Option(help="Of the samples whose curves are drawn, Hz.")] = 100.0,
-    hours: Annotated[float, typer.Option(help="How far the Allan deviation is drawn.")] = 10.0,
+    rate: _Rate = 100.0,
+    hours: _Hours = 10.0,
     output: _Output = None,
     force: _Force = False,
 ) -> None:
-    """Two or more beside each other."""
+    """Compare two or more error models."""
     if len(models) < 2:  # noqa: PLR2004 - one has nothing to be compared with
-        message = f"compare takes two models or more; {len(models)} is given (imuwb model show draws one)"
+        message = f"{len(models)} model is given; compare needs two or more; for one model use imuwb model show"
         raise UsageError(message)
     _review(models, rate, hours, output, force=force)
 
@@ -61,17 +65,20 @@ def compare(
 def export(
     model: _Model,
     *,
-    to: Annotated[str, typer.Option(help="kalibr, ros, kf-gins, px4 or json.", metavar="TOOL")],
-    rate: Annotated[float, typer.Option(help="Of the sensor's samples, Hz, where the tool asks for it.")] = 100.0,
+    to: Annotated[str, typer.Option(help="The tool: kalibr, ros, kf-gins, px4 or json.", metavar="TOOL")],
+    rate: Annotated[float, typer.Option(help="Rate of the sensor's samples, for tools that need it (Hz).")] = 100.0,
     horizon: Annotated[
-        float, typer.Option(help="Seconds over which a bias instability must hold, where a tool has but random walks.")
+        float,
+        typer.Option(
+            help="Time over which a random walk stands for a bias instability, for tools that have random walks only (s)."
+        ),
     ] = 60.0,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="The file; default: stdout.", metavar="FILE")
+        Path | None, typer.Option("--output", "-o", help="The file to write. Default: stdout.", metavar="FILE")
     ] = None,
     force: _Force = False,
 ) -> None:
-    """As another tool takes it, in that tool's units."""
+    """Write an error model in the form of another tool, in its units."""
     from imuwb.cli.places import check_place  # noqa: PLC0415 - help must not wait
     from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
     from imuwb.stochastic.exports import export as exported  # noqa: PLC0415
@@ -93,14 +100,14 @@ def check(
     against: Annotated[
         Path,
         typer.Option(
-            help='Limits, such as [gyro] N = "0.3 deg/√h", or another model, whose upper ends are the limits.',
+            help='File of limits, such as \\[gyro] N = "0.3 deg/√h", or another error model: the upper ends of its intervals are the limits.',
             metavar="FILE.toml",
         ),
     ],
-    factor: Annotated[float, typer.Option(help="By which the limits are multiplied.")] = 1.0,
-    json: Annotated[bool, typer.Option("--json", help="As JSON on stdout.")] = False,
+    factor: Annotated[float, typer.Option(help="Factor by which the limits are multiplied.")] = 1.0,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON on stdout.")] = False,
 ) -> None:
-    """Against a data sheet or a previous sensor; exit code 1 where a limit is exceeded or cannot be told to be kept."""
+    """Check an error model against a data sheet or another sensor. Exit code 1: a limit is exceeded, or may be."""
     from imuwb.cli.terminal import shower  # noqa: PLC0415 - help must not wait
     from imuwb.review.document import plain  # noqa: PLC0415
     from imuwb.review.models import verdicts_table  # noqa: PLC0415
@@ -109,7 +116,7 @@ def check(
     from imuwb.stochastic.model_check import limits  # noqa: PLC0415
 
     if not 0 < factor < math.inf:
-        message = f"--factor {factor}: it must be positive"
+        message = f"--factor is {factor}; it must be above 0"
         raise UsageError(message)
     verdicts = checked(ImuErrorModel.read(model), limits(against, factor))
     kept = all(v.outcome == "within" for v in verdicts)
@@ -134,11 +141,11 @@ def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | Non
     from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
 
     if not (0 < rate < math.inf and 0 < hours < math.inf and hours * 3600 * rate >= FEWEST):
-        message = f"--rate {rate} --hours {hours}: both must be positive, and together make at least {FEWEST} samples"
+        message = f"--rate is {rate}, --hours {hours}; both must be above 0, and give at least {FEWEST} samples"
         raise UsageError(message)
     place = output or paths[0].with_name(f"{paths[0].name.removesuffix('.toml')}.rrd")
     if place.suffix != ".rrd":
-        message = f"--output {place}: a recording ends in .rrd"
+        message = f"--output {place}: the suffix must be .rrd"
         raise UsageError(message)
     models: dict[str, ImuErrorModel] = {path.name: ImuErrorModel.read(path) for path in paths}
     if len(models) < len(paths):

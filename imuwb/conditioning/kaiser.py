@@ -1,6 +1,7 @@
 """Linear-phase low-pass filters with Kaiser's window (El-Diasty, 2.3, eq. 14 to 17).
 
-As printed, eq. 17 has A_pass where A_stop belongs in delta_stop, and eq. 15 k = 0 in its second branch; here is Kaiser's own.
+As printed, eq. 17 has A_pass in delta_stop, where A_stop belongs, and eq. 15 has k = 0 in its second branch. These are
+Kaiser's own formulas.
 """
 
 from __future__ import annotations
@@ -19,10 +20,10 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 LONGEST = 400_001  #: taps
-GRID = 1024  #: frequencies within them at which the gain is checked
-LOBES = 8
-DEEPEST = 200.0  #: dB; beyond, rounding fills the stop band
-MARGIN = 0.98  #: of the gain allowed in the stop band, for what lies between them
+LOBES = 8  #: of the response on each side of the transition, where the gain is checked
+GRID = 1024  #: frequencies in them
+DEEPEST = 200.0  #: dB; with more, rounding fills the stop band
+MARGIN = 0.98  #: of the gain allowed in the stop band, for frequencies between those that are checked
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -46,7 +47,7 @@ class KaiserFilter:
         return signal.freqz(self.taps, worN=2 * np.pi * frequency / self.rate)[1]
 
     def autocorrelation(self, lags: int) -> Floats:
-        """Return the normalised autocorrelation, at lags 0, 1, ..., of white noise behind the filter."""
+        """Return the normalised autocorrelation, at lags 0, 1, ..., of white noise after the filter."""
         full = signal.correlate(self.taps, self.taps)[self.taps.size - 1 :]
         full = np.append(full, np.zeros(max(lags + 1 - full.size, 0)))
         return full[: lags + 1] / full[0]
@@ -59,9 +60,9 @@ def design_kaiser(
 
     Args:
         rate: Hz.
-        f_pass: Hz, up to which the gain is 1 within ``a_pass``.
-        f_stop: Hz, from which on it is below ``a_stop``.
-        a_stop: dB.
+        f_pass: Hz, end of the pass band, where the gain is 1 within ``a_pass``.
+        f_stop: Hz, beginning of the stop band, where the gain is below ``a_stop``.
+        a_stop: dB, attenuation.
         a_pass: dB, ripple from peak to peak.
 
     Raises:
@@ -70,7 +71,7 @@ def design_kaiser(
     if not 0 < f_pass < f_stop <= rate / 2 or not (0 < a_stop <= DEEPEST and 0 < a_pass < DEEPEST):
         message = (
             f"f_pass {f_pass:g} Hz, f_stop {f_stop:g} Hz at a rate of {rate:g} Hz, a_stop {a_stop:g} dB, a_pass {a_pass:g} dB: "
-            f"it must be 0 < f_pass < f_stop <= {rate / 2:g} Hz (half the rate), and both attenuations above 0, to {DEEPEST:g} dB"
+            f"the rule is 0 < f_pass < f_stop <= {rate / 2:g} Hz (half the rate), and attenuations above 0 and at most {DEEPEST:g} dB"
         )
         raise ValueError(message)
     ripple = 10 ** (a_pass / 20)
@@ -78,7 +79,7 @@ def design_kaiser(
     attenuation = -20 * np.log10(delta)
     beta = float(signal.kaiser_beta(attenuation))
     width = (f_stop - f_pass) / rate
-    # Kaiser's length is an estimate, up to a decibel short: the filter is lengthened until it keeps its promise.
+    # Kaiser's length is an estimate, up to a decibel short: the filter grows until it keeps its bands.
     size = int(np.ceil((attenuation - 7.95) / (14.36 * width) if attenuation > 21 else 0.9222 / width)) | 1  # noqa: PLR2004 - Kaiser's
     cutoff = (f_pass + f_stop) / 2
     while size <= LONGEST:
@@ -86,12 +87,12 @@ def design_kaiser(
         if _keeps(taps, rate, (f_pass, f_stop), ripple, 10 ** (-a_stop / 20)):
             return KaiserFilter(taps, rate, cutoff, f_pass, f_stop, beta)
         size += max(2, size // 200 * 2)
-    message = f"the filter would have more than {LONGEST} taps; widen the transition from {f_pass:g} to {f_stop:g} Hz"
+    message = f"the filter needs more than {LONGEST} taps; widen the transition from {f_pass:g} to {f_stop:g} Hz"
     raise ValueError(message)
 
 
 def _keeps(taps: Floats, rate: float, edges: tuple[float, float], ripple: float, stop: float) -> bool:
-    """Return whether gain and ripple are as promised: they are worst within a few lobes of the bands' edges."""
+    """Return whether a filter keeps its bands: gain and ripple are worst within a few lobes of the edges."""
     reach = LOBES * rate / taps.size
     low, high = max(edges[0] - reach, 0.0), min(edges[1] + reach, rate / 2)
     inside, outside = (
@@ -102,7 +103,7 @@ def _keeps(taps: Floats, rate: float, edges: tuple[float, float], ripple: float,
 
 
 def filtered(values: Floats, taps: Floats) -> Floats:
-    """Return (n + 1 - taps) values: each where the filter lies on samples only.
+    """Return filtered values, (n + 1 - taps): those for which the whole filter lies on samples.
 
     Args:
         values: (n,) or (n, k) samples.

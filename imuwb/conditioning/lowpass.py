@@ -1,4 +1,4 @@
-"""The low-pass that a sensor has inside: Butterworth, or a moving average (the 3DM-GX3-25's, 15 samples wide)."""
+"""The low-pass within a sensor: Butterworth, or a moving average (in the 3DM-GX3-25 of 15 samples)."""
 
 from __future__ import annotations
 
@@ -13,26 +13,27 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-SETTLED = 1e-7  #: of the slowest mode; what is not yet settled is left out
-HALF_POWER = 0.4429  #: sinc of it is 1/√2
-LOST = 0.01  #: of a power, at most, in what is called the band
-GRID = 1000
-LOW = 1e-3  #: of the cutoff, where the delay is read off the phase
+SETTLED = 1e-7  #: rest of the slowest mode; output before it is left out
+HALF_POWER = 0.4429  #: where sinc is 1/√2
+LOST = 0.01  #: largest share of a power that is lost within the band
+GRID = 1000  #: frequencies at which the band is looked for
+LOW = 1e-3  #: of the cutoff: the frequency whose phase gives the delay
+MOST_ORDER = 8  #: higher orders are not stable in this form
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Lowpass:
-    """A causal filter, in sections of second order (or one of a moving average)."""
+    """A causal filter: sections of second order, or a moving average."""
 
     sections: Floats | None  #: (s, 6); None: a moving average
     width: int  #: of the moving average, samples
     rate: float  #: Hz
     cutoff: float  #: Hz, -3 dB
     delay: float  #: s, group delay at low frequencies
-    settling: int  #: samples after which a step is followed to a millionth
+    settling: int  #: samples until the output follows a step to a millionth
 
     def apply(self, values: Floats) -> Floats:
-        """Return the output for (n, k) samples, those before it has settled left out."""
+        """Return the output for (n, k) samples, without those before it has settled."""
         if self.sections is None:
             sums = np.cumsum(np.concatenate([np.zeros((1, values.shape[1])), values - values[0]]), axis=0)
             return (sums[self.width :] - sums[: -self.width]) / self.width + values[0]
@@ -41,7 +42,7 @@ class Lowpass:
 
     @property
     def band(self) -> float:
-        """Return the frequency, Hz, up to which powers pass but for a hundredth."""
+        """Return the frequency, Hz, up to which at least 99 % of a power passes."""
         frequency = np.linspace(0.0, self.cutoff, GRID)
         power = np.abs(self.response(frequency)) ** 2
         return float(frequency[np.argmax(power < 1 - LOST) - 1])
@@ -61,23 +62,23 @@ def design_lowpass(
 
     Args:
         rate: Hz.
-        cutoff: Hz, -3 dB. A moving average gets the width whose -3 dB lies nearest.
-        kind: of filter.
-        order: of a Butterworth filter.
+        cutoff: Hz, where the gain is -3 dB; a moving average gets the width nearest to it.
+        kind: kind of filter.
+        order: order of a Butterworth filter.
 
     Raises:
         ValueError: a cutoff that is not between 0 and half the rate, or an order that is not 1 to 8.
     """
     if not 0 < cutoff < rate / 2:
-        message = f"a bandwidth of {cutoff:g} Hz at a rate of {rate:g} Hz: it must be above 0 and below half the rate, {rate / 2:g} Hz"
+        message = f"the cutoff is {cutoff:g} Hz at a rate of {rate:g} Hz; it must be above 0 and below half the rate, {rate / 2:g} Hz"
         raise ValueError(message)
-    if not 1 <= order <= 8:  # noqa: PLR2004 - more are not stable in this form
-        message = f"order {order}; it must be 1 to 8"
+    if not 1 <= order <= MOST_ORDER:
+        message = f"the order is {order}; it must be 1 to {MOST_ORDER}"
         raise ValueError(message)
     if kind == "moving-average":
         width = round(HALF_POWER * rate / cutoff)
         if width < 2:  # noqa: PLR2004 - one sample is no average
-            message = f"a moving average of {cutoff:g} Hz at {rate:g} Hz would be one sample wide; at most {HALF_POWER * rate / 1.5:.3g} Hz"
+            message = f"a moving average of {cutoff:g} Hz at a rate of {rate:g} Hz would have one sample; its cutoff must be at most {HALF_POWER * rate / 1.5:.3g} Hz"
             raise ValueError(message)
         return Lowpass(None, width, rate, HALF_POWER * rate / width, (width - 1) / 2 / rate, width - 1)
     sections = signal.butter(order, cutoff, fs=rate, output="sos")

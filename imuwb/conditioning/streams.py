@@ -1,4 +1,4 @@
-"""From arrays to streams: a conditioner's change applied to each triad, between its gaps."""
+"""From arrays to streams: a conditioner's change, applied to each triad between its gaps."""
 
 from __future__ import annotations
 
@@ -20,21 +20,22 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What becomes of evenly spaced samples (n, 3)."""
+    """A change of evenly spaced samples (n, 3)."""
 
     apply: Callable[[Floats], Floats]  #: (n, 3) -> (n - first - last, 3), or every ``step``-th of those
     shortest: int = 1  #: samples of a part between gaps; shorter parts are dropped
-    first: int = 0  #: samples that are left out at the begin of a part
-    last: int = 0  #: and at its end
-    step: int = 1
+    first: int = 0  #: samples that are left out at the beginning of a part
+    last: int = 0  #: samples that are left out at its end
+    step: int = 1  #: samples of which one is kept
 
 
 def condition_streams(log: Log, design: Callable[[str, float], Change]) -> Log:
-    """Return the log with every IMU's triads changed; what was done is for the caller to say.
+    """Return the log with every IMU's triads changed; the caller adds the step to ``Log.conditioning``.
 
     Args:
-        log: what was read.
-        design: the change for a sensor, ``"gyro"`` or ``"accel"``, at its rate in Hz; ValueError where there is none.
+        log: the log.
+        design: returns the change for a sensor, ``"gyro"`` or ``"accel"``, at its rate in Hz; ValueError where the rate does not
+            allow it.
 
     Raises:
         MissingDataError: no part between gaps is long enough.
@@ -54,7 +55,7 @@ def _imu(log: Log, imu: ImuStream, design: Callable[[str, float], Change]) -> Im
 def _triad(log: Log, name: str, triad: Triad, sensor: str, design: Callable[[str, float], Change]) -> Triad:
     clock = sampling(triad.time)
     if clock.rate is None:
-        message = f"{log.provenance.path}: {name} has {len(triad)} samples; conditioning needs more"
+        message = f"{log.provenance.path}: {name} has {len(triad)} samples; a conditioner needs at least 2"
         raise MissingDataError(message)
     change = design(sensor, clock.rate)
     times, values = [], []

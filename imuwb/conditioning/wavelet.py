@@ -1,7 +1,7 @@
-"""Wavelet denoising: details below a threshold are noise (Quinchia, 4.5 and 5.6).
+"""Wavelet denoising: details below a threshold are taken as noise (Quinchia, 4.5 and 5.6).
 
-Level k keeps what lies below rate/2^(k+1). Stein's unbiased risk estimate (SURE; Donoho and Johnstone 1995) gives each level the
-threshold of the least expected error; none of the common libraries has it. Noise is scaled level by level, by the
+Level k keeps frequencies below rate/2^(k+1). Stein's unbiased risk estimate (SURE; Donoho and Johnstone 1995) gives each level
+the threshold of the least expected error; the common libraries do not have it. The noise is scaled level by level, by the
 median of the details' magnitudes.
 """
 
@@ -22,15 +22,15 @@ if TYPE_CHECKING:
 Rule = Literal["sure", "universal", "bayes", "all", "none"]
 Shrinkage = Literal["soft", "hard"]
 MEDIAN = 0.6745  #: of the magnitude of a standard normal value
-WINDOWS = 16  #: wavelets of the last level in a sliding window
-BATCH = 1 << 22  #: samples of the windows that are denoised at once
-CLEAR = 4.0  #: standard errors of a density, above which it is motion
-MOTION_SHARE = 0.99  #: of the motion's energy that a measured band holds
+WAVELETS = 16  #: of the last level in a sliding window
+BATCH = 1 << 22  #: samples in the windows that are denoised at once
+CLEAR = 4.0  #: standard errors by which a density is above the noise, where there is motion
+MOTION_SHARE = 0.99  #: of the motion's energy, within a measured band
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Denoised:
-    """A series without its finest noise."""
+    """A denoised series."""
 
     values: Floats  #: (n,)
     thresholds: tuple[float, ...]  #: unit, finest level first
@@ -42,7 +42,7 @@ def band_limit(rate: float, level: int) -> float:
 
 
 def level_of_band(rate: float, band: float) -> int:
-    """Return the deepest level that keeps frequencies up to ``band`` Hz; 0 where even the first would not."""
+    """Return the deepest level that keeps frequencies up to ``band`` Hz; 0 where level 1 does not."""
     return max(int(np.floor(np.log2(rate / band) - 1 + 1e-9)), 0)
 
 
@@ -58,7 +58,7 @@ def measured_band(values: Floats, rate: float, noise: float) -> float:
 
     size = min(1 << 12, values.size)
     f, density = signal.welch(values, rate, "hann", size, detrend="linear")
-    # Only what clearly stands above the noise is motion: the scatter of the rest would add up.
+    # Only densities clearly above the noise are motion: the scatter of the others would add up.
     segments = max(2 * values.size / size - 1, 1.0)
     excess = density[1:] - 2 * noise**2
     energy = np.cumsum(np.where(excess > CLEAR / segments**0.5 * 2 * noise**2, excess, 0.0))
@@ -70,12 +70,12 @@ def measured_band(values: Floats, rate: float, noise: float) -> float:
 def denoise(
     values: Floats, level: int, wavelet: str = "db4", rule: Rule = "sure", shrinkage: Shrinkage = "soft"
 ) -> Denoised:
-    """Return a series denoised as a whole: every value knows of all later ones.
+    """Return a series denoised as a whole: every value depends on all later ones.
 
     Args:
         values: (n,) evenly spaced samples.
         level: of decomposition; 0 leaves the series as it is.
-        wavelet: any discrete one of PyWavelets.
+        wavelet: a discrete wavelet of PyWavelets.
         rule: ``"sure"``, ``"universal"`` (σ√(2 ln n)), ``"bayes"`` (σ²/σ_x), ``"all"`` (no detail is kept), ``"none"``.
         shrinkage: ``"soft"`` or ``"hard"``.
 
@@ -97,33 +97,33 @@ def denoise(
 def denoise_causally(
     values: Floats, level: int, wavelet: str = "db4", rule: Rule = "sure", shrinkage: Shrinkage = "soft", hop: int = 1
 ) -> Denoised:
-    """Return a series denoised in a window that slides behind: no value knows of one more than ``hop - 1`` samples later.
+    """Return a series denoised in a sliding window: no value depends on one more than ``hop - 1`` samples later.
 
     Each window of 16 wavelets of the last level is denoised by itself, and its last ``hop`` values are kept. The first
-    windows are as long as there are samples.
+    windows are shorter: they begin with the series.
 
     Args:
         values: (n,) evenly spaced samples.
         level: of decomposition.
-        wavelet: any discrete one of PyWavelets.
-        rule: as for ``denoise``.
-        shrinkage: likewise.
-        hop: samples between windows; what comes out is that much late at most.
+        wavelet: a discrete wavelet of PyWavelets.
+        rule: as in ``denoise``.
+        shrinkage: as in ``denoise``.
+        hop: samples between windows; the output is late by ``hop - 1`` samples at most.
 
     Raises:
-        ValueError: as for ``denoise``.
+        ValueError: as in ``denoise``, or a hop longer than a window.
     """
     check(values.size, level, wavelet)
     if level == 0:
         return Denoised(values, ())
-    if not 1 <= hop <= WINDOWS * 2**level:
+    if not 1 <= hop <= WAVELETS * 2**level:
         message = (
-            f"hop is {hop} samples; it must be 1 to {WINDOWS * 2**level}, the length of a window of {level} levels"
+            f"hop is {hop} samples; it must be 1 to {WAVELETS * 2**level}, the length of a window at level {level}"
         )
         raise ValueError(message)
-    length = min(WINDOWS * 2**level, values.size)
+    length = min(WAVELETS * 2**level, values.size)
     out = np.empty_like(values)
-    out[:length] = values[:length]  # until a window is full, what there is
+    out[:length] = values[:length]  # where a first window is too short for the level
     for end in range(hop, length, hop):
         if end >= _shortest(level, wavelet):
             out[end - hop : end] = denoise(values[:end], level, wavelet, rule, shrinkage).values[-hop:]
@@ -132,22 +132,28 @@ def denoise_causally(
         ends = np.append(ends, values.size)
     windows = np.lib.stride_tricks.sliding_window_view(values, length)
     for start in range(0, ends.size, max(BATCH // length, 1)):
-        some = ends[start : start + max(BATCH // length, 1)]
-        approximation, *details = _parted(windows[some - length], wavelet, level)
-        for detail in details:
-            _shrink(detail, np.apply_along_axis(threshold, 1, detail, rule)[:, None], shrinkage)
-        last = pywt.waverec([approximation, *details], wavelet, axis=-1)[:, :length][:, -hop:]
-        out[(some[:, None] - hop + np.arange(hop)).clip(0)] = last
+        batch = ends[start : start + max(BATCH // length, 1)]
+        last = _denoised_windows(windows[batch - length], level, wavelet, rule, shrinkage)[:, -hop:]
+        out[(batch[:, None] - hop + np.arange(hop)).clip(0)] = last
     return Denoised(out, ())
 
 
+def _denoised_windows(windows: Floats, level: int, wavelet: str, rule: Rule, shrinkage: Shrinkage) -> Floats:
+    """Return windows, (w, n), each denoised by itself."""
+    approximation, *details = _parted(windows, wavelet, level)
+    for detail in details:
+        _shrink(detail, np.apply_along_axis(threshold, 1, detail, rule)[:, None], shrinkage)
+    return pywt.waverec([approximation, *details], wavelet, axis=-1)[:, : windows.shape[1]]
+
+
 def check(n: int, level: int, wavelet: str) -> None:
-    """Raise ValueError unless a series of n samples can be decomposed so."""
+    """Raise ValueError unless a series of n samples has so many levels of a wavelet."""
     if wavelet not in pywt.wavelist(kind="discrete"):
-        message = f"no discrete wavelet {wavelet!r}; there are db1 ... db38, sym2 ... sym20, coif1 ... coif17, bior..., dmey, haar"
+        message = f"there is no discrete wavelet {wavelet!r}; there are db1 ... db38, sym2 ... sym20, coif1 ... coif17, bior..., dmey, haar"
         raise ValueError(message)
     if level < 0 or n < _shortest(level, wavelet):
-        message = f"{n} samples have no {level} levels of {wavelet}; at most {pywt.dwt_max_level(n, wavelet)}, and none below 0"
+        most = pywt.dwt_max_level(n, wavelet)
+        message = f"the level is {level}; for {n} samples and {wavelet} it must be 0 to {most}"
         raise ValueError(message)
 
 
@@ -157,9 +163,8 @@ def _shortest(level: int, wavelet: str) -> int:
 
 def _parted(values: Floats, wavelet: str, level: int) -> list[Floats]:
     with warnings.catch_warnings():
-        warnings.simplefilter(
-            "ignore", UserWarning
-        )  # a window may be just long enough: edges reach into it, as they must
+        # A window may be just long enough: the effects of its edges reach into it.
+        warnings.simplefilter("ignore", UserWarning)
         return list(pywt.wavedec(values, wavelet, level=level, axis=-1))
 
 
@@ -192,11 +197,11 @@ def sure_threshold(size: Floats) -> float:
     n = size.size
     square = size * size
     risk = np.cumsum(square)
-    behind = np.arange(n - 1, -1, -1, dtype=np.float64)
-    square *= behind
+    larger = np.arange(n - 1, -1, -1, dtype=np.float64)
+    square *= larger
     risk += square
-    behind *= 2.0
-    risk += behind  # less 2 n throughout
+    larger *= 2.0
+    risk += larger  # 2 n less than the risk, at every threshold
     return float(size[int(np.argmin(risk))])
 
 
@@ -205,5 +210,4 @@ def _shrink(detail: Floats, limit: float | Floats, shrinkage: Shrinkage) -> None
     if shrinkage == "hard":
         detail[np.abs(detail) <= limit] = 0.0
         return
-    # what lies within the threshold, taken off
     detail -= np.clip(detail, -np.asarray(limit), limit)

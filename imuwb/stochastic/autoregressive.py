@@ -1,4 +1,4 @@
-"""Autoregressive processes, which know their own step only."""
+"""Autoregressive processes, which are valid at their own step only."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from imuwb.log import Floats
 
 
-ROUNDING = 1e-9  #: of a pole's magnitude: the roots of a set with one at 1 come out just below
+ROUNDING = 1e-9  #: of a pole's magnitude: a pole at 1 is computed just below it
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class Autoregressive(Addable):
 
     alpha: tuple[float, ...]
     beta0: float  #: unit
-    dt: float  #: s, the step it was found at
+    dt: float  #: s, the step of the samples
     name: ClassVar[str] = "autoregressive"
 
     def __post_init__(self) -> None:
@@ -43,12 +43,12 @@ class Autoregressive(Addable):
         poles = np.roots([1.0, *self.alpha])
         worst = max(np.abs(poles), default=0.0)
         if worst >= 1 - ROUNDING:
-            message = f"this AR set is not stable: it has a pole of magnitude {worst:.6g} (it must be below 1)"
+            message = f"this AR set is not stable: it has a pole of magnitude {worst:.6g}; it must be below 1"
             raise ValueError(message)
 
     def _at(self, dt: float) -> None:
         if abs(dt - self.dt) > 1e-6 * self.dt:
-            message = f"this AR model is valid at its own step of {self.dt} s, not at {dt} s; resample it"
+            message = f"this AR model is valid at its own step of {self.dt} s only, not at {dt} s; resample it"
             raise ValueError(message)
 
     def _stationary(self) -> StateSpace:
@@ -69,20 +69,20 @@ class Autoregressive(Addable):
     def every(self, factor: int) -> StateSpace:
         """Return the process seen at every ``factor``-th sample, exactly: A^m, and the noise of m steps added up.
 
-        It has the same states; of the form of an autoregressive process it is no more (``resampled`` is).
+        It has the same states, but not the form of an autoregressive process (``resampled`` has).
         """
         if not self.alpha:
             return state_space.white(self.beta0**2)
         step = self._stationary()
         power = np.linalg.matrix_power(step.A, factor)
-        # What the powers leave of the stationary covariance is the noise that came in.
+        # The noise of the steps is the part of the stationary covariance that the power does not explain.
         return StateSpace(power, step.P0 - power @ step.P0 @ power.T, step.c, 0.0, step.P0)
 
     def resampled(self, factor: int) -> Autoregressive:
         """Return the autoregressive process of the same order whose autocovariance at ``factor`` times its step is this one's.
 
-        The samples left are no autoregressive process of that order (but for order 1); this is the one that
-        agrees with them up to lag p (Yule and Walker).
+        Except for order 1, the remaining samples are no autoregressive process of that order; this is the one whose
+        autocovariance agrees with theirs up to lag p (Yule and Walker).
         """
         if not self.alpha or factor == 1:
             return Autoregressive(self.alpha, self.beta0, self.dt * factor)
@@ -105,17 +105,17 @@ class Autoregressive(Addable):
         return np.concatenate([first, rest])[steps]
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
-        """Return the Allan variance from the autocovariance: (4 V(m) - V(2m)) / (2 m²), V the variance of m added up."""
+        """Return the Allan variance from the autocovariance: (4 V(m) - V(2m)) / (2 m²), V(m) the variance of a sum of m."""
         self._at(dt)
         m = np.rint(tau / self.dt).astype(np.int64)
         k = np.arange(2.0 * int(m.max()))
         r = self.autocovariance(k * self.dt)
         lower, weighted = np.cumsum(r) - r[0], np.cumsum(k * r)
 
-        def added(size: NDArray[np.int64]) -> Floats:
+        def variance_of_sum(size: NDArray[np.int64]) -> Floats:
             return size * r[0] + 2 * (size * lower[size - 1] - weighted[size - 1])
 
-        return (4 * added(m) - added(2 * m)) / (2 * m.astype(np.float64) ** 2)
+        return (4 * variance_of_sum(m) - variance_of_sum(2 * m)) / (2 * m.astype(np.float64) ** 2)
 
     def power_spectral_density(self, f: Floats, dt: float) -> Floats:
         """Return beta0² dt / |1 + sum alpha z^-k|²."""
@@ -135,7 +135,7 @@ class Autoregressive(Addable):
         return self._filtered(noise, past)
 
     def _filtered(self, noise: Floats, past: Floats) -> Floats:
-        """Return the series that noise drives on from its past values, the newest first."""
+        """Return the series that noise drives from its past values, the newest first."""
         from scipy import signal  # noqa: PLC0415 - slow to load
 
         taps = [1.0, *self.alpha]

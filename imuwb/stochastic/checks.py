@@ -1,4 +1,4 @@
-"""What every process asks of its parameters."""
+"""Checks that every process makes of its parameters."""
 
 from __future__ import annotations
 
@@ -18,5 +18,5 @@ def as_floats(process: Any) -> None:  # noqa: ANN401 - any of the processes
 def require(what: str, value: float, *, above: float | None = None) -> None:
     """Raise ValueError unless ``value`` is finite and not negative (or greater than ``above``)."""
     if not np.isfinite(value) or value < 0 or (above is not None and value <= above):
-        message = f"{what} is {value}; it must be {'positive' if above is not None else 'zero or more'}"
+        message = f"{what} is {value}; it must be {'positive' if above is not None else '0 or more'}"
         raise ValueError(message)

@@ -1,4 +1,4 @@
-"""The deterministic terms of an error model, put upon a motion and taken off a measurement.
+"""The deterministic terms of an error model, added to a motion and taken off a measurement.
 
 With s the scale factor, s2 its non-linear part, c the cross-couplings and G the g-sensitivity (Hassaballa, eq. 1 and 2):
 
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from imuwb.stochastic.error_model import ImuErrorModel
 
 GYROS = 3  #: axes before the first accelerometer
-CLOSE = 1e-14  #: of the largest value, measured or true, to which a measurement is corrected
-MOST_TURNS = 200
+CLOSE = 1e-14  #: of the largest value, measured or true; a smaller change ends the iteration
+MOST_TURNS = 200  #: of the iteration
 NOTHING = AxisModel()
 
 
@@ -40,12 +40,12 @@ def is_thermal(model: ImuErrorModel) -> bool:
 
 
 def shown(model: ImuErrorModel, motion: tuple[Floats, Floats], celsius: Floats | None) -> tuple[Floats, Floats]:
-    """Return a motion as sensors without noise show it.
+    """Return what sensors without noise measure of a motion.
 
     Args:
         model: its deterministic terms.
         motion: (n, 3) rad/s and (n, 3) m/s², true.
-        celsius: (n,) or (); None: unknown, so that what is the same at all temperatures counts.
+        celsius: (n,) or () °C; None: unknown, and the values beside the model's curves count.
     """
     rate, force = motion
     gyro = np.stack([_axis(model, i, rate, celsius) + _leaked(model, i, force) for i in range(GYROS)], axis=1)
@@ -53,15 +53,15 @@ def shown(model: ImuErrorModel, motion: tuple[Floats, Floats], celsius: Floats |
 
 
 def corrected(model: ImuErrorModel, measured: tuple[Floats, Floats], celsius: Floats | None) -> tuple[Floats, Floats]:
-    """Return the motion that sensors without noise would show so: the inverse of ``shown``.
+    """Return the motion of which sensors without noise measure this: the inverse of ``shown``.
 
     Args:
         model: its deterministic terms.
         measured: (n, 3) rad/s and (n, 3) m/s².
-        celsius: as of ``shown``.
+        celsius: as in ``shown``.
 
     Raises:
-        ValueError: terms so large that a measurement has no such motion.
+        ValueError: terms so large that no motion is measured so.
     """
     rate, force = measured
     force = np.stack(_solved(model, GYROS, force, celsius), axis=1)
@@ -70,7 +70,7 @@ def corrected(model: ImuErrorModel, measured: tuple[Floats, Floats], celsius: Fl
 
 
 def _axis(model: ImuErrorModel, place: int, triad: Floats, celsius: Floats | None) -> Floats:
-    """Return what axis ``place`` shows of its triad's (n, 3) motion."""
+    """Return what axis ``place`` measures of its triad's (n, 3) motion."""
     axis = model.axes.get(AXES[place], NOTHING)
     true = triad[:, place % 3]
     return _gain(axis, true, celsius) * true + _crossed(axis, place, triad) + _at(axis.thermal_bias, axis.bias, celsius)
@@ -98,7 +98,7 @@ def _at(points: Thermal, plain: float, celsius: Floats | None) -> Floats | float
 
 
 def _solved(model: ImuErrorModel, first: int, measured: Floats, celsius: Floats | None) -> list[Floats]:
-    """Return the triad's motion, by turns: what an axis shows less what is known of the others, over its gain."""
+    """Return the triad's motion, axis by axis and again: the measurement less bias and cross-couplings, over the gain."""
     axes = [model.axes.get(AXES[first + i], NOTHING) for i in range(3)]
     true = np.array(measured)
     largest = float(np.abs(measured).max(initial=0.0))
@@ -107,9 +107,9 @@ def _solved(model: ImuErrorModel, first: int, measured: Floats, celsius: Floats 
         for i, axis in enumerate(axes):
             bias = _at(axis.thermal_bias, axis.bias, celsius)
             true[:, i] = (measured[:, i] - bias - _crossed(axis, i, true)) / _gain(axis, true[:, i], celsius)
-        # Of the motion too: what shows as nothing may be one, against a bias.
+        # The motion counts too: a measurement of 0 may be a motion against a bias.
         close = CLOSE * max(largest, float(np.abs(true).max(initial=0.0)))
         if not np.abs(true - before).max(initial=0.0) > close:
             return [true[:, i] for i in range(3)]
-    message = f"{model.name}: its scale factors and cross-couplings are so large that no motion is shown as measured"
+    message = f"{model.name}: its scale factors and cross-couplings are so large that no motion fits the measurement; check the model"
     raise ValueError(message)

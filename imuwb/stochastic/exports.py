@@ -1,7 +1,7 @@
-"""An error model as other tools take it, in the units that each one's own documentation states.
+"""Error models in the forms of other tools, in the units that the documentation of each tool states.
 
-Where a tool takes one figure for three axes, it gets the largest, so that no axis is trusted too much; the spread is said in a
-comment. What a tool has no place for (bias instability in most) is said as well, never bent into another figure in silence.
+Where a tool takes one value for three axes, the largest is written, so that no axis is trusted too much; a comment states the
+spread. A comment also states which terms a tool has no parameter for (bias instability in most).
 """
 
 from __future__ import annotations
@@ -23,44 +23,45 @@ if TYPE_CHECKING:
     from imuwb.stochastic.error_model import ImuErrorModel
 
 SENSORS = ("gyro", "accel")
-UNEVEN = 1.5  #: largest over smallest axis, from which on that is said
+UNEVEN = 1.5  #: ratio of the largest axis to the smallest, above which a comment states it
+FLAT = math.sqrt(2 * math.log(2) / math.pi)  #: flat Allan deviation of flicker over its B
+PEAK = 0.6174  #: largest Allan deviation of a Gauss-Markov process over its sigma
 
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """What exports need of three axes, SI; None where no axis has it."""
+    """The parameters of three axes that exports need, SI; None where an axis has none."""
 
     name: str
     white: tuple[float | None, ...]  #: N
-    walk: tuple[float | None, ...]  #: K; of a Gauss-Markov process its short-term walk, sigma √(2/Tc)
-    sigma: tuple[float | None, ...]  #: of the Gauss-Markov process
-    time: tuple[float | None, ...]  #: its Tc, s
+    walk: tuple[float | None, ...]  #: K; a Gauss-Markov process counts as the walk that it is at first, sigma √(2/Tc)
+    sigma: tuple[float | None, ...]  #: sigma of the Gauss-Markov process
+    time: tuple[float | None, ...]  #: Tc of the Gauss-Markov process, s
     flicker: tuple[float | None, ...]  #: B
-    constant: tuple[float | None, ...]  #: turn-on bias
 
     @staticmethod
     def of(model: ImuErrorModel, name: str) -> Sensor:
         """Return the three axes of ``gyro`` or ``accel``."""
         axes = [model.axes.get(f"{name}_{axis}") for axis in "xyz"]
-        return Sensor(name, *(tuple(None if a is None else take(a) for a in axes) for take in (_white, _walk, _sigma, _time, _flicker, _constant)))  # fmt: skip
+        return Sensor(name, *(tuple(None if a is None else take(a) for a in axes) for take in (_white, _walk, _sigma, _time, _flicker)))  # fmt: skip
 
     def largest(self, what: str, values: tuple[float | None, ...], notes: list[str]) -> float:
-        """Return the largest of three, and note where they differ much.
+        """Return the largest of three values, with a note where they differ much.
 
         Raises:
-            MissingDataError: no axis has it.
+            MissingDataError: no axis has a value.
         """
-        there = [v for v in values if v]
-        if not there:
-            message = f"the model has no {what} of the {self.name}: this export cannot be written without (never as 0)"
+        known = [v for v in values if v]
+        if not known:
+            message = f"the model has no {what} of the {self.name}, which this tool must have; 0 would be wrong; add the term to the model"
             raise MissingDataError(message)
-        if len(there) < len(values):
-            notes.append(f"{self.name} {what}: {len(values) - len(there)} of 3 axes have none")
-        if max(there) > UNEVEN * min(there):
+        if len(known) < len(values):
+            notes.append(f"{self.name} {what}: {len(values) - len(known)} of 3 axes have none")
+        if max(known) > UNEVEN * min(known):
             notes.append(
-                f"{self.name} {what}: the largest of three axes, {max(there) / min(there):.2g} times the smallest"
+                f"{self.name} {what}: the largest of three axes, {max(known) / min(known):.2g} times the smallest"
             )
-        return max(there)
+        return max(known)
 
 
 def _first(model: AxisModel, kind: type, name: str) -> float | None:
@@ -89,31 +90,26 @@ def _flicker(model: AxisModel) -> float | None:
     return _first(model, FlickerNoise, "B")
 
 
-def _constant(model: AxisModel) -> float | None:
-    return _first(model, Constant, "sigma")
-
-
 def _walk_or_stated(sensor: Sensor, notes: list[str], horizon: float) -> float:
-    """Return K; where there is none but flicker, the walk that reaches the flicker's flat level at a horizon (said)."""
+    """Return K; where there is flicker only, the walk that reaches its flat level at a horizon, with a note."""
     if any(sensor.walk):
         if any(sensor.sigma):
             notes.append(
-                f"{sensor.name}: a Gauss-Markov bias is written as the walk it is at first, sigma √(2/Tc); it is too wild beyond Tc"
+                f"{sensor.name}: a Gauss-Markov bias is written as the walk that it is at first, sigma √(2/Tc), which grows too large after Tc"
             )
         return sensor.largest("K (random walk)", sensor.walk, notes)
     if any(sensor.flicker):
         b = sensor.largest("B (bias instability)", sensor.flicker, notes)
-        level = math.sqrt(2 * math.log(2) / math.pi) * b
         notes.append(
-            f"{sensor.name}: no random walk was identified; the figure is the walk whose Allan deviation reaches the flat level of B at "
+            f"{sensor.name}: no random walk was identified; the value is the walk whose Allan deviation reaches the flat level of B at "
             f"{horizon:g} s (--horizon), √3 · 0.664 B / √horizon"
         )
-        return math.sqrt(3 / horizon) * level
+        return math.sqrt(3 / horizon) * FLAT * b
     return sensor.largest("K (random walk)", sensor.walk, notes)
 
 
 def _bias(sensor: Sensor, notes: list[str]) -> tuple[list[float], float]:
-    """Return sigma of each axis's Gauss-Markov bias and its correlation time; from flicker where there is none (said)."""
+    """Return sigma of each axis's Gauss-Markov bias and its correlation time; from flicker, with a note, where there is none."""
     if all(sensor.sigma) and all(sensor.time):
         times = [t for t in sensor.time if t]
         longest = max(times)
@@ -124,10 +120,10 @@ def _bias(sensor: Sensor, notes: list[str]) -> tuple[list[float], float]:
         return [s for s in sensor.sigma if s], longest
     if all(sensor.flicker):
         notes.append(
-            f"{sensor.name}: sigma is 1.076 B, the Gauss-Markov process whose Allan peak is the flat level; set the correlation time to your horizon"
+            f"{sensor.name}: sigma is 1.076 B, of the Gauss-Markov process whose Allan peak is the flat level; set the correlation time to your horizon"
         )
-        return [math.sqrt(2 * math.log(2) / math.pi) / 0.6174 * b for b in sensor.flicker if b], math.nan
-    message = f"the model has no Gauss-Markov process and no bias instability on all three axes of the {sensor.name}; KF-GINS needs one (never 0)"
+        return [FLAT / PEAK * b for b in sensor.flicker if b], math.nan
+    message = f"the model lacks a Gauss-Markov process or a bias instability on an axis of the {sensor.name}; KF-GINS needs one on all three; 0 would be wrong"
     raise MissingDataError(message)
 
 
@@ -140,7 +136,7 @@ def kalibr(model: ImuErrorModel, rate: float, horizon: float) -> str:
         f"accelerometer_random_walk: {_walk_or_stated(accel, notes, horizon):.10g}  # m/s^3/sqrt(Hz)",
         f"gyroscope_noise_density: {gyro.largest('N (white noise)', gyro.white, notes):.10g}  # rad/s/sqrt(Hz)",
         f"gyroscope_random_walk: {_walk_or_stated(gyro, notes, horizon):.10g}  # rad/s^2/sqrt(Hz)",
-        "rostopic: /imu0  # yours",
+        "rostopic: /imu0  # change to your topic",
         f"update_rate: {rate:g}  # Hz",
     ]
     head = "Kalibr imu.yaml; units as in its wiki, IMU Noise Model: https://github.com/ethz-asl/kalibr/wiki/IMU-Noise-Model"
@@ -152,7 +148,7 @@ def ros(model: ImuErrorModel, rate: float, horizon: float) -> str:
     """ROS sensor_msgs/Imu: covariance matrices of a sample, row-major about x, y, z, (rad/s)² and (m/s²)²."""
     del horizon
     notes = [
-        f"variance of a sample at {rate:g} Hz, N² times the rate; a sensor of a bandwidth below half the rate has less"
+        f"variance of a sample at {rate:g} Hz, N² times the rate; a sensor whose bandwidth is below half the rate has less"
     ]
     rows: list[str] = []
     for name, key in (("gyro", "angular_velocity_covariance"), ("accel", "linear_acceleration_covariance")):
@@ -160,7 +156,7 @@ def ros(model: ImuErrorModel, rate: float, horizon: float) -> str:
         sensor.largest("N (white noise)", sensor.white, notes)
         diagonal = [(n or 0.0) ** 2 * rate for n in sensor.white]
         if not all(diagonal):
-            message = f"the model lacks N on an axis of the {name}; a covariance of 0 would mean that it is unknown"
+            message = f"the model lacks N on an axis of the {name}; a covariance of 0 would mean: unknown; add the term to the model"
             raise MissingDataError(message)
         matrix = [diagonal[i] if i == j else 0.0 for i in range(3) for j in range(3)]
         rows.append(f"{key}: [{', '.join(f'{v:.10g}' for v in matrix)}]")
@@ -174,12 +170,12 @@ def kf_gins(model: ImuErrorModel, rate: float, horizon: float) -> str:
     """KF-GINS, kf-gins.yaml, imunoise: deg/√h, m/s/√h, deg/h, mGal, ppm, h (comments of its own kf-gins.yaml)."""
     del rate
     notes = [
-        "gsstd, asstd (scale factors, ppm) are no noise: fill in your own; KF-GINS takes initbgstd and initbastd from gbstd and abstd unless you set them"
+        "gsstd, asstd (scale factors, ppm) are no noise: write your own; KF-GINS takes initbgstd and initbastd from gbstd and abstd unless you set them"
     ]
     gyro, accel = (Sensor.of(model, name) for name in SENSORS)
     for sensor in (gyro, accel):
         if not all(sensor.white):
-            message = f"the model lacks N on an axis of the {sensor.name}; KF-GINS needs all three (never 0)"
+            message = f"the model lacks N on an axis of the {sensor.name}; KF-GINS needs all three; 0 would be wrong; add the term to the model"
             raise MissingDataError(message)
     (gyro_sigma, gyro_time), (accel_sigma, accel_time) = _bias(gyro, notes), _bias(accel, notes)
     known = [t for t in (gyro_time, accel_time) if not math.isnan(t)]
@@ -222,8 +218,8 @@ def px4(model: ImuErrorModel, rate: float, horizon: float) -> str:
     """PX4 EKF2: rad/s, m/s², rad/s², m/s³ at the filter's step of 10 ms: N/√dt and K/√dt (module.yaml; covariance.cpp)."""
     del rate
     notes = [
-        f"a density is no such parameter: the filter squares it times its step ({PX4_STEP:g} s, EKF2_PREDICT_US), so N/√dt and K/√dt are written",
-        "figures of a bench are a lower bound: a vehicle vibrates, and the gyro and accelerometer figures also limit how fast biases may be learned",
+        f"N/√dt and K/√dt are written, with the filter's step dt of {PX4_STEP:g} s (EKF2_PREDICT_US): the filter squares a parameter and multiplies it by its step squared",
+        "values from a bench are lower bounds: a vehicle vibrates, and the noise of gyros and accelerometers also limits how fast biases are learned",
     ]
     sensors = {name: Sensor.of(model, name) for name in SENSORS}
     rows: list[str] = []
@@ -238,7 +234,7 @@ def px4(model: ImuErrorModel, rate: float, horizon: float) -> str:
         held = min(max(value, low), high)
         if held != value:
             notes.append(
-                f"{key}: {value:.3g} {unit} lies outside what PX4 allows, {low:g} to {high:g}; {held:g} is written"
+                f"{key}: {value:.3g} {unit} is outside the limits of PX4, {low:g} to {high:g}; {held:g} is written"
             )
         rows.append(f"{key}\t{held:.6g}\t# {unit}")
     head = "PX4 EKF2 parameters; units and limits as in PX4-Autopilot, src/modules/ekf2/module.yaml"
@@ -247,7 +243,7 @@ def px4(model: ImuErrorModel, rate: float, horizon: float) -> str:
 
 
 def as_json(model: ImuErrorModel, rate: float, horizon: float) -> str:
-    """JSON, SI: the model as it is."""
+    """JSON, SI: processes, intervals and limits of the model."""
     del rate, horizon
     axes = {
         axis: {
@@ -273,29 +269,29 @@ FORMATS: dict[str, Callable[[ImuErrorModel, float, float], str]] = {
 
 
 def export(model: ImuErrorModel, tool: str, *, rate: float = 100.0, horizon: float = 60.0) -> str:
-    """Return the model as a tool takes it.
+    """Return an error model in the form of a tool.
 
     Args:
-        model: to write.
+        model: the error model.
         tool: ``"kalibr"``, ``"ros"``, ``"kf-gins"``, ``"px4"`` or ``"json"``.
-        rate: Hz, of the sensor's samples, where the tool asks for it.
-        horizon: s, over which a bias instability is to be kept in check, where a tool has but random walks.
+        rate: Hz, of the sensor's samples, for tools that need it.
+        horizon: s, over which a random walk stands for a bias instability, for tools that have random walks only.
 
     Raises:
         UsageError: no such tool, or a rate or horizon that is not positive.
-        MissingDataError: the model lacks what the tool must have.
+        MissingDataError: the model lacks a term that the tool must have.
     """
     if tool not in FORMATS:
-        message = f"--to {tool}: there are {', '.join(FORMATS)}"
+        message = f"--to {tool}: it must be one of {', '.join(FORMATS)}"
         raise UsageError(message)
     if not (0 < rate < math.inf and 0 < horizon < math.inf):
-        message = f"rate {rate} Hz, horizon {horizon} s: both must be positive"
+        message = f"the rate is {rate} Hz, the horizon {horizon} s; both must be positive"
         raise UsageError(message)
     return FORMATS[tool](model, rate, horizon)
 
 
 def _left_out(model: ImuErrorModel, written: tuple[type, ...]) -> list[str]:
-    """Return which terms of the model the export has no place for."""
+    """Return notes of the terms of the model that the tool has no parameter for."""
     names: dict[str, list[str]] = {}
     for axis, content in model.axes.items():
         seen: set[type] = set()
@@ -303,7 +299,9 @@ def _left_out(model: ImuErrorModel, written: tuple[type, ...]) -> list[str]:
             if not isinstance(term, written) or (isinstance(term, GaussMarkov) and GaussMarkov in seen):
                 names.setdefault(term.name.replace("_", " "), []).append(axis)
             seen.add(type(term))
-    return [f"left out, no place here: {name} of {', '.join(axes)}" for name, axes in names.items()]
+    return [
+        f"left out, as the tool has no parameter for it: {name} of {', '.join(axes)}" for name, axes in names.items()
+    ]
 
 
 def _text(head: str, model: ImuErrorModel, notes: list[str], rows: list[str]) -> str:

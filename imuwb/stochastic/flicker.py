@@ -20,11 +20,11 @@ SERIES = 64  #: lag from which the increments' autocovariance is computed as a s
 
 @dataclass(frozen=True, slots=True)
 class FlickerApproximation:
-    """A sum of Gauss-Markov processes in the place of flicker noise, good within a band only."""
+    """A sum of Gauss-Markov processes in place of flicker noise, valid within a band only."""
 
     processes: Sum
     band: tuple[float, float]  #: Hz
-    largest_error: float  #: of the spectral density within the band, relative
+    largest_error: float  #: relative, of the spectral density within the band
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,9 +54,11 @@ class FlickerNoise(Addable):
         return self.B**2 * dt / (2 * np.pi**3) * np.sin(np.pi * x) ** 2 * folded
 
     def approximate(self, band: tuple[float, float], states: int, dt: float) -> FlickerApproximation:
-        """Return Gauss-Markov processes that a filter can carry instead, good in ``band`` (Hz) only."""
+        """Return Gauss-Markov processes that a filter can carry in its place, valid within ``band`` (Hz) only."""
         if not 0 < band[0] < band[1] <= 0.5 / dt * (1 + 1e-9):
-            message = f"band {band} Hz must rise from above 0 to at most the Nyquist frequency {0.5 / dt} Hz"
+            message = (
+                f"the band is {band} Hz; it must rise, from above 0 to at most the Nyquist frequency {0.5 / dt} Hz"
+            )
             raise ValueError(message)
         return _gauss_markov_bank(self.B**2 / (2 * np.pi), band, states)
 
@@ -64,7 +66,7 @@ class FlickerNoise(Addable):
         """Return n samples with the exact second-order law, the first one 0.
 
         Flicker itself is not stationary; its increments are. They are drawn by circulant embedding
-        (Davies and Harte 1987) and added up, so the Allan deviation is flat at every m.
+        (Davies and Harte 1987) and added up, so that the Allan deviation is flat at every m.
         """
         del dt
         if n < 2 or self.B == 0:  # noqa: PLR2004 - one sample has no increment
@@ -78,8 +80,8 @@ def _flicker_increments(lags: int) -> Floats:
     """Return the autocovariance of x(k+1) - x(k) at lags 0, 1, ... of averaged flicker with B = 1.
 
     The integral of flicker has the generalised covariance t² ln|t| / (2 pi) (in steps of dt), and the
-    increments are its second differences: weights 1 -4 6 -4 1. Far out the differences cancel to nothing
-    in floating point; there the series of even derivatives takes over.
+    increments are its second differences: weights 1 -4 6 -4 1. At large lags the differences cancel in
+    floating point; there the series of even derivatives is used.
     """
     k = np.arange(lags, dtype=np.float64)
     near, far = k[:SERIES], k[SERIES:]
@@ -90,9 +92,9 @@ def _flicker_increments(lags: int) -> Floats:
 
 
 def _circulant(covariance: Floats, rng: np.random.Generator) -> Floats:
-    """Return a stationary Gaussian series, exactly of this autocovariance up to its last lag."""
+    """Return a stationary Gaussian series that has exactly this autocovariance up to its last lag."""
     half = covariance.size - 1
-    # Real and even: the transform is real, and holds the eigenvalues of the circulant.
+    # The covariance is real and even: its transform is real, and contains the eigenvalues of the circulant.
     power = np.maximum(fft.hfft(covariance, 2 * half)[: half + 1], 0.0)
     noise = rng.standard_normal((2, half + 1))
     noise[:, [0, half]] *= [[np.sqrt(2.0)], [0.0]]

@@ -42,7 +42,7 @@ class GaussMarkov(Addable):
         """Return the density of averaged samples; 2 s² T/(1 + (2 pi f T)²) where f dt is small."""
         a = dt / self.Tc
         phi = np.exp(-a)
-        # The averages are ARMA(1, 1): autocovariance v0 at lag 0, g phi^(k-1) behind.
+        # The averages are ARMA(1, 1): autocovariance v0 at lag 0, g phi^(k-1) at lag k.
         g = self.sigma**2 * (np.expm1(-a) / a) ** 2
         # v0 - g is of order a: where a is small, by its series (-expm1(-a)/a = 1 - a/2 + a²/6).
         small = a < 1e-2  # noqa: PLR2004 - where both agree to 1e-9

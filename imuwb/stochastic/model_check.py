@@ -1,4 +1,4 @@
-"""An error model held against a data sheet, or against another sensor."""
+"""An error model compared with a data sheet, or with another sensor."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """The largest size that a coefficient of an axis may have. SI."""
+    """The largest value that a coefficient of an axis may have. SI."""
 
     axis: str
     letter: str
@@ -32,15 +32,15 @@ class Limit:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """One limit, and what the model says of it. SI."""
+    """One limit, and the coefficient of the model. SI."""
 
     limit: Limit
     coefficient: Coefficient
-    outcome: str  #: "within", "beyond", "not sure": the limit lies inside the interval, or "not known"
+    outcome: str  #: "within", "beyond", "not sure" (the interval contains the limit), or "not known"
 
 
 def coefficient(model: AxisModel, letter: str) -> Coefficient:
-    """Return a coefficient of a model with its interval, or its limit where a record was searched for it without success."""
+    """Return a coefficient of a model with its interval; or its limit, where the record does not show it."""
     for i, term in enumerate(model.processes.terms):
         if hasattr(term, letter):
             value = abs(cast("float", getattr(term, letter)))
@@ -55,7 +55,7 @@ def limits(path: str | Path, factor: float = 1.0) -> tuple[Limit, ...]:
     A list of limits has a table for each axis, or for ``gyro`` and ``accel``: ``[gyro] N = "0.3 deg/√h"``.
 
     Raises:
-        UsageError: the file cannot be read, or is neither.
+        UsageError: the file cannot be read, or is neither of them.
     """
     try:
         document: dict[str, Any] = tomllib.loads(Path(path).read_text("utf-8"))
@@ -64,8 +64,8 @@ def limits(path: str | Path, factor: float = 1.0) -> tuple[Limit, ...]:
         raise UsageError(message) from error
     if any(isinstance(document.get(axis), dict) and "processes" in document[axis] for axis in AXES):
         model = ImuErrorModel.read(path)
-        found = [(axis, x, coefficient(a, x).upper) for axis, a in model.axes.items() for x in LETTERS]
-        return tuple(Limit(axis, x, upper * factor) for axis, x, upper in found if math.isfinite(upper))
+        uppers = [(axis, x, coefficient(a, x).upper) for axis, a in model.axes.items() for x in LETTERS]
+        return tuple(Limit(axis, x, upper * factor) for axis, x, upper in uppers if math.isfinite(upper))
     made: list[Limit] = []
     for name, table in document.items():
         axes = [axis for axis in AXES if axis == name or axis.startswith(f"{name}_")]
@@ -75,14 +75,14 @@ def limits(path: str | Path, factor: float = 1.0) -> tuple[Limit, ...]:
         for letter, text in cast("Mapping[str, object]", table).items():
             made += [Limit(axis, letter, _si(path, axis, letter, text) * factor) for axis in axes]
     if not made:
-        message = f'{path}: it holds no limits; write [gyro] N = "0.3 deg/√h"'
+        message = f'{path}: it has no limits; write limits such as [gyro] N = "0.3 deg/√h"'
         raise UsageError(message)
     return tuple(made)
 
 
 def _si(path: str | Path, axis: str, letter: str, text: object) -> float:
     if letter not in LETTERS:
-        message = f"{path}: {letter!r}; there are limits of {', '.join(LETTERS)}"
+        message = f"{path}: {letter!r}; a limit must be one of {', '.join(LETTERS)}"
         raise UsageError(message)
     number, _, name = str(text).strip().partition(" ")
     si = coefficient_units(axis, letter)[0]
@@ -93,14 +93,14 @@ def _si(path: str | Path, axis: str, letter: str, text: object) -> float:
         message = f'{path}: {letter} = {text!r}; it must be a number and its unit, such as "0.3 deg/√h"'
         raise UsageError(message) from error
     if not name or given.dimension != si.dimension or not 0 < value < math.inf:
-        message = f"{path}: {letter} = {text!r}; it must be positive, and text with its unit, such as {coefficient_units(axis, letter)[1].name}"
+        message = f"{path}: {letter} = {text!r}; it must be positive, with a unit such as {coefficient_units(axis, letter)[1].name}"
         raise UsageError(message)
     return value
 
 
 def check(model: ImuErrorModel, wanted: tuple[Limit, ...]) -> tuple[Verdict, ...]:
-    """Return a verdict for each limit: within where the interval lies below, beyond where it lies above."""
-    found: list[Verdict] = []
+    """Return a verdict for each limit: within where the interval is below it, beyond where the interval is above it."""
+    verdicts: list[Verdict] = []
     for limit in wanted:
         axis = model.axes.get(limit.axis)
         stated = UNKNOWN if axis is None else coefficient(axis, limit.letter)
@@ -112,5 +112,5 @@ def check(model: ImuErrorModel, wanted: tuple[Limit, ...]) -> tuple[Verdict, ...
             outcome = "beyond"
         else:
             outcome = "not sure"
-        found.append(Verdict(limit, stated, outcome))
-    return tuple(found)
+        verdicts.append(Verdict(limit, stated, outcome))
+    return tuple(verdicts)

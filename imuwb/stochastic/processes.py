@@ -1,10 +1,10 @@
 """The processes of inertial sensors: frozen values with SI parameters.
 
 Densities are two-sided, as in IEEE 952 and 1293 and the three papers; a Welch estimate is one-sided,
-twice that. Letters are IEEE's: N white noise, B bias instability (flicker), K rate random walk,
-R rate ramp, Q quantization. A sample is the average of the continuous process over dt, which is what
-an integrating sensor puts out; Allan variance and density are those of the samples, aliasing and all,
-and go over into IEEE's formulas as dt goes to 0.
+that is, twice as large. Letters are IEEE's: N white noise, B bias instability (flicker), K rate random walk,
+R rate ramp, Q quantization. A sample is the average of the continuous process over dt, as an integrating
+sensor puts it out. Allan variance and density are those of the samples, with aliasing; as dt goes to 0
+they become IEEE's formulas.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class WhiteNoise(Addable):
 
 @dataclass(frozen=True, slots=True)
 class Quantization(Addable):
-    """Quantization of the integrated output, as IEEE means it: white noise of sigma Q on the angle or velocity."""
+    """Quantization in the sense of IEEE: white noise of sigma Q on the angle or the velocity."""
 
     Q: float  #: rad or m/s
     name: ClassVar[str] = "quantization"
@@ -118,13 +118,13 @@ class RandomWalk(Addable):
         """Return n samples of a walk that starts at 0; each the average over its dt."""
         steps = rng.standard_normal((2, n)) * (self.K * np.sqrt(dt))
         ends = np.cumsum(steps[0])
-        # The average over a step, given both its ends, is their mean plus a bridge of variance 1/12.
+        # Given both ends of a step, the average over it is their mean plus a bridge of variance 1/12.
         return ends - steps[0] / 2 + steps[1] / np.sqrt(12)
 
 
 @dataclass(frozen=True, slots=True)
 class RateRamp(Addable):
-    """A rate that grows steadily: R t. Not random; its sign is the sensor's."""
+    """A rate that grows steadily, R t. It is not random; its sign is that of the sensor."""
 
     R: float  #: unit/s
     name: ClassVar[str] = "rate_ramp"

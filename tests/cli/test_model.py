@@ -76,12 +76,12 @@ def test_models_are_compared(imuwb, flicker, other, tmp_path):
 
 @pytest.mark.parametrize(
     ("arguments", "named"),
-    [(["compare", "gm.toml"], "two models or more"), (["show", "gm.toml", "-o", "x.html"], "ends in .rrd"),
-     (["show", "gm.toml", "--rate", "0"], "both must be positive"), (["show", "gm.toml", "--hours", "-1"], "both must be positive"),
-     (["show", "gone.toml"], "gone.toml: cannot be read"), (["export", "gm.toml", "--to", "excel"], "there are kalibr"),
+    [(["compare", "gm.toml"], "two or more"), (["show", "gm.toml", "-o", "x.html"], ".rrd"),
+     (["show", "gm.toml", "--rate", "0"], "--rate is 0"), (["show", "gm.toml", "--hours", "-1"], "--hours -1"),
+     (["show", "gone.toml"], "gone.toml: cannot be read"), (["export", "gm.toml", "--to", "excel"], "kalibr, ros"),
      (["export", "gm.toml", "--to", "ros", "--rate", "0"], "must be positive"),
      (["check", "gm.toml", "--against", "gone.toml"], "cannot be read"),
-     (["check", "gm.toml", "--against", "gm.toml", "--factor", "0"], "must be positive")],
+     (["check", "gm.toml", "--against", "gm.toml", "--factor", "0"], "--factor is 0")],
 )  # fmt: skip
 def test_wrong_usage_is_named(imuwb, gm, tmp_path, arguments, named):
     done = imuwb("model", *arguments)

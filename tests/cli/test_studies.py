@@ -49,7 +49,7 @@ def test_a_study_that_cannot_be_is_wrong_usage(texts, named):
     [
         ("bandwidth=10,30", "30 Hz at a rate of 50 Hz"),
         ("rate=25,20", "rate of 50 Hz"),
-        ("wavelet.levels=3..9", "no 9 levels"),
+        ("wavelet.levels=3..9", "level is 9"),
     ],
 )
 def test_a_setting_that_the_log_cannot_have_is_told(static_log, study, named):

@@ -100,7 +100,7 @@ def stairs(leap, count=1):
     """Return a motion of more than a thousand whole steps whose tops are flat, with leaps of some steps to them."""
     rise = np.arange(0, 1400, 0.5).round()
     top = rise[-1] + leap
-    return np.concatenate([piece for k in range(count) for piece in (rise, np.full(4, top), rise[::-1] - k)])
+    return np.concatenate([piece for _ in range(count) for piece in (rise, np.full(4, top), rise[::-1])])
 
 
 @pytest.mark.parametrize(("leap", "count", "found"), [(4, 1, False), (5, 1, True), (3, 2, False), (3, 3, True)])

@@ -87,7 +87,7 @@ def test_parts_between_gaps_know_nothing_of_each_other(make_log, gap, noise):
 
 
 def test_a_part_too_short_for_the_level_is_told(make_log, gap, noise):
-    with pytest.raises(ValueError, match="have no 6 levels"):
+    with pytest.raises(ValueError, match="level is 6"):
         condition(make_log(noise, keep=gap(len(noise), 100, 150)), levels="6")
 
 

@@ -150,7 +150,7 @@ def test_px4_is_kept_within_its_limits_and_that_is_said():
     text = export(model(small, large), "px4")
     found = read(text)
     assert (found["EKF2_GYR_NOISE"], found["EKF2_ACC_B_NOISE"]) == (0.0001, 0.01)
-    said = [c for c in comments(text) if "lies outside" in c]
+    said = [c for c in comments(text) if "is written" in c and "EKF2" in c]
     assert [c.split()[1] for c in said] == ["EKF2_GYR_NOISE:", "EKF2_ACC_B_NOISE:"]
     assert "1.2e-05 rad/s" in said[0]
 
@@ -177,7 +177,7 @@ def test_what_is_missing_is_refused(tool, gyro, accel):
 
 @pytest.mark.parametrize("tool", ["kalibr", "kf-gins", "px4"])
 def test_a_bias_that_no_one_knows_is_never_written_as_0(tool):
-    with pytest.raises(MissingDataError, match="never"):
+    with pytest.raises(MissingDataError, match="gyro"):
         export(model(GYRO[:1], ACCEL), tool)
 
 
@@ -189,8 +189,8 @@ def test_ros_writes_no_covariance_of_0():
 
 @pytest.mark.parametrize(
     ("tool", "options", "named"),
-    [("matlab", {}, "there are kalibr, ros, kf-gins, px4, json"), ("ros", {"rate": 0}, "rate 0 Hz"),
-     ("ros", {"rate": math.nan}, "rate nan"), ("kalibr", {"horizon": -1}, "horizon -1 s"), ("px4", {"horizon": math.inf}, "positive")],
+    [("matlab", {}, "kalibr, ros, kf-gins, px4, json"), ("ros", {"rate": 0}, "rate is 0 Hz"),
+     ("ros", {"rate": math.nan}, "rate is nan"), ("kalibr", {"horizon": -1}, "horizon -1 s"), ("px4", {"horizon": math.inf}, "positive")],
 )  # fmt: skip
 def test_wrong_usage_is_named(tool, options, named):
     with pytest.raises(UsageError, match=named):

@@ -75,13 +75,13 @@ def test_a_model_is_within_itself(file):
 
 @pytest.mark.parametrize(
     ("text", "named"),
-    [("[gyro]\nN = [", "cannot be read as limits"), ("", "holds no limits"), ("[gyro]\n", "holds no limits"),
+    [("[gyro]\nN = [", "cannot be read as limits"), ("", "limits.toml: "), ("[gyro]\n", "limits.toml: "),
      ('[gyros]\nN = "1 deg/√h"', "'gyros'"), ("gyro = 3", "'gyro'"), ('[gyro]\nX = "1 deg/h"', "'X'"),
      ('[gyro]\nN = "1 deg/h"', "deg/√h"), ('[gyro]\nN = "much deg/√h"', "a number and its unit"),
      ('[gyro]\nN = "0 deg/√h"', "must be positive"), ('[gyro]\nN = "-1 deg/√h"', "must be positive"),
      ('[gyro]\nN = "nan deg/√h"', "must be positive"), ('[gyro]\nN = "1 furlong"', r"limits.toml: N = '1 furlong'; it must be a number and its unit"),
-     ("[gyro]\nN = 3e-4", r"limits.toml: N = 0.0003; .*text with its unit, such as deg/√h"), ("[gyro_y]\nB = 3", r"limits.toml: B = 3; "),
-     ('[gyro]\nN = "0.3"', r"limits.toml: N = '0.3'; .*text with its unit"), ("[gyro]\nN = true", r"limits.toml: N = True; "),
+     ("[gyro]\nN = 3e-4", r"limits.toml: N = 0.0003; .* deg/√h"), ("[gyro_y]\nB = 3", r"limits.toml: B = 3; "),
+     ('[gyro]\nN = "0.3"', r"limits.toml: N = '0.3'; .* deg/√h"), ("[gyro]\nN = true", r"limits.toml: N = True; "),
      ('[gyro]\nN = ""', r"limits.toml: N = ''; ")],
 )  # fmt: skip
 def test_limits_that_cannot_be_are_named(file, text, named):
