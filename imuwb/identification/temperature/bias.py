@@ -111,8 +111,8 @@ def biases(means: Sequence[Sequence[RecordMean]], white: Sequence[float], slow: 
         for t, v, s in zip(celsius, values, from_mean.clip(0) ** 0.5, strict=True)
     )
     loops = [_hysteresis(here, n, slow, duration, level) for here, n in zip(means, white, strict=True)]
-    found = tuple(loop for loop in loops if loop is not None)
-    return Biases(at, differences, found, None if turn_on is None else turn_on**0.5)
+    hysteresis = tuple(loop for loop in loops if loop is not None)
+    return Biases(at, differences, hysteresis, None if turn_on is None else turn_on**0.5)
 
 
 def difference_variance(processes: Sum, duration: float, apart: float) -> float:

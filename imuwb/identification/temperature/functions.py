@@ -106,11 +106,11 @@ class TemperatureFunction:
             how = "straight lines between" if self.kind == "piecewise" else "a natural cubic spline through"
             return f"{how} {self.celsius.size} set-points"
         basis = _basis(self.kind, self.celsius) / self.sigma[:, None]
-        found = np.linalg.lstsq(basis, self.estimate / self.sigma, rcond=1e-13)[0]
+        factors = np.linalg.lstsq(basis, self.estimate / self.sigma, rcond=1e-13)[0]
         if self.kind == "arrhenius":
-            return f"{name} = {found[0]:.4g} {1000 * found[1]:+.4g} K (1/(T + 273.15) - 1/298.15)"
-        terms = [f"{c / SCALE**k:+.4g} (T - 25)^{k}" for k, c in enumerate(found)][1:]
-        return " ".join([f"{name} = {found[0]:.4g}", *terms]).replace("^1", "")
+            return f"{name} = {factors[0]:.4g} {1000 * factors[1]:+.4g} K (1/(T + 273.15) - 1/298.15)"
+        terms = [f"{c / SCALE**k:+.4g} (T - 25)^{k}" for k, c in enumerate(factors)][1:]
+        return " ".join([f"{name} = {factors[0]:.4g}", *terms]).replace("^1", "")
 
 
 def fitted(

@@ -20,28 +20,28 @@ if TYPE_CHECKING:
 STEP = 5.0  #: °C, largest distance between set-points of a model, which is linear between them
 
 
-def axis_model(found: AxisTemperatures, reference: float = 25.0, *, gravity: bool = False) -> AxisModel:
+def axis_model(axis: AxisTemperatures, reference: float = 25.0, *, gravity: bool = False) -> AxisModel:
     """Return the error model of an axis: processes and bias by temperature, each by its function.
 
     Args:
-        found: the axis.
+        axis: its set-points and laws.
         reference: °C, for use without a known temperature.
         gravity: whether the means include gravity, as an accelerometer's do. Since one attitude does not separate the bias from
             gravity, biases are then changes from the reference temperature.
     """
-    laws = {letter: law.function for letter in TERMS if (law := found.laws[letter]).function is not None}
-    lowest, highest = found.points[0].celsius, found.points[-1].celsius
+    laws = {letter: law.function for letter in TERMS if (law := axis.laws[letter]).function is not None}
+    lowest, highest = axis.points[0].celsius, axis.points[-1].celsius
     at_reference = float(np.clip(reference, lowest, highest))
-    inside = [p.celsius for p in found.points]
+    inside = [p.celsius for p in axis.points]
     steps = np.linspace(lowest, highest, int(np.ceil((highest - lowest) / STEP)) + 1)
     celsius: Floats = np.unique(np.concatenate([steps, inside, [at_reference]]).round(2))
     varies = any(law.kind != "constant" for law in laws.values())
     thermal = tuple((float(t), _sum(laws, float(t))) for t in celsius) if varies else ()
-    bias, thermal_bias = _bias(found, celsius, at_reference, gravity=gravity)
+    bias, thermal_bias = _bias(axis, celsius, at_reference, gravity=gravity)
     return AxisModel(
         _sum(laws, at_reference),
-        _intervals(laws, at_reference, found.level),
-        {letter: law.limit for letter, law in found.laws.items() if law.limit is not None},
+        _intervals(laws, at_reference, axis.level),
+        {letter: law.limit for letter, law in axis.laws.items() if law.limit is not None},
         thermal=thermal,
         bias=bias,
         thermal_bias=thermal_bias,
@@ -57,17 +57,17 @@ def _sum(laws: dict[str, TemperatureFunction], celsius: float) -> Sum:
 
 
 def _intervals(laws: dict[str, TemperatureFunction], celsius: float, level: float) -> dict[str, tuple[float, float]]:
-    found: dict[str, tuple[float, float]] = {}
+    intervals: dict[str, tuple[float, float]] = {}
     for i, (letter, law) in enumerate(laws.items()):
         _, lower, upper = law.at(np.array([celsius]), level)
-        found[f"{i}.{letter}"] = float(lower[0]), float(upper[0])
-    return found
+        intervals[f"{i}.{letter}"] = float(lower[0]), float(upper[0])
+    return intervals
 
 
 def _bias(
-    found: AxisTemperatures, celsius: Floats, reference: float, *, gravity: bool
+    axis: AxisTemperatures, celsius: Floats, reference: float, *, gravity: bool
 ) -> tuple[float, tuple[tuple[float, float], ...]]:
-    law = found.laws["bias"].function if "bias" in found.laws else None
+    law = axis.laws["bias"].function if "bias" in axis.laws else None
     if law is None:
         return 0.0, ()
     at_reference = _value(law, reference)

@@ -153,11 +153,11 @@ def _deviation(values: Floats, spectra: Sequence[CosineSpectrum], level: float) 
     return Coefficient(square**0.5, *interval(square, square * scatter / total, level))
 
 
-def log_sigma(found: Coefficient, level: float) -> float | None:
+def log_sigma(coefficient: Coefficient, level: float) -> float | None:
     """Return the standard error of a coefficient's logarithm, from its interval; None if it has no value."""
-    if found.value is None:
+    if coefficient.value is None:
         return None
     z = normal_limit(level)
-    if found.lower:
-        return float(np.log(found.upper / found.lower)) / (2 * z)
-    return float(np.log(found.upper / found.value)) / z
+    if coefficient.lower:
+        return float(np.log(coefficient.upper / coefficient.lower)) / (2 * z)
+    return float(np.log(coefficient.upper / coefficient.value)) / z

@@ -98,9 +98,9 @@ def _band_notes(results: dict[str, LssaAxis], parameters: Parameters) -> list[No
 
 def findings(result: Result) -> tuple[Finding, ...]:
     """Return the claimed lines of each axis."""
-    found: list[Finding] = []
+    remarks: list[Finding] = []
     for axis, r in result.axes.items():
         lines = [p for p in r.peaks if p.claimed]
         remark = f"line{'s' if len(lines) > 1 else ''} at {', '.join(p.name for p in lines[:3])}" if lines else ""
-        found.append(Finding(axis, "lssa", {}, (remark,) if remark else ()))
-    return tuple(found)
+        remarks.append(Finding(axis, "lssa", {}, (remark,) if remark else ()))
+    return tuple(remarks)

@@ -91,12 +91,12 @@ def _groups(logs: Sequence[Log], parameters: Parameters) -> tuple[tuple[str, ...
     return tuple(cuts), usable, notes
 
 
-def _require_two(logs: Sequence[Log], groups: Sequence[list[LogPart]], found: bool) -> None:  # noqa: FBT001 - whether any was found
+def _require_two(logs: Sequence[Log], groups: Sequence[list[LogPart]], any_stretch: bool) -> None:  # noqa: FBT001 - of one temperature
     if len(groups) > 1:
         return
     where = logs[0].provenance.path + (f" and {len(logs) - 1} more" if len(logs) > 1 else "")
     if not groups:
-        why = f"no temperature has {FEWEST} samples" if found else "no stretch has one temperature"
+        why = f"no temperature has {FEWEST} samples" if any_stretch else "no stretch has one temperature"
         message = f"{where}: {why}; use wider bins with --bins, or longer logs"
         raise MissingDataError(message)
     celsius = groups[0][0].stretch.celsius

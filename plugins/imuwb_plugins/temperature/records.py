@@ -94,9 +94,9 @@ def parts_of(
         raise MissingDataError(message)
     time, celsius = log.seconds(imu.temperature.time), imu.temperature.value
     rate = 1 / next(iter(axes.values())).clock.interval
-    cut, found = stretches(time, celsius, rate, None if parameters.cut == "auto" else parameters.cut, parameters.bins)
+    cut, parts = stretches(time, celsius, rate, None if parameters.cut == "auto" else parameters.cut, parameters.bins)
     thermometer = None if cut == "set-point" and np.ptp(celsius) == 0 else (time, celsius)
-    return cut, tuple(LogPart(number, log, axes, stretch, thermometer) for stretch in found), notes
+    return cut, tuple(LogPart(number, log, axes, stretch, thermometer) for stretch in parts), notes
 
 
 def _check_stillness(log: Log, axes: dict[str, Axis]) -> list[Note]:
