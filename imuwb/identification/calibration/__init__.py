@@ -25,28 +25,8 @@ from imuwb.identification.calibration.static_gyros import static_gyros
 from imuwb.identification.calibration.steady import shared, steady
 
 __all__ = [
-    "AxisCalibration",
-    "Means",
-    "PositionCalibration",
-    "PrintedCalibration",
-    "RateRun",
-    "RateTableCalibration",
-    "RunFit",
-    "Staircase",
-    "TableConditions",
-    "as_printed",
-    "bends",
-    "clipped",
-    "face_name",
-    "faces",
-    "known_attitudes",
-    "matched",
-    "means",
-    "rate_table",
-    "shared",
-    "six_position",
-    "static_gyros",
-    "steady",
-    "turned_axis",
-    "without_attitudes",
-]
+    "AxisCalibration", "Means", "PositionCalibration", "PrintedCalibration", "RateRun", "RateTableCalibration",
+    "RunFit", "Staircase", "TableConditions", "as_printed", "bends", "clipped", "face_name", "faces",
+    "known_attitudes", "matched", "means", "rate_table", "shared", "six_position", "static_gyros", "steady",
+    "turned_axis", "without_attitudes",
+]  # fmt: skip

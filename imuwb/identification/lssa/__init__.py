@@ -16,27 +16,8 @@ from imuwb.identification.lssa.spectrum import Adjusted, Spectrum, adjust, least
 from imuwb.identification.lssa.usable import UsableBand, usable_band
 
 __all__ = [
-    "TRENDS",
-    "Adjusted",
-    "ChiSquare",
-    "Constituents",
-    "DriftingLine",
-    "Extraction",
-    "Hypothesis",
-    "Noise",
-    "NoiseFit",
-    "NoiseKind",
-    "Peak",
-    "Significance",
-    "Spectrum",
-    "UsableBand",
-    "adjust",
-    "drifting_lines",
-    "extract",
-    "hypothesis_text",
-    "is_autoregressive",
-    "is_random_walk",
-    "least_squares_spectrum",
-    "significance",
+    "TRENDS", "Adjusted", "ChiSquare", "Constituents", "DriftingLine", "Extraction", "Hypothesis", "Noise",
+    "NoiseFit", "NoiseKind", "Peak", "Significance", "Spectrum", "UsableBand", "adjust", "drifting_lines",
+    "extract", "hypothesis_text", "is_autoregressive", "is_random_walk", "least_squares_spectrum", "significance",
     "usable_band",
-]
+]  # fmt: skip

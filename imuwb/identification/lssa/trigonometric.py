@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     Complexes = NDArray[np.complex128]
 
 ACCURACY = 1e-11  #: of the uneven transform, relative to the sum of all strengths
-STRAY = 6e-6  #: intervals, by which a time stamp may miss the lattice: whole nanoseconds at 10 kHz
+STRAY = 6e-6  #: intervals, by which a time stamp may miss the lattice: whole nanoseconds at 5 kHz
 ROUNDED = 0.05  #: intervals, by which a time stamp may miss the lattice if the noise needs one
 PADDED = 8.0  #: largest number of lattice points for each sample
 

@@ -13,27 +13,8 @@ from imuwb.identification.temperature.stretches import Stretch, stretches
 from imuwb.identification.temperature.thermal_trend import smooth_temperature
 
 __all__ = [
-    "KINDS",
-    "AxisTemperatures",
-    "Bias",
-    "Dependence",
-    "FirstOrder",
-    "FunctionCandidate",
-    "FunctionChoice",
-    "Hysteresis",
-    "Law",
-    "Record",
-    "RecordMean",
-    "SetPoint",
-    "Stretch",
-    "TemperatureFunction",
-    "axis_model",
-    "choose_function",
-    "first_order",
-    "heterogeneity",
-    "identify",
-    "log_sigma",
-    "over_temperature",
-    "smooth_temperature",
-    "stretches",
-]
+    "KINDS", "AxisTemperatures", "Bias", "Dependence", "FirstOrder", "FunctionCandidate", "FunctionChoice",
+    "Hysteresis", "Law", "Record", "RecordMean", "SetPoint", "Stretch", "TemperatureFunction", "axis_model",
+    "choose_function", "first_order", "heterogeneity", "identify", "log_sigma", "over_temperature",
+    "smooth_temperature", "stretches",
+]  # fmt: skip

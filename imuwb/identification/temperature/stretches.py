@@ -63,7 +63,8 @@ def stretches(
         levels = [float(mean[a : b + 1].mean()) for a, b in plateaus]
         came = [None, *(now > before for before, now in pairwise(levels))]
         return cut, tuple(
-            _stretch(time, celsius, at[a], at[b], None, up) for (a, b), up in zip(plateaus, came, strict=True)
+            _stretch(time, celsius, at[a], at[b], None, up)
+            for (a, b), up in zip(plateaus, came, strict=False)  # no plateau, none that came
         )
     width = width or _wide_enough(at, mean, rate)
     return cut, tuple(_stretch(time, celsius, at[a], at[b], middle, up) for a, b, middle, up in _bins(mean, width))

@@ -97,3 +97,19 @@ def test_an_estimate_has_students_interval():
     e = student_estimate(2.0, 4.0, 5.0, 0.9)
     assert (e.upper - 2.0) / 2.0 == pytest.approx(stats.t.ppf(0.95, 5))
     assert e.value - e.lower == pytest.approx(e.upper - e.value)
+
+
+@pytest.mark.parametrize(("chance", "allowed"), [(0.1, True), (0.3, False)])
+def test_extra_error_is_estimated_where_noise_explains_the_residuals_less_than_once_in_five(chance, allowed):
+    y = np.random.default_rng(5).standard_normal(11)
+    y -= y.mean()
+    y *= (stats.chi2.isf(chance, 10) / (y @ y)) ** 0.5
+    fit = fit_linear(np.ones((11, 1)), y, noise(np.ones(11)), np.ones(11), always=False)
+    assert fit.probability == pytest.approx(chance)
+    assert (fit.extra > 0) == allowed
+
+
+@pytest.mark.parametrize(("part", "determined"), [(1e-5, True), (1e-9, False)])
+def test_columns_that_differ_by_rounding_are_not_determined(part, determined):
+    x = np.linspace(-1, 1, 9)
+    assert is_determined(np.stack([np.ones(9), 1 + part * x], axis=1)) == determined

@@ -73,3 +73,14 @@ def test_a_clipped_axis_is_told_from_a_coarse_and_from_a_quiet_one():
     assert not found[:5].any()
     assert not clipped([np.rint(f / 2) for f in free]).any()  # few steps everywhere
     assert not clipped([np.zeros((100, 3))] * 6).any()
+
+
+def test_white_noise_is_called_red_one_time_in_twenty():
+    rng = np.random.default_rng(6)
+    red = [means([rng.standard_normal((64, 3)) for _ in range(6)]).red for _ in range(150)]
+    assert 0.02 < np.mean(red) < 0.09
+
+
+def test_the_rounding_of_a_coarse_sensor_is_a_twelfth_of_a_squared_step():
+    coarse = np.tile([0.0, 1.0], 320)[:, None] * np.ones(3)
+    np.testing.assert_allclose(means([coarse]).variance, 1 / 12)

@@ -13,6 +13,7 @@ from imuwb.identification.calibration import (
     static_gyros,
     without_attitudes,
 )
+from imuwb.identification.calibration.positions import noise_of
 from imuwb.stochastic import AxisModel, ImuErrorModel, shown
 
 G = 9.81
@@ -237,3 +238,61 @@ def test_the_earths_vertical_rate_is_no_g_sensitivity(model):
 def test_three_attitudes_leave_gyros_open():
     with pytest.raises(ValueError, match="four"):
         static_gyros(exact(np.zeros((3, 3))), G * np.eye(3), G, 0.95, None)
+
+
+IDEAL = ImuErrorModel("ideal", {})
+
+
+def test_a_tilt_shortens_the_vertical_part_by_its_square_and_makes_it_uncertain():
+    tilt = 0.02
+    found, _ = six_position(exact(measured(IDEAL, CUBE)[1], 1e-9), list("abcdef"), G, 0.95, misplacement=tilt)
+    scale = found.axes[0].scale_factor
+    assert scale.value == pytest.approx(1 / (1 - tilt**2) - 1)
+    assert scale.sigma == pytest.approx(3**0.5 * tilt**2, rel=1e-3)  # six times the fourth power, from two faces
+
+
+def test_a_known_variance_adds_degrees_of_freedom():
+    means = exact(np.zeros((2, 3)))
+    np.testing.assert_allclose(noise_of(means).freedom, 18.0)
+    np.testing.assert_allclose(noise_of(means, SIGMA**2).freedom, 18.0 * 4)  # half of the variance is known
+    np.testing.assert_allclose(noise_of(means, SIGMA**2).variance, 2 * SIGMA**2)
+
+
+@pytest.mark.parametrize(("degrees", "allowed"), [(15.0, True), (25.0, False)])
+def test_a_face_may_lean_by_twenty_degrees(degrees, allowed):
+    leaning = CUBE.copy()
+    leaning[0] = np.cos(np.radians(degrees)), np.sin(np.radians(degrees)), 0.0
+    if allowed:
+        assert faces(G * leaning, list("abcdef"), raw=False)[0] == (0, 1)
+        return
+    with pytest.raises(ValueError, match="a: "):
+        faces(G * leaning, list("abcdef"), raw=False)
+
+
+def test_a_slightly_tilted_cube_does_not_separate_the_non_linear_part():
+    ups = np.concatenate([CUBE, CUBE]) + 0.01 * np.random.default_rng(3).standard_normal((12, 3))
+    found = known_attitudes(exact(G * ups), G * ups, 0.95, full_range=2 * G)
+    assert found.axes[0].scale_factor_nonlinear is None
+
+
+@pytest.mark.parametrize(("squeezed", "allowed"), [(0.06, True), (0.02, False)])
+def test_positions_close_to_one_direction_are_refused(squeezed, allowed):
+    ups = spread(14) * [squeezed, squeezed, 1.0]
+    ups /= np.linalg.norm(ups, axis=1, keepdims=True)
+    if allowed:
+        assert without_attitudes(exact(G * ups), G, 0.95).axes[2].bias is not None
+        return
+    with pytest.raises(ValueError, match="nine parameters"):
+        without_attitudes(exact(G * ups), G, 0.95)
+
+
+def test_the_earths_rate_is_in_the_intervals_of_still_gyros():
+    """Headings are random, so the horizontal part has half of its square in each axis; at an unknown latitude, that of 45°."""
+    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) / 3**0.5
+    still = exact(np.zeros((8, 3)), 1e-12)
+    at_equator, _ = static_gyros(still, G * corners, G, 0.95, 0.0)
+    assert at_equator[0].bias.sigma == pytest.approx(7.292115e-5 / 24**0.5, rel=1e-3)
+    unknown, _ = static_gyros(still, G * corners, G, 0.95, None)
+    assert unknown[0].bias.sigma == pytest.approx(7.292115e-5 / 48**0.5, rel=1e-3)
+    own, other = unknown[0].g_sensitivity[:2]
+    assert own.sigma**2 - other.sigma**2 == pytest.approx((7.292115e-5 / G) ** 2 / 2, rel=1e-3)

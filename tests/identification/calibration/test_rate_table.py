@@ -3,6 +3,7 @@ import pytest
 from scipy import stats
 
 from imuwb.identification.calibration import Means, RateRun, TableConditions, matched, rate_table, turned_axis
+from imuwb.identification.calibration.rate_table import _earth_across, _joined
 from imuwb.stochastic import AxisModel, ImuErrorModel, shown
 
 G, RANGE, SIGMA = 9.81, np.radians(250), 1e-6
@@ -159,3 +160,57 @@ def test_two_axes_that_turn_are_refused():
     values = levels(BOTH, axis=0) + levels(BOTH, axis=2)
     with pytest.raises(ValueError, match="gyro . and gyro . both turn"):
         turned_axis(values, "run")
+
+
+@pytest.mark.parametrize(("apart", "variance"), [(2.2, 0.5), (3.2, 0.5 * 3.2**2 / 2)])
+def test_runs_that_disagree_widen_their_common_interval(apart, variance):
+    """At 5 %, chi-square of one degree allows 3.84, the square of 2.77 standard deviations of a difference."""
+    assert _joined([(0.0, 1.0, 1e6), (apart, 1.0, 1e6)], 0.95).sigma == pytest.approx(variance**0.5)
+
+
+def test_the_earths_horizontal_rate_turns_with_the_table():
+    means = Means(np.zeros((2, 3)), np.ones((2, 3)), np.ones(3), (False, False, False))
+    still_and_turning = RateRun("run", 0, np.array([0.0, 1.0]), np.full(2, 20.0), means, 1.0)
+    found = _earth_across(still_and_turning, free())
+    np.testing.assert_allclose(found, 7.292115e-5**2 / 2 * np.array([1.0, 0.01]))
+
+
+def test_a_mounting_error_counts_with_the_gain():
+    tilted = rate_table([run(make(0.0), 0, gain=100.0), run(make(0.0), 1, gain=100.0)], free(misplacement=0.001)).axes
+    assert tilted[1].cross_coupling[0].sigma == pytest.approx(0.1, rel=0.1)
+
+
+def test_equal_offsets_are_no_better_than_their_noise():
+    found = rate_table([run(make(0.0), axis, sigma=1e-3) for axis in range(3)], free()).axes[0]
+    assert found.bias.sigma == pytest.approx(1e-3 / 9**0.5 / 3**0.5, rel=0.01)  # of nine steps and three runs
+
+
+@pytest.mark.parametrize(("share", "allowed"), [(0.25, True), (0.35, False)])
+def test_another_axis_may_show_three_tenths_of_the_rate(share, allowed):
+    mean = np.outer(BOTH, [share, 1.0, 0.0])
+    if allowed:
+        assert turned_axis(mean, "run") == 1
+        return
+    with pytest.raises(ValueError, match="gyro y and gyro x both turn"):
+        turned_axis(mean, "run")
+
+
+@pytest.mark.parametrize(
+    ("off", "gain", "allowed"),
+    [
+        (0.008, 1.0, True),
+        (0.015, 1.0, False),
+        (0.0, 1.9, True),
+        (0.0, 2.1, False),
+        (0.0, 0.55, True),
+        (0.0, 0.45, False),
+    ],
+)
+def test_steps_may_miss_the_line_by_a_hundredth_and_the_gain_one_by_a_factor_of_two(off, gain, allowed):
+    steps = np.outer(gain * BOTH, [0.0, 1.0, 0.0])
+    steps[4, 1] += 1.2 * off * np.ptp(BOTH)
+    if allowed:
+        assert matched(steps, RATES.tolist(), "run", raw=False).axis == 1
+        return
+    with pytest.raises(ValueError, match="not the given rates"):
+        matched(steps, RATES.tolist(), "run", raw=False)

@@ -91,3 +91,17 @@ def test_a_hand_may_wander_within_the_tolerance():
     assert steady(values, DT, 5.0, SPAN) == []
     found = steady(values, DT, 5.0, SPAN, 0.05)
     assert [any(a <= f and e <= b for a, b in rows) for f, e in found] == [True] * 3
+
+
+def test_a_shake_about_the_same_mean_parts_a_stretch():
+    values = 0.02 * np.random.default_rng(5).standard_normal((4000, 3))
+    values[2000:2100] *= 5
+    found = steady(values, DT, 5.0, SPAN)
+    assert [(a < 2000, b <= 2025) for a, b in found] == [(True, True), (False, False)]
+
+
+@pytest.mark.parametrize(("drift", "is_steady"), [(0.1, True), (0.3, False)])
+def test_halves_may_differ_by_a_hundredth_of_the_span(drift, is_steady):
+    values = 0.02 * np.random.default_rng(6).standard_normal((4000, 3))
+    values[:, 2] += np.linspace(0, drift, 4000)
+    assert len(steady(values, DT, 10.0, SPAN)) == int(is_steady)

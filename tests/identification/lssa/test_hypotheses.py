@@ -21,6 +21,8 @@ def test_coefficients_and_errors_are_the_theorys(alpha):
     assert found.sigma == pytest.approx([expected] * len(alpha), rel=0.02)
     assert found.alpha == pytest.approx(alpha, abs=4 * expected)
     assert found.coefficient == (-found.alpha[0] if len(alpha) == 1 else None)
+    assert found.correlations.freedom == 20
+    assert found.p_value == min(1.0, 2 * min(found.correlations.probability, found.octaves.probability))
 
 
 def test_errors_of_a_higher_order_are_the_scatter_of_estimates():
@@ -64,6 +66,7 @@ def test_octaves_show_a_slow_drift():
     found = is_autoregressive(series(5) + 0.02 * np.cumsum(series(6)), 1)
     assert found.octaves.probability < RARE
     assert found.octave_power[0] > 5
+    assert found.octave_frequency[0] == pytest.approx((1 * 4) ** 0.5 / 3999)  # four frequencies in the lowest octave
     assert np.average(found.octave_power, weights=np.diff([0, *np.rint(_ends(found))])) == pytest.approx(1, abs=0.05)
     assert (np.diff(found.octave_frequency) > 0).all()
 

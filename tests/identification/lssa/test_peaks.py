@@ -2,7 +2,17 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from imuwb.identification.lssa import Constituents, Noise, adjust, drifting_lines, extract, least_squares_spectrum
+from imuwb.identification.lssa import (
+    Constituents,
+    Noise,
+    Peak,
+    adjust,
+    drifting_lines,
+    extract,
+    least_squares_spectrum,
+)
+from imuwb.identification.lssa.peaks import _groups, _Line
+from imuwb.statistics import Estimate
 
 BOTH = pytest.mark.parametrize("noise", [Noise(), Noise("local")], ids=["white", "local"])
 DT = 0.01
@@ -159,3 +169,38 @@ def test_a_pure_line_stays_steady():
     peaks = lines(time, values, Noise("local"))
     assert drifting_lines(values, DT, peaks) == ((), peaks)
     assert len(peaks) == 1
+
+
+def test_no_two_lines_are_within_three_cycles_of_each_other(record):
+    made = record((7.3, 1.0), (7.3 + 1.5 / 80, 1.0))
+    frequency = np.sort([p.frequency.value for p in lines(made.time, made.values, Noise())])
+    assert (np.diff(frequency) * 80 > 2.5).all()
+
+
+def test_lines_within_eight_cycles_are_fitted_together():
+    group = _groups([_Line(cycles / 80, 1.0, 0.0, 9.0, 0.0) for cycles in (100.0, 107.5, 116.0)], 80.0)
+    assert [len(part) for part in group] == [2, 1]
+
+
+def test_a_weak_line_in_the_leakage_of_a_strong_one_is_found_in_its_residual(record):
+    made = record((7.3033, 100.0), (7.9, 0.2))
+    assert [p.frequency.value for p in lines(made.time, made.values, Noise())] == pytest.approx([7.3033, 7.9], abs=2e-3)
+
+
+def test_a_weak_line_is_in_both_halves(record):
+    made = record((7.3, 0.12))  # an exceedance of about 14 in each half
+    (peak,) = lines(made.time, made.values, Noise())
+    assert peak.in_both_halves
+
+
+@pytest.mark.parametrize(
+    ("share", "away", "is_steady"), [(0.7, 0.0, True), (0.35, 0.0, False), (0.7, 1.5, True), (0.7, 2.5, False)]
+)
+def test_a_steady_sinusoid_near_a_line_with_half_of_its_power_makes_it_steady(share, away, is_steady):
+    time = np.arange(20_000) * DT
+    values = np.cos(2 * np.pi * 7.3 * time) + np.random.default_rng(5).standard_normal(time.size)
+    (line,), _ = drifting_lines(values, DT, ())
+    frequency, amplitude = line.frequency + away * line.resolution, line.amplitude.value * share**0.5
+    made = (Estimate(x, x, x) for x in (frequency, amplitude, 0.0))
+    drifting, steady = drifting_lines(values, DT, [Peak(*made, 50.0, 20.0, 1e-9, True, True)])
+    assert (len(drifting), len(steady)) == ((0, 1) if is_steady else (1, 1 if away > 2 else 0))

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
-from scipy import stats
+from scipy import integrate, stats
 
 from imuwb.identification.lssa import Constituents, Noise, adjust, least_squares_spectrum, significance
-from imuwb.identification.lssa.significance import record_limit, record_probability
+from imuwb.identification.lssa.significance import _both, _neighbours, record_limit, record_probability
 
 DT = 0.01
 RARE = 1e-4
@@ -82,3 +82,29 @@ def test_a_band_too_low_for_neighbours_shows_nothing():
     found = significance(low, 0.99)
     assert not found.exceedance.any()
     assert np.isfinite(found.record)
+
+
+@pytest.mark.parametrize("oversampling", [1, 3])
+def test_local_noise_is_the_mean_of_fifty_neighbours_on_each_side_without_the_nearest_two(oversampling):
+    rows = 140
+    reduction = np.random.default_rng(9).exponential(size=rows * oversampling)
+    mean, count = _neighbours(reduction, oversampling)
+    table = reduction.reshape(rows, oversampling)
+    for row in range(rows):
+        reach = min(50, row // 2)
+        around = [*range(row - 2 - reach, row - 2), *range(row + 3, row + 3 + reach)]
+        inside = [r for r in around if 0 <= r < rows]
+        wanted = len(inside) if row >= 6 else 0  # six cycles of a line
+        assert count.reshape(rows, oversampling)[row] == pytest.approx(wanted)
+        if wanted:
+            assert mean.reshape(rows, oversampling)[row] == pytest.approx(table[inside].mean(axis=0))
+
+
+@pytest.mark.parametrize(("u", "together"), [(2.0, 0.5), (6.0, 0.9), (12.0, 0.99)])
+def test_two_neighbours_reach_a_limit_as_the_integral_says(u, together):
+    rho = together**2
+    tail = stats.ncx2.sf
+    by_quadrature, _ = integrate.quad(
+        lambda x: np.exp(-x) * tail(2 * u / (1 - rho), 2, 2 * rho * x / (1 - rho)), u, u + 60, epsabs=0, epsrel=1e-9
+    )
+    assert _both(u, together) == pytest.approx(by_quadrature, rel=1e-4)

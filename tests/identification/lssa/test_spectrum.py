@@ -3,6 +3,7 @@ import pytest
 
 from imuwb.identification.correlation.burg import burg
 from imuwb.identification.lssa import Constituents, Noise, adjust, least_squares_spectrum
+from imuwb.identification.lssa.whitening import dense
 
 DT = 0.01
 KNOWN = {
@@ -228,3 +229,50 @@ def test_a_record_without_a_cycle_says_so():
     adjusted = adjust(np.arange(100) * DT, np.random.default_rng(1).standard_normal(100), Constituents())
     with pytest.raises(ValueError, match="0.5 Hz; .* 0.99 s"):
         least_squares_spectrum(adjusted, highest=0.5)
+
+
+def test_frequencies_next_to_a_forced_line_are_separable_from_it():
+    time = np.arange(1000) * DT
+    values = np.random.default_rng(8).standard_normal(1000)
+    adjusted = adjust(time, values, Constituents("constant", forced=(7.0,)))
+    found = least_squares_spectrum(adjusted, oversampling=8)
+    at = int(np.argmin(np.abs(found.frequency - 7.0)))
+    assert (found.reduction[[at - 1, at + 1]] > 0).all()
+
+
+def test_correlation_times_reach_from_white_noise_to_a_random_walk():
+    time, w = np.arange(2000) * DT, np.random.default_rng(10).standard_normal(2000)
+    white, walk = (
+        adjust(time, x, Constituents("none"), Noise("gauss-markov"), interval=DT) for x in (w, w.cumsum() - w.sum())
+    )
+    assert white.noise.correlation_time < 0.4 * DT
+    assert walk.noise.correlation_time > time[-1]
+
+
+@pytest.mark.parametrize(("own", "tenable"), [(1e-9, True), (1e-13, False)])
+def test_a_covariance_that_is_nearly_singular_is_refused(own, tenable):
+    covariance = np.ones((50, 50)) + own * np.eye(50)
+    if tenable:
+        assert dense(covariance).count == 50
+        return
+    with pytest.raises(ValueError, match="singular"):
+        dense(covariance)
+
+
+def test_a_transient_as_long_as_the_record_is_separable_from_a_trend():
+    time = np.arange(1000) * DT
+    values = 3 * np.exp(-time / 10) + 0.01 * np.random.default_rng(11).standard_normal(1000)
+    found = adjust(time, values, Constituents("linear", exponentials=(10.0,)))
+    assert found.coefficients[-1] == pytest.approx(3, abs=4 * found.sigma[-1])
+
+
+def test_stamps_rounded_to_nanoseconds_at_five_kilohertz_lie_on_a_lattice():
+    time = np.rint(np.arange(2000) * 1e9 / 4938.3) / 1e9
+    assert adjust(time, np.random.default_rng(12).standard_normal(2000), Constituents()).lattice is not None
+
+
+def test_autoregressive_noise_needs_more_than_about_even_stamps():
+    rng = np.random.default_rng(12)
+    time = np.arange(2000) * DT + rng.uniform(-0.1, 0.1, 2000) * DT
+    with pytest.raises(ValueError, match="evenly spaced"):
+        adjust(time, rng.standard_normal(2000), Constituents(), Noise("autoregressive", 2))

@@ -73,3 +73,10 @@ def test_long_uneven_records_are_looked_at_in_part():
     found = band(time)
     assert found.mirror == pytest.approx(100, abs=0.001)
     assert found.lowest == pytest.approx(1 / time[-1], rel=1e-4)
+
+
+@pytest.mark.parametrize(("jitter", "mirrored"), [(0.2, True), (0.25, False)])
+def test_a_mirror_shows_half_of_a_lines_power(jitter, mirrored):
+    """Of uniform jitter, the window at the rate is sinc squared of twice the jitter: 0.57 and 0.41."""
+    found = band(np.arange(4000) * DT + np.random.default_rng(7).uniform(-jitter, jitter, 4000) * DT)
+    assert (found.mirror is not None) == mirrored

@@ -1,7 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from imuwb.identification.temperature.bias import RecordMean, biases, difference_variance
+from imuwb.identification.temperature.slow_processes import size_of
+from imuwb.statistics import Coefficient
 from imuwb.stochastic import FlickerNoise, RandomWalk, Sum, WhiteNoise
 
 DT = 1.0
@@ -60,6 +64,8 @@ def test_rising_less_falling_has_an_interval_that_counts_the_walk():
         pytest.approx(half, rel=1e-3),
     )
     assert found.at[0].estimate.value == pytest.approx(0.7)
+    still = biases(means, [0.1, 0.1], Sum()).hysteresis[0].difference
+    assert still.upper - still.value == pytest.approx(1.96 * (2 * 0.1**2 / 1000) ** 0.5, rel=1e-3)
     assert found.turn_on is None
 
 
@@ -68,4 +74,17 @@ def test_logs_at_one_temperature_tell_the_turn_on_bias():
     means = [[mean_at(t, float(v), t, log=10 * t + k) for k, v in enumerate(rng.normal(0, 3, 20))] for t in range(3)]
     found = biases(means, [0.1] * 3, Sum())
     assert found.turn_on == pytest.approx(3, rel=0.25)
+    # of the mean of twenty logs, less the mean of three temperatures
+    apart = biases([[replace(m, log=100 * t + m.log) for m in here] for t, here in enumerate(means)], [0.1] * 3, Sum())
+    assert apart.at[0].estimate.sigma == pytest.approx(apart.turn_on * (1 / 20 * 2 / 3) ** 0.5, rel=0.02)
+    noisy = biases(means, [3 * 1000**0.5] * 3, Sum())  # noise explains the scatter
+    assert noisy.turn_on < 1
     assert found.heterogeneity() < 14  # chi-square(2), 1 of 1000
+
+
+def test_a_slow_process_counts_as_identified_else_with_its_smallest_limit():
+    here, everywhere = Coefficient(None, None, 2.0), Coefficient(None, None, 1.0)
+    assert size_of(here, everywhere) == 1.0
+    assert size_of(here, Coefficient(1.5, 1.0, 3.0)) == 1.5
+    assert size_of(Coefficient(4.0, 3.0, 5.0), everywhere) == 4.0
+    assert size_of(Coefficient(4.0, 0.0, 5.0), everywhere) == 1.0  # its interval begins at 0

@@ -3,7 +3,7 @@ import pytest
 from scipy import stats
 
 from imuwb.identification.temperature import Record, heterogeneity, identify, over_temperature
-from imuwb.identification.temperature.dependence import DRAWS, depends
+from imuwb.identification.temperature.dependence import DRAWS, _drawn, depends
 from imuwb.identification.temperature.pooled import pooled
 from imuwb.identification.temperature.quantization import settled
 from imuwb.stochastic import FlickerNoise, Sum, WhiteNoise
@@ -40,6 +40,7 @@ def test_the_score_test_of_n_is_that_of_its_estimates():
     wald = heterogeneity(values, sigmas)
     assert score.statistic == pytest.approx(wald.statistic, rel=0.1)
     assert score.common.lower < 0.005 < score.common.upper
+    assert score.common.upper / score.common.lower - 1 == pytest.approx(2 * 1.96 / (2 * 80_000) ** 0.5, rel=0.15)
     assert score.distribution == "chi-square(3)"
 
 
@@ -92,3 +93,20 @@ def test_a_limit_that_all_temperatures_give_together_holds():
 def test_size_of_the_test_of_n():
     found = [depends(chamber([0.005] * 3, 100 + seed, n=2000), "N").depends for seed in range(25)]
     assert stats.binom.sf(sum(map(bool, found)) - 1, 25, 0.05) > 1e-4
+
+
+@pytest.mark.parametrize("letter", ["N", "B"])
+def test_the_critical_value_is_exceeded_as_often_as_the_size_of_the_test(letter):
+    """The critical value at the size of a statistic's own p value is that statistic: of chi-square, and of simulated draws."""
+    points = chamber([0.005] * 4, 4, flicker=0.002)
+    found = depends(points, letter)
+    assert found.distribution.startswith("chi-square" if letter == "N" else "simulated")
+    assert depends(points, letter, size=found.p_value).critical == pytest.approx(found.statistic, rel=5e-3)
+    assert found.depends == (found.statistic > found.critical)
+
+
+def test_simulated_statistics_of_many_degrees_are_chi_square():
+    drawn = _drawn(np.full(4, 1e6), np.ones(4))
+    assert stats.kstest(drawn, stats.chi2(3).cdf).pvalue > 1e-4
+    few = _drawn(np.full(4, 8.0), np.ones(4))
+    assert few.mean() == pytest.approx(3, abs=0.15)  # of unit variances about one mean

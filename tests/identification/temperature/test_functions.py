@@ -60,6 +60,9 @@ def test_an_interval_knows_what_lies_between_set_points():
     _, lower, upper = function.at(np.array([CELSIUS[4], (CELSIUS[4] + CELSIUS[5]) / 2]))
     assert (upper - lower)[0] < 0.01
     assert (upper - lower)[1] > 0.3
+    # of a Brownian bridge at its middle: half of what leaving one out showed of one twice as long
+    half = 1.959964 * (0.5 * 1e-6 + 0.5 * function.excess) ** 0.5
+    assert (upper - lower)[1] == pytest.approx(2 * half, rel=1e-6)
 
 
 def test_left_out_points_are_predicted_by_the_others_alone():
@@ -132,3 +135,16 @@ def test_a_function_that_the_set_points_contradict_is_not_taken():
     scattered = sharp + 0.3 * np.random.default_rng(1).standard_normal(7)
     loose = choose_function(celsius, scattered, np.full(7, 0.3), logarithmic=True)
     assert loose.function.kind in ("constant", "linear", "arrhenius")
+
+
+def test_a_line_is_mostly_taken_for_a_line():
+    rng = np.random.default_rng(6)
+    kinds = [
+        choose_function(
+            CELSIUS, 0.005 * CELSIUS + 0.05 * rng.standard_normal(10), np.full(10, 0.05), logarithmic=True
+        ).function.kind
+        for _ in range(60)
+    ]
+    assert (
+        sum(kind in ("linear", "arrhenius") for kind in kinds) >= 42
+    )  # the simplest within a standard error of the best

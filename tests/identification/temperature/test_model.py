@@ -76,3 +76,6 @@ def test_a_coefficient_found_here_and_there_is_what_all_temperatures_say_togethe
     assert law.function.kind == "constant"
     assert law.function.at(np.array([0.0]))[0] == pytest.approx(0.0012, rel=0.4)
     assert "common to all" in law.reason
+    _, lower, upper = (float(end[0]) for end in law.function.at(np.array([0.0])))
+    common = over_temperature(points).dependence["B"].common
+    assert upper / lower == pytest.approx(common.upper / common.lower, rel=0.02)

@@ -3,7 +3,7 @@ import pytest
 
 from imuwb.identification.likelihood.fit import TERMS
 from imuwb.identification.temperature import Record, identify
-from imuwb.identification.temperature.pooled import pooled
+from imuwb.identification.temperature.pooled import _climbed, pooled
 from imuwb.stochastic import FlickerNoise, Quantization, Sum, WhiteNoise
 
 DT, SIZES = 0.01, (0.004, 0.005, 0.007)
@@ -49,3 +49,17 @@ def test_a_limit_lies_where_the_likelihood_has_fallen(points):
 def test_what_is_each_temperatures_own_is_not_common(points):
     assert set(pooled(points)) == {"Q", "B", "K"}
     assert set(pooled(points, own=["B"])) == {"Q", "K"}
+
+
+def test_a_limit_is_one_sided_at_the_level(points):
+    """There the deviance of all, with the other terms likeliest, is larger by 1.645 squared."""
+    letters = list(TERMS)
+    limit = pooled(points)["K"].upper
+    start = np.array([[(p.coefficients[letter].value or 0.0) ** 2 for letter in TERMS] for p in points])
+    common, mine = [letters.index(x) for x in "QBK"], [letters.index("N")]
+    start[:, common] = np.median(start[:, common], axis=0)
+    best = _climbed(points, start, common, mine)
+    held = best.squares.copy()
+    held[:, letters.index("K")] = limit**2
+    held = _climbed(points, held, [letters.index(x) for x in "QB"], mine)
+    assert held.deviance - best.deviance == pytest.approx(1.645**2, rel=0.1)

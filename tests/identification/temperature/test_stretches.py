@@ -75,3 +75,40 @@ def test_a_thermometer_is_smoothed_and_continued_to_the_ends():
     found = smooth_temperature(time, true + 0.1 * RNG.standard_normal(time.size), at)
     assert np.abs(found - np.interp(at, time, true)).max() < 0.12
     np.testing.assert_allclose(smooth_temperature(time, true, at), 20 + 0.01 * at, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(("span", "cut"), [(1.7, "set-point"), (2.5, "bins")])
+def test_a_log_within_two_degrees_is_one_set_point(span, cut):
+    time = np.arange(0, 3600.0)
+    assert stretches(time, 20 + span * np.linspace(0, 1, time.size), 100.0)[0] == cut
+
+
+@pytest.mark.parametrize(("dip", "turns"), [(1.5, False), (3.0, True)])
+def test_a_ramp_that_goes_back_by_two_degrees_has_turned(dip, turns):
+    corners, celsius = (0, 1800, 2100, 3900), (-20.0, 0.0, -dip, 20.0)
+    time = np.arange(0, 3901.0)
+    _, found = stretches(time, np.interp(time, corners, celsius), 100.0, "bins", 5.0)
+    assert any(s.rising is False for s in found) == turns
+
+
+@pytest.mark.parametrize(("held", "cut"), [(0.4, "bins"), (0.7, "plateaus")])
+def test_plateaus_make_up_half_of_a_log(held, cut):
+    time = np.arange(0, 7201.0)
+    begin = 7200 * held
+    celsius = np.interp(time, [0, begin, 7200], [20.0, 20.0, 60.0])
+    assert stretches(time, celsius, 100.0)[0] == cut
+
+
+@pytest.mark.parametrize(("minutes", "found"), [(8, 0), (14, 1)])
+def test_a_plateau_lasts_three_times_as_long_as_the_log_takes_for_its_span(minutes, found):
+    """The log takes 5 minutes for a degree."""
+    time = np.arange(0, 12_001.0)
+    celsius = np.interp(time, [0, 5000, 5000 + 60 * minutes, 12_000], [0.0, 20.0, 20.0, 40.0])
+    longer = [s for s in stretches(time, celsius, 100.0, "plateaus")[1] if s.end - s.start > 500]
+    assert len(longer) == found
+
+
+def test_a_smoothed_thermometer_follows_a_bend():
+    time = np.arange(0, 1000.0)
+    found = smooth_temperature(time, 20 + (time / 300 - 1) ** 2, time)
+    assert np.abs(found - 20 - (time / 300 - 1) ** 2).max() < 0.15

@@ -73,3 +73,8 @@ def test_records_side_by_side_have_the_likelihood_of_their_product(record):
     together = joined(parts)
     assert together.deviance(squared) == pytest.approx(sum(p.deviance(squared) for p in parts), rel=1e-9)
     assert (np.diff(together.frequency) >= 0).all()
+
+
+@pytest.mark.parametrize(("span", "columns"), [(0.18, 1), (0.22, 3)])
+def test_a_temperature_that_moves_by_a_fifth_of_a_degree_makes_a_trend(span, columns):
+    assert trend_of(1000, 20 + span * np.linspace(0, 1, 1000)).shape == (1000, columns)
