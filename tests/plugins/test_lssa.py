@@ -14,6 +14,8 @@ from imuwb.notes import ids
 from imuwb.review.document import plain
 from imuwb_plugins import lssa
 from imuwb_plugins.lssa import Parameters
+from imuwb_plugins.lssa.lines import _named
+from imuwb_plugins.lssa.result import PeakResult
 
 N = 20_000
 TIME = np.arange(N) / 100
@@ -108,6 +110,24 @@ def test_each_scale_is_drawn(log, shown, scale):
     peak = found.axes["gyro_x"].peaks[0]
     assert lines.rows[0][3].startswith(f"{np.degrees(peak.amplitude):.3g} [")
     assert lines.rows[0][3].endswith("deg/s")
+
+
+@pytest.mark.parametrize(("frequency", "name"), [(15.1, "3 × 5 Hz"), (15.2, "15.2 Hz"), (5.02, "5.02 Hz")])
+def test_a_harmonic_may_miss_its_multiple_by_a_hundredth(frequency, name):
+    lines = [
+        PeakResult(f, f, f, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, True, True, True, "") for f in (5.0, frequency)
+    ]
+    assert [line.name for line in _named(lines)] == ["5 Hz", name]
+
+
+def test_the_interval_of_a_level_includes_slow_noise(result):
+    """Of AR(1) with 0.8 the level is five times, its standard error times root two, more uncertain than the samples' scatter."""
+    level = result.axes["gyro_y"].constituents["constant"]
+    assert 0 in level
+    white = 1.96 * (1 / (1 - 0.8**2) / N) ** 0.5
+    assert 2 * white < level.upper - level.value < 8 * white
+    x = result.axes["gyro_x"].constituents["constant"]
+    assert x.upper - x.value == pytest.approx(1.96 * (1.145 / N) ** 0.5, rel=0.5)
 
 
 def test_a_forced_line_is_a_constituent_and_no_peak(log):

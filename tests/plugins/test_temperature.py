@@ -5,11 +5,14 @@ import pytest
 
 from imuwb.analysis import Case
 from imuwb.errors import MissingDataError, UsageError
+from imuwb.identification.temperature import Record, Stretch
 from imuwb.log import SECOND, Conditioning, ImuStream, Log, Origin, Provenance, Scalars, Triad
 from imuwb.notes import ids
 from imuwb.review.document import document
 from imuwb.stochastic import ImuErrorModel, RandomWalk, WhiteNoise
 from imuwb_plugins import temperature
+from imuwb_plugins.temperature.compute import _difference_of_logs
+from imuwb_plugins.temperature.records import LogPart, grouped
 
 RATE, N = 50.0, 0.005
 AXES = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
@@ -202,6 +205,24 @@ def test_what_must_be_said_is_said(gyros):
     more = run([*gyros[:2], log_at(0.5, 9), log_at(9.0, 10)])
     assert len(more.axes["gyro_x"].by_temperature) == 4
     assert len(more.axes["accel_x"].by_temperature) == 2
+
+
+def test_a_ramp_has_no_plateaus():
+    with pytest.raises(MissingDataError, match=r"log1\.csv: no stretch"):
+        run([log_at(np.linspace(-10, 30, 50), 1, triads=("gyro",))], cut="plateaus")
+
+
+@pytest.mark.parametrize(("apart", "count"), [(0.9, 1), (1.1, 2)])
+def test_set_points_within_a_degree_have_one_temperature(apart, count):
+    parts = [LogPart(k, None, {}, Stretch(0.0, 1.0, t, 0.0, t, None), None) for k, t in enumerate((10.0, 10.0 + apart))]
+    assert len(grouped(parts)) == count
+
+
+@pytest.mark.parametrize(("size", "noted"), [(1.0, False), (1.012, False), (1.08, True)])
+def test_logs_whose_noise_differs_by_more_than_chance_and_two_per_cent_are_noted(size, noted):
+    records = [Record(size**k * N * np.random.default_rng(k).standard_normal(30_000), 0.0, 20.0, log=k) for k in (0, 1)]
+    apart = _difference_of_logs(records, 0.01, np.inf, 0.95)
+    assert (apart is not None) == noted
 
 
 def test_a_log_that_moves_is_refused(gyros):
