@@ -1,4 +1,4 @@
-"""The Earth and directions on it: the WGS 84 ellipsoid, gravity, and attitudes."""
+"""The Earth: the WGS 84 ellipsoid and its gravity; and attitudes against north, east and down."""
 
 from imuwb.geodesy.attitude import (
     euler_of_quaternion,
@@ -7,7 +7,7 @@ from imuwb.geodesy.attitude import (
     rotation_of_euler,
     rotation_of_quaternion,
 )
-from imuwb.geodesy.earth import EARTH_RATE, displaced, gravity, radii_of_curvature
+from imuwb.geodesy.earth import EARTH_RATE, displaced, gravity, ned_scale, radii_of_curvature
 
 __all__ = [
     "EARTH_RATE",
@@ -15,6 +15,7 @@ __all__ = [
     "euler_of_quaternion",
     "euler_of_rotation",
     "gravity",
+    "ned_scale",
     "quaternion_of_rotation",
     "radii_of_curvature",
     "rotation_of_euler",

@@ -47,12 +47,12 @@ def euler_of_rotation(rotation: Floats) -> Floats:
 
 
 def quaternion_of_rotation(rotation: Floats) -> Floats:
-    """Return the quaternion of C_b_n, its largest component positive.
+    """Return the quaternion of C_b_n whose largest component is positive.
 
     Args:
         rotation: (3, 3)
     """
-    # The symmetric matrix whose largest eigenvector is the quaternion: no case by case for small components.
+    # The quaternion is the eigenvector of this matrix's largest eigenvalue, also where a component is small (Bar-Itzhack 2000).
     (a, b, c), (d, e, f), (g, h, i) = rotation
     k = np.array([
         [a + e + i, h - f, c - g, d - b],
@@ -60,8 +60,8 @@ def quaternion_of_rotation(rotation: Floats) -> Floats:
         [c - g, b + d, e - a - i, f + h],
         [d - b, c + g, f + h, i - a - e],
     ])  # fmt: skip
-    found = np.linalg.eigh(k)[1][:, -1]
-    return found * np.sign(found[np.argmax(np.abs(found))])
+    quaternion = np.linalg.eigh(k)[1][:, -1]
+    return quaternion * np.sign(quaternion[np.argmax(np.abs(quaternion))])
 
 
 def rotation_of_quaternion(quaternion: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""Navigation on the Earth: mechanization, error states, filter and outages."""
+"""Inertial navigation with GNSS: mechanization, alignment, filter, smoother and outages."""
 
 import lazy_loader
 

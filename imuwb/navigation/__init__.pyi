@@ -1,5 +1,7 @@
 from .filter import Solution as Solution
 from .filter import solve as solve
+from .filter_document import filter_text as filter_text
+from .filter_document import read_filter as read_filter
 from .filter_model import Aids as Aids
 from .filter_model import FilterModel as FilterModel
 from .filter_model import Installation as Installation

@@ -1,4 +1,7 @@
-"""Where a filter starts: level from specific force less the receiver's acceleration, heading from its velocity (Groves, 5.6)."""
+"""The filter's first state: roll and pitch from specific force and the receiver's acceleration, heading from its velocity.
+
+Source: Groves, 5.6.
+"""
 
 from __future__ import annotations
 
@@ -9,211 +12,212 @@ import numpy as np
 
 from imuwb.errors import MissingDataError
 from imuwb.geodesy.attitude import rotation_of_euler
-from imuwb.geodesy.earth import gravity, radii_of_curvature
-from imuwb.log import SECOND
+from imuwb.geodesy.earth import gravity, ned_scale
+from imuwb.notes import Note
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from imuwb.log import Floats, GnssStream, Log
-    from imuwb.navigation.events import Corrections
-    from imuwb.navigation.filter_model import FilterModel
+    from imuwb.log import Floats
+    from imuwb.navigation.corrections import Corrections
+    from imuwb.navigation.filter_model import FilterModel, Settings
     from imuwb.navigation.measurement import Measurement
 
-AROUND = 1.0  #: s before and after the start over which accelerations are taken
-SLOW = 0.5  #: m/s, below which a receiver may stand still
-QUIET = 4.0  #: times the quietest tenth's scatter, up to which a second is still
-NEAR = 5.0  #: s between positions that tell a velocity
-CLEAR = 3.0  #: sigmas of a velocity
-HARDEST = 8.0  #: m/s², of a vehicle
-SECONDS_STILL = 5.0  #: s of stillness that tell the gyros' bias
+AROUND = 1.0  #: s before and after the alignment over which specific force and angular rate are averaged
+NEAR = 5.0  #: s; positions at most this far apart give a velocity
+CLEAR = 3.0  #: a velocity counts as motion above this many of its sigmas
+HARDEST = 8.0  #: m/s², the largest acceleration of a vehicle
+SECONDS_STILL = 5.0  #: s; a shorter standstill does not give the gyros' bias
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Alignment:
-    """A filter's first state, with sigmas."""
+    """A filter's first state, with its covariance."""
 
-    event: int  #: of the corrections, at which it starts
-    sample: int  #: the first sample behind it
+    event: int  #: the correction at which the filter starts
+    sample: int  #: the first sample after that correction
     position: Floats  #: (3,) latitude rad, longitude rad, height m, of the IMU
-    velocity: Floats  #: (3,) m/s, NED
+    velocity: Floats  #: (3,) m/s, NED, of the IMU
     euler: Floats  #: (3,) roll, pitch, heading, rad
-    covariance: Floats  #: (9, 9) of the error states
-    gyro_bias: Floats  #: (3,) rad/s, mean over a stillness before the start, the earth's rate within; 0 without
-    standing: tuple[int, int] | None  #: first and last (excluded) sample of that stillness
-    note: str
+    covariance: Floats  #: (9, 9) of the navigation error states
+    gyro_bias: Floats  #: (3,) rad/s, mean rate over the standstill, with the Earth's rate; 0 without a standstill
+    standstill: tuple[int, int] | None  #: first sample of the last standstill before, and the first one after it
+    note: Note
+
+    def __str__(self) -> str:
+        """Return the note that a report shows."""
+        return self.note
+
+    __repr__ = __str__
 
 
-def standing(moves: Measurement, log: Log, gnss: GnssStream | None) -> Floats:
-    """Return when the IMU stands still.
+@dataclass(frozen=True, eq=False, slots=True)
+class _Velocities:
+    """The fixes whose velocity is known, f of them."""
 
-    A second is still when both triads scatter no more than a few times as in the quietest tenth of all, and the receiver,
-    where it tells a velocity, does not move.
+    event: NDArray[np.int64]  #: (f,) among the corrections
+    time: Floats  #: (f,) s from the log's start
+    value: Floats  #: (f, 3) m/s, NED
+    sigma: Floats  #: (f,) m/s, horizontal
 
-    Returns:
-        (s, 2) begin and end, s from the log's start.
-    """
-    per = max(1, round(1 / moves.interval))
-    blocks = moves.time.size // per
-    if not blocks:
-        return np.zeros((0, 2))
-    still = np.ones(blocks, dtype=bool)
-    for increments in (moves.samples.angle, moves.samples.velocity):
-        scatter = np.sqrt(increments[: blocks * per].reshape(blocks, per, 3).var(axis=1).sum(axis=1))
-        still &= scatter <= QUIET * np.quantile(scatter, 0.1)
-    begin = moves.time[: blocks * per : per] - moves.interval
-    if gnss is not None and gnss.velocity is not None:
-        time = (gnss.time - (log.zero or 0)) / SECOND
-        speed = np.hypot(gnss.velocity[:, 0], gnss.velocity[:, 1])
-        known = np.isfinite(speed)
-        if known.any():
-            still &= np.interp(begin + 0.5, time[known], speed[known]) < SLOW
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(np.int8)))
-    ends = np.append(begin, begin[-1] + per * moves.interval)
-    return np.stack([ends[edges[::2]], ends[edges[1::2]]], axis=1)
+    @property
+    def speed(self) -> Floats:
+        """Return the horizontal speed, (f,) m/s."""
+        return np.hypot(self.value[:, 0], self.value[:, 1])
 
 
 def align(
-    moves: Measurement, found: Corrections, still: Floats, model: FilterModel, after: float = -np.inf
+    measurement: Measurement, corrections: Corrections, stills: Floats, model: FilterModel, after: float = -np.inf
 ) -> Alignment:
-    """Return the start at the first fix that moves fast enough to tell the heading.
+    """Return the alignment at the first fix that is fast enough to give the heading.
 
     Args:
-        moves: the IMU.
-        found: the log's fixes.
-        still: (s, 2) when it stands still, before which the gyros' bias is taken.
+        measurement: the IMU.
+        corrections: the log's fixes.
+        stills: (s, 2) s from the log's start, the standstills; the last one before the fix gives the gyros' bias.
         model: sigmas, lever arm and the speed that is enough.
-        after: s from the log's start, before which no start is looked for.
+        after: s from the log's start; the fix is later than this.
 
     Raises:
-        MissingDataError: no fix has a velocity, or none moves fast enough.
+        MissingDataError: no fix has a velocity, or none is fast enough.
     """
-    events, settings = found.events, model.settings
-    fixes, velocities, spread = _velocities(found, settings.velocity_sigma)
-    first = _first_fast(moves, found, fixes, velocities, spread, settings.start_speed, after)
-    event, time = int(fixes[first]), found.time[fixes]
-    near = np.abs(time - time[first]) <= 2 * AROUND
-    acceleration = _slope(time[near], velocities[near])
-    velocity = velocities[first] + acceleration * model.installation.velocity_delay
-    pace = float(np.hypot(velocity[0], velocity[1]))
-    heading = float(np.arctan2(velocity[1], velocity[0]))
-    latitude, height = events.value[event, 0], events.value[event, 2]
+    settings, lever = model.settings, np.array(model.installation.lever_arm)
+    velocities = _velocities(corrections, settings.velocity_sigma[0])
+    first = _first_fast(measurement, velocities, settings.start_speed, after)
+    event, time = int(velocities.event[first]), float(velocities.time[first])
+    acceleration = _acceleration(velocities, time)
+    antenna = velocities.value[first] + acceleration * model.installation.velocity_delay
+    latitude, height = corrections.events.value[event, [0, 2]]
     down = float(gravity(latitude, height))
-    begin, end = np.searchsorted(moves.time, found.time[event] + np.array([-AROUND, AROUND]))
-    length = moves.samples.interval[begin:end].sum()
-    force = moves.samples.velocity[begin:end].sum(axis=0) / length
-    rate = moves.samples.angle[begin:end].sum(axis=0) / length
-    roll, pitch = _level(force, acceleration - np.array([0.0, 0.0, down]), heading)
-    euler = np.array([roll, pitch, heading])
-    turn = rotation_of_euler(euler)
-    lever = np.array(model.installation.lever_arm)
-    arm = turn @ lever
-    meridian, transverse = radii_of_curvature(latitude)
-    to_degrees = np.array([1 / (meridian + height), 1 / ((transverse + height) * np.cos(latitude)), -1.0])
-    late = events.late[event]
-    position = events.value[event, :3] - (arm + velocity * late) * to_degrees
-    sigma = np.sqrt(events.variance[event])
-    sigma[3:] = np.where(sigma[3:] > 0, sigma[3:], spread[first])
-    tilt = np.hypot(np.radians(settings.tilt), sigma[3:5].max() / AROUND / down)
-    wide = np.hypot(np.radians(settings.heading), min(sigma[3:5].max() / pace, np.pi))
-    covariance = np.diag(np.square([*sigma[:3], *sigma[3:], tilt, tilt, wide]))
-    standing = _stillness(moves, still, found.time[event])
+    force, rate = _means(measurement, time)
+    euler = _level(force, acceleration - np.array([0.0, 0.0, down]), float(np.arctan2(antenna[1], antenna[0])))
+    rotation = rotation_of_euler(euler)
+    late = corrections.events.late[event]
+    position = corrections.events.value[event, :3] - (rotation @ lever + antenna * late) / ned_scale(latitude, height)
+    standstill = _last_standstill(measurement, stills, time)
     bias = np.zeros(3)
-    if standing is not None:
-        rows = slice(*standing)
-        bias = moves.samples.angle[rows].sum(axis=0) / moves.samples.interval[rows].sum()
-    note = (
-        f"the filter starts at {found.time[event]:.1f} s, at {pace:.1f} m/s; roll {np.degrees(roll):.1f}, "
-        f"pitch {np.degrees(pitch):.1f}, heading {np.degrees(heading) % 360:.1f} deg; "
-        + (
-            f"gyro biases from {(standing[1] - standing[0]) * moves.interval:.0f} s of standing before"
-            if standing is not None
-            else "no stillness before: gyro biases unknown"
+    if standstill is not None:
+        rows = slice(*standstill)
+        bias = measurement.samples.angle[rows].sum(axis=0) / measurement.samples.interval[rows].sum()
+    sigma = np.sqrt(corrections.events.variance[event])
+    sigma[3:] = np.where(sigma[3:] > 0, sigma[3:], velocities.sigma[first])
+    speed = float(np.hypot(antenna[0], antenna[1]))
+    covariance = np.diag(np.square([*sigma, *_attitude_sigmas(sigma[3:5].max(), speed, down, settings)]))
+    # The receiver's velocity is that of the antenna, which turns around the IMU.
+    velocity = antenna - rotation @ np.cross(rate - bias, lever)
+    note = _note(time, speed, euler, None if standstill is None else np.ptp(standstill) * measurement.interval)
+    sample = int(corrections.events.at[event]) + 1
+    return Alignment(event, sample, position, velocity, euler, covariance, bias, standstill, note)
+
+
+def _velocities(corrections: Corrections, usual: float) -> _Velocities:
+    """Return the fixes with a velocity; where no fix has one, velocities come from the positions before and after.
+
+    A position whose velocity is an event of its own carries a copy of that velocity.
+
+    Args:
+        corrections: the log's fixes.
+        usual: m/s, sigma of a velocity without one.
+    """
+    events = corrections.events
+    fixes = np.flatnonzero(corrections.fix >= 0)
+    known = (events.variance[fixes, 3] > 0) | (events.value[fixes, 3:] != 0).any(axis=1)
+    if known.any():
+        fixes = fixes[known]
+        sigma = np.sqrt(events.variance[fixes, 3:5].max(axis=1))
+        return _Velocities(fixes, corrections.time[fixes], events.value[fixes, 3:], np.where(sigma > 0, sigma, usual))
+    before, middle, after = fixes[:-2], fixes[1:-1], fixes[2:]
+    span = corrections.time[after] - corrections.time[before]
+    moved = events.value[after, :3] - events.value[before, :3]
+    ned = moved * ned_scale(events.value[middle, 0], events.value[middle, 2])
+    sigma = np.sqrt(2 * events.variance[middle, :2].max(axis=1)) / span
+    near = span < NEAR
+    return _Velocities(middle[near], corrections.time[middle[near]], (ned / span[:, None])[near], sigma[near])
+
+
+def _first_fast(measurement: Measurement, velocities: _Velocities, enough: float, after: float) -> int:
+    """Return the first fix that is fast enough, and whose successor is fast enough too."""
+    if not velocities.event.size:
+        message = (
+            "no fix has a velocity, and no positions are near enough in time to give one: the heading at the start is "
+            "unknown; use a receiver that reports velocities"
         )
-    )
-    swing = turn @ np.cross(rate - bias, lever)
-    return Alignment(
-        event, int(events.at[event]) + 1, position, velocity - swing, euler, covariance, bias, standing, note
-    )
-
-
-def _first_fast(
-    moves: Measurement, found: Corrections, fixes: NDArray[np.int64], velocities: Floats, spread: Floats, enough: float,
-    after: float,
-) -> int:  # fmt: skip
-    """Return the first of some fixes that moves fast enough, as does the next."""
-    if not fixes.size:
-        message = "no fix has a velocity, nor do positions follow each other: the heading at the start cannot be told"
         raise MissingDataError(message)
-    time, speed = found.time[fixes], np.hypot(velocities[:, 0], velocities[:, 1])
-    inside = (time > moves.time[0] + AROUND) & (time < moves.time[-1] - AROUND)
-    fast = (speed > np.maximum(enough, CLEAR * spread)) & inside
-    # One that stands alone is a spike: the next must move alike.
-    step = np.hypot(*np.diff(velocities[:, :2], axis=0).T)
-    alike = np.append(step < HARDEST * np.diff(time) + CLEAR * spread[1:], False)
-    fast &= alike & np.append(fast[1:], False)
+    time, speed = velocities.time, velocities.speed
+    inside = (time > measurement.time[0] + AROUND) & (time < measurement.time[-1] - AROUND)
+    fast = (speed > np.maximum(enough, CLEAR * velocities.sigma)) & inside
+    # A single fast fix is a spike: the velocity of the next one must agree.
+    step = np.hypot(*np.diff(velocities.value[:, :2], axis=0).T)
+    agrees = np.append(step < HARDEST * np.diff(time) + CLEAR * velocities.sigma[1:], False)
+    fast &= agrees & np.append(fast[1:], False)
     if not fast.any():
         message = (
-            f"the receiver never moves faster than {enough:g} m/s for two fixes (its median speed is "
-            f"{np.median(speed):.2f} m/s): heading cannot be observed, and a drift without it means nothing"
+            f"the receiver is never faster than {enough:g} m/s for two fixes (its median speed is {np.median(speed):.2f} m/s): "
+            "the heading cannot be observed, and a drift without a heading means nothing; use a log of a drive"
         )
         raise MissingDataError(message)
     fast &= time > after
     if not fast.any():
-        message = f"no fix behind {after:.1f} s moves faster than {enough:g} m/s within the IMU's time"
+        message = f"no fix after {after:.1f} s and within the IMU's time is faster than {enough:g} m/s"
         raise MissingDataError(message)
     return int(np.argmax(fast))
 
 
-def _velocities(found: Corrections, usual: tuple[float, float]) -> tuple[NDArray[np.int64], Floats, Floats]:
-    """Return the fixes with a velocity, (k,) events, the velocities, (k, 3) m/s NED, and their horizontal sigmas, (k,).
-
-    A position whose velocity is an event of its own carries it along. Where no fix tells one, positions do: each from its
-    neighbours.
-    """
-    events = found.events
-    places = np.flatnonzero(found.fix >= 0)
-    told = (events.variance[places, 3] > 0) | (events.value[places, 3:] != 0).any(axis=1)
-    if told.any():
-        fixes = places[told]
-        spread = np.sqrt(events.variance[fixes, 3:5].max(axis=1))
-        return fixes, events.value[fixes, 3:], np.where(spread > 0, spread, usual[0])
-    span = found.time[places[2:]] - found.time[places[:-2]]
-    meridian, transverse = radii_of_curvature(events.value[places[1:-1], 0])
-    moved = events.value[places[2:], :3] - events.value[places[:-2], :3]
-    height, latitude = events.value[places[1:-1], 2], events.value[places[1:-1], 0]
-    ned = np.stack([
-        moved[:, 0] * (meridian + height), moved[:, 1] * (transverse + height) * np.cos(latitude), -moved[:, 2]
-    ], axis=1)  # fmt: skip
-    near = span < NEAR
-    spread = np.sqrt(2 * events.variance[places[1:-1], :2].max(axis=1)) / span
-    return places[1:-1][near], (ned / span[:, None])[near], spread[near]
-
-
-def _stillness(moves: Measurement, still: Floats, until: float) -> tuple[int, int] | None:
-    """Return the samples of the last stillness that is long enough."""
-    long = [(a, b) for a, b in still if b < until and b - a >= SECONDS_STILL]
-    if not long:
-        return None
-    begin, end = np.searchsorted(moves.time, long[-1], side="right")
-    return int(begin), int(end)
-
-
-def _slope(time: Floats, values: Floats) -> Floats:
-    if time.size < 2:  # noqa: PLR2004 - a slope needs two
-        return np.zeros(values.shape[1])
-    centred = time - time.mean()
+def _acceleration(velocities: _Velocities, time: float) -> Floats:
+    """Return the receiver's acceleration around a time, (3,) m/s² NED: the slope of a straight line."""
+    near = np.abs(velocities.time - time) <= 2 * AROUND
+    at, values = velocities.time[near], velocities.value[near]
+    if at.size < 2:  # noqa: PLR2004 - a slope needs two points
+        return np.zeros(3)
+    centred = at - at.mean()
     return centred @ values / (centred @ centred)
 
 
-def _level(force: Floats, wanted: Floats, heading: float) -> tuple[float, float]:
-    """Return the roll and pitch that, with a heading, turn a body's specific force into what it is in NED."""
+def _means(measurement: Measurement, time: float) -> tuple[Floats, Floats]:
+    """Return mean specific force, (3,) m/s², and mean angular rate, (3,) rad/s, around a time."""
+    samples = measurement.samples
+    rows = slice(*np.searchsorted(measurement.time, time + np.array([-AROUND, AROUND])))
+    length = samples.interval[rows].sum()
+    return samples.velocity[rows].sum(axis=0) / length, samples.angle[rows].sum(axis=0) / length
+
+
+def _level(force: Floats, wanted: Floats, heading: float) -> Floats:
+    """Return the attitude, (3,) rad, that turns a body's specific force into the one in NED, at a given heading."""
     cosine, sine = np.cos(heading), np.sin(heading)
     x, y, z = cosine * wanted[0] + sine * wanted[1], cosine * wanted[1] - sine * wanted[0], wanted[2]
-    # Pitch does not change what is across: f_y cos(roll) - f_z sin(roll) = y.
+    # Pitch does not change the force across the vehicle: f_y cos(roll) - f_z sin(roll) = y.
     across = np.hypot(force[1], force[2])
     roll = -np.arccos(np.clip(y / across, -1, 1)) - np.arctan2(force[2], force[1])
     roll = np.arctan2(np.sin(roll), np.cos(roll))
     down = force[1] * np.sin(roll) + force[2] * np.cos(roll)
     pitch = np.angle((z + 1j * x) * (down - 1j * force[0]))
-    return float(roll), float(pitch)
+    return np.array([float(roll), float(pitch), heading])
+
+
+def _attitude_sigmas(velocity: float, speed: float, down: float, settings: Settings) -> tuple[float, float, float]:
+    """Return the sigmas of the attitude errors, rad: those of the settings, and what the velocity's sigma adds to them."""
+    tilt = float(np.hypot(np.radians(settings.tilt), velocity / AROUND / down))
+    return tilt, tilt, float(np.hypot(np.radians(settings.heading), min(velocity / speed, np.pi)))
+
+
+def _last_standstill(measurement: Measurement, stills: Floats, until: float) -> tuple[int, int] | None:
+    """Return the samples of the last standstill that begins before a time and is long enough."""
+    long = [(begin, end) for begin, end in stills if begin < until and end - begin >= SECONDS_STILL]
+    if not long:
+        return None
+    begin, end = np.searchsorted(measurement.time, long[-1], side="right")
+    return int(begin), int(end)
+
+
+def _note(time: float, speed: float, euler: Floats, still: float | None) -> Note:
+    roll, pitch, heading = np.degrees(euler)
+    bias = (
+        "there is no standstill before: the gyro biases are unknown"
+        if still is None
+        else f"the gyro biases come from a standstill of {still:.0f} s before"
+    )
+    return Note(
+        "alignment" if still is None else "alignment-after-standstill",
+        f"the filter starts at {time:.1f} s, at {speed:.1f} m/s, with roll {roll:.1f}, pitch {pitch:.1f}, "
+        f"heading {heading % 360:.1f} deg; {bias}",
+    )

@@ -1,17 +1,18 @@
-"""The error covariance carried on in time, by operations on rows: no transition matrix is ever formed.
+"""Propagation of the error covariance, by operations on rows: the transition matrix is never formed.
 
 Error states, in this order: position (3) m NED, velocity (3) m/s NED, attitude phi (3) rad NED, then the states of each sensor
-axis, ``gyro_x`` ... ``accel_z``. A navigation error is the estimate less the truth, and C_true = (I + [phi x]) C_estimate; an
-axis's states are truth less estimate: feedback subtracts the former and adds the latter. With b the axes' errors in NED:
+axis, ``gyro_x`` ... ``accel_z``. A navigation error is estimate less truth, and C_true = (I + [phi x]) C_estimate. An error of
+an axis's state is truth less estimate. Feedback subtracts the navigation errors and adds the others. With b the axes' errors
+in NED:
 
     d/dt position = velocity
     d/dt velocity = f x phi + b_accel - (2 omega_ie + omega_en) x velocity + (0, 0, 2 g/R position_down)
     d/dt phi      = -omega_in x phi + omega_en(velocity) - b_gyro
 
-Source: Groves, 14.2, without the terms that an outage of minutes does not show (earth rate and gravity by latitude).
+Source: Groves, 14.2, without the terms that have no effect in an outage of minutes (Earth rate and gravity by latitude).
 
-A covariance is a flat array of rows of ``STRIDE`` numbers, and loops count unsigned: with offsets known when it is compiled,
-the compiler works on four columns at once.
+A covariance is a flat array of rows of ``STRIDE`` numbers, and the loops count in unsigned integers: the compiler then knows
+all offsets, and works on four columns at once.
 """
 
 from __future__ import annotations
@@ -36,13 +37,13 @@ if TYPE_CHECKING:
     Whole = int | np.int64
 
 NAVIGATION = 9  #: error states of position, velocity and attitude
-_LANES = 4  #: columns are worked on in multiples of it
+_LANES = 4  #: columns that the compiler works on at once
 _U = np.uint64
 _N0, _N1, _N2, _N3, _N4, _N5, _N6, _N7, _N8 = (_U(row * STRIDE) for row in range(9))
 
 
 def flat(covariance: Floats) -> Floats:
-    """Return an (n, n) covariance as the kernels take it."""
+    """Return an (n, n) covariance as flat rows, which the kernels take."""
     n = covariance.shape[0]
     rows = np.zeros((MOST_STATES, STRIDE))
     rows[:n, :n] = covariance
@@ -50,116 +51,102 @@ def flat(covariance: Floats) -> Floats:
 
 
 def square(rows: Floats, n: int) -> Floats:
-    """Return the (..., n, n) covariance that flat rows hold."""
+    """Return the (..., n, n) covariance of flat rows."""
     return rows.reshape(*rows.shape[:-1], MOST_STATES, STRIDE)[..., :n, :n]
+
+
+@compiled(arrays=False)
+def _coefficients(state: Floats) -> tuple[float, ...]:  # pragma: no cover - compiled
+    """Return the coefficients of the error equations over a span: length, C_b_n, specific force, rates, gravity gradient."""
+    span = state[SPAN]
+    over = 1.0 / span
+    c00, c01, c02 = state[TURNED] * over, state[TURNED + 1] * over, state[TURNED + 2] * over
+    c10, c11, c12 = state[TURNED + 3] * over, state[TURNED + 4] * over, state[TURNED + 5] * over
+    c20, c21, c22 = state[TURNED + 6] * over, state[TURNED + 7] * over, state[TURNED + 8] * over
+    fn, fe, fd = state[PUSHED] * over, state[PUSHED + 1] * over, state[PUSHED + 2] * over
+    wn, we, wd = state[CORIOLIS], state[CORIOLIS + 1], state[CORIOLIS + 2]
+    tn, te, td = wn - state[EARTH], we, wd - state[EARTH + 1]
+    curved, gradient = 1.0 / EQUATORIAL_RADIUS, 2.0 * state[GRAVITY] / EQUATORIAL_RADIUS
+    return span, c00, c01, c02, c10, c11, c12, c20, c21, c22, fn, fe, fd, wn, we, wd, tn, te, td, curved, gradient
+
+
+@compiled(arrays=False)
+def _propagated(
+    coefficients: tuple[float, ...], rn: float, re: float, rd: float, vn: float, ve: float, vd: float,
+    pn: float, pe: float, pd: float, gx: float, gy: float, gz: float, ax: float, ay: float, az: float,
+) -> tuple[float, ...]:  # fmt: skip  # pragma: no cover - compiled
+    """Return position, velocity and attitude errors at the end of a span, with the axes' mean errors: second order in it."""
+    span, c00, c01, c02, c10, c11, c12, c20, c21, c22, fn, fe, fd, wn, we, wd, tn, te, td, curved, gradient = (
+        coefficients
+    )
+    half = 0.5 * span
+    dn = td * pe - te * pd + ve * curved - (c00 * gx + c01 * gy + c02 * gz)
+    de = tn * pd - td * pn - vn * curved - (c10 * gx + c11 * gy + c12 * gz)
+    dd = te * pn - tn * pe - (c20 * gx + c21 * gy + c22 * gz)
+    # Velocity depends on phi at the middle of the span, position on the mean of both velocities.
+    mn, me, md = pn + half * dn, pe + half * de, pd + half * dd
+    un = vn + span * (fe * md - fd * me + c00 * ax + c01 * ay + c02 * az - (we * vd - wd * ve))
+    ue = ve + span * (fd * mn - fn * md + c10 * ax + c11 * ay + c12 * az - (wd * vn - wn * vd))
+    ud = vd + span * (fn * me - fe * mn + c20 * ax + c21 * ay + c22 * az - (wn * ve - we * vn) + gradient * rd)
+    rn, re, rd = rn + half * (vn + un), re + half * (ve + ue), rd + half * (vd + ud)
+    return rn, re, rd, un, ue, ud, pn + span * dn, pe + span * de, pd + span * dd
 
 
 @compiled(arrays=False)
 def _navigation_rows(
     source: Floats, product: Floats, columns: int, state: Floats, first: Integers, weights: Floats
 ) -> None:  # pragma: no cover - compiled
-    """Write the first nine rows of the transition matrix times ``source`` into ``product``, column by column."""
-    span = state[SPAN]
-    half, over = 0.5 * span, 1.0 / span
-    c00, c01, c02 = state[TURNED] * over, state[TURNED + 1] * over, state[TURNED + 2] * over
-    c10, c11, c12 = state[TURNED + 3] * over, state[TURNED + 4] * over, state[TURNED + 5] * over
-    c20, c21, c22 = state[TURNED + 6] * over, state[TURNED + 7] * over, state[TURNED + 8] * over
-    fn, fe, fd = state[PUSHED] * over, state[PUSHED + 1] * over, state[PUSHED + 2] * over
-    wn, we, wd = state[CORIOLIS], state[CORIOLIS + 1], state[CORIOLIS + 2]
-    # omega_in is 2 omega_ie + omega_en less one omega_ie
-    tn, te, td = wn - state[EARTH], we, wd - state[EARTH + 1]
-    curved, gradient = 1.0 / EQUATORIAL_RADIUS, 2.0 * state[GRAVITY] / EQUATORIAL_RADIUS
+    """Write the first nine rows of the transition matrix times ``source`` into ``product``."""
+    coefficients = _coefficients(state)
     n = _U(columns)
     for axis in range(6):
-        row = _U(axis * STRIDE)
+        row, start, end = _U(axis * STRIDE), first[axis], first[axis + 1]
+        weight, other = (weights[start - NAVIGATION], _U(start * STRIDE)) if start < end else (0.0, _U(0))
         for j in range(n):
-            product[row + j] = 0.0
-        for s in range(first[axis], first[axis + 1]):
+            product[row + j] = weight * source[other + j]
+        for s in range(start + 1, end):
             weight, other = weights[s - NAVIGATION], _U(s * STRIDE)
-            if weight != 0.0:  # of a lattice's states one counts
+            if weight != 0.0:  # only one state of a lattice contributes
                 for j in range(n):
                     product[row + j] += weight * source[other + j]
     for j in range(n):
         gx, gy, gz = product[_N0 + j], product[_N1 + j], product[_N2 + j]
         ax, ay, az = product[_N3 + j], product[_N4 + j], product[_N5 + j]
-        rn, re, rd = source[_N0 + j], source[_N1 + j], source[_N2 + j]
-        vn, ve, vd = source[_N3 + j], source[_N4 + j], source[_N5 + j]
-        pn, pe, pd = source[_N6 + j], source[_N7 + j], source[_N8 + j]
-        dn = td * pe - te * pd + ve * curved - (c00 * gx + c01 * gy + c02 * gz)
-        de = tn * pd - td * pn - vn * curved - (c10 * gx + c11 * gy + c12 * gz)
-        dd = te * pn - tn * pe - (c20 * gx + c21 * gy + c22 * gz)
-        # phi at the middle of the span, the mean of both velocities: second order in the span
-        mn, me, md = pn + half * dn, pe + half * de, pd + half * dd
-        un = vn + span * (fe * md - fd * me + c00 * ax + c01 * ay + c02 * az - (we * vd - wd * ve))
-        ue = ve + span * (fd * mn - fn * md + c10 * ax + c11 * ay + c12 * az - (wd * vn - wn * vd))
-        ud = vd + span * (fn * me - fe * mn + c20 * ax + c21 * ay + c22 * az - (wn * ve - we * vn) + gradient * rd)
-        product[_N0 + j] = rn + half * (vn + un)
-        product[_N1 + j] = re + half * (ve + ue)
-        product[_N2 + j] = rd + half * (vd + ud)
-        product[_N3 + j] = un
-        product[_N4 + j] = ue
-        product[_N5 + j] = ud
-        product[_N6 + j] = pn + span * dn
-        product[_N7 + j] = pe + span * de
-        product[_N8 + j] = pd + span * dd
+        rn, re, rd, vn, ve, vd, pn, pe, pd = _propagated(
+            coefficients, source[_N0 + j], source[_N1 + j], source[_N2 + j], source[_N3 + j], source[_N4 + j],
+            source[_N5 + j], source[_N6 + j], source[_N7 + j], source[_N8 + j], gx, gy, gz, ax, ay, az,
+        )  # fmt: skip
+        product[_N0 + j], product[_N1 + j], product[_N2 + j] = rn, re, rd
+        product[_N3 + j], product[_N4 + j], product[_N5 + j] = vn, ve, vd
+        product[_N6 + j], product[_N7 + j], product[_N8 + j] = pn, pe, pd
 
 
 @compiled(arrays=False)
 def _axis_rows(
     source: Floats, product: Floats, begin: np.uint64, first: Integers, transition: Floats
 ) -> None:  # pragma: no cover - compiled
-    """Write the other rows of the transition matrix times ``source`` into ``product``, from column ``begin`` on."""
+    """Write the other rows of the transition matrix times ``source`` into ``product``, from column ``begin``."""
     low, high = begin, _U((first[6] + _LANES - 1) // _LANES * _LANES)
     for axis in range(6):
-        start = first[axis]
-        order = first[axis + 1] - start
-        one, two, three = _U(start * STRIDE), _U((start + 1) * STRIDE), _U((start + 2) * STRIDE)
-        if order == 1:
-            a = transition[axis, 0, 0]
+        start, end = first[axis], first[axis + 1]
+        for s in range(start, end):
+            row, other = _U(s * STRIDE), _U(start * STRIDE)
+            weight = transition[axis, s - start, 0]
             for j in range(low, high):
-                product[one + j] = a * source[one + j]
-        elif order == 2:  # noqa: PLR2004 - loops of up to three unrolled
-            a, b = transition[axis, 0, 0], transition[axis, 0, 1]
-            c, d = transition[axis, 1, 0], transition[axis, 1, 1]
-            for j in range(low, high):
-                x, y = source[one + j], source[two + j]
-                product[one + j] = a * x + b * y
-                product[two + j] = c * x + d * y
-        elif order == 3:  # noqa: PLR2004 - as said
-            a, b, c = transition[axis, 0, 0], transition[axis, 0, 1], transition[axis, 0, 2]
-            d, e, f = transition[axis, 1, 0], transition[axis, 1, 1], transition[axis, 1, 2]
-            g, h, k = transition[axis, 2, 0], transition[axis, 2, 1], transition[axis, 2, 2]
-            for j in range(low, high):
-                x, y, z = source[one + j], source[two + j], source[three + j]
-                product[one + j] = a * x + b * y + c * z
-                product[two + j] = d * x + e * y + f * z
-                product[three + j] = g * x + h * y + k * z
-        else:
-            for s in range(start, first[axis + 1]):
-                row = _U(s * STRIDE)
-                for j in range(low, high):
-                    product[row + j] = 0.0
-                for t in range(start, first[axis + 1]):
-                    weight, other = transition[axis, s - start, t - start], _U(t * STRIDE)
-                    if weight != 0.0:
-                        for j in range(low, high):
-                            product[row + j] += weight * source[other + j]
+                product[row + j] = weight * source[other + j]
+            for t in range(start + 1, end):
+                weight, other = transition[axis, s - start, t - start], _U(t * STRIDE)
+                if weight != 0.0:
+                    for j in range(low, high):
+                        product[row + j] += weight * source[other + j]
 
 
 @compiled(arrays=False)
 def _navigation_columns(
     product: Floats, covariance: Floats, state: Floats, first: Integers, weights: Floats
 ) -> None:  # pragma: no cover - compiled
-    """Write ``product`` times the transition matrix, transposed, into the covariance: navigation's with itself."""
-    span = state[SPAN]
-    half, over = 0.5 * span, 1.0 / span
-    c00, c01, c02 = state[TURNED] * over, state[TURNED + 1] * over, state[TURNED + 2] * over
-    c10, c11, c12 = state[TURNED + 3] * over, state[TURNED + 4] * over, state[TURNED + 5] * over
-    c20, c21, c22 = state[TURNED + 6] * over, state[TURNED + 7] * over, state[TURNED + 8] * over
-    fn, fe, fd = state[PUSHED] * over, state[PUSHED + 1] * over, state[PUSHED + 2] * over
-    wn, we, wd = state[CORIOLIS], state[CORIOLIS + 1], state[CORIOLIS + 2]
-    tn, te, td = wn - state[EARTH], we, wd - state[EARTH + 1]
-    curved, gradient = 1.0 / EQUATORIAL_RADIUS, 2.0 * state[GRAVITY] / EQUATORIAL_RADIUS
+    """Write ``product`` times the transposed transition matrix into the covariance: the navigation states' part."""
+    coefficients = _coefficients(state)
     for i in range(NAVIGATION):
         row = _U(i * STRIDE)
         gx, gy, gz, ax, ay, az = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -175,28 +162,24 @@ def _navigation_columns(
             ay += weights[s - NAVIGATION] * product[row + _U(s)]
         for s in range(first[5], first[6]):
             az += weights[s - NAVIGATION] * product[row + _U(s)]
-        rn, re, rd = product[row], product[row + _U(1)], product[row + _U(2)]
-        vn, ve, vd = product[row + _U(3)], product[row + _U(4)], product[row + _U(5)]
-        pn, pe, pd = product[row + _U(6)], product[row + _U(7)], product[row + _U(8)]
-        dn = td * pe - te * pd + ve * curved - (c00 * gx + c01 * gy + c02 * gz)
-        de = tn * pd - td * pn - vn * curved - (c10 * gx + c11 * gy + c12 * gz)
-        dd = te * pn - tn * pe - (c20 * gx + c21 * gy + c22 * gz)
-        mn, me, md = pn + half * dn, pe + half * de, pd + half * dd
-        un = vn + span * (fe * md - fd * me + c00 * ax + c01 * ay + c02 * az - (we * vd - wd * ve))
-        ue = ve + span * (fd * mn - fn * md + c10 * ax + c11 * ay + c12 * az - (wd * vn - wn * vd))
-        ud = vd + span * (fn * me - fe * mn + c20 * ax + c21 * ay + c22 * az - (wn * ve - we * vn) + gradient * rd)
-        covariance[row], covariance[row + _U(1)] = rn + half * (vn + un), re + half * (ve + ue)
-        covariance[row + _U(2)], covariance[row + _U(3)] = rd + half * (vd + ud), un
-        covariance[row + _U(4)], covariance[row + _U(5)] = ue, ud
-        covariance[row + _U(6)], covariance[row + _U(7)] = pn + span * dn, pe + span * de
-        covariance[row + _U(8)] = pd + span * dd
+        rn, re, rd, vn, ve, vd, pn, pe, pd = _propagated(
+            coefficients, product[row], product[row + _U(1)], product[row + _U(2)], product[row + _U(3)],
+            product[row + _U(4)], product[row + _U(5)], product[row + _U(6)], product[row + _U(7)], product[row + _U(8)],
+            gx, gy, gz, ax, ay, az,
+        )  # fmt: skip
+        covariance[row], covariance[row + _U(1)], covariance[row + _U(2)] = rn, re, rd
+        covariance[row + _U(3)], covariance[row + _U(4)], covariance[row + _U(5)] = vn, ve, vd
+        covariance[row + _U(6)], covariance[row + _U(7)], covariance[row + _U(8)] = pn, pe, pd
 
 
 @compiled(arrays=False)
 def _axis_columns(
     product: Floats, covariance: Floats, first: Integers, transition: Floats
 ) -> None:  # pragma: no cover - compiled
-    """Write the axes' columns likewise, with navigation and with the axes up to this one; loops of 1, 2 and 3 unrolled."""
+    """Write the same product into the axes' columns, and into their rows, which are equal.
+
+    Loops over 1, 2 and 3 states are unrolled: tests/benchmarks/README.md states the gain.
+    """
     for axis in range(6):
         start, end = first[axis], first[axis + 1]
         order, step = end - start, transition[axis]
@@ -206,7 +189,7 @@ def _axis_columns(
                 total = a * product[_U(i * STRIDE + start)]
                 covariance[_U(i * STRIDE + start)] = total
                 covariance[_U(start * STRIDE + i)] = total
-        elif order == 2:  # noqa: PLR2004 - as said
+        elif order == 2:  # noqa: PLR2004 - unrolled
             a, b, c, d = step[0, 0], step[0, 1], step[1, 0], step[1, 1]
             for i in range(end):
                 at = _U(i * STRIDE + start)
@@ -215,7 +198,7 @@ def _axis_columns(
                 covariance[at], covariance[at + _U(1)] = one, two
                 at = _U(start * STRIDE + i)
                 covariance[at], covariance[at + _U(STRIDE)] = one, two
-        elif order == 3:  # noqa: PLR2004 - as said
+        elif order == 3:  # noqa: PLR2004 - unrolled
             a, b, c = step[0, 0], step[0, 1], step[0, 2]
             d, e, f = step[1, 0], step[1, 1], step[1, 2]
             g, h, k = step[2, 0], step[2, 1], step[2, 2]
@@ -241,6 +224,7 @@ def _add_noise(
     covariance: Floats, state: Floats, samples: Whole, first: Integers, noise: Floats, white: Floats, inside: Floats,
     cross: Floats,
 ) -> None:  # fmt: skip  # pragma: no cover - compiled
+    """Add the noise of a span to a covariance."""
     span = state[SPAN]
     each = span / samples
     for axis in range(6):
@@ -248,7 +232,7 @@ def _add_noise(
         for s in range(start, first[axis + 1]):
             for t in range(start, first[axis + 1]):
                 covariance[s * STRIDE + t] += noise[axis, s - start, t - start]
-            # An error that begins within the span turns or pushes within it already.
+            # A state's noise has an effect on attitude or velocity within the span already.
             moved = cross[s - NAVIGATION] * each / span
             if moved != 0.0:
                 row, sign = (6, -moved) if axis < 3 else (3, moved)  # noqa: PLR2004 - gyros first
@@ -256,7 +240,7 @@ def _add_noise(
                     value = sign * state[TURNED + 3 * i + axis % 3]
                     covariance[(row + i) * STRIDE + s] += value
                     covariance[s * STRIDE + row + i] += value
-    # White noise of both triads, turned into NED; the accelerometers' also moves, as it is integrated twice.
+    # White noise of both triads in NED; that of the accelerometers, integrated twice, also affects position.
     over = 1.0 / span
     sudden = each * each * over * over
     gx, gy, gz = (
@@ -283,16 +267,16 @@ def _add_noise(
 
 
 @compiled(arrays=False)
-def carry(
+def propagate(
     covariance: Floats, state: Floats, samples: Whole, regime: Whole, axes: AxisTables, space: Workspace
 ) -> None:  # pragma: no cover - compiled
-    """Carry a covariance on over the span that a state has gathered, and begin a new span.
+    """Propagate a covariance over the span that a state has summed up, and begin a new span.
 
     Args:
         covariance: flat rows, changed.
-        state: (SIZE,) of the mechanization; what it gathered is cleared.
-        samples: how many samples the span is made of.
-        regime: which of the tables holds.
+        state: (SIZE,) of the mechanization; its sums are cleared.
+        samples: number of samples in the span.
+        regime: of the tables.
         axes: the axes' shaping filters.
         space: scratch.
     """

@@ -1,4 +1,4 @@
-"""The filter over a whole log: from its measurement, corrections and start to a solution with checkpoints."""
+"""The filter over a whole log: from measurement, corrections and alignment to a solution with checkpoints."""
 
 from __future__ import annotations
 
@@ -18,185 +18,192 @@ from imuwb.navigation.tables import FIX, Marks, Prior, Rules, Track
 from imuwb.navigation.workspace import workspace
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from imuwb.log import Floats
     from imuwb.navigation.alignment import Alignment
-    from imuwb.navigation.events import Corrections
+    from imuwb.navigation.corrections import Corrections
     from imuwb.navigation.filter_model import FilterModel
     from imuwb.navigation.measurement import Measurement
     from imuwb.navigation.tables import AxisTables
 
 ENDED = {
-    kernel.NOT_FINITE: "a state or a variance is no number any more",
-    kernel.NOT_POSITIVE: "a variance became negative",
+    kernel.NOT_FINITE: "a state or a variance is not a finite number",
+    kernel.NOT_POSITIVE: "a variance is negative",
 }
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Solution:
-    """What a filter says behind each of its events, from its start on."""
+    """A filter's run over a log: its state after each event, from the alignment on. There are m fixes and n error states."""
 
     model: FilterModel
-    moves: Measurement
-    found: Corrections
-    start: Alignment
+    measurement: Measurement
+    corrections: Corrections
+    alignment: Alignment
     tables: AxisTables
     rules: Rules
-    track: Track  #: by event; of events before the start: nothing
-    events: np.ndarray[tuple[int], np.dtype[np.int64]]  #: (m,) the fixes among them, from the start on
+    track: Track  #: by event; nothing for the events before the alignment
+    events: NDArray[np.int64]  #: (m,) the events that are fixes, from the alignment on
+
+    def __str__(self) -> str:
+        """Return the filter, the time, the fixes and the innovations in a line."""
+        nis = self.fix_nis
+        mean = f"{np.nanmean(nis) / 3:.2f}" if np.isfinite(nis).any() else "unknown"
+        return (
+            f"Solution of {self.model.name}: {self.events.size} fixes, {self.time[0]:.1f} s to {self.time[-1]:.1f} s, "
+            f"NIS/3 {mean}, {self.refused} positions and velocities refused"
+        )
+
+    __repr__ = __str__
 
     @property
     def time(self) -> Floats:
-        """Return the times of the fixes, (m,) s from the log's start: of the sample at which each counts."""
-        return self.moves.time[self.found.events.at[self.events]]
+        """Return the times of the fixes, (m,) s from the log's start: of the samples at which they count."""
+        return self.measurement.time[self.corrections.events.at[self.events]]
 
     @property
     def position(self) -> Floats:
-        """Return (m, 3) latitude rad, longitude rad, height m, of the IMU."""
+        """Return the positions of the IMU, (m, 3) latitude rad, longitude rad, height m."""
         return self.track.state[self.events, :3]
 
     @property
     def velocity(self) -> Floats:
-        """Return (m, 3) m/s, NED."""
+        """Return the velocities of the IMU, (m, 3) m/s, NED."""
         return self.track.state[self.events, VELOCITY : VELOCITY + 3]
 
     @property
     def quaternion(self) -> Floats:
-        """Return (m, 4) w, x, y, z, of the body to NED."""
+        """Return the attitudes, (m, 4) w, x, y, z, of the body against NED."""
         return self.track.state[self.events, QUATERNION : QUATERNION + 4]
 
     @property
     def euler(self) -> Floats:
-        """Return (m, 3) roll, pitch, heading, rad."""
+        """Return the attitudes, (m, 3) roll, pitch, heading, rad."""
         return euler_of_quaternion(self.quaternion)
 
     @property
     def sigma(self) -> Floats:
-        """Return (m, n) of all error states."""
+        """Return the sigmas of all error states, (m, n)."""
         return np.sqrt(np.diagonal(self.track.covariance[self.events], axis1=1, axis2=2))
 
     @property
     def fix_nis(self) -> Floats:
-        """Return the normalised innovations squared of positions and of velocities, (k, 2), of all fixes behind the start; nan: none."""
-        behind = np.arange(self.found.time.size) > self.start.event
-        return self.track.nis[behind & (self.found.events.kind == FIX)]
+        """Return the normalised innovations squared (NIS) of positions and velocities of the fixes after the alignment.
+
+        Returns:
+            (k, 2); nan where a fix has no position or no velocity.
+        """
+        after = np.arange(self.corrections.time.size) > self.alignment.event
+        return self.track.nis[after & (self.corrections.events.kind == FIX)]
 
     @property
     def refused(self) -> int:
-        """Return how many positions and velocities of fixes the gate kept out."""
-        fixes = self.found.events.kind == FIX
+        """Return how many positions and velocities of fixes the gate refused."""
+        fixes = self.corrections.events.kind == FIX
         return int((np.isfinite(self.track.nis[fixes]) & ~self.track.used[fixes]).sum())
 
     def log_likelihood_of(self, first: int, last: int) -> float:
-        """Return the log-likelihood of the innovations of the fixes between two rows of the receiver's, those refused at the gate."""
-        row = np.where(self.found.fix < 0, -1 - self.found.fix, self.found.fix)
-        counted = (self.found.events.kind == FIX) & (row >= first) & (row <= last)
+        """Return the log-likelihood of the innovations of some fixes; the NIS of a refused one counts as the gate.
+
+        Args:
+            first: row of the receiver's stream.
+            last: row of the receiver's stream, included.
+        """
+        row = np.where(self.corrections.fix < 0, -1 - self.corrections.fix, self.corrections.fix)
+        counted = (self.corrections.events.kind == FIX) & (row >= first) & (row <= last)
         spread = self.track.deviation[counted]
         nis = np.minimum(self.track.nis[counted], self.rules.gate)
         return float(-np.nansum(nis) / 2 - np.log(spread[np.isfinite(spread)]).sum())
 
 
 def axis_errors(solution: Solution) -> tuple[Floats, Floats]:
-    """Return what a filter takes its axes' errors for at each fix, and the sigmas; scale factors left out.
+    """Return the filter's estimates of the axes' errors at each fix, without scale factors, and their sigmas.
 
     Returns:
-        twice (m, 6) rad/s and m/s², ``gyro_x`` ... ``accel_z``.
+        (m, 6) and (m, 6), rad/s and m/s², ``gyro_x`` ... ``accel_z``.
     """
     tables, events = solution.tables, solution.events
-    regime = solution.moves.samples.regime[solution.found.events.at[events]]
+    regime = solution.measurement.samples.regime[solution.corrections.events.at[events]]
     weight = np.where(tables.scale, 0.0, tables.step[regime])
     states, covariance = solution.track.axes[events], solution.track.covariance[events]
-    found, variance = np.zeros((events.size, 6)), np.zeros((events.size, 6))
+    errors, variance = np.zeros((2, events.size, 6))
     for axis in range(6):
-        place = slice(int(tables.first[axis]) - NAVIGATION, int(tables.first[axis + 1]) - NAVIGATION)
+        rows = slice(int(tables.first[axis]), int(tables.first[axis + 1]))
+        place = slice(rows.start - NAVIGATION, rows.stop - NAVIGATION)
         own = weight[:, place]
-        found[:, axis] = (own * states[:, place]).sum(axis=1)
-        behind = slice(place.start + NAVIGATION, place.stop + NAVIGATION)
-        variance[:, axis] = np.einsum("ei,eij,ej->e", own, covariance[:, behind, behind], own)
-    return found, np.sqrt(np.maximum(variance, 0.0))
-
-
-def rules_of(model: FilterModel) -> Rules:
-    """Return what holds for a whole run of a model."""
-    settings = model.settings
-    return Rules(settings.every, settings.gate, settings.patience, np.array(model.installation.lever_arm))
+        errors[:, axis] = (own * states[:, place]).sum(axis=1)
+        variance[:, axis] = np.einsum("ei,eij,ej->e", own, covariance[:, rows, rows], own)
+    return errors, np.sqrt(np.maximum(variance, 0.0))
 
 
 def solve(
-    model: FilterModel,
-    moves: Measurement,
-    found: Corrections,
-    start: Alignment,
-    without: tuple[float, float] | None = None,
-    *,
-    smooth: bool = False,
-) -> Solution:
+    model: FilterModel, measurement: Measurement, corrections: Corrections, alignment: Alignment,
+    without: tuple[float, float] | None = None, *, smooth: bool = False,
+) -> Solution:  # fmt: skip
     """Run a filter over a log.
 
     Args:
         model: the filter.
-        moves: the IMU.
-        found: what corrects it.
-        start: where it begins.
-        without: s from the log's start; fixes after the one and before the other are not used.
+        measurement: the IMU.
+        corrections: what corrects the filter.
+        alignment: where the filter starts.
+        without: s from the log's start; fixes between these two times are not used.
         smooth: whether to keep what ``smoothed`` needs.
 
     Raises:
-        MissingDataError: what the filter carries is no number any more; the message says when.
+        MissingDataError: a state or a variance becomes invalid; the message states when.
         ValueError: a process that no filter can carry.
     """
-    tables, _ = model.tables(moves.interval, moves.celsius)
-    if moves.loose is not None:
-        tables.white[-1] += moves.loose
+    tables, _ = model.tables(measurement.interval, measurement.celsius)
+    if measurement.gap_noise is not None:
+        tables.white[-1] += measurement.gap_noise
     n = int(tables.first[6])
-    state = navigation_state(start.position, start.velocity, start.euler)
-    covariance = np.zeros((n, n))
-    covariance[:NAVIGATION, :NAVIGATION] = start.covariance
-    axes, covariance[NAVIGATION:, NAVIGATION:] = _axes_at_start(model, moves, tables, start)
-    rows = flat(covariance)
-    count = found.events.at.size
-    track = empty_track(count, n, smooth=smooth)
-    track.state[start.event], track.axes[start.event], track.covariance[start.event] = state, axes, covariance
-    skip = (-1, -1)
-    if without is not None:
-        skip = int(np.searchsorted(moves.time, without[0])), int(np.searchsorted(moves.time, without[1]))
+    state = navigation_state(alignment.position, alignment.velocity, alignment.euler)
+    axes, covariance = _axes_at_start(model, measurement, tables, alignment)
+    track = empty_track(corrections.events.at.size, n, smooth=smooth)
+    first = alignment.event
+    track.state[first], track.axes[first], track.covariance[first] = state, axes, covariance
+    skip = (-1, -1) if without is None else tuple(int(np.searchsorted(measurement.time, t)) for t in without)
     rules, space = rules_of(model), workspace(n, transition=smooth)
     if smooth:
         space.transition[:] = flat(np.eye(n))
     ended, event = kernel.run(
-        state,
-        axes,
-        rows,
-        moves.samples,
-        found.events,
-        rules,
-        tables,
-        space,
-        start.sample,
-        start.event + 1,
-        *skip,
-        no_marks(),
-        track,
-    )
+        state, axes, flat(covariance), measurement.samples, corrections.events, rules, tables, space, alignment.sample,
+        first + 1, skip[0], skip[1], no_marks(), track,
+    )  # fmt: skip
     if ended != kernel.FINE:
         message = (
-            f"{model.name}: at {found.time[event]:.1f} s {ENDED[ended]}; the model or its sigmas do not fit this log "
-            "(imuwb model check tells what is odd in an error model)"
+            f"{model.name}: at {corrections.time[event]:.1f} s {ENDED[ended]}: the model or its sigmas do not fit this log; "
+            "imuwb model check shows what is unusual in an error model"
         )
         raise MissingDataError(message)
-    events = np.flatnonzero((found.fix >= 0) & (np.arange(count) >= start.event))
+    events = np.flatnonzero((corrections.fix >= 0) & (np.arange(corrections.fix.size) >= first))
     if without is not None:
-        at = found.events.at[events]
+        at = corrections.events.at[events]
         events = events[(at <= skip[0]) | (at >= skip[1])]
-    return Solution(model, moves, found, start, tables, rules, track, events)
+    return Solution(model, measurement, corrections, alignment, tables, rules, track, events)
+
+
+def rules_of(model: FilterModel) -> Rules:
+    """Return the rules of a whole run of a model."""
+    settings = model.settings
+    return Rules(settings.every, settings.gate, settings.patience, np.array(model.installation.lever_arm))
 
 
 def no_marks() -> Marks:
-    """Return no marks: a run goes on behind its last event."""
+    """Return no marks: a run then ends with its last event."""
     return Marks(np.zeros(0, np.int64), True, np.zeros((0, 10)), np.zeros((0, NAVIGATION, NAVIGATION)))
 
 
 def empty_track(count: int, n: int, *, smooth: bool = False) -> Track:
-    """Return room for a run of so many events and error states; and for what a smoother needs."""
+    """Return room for a run.
+
+    Args:
+        count: events.
+        n: error states.
+        smooth: whether to make room for what a smoother needs.
+    """
     before = count if smooth else 0
     return Track(
         state=np.zeros((count, SIZE)), axes=np.zeros((count, n - NAVIGATION)), covariance=np.zeros((count, n, n)),
@@ -209,25 +216,30 @@ def empty_track(count: int, n: int, *, smooth: bool = False) -> Track:
 
 
 def _axes_at_start(
-    model: FilterModel, moves: Measurement, tables: AxisTables, start: Alignment
+    model: FilterModel, measurement: Measurement, tables: AxisTables, alignment: Alignment
 ) -> tuple[Floats, Floats]:
-    """Return the axes' states at the start, and their covariance: a gyro's mean while it stood is a measurement of its error."""
-    first = tables.first - NAVIGATION
-    states, covariance = np.zeros(first[6]), np.zeros((first[6], first[6]))
-    begin, end = start.standing or (start.sample, start.sample)
-    celsius = moves.celsius[int(moves.samples.regime[start.sample])]
-    for axis, one in enumerate(model.shapings(moves.interval, celsius)):
-        place = slice(int(first[axis]), int(first[axis]) + one.order)
-        if axis >= 3:  # noqa: PLR2004 - accelerometers: their mean is gravity's, by a tilt that is not known
-            covariance[place, place] = axis_start(one, start.sample, 0, 0).covariance
+    """Return the axes' states at the alignment, (K,), and the covariance of all error states, (n, n).
+
+    A gyro's mean over a standstill is a measurement of its error.
+    """
+    first = tables.first
+    states, covariance = np.zeros(first[6] - NAVIGATION), np.zeros((first[6], first[6]))
+    covariance[:NAVIGATION, :NAVIGATION] = alignment.covariance
+    begin, end = alignment.standstill or (alignment.sample, alignment.sample)
+    celsius = measurement.celsius[int(measurement.samples.regime[alignment.sample])]
+    for axis, shaping in enumerate(model.shapings(measurement.interval, celsius)):
+        place = slice(int(first[axis]), int(first[axis]) + shaping.order)
+        if axis >= 3:  # noqa: PLR2004 - an accelerometer's mean is that of gravity, with an unknown tilt
+            covariance[place, place] = axis_start(shaping, alignment.sample, 0, 0).covariance
         else:
-            known = axis_start(one, begin, end - begin, start.sample - end)
-            covariance[place, place] = known.covariance
+            prior = axis_start(shaping, begin, end - begin, alignment.sample - end)
+            covariance[place, place] = prior.covariance
             if end > begin:
-                noise = one.white / ((end - begin) * moves.interval) + EARTH_RATE**2 / 3
-                gain = known.cross / (known.variance + noise)
-                states[place] = gain * start.gyro_bias[axis]
-                covariance[place, place] -= np.outer(gain, known.cross)
-        if tables.scale[place.stop : int(first[axis + 1])].any():
+                # One axis measures a third of the Earth's rate squared, on average over all attitudes.
+                noise = shaping.white / ((end - begin) * measurement.interval) + EARTH_RATE**2 / 3
+                gain = prior.cross / (prior.variance + noise)
+                states[place.start - NAVIGATION : place.stop - NAVIGATION] = gain * alignment.gyro_bias[axis]
+                covariance[place, place] -= np.outer(gain, prior.cross)
+        if place.stop < first[axis + 1]:
             covariance[place.stop, place.stop] = model.scale_factor[axis // 3] ** 2
     return states, covariance

@@ -1,8 +1,7 @@
-"""What a replay runs: an error model, the states that stand for it, and how the filter is set."""
+"""The model of a filter: an error model, the states that stand for it, and the filter's settings."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -27,47 +26,40 @@ NAVIGATION_STATES = (
 
 @dataclass(frozen=True, slots=True)
 class Aids:
-    """What corrects the filter besides fixes, also in an outage; a sigma of 0 switches an aid off."""
+    """What corrects the filter besides fixes, also in an outage: sigmas; 0 switches an aid off."""
 
-    straight: float = (
-        0.0  #: m/s, of the velocity across and down in the vehicle (non-holonomic constraint), each second
-    )
-    still: float = 0.0  #: m/s, of a velocity of zero where the IMU stands still (zero-velocity update)
-    speed: float = 0.0  #: m/s, of the log's own forward speed
+    straight: float = 0.0  #: m/s, of the vehicle's velocity across and down (non-holonomic constraint), each second
+    still: float = 0.0  #: m/s, of a velocity of zero in a standstill (zero-velocity update), each second
+    speed: float = 0.0  #: m/s, of the log's own forward speed (odometer)
 
 
 @dataclass(frozen=True, slots=True)
 class Installation:
-    """How the IMU and the antenna sit in the vehicle, and how their clocks differ."""
+    """How the IMU and the antenna are mounted in the vehicle, and how their clocks differ."""
 
-    mounting: tuple[float, float, float] = (
-        0.0,
-        0.0,
-        0.0,
-    )  #: deg; roll, pitch, heading that turn vectors from vehicle to IMU
-    lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)  #: m FRD in the vehicle, from the IMU to the antenna
-    gnss_delay: float = 0.0  #: s; a fix shows where the IMU was at its own stamp less this
-    velocity_delay: float = (
-        0.0  #: s; a fix's velocity is of a time so much earlier than its position (a mean over its interval)
-    )
-    clock_rate: float = 1.0  #: of the IMU's seconds, how many true ones each lasts
-    skew: float = 0.0  #: s, by which the accelerometer's stamps are later than the gyro's for the same instant
+    #: deg; roll, pitch and heading that turn vectors from the vehicle's axes to the IMU's
+    mounting: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)  #: m, FRD in the vehicle, from the IMU to the antenna
+    gnss_delay: float = 0.0  #: s; a fix shows the position at its stamp less this delay
+    velocity_delay: float = 0.0  #: s; a fix's velocity is that much older than its position
+    clock_rate: float = 1.0  #: true seconds in a second of the IMU's clock
+    skew: float = 0.0  #: s; the accelerometer's stamps are that much later than the gyro's of the same instant
 
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """Numbers of the filter itself."""
+    """The settings of the filter itself."""
 
-    every: int = 10  #: samples between two covariances
-    gate: float = 40.0  #: normalised innovation squared, of three, above which a fix is refused
-    patience: int = 5  #: fixes refused one behind the other before the filter believes them
-    position_sigma: tuple[float, float] = (2.5, 5.0)  #: m, horizontal and vertical, of fixes that claim none
-    velocity_sigma: tuple[float, float] = (0.15, 0.3)  #: m/s, likewise
-    sigma_scale: float = 1.0  #: by which the receiver's own sigmas are multiplied
-    tilt: float = 1.0  #: deg, sigma of roll and pitch at the start
-    heading: float = 3.0  #: deg, sigma of heading at the start, besides what the velocity's gives
-    start_speed: float = 3.0  #: m/s, above which velocity gives the heading
-    settling: float = 60.0  #: s of fixes in motion before an outage is scored
+    every: int = 10  #: samples between two propagations of the covariance
+    gate: float = 40.0  #: normalised innovation squared, of three components, above which a fix is refused
+    patience: int = 5  #: fixes refused in a row before the filter accepts the next one
+    position_sigma: tuple[float, float] = (2.5, 5.0)  #: m, horizontal and vertical, of fixes without sigmas
+    velocity_sigma: tuple[float, float] = (0.15, 0.3)  #: m/s, horizontal and vertical, of fixes without sigmas
+    sigma_scale: float = 1.0  #: factor of the receiver's own sigmas
+    tilt: float = 1.0  #: deg, sigma of roll and pitch at the alignment
+    heading: float = 3.0  #: deg, sigma of heading at the alignment; the velocity's sigma adds to it
+    start_speed: float = 3.0  #: m/s; above this speed the velocity gives the heading
+    settling: float = 60.0  #: s of fixes after the alignment and before the first outage of a sweep
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,104 +70,120 @@ class FilterModel:
     error_model: ImuErrorModel
     reading: Reading = "corrected"  #: of Quinchia's formulas
     scale_factor: tuple[float, float] = (0.0, 0.0)  #: sigmas, of gyros and accelerometers; 0: no state
-    wavelet_levels: tuple[
-        int, ...
-    ] = ()  #: of denoising before the mechanization, ``gyro_x`` ... ``accel_z``; empty: none
+    #: levels of denoising before the mechanization, ``gyro_x`` ... ``accel_z``; empty: no denoising
+    wavelet_levels: tuple[int, ...] = ()
     installation: Installation = field(default_factory=Installation)
     settings: Settings = field(default_factory=Settings)
     aids: Aids = field(default_factory=Aids)
 
+    def __str__(self) -> str:
+        """Return the name, the error model and what differs from the defaults, in a few lines."""
+        changed = [
+            f"{name} = {value}"
+            for part in (self.installation, self.settings, self.aids)
+            for name in type(part).__dataclass_fields__
+            if (value := getattr(part, name)) != getattr(type(part)(), name)
+        ]
+        if any(self.wavelet_levels):
+            changed.append(f"wavelet_levels = {self.wavelet_levels}")
+        if any(self.scale_factor):
+            changed.append(f"scale_factor = {self.scale_factor}")
+        first = f"FilterModel {self.name}: error model {self.error_model.name}, formulas {self.reading}"
+        return "\n  ".join([first, *changed])
+
+    __repr__ = __str__
+
     @property
     def causal(self) -> bool:
-        """Whether no sample knows of later ones: denoising as a whole does."""
+        """Whether no sample depends on later samples; denoising of the whole record does."""
         return not any(self.wavelet_levels)
 
     def shapings(self, dt: float, celsius: float | None = None) -> tuple[Shaping, ...]:
-        """Return the six axes' states at a sampling interval.
+        """Return the shaping filters of the six axes at a sampling interval.
+
+        Args:
+            dt: s.
+            celsius: °C; None: the model's plain parameters.
 
         Raises:
-            ValueError: a process that no filter can carry, or more states than it has room for.
+            ValueError: an axis that the error model lacks, or a process that no filter can carry.
         """
-        found: list[Shaping] = []
+        shapings: list[Shaping] = []
         for axis in AXES:
             model = self.error_model.axes.get(axis)
             if model is None:
-                message = f"{self.name}: the error model {self.error_model.name!r} says nothing of {axis}"
+                message = f"{self.name}: the error model {self.error_model.name!r} has no axis {axis}; add it"
                 raise ValueError(message)
             try:
-                found.append(shaping(model.at(celsius), dt, self.reading))
+                shapings.append(shaping(model.at(celsius), dt, self.reading))
             except ValueError as error:
                 message = f"{self.name}, {axis}: {error}"
                 raise ValueError(message) from error
-        return tuple(found)
+        return tuple(shapings)
 
     def states(self, dt: float) -> tuple[str, ...]:
-        """Return what each error state is (Quinchia, table 8)."""
+        """Return the name of each error state (Quinchia, table 8)."""
         units = ("rad/s",) * 3 + ("m/s²",) * 3
         axes = [
-            [*(f"{axis}: {state}, {unit}" for state in one.states), *((f"{axis}: scale factor",) if scale else ())]
-            for axis, unit, one, scale in zip(AXES, units, self.shapings(dt), self._scales(), strict=True)
+            [*(f"{axis}: {state}, {unit}" for state in own.states), *((f"{axis}: scale factor",) if scale else ())]
+            for axis, unit, own, scale in zip(AXES, units, self.shapings(dt), self._scales(), strict=True)
         ]
         return (*NAVIGATION_STATES, *(state for axis in axes for state in axis))
 
     def left_out(self, dt: float) -> tuple[str, ...]:
-        """Return the processes that no state stands for, by axis."""
-        return tuple(f"{a}: {p}" for a, one in zip(AXES, self.shapings(dt), strict=True) for p in one.left_out)
+        """Return the processes without a state, each with its axis."""
+        return tuple(f"{a}: {p}" for a, own in zip(AXES, self.shapings(dt), strict=True) for p in own.left_out)
 
     def _scales(self) -> tuple[float, ...]:
         return (self.scale_factor[0],) * 3 + (self.scale_factor[1],) * 3
 
     def tables(self, dt: float, celsius: tuple[float | None, ...] = (None,)) -> tuple[AxisTables, Floats]:
-        """Return what the kernels take, and the covariance of the axes' states at the start.
+        """Return the tables for the kernels, and the covariance of the axes' states at the log's start.
 
         Args:
             dt: s.
-            celsius: a temperature for each regime.
+            celsius: °C, a temperature for each regime.
 
         Raises:
-            ValueError: as ``shapings``; more states than there is room for.
+            ValueError: as ``shapings``; or too many states.
         """
         regimes = [self.shapings(dt, t) for t in celsius]
         scales = self._scales()
-        orders = [one.order + (scale > 0) for one, scale in zip(regimes[0], scales, strict=True)]
-        first = NAVIGATION + np.concatenate([[0], np.cumsum(orders)]).astype(np.int64)
-        if first[6] > MOST_STATES:
-            message = f"{self.name}: {first[6]} states; a filter has room for {MOST_STATES}"
-            raise ValueError(message)
-        spans, most = self.settings.every + 1, max(*orders, 1)
-        shape = len(celsius), spans, 6, most, most
-        tables = AxisTables(
-            first=first, step=np.zeros((len(celsius), sum(orders))), scale=np.zeros(sum(orders), dtype=bool),
-            output=np.zeros((len(celsius), spans, sum(orders))), transition=np.zeros(shape), noise=np.zeros(shape),
-            inside=np.zeros((len(celsius), spans, 6)), cross=np.zeros((len(celsius), spans, sum(orders))),
-            white=np.zeros((len(celsius), 6)),
-        )  # fmt: skip
+        orders = [own.order + (scale > 0) for own, scale in zip(regimes[0], scales, strict=True)]
+        tables = self._empty_tables(len(celsius), orders)
         start = np.zeros((sum(orders), sum(orders)))
         for r, axes in enumerate(regimes):
-            for i, (one, scale) in enumerate(zip(axes, scales, strict=True)):
-                low, high = int(first[i]) - NAVIGATION, int(first[i + 1]) - NAVIGATION
-                _fill(tables, r, i, one, slice(low, low + one.order))
+            for i, (own, scale) in enumerate(zip(axes, scales, strict=True)):
+                low, high = int(tables.first[i]) - NAVIGATION, int(tables.first[i + 1]) - NAVIGATION
+                _fill(tables, r, i, own, slice(low, low + own.order))
                 if scale:
                     tables.step[r, high - 1], tables.output[r, :, high - 1], tables.scale[high - 1] = 1.0, 1.0, True
-                    tables.transition[r, :, i, one.order, one.order] = 1.0
+                    tables.transition[r, :, i, own.order, own.order] = 1.0
                     start[high - 1, high - 1] = scale**2
                 if r == 0:
-                    start[low : low + one.order, low : low + one.order] = one.P0
+                    start[low : low + own.order, low : low + own.order] = own.P0
         return tables, start
 
+    def _empty_tables(self, regimes: int, orders: list[int]) -> AxisTables:
+        first = NAVIGATION + np.concatenate([[0], np.cumsum(orders)]).astype(np.int64)
+        if first[6] > MOST_STATES:
+            message = f"{self.name}: {first[6]} states; a filter has at most {MOST_STATES}: take processes out of the error model"
+            raise ValueError(message)
+        count, spans, most = sum(orders), self.settings.every + 1, max(*orders, 1)
+        shape = regimes, spans, 6, most, most
+        return AxisTables(
+            first=first, step=np.zeros((regimes, count)), scale=np.zeros(count, dtype=bool),
+            output=np.zeros((regimes, spans, count)), transition=np.zeros(shape), noise=np.zeros(shape),
+            inside=np.zeros((regimes, spans, 6)), cross=np.zeros((regimes, spans, count)), white=np.zeros((regimes, 6)),
+        )  # fmt: skip
 
-def _fill(tables: AxisTables, regime: int, axis: int, one: Shaping, place: slice) -> None:
-    """Write one axis's tables, for spans of 0, 1, ... samples.
 
-    With S the sum of a span's errors, x(k) = A x(k-1) + w(k) and S(k) = S(k-1) + c x(k): both are carried on together.
-    """
-    p = one.order
-    tables.white[regime, axis] = one.white
-    tables.step[regime, place] = one.c
-    a = np.zeros((p + 1, p + 1))
-    a[:p, :p], a[p, :p], a[p, p] = one.A, one.c @ one.A, 1.0
-    q = np.zeros((p + 1, p + 1))
-    q[:p, :p], q[p, :p], q[:p, p], q[p, p] = one.Q, one.c @ one.Q, one.Q @ one.c, one.c @ one.Q @ one.c
+def _fill(tables: AxisTables, regime: int, axis: int, shaping: Shaping, place: slice) -> None:
+    """Write the tables of one axis, for spans of 0, 1, ... samples."""
+    p = shaping.order
+    tables.white[regime, axis] = shaping.white
+    tables.step[regime, place] = shaping.c
+    a, q = shaping.with_sum()
     power, noise = np.eye(p + 1), np.zeros((p + 1, p + 1))
     for samples in range(tables.output.shape[1]):
         tables.transition[regime, samples, axis, :p, :p] = power[:p, :p]
@@ -184,8 +192,3 @@ def _fill(tables: AxisTables, regime: int, axis: int, one: Shaping, place: slice
         tables.cross[regime, samples, place] = noise[:p, p]
         tables.inside[regime, samples, axis] = noise[p, p]
         power, noise = a @ power, a @ noise @ a.T + q
-
-
-def degrees(angles: tuple[float, float, float]) -> Floats:
-    """Return angles given in degrees in rad."""
-    return np.array([math.radians(a) for a in angles])

@@ -1,4 +1,4 @@
-"""What is known of an axis's states when a filter starts: they ran since the log began, and their mean was seen while it stood."""
+"""What a filter knows of an axis's states when it starts, from the log's start and from a standstill."""
 
 from __future__ import annotations
 
@@ -19,35 +19,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class AxisStart:
-    """States at the start, and how they go with the mean error over a stillness before."""
+    """The prior of an axis's p states when the filter starts, and of the mean error over a standstill before."""
 
     covariance: Floats  #: (p, p) of the states
-    cross: Floats  #: (p,) with the mean
+    cross: Floats  #: (p,) covariance of the states and the mean
     variance: float  #: of the mean, without white noise
 
 
-def axis_start(one: Shaping, before: int, still: int, after: int) -> AxisStart:
-    """Return what a model says of an axis's states at the start.
+def axis_start(shaping: Shaping, before: int, still: int, after: int) -> AxisStart:
+    """Return the prior of an axis's states when the filter starts.
 
     Args:
-        one: the axis's shaping filter; at the log's beginning its states have the covariance ``P0``.
-        before: samples from there to the stillness.
-        still: samples of the stillness; 0: there is none.
-        after: samples from its end to the start.
+        shaping: the axis's shaping filter; at the log's start its states have the covariance ``P0``.
+        before: samples from the log's start to the standstill.
+        still: samples of the standstill; 0: there is none.
+        after: samples from the end of the standstill to the start of the filter.
     """
-    p = one.order
-    a, q = one.over(before)
-    first = a @ one.P0 @ a.T + q
-    # The sum of the errors is carried along as one more state.
-    wide = np.zeros((p + 1, p + 1))
-    wide[:p, :p], wide[p, :p], wide[p, p] = one.A, one.c @ one.A, 1.0
-    noise = np.zeros((p + 1, p + 1))
-    noise[:p, :p], noise[p, :p], noise[:p, p] = one.Q, one.c @ one.Q, one.Q @ one.c
-    noise[p, p] = one.c @ one.Q @ one.c
-    power, total = over(wide, noise, still)
+    p = shaping.order
+    a, q = shaping.over(before)
     start = np.zeros((p + 1, p + 1))
-    start[:p, :p] = first
-    joint = power @ start @ power.T + total
-    a, q = one.over(after)
+    start[:p, :p] = a @ shaping.P0 @ a.T + q
+    transition, noise = over(*shaping.with_sum(), still)
+    joint = transition @ start @ transition.T + noise
+    a, q = shaping.over(after)
     count = max(still, 1)
     return AxisStart(a @ joint[:p, :p] @ a.T + q, a @ joint[:p, p] / count, float(joint[p, p]) / count**2)

@@ -1,10 +1,11 @@
-"""The compiled loop of the filter: samples and events in, navigation with its covariance out.
+"""The compiled loop of the filter: from samples and events to states with covariances.
 
-A loosely coupled error-state filter with closed-loop feedback (Groves, 14.3): every estimated error is taken out at once, so
-the error state between updates is zero and only its covariance is carried. The covariance is carried on the absolute grid of
-every M-th sample and at events, so that what branches off before some fixes is, bit for bit, a run without them.
+A loosely coupled error-state filter with closed-loop feedback (Groves, 14.3): estimated errors are removed at once, so that
+the error state between updates is zero, and only its covariance is propagated. The covariance is propagated at every M-th
+sample of the log and at events. An outage that branches off before some fixes is therefore equal, bit for bit, to a run
+without these fixes.
 
-Arrays are copied by loops and counters have one type, or the compiler makes the same code several times over.
+Loops copy the arrays, and counters have one type; otherwise the compiler makes the same code several times.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from imuwb.compiled import compiled
-from imuwb.navigation.covariance import NAVIGATION, carry
+from imuwb.navigation.covariance import NAVIGATION, propagate
 from imuwb.navigation.strapdown import MEASURED, SIZE, step
 from imuwb.navigation.tables import FIX
 from imuwb.navigation.update import update
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
 
 FINE, NOT_FINITE, NOT_POSITIVE = 0, 1, 2  #: how a run ended
 _U = np.uint64
-_ONE, _TWO = _U(1), _U(2)
 
 
 @compiled(arrays=False)
@@ -41,7 +41,7 @@ def advance(
     state: Floats, axes: Floats, covariance: Floats, samples: Samples, begin: Whole, end: Whole, with_covariance: bool,
     every: int, pending: Whole, tables: AxisTables, space: Workspace,
 ) -> Whole:  # fmt: skip  # pragma: no cover - compiled
-    """Carry everything on through the samples ``begin`` to ``end`` (excluded); return how many the open span holds."""
+    """Propagate through the samples ``begin`` to ``end`` (excluded); return how many of them the covariance still lacks."""
     interval, angle, velocity, regimes = (
         samples.interval, samples.angle, samples.velocity, samples.regime
     )  # fmt: skip
@@ -57,37 +57,16 @@ def advance(
         for axis in range(6):
             measured = angle[k, axis] if axis < 3 else velocity[k, axis - 3]  # noqa: PLR2004 - gyros first
             state[MEASURED + axis] += measured
-            # A view of a table would be counted; three numbers are not.
-            order, at = first[axis + 1] - first[axis], _U(first[axis] - NAVIGATION)
-            total = 0.0
-            if order == 1:
-                x = transition[axis, 0, 0] * axes[at]
-                axes[at] = x
-                total = weight[at] * x * (measured if scale[at] else h)
-            elif order == 2:  # noqa: PLR2004 - loops of up to three unrolled
-                x, y = axes[at], axes[at + _ONE]
-                p = transition[axis, 0, 0] * x + transition[axis, 0, 1] * y
-                q = transition[axis, 1, 0] * x + transition[axis, 1, 1] * y
-                axes[at], axes[at + _ONE] = p, q
-                total = weight[at] * p * (measured if scale[at] else h)
-                total += weight[at + _ONE] * q * (measured if scale[at + _ONE] else h)
-            elif order == 3:  # noqa: PLR2004 - as said
-                x, y, z = axes[at], axes[at + _ONE], axes[at + _TWO]
-                p = transition[axis, 0, 0] * x + transition[axis, 0, 1] * y + transition[axis, 0, 2] * z
-                q = transition[axis, 1, 0] * x + transition[axis, 1, 1] * y + transition[axis, 1, 2] * z
-                r = transition[axis, 2, 0] * x + transition[axis, 2, 1] * y + transition[axis, 2, 2] * z
-                axes[at], axes[at + _ONE], axes[at + _TWO] = p, q, r
-                total = weight[at] * p * (measured if scale[at] else h)
-                total += weight[at + _ONE] * q * (measured if scale[at + _ONE] else h)
-                total += weight[at + _TWO] * r * (measured if scale[at + _TWO] else h)
-            elif order > 3:  # noqa: PLR2004 - as said
-                for i in range(order):
-                    moved[i] = 0.0
-                    for j in range(order):
-                        moved[i] += transition[axis, i, j] * axes[at + _U(j)]
-                for i in range(order):
-                    axes[at + _U(i)] = moved[i]
-                    total += weight[at + _U(i)] * moved[i] * (measured if scale[at + _U(i)] else h)
+            order, at = _U(first[axis + 1] - first[axis]), _U(first[axis] - NAVIGATION)
+            total, block = 0.0, transition[axis]
+            for i in range(order):
+                value = 0.0
+                for j in range(order):
+                    value += block[i, j] * axes[at + j]
+                moved[i] = value
+                total += weight[at + i] * value * (measured if scale[at + i] else h)
+            for i in range(order):
+                axes[at + i] = moved[i]
             error[axis] = total
         step(
             state, h, angle[k, 0] - error[0], angle[k, 1] - error[1], angle[k, 2] - error[2],
@@ -95,14 +74,14 @@ def advance(
         )  # fmt: skip
         pending += 1
         if with_covariance and (k + 1) % every == 0:
-            carry(covariance, state, pending, regime, tables, space)
+            propagate(covariance, state, pending, regime, tables, space)
             pending = np.int64(0)
     return pending
 
 
 @compiled(arrays=False)
 def sound(state: Floats, covariance: Floats, n: int) -> int:  # pragma: no cover - compiled
-    """Return whether a state and its variances are numbers that can be."""
+    """Return FINE if a state and its variances are valid, and what is wrong otherwise."""
     for i in range(10):
         if not math.isfinite(state[i]):
             return NOT_FINITE
@@ -127,7 +106,7 @@ def run(
     state: Floats, axes: Floats, covariance: Floats, samples: Samples, events: Events, rules: Rules, tables: AxisTables,
     space: Workspace, begin: int, event: int, skip_from: int, skip_to: int, marks: Marks, track: Track,
 ) -> tuple[int, Whole]:  # fmt: skip  # pragma: no cover - compiled
-    """Run the filter from a checkpoint; return how it ended, and at which event.
+    """Run the filter from a checkpoint; return FINE or what is wrong, and the event at which the run ended.
 
     Args:
         state, axes, covariance: the checkpoint; changed.
@@ -135,8 +114,8 @@ def run(
         space: scratch.
         begin: first sample.
         event: first event.
-        skip_from, skip_to: fixes behind samples from the one to the other, both excluded, are not used.
-        marks: where it is looked at on the way; the run ends at the last of them, or, without any, behind the last event.
+        skip_from, skip_to: fixes at samples between these two, both excluded, are not used.
+        marks: where the state is written between events; the run ends at the last mark, or, without marks, after the last event.
         track: written, if it has room.
     """
     n = tables.first[6]
@@ -158,14 +137,14 @@ def run(
             state, axes, covariance, samples, done, end, with_covariance, rules.every, pending, tables, space
         )
         done = end
-        # Where it is only looked at, a span is ended in a copy: what comes behind goes on as if nobody had looked.
+        # At a mark, the covariance is propagated in a copy, so that marks do not change the rest of the run.
         if looking:
             for i in range(spare.size):
                 spare[i] = covariance[i]
             for i in range(SIZE):
                 seen[i] = state[i]
         if with_covariance and pending > 0:
-            carry(
+            propagate(
                 spare if looking else covariance, seen if looking else state, pending, int(samples.regime[end - 1]), tables,
                 space,
             )  # fmt: skip

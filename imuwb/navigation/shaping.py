@@ -1,4 +1,4 @@
-"""From a sum of processes to the states that a filter carries for one sensor axis."""
+"""Shaping filters: the states that stand for the sum of processes on one sensor axis."""
 
 from __future__ import annotations
 
@@ -28,27 +28,28 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: "corrected": white noise of density N² and exp(-dt/Tc); "as printed": what Quinchia's appendix writes, to the letter
+#: How Quinchia's formulas are read. "corrected": white noise of density N², and exp(-dt/Tc); "as printed": word for word.
 Reading = Literal["corrected", "as printed"]
 
-FLICKER_BAND = (
-    2e-4,
-    0.2,
-)  #: Hz, where a filter's Gauss-Markov states stand for flicker: outages, and what came before them
+#: Hz; in this band Gauss-Markov states stand for flicker: the times of outages, and of the drive before them.
+FLICKER_BAND = (2e-4, 0.2)
 FLICKER_STATES = 3
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Shaping:
-    """The error of one axis: x(k+1) = A x(k) + w a sample, its output c x, and white noise of a density."""
+    """The error of one axis: x(k+1) = A x(k) + w for each sample, with the output c x, and white noise.
+
+    p is the number of states.
+    """
 
     A: Floats  #: (p, p)
     Q: Floats  #: (p, p) covariance of w
     c: Floats  #: (p,) unit of the axis
     P0: Floats  #: (p, p) covariance of x at the start
-    white: float  #: unit²/Hz, two-sided
-    states: tuple[str, ...]  #: (p,) what each state is
-    left_out: tuple[str, ...] = ()  #: processes that no state stands for
+    white: float  #: unit²/Hz, two-sided density of the white noise
+    states: tuple[str, ...]  #: (p,) name of each state
+    left_out: tuple[str, ...] = ()  #: processes without a state
 
     @property
     def order(self) -> int:
@@ -56,12 +57,21 @@ class Shaping:
         return self.A.shape[0]
 
     def over(self, samples: int) -> tuple[Floats, Floats]:
-        """Return A and Q of that many samples."""
+        """Return A and Q over a number of samples."""
         return over(self.A, self.Q, samples)
+
+    def with_sum(self) -> tuple[Floats, Floats]:
+        """Return A and Q with one more state: the sum of the errors so far, S(k) = S(k-1) + c x(k)."""
+        p = self.order
+        a, q = np.zeros((2, p + 1, p + 1))
+        a[:p, :p], a[p, :p], a[p, p] = self.A, self.c @ self.A, 1.0
+        q[:p, :p], q[p, :p], q[:p, p] = self.Q, self.c @ self.Q, self.Q @ self.c
+        q[p, p] = self.c @ self.Q @ self.c
+        return a, q
 
 
 def over(a: Floats, q: Floats, samples: int) -> tuple[Floats, Floats]:
-    """Return the transition and the noise of many samples, by doubling."""
+    """Return a transition and its noise over a number of samples, by doubling."""
     power, noise = np.eye(a.shape[0]), np.zeros_like(q)
     while samples:
         if samples & 1:
@@ -72,11 +82,11 @@ def over(a: Floats, q: Floats, samples: int) -> tuple[Floats, Floats]:
 
 
 def shaping(processes: Sum, dt: float, reading: Reading = "corrected") -> Shaping:
-    """Return the states of a sum of processes at a sampling interval.
+    """Return the shaping filter of a sum of processes at a sampling interval.
 
-    Quantization, whose integral does not grow, and what else has no state are left out, and named. Flicker noise becomes
-    Gauss-Markov states, good in ``FLICKER_BAND``. A value at the instant stands for a sample's average: the difference is of
-    the order of dt over the correlation time.
+    Quantization has no state, as its integral does not grow; ``left_out`` names it. Flicker noise becomes Gauss-Markov states,
+    which are valid in ``FLICKER_BAND``. The value at an instant stands for the average over a sample; the relative difference
+    is about dt over the correlation time.
 
     Args:
         processes: of one axis, SI.
@@ -84,7 +94,7 @@ def shaping(processes: Sum, dt: float, reading: Reading = "corrected") -> Shapin
         reading: of Quinchia's formulas.
 
     Raises:
-        ValueError: an autoregressive process of another step, or one whose poles do not let it be carried.
+        ValueError: an autoregressive process with another step, or with poles outside the unit circle.
     """
     spaces: list[StateSpace] = []
     names: list[str] = []
@@ -92,7 +102,7 @@ def shaping(processes: Sum, dt: float, reading: Reading = "corrected") -> Shapin
     white = 0.0
     for term in processes.terms:
         if isinstance(term, WhiteNoise):
-            # Eq. 27 is a variance per sample, and printed as a density: it comes out larger by 1/dt.
+            # Eq. 27 states a variance per sample; read as a density, it is too large by 1/dt.
             white += term.N**2 / (dt if reading == "as printed" else 1.0)
         elif isinstance(term, Quantization):
             left_out.append("quantization")
@@ -122,22 +132,22 @@ def _spaces(term: Process, dt: float, reading: Reading) -> Iterator[tuple[str, S
         yield f"Gauss-Markov, {term.Tc:.4g} s", space
     elif isinstance(term, Autoregressive):
         if term.alpha:
-            term.discretize(dt)  # says what is wrong with another step
+            term.discretize(dt)  # raises if the process has another step
             yield f"AR({len(term.alpha)})", lattice(term)
         else:
             yield "", term.discretize(dt)
     elif isinstance(term, FiniteOrder):
         yield str(getattr(term, "name", type(term).__name__)).replace("_", " "), term.discretize(dt)
     else:
-        message = f"{term} has no state that a filter could carry"
+        message = f"{term} has no states; a filter can carry processes of finite order only"
         raise TypeError(message)
 
 
 def lattice(process: Autoregressive) -> StateSpace:
     """Return an autoregressive process with orthonormal states, in the normalised lattice form (Gray and Markel 1975).
 
-    The states are its backward prediction errors over their sigmas: their stationary covariance is the identity, where the
-    last p values' of a process with poles near 1 is nearly singular, and a covariance of those is lost to rounding.
+    The states are the backward prediction errors over their sigmas; their stationary covariance is the identity. The
+    covariance of the last p values is nearly singular where poles are near 1, and rounding would destroy it.
     """
     order = len(process.alpha)
     reflection = _reflection(process.alpha)
@@ -162,10 +172,10 @@ def lattice(process: Autoregressive) -> StateSpace:
 
 
 def _reflection(alpha: tuple[float, ...]) -> Floats:
-    """Return the reflection coefficients of a stable set, by Levinson's recursion backwards."""
+    """Return the reflection coefficients of a stable process, by Levinson's recursion backwards."""
     a = np.array(alpha)
-    found = np.empty(a.size)
+    reflection = np.empty(a.size)
     for m in range(a.size, 0, -1):
-        k = found[m - 1] = a[m - 1]
+        k = reflection[m - 1] = a[m - 1]
         a = (a[: m - 1] - k * a[: m - 1][::-1]) / (1 - k * k)
-    return found
+    return reflection

@@ -1,10 +1,10 @@
-"""A solution smoothed backwards from its end: every state then knows all fixes (Rauch, Tung and Striebel 1965).
+"""The smoother: a solution whose every state depends on all fixes (Rauch, Tung and Striebel 1965).
 
-The filter feeds its errors back, so that behind an event the estimated error is zero; the smoothed error behind event k is
+The filter feeds its errors back, so the estimated error after an event is zero. The smoothed error after event k is
 
     s_k = G_k (s_(k+1) + c_(k+1)),  G_k = P+_k F_(k+1)^T (P-_(k+1))^-1,
 
-with c the correction that event k+1 brought, and its covariance P+_k + G_k (P^s_(k+1) - P-_(k+1)) G_k^T.
+where c is the correction by event k+1. Its covariance is P+_k + G_k (P^s_(k+1) - P-_(k+1)) G_k^T.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from imuwb.geodesy.attitude import euler_of_rotation, rotation_of_quaternion
-from imuwb.geodesy.earth import radii_of_curvature
+from imuwb.geodesy.earth import ned_scale
 from imuwb.navigation.covariance import NAVIGATION
 from imuwb.navigation.strapdown import QUATERNION, VELOCITY
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Smoothed:
-    """A smoothed solution at its fixes, (m,) of them."""
+    """A smoothed solution at its m fixes."""
 
     time: Floats  #: (m,) s from the log's start
     position: Floats  #: (m, 3) latitude rad, longitude rad, height m
@@ -40,18 +40,17 @@ def smoothed(solution: Solution) -> Smoothed:
     """Return a solution smoothed over the whole log.
 
     Args:
-        solution: of ``solve(..., smooth=True)``.
+        solution: from ``solve(..., smooth=True)``.
 
     Raises:
-        ValueError: what it needs was not kept.
+        ValueError: the solution does not have what the smoother needs.
     """
     track, before = solution.track, solution.track.before
     if not before.state.shape[0]:
-        message = "the solution has not kept what a smoother needs: solve(..., smooth=True)"
+        message = "the solution does not have what a smoother needs; use solve(..., smooth=True)"
         raise ValueError(message)
-    order = [e for e in range(solution.found.time.size) if e >= solution.start.event]
-    # Behind the start, an event that a run did not come to has no state.
-    order = [e for e in order if track.state[e].any()]
+    # An event that the run did not use has no state.
+    order = [e for e in range(solution.alignment.event, solution.corrections.time.size) if track.state[e].any()]
     n = track.covariance.shape[1]
     corrections = {e: _correction(solution, e) for e in order[1:]}
     error, spread = np.zeros(n), track.covariance[order[-1]]
@@ -66,40 +65,31 @@ def smoothed(solution: Solution) -> Smoothed:
         errors[k], spreads[k] = error, spread
     off = np.array([errors[int(e)] for e in solution.events])
     variances = np.array([np.diagonal(spreads[int(e)]) for e in solution.events])
-    position, velocity, rotation = _without(solution, off)
+    position, velocity, rotation = _corrected(solution, off)
     return Smoothed(solution.time, position, velocity, euler_of_rotation(rotation), np.sqrt(np.maximum(variances, 0.0)))
 
 
 def _correction(solution: Solution, e: int) -> Floats:
-    """Return the errors that an event took out: what was before less what is behind it, of an axis's states the reverse."""
-    was, now = solution.track.before.state[e], solution.track.state[e]
-    meridian, transverse = radii_of_curvature(was[:1])
-    north, east = meridian[0] + was[2], (transverse[0] + was[2]) * np.cos(was[0])
+    """Return the errors that an event removed, (n,): before less after; of the axes' states, after less before."""
+    before, after = solution.track.before.state[e], solution.track.state[e]
     turn = (
-        rotation_of_quaternion(now[QUATERNION : QUATERNION + 4])
-        @ rotation_of_quaternion(was[QUATERNION : QUATERNION + 4]).T
+        rotation_of_quaternion(after[QUATERNION : QUATERNION + 4])
+        @ rotation_of_quaternion(before[QUATERNION : QUATERNION + 4]).T
     )
-    found = np.empty(solution.track.covariance.shape[1])
-    found[:3] = (was[0] - now[0]) * north, (was[1] - now[1]) * east, now[2] - was[2]
-    found[3:6] = was[VELOCITY : VELOCITY + 3] - now[VELOCITY : VELOCITY + 3]
-    # C_now = (I + [phi x]) C_was
-    found[6:9] = (turn[2, 1] - turn[1, 2]) / 2, (turn[0, 2] - turn[2, 0]) / 2, (turn[1, 0] - turn[0, 1]) / 2
-    found[NAVIGATION:] = solution.track.axes[e] - solution.track.before.axes[e]
-    return found
+    removed = np.empty(solution.track.covariance.shape[1])
+    removed[:3] = (before[:3] - after[:3]) * ned_scale(before[0], before[2])
+    removed[3:6] = before[VELOCITY : VELOCITY + 3] - after[VELOCITY : VELOCITY + 3]
+    # C_after = (I + [phi x]) C_before
+    removed[6:9] = (turn[2, 1] - turn[1, 2]) / 2, (turn[0, 2] - turn[2, 0]) / 2, (turn[1, 0] - turn[0, 1]) / 2
+    removed[NAVIGATION:] = solution.track.axes[e] - solution.track.before.axes[e]
+    return removed
 
 
-def _without(solution: Solution, error: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return positions, velocities and rotations of a solution with errors, (m, n), taken out."""
-    position = solution.position.copy()
-    meridian, transverse = radii_of_curvature(position[:, 0])
-    position[:, 0] -= error[:, 0] / (meridian + position[:, 2])
-    position[:, 1] -= error[:, 1] / ((transverse + position[:, 2]) * np.cos(position[:, 0]))
-    position[:, 2] += error[:, 2]
-    phi = error[:, 6:9]
-    zero = np.zeros(len(phi))
-    skew = np.stack([
-        np.stack([zero, -phi[:, 2], phi[:, 1]], axis=1), np.stack([phi[:, 2], zero, -phi[:, 0]], axis=1),
-        np.stack([-phi[:, 1], phi[:, 0], zero], axis=1),
-    ], axis=1)  # fmt: skip
+def _corrected(solution: Solution, error: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return the positions, velocities and rotations of a solution without some errors, (m, n)."""
+    position = solution.position - error[:, :3] / ned_scale(solution.position[:, 0], solution.position[:, 2])
+    x, y, z = error[:, 6:9].T
+    zero = np.zeros_like(x)
+    skew = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
     rotation = (np.eye(3) + skew) @ rotation_of_quaternion(solution.quaternion)
     return position, solution.velocity - error[:, 3:6], rotation

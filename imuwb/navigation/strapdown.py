@@ -1,14 +1,14 @@
-"""Strapdown mechanization: increments of angle and velocity to position, velocity and attitude, in NED (Groves, 5.4).
+"""Strapdown mechanization: position, velocity and attitude in NED from increments of angle and velocity (Groves, 5.4).
 
-Two-sample coning and sculling for steps of unequal length; Earth and transport rate and gravity at the middle of a step.
-The state of a mechanization is one flat array, so that copying it is a checkpoint:
+Coning and sculling are corrected with the step before; the steps may differ in length. Earth rate, transport rate and gravity
+are those at the middle of a step. The state of the mechanization is one flat array, so that a copy of it is a checkpoint:
 
-    LATITUDE rad, +1 longitude rad, +2 height m; VELOCITY (3) m/s NED; QUATERNION (4) body to NED;
-    PAST_ANGLE (3) rad and PAST_VELOCITY (3) m/s, the increments of the step before, and PAST_STEP s, its length, 0: none;
-    CORIOLIS (3) rad/s, 2 omega_ie + omega_en, GRAVITY m/s² and EARTH (2) rad/s, north and down, at the middle of the last step;
-    RATE (3) rad/s, the last angular rate; what the covariance needs of the steps since it was last carried on:
-    SPAN s, their length; TURNED (9) s, the integral of C_b_n; PUSHED (3) m/s, of the specific force in NED; MEASURED (6),
-    of what the sensors put out, rad and m/s.
+    LATITUDE rad, LONGITUDE rad, HEIGHT m; VELOCITY (3) m/s NED; QUATERNION (4) body to NED;
+    PAST_ANGLE (3) rad, PAST_VELOCITY (3) m/s and PAST_STEP s: increments and length of the step before; length 0: none;
+    CORIOLIS (3) rad/s: 2 omega_ie + omega_en; GRAVITY m/s²; EARTH (2) rad/s, north and down: at the middle of the last step;
+    RATE (3) rad/s: the last angular rate;
+    for the covariance, sums over the steps since its last propagation: SPAN s: their length; TURNED (9) s: integral of C_b_n;
+    PUSHED (3) m/s: integral of the specific force in NED; MEASURED (6) rad and m/s: integrals of the sensors' output.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ SIZE = 45
 
 
 def navigation_state(position: Floats, velocity: Floats, euler: Floats) -> Floats:
-    """Return the state that a mechanization starts from.
+    """Return the state at the start of a mechanization.
 
     Args:
         position: (3,) latitude rad, longitude rad, height m.
@@ -67,15 +67,15 @@ def navigation_state(position: Floats, velocity: Floats, euler: Floats) -> Float
 def step(
     state: Floats, h: float, ax: float, ay: float, az: float, ux: float, uy: float, uz: float
 ) -> None:  # pragma: no cover - compiled
-    """Carry a state on by one step of h seconds.
+    """Propagate a state over one step.
 
     Args:
         state: (SIZE,), changed.
-        h: s.
-        ax, ay, az: rad, integral of the angular rate over the step, free of known errors.
-        ux, uy, uz: m/s, of the specific force.
+        h: s, length of the step.
+        ax, ay, az: rad, integral of the angular rate over the step, without the estimated errors.
+        ux, uy, uz: m/s, integral of the specific force over the step, without the estimated errors.
     """
-    # Coning and sculling from the step before; a step of another length weighs as its parabola does.
+    # Coning and sculling: the weight of the step before follows from a parabola through both steps, also if they differ in length.
     past = state[PAST_STEP]
     k = h * h / (6.0 * past * (past + h)) if past > 0.0 else 0.0
     px, py, pz = state[PAST_ANGLE], state[PAST_ANGLE + 1], state[PAST_ANGLE + 2]
@@ -83,7 +83,7 @@ def step(
     bx = ax + k * (py * az - pz * ay)
     by = ay + k * (pz * ax - px * az)
     bz = az + k * (px * ay - py * ax)
-    # Specific force turns with the body: half and a sixth of a rotation series.
+    # The body turns during the step: first and second order of the rotation's series.
     tx, ty, tz = ay * uz - az * uy, az * ux - ax * uz, ax * uy - ay * ux
     sx = ux + 0.5 * tx + (ay * tz - az * ty) / 6.0 + k * (py * uz - pz * uy + qy * az - qz * ay)
     sy = uy + 0.5 * ty + (az * tx - ax * tz) / 6.0 + k * (pz * ux - px * uz + qz * ax - qx * az)
@@ -99,7 +99,7 @@ def step(
     c20, c21, c22 = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), w * w - x * x - y * y + z * z
     fn, fe, fd = c00 * sx + c01 * sy + c02 * sz, c10 * sx + c11 * sy + c12 * sz, c20 * sx + c21 * sy + c22 * sz
 
-    # Where the middle of the step is, with the rates of the step before.
+    # Velocity and position at the middle of the step, with the rates of the step before.
     vn, ve, vd = state[VELOCITY], state[VELOCITY + 1], state[VELOCITY + 2]
     wn, we, wd = state[CORIOLIS], state[CORIOLIS + 1], state[CORIOLIS + 2]
     mn = vn + 0.5 * (fn - h * (we * vd - wd * ve))
@@ -118,7 +118,7 @@ def step(
     over = height / EQUATORIAL_RADIUS
     down *= 1.0 - 2.0 * (1.0 + FLATTENING * (1.0 - 2.0 * sine * sine) + CENTRIFUGAL_RATIO) * over + 3.0 * over * over
 
-    # Earth rate, and transport rate of the middle velocity.
+    # Earth rate, and transport rate at the middle velocity.
     earth_n, earth_d = EARTH_RATE * cosine, -EARTH_RATE * sine
     tn, te, td = me / (transverse + height), -mn / (meridian + height), -me * sine / (cosine * (transverse + height))
     zn, ze, zd = (earth_n + tn) * h, te * h, (earth_d + td) * h
@@ -126,7 +126,7 @@ def step(
     state[CORIOLIS], state[CORIOLIS + 1], state[CORIOLIS + 2], state[GRAVITY] = wn, we, wd, down
     state[EARTH], state[EARTH + 1] = earth_n, earth_d
 
-    # The navigation frame turns by (zn, ze, zd) meanwhile: half of it counts on the average.
+    # The navigation frame turns by (zn, ze, zd) during the step; on average, half of this turn applies.
     gn = fn - 0.5 * (ze * fd - zd * fe)
     ge = fe - 0.5 * (zd * fn - zn * fd)
     gd = fd - 0.5 * (zn * fe - ze * fn)
@@ -138,7 +138,7 @@ def step(
     state[LONGITUDE] += 0.5 * h * (ve + ne) / ((transverse + height) * cosine)
     state[HEIGHT] -= 0.5 * h * (vd + nd)
 
-    # q <- q(-zeta) q q(beta), both small: sin(a)/a and cos(a) by their series, exact to 1e-16 below 0.1 rad.
+    # q <- q(-zeta) q q(beta) for small angles: the series of sin(a)/a and cos(a) are exact to 1e-16 below 0.1 rad.
     s = 0.25 * (bx * bx + by * by + bz * bz)
     sinc = 0.5 * (1.0 - s / 6.0 * (1.0 - s / 20.0 * (1.0 - s / 42.0)))
     cosb = 1.0 - s / 2.0 * (1.0 - s / 12.0 * (1.0 - s / 30.0 * (1.0 - s / 56.0)))
@@ -183,16 +183,16 @@ def _mechanize(
 
 
 def mechanize(state: Floats, interval: Floats, angle: Floats, velocity: Floats) -> Floats:
-    """Return where an IMU without errors goes.
+    """Return the track of an IMU without errors.
 
     Args:
-        state: (SIZE,) from ``navigation_state``; it stays as it is.
+        state: (SIZE,) from ``navigation_state``; not changed.
         interval: (n,) s, length of each step.
         angle: (n, 3) rad, integral of the angular rate over each step.
-        velocity: (n, 3) m/s, of the specific force.
+        velocity: (n, 3) m/s, integral of the specific force over each step.
 
     Returns:
-        (n, 10) behind each step: latitude rad, longitude rad, height m, velocity NED m/s, quaternion of the body.
+        (n, 10) after each step: latitude rad, longitude rad, height m, velocity NED m/s, quaternion of the body.
     """
     track = np.empty((interval.size, 10))
     _mechanize(state.copy(), interval, np.ascontiguousarray(angle), np.ascontiguousarray(velocity), track)

@@ -1,4 +1,4 @@
-"""What the filter's compiled loops take and leave: tuples of arrays."""
+"""The inputs and outputs of the filter's compiled loops: tuples of arrays."""
 
 from __future__ import annotations
 
@@ -11,25 +11,27 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Integers = NDArray[np.int64]
 
-FIX, SPEED, STRAIGHT, STILL = 0, 1, 2, 3  #: kinds of event: a GNSS fix, a forward speed, no slip, standing still
+FIX, SPEED, STRAIGHT, STILL = 0, 1, 2, 3  #: kinds of event: GNSS fix, forward speed, no slip, standstill
 MOST_ROWS = 6  #: measurements of an event
 
 
 class AxisTables(NamedTuple):
     """The shaping filters of all six axes, as the kernels take them.
 
-    One of R regimes (of temperature) holds at a time; a model that knows no temperature has one. K states in all, of at most O
-    an axis; tables by the number of samples in a span, 0 to M.
+    R regimes of temperature, of which one applies at a time; K states in all, at most O for each axis; tables by the number
+    of samples in a span, 0 to M.
     """
 
-    first: Integers  #: (7,) where an axis's states begin among all error states; the last: their number
-    step: Floats  #: (R, K) what a state adds to its axis's error at an instant; of a scale factor, 1
-    scale: NDArray[np.bool_]  #: (K,) whether a state is a scale factor: what it adds is times the measurement
-    output: Floats  #: (R, M + 1, K) what a state at the beginning of a span adds to the mean error over it
+    first: Integers  #: (7,) where an axis's states begin among all error states; the last one is the number of states
+    step: Floats  #: (R, K) contribution of a state to its axis's error at an instant; 1 for a scale factor
+    scale: NDArray[
+        np.bool_
+    ]  #: (K,) whether a state is a scale factor, whose contribution is multiplied by the measurement
+    output: Floats  #: (R, M + 1, K) contribution of a state at the start of a span to the mean error over the span
     transition: Floats  #: (R, M + 1, 6, O, O) over the span
-    noise: Floats  #: (R, M + 1, 6, O, O) covariance of what comes into the states
-    inside: Floats  #: (R, M + 1, 6) variance of the sum of the span's samples that comes in within it
-    cross: Floats  #: (R, M + 1, K) covariance of both
+    noise: Floats  #: (R, M + 1, 6, O, O) covariance of the states' noise over the span
+    inside: Floats  #: (R, M + 1, 6) variance that this noise adds to the sum of the span's errors
+    cross: Floats  #: (R, M + 1, K) covariance of the states' noise and that sum
     white: Floats  #: (R, 6) density of white noise, unit²/Hz, two-sided
 
 
@@ -38,55 +40,55 @@ class Samples(NamedTuple):
 
     interval: Floats  #: (n,) s
     angle: Floats  #: (n, 3) rad, integral of the measured angular rate
-    velocity: Floats  #: (n, 3) m/s, of the measured specific force
-    regime: NDArray[np.int64]  #: (n,) which of the model's tables holds
+    velocity: Floats  #: (n, 3) m/s, integral of the measured specific force
+    regime: Integers  #: (n,) regime of the model's tables
 
 
 class Events(NamedTuple):
-    """What corrects the filter, in order of time: E events."""
+    """The events that correct the filter, in order of time: E of them."""
 
-    at: Integers  #: (E,) the sample behind which it counts
+    at: Integers  #: (E,) the sample after which the event counts
     kind: Integers  #: (E,) FIX, SPEED, STRAIGHT or STILL
-    late: Floats  #: (E,) s by which the measurement is behind the end of that sample; within half an interval
-    value: Floats  #: (E, 6) of a fix position rad, rad, m and velocity m/s NED; of a speed m/s forward
-    variance: Floats  #: (E, 6) m², (m/s)²; 0 where there is no such measurement
+    late: Floats  #: (E,) s from the end of that sample to the measurement; at most half an interval
+    value: Floats  #: (E, 6) of a fix: position rad, rad, m and velocity m/s NED; of a speed: m/s forward
+    variance: Floats  #: (E, 6) m², (m/s)²; 0: not measured
 
 
 class Rules(NamedTuple):
-    """What holds for a whole run."""
+    """The rules of a whole run."""
 
-    every: int  #: samples between two covariances
-    gate: float  #: a position's or a velocity's normalised innovation squared above which it is not used
-    patience: int  #: fixes refused one behind the other before the filter believes them
+    every: int  #: samples between two propagations of the covariance
+    gate: float  #: normalised innovation squared of a position or a velocity, above which it is refused
+    patience: int  #: fixes refused in a row before the filter accepts the next one
     lever: Floats  #: (3,) m FRD, from the IMU to the antenna
 
 
 class Marks(NamedTuple):
-    """Where a run is looked at between its events; L of them."""
+    """Where a run reports its state between events: L marks."""
 
-    at: Integers  #: (L,) samples behind which, rising
-    with_covariance: bool  #: whether covariances are carried
+    at: Integers  #: (L,) number of samples up to the mark, rising
+    with_covariance: bool  #: whether the covariance is propagated
     state: Floats  #: (L, 10) written: position, velocity, quaternion
     covariance: Floats  #: (L, 9, 9) written: of position, velocity and attitude
 
 
 class Prior(NamedTuple):
-    """What a run leaves of each of its events before it is taken in."""
+    """The state of a run before each of its events."""
 
     state: Floats  #: (E, SIZE)
     axes: Floats  #: (E, K)
     covariance: Floats  #: (E, n, n)
-    transition: Floats  #: (E, n, n) from behind the event before
+    transition: Floats  #: (E, n, n) since the event before
 
 
 class Track(NamedTuple):
-    """What a run leaves of each of its events."""
+    """The state of a run after each of its events."""
 
-    state: Floats  #: (E, SIZE) behind the event
+    state: Floats  #: (E, SIZE)
     axes: Floats  #: (E, K)
-    covariance: Floats  #: (E, n, n) behind the event
-    innovation: Floats  #: (E, 6) m and m/s, measured less predicted; nan: none
-    deviation: Floats  #: (E, 6) its sigma
-    nis: Floats  #: (E, 2) of position and of velocity; nan: none
-    used: NDArray[np.bool_]  #: (E, 2)
-    before: Prior  #: what a smoother needs besides; empty: it is not wanted
+    covariance: Floats  #: (E, n, n)
+    innovation: Floats  #: (E, 6) m and m/s, measured less predicted; nan: not measured
+    deviation: Floats  #: (E, 6) sigma of the innovation
+    nis: Floats  #: (E, 2) normalised innovation squared of position and of velocity; nan: not measured
+    used: NDArray[np.bool_]  #: (E, 2) whether position and velocity passed the gate
+    before: Prior  #: for a smoother; empty: not kept

@@ -1,4 +1,4 @@
-"""One event taken in: residuals, their gate, and the errors fed back."""
+"""The update of a filter by one event: residuals, gate, and feedback of the estimated errors."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @compiled(arrays=False)
 def rotation(state: Floats, c: Floats) -> None:  # pragma: no cover - compiled
-    """Write C_b_n of a state."""
+    """Write C_b_n of a state into ``c``."""
     w, x, y, z = state[QUATERNION], state[QUATERNION + 1], state[QUATERNION + 2], state[QUATERNION + 3]
     c[0, 0], c[0, 1], c[0, 2] = w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)
     c[1, 0], c[1, 1], c[1, 2] = 2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)
@@ -35,7 +35,7 @@ def rotation(state: Floats, c: Floats) -> None:  # pragma: no cover - compiled
 
 @compiled(arrays=False)
 def _radii(latitude: float, height: float) -> tuple[float, float]:  # pragma: no cover - compiled
-    """Return metres per radian of latitude and of longitude."""
+    """Return metres per radian of latitude and of longitude (``geodesy.ned_scale``)."""
     squared = 1.0 - ECCENTRICITY_SQUARED * math.sin(latitude) ** 2
     transverse = EQUATORIAL_RADIUS / math.sqrt(squared)
     meridian = transverse * (1.0 - ECCENTRICITY_SQUARED) / squared
@@ -47,7 +47,7 @@ def _measure(
     state: Floats, kind: int, late: float, value: Floats, lever: Floats, tables: AxisTables, regime: int,
     space: Weighing,
 ) -> None:  # fmt: skip  # pragma: no cover - compiled
-    """Write residuals, estimate less measurement, and how they depend on the error states."""
+    """Write the residuals, predicted less measured, and their derivatives by the error states."""
     first, weight, scale = tables.first, tables.step, tables.scale
     rows, residual, c, arm, swing = space.rows, space.residual, space.turn, space.arm, space.swing
     for r in range(MOST_ROWS):
@@ -74,27 +74,26 @@ def _measure(
             rows[3 + i, 3 + i] = 1.0
         for i in range(0, 6, 3):
             _cross(rows, i, arm if i == 0 else swing)
-        # The lever turns by the rate less the gyros' error: C (b x l).
+        # The antenna's velocity depends on the gyros' error b: C (b x l).
         for axis in range(3):
             for i in range(3):
                 one, two = (axis + 1) % 3, (axis + 2) % 3
-                # column ``axis`` of C [l x], negated: e_axis x l
-                value_i = c[i, two] * lever[one] - c[i, one] * lever[two]
-                if value_i != 0.0:
+                # row i of C (e x l), where e is the unit vector of the axis
+                turned = c[i, two] * lever[one] - c[i, one] * lever[two]
+                if turned != 0.0:
                     for s in range(first[axis], first[axis + 1]):
                         gain = weight[regime, s - NAVIGATION] * (w[axis] if scale[s - NAVIGATION] else 1.0)
-                        rows[3 + i, s] += value_i * gain
+                        rows[3 + i, s] += turned * gain
     elif kind == STILL:
         for i in range(3):
             residual[i] = v[i]
             rows[i, 3 + i] = 1.0
     else:
-        # Velocity in the body: C^T v; its error is C^T (dv + v x phi... ) by C_est = (I - [phi x]) C.
+        # The velocity in the body is C^T v; its error is C^T (dv + v x phi), as C_est = (I - [phi x]) C.
         for axis in range(3):
-            wanted = axis == 0 if kind == SPEED else axis > 0
-            if not wanted:
+            if (axis == 0) != (kind == SPEED):
                 continue
-            at = 0 if kind == SPEED else axis - 1
+            at = max(axis - 1, 0)
             along = c[0, axis] * v[0] + c[1, axis] * v[1] + c[2, axis] * v[2]
             residual[at] = along - (value[0] if kind == SPEED else 0.0)
             for i in range(3):
@@ -105,7 +104,7 @@ def _measure(
 
 @compiled(arrays=False)
 def _cross(rows: Floats, row: int, arm: Floats) -> None:  # pragma: no cover - compiled
-    """Write [arm x] phi: what an attitude error makes of an arm, (I - [phi x]) arm less arm."""
+    """Write [arm x]: the change of an arm with an attitude error phi is (I - [phi x]) arm - arm = [arm x] phi."""
     rows[row, 7], rows[row, 8] = -arm[2], arm[1]
     rows[row + 1, 6], rows[row + 1, 8] = arm[2], -arm[0]
     rows[row + 2, 6], rows[row + 2, 7] = -arm[1], arm[0]
@@ -115,7 +114,10 @@ def _cross(rows: Floats, row: int, arm: Floats) -> None:  # pragma: no cover - c
 def _scalar(
     covariance: Floats, error: Floats, n: int, row: Floats, residual: float, variance: float, gain: Floats
 ) -> tuple[float, float]:  # pragma: no cover - compiled
-    """Take one measurement in; return its innovation and that one's variance. ``error`` is the estimated error so far."""
+    """Update by one measurement; return its innovation and the variance of the innovation.
+
+    ``error`` is the error estimated so far by this event.
+    """
     innovation, total = residual, variance
     for i in range(n):
         gain[i] = 0.0
@@ -138,7 +140,7 @@ def _scalar(
 
 @compiled(arrays=False)
 def feed_back(state: Floats, axes: Floats, error: Floats, n: int) -> None:  # pragma: no cover - compiled
-    """Take estimated errors out of a state."""
+    """Remove the estimated errors from a state."""
     north, east = _radii(state[LATITUDE], state[HEIGHT])
     state[LATITUDE] -= error[0] / north
     state[LONGITUDE] -= error[1] / east
@@ -162,7 +164,7 @@ def update(
     state: Floats, axes: Floats, covariance: Floats, samples: Samples, events: Events, e: Whole, rules: Rules,
     tables: AxisTables, space: Weighing,
 ) -> None:  # fmt: skip  # pragma: no cover - compiled
-    """Take one event in: first what concerns position, then velocity, each gated by its normalised innovation squared."""
+    """Update a filter by one event: first its position, then its velocity; each must pass the gate on its NIS."""
     n = tables.first[6]
     kind, variance = events.kind[e], events.variance[e]
     rows, residual, error, guess, tried = space.rows, space.residual, space.error, space.guess, space.tried
@@ -190,16 +192,16 @@ def update(
             for r in range(3 * group, 3 * group + 3):
                 if variance[r] <= 0.0:
                     continue
-                before, spread = residual[r], variance[r]
+                before, own = residual[r], variance[r]
                 for j in range(n):
                     if rows[r, j] != 0.0:
                         before -= rows[r, j] * error[j]
                         for i in range(n):
-                            spread += rows[r, j] * rows[r, i] * covariance[j * STRIDE + i]
-                got, its = _scalar(tried, guess, n, rows[r], residual[r], variance[r], space.gain)
-                total += got * got / its
+                            own += rows[r, j] * rows[r, i] * covariance[j * STRIDE + i]
+                left, spread = _scalar(tried, guess, n, rows[r], residual[r], variance[r], space.gain)
+                total += left * left / spread
                 if attempt == 0:
-                    innovation[r], deviation[r] = -before, math.sqrt(spread)
+                    innovation[r], deviation[r] = -before, math.sqrt(own)
             if attempt == 0:
                 nis[group] = total
             if total <= rules.gate or attempt == 1:
@@ -216,7 +218,7 @@ def update(
             refused[group] += 1
             if refused[group] <= rules.patience:
                 break
-            # So many cannot all be wrong: what the filter believes of itself is.
+            # Many fixes agree against the filter: its own variance is too small.
             for r in range(3 * group, 3 * group + 3):
                 if variance[r] > 0.0:
                     covariance[r * STRIDE + r] += residual[r] * residual[r]

@@ -1,4 +1,4 @@
-"""Scratch of the filter's compiled loops: what one thread needs, made once."""
+"""Scratch memory of the filter's compiled loops: made once for each thread."""
 
 from __future__ import annotations
 
@@ -16,43 +16,48 @@ if TYPE_CHECKING:
 
 
 MOST_STATES = 48  #: of a filter
-STRIDE = 48  #: of a matrix's flat rows: numbers from one to the next, known when the loops are compiled
+STRIDE = 48  #: numbers from one row to the next of a flat matrix; constant, so that the compiler knows all offsets
 
 
 class Weighing(NamedTuple):
-    """Of one event taken in: what is found, and what is on the way."""
+    """Results and scratch of one event's update."""
 
-    innovation: Floats  #: (6,) m and m/s, measured less predicted; nan where nothing is measured
-    deviation: Floats  #: (6,) its sigma
+    innovation: Floats  #: (6,) m and m/s, measured less predicted; nan: not measured
+    deviation: Floats  #: (6,) sigma of the innovation
     nis: Floats  #: (2,) of position and velocity
-    used: NDArray[np.bool_]  #: (2,)
-    refused: NDArray[np.int64]  #: (2,) how many positions and velocities were refused one behind the other
-    rows: Floats  #: (6, n) how residuals depend on the error states
-    residual: Floats  #: (6,)
+    used: NDArray[np.bool_]  #: (2,) whether position and velocity passed the gate
+    refused: NDArray[np.int64]  #: (2,) positions and velocities refused in a row
+    rows: Floats  #: (6, n) derivatives of the residuals by the error states
+    residual: Floats  #: (6,) predicted less measured
     error: Floats  #: (n,) estimated so far
-    guess: Floats  #: (n,) the same, of a group that is tried
+    guess: Floats  #: (n,) estimated, if the group in work passes
     gain: Floats  #: (n,)
-    tried: Floats  #: flat rows of its covariance
+    tried: Floats  #: flat rows of the covariance, if the group in work passes
     turn: Floats  #: (3, 3) C_b_n
-    arm: Floats  #: (3,) m NED
-    swing: Floats  #: (3,) m/s NED
+    arm: Floats  #: (3,) m NED, the lever arm
+    swing: Floats  #: (3,) m/s NED, velocity of the antenna against the IMU
 
 
 class Workspace(NamedTuple):
-    """Of a run; zero outside what is used."""
+    """Scratch of a run; zero outside the part in use."""
 
     product: Floats  #: flat rows
     weights: Floats  #: (MOST_STATES,)
-    transition: Floats  #: flat rows, product of the transition matrices since it was the identity; empty: not wanted
+    transition: Floats  #: flat rows, product of the transition matrices since the last event; empty: not wanted
     error: Floats  #: (6,) of the axes
-    moved: Floats  #: (MOST_STATES,)
-    spare: Floats  #: flat rows of a covariance that is only looked at
-    seen: Floats  #: (SIZE,) a state likewise
+    moved: Floats  #: (MOST_STATES,) an axis's states after a step
+    spare: Floats  #: flat rows, copy of a covariance at a mark
+    seen: Floats  #: (SIZE,) copy of a state at a mark
     weighing: Weighing
 
 
 def workspace(n: int, *, transition: bool = False) -> Workspace:
-    """Return scratch for a filter of n error states; with a place for the transition matrix, if a smoother wants it."""
+    """Return scratch memory.
+
+    Args:
+        n: error states.
+        transition: whether to make room for the transition matrix, which a smoother needs.
+    """
     weighing = Weighing(
         np.zeros(6), np.zeros(6), np.zeros(2), np.zeros(2, np.bool_), np.zeros(2, np.int64), np.zeros((MOST_ROWS, n)),
         np.zeros(MOST_ROWS), np.zeros(n), np.zeros(n), np.zeros(n), _rows(), np.zeros((3, 3)), np.zeros(3), np.zeros(3),

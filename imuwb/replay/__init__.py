@@ -1,40 +1,20 @@
-"""Outages replayed: filters over a log, their drift against a reference, and what that says of them."""
+"""Outage replay: filters over a log, their drift against a reference, and the statistics of it."""
 
 from imuwb.replay.budget import Budget, budget
-from imuwb.replay.choice import Choice, choose
+from imuwb.replay.choice import Choice, FilterCandidate, choose
 from imuwb.replay.clocks import Clocks, estimate_clocks
 from imuwb.replay.degraded import Degradation, degraded
 from imuwb.replay.models import NAMES, model_named
 from imuwb.replay.motion import motion_classes
 from imuwb.replay.mounting import Mounting, estimate_mounting
-from imuwb.replay.reference import Yardstick, own, yardstick
-from imuwb.replay.replay import (
-    Outage,
-    Prepared,
-    Replay,
-    Replayed,
-    Run,
-    apart,
-    events_of,
-    own_outages,
-    prepare,
-    replay,
-    run,
-    sweep,
-)
+from imuwb.replay.outages import Outage, events_of, own_outages, sweep
+from imuwb.replay.overlap import effective_count, without_overlap
+from imuwb.replay.prepared import Prepared, prepare, run
+from imuwb.replay.reference import ReferenceTrack, own_track, reference_track
+from imuwb.replay.replay import FilterRun, Replay, ScoredDrift, replay
 from imuwb.replay.scaled import scaled
 from imuwb.replay.scores import HORIZONS, Scores, scores
-from imuwb.replay.statistics import (
-    Consistency,
-    Interval,
-    Paired,
-    Summary,
-    compare,
-    drift_curve,
-    effective_count,
-    summarize,
-    verdict,
-)
+from imuwb.replay.statistics import Consistency, DriftCurve, Paired, Summary, compare, drift_curve, summarize, verdict
 from imuwb.replay.true_errors import true_errors
 from imuwb.replay.tuning import Tuned, tune
 
@@ -46,19 +26,19 @@ __all__ = [
     "Clocks",
     "Consistency",
     "Degradation",
-    "Interval",
+    "DriftCurve",
+    "FilterCandidate",
+    "FilterRun",
     "Mounting",
     "Outage",
     "Paired",
     "Prepared",
+    "ReferenceTrack",
     "Replay",
-    "Replayed",
-    "Run",
+    "ScoredDrift",
     "Scores",
     "Summary",
     "Tuned",
-    "Yardstick",
-    "apart",
     "budget",
     "choose",
     "compare",
@@ -70,9 +50,10 @@ __all__ = [
     "events_of",
     "model_named",
     "motion_classes",
-    "own",
     "own_outages",
+    "own_track",
     "prepare",
+    "reference_track",
     "replay",
     "run",
     "scaled",
@@ -82,5 +63,5 @@ __all__ = [
     "true_errors",
     "tune",
     "verdict",
-    "yardstick",
+    "without_overlap",
 ]

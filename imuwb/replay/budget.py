@@ -1,8 +1,8 @@
-"""What the drift is made of: how much of the filter's horizontal variance each source brings, in outages.
+"""The error budget of outages: the share of each source in the filter's horizontal variance.
 
-A covariance carried on without updates is linear in what it begins with and in the noise that comes in: each source is carried on
-alone. What the sources have in common at the start, such as a tilt that an accelerometer's bias hides behind, is a part of its own,
-and may be negative: the two cancel for as long as the vehicle does not turn.
+Without updates, the covariance is linear in its start and in the noise that enters: each source is propagated alone. The
+correlations of the sources at the start are a source of their own, "in common". Its variance may be negative: a tilt and an
+accelerometer's bias, for example, cancel until the vehicle turns.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ if TYPE_CHECKING:
     from imuwb.navigation.filter import Solution
     from imuwb.navigation.tables import AxisTables
 
-COMMON = "in common"  #: what several sources share at the start
+COMMON = "in common"  #: the correlations of the sources at the start
 SENSORS = ("gyro", "accelerometer")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Budget:
-    """Horizontal variance by source, mean over outages."""
+    """The horizontal variance of a filter by source, mean over outages."""
 
     sources: tuple[str, ...]
     elapsed: Floats  #: (L,) s
@@ -40,11 +40,11 @@ class Budget:
 
 
 def budget(solution: Solution, events: NDArray[np.int64], duration: float) -> Budget:
-    """Return the budget of a filter's sigma in outages.
+    """Return the error budget of a filter in outages.
 
     Args:
         solution: the filter's run.
-        events: (s,) the last fix before each outage.
+        events: (s,) the last fix before each outage, among the solution's events.
         duration: s.
     """
     total = _horizontal(solution, events, duration)
@@ -71,19 +71,19 @@ def _horizontal(solution: Solution, events: NDArray[np.int64], duration: float) 
 
 
 def _groups(solution: Solution) -> Iterator[tuple[str, NDArray[np.int64]]]:
-    """Yield what is uncertain when an outage begins, and which error states that is."""
+    """Yield the sources at the start of an outage, and their error states."""
     yield "position at the start", np.array([0, 1, 2])
     yield "velocity at the start", np.array([3, 4, 5])
     yield "tilt at the start", np.array([6, 7])
     yield "heading at the start", np.array([8])
     kinds: dict[str, list[int]] = {}
-    for i, name in enumerate(solution.model.states(solution.moves.interval)[NAVIGATION:]):
+    for i, name in enumerate(solution.model.states(solution.measurement.interval)[NAVIGATION:]):
         axis, _, rest = name.partition(": ")
         kind = rest.partition(",")[0]
         kind = kind.rstrip("0123456789 ") if kind.startswith("AR(") else kind
         sensor = SENSORS[int(axis.startswith("accel"))]
-        what = {"constant": "turn-on bias", "scale factor": "scale factor"}.get(kind, f"{kind} bias")
-        kinds.setdefault(f"{sensor} {what}, at the start", []).append(NAVIGATION + i)
+        source = {"constant": "turn-on bias", "scale factor": "scale factor"}.get(kind, f"{kind} bias")
+        kinds.setdefault(f"{sensor} {source}, at the start", []).append(NAVIGATION + i)
     for kind, states in kinds.items():
         yield kind, np.array(states)
 
@@ -94,7 +94,7 @@ def _without_noise(tables: AxisTables) -> AxisTables:
 
 
 def _noises(tables: AxisTables) -> Iterator[tuple[str, AxisTables]]:
-    """Yield what comes in during an outage, and tables with that alone."""
+    """Yield the sources of noise in an outage, and tables with that noise only."""
     quiet = _without_noise(tables)
     for sensor, name in enumerate(SENSORS):
         axes = [i for i, axis in enumerate(AXES) if axis.startswith("accel") == bool(sensor)]

@@ -1,4 +1,4 @@
-"""Which filter to take: chosen on some outages, judged on others that it has not been chosen on."""
+"""The choice of a filter: made on some outages, judged on the others."""
 
 from __future__ import annotations
 
@@ -13,64 +13,71 @@ if TYPE_CHECKING:
     from imuwb.log import Floats
     from imuwb.replay.scores import Scores
 
-FOLDS = 5
-AT = (5, 10, 20, 30, 60)  #: s into an outage, at which errors count
+FOLDS = 5  #: blocks of the cross-validation
+AT = (5, 10, 20, 30, 60)  #: s since the start of an outage; the errors at these times count
 
 
 @dataclass(frozen=True, slots=True)
-class Candidate:
+class FilterCandidate:
     """One filter of a choice."""
 
     model: str
-    log_likelihood: float  #: of an outage's errors under the filter's own covariance, mean over outages and seconds
+    log_likelihood: float  #: of an outage's errors, under the filter's own covariance; mean over outages and times
     median_end: float  #: m
-    folds: int  #: in which it is the best on the other folds
+    folds: int  #: number of folds in which this filter is the best in the other folds
 
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """Filters in the order of how likely they make the errors, and what choosing so is worth."""
+    """Filters in order of their likelihood, and the performance of the choice in outages that it was not made on."""
 
     duration: float  #: s
-    candidates: tuple[Candidate, ...]
+    candidates: tuple[FilterCandidate, ...]
     folds: int
-    unseen_log_likelihood: float  #: of the filter chosen on the other folds, in each fold; mean
-    unseen_median_end: float  #: m, likewise
+    unseen_log_likelihood: float  #: in each fold, of the filter chosen in the other folds; mean
+    unseen_median_end: float  #: m; in each fold, of the filter chosen in the other folds; median
 
     @property
     def chosen(self) -> str:
-        """Return the likeliest filter's name."""
+        """Return the name of the filter with the largest likelihood."""
         return self.candidates[0].model
 
+    def __str__(self) -> str:
+        """Return the chosen filter in a line."""
+        best = self.candidates[0]
+        return (
+            f"Choice for outages of {self.duration:g} s: {best.model}, log-likelihood {best.log_likelihood:.2f}, "
+            f"best in {best.folds} of {self.folds} folds"
+        )
 
-def choose(found: Mapping[str, Scores], duration: float) -> Choice | None:
-    """Return the choice among filters by cross-validation over blocks of outages; None where there are too few.
 
-    An outage that overlaps a block is not used to choose for it.
+def choose(scores: Mapping[str, Scores], duration: float) -> Choice | None:
+    """Return the choice of a filter by cross-validation over blocks of outages; None if outages or filters are too few.
+
+    An outage that overlaps a block does not take part in the choice for this block.
 
     Args:
-        found: filter -> its scores; all of the same outages, in order of time.
+        scores: filter -> its scores, of the same outages for all filters, in order of time.
         duration: s.
     """
-    start = next(iter(found.values())).start
-    if len(found) < 2 or start.size < 2 * FOLDS:  # noqa: PLR2004 - a choice needs two
+    start = next(iter(scores.values())).start
+    if len(scores) < 2 or start.size < 2 * FOLDS:  # noqa: PLR2004 - a choice needs two
         return None
-    likelihood = {name: log_likelihood(s) for name, s in found.items()}
-    blocks = np.array_split(np.arange(start.size), FOLDS)
-    wins = dict.fromkeys(found, 0)
+    likelihood = {name: log_likelihood(s) for name, s in scores.items()}
+    wins = dict.fromkeys(scores, 0)
     unseen: list[Floats] = []
     errors: list[Floats] = []
-    for block in blocks:
+    for block in np.array_split(np.arange(start.size), FOLDS):
         others = (start + duration <= start[block[0]]) | (start >= start[block[-1]] + duration)
         if not others.any():
             return None
-        best = max(found, key=lambda name: float(likelihood[name][others].mean()))
+        best = max(scores, key=lambda name: float(likelihood[name][others].mean()))
         wins[best] += 1
         unseen.append(likelihood[best][block])
-        errors.append(found[best].horizontal[block, -1])
+        errors.append(scores[best].horizontal[block, -1])
     candidates = [
-        Candidate(name, float(likelihood[name].mean()), float(np.median(s.horizontal[:, -1])), wins[name])
-        for name, s in found.items()
+        FilterCandidate(name, float(likelihood[name].mean()), float(np.median(s.horizontal[:, -1])), wins[name])
+        for name, s in scores.items()
     ]
     candidates.sort(key=lambda c: -c.log_likelihood)
     return Choice(
@@ -78,9 +85,9 @@ def choose(found: Mapping[str, Scores], duration: float) -> Choice | None:
     )  # fmt: skip
 
 
-def log_likelihood(found: Scores) -> Floats:
-    """Return how likely a filter's covariance makes its horizontal errors: the mean over some seconds, by outage."""
-    at = [int(np.argmin(np.abs(found.elapsed - second))) for second in AT if second <= found.elapsed[-1]]
-    covariance = found.covariance[:, at]
+def log_likelihood(scores: Scores) -> Floats:
+    """Return the log-likelihood of each outage's horizontal errors under the filter's covariance: mean over some times."""
+    at = [int(np.argmin(np.abs(scores.elapsed - second))) for second in AT if second <= scores.elapsed[-1]]
+    covariance = scores.covariance[:, at]
     determinant = covariance[..., 0, 0] * covariance[..., 1, 1] - covariance[..., 0, 1] ** 2
-    return (-found.nees[:, at] / 2 - np.log(determinant) / 2 - np.log(2 * np.pi)).mean(axis=1)
+    return (-scores.nees[:, at] / 2 - np.log(determinant) / 2 - np.log(2 * np.pi)).mean(axis=1)

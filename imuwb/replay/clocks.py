@@ -1,4 +1,4 @@
-"""How two clocks differ: a receiver's delay, and the rate of the IMU's clock, by the likelihood of a filter's innovations."""
+"""The delay of a receiver and the rate of the IMU's clock, by the likelihood of a filter's innovations."""
 
 from __future__ import annotations
 
@@ -8,135 +8,144 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import optimize
 
-from imuwb.replay.replay import prepare, run
+from imuwb.replay.prepared import prepare, run
 from imuwb.replay.scaled import scaled
-from imuwb.replay.statistics import Interval
+from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from numpy.typing import NDArray
+
     from imuwb.log import Floats, Log
     from imuwb.navigation.filter_model import FilterModel
 
+#: The unknowns are: delay of positions, s; delay of velocities less that of positions, s; rate; log of the noise's factor.
 DELAYS = np.arange(-0.5, 0.51, 0.1)  #: s, of the first grid
-RATES = np.array([-2e-3, -1e-3, -5e-4, 0.0, 5e-4, 1e-3, 2e-3])  #: likewise
-STEPS = np.array([0.05, 0.1, 3e-4, 0.5])  #: of both delays, s, rate, and log of the noise: the first simplex
-SMALL = np.array([0.01, 0.01, 2e-5, 0.1])  #: likewise, where the curvature begins to be looked for
-RISE = 2.0  #: of the misfit, over which it is taken: what is jagged below does not count
-ENDS = 3  #: fixes at each end that do not count: a delay takes some in or out
-LOUD = np.log(3.0)  #: log of the factor of white noise at the start: vehicles shake
+RATES = np.array([-2e-3, -1e-3, -5e-4, 0.0, 5e-4, 1e-3, 2e-3])  #: of the first grid
+STEPS = np.array([0.05, 0.1, 3e-4, 0.5])  #: of the first simplex
+SMALL = np.array([0.01, 0.01, 2e-5, 0.1])  #: the first steps of the curvature
+STAIRS = np.array([2.0, 2.0, 4.0, 0.0])  #: samples; smaller steps of the curvature meet the stairs of the likelihood
+RISE = 2.0  #: of the misfit, over which the curvature is taken: the misfit is rough at smaller scales
+ENDS = 3  #: fixes at each end that do not count, as a delay moves some of them out of the log
+LOUD = np.log(3.0)  #: log of the factor of white noise at the start of the search: vehicles vibrate
 
 
 @dataclass(frozen=True, slots=True)
 class Clocks:
-    """A receiver's delay and an IMU's clock, with intervals."""
+    """The delay of a receiver and the rate of an IMU's clock, with intervals; None: not estimated."""
 
-    delay: (
-        Interval | None
-    )  #: s by which a fix's stamp is later than where its position shows the IMU; None: it was given
-    velocity_delay: Interval | None  #: s by which its velocity is older than that; likewise
-    rate: Interval | None  #: true seconds in one of the IMU's; likewise
-    noise: float  #: factor of the model's white noise under which the log is most likely
+    delay: Estimate | None  #: s, by which the stamp of a fix is late
+    velocity_delay: Estimate | None  #: s, by which a fix's velocity is older than its position
+    rate: Estimate | None  #: true seconds in a second of the IMU's clock
+    noise: float  #: factor of the model's white noise with the largest likelihood
+
+    def __str__(self) -> str:
+        """Return the estimates in a line."""
+        known = {"delay": self.delay, "velocity delay": self.velocity_delay, "clock rate": self.rate}
+        return ", ".join(f"{name} {value}" for name, value in known.items() if value is not None)
 
 
 def estimate_clocks(
     log: Log, model: FilterModel, receiver: str | None, level: float, *, with_delay: bool = True, with_rate: bool
 ) -> Clocks:
-    """Return delays and rate where the innovations of a filter are most likely, its white noise scaled along with them.
+    """Return the delays and the rate for which a filter's innovations are most likely; its white noise is scaled as well.
 
-    The same fixes count whatever the delay. Intervals are of the curvature there; infinite, where there is none.
+    The same fixes count for all delays. The intervals follow from the curvature of the likelihood; they are infinite where
+    there is no curvature.
 
     Args:
         log: the log.
         model: a filter; its own delays and rate are where the search begins.
-        receiver: name of the receiver; None: the one that tells most.
+        receiver: name of the receiver; None: the best one.
         level: of the intervals.
-        with_delay: whether the delays of positions and velocities are sought.
-        with_rate: whether the clock's rate is sought.
+        with_delay: whether the delays of positions and velocities are estimated.
+        with_rate: whether the clock's rate is estimated.
 
     Raises:
         MissingDataError: as ``prepare``.
     """
-    before = model.installation
-    untouched = prepare(log, model, receiver)
-    row = untouched.found.fix
-    counted = (int(row[untouched.start.event]) + ENDS, int(row.max()) - ENDS)
-
-    def misfit(delay: float, later: float, rate: float, noise: float) -> float:
-        factor = float(np.exp(noise))
-        tried = replace(
-            model, error_model=scaled(model.error_model, (factor, factor)),
-            installation=replace(
-                before, gnss_delay=before.gnss_delay + delay, velocity_delay=before.velocity_delay + later or 1e-9,
-                clock_rate=before.clock_rate + rate,
-            ),
-        )  # fmt: skip
-        return -run(tried, prepare(log, tried, receiver)).log_likelihood_of(*counted)
-
-    delays = DELAYS if with_delay else np.zeros(1)
-    rates = RATES if with_rate else np.zeros(1)
-    grid = [(misfit(float(d), 0.0, float(r), LOUD), float(d), float(r)) for r in rates for d in delays]
-    _, coarse, rate = min(grid)
+    prepared = prepare(log, model, receiver)
+    row = prepared.corrections.fix
+    counted = (int(row[prepared.alignment.event]) + ENDS, int(row.max()) - ENDS)
     free = np.array([with_delay, with_delay, with_rate, True])
+
+    def misfit(x: Floats) -> float:
+        tried = _changed(model, x)
+        return -run(tried, prepare(log, tried, receiver)).log_likelihood_of(*counted)
 
     def objective(x: Floats) -> float:
         full = np.zeros(4)
         full[free] = x
-        full[1] -= full[0]  # sought: when positions are, and when velocities are; they hardly depend on each other
-        return misfit(*(float(v) for v in full))
+        # The search is over the times of positions and of velocities, whose estimates hardly depend on each other.
+        full[1] -= full[0]
+        return misfit(full)
 
-    start = np.array([coarse, coarse, rate, LOUD])[free]
-    best = optimize.minimize(
-        objective, start, method="Nelder-Mead",
-        options={
-            "initial_simplex": np.vstack([start, start + np.diag(STEPS[free])]), "xatol": 1e-5, "fatol": 0.05, "maxfev": 300,
-        },
-    )  # fmt: skip
-    # A velocity counts at a sample: over less than a few of them its likelihood is a stair.
-    length = float(np.ptp(untouched.moves.time))
-    least = np.array([2.0, 2.0, 4.0 / length, 0.0]) * untouched.moves.interval
-    covariance = _covariance(objective, best.x, np.maximum(SMALL, least)[free])
+    delays, rates = DELAYS if with_delay else np.zeros(1), RATES if with_rate else np.zeros(1)
+    grid = [(misfit(np.array([d, 0.0, r, LOUD])), float(d), float(r)) for r in rates for d in delays]
+    _, coarse, rate = min(grid)
+    best = _minimum(objective, np.array([coarse, coarse, rate, LOUD])[free], STEPS[free])
+    stairs = STAIRS * prepared.measurement.interval
+    stairs[2] /= float(np.ptp(prepared.measurement.time))
+    covariance = _covariance(objective, best, np.maximum(SMALL, stairs)[free])
     if with_delay:
-        turn = np.eye(best.x.size)
-        turn[1, 0] = -1.0  # back to how much older velocities are
-        covariance, best.x = turn @ covariance @ turn.T, turn @ best.x
-    spread = np.diagonal(covariance)
-    half = normal_limit(level) * np.sqrt(np.where(spread > 0, spread, np.inf))
-    value, width = np.zeros(4), np.zeros(4)
-    value[free], width[free] = best.x, half
-    first = before.gnss_delay, before.velocity_delay, before.clock_rate
-    delay, later, slope = (
-        Interval(f + float(v), f + float(v - w), f + float(v + w))
-        for f, v, w in zip(first, value[:3], width[:3], strict=True)
-    )
+        turn = np.eye(best.size)
+        turn[1, 0] = -1.0  # back to the difference of the delays
+        covariance, best = turn @ covariance @ turn.T, turn @ best
+    return _clocks(model, free, best, covariance, level)
+
+
+def _changed(model: FilterModel, x: Floats) -> FilterModel:
+    """Return a filter with other delays, rate and white noise."""
+    delay, later, rate, noise = (float(v) for v in x)
+    factor, own = float(np.exp(noise)), model.installation
+    installation = replace(
+        own, gnss_delay=own.gnss_delay + delay, clock_rate=own.clock_rate + rate,
+        velocity_delay=own.velocity_delay + later or 1e-9,  # never 0, so that all runs have the same events
+    )  # fmt: skip
+    return replace(model, error_model=scaled(model.error_model, (factor, factor)), installation=installation)
+
+
+def _minimum(objective: Callable[[Floats], float], start: Floats, steps: Floats) -> Floats:
+    simplex = np.vstack([start, start + np.diag(steps)])
+    options = {"initial_simplex": simplex, "xatol": 1e-5, "fatol": 0.05, "maxfev": 300}
+    return np.asarray(optimize.minimize(objective, start, method="Nelder-Mead", options=options).x, dtype=np.float64)
+
+
+def _clocks(model: FilterModel, free: NDArray[np.bool_], best: Floats, covariance: Floats, level: float) -> Clocks:
+    """Return the estimates with their intervals."""
+    variance = np.diagonal(covariance)
+    value, sigma = np.zeros(4), np.zeros(4)
+    value[free], sigma[free] = best, np.sqrt(np.where(variance > 0, variance, np.inf))
+    own, limit = model.installation, normal_limit(level)
+
+    def estimate(k: int, start: float, unit: str) -> Estimate | None:
+        center, half = start + float(value[k]), limit * float(sigma[k])
+        return Estimate(center, center - half, center + half, float(sigma[k]), unit) if free[k] else None
+
     return Clocks(
-        delay if with_delay else None,
-        later if with_delay else None,
-        slope if with_rate else None,
+        estimate(0, own.gnss_delay, "s"), estimate(1, own.velocity_delay, "s"), estimate(2, own.clock_rate, ""),
         float(np.exp(value[3])),
-    )
+    )  # fmt: skip
 
 
 def _covariance(objective: Callable[[Floats], float], at: Floats, step: Floats) -> Floats:
     """Return the inverse of a function's curvature, by differences."""
-    n = at.size
-    centre = objective(at)
+    n, centre = at.size, objective(at)
     step = step.copy()
+    unit = np.eye(n)
     for i in range(n):
-        unit = np.eye(n)[i]
         for _ in range(8):
-            if objective(at + step[i] * unit) + objective(at - step[i] * unit) - 2 * centre >= 2 * RISE:
+            if objective(at + step[i] * unit[i]) + objective(at - step[i] * unit[i]) - 2 * centre >= 2 * RISE:
                 break
             step[i] *= 1.6
     hessian = np.zeros((n, n))
     for i in range(n):
-        for j in range(i + 1):
-            a, b = np.zeros(n), np.zeros(n)
-            a[i], b[j] = step[i], step[j]
-            if i == j:
-                hessian[i, i] = (objective(at + a) - 2 * centre + objective(at - a)) / step[i] ** 2
-            else:
-                mixed = objective(at + a + b) - objective(at + a - b) - objective(at - a + b) + objective(at - a - b)
-                hessian[i, j] = hessian[j, i] = mixed / (4 * step[i] * step[j])
+        a = step[i] * unit[i]
+        hessian[i, i] = (objective(at + a) - 2 * centre + objective(at - a)) / step[i] ** 2
+        for j in range(i):
+            b = step[j] * unit[j]
+            mixed = objective(at + a + b) - objective(at + a - b) - objective(at - a + b) + objective(at - a - b)
+            hessian[i, j] = hessian[j, i] = mixed / (4 * step[i] * step[j])
     return np.asarray(np.linalg.pinv(hessian), dtype=np.float64)

@@ -1,14 +1,14 @@
-"""The filters that are compared, by name: values made of one error model (Quinchia, tables 5 and 8, appendix A.1).
+"""The filters that a replay compares, by name: all are made from one error model (Quinchia, tables 5 and 8, appendix A.1).
 
-``none``     9 states: white noise alone
-``15AV``     and a Gauss-Markov bias on every axis, from its bias instability
-``18AV``     and a random walk on the accelerometers
-``18AVWD``   18AV on samples that went through wavelet denoising
-``15AR``     an autoregressive process of first order on every axis instead, Burg's of denoised static samples
-``27AR``     likewise of third order
-``full``     everything that the error model says, flicker as several Gauss-Markov states; and turn-on biases
+``none``     white noise only: 9 states
+``15AV``     white noise, and a Gauss-Markov bias on every axis, from its bias instability
+``18AV``     15AV, and a random walk on the accelerometers
+``18AVWD``   18AV, on samples after wavelet denoising
+``15AR``     white noise, and an autoregressive process of order 1 on every axis, by Burg's method from denoised static samples
+``27AR``     white noise, and an autoregressive process of order 3 on every axis, by the same method
+``full``     all processes of the error model, flicker noise as several Gauss-Markov states; and turn-on biases
 
-Where an error model states a turn-on bias (``Constant``), all but ``none`` carry it, and have six states more than named.
+Where the error model has a turn-on bias (``Constant``), all filters but ``none`` have six more states for it.
 """
 
 from __future__ import annotations
@@ -43,14 +43,13 @@ if TYPE_CHECKING:
     from imuwb.stochastic import Process
 
 NAMES = ("none", "15AV", "18AV", "18AVWD", "15AR", "27AR", "full")
-FLOOR = float(np.sqrt(2 * np.log(2) / np.pi))  #: flat Allan deviation of flicker over its B
-PEAK, PEAK_AT = (
-    0.6174,
-    1.892,
-)  #: largest Allan deviation of a Gauss-Markov process over its sigma, and where, over its Tc
-LONGEST, SHORTEST = 2000.0, 1.0  #: s, between which the flat part of an Allan curve is looked for
-STATIC = 1800.0  #: s of static samples that an AR process is fitted to, where no static log is given
-TURN_ON = (float(np.radians(0.2)), 0.1)  #: rad/s, m/s²: usual of MEMS that were calibrated once
+FLOOR = float(np.sqrt(2 * np.log(2) / np.pi))  #: flat Allan deviation of flicker noise over its B
+#: Largest Allan deviation of a Gauss-Markov process over its sigma, and its averaging time over Tc.
+PEAK, PEAK_AT = 0.6174, 1.892
+LONGEST, SHORTEST = 2000.0, 1.0  #: s, the averaging times among which the flat part of an Allan curve is searched
+FLAT = 1.05  #: the flat part is below this multiple of the smallest Allan deviation
+STATIC = 1800.0  #: s of simulated static samples to which an AR process is fitted, without a static log
+TURN_ON = (float(np.radians(0.2)), 0.1)  #: rad/s, m/s²: usual for MEMS that were calibrated once
 WAVELET, SEED = "db4", 0
 LEVELS = {"gyro_x": 7, "gyro_y": 7, "gyro_z": 7, "accel_x": 7, "accel_y": 6, "accel_z": 6}  #: Quinchia, table 7
 
@@ -68,24 +67,24 @@ def model_named(
 
     Args:
         name: one of ``NAMES``.
-        base: the error model, and all settings.
-        reading: of the paper's formulas, for Gauss-Markov parameters and for the filter's own.
-        interval: s, the log's.
-        turn_on: sigmas of turn-on biases of gyros (rad/s) and accelerometers (m/s²) to add where the error model has none;
-            None: only to ``full``, which gets ``TURN_ON``.
-        static: axis -> samples at that interval, to which AR processes are fitted; None: simulated from the error model.
+        base: a filter with the error model and all settings.
+        reading: of the paper's formulas, for Gauss-Markov parameters and for the filter.
+        interval: s, of the log's samples.
+        turn_on: sigmas of turn-on biases of gyros (rad/s) and accelerometers (m/s²), for an error model without them;
+            None: ``TURN_ON`` for ``full``, none for the others.
+        static: axis -> static samples at that interval, to which AR processes are fitted; None: simulated from the error model.
 
     Raises:
-        UsageError: no such name.
-        ValueError: an axis that is missing, an AR process that is not stable.
+        UsageError: no such name, or an axis that the error model lacks.
+        ValueError: an AR process that is not stable.
     """
     if name not in NAMES:
-        message = f"no filter {name!r}; there are {', '.join(NAMES)}"
+        message = f"there is no filter {name!r}; choose among {', '.join(NAMES)}"
         raise UsageError(message)
     source = base.error_model
     missing = [axis for axis in AXES if axis not in source.axes]
     if missing:
-        message = f"the error model {source.name!r} says nothing of {', '.join(missing)}"
+        message = f"the error model {source.name!r} has no axis {', '.join(missing)}; add it"
         raise UsageError(message)
     if turn_on is None and name == "full":
         turn_on = TURN_ON
@@ -103,12 +102,11 @@ def model_named(
 def _axis(
     name: str, axis: str, model: AxisModel, reading: Reading, interval: float, static: Mapping[str, Floats] | None
 ) -> AxisModel:
+    """Return an axis's model with the processes of a filter, at all temperatures."""
     if name == "full":
         return model
-    if model.thermal:
-        points = tuple((t, _of(name, axis, s, reading, interval, static)) for t, s in model.thermal)
-        return replace(model, processes=_of(name, axis, model.processes, reading, interval, static), thermal=points)
-    return replace(model, processes=_of(name, axis, model.processes, reading, interval, static))
+    points = tuple((t, _of(name, axis, s, reading, interval, static)) for t, s in model.thermal)
+    return replace(model, processes=_of(name, axis, model.processes, reading, interval, static), thermal=points)
 
 
 def _of(
@@ -126,10 +124,10 @@ def _of(
 
 
 def gauss_markov(processes: Sum, reading: Reading) -> tuple[GaussMarkov, ...]:
-    """Return the Gauss-Markov process that stands for a bias instability: that of the model, or one made of its flicker.
+    """Return the Gauss-Markov processes that stand for bias instability: those of the model, or one made from its flicker noise.
 
-    As printed (eq. 29, table 5), sigma is the flat level 0.664 B and Tc its middle; corrected, both are chosen so that the
-    process's own Allan peak is that level, there.
+    As printed (eq. 29, table 5), sigma is the flat Allan deviation 0.664 B, and Tc the averaging time in its middle. Corrected,
+    sigma and Tc are such that the process has its largest Allan deviation there, with this value.
     """
     own = tuple(term for term in processes.terms if isinstance(term, GaussMarkov))
     flicker = [term for term in processes.terms if isinstance(term, FlickerNoise) and term.B > 0]
@@ -142,11 +140,11 @@ def gauss_markov(processes: Sum, reading: Reading) -> tuple[GaussMarkov, ...]:
 
 
 def flat_middle(processes: Sum) -> float:
-    """Return the averaging time in the middle of a model's flat part, s: where its Allan deviation is within 5 % of its least."""
+    """Return the averaging time, s, in the middle of the flat part of a model's Allan deviation: within 5 % of the smallest."""
     tau = np.geomspace(SHORTEST, LONGEST, 400)
     kept = Sum(tuple(t for t in processes.terms if isinstance(t, WhiteNoise | FlickerNoise | RandomWalk)))
     deviation = np.sqrt(kept.allan_variance(tau, 1e-3))
-    flat = tau[deviation <= 1.05 * deviation.min()]
+    flat = tau[deviation <= FLAT * deviation.min()]
     return float(np.sqrt(flat[0] * flat[-1]))
 
 
@@ -162,17 +160,16 @@ def _autoregressive(
         drawn = Sum(tuple(term for term in processes.terms if not isinstance(term, Constant)))
         rng = np.random.default_rng([SEED, AXES.index(axis)])
         samples = drawn.sample(round(STATIC / interval), interval, rng)
-    found = burg(denoise(samples, LEVELS[axis], WAVELET).values, order)
-    return Autoregressive(tuple(found.alpha[order]), float(np.sqrt(found.variance[order])), interval)
+    fit = burg(denoise(samples, LEVELS[axis], WAVELET).values, order)
+    return Autoregressive(tuple(fit.alpha[order]), float(np.sqrt(fit.variance[order])), interval)
 
 
 def _with_turn_on(model: AxisModel, source: AxisModel, sigma: float | None) -> AxisModel:
-    stated = tuple(term for term in source.processes.terms if isinstance(term, Constant))
+    """Return a model with the turn-on bias of the source, or, if the source has none, with one of a given sigma."""
     if any(isinstance(term, Constant) for term in model.processes.terms):
         return model
-    added = stated or (() if not sigma else (Constant(float(sigma)),))
-    if not added:
-        return model
+    stated = tuple(term for term in source.processes.terms if isinstance(term, Constant))
+    added = stated or ((Constant(float(sigma)),) if sigma else ())
 
     def more(s: Sum) -> Sum:
         return Sum((*s.terms, *added))

@@ -1,4 +1,4 @@
-"""What the vehicle did in an outage, told by the reference."""
+"""What the vehicle does in an outage, by the reference."""
 
 from __future__ import annotations
 
@@ -11,19 +11,18 @@ if TYPE_CHECKING:
 
     from imuwb.replay.replay import Replay
 
-SLOW = 1.0  #: m/s, below which it stands
-STOPPED = 0.3  #: of an outage: from here on it is a stop
-TURN = np.radians(45)  #: of course, within an outage
-FAST = 70 / 3.6  #: m/s, mean
+SLOW = 1.0  #: m/s; a slower vehicle stands, and has no course
+STOPPED = 0.3  #: share of an outage; a longer stand makes it a stop
+TURN = np.radians(45)  #: change of course that makes an outage a turn
+FAST = 70 / 3.6  #: m/s, mean speed that makes an outage fast
 
 
-def motion_classes(found: Replay, duration: float) -> NDArray[np.str_]:
-    """Return "stop", "turn", "fast" or "straight" of each outage of a duration, (s,)."""
-    drift = next(iter(found.runs.values())).outages[duration].drift
-    velocity = found.reference.at(np.concatenate([drift.start[:, None], drift.time], axis=1))[1]
+def motion_classes(replay: Replay, duration: float) -> NDArray[np.str_]:
+    """Return "stop", "turn", "fast" or "straight" for each outage of a duration, (s,)."""
+    drift = next(iter(replay.runs.values())).outages[duration].drift
+    velocity = replay.reference.at(np.concatenate([drift.start[:, None], drift.time], axis=1))[1]
     speed = np.hypot(velocity[..., 0], velocity[..., 1])
     course = np.arctan2(velocity[..., 1], velocity[..., 0])
-    # Who stands has no course: the one before goes on.
     change = np.where(
         np.minimum(speed[:, 1:], speed[:, :-1]) > SLOW, np.angle(np.exp(1j * np.diff(course, axis=1))), 0.0
     )

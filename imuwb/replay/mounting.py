@@ -1,4 +1,4 @@
-"""How an IMU sits in a vehicle: level from gravity while it stands, heading from how it speeds up and turns."""
+"""The mounting of an IMU in a vehicle: roll and pitch from gravity in standstills, heading from accelerations and turns."""
 
 from __future__ import annotations
 
@@ -10,89 +10,112 @@ import numpy as np
 from imuwb.errors import MissingDataError
 from imuwb.geodesy.attitude import euler_of_rotation, rotation_of_euler
 from imuwb.log import SECOND
-from imuwb.navigation.alignment import standing
 from imuwb.navigation.filter_model import Installation
-from imuwb.navigation.measurement import measurement
-from imuwb.replay.replay import receiver_of
+from imuwb.navigation.measurement import measurement_of
+from imuwb.navigation.standstill import standstills
+from imuwb.replay.prepared import receiver_of
+from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit
 
 if TYPE_CHECKING:
-    from imuwb.log import Log
+    from numpy.typing import NDArray
 
-STILL = 5.0  #: s that tell the level
-SLOW = 2.0  #: m/s, below which a course tells nothing
-WINDOW = 1.0  #: s, over which accelerations are taken
+    from imuwb.log import Floats, GnssStream, Log
+    from imuwb.navigation.measurement import Measurement
+
+    Complex = NDArray[np.complex128]
+
+STILL = 5.0  #: s of standstills that the level needs
+SLOW = 2.0  #: m/s; at a lower speed the course is unknown
+WINDOW = 1.0  #: s, over which accelerations are averaged
 LEAST = 20  #: windows
-LEAST_PUSH = 0.3  #: m/s², rms of the accelerations that tell the heading
+LEAST_ACCELERATION = 0.3  #: m/s², rms that the heading needs
+LARGEST_ACCELERATION = 10.0  #: m/s²; larger ones are errors
 
 
 @dataclass(frozen=True, slots=True)
 class Mounting:
     """Roll, pitch and heading that turn vectors from the vehicle's axes to the IMU's, as ``Installation`` has them."""
 
-    angles: tuple[float, float, float]  #: deg
-    heading_half_width: (
-        float  #: deg, of the heading's interval; roll and pitch are as level as the places where it stood
-    )
+    angles: tuple[float, float, float]  #: deg; roll and pitch are as level as the places of the standstills
+    heading: Estimate  #: deg
+
+    def __str__(self) -> str:
+        """Return the angles in a line."""
+        roll, pitch, _ = self.angles
+        return f"Mounting: roll {roll:.2f}, pitch {pitch:.2f} deg, heading {self.heading}"
 
 
 def estimate_mounting(log: Log, receiver: str | None, level: float) -> Mounting:
-    """Return how the IMU sits, from the log itself.
+    """Return the mounting of the first IMU, from the log itself.
 
-    While the vehicle stands, gravity tells roll and pitch. In motion, the specific force that is left in the plane is the
-    vehicle's own acceleration, ahead and across, as the receiver tells it: both as complex numbers differ by the heading.
+    In a standstill, gravity gives roll and pitch. In motion, the horizontal specific force is the vehicle's acceleration, ahead
+    and across, which the receiver gives too; as complex numbers, the two differ by the heading.
 
     Args:
-        log: an IMU and a receiver with velocities.
-        receiver: its name; None: the first.
-        level: of the interval.
+        log: an IMU, and a receiver with velocities.
+        receiver: its name; None: the best one.
+        level: of the heading's interval.
 
     Raises:
-        MissingDataError: no velocities, no stillness, too little acceleration.
+        MissingDataError: no velocities, no standstill, or too little acceleration.
     """
     gnss = receiver_of(log, receiver) if log.gnss else None
     if gnss is None or gnss.velocity is None:
+        message = f"{log.provenance.path}: a receiver with velocities is needed to estimate the mounting; give the angles with --mounting"
+        raise MissingDataError(message)
+    measurement = measurement_of(log, log.imu(), Installation())
+    level_rotation = _level(log, gnss, measurement)
+    true, measured = _accelerations(log, gnss, measurement, level_rotation)
+    if true.size < LEAST or np.sqrt((np.abs(true) ** 2).mean()) < LEAST_ACCELERATION:
         message = (
-            f"{log.provenance.path}: the mounting can be estimated only with a receiver's velocities; give --mounting"
+            f"{log.provenance.path}: the accelerations are too small to estimate the mounting: {LEAST} seconds with "
+            f"{LEAST_ACCELERATION:g} m/s² (rms) are needed; give the angles with --mounting"
         )
         raise MissingDataError(message)
-    moves = measurement(log, log.imu(), Installation())
-    rows = np.zeros(moves.time.size, dtype=bool)
-    for begin, end in standing(moves, log, gnss):
-        rows |= (moves.time > begin) & (moves.time <= end)
-    if rows.sum() * moves.interval < STILL:
-        message = f"{log.provenance.path}: the vehicle never stands for {STILL:g} s: its level cannot be told; give --mounting"
+    centred = measured - measured.mean()
+    turn = np.vdot(true, centred) / np.vdot(true, true).real
+    rest = np.abs(centred - turn * true)
+    sigma = float(np.sqrt((rest**2).mean() / 2 / (np.abs(true) ** 2).sum()) / np.abs(turn))
+    # A vector measured at an angle is in the vehicle at that angle less.
+    whole = rotation_of_euler(np.array([0.0, 0.0, -float(np.angle(turn))])) @ level_rotation
+    roll, pitch, heading = (float(np.degrees(x)) for x in euler_of_rotation(whole.T))
+    sigma = float(np.degrees(sigma))
+    half = normal_limit(level) * sigma
+    return Mounting((roll, pitch, heading), Estimate(heading, heading - half, heading + half, sigma, "deg"))
+
+
+def _level(log: Log, gnss: GnssStream, measurement: Measurement) -> Floats:
+    """Return the rotation that levels the IMU's axes, from the specific force in standstills."""
+    rows = np.zeros(measurement.time.size, dtype=bool)
+    for begin, end in standstills(measurement, log, gnss):
+        rows |= (measurement.time > begin) & (measurement.time <= end)
+    if rows.sum() * measurement.interval < STILL:
+        message = f"{log.provenance.path}: {STILL:g} s of standstill are needed to estimate the mounting; give the angles with --mounting"
         raise MissingDataError(message)
-    force = moves.samples.velocity[rows].sum(axis=0) / moves.samples.interval[rows].sum()
+    force = measurement.samples.velocity[rows].sum(axis=0) / measurement.samples.interval[rows].sum()
     roll = float(np.arctan2(-force[1], -force[2]))
     pitch = float(np.arctan2(force[0], np.hypot(force[1], force[2])))
-    flat = rotation_of_euler(np.array([roll, pitch, 0.0]))
-    time = (gnss.time - (log.zero or 0)) / SECOND
-    speed = np.hypot(gnss.velocity[:, 0], gnss.velocity[:, 1])
+    return rotation_of_euler(np.array([roll, pitch, 0.0]))
+
+
+def _accelerations(
+    log: Log, gnss: GnssStream, measurement: Measurement, level_rotation: Floats
+) -> tuple[Complex, Complex]:
+    """Return the accelerations by the receiver and by the IMU, (k,) and (k,) m/s²: ahead + i across, in windows of motion."""
+    velocity = np.zeros((len(gnss), 3)) if gnss.velocity is None else gnss.velocity
+    speed = np.hypot(velocity[:, 0], velocity[:, 1])
     known = np.isfinite(speed)
-    time, speed = time[known], speed[known]
-    course = np.unwrap(np.arctan2(gnss.velocity[known, 1], gnss.velocity[known, 0]))
-    edges = np.arange(max(time[0], moves.time[0]) + WINDOW, min(time[-1], moves.time[-1]) - WINDOW, WINDOW)
-    pushed = np.cumsum(moves.samples.velocity @ flat.T, axis=0)
-    measured = (
-        np.diff(np.stack([np.interp(edges, moves.time, pushed[:, i]) for i in range(2)], axis=1), axis=0) / WINDOW
-    )
+    time, speed = ((gnss.time - (log.zero or 0)) / SECOND)[known], speed[known]
+    course = np.unwrap(np.arctan2(velocity[known, 1], velocity[known, 0]))
+    own = measurement.time
+    edges = np.arange(max(time[0], own[0]) + WINDOW, min(time[-1], own[-1]) - WINDOW, WINDOW)
+    pushed = np.cumsum(measurement.samples.velocity @ level_rotation.T, axis=0)
+    ahead, across = (np.diff(np.interp(edges, own, pushed[:, i])) / WINDOW for i in range(2))
+    measured = ahead + 1j * across
     at_edges = np.interp(edges, time, speed)
     middle = (at_edges[1:] + at_edges[:-1]) / 2
-    across = middle * np.diff(np.interp(edges, time, course)) / WINDOW
-    told = np.diff(at_edges) / WINDOW + 1j * across
-    seen = measured[:, 0] + 1j * measured[:, 1]
-    good = (at_edges[1:] > SLOW) & (at_edges[:-1] > SLOW) & (np.abs(told) < 10) & (np.abs(seen) < 10)  # noqa: PLR2004 - m/s²
-    told, seen = told[good], seen[good]
-    if told.size < LEAST or np.sqrt((np.abs(told) ** 2).mean()) < LEAST_PUSH:
-        message = (
-            f"{log.provenance.path}: the vehicle speeds up and turns too little to tell the mounting; give --mounting"
-        )
-        raise MissingDataError(message)
-    turn = np.vdot(told, seen - seen.mean()) / np.vdot(told, told).real
-    rest = np.abs(seen - seen.mean() - turn * told)
-    sigma = float(np.sqrt((rest**2).mean() / 2 / (np.abs(told) ** 2).sum()) / np.abs(turn))
-    # What is seen at an angle lies, in the vehicle, that angle back.
-    whole = rotation_of_euler(np.array([0.0, 0.0, -float(np.angle(turn))])) @ flat
-    a, b, c = (float(np.degrees(x)) for x in euler_of_rotation(whole.T))
-    return Mounting((a, b, c), float(np.degrees(normal_limit(level) * sigma)))
+    true = np.diff(at_edges) / WINDOW + 1j * middle * np.diff(np.interp(edges, time, course)) / WINDOW
+    good = (at_edges[1:] > SLOW) & (at_edges[:-1] > SLOW)
+    good &= (np.abs(true) < LARGEST_ACCELERATION) & (np.abs(measured) < LARGEST_ACCELERATION)
+    return true[good], measured[good]

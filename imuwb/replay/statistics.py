@@ -1,7 +1,7 @@
-"""Statistics of many outages that overlap: quantiles, consistency, and comparisons, with intervals that know it.
+"""Statistics of many outages that overlap: quantiles, consistency and comparisons, with intervals that allow for the overlap.
 
-A log of a quarter of an hour holds about fifteen outages of a minute that do not overlap, however many starts are swept:
-intervals come from blocks of neighbours, drawn together (moving-block bootstrap, Künsch 1989).
+A log of a quarter of an hour has room for about fifteen outages of a minute that do not overlap, however many a sweep has.
+The intervals therefore come from blocks of neighbours, which are drawn together (moving-block bootstrap, Künsch 1989).
 """
 
 from __future__ import annotations
@@ -12,6 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from imuwb.notes import Note
+from imuwb.replay.overlap import block_length, effective_count
+from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import chi_square_quantile
 
 if TYPE_CHECKING:
@@ -20,162 +23,157 @@ if TYPE_CHECKING:
     from imuwb.log import Floats
     from imuwb.replay.scores import Scores
 
-DRAWS = 1000
-EXACT = 12  #: blocks, up to which all signs are tried
+DRAWS = 1000  #: of the bootstrap
+EXACT = 12  #: blocks; up to this number the test of signs tries all of them
 SEED = 0
-FEWEST = 5  #: outages that do not overlap, below which there are no intervals and no verdict
-LIMIT_95 = 5.991  #: chi-squared of two degrees of freedom
-
-
-@dataclass(frozen=True, slots=True)
-class Interval:
-    """A value with the ends of its interval."""
-
-    value: float
-    lower: float
-    upper: float
+FEWEST = 5  #: outages that do not overlap; fewer give no intervals and no verdict
+LIMIT_95 = 5.991  #: 95 % quantile of chi-squared with two degrees of freedom
+LEAST_ERROR = 1e-3  #: m, added to errors before their logarithm
+DRIVEN = 1.0  #: m/s, mean speed; only faster outages have an error in per cent of the distance
 
 
 @dataclass(frozen=True, slots=True)
 class Consistency:
-    """Whether a filter's own sigma holds, at some time into the outages."""
+    """Whether a filter's sigma is right, at some time in the outages."""
 
-    elapsed: float  #: s
-    nees_per_dof: float  #: mean; 1 where sigma is right
-    lower: float  #: of the mean, were sigma right and the outages as many as do not overlap
+    elapsed: float  #: s since the start of the outage
+    nees_per_dof: float  #: mean; 1 if sigma is right
+    lower: float  #: interval of this mean for a right sigma, with as many outages as do not overlap
     upper: float
-    coverage95: float  #: share of outages within the filter's own 95 % ellipse
-    ratio: float  #: of the errors to sigma: the root of ``nees_per_dof``
+    coverage95: float  #: share of the outages within the filter's own 95 % ellipse
+    ratio: float  #: of errors to sigma: square root of ``nees_per_dof``
 
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """One filter over all outages of a duration."""
+    """One filter in all outages of one duration. Errors are horizontal unless their name states otherwise."""
 
     model: str
     duration: float  #: s
     count: int
-    effective_count: int  #: that do not overlap
-    median_end: Interval  #: m, horizontal error at the end
-    p68_end: Interval  #: m
-    p95_end: Interval  #: m
-    median_max: Interval  #: m
+    effective_count: int  #: outages that do not overlap
+    median_end: Estimate  #: m, at the end
+    p68_end: Estimate  #: m, 68 % quantile at the end
+    p95_end: Estimate  #: m, 95 % quantile at the end
+    median_max: Estimate  #: m, median of each outage's largest error
     median_vertical: float  #: m, at the end
     median_velocity: float  #: m/s, at the end
-    median_heading: float | None  #: rad, at the end; None: the reference knows no heading
-    median_percent: float | None  #: of the distance driven; of outages that move
+    median_heading: float | None  #: rad, at the end; None: the reference has no heading
+    median_percent: float | None  #: of the distance driven, at the end; None: no outage is fast enough
     consistency: tuple[Consistency, ...]
     nis_per_dof: float  #: of the filter's run over the whole log
+
+    def __str__(self) -> str:
+        """Return median, consistency and number of outages in a line."""
+        last = f", NEES/2 {self.consistency[-1].nees_per_dof:.2f}" if self.consistency else ""
+        return (
+            f"{self.model} after {self.duration:g} s without GNSS: median {self.median_end}{last}, {self.count} outages, "
+            f"{self.effective_count} of them do not overlap"
+        )
 
 
 @dataclass(frozen=True, slots=True)
 class Paired:
-    """One filter against another over the same outages, at their ends."""
+    """Two filters in the same outages, at their ends."""
 
     model: str
     against: str
     duration: float  #: s
-    median_difference: Interval  #: m; below 0 the first is better
-    improvement: Interval  #: mean of 1 - model/against, as Quinchia reckons it
-    win_rate: float
-    p_value: float  #: of no difference, by flipping the signs of blocks
-
-
-def effective_count(start: Floats, duration: float) -> int:
-    """Return how many of some outages can be chosen so that none overlaps."""
-    count, free = 0, -np.inf
-    for one in np.sort(start):
-        if one >= free - 1e-6:
-            count, free = count + 1, one + duration
-    return count
-
-
-def block_length(start: Floats, duration: float) -> int:
-    """Return how many neighbours an outage overlaps with: the length of a block."""
-    ordered = np.sort(start)
-    behind = np.searchsorted(ordered, ordered + duration - 1e-6)
-    return int((behind - np.arange(ordered.size)).max(initial=1))
+    median_difference: Estimate  #: m; negative: the first filter is better
+    improvement: Estimate  #: mean of 1 - model/against (Quinchia, section 7)
+    win_rate: float  #: share of the outages in which the first filter is better
+    p_value: float  #: of no difference, by random signs of blocks of neighbours
 
 
 def resampled(count: int, block: int) -> NDArray[np.int64]:
-    """Return rows of a moving-block bootstrap, (DRAWS, count)."""
+    """Return the rows of a moving-block bootstrap, (DRAWS, count)."""
     rng = np.random.default_rng(SEED)
-    blocks = -(-count // block)
-    first = rng.integers(0, max(count - block, 0) + 1, size=(DRAWS, blocks))
+    first = rng.integers(0, max(count - block, 0) + 1, size=(DRAWS, -(-count // block)))
     rows = (first[..., None] + np.arange(min(block, count))).reshape(DRAWS, -1)
     return rows[:, :count]
 
 
-def quantile(values: Floats, share: float, rows: NDArray[np.int64], level: float) -> Interval:
-    """Return a quantile with its bootstrap interval."""
+def _rows(scores: Scores, duration: float) -> tuple[NDArray[np.int64], int, int]:
+    """Return the rows of the bootstrap, none where outages are too few; the effective count; and the length of a block."""
+    effective = effective_count(scores.start, duration)
+    block = block_length(scores.start, duration)
+    rows = resampled(scores.start.size, block)
+    return (rows if effective >= FEWEST else rows[:0]), effective, block
+
+
+def quantile(values: Floats, share: float, rows: NDArray[np.int64], level: float) -> Estimate:
+    """Return a quantile with its bootstrap interval, m; no interval without rows."""
+    value = float(np.quantile(values, share))
     if rows.shape[0] == 0:
-        return Interval(float(np.quantile(values, share)), float("nan"), float("nan"))
-    drawn = np.quantile(values[rows], share, axis=1)
-    low, high = np.quantile(drawn, [(1 - level) / 2, (1 + level) / 2])
-    return Interval(float(np.quantile(values, share)), float(low), float(high))
+        return Estimate(value, float("nan"), float("nan"), unit="m")
+    low, high = np.quantile(np.quantile(values[rows], share, axis=1), [(1 - level) / 2, (1 + level) / 2])
+    return Estimate(value, float(low), float(high), unit="m")
 
 
 def summarize(
-    model: str, duration: float, found: Scores, horizons: tuple[float, ...], nis_per_dof: float, level: float
+    model: str, duration: float, scores: Scores, horizons: tuple[float, ...], nis_per_dof: float, level: float
 ) -> Summary | None:
-    """Return the statistics of one filter; None where no outage was scored.
+    """Return the statistics of one filter; None without outages.
 
     Args:
-        model: its name.
+        model: name of the filter.
         duration: s.
-        found: its scores, of outages that were all scored.
-        horizons: s into the outages, at which consistency is judged.
-        nis_per_dof: of its run.
+        scores: of the outages that are scored.
+        horizons: s since the start of the outage; times at which consistency is judged.
+        nis_per_dof: of the filter's run over the whole log.
         level: of all intervals.
     """
-    if not found.start.size:
+    if not scores.start.size:
         return None
-    effective = effective_count(found.start, duration)
-    rows = resampled(found.start.size, block_length(found.start, duration))
-    if effective < FEWEST:
-        rows = rows[:0]  # so few tell no interval
-    end, largest = found.horizontal[:, -1], found.horizontal.max(axis=1)
-    driven = found.distance[:, -1]
-    far = driven > duration  # more than a metre a second
-    heading = np.abs(found.heading[:, -1])
-    consistent = tuple(
-        _consistency(found, h, effective, level) for h in horizons if h <= duration and h <= found.elapsed[-1]
+    rows, effective, _ = _rows(scores, duration)
+    end, largest = scores.horizontal[:, -1], scores.horizontal.max(axis=1)
+    driven = scores.distance[:, -1]
+    far = driven > DRIVEN * duration
+    heading = np.abs(scores.heading[:, -1])
+    consistency = tuple(
+        _consistency(scores, h, effective, level) for h in horizons if h <= duration and h <= scores.elapsed[-1]
     )
     return Summary(
-        model, duration, int(found.start.size), effective,
+        model, duration, int(scores.start.size), effective,
         quantile(end, 0.5, rows, level), quantile(end, 0.68, rows, level), quantile(end, 0.95, rows, level),
-        quantile(largest, 0.5, rows, level), float(np.median(np.abs(found.vertical[:, -1]))),
-        float(np.median(found.velocity[:, -1])), float(np.median(heading)) if np.isfinite(heading).all() else None,
-        float(np.median(end[far] / driven[far]) * 100) if far.any() else None, consistent, nis_per_dof,
+        quantile(largest, 0.5, rows, level), float(np.median(np.abs(scores.vertical[:, -1]))),
+        float(np.median(scores.velocity[:, -1])), float(np.median(heading)) if np.isfinite(heading).all() else None,
+        float(np.median(end[far] / driven[far]) * 100) if far.any() else None, consistency, nis_per_dof,
     )  # fmt: skip
 
 
-def _consistency(found: Scores, elapsed: float, effective: int, level: float) -> Consistency:
-    at = int(np.argmin(np.abs(found.elapsed - elapsed)))
-    nees = found.nees[:, at]
+def _consistency(scores: Scores, elapsed: float, effective: int, level: float) -> Consistency:
+    nees = scores.nees[:, int(np.argmin(np.abs(scores.elapsed - elapsed)))]
     low, high = (chi_square_quantile(p, 2.0 * effective) / (2 * effective) for p in ((1 - level) / 2, (1 + level) / 2))
     mean = float(nees.mean() / 2)
     return Consistency(elapsed, mean, float(low), float(high), float((nees <= LIMIT_95).mean()), float(np.sqrt(mean)))
 
 
-def compare(model: str, one: Scores, against: str, other: Scores, duration: float, level: float) -> Paired:
-    """Return one filter against another over the same outages."""
-    a, b = one.horizontal[:, -1], other.horizontal[:, -1]
-    block = block_length(one.start, duration)
-    rows = resampled(a.size, block)
-    if effective_count(one.start, duration) < FEWEST:
-        rows = rows[:0]
+def compare(model: str, scores: Scores, against: str, other: Scores, duration: float, level: float) -> Paired:
+    """Return the comparison of two filters in the same outages.
+
+    Args:
+        model: name of the first filter.
+        scores: of the first filter.
+        against: name of the second filter.
+        other: scores of the second filter.
+        duration: s.
+        level: of all intervals.
+    """
+    a, b = scores.horizontal[:, -1], other.horizontal[:, -1]
+    rows, _, block = _rows(scores, duration)
     share = np.where(b > 0, 1 - a / np.where(b > 0, b, 1), 0.0)
     means = share[rows].mean(axis=1)
     low, high = np.quantile(means, [(1 - level) / 2, (1 + level) / 2]) if means.size else (np.nan, np.nan)
+    improvement = Estimate(float(share.mean()), float(low), float(high))
+    p_value = sign_flip(np.log((a + LEAST_ERROR) / (b + LEAST_ERROR)), block)
     return Paired(
-        model, against, duration, quantile(a - b, 0.5, rows, level),
-        Interval(float(share.mean()), float(low), float(high)), float((a < b).mean()), sign_flip(np.log((a + 1e-3) / (b + 1e-3)), block),
-    )  # fmt: skip
+        model, against, duration, quantile(a - b, 0.5, rows, level), improvement, float((a < b).mean()), p_value
+    )
 
 
 def sign_flip(differences: Floats, block: int) -> float:
-    """Return how probable a mean as large is if the sign of each block of neighbours is a matter of chance."""
+    """Return the probability of a mean at least as large, if each block of neighbours has a random sign."""
     blocks = max(1, differences.size // block)
     sums = np.array([part.sum() for part in np.array_split(differences, blocks)])
     observed = abs(sums.sum())
@@ -187,24 +185,42 @@ def sign_flip(differences: Floats, block: int) -> float:
     return float((np.abs(signs @ sums) >= observed * (1 - 1e-12)).mean())
 
 
-def drift_curve(found: Scores) -> dict[str, Floats]:
-    """Return the median, 68 and 95 % quantiles of the horizontal error at each second, m."""
-    low, middle, high = np.quantile(found.horizontal, [0.5, 0.68, 0.95], axis=0)
-    return {"median": low, "p68": middle, "p95": high}
+@dataclass(frozen=True, eq=False, slots=True)
+class DriftCurve:
+    """Horizontal errors, sigma and NEES over the time without GNSS."""
+
+    elapsed: Floats  #: (L,) s
+    median: Floats  #: (L,) m
+    p68: Floats  #: (L,) m, 68 % quantile
+    p95: Floats  #: (L,) m, 95 % quantile
+    sigma: Floats  #: (L,) m, median of the filter's own
+    nees_per_dof: Floats  #: (L,) mean
 
 
-def verdict(summary: Summary) -> str:
-    """Return in words whether a filter's sigma can be believed."""
+def drift_curve(scores: Scores) -> DriftCurve:
+    """Return errors, sigma and NEES of one filter at each mark."""
+    median, p68, p95 = np.quantile(scores.horizontal, [0.5, 0.68, 0.95], axis=0)
+    return DriftCurve(scores.elapsed, median, p68, p95, np.median(scores.sigma, axis=0), scores.nees.mean(axis=0) / 2)
+
+
+def verdict(summary: Summary) -> Note:
+    """Return whether a filter's sigma can be trusted."""
     if not summary.consistency:
-        return f"{summary.model}: no outage long enough to judge its sigma"
-    last = summary.consistency[-1]
+        return Note("no-horizon", f"{summary.model}: the outages are too short to judge its sigma")
     if summary.effective_count < FEWEST:
-        return f"outages that do not overlap are too few to judge a sigma: {summary.effective_count}"
-    if last.lower <= last.nees_per_dof <= last.upper:
-        return (
-            f"{summary.model}: sigma can be believed after {last.elapsed:g} s "
-            f"(NEES/2 {last.nees_per_dof:.2f} within {last.lower:.2f} to {last.upper:.2f})"
+        text = (
+            f"{summary.effective_count} outages that do not overlap are too few to judge a sigma: {FEWEST} are needed"
         )
-    small = last.nees_per_dof > last.upper
-    times = last.ratio if small else 1 / last.ratio
-    return f"{summary.model}: sigma is {times:.1f} times too {'small' if small else 'large'} after {last.elapsed:g} s"
+        return Note("few-outages", text)
+    last = summary.consistency[-1]
+    if last.lower <= last.nees_per_dof <= last.upper:
+        text = (
+            f"{summary.model}: sigma can be trusted after {last.elapsed:g} s (NEES/2 is {last.nees_per_dof:.2f}; for a right "
+            f"sigma it is {last.lower:.2f} to {last.upper:.2f})"
+        )
+        return Note("sigma-right", text)
+    if last.nees_per_dof > last.upper:
+        text = f"{summary.model}: after {last.elapsed:g} s, sigma is {last.ratio:.1f} times too small"
+        return Note("sigma-small", text)
+    text = f"{summary.model}: after {last.elapsed:g} s, sigma is {1 / last.ratio:.1f} times too large"
+    return Note("sigma-large", text)

@@ -1,4 +1,4 @@
-"""Noise parameters fitted by what outages say: found on the first part of a log, judged on the rest."""
+"""The noise of a filter, fitted to outages in the first part of a log and judged on those in the rest."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ from scipy import optimize
 
 from imuwb.navigation.outages import drift
 from imuwb.replay.choice import log_likelihood
-from imuwb.replay.reference import is_independent, yardstick
-from imuwb.replay.replay import Outage, apart, events_of, run, sweep, with_gap
+from imuwb.replay.outages import Outage, events_of, sweep, with_gap
+from imuwb.replay.overlap import without_overlap
+from imuwb.replay.prepared import run
+from imuwb.replay.reference import needs_smoothing, reference_track
 from imuwb.replay.scaled import scaled
 from imuwb.replay.scores import scores
 
@@ -20,76 +22,109 @@ if TYPE_CHECKING:
 
     from imuwb.log import Floats
     from imuwb.navigation.filter_model import FilterModel
-    from imuwb.replay.replay import Prepared
+    from imuwb.replay.prepared import Prepared
+    from imuwb.replay.reference import ReferenceTrack
     from imuwb.replay.scores import Scores
 
 DURATION = 30.0  #: s, of the outages
-SHARE = 0.5  #: of the log that is fitted to
-LEAST = 4  #: outages on each side
-STEP = 1.0  #: of the first simplex, in the log of a factor
-PRIOR = 2.0  #: sigma of the log of a factor: keeps what outages do not show near the model
+SHARE = 0.5  #: of the log, to which the noise is fitted
+LEAST = 4  #: outages in each part
+STEP = 1.0  #: of the first simplex, in the logarithm of a factor
+PRIOR = 2.0  #: sigma of the logarithm of a factor: a factor without effect in outages stays near 1
 
 
 @dataclass(frozen=True, slots=True)
 class Tuned:
-    """Factors of a model's noise, and what they did to outages that they were not fitted to."""
+    """Factors of a filter's noise, and their effect in outages to which they were not fitted."""
 
-    white: tuple[float, float]  #: of gyros and accelerometers
-    slow: tuple[float, float]  #: of their slower processes
+    white: tuple[float, float]  #: of the white noise of gyros and accelerometers
+    slow: tuple[float, float]  #: of the slower processes of gyros and accelerometers
     fitted: int  #: outages
-    judged: int
-    split: float  #: s from the log's start; fitted before, judged behind
-    log_likelihood: tuple[float, float]  #: of an outage judged, before and behind tuning, mean
-    nees_per_dof: tuple[float, float]  #: at the end, likewise
-    median_end: tuple[float, float]  #: m, likewise
+    judged: int  #: outages
+    split: float  #: s from the log's start; the outages before are fitted, those after are judged
+    log_likelihood: tuple[float, float]  #: of an outage that is judged, before and after tuning, mean
+    nees_per_dof: tuple[float, float]  #: at the end, before and after tuning
+    median_end: tuple[float, float]  #: m, before and after tuning
+
+    def __str__(self) -> str:
+        """Return the factors and their effect in a line."""
+        return (
+            f"Tuned: white noise x {self.white[0]:.2g} and x {self.white[1]:.2g}, slower noise x {self.slow[0]:.2g} and "
+            f"x {self.slow[1]:.2g}; NEES/2 {self.nees_per_dof[0]:.2f} before and {self.nees_per_dof[1]:.2f} after"
+        )
 
 
 def tune(prepared: Prepared, model: FilterModel, reference: str) -> tuple[FilterModel, Tuned]:
-    """Return a filter whose noise makes the errors in outages most likely, and how it does on outages it has not seen.
+    """Return a filter with the noise for which the errors in outages are most likely, and its results in other outages.
 
-    Outages do not overlap; the horizontal errors at some seconds into each are taken as independent, of the filter's own
+    The outages do not overlap. The horizontal errors at several times in an outage count as independent, with the filter's own
     covariance.
 
     Args:
         prepared: the log.
         model: the filter.
-        reference: as of ``replay``.
+        reference: as for ``replay``.
 
     Raises:
-        ValueError: too few outages fit into the log; no such reference.
+        ValueError: the log is too short; the log lacks the wanted reference.
     """
-    smooth = not is_independent(prepared.log, reference)
-    against = yardstick(prepared.log, run(model, prepared, smooth=smooth), reference)
+    smooth = needs_smoothing(prepared.log, reference)
+    track = reference_track(prepared.log, run(model, prepared, smooth=smooth), reference)
+    early, late, split = _parts(prepared, model)
+
+    def misfit(factors: Floats) -> float:
+        _, errors = _scored(prepared, model, factors, early, track)
+        value = -float(np.nanmean(log_likelihood(errors))) * len(early)
+        return value + float((factors**2).sum()) / (2 * PRIOR**2)
+
+    start = np.zeros(4)
+    options = {"initial_simplex": np.vstack([start, np.eye(4) * STEP]), "xatol": 0.02, "fatol": 0.02, "maxfev": 160}
+    best = optimize.minimize(misfit, start, method="Nelder-Mead", options=options)
+    tuned, after = _scored(prepared, model, best.x, late, track)
+    _, before = _scored(prepared, model, start, late, track)
+    g, a, slow_g, slow_a = (float(f) for f in np.exp(best.x))
+    likelihoods, nees, medians = zip(_figures(before), _figures(after), strict=True)
+    return tuned, Tuned((g, a), (slow_g, slow_a), len(early), len(late), split, likelihoods, nees, medians)
+
+
+def _figures(errors: Scores) -> tuple[float, float, float]:
+    """Return log-likelihood, NEES over its degrees of freedom at the end, and median error at the end, m."""
+    return (
+        float(np.nanmean(log_likelihood(errors))), float(np.nanmean(errors.nees[:, -1]) / 2),
+        float(np.nanmedian(errors.horizontal[:, -1])),
+    )  # fmt: skip
+
+
+def _parts(prepared: Prepared, model: FilterModel) -> tuple[list[Outage], list[Outage], float]:
+    """Return the outages to fit, those to judge, and the time between."""
     swept = sweep(prepared, model, DURATION)
-    alone = apart([o for o, broken in zip(swept, with_gap(prepared, swept), strict=True) if not broken])
+    whole = [o for o, lacking in zip(swept, with_gap(prepared, swept), strict=True) if not lacking]
+    alone = [whole[i] for i in without_overlap([o.start for o in whole], DURATION)]
     split = alone[0].start + SHARE * (alone[-1].start + DURATION - alone[0].start) if alone else 0.0
     early = [o for o in alone if o.start + o.duration <= split]
     late = [o for o in alone if o.start >= split]
     if min(len(early), len(late)) < LEAST:
-        message = f"tuning needs {LEAST} outages of {DURATION:g} s that do not overlap in each half of the log; there are {len(early)} and {len(late)}"
+        message = (
+            f"tuning needs {LEAST} outages of {DURATION:g} s that do not overlap in each half of the log; there are "
+            f"{len(early)} and {len(late)}; use a longer log"
+        )
         raise ValueError(message)
+    return early, late, float(split)
 
-    def of(factors: Floats, outages: Sequence[Outage]) -> tuple[FilterModel, Scores]:
-        g, a, slow_g, slow_a = (float(f) for f in np.exp(factors))
-        tried = replace(model, error_model=scaled(model.error_model, (g, a), (slow_g, slow_a)))
-        solution = run(tried, prepared)
-        return tried, scores(drift(solution, events_of(solution, outages), DURATION), against)
 
-    def misfit(factors: Floats) -> float:
-        value = -float(np.nanmean(log_likelihood(of(factors, early)[1]))) * len(early)
-        return value + float((factors**2).sum()) / (2 * PRIOR**2)
+def _scored(
+    prepared: Prepared, model: FilterModel, factors: Floats, outages: Sequence[Outage], track: ReferenceTrack
+) -> tuple[FilterModel, Scores]:
+    """Return the filter with its noise scaled, and its scores in some outages.
 
-    start = np.zeros(4)
-    best = optimize.minimize(
-        misfit, start, method="Nelder-Mead",
-        options={"initial_simplex": np.vstack([start, np.eye(4) * STEP]), "xatol": 0.02, "fatol": 0.02, "maxfev": 160},
-    )  # fmt: skip
-    tuned, behind = of(best.x, late)
-    _, before = of(start, late)
-    g, a, slow_g, slow_a = (float(f) for f in np.exp(best.x))
-    return tuned, Tuned(
-        (g, a), (slow_g, slow_a), len(early), len(late), float(split),
-        (float(np.nanmean(log_likelihood(before))), float(np.nanmean(log_likelihood(behind)))),
-        (float(np.nanmean(before.nees[:, -1]) / 2), float(np.nanmean(behind.nees[:, -1]) / 2)),
-        (float(np.nanmedian(before.horizontal[:, -1])), float(np.nanmedian(behind.horizontal[:, -1]))),
-    )  # fmt: skip
+    Args:
+        prepared: the log.
+        model: the filter.
+        factors: (4,) logarithms of the factors: white and slower noise, each of gyros and accelerometers.
+        outages: of the duration that is fitted.
+        track: the reference.
+    """
+    g, a, slow_g, slow_a = (float(f) for f in np.exp(factors))
+    changed = replace(model, error_model=scaled(model.error_model, (g, a), (slow_g, slow_a)))
+    solution = run(changed, prepared)
+    return changed, scores(drift(solution, events_of(solution, outages), DURATION), track)

@@ -5,10 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 
 from imuwb.log import AXES
-from imuwb.navigation.alignment import align, standing
-from imuwb.navigation.events import corrections
+from imuwb.navigation.alignment import align
+from imuwb.navigation.corrections import corrections_of
 from imuwb.navigation.filter_model import FilterModel, Settings
-from imuwb.navigation.measurement import measurement
+from imuwb.navigation.measurement import measurement_of
+from imuwb.navigation.standstill import standstills
 from imuwb.navigation.strapdown import mechanize, navigation_state
 from imuwb.simulation import Receiver, drive, mixed_route, preset
 from imuwb.stochastic import (
@@ -63,9 +64,9 @@ def increments(route, seconds, rate=HZ, begin=0.0):
     )  # fmt: skip
 
 
-def went(moves, **other):
+def went(motion, **other):
     """Return where an IMU goes, some of its input replaced."""
-    x = {**vars(moves), **other}
+    x = {**vars(motion), **other}
     return mechanize(x["start"], x["h"], x["angle"], x["push"])
 
 
@@ -157,7 +158,13 @@ def plain(constants=(2e-3, 0.03)):
 def prepared(model, route=None, seed=1, *, log=None, **options):
     """Return a drive, and what a filter takes of it."""
     log = log or drive(model.error_model, route or mixed_route(240), seed, receiver=Receiver(), **options)
-    moves = measurement(log, log.imu(), model.installation)
-    still = standing(moves, log, log.gnss[0])
-    found = corrections(log, log.gnss[0], moves, still, model)
-    return SimpleNamespace(log=log, moves=moves, still=still, found=found, start=align(moves, found, still, model))
+    measurement = measurement_of(log, log.imu(), model.installation)
+    still = standstills(measurement, log, log.gnss[0])
+    found = corrections_of(log, log.gnss[0], measurement, still, model)
+    return SimpleNamespace(
+        log=log,
+        measurement=measurement,
+        still=still,
+        corrections=found,
+        alignment=align(measurement, found, still, model),
+    )

@@ -75,7 +75,7 @@ class Plain:
             self.c[i, part] = told[part]
             self.a[part, part], self.q[part, part] = tables.transition[0, 1, i, :p, :p], tables.noise[0, 1, i, :p, :p]
         self.known = np.nan_to_num(self.c)  # without the scale factors
-        start = made.start
+        start = made.alignment
         self.state = navigation_state(start.position, start.velocity, start.euler)
         self.x, self.P = axes.copy(), covariance.copy()
 
@@ -100,7 +100,7 @@ class Plain:
 
     def corrected(self, e):
         """Take an event in: position, then velocity, each at once."""
-        events, state = self.made.found.events, self.state
+        events, state = self.made.corrections.events, self.state
         rows, r = measured(
             events.kind[e], state, events.value[e], self.lever, events.late[e], self.c, state[RATE : RATE + 3]
         )
@@ -121,9 +121,9 @@ class Plain:
 
     def run(self):
         """Yield each event with the state, the axes' states and the covariance behind it."""
-        samples, at = self.made.moves.samples, self.made.found.events.at
-        done = self.made.start.sample
-        for e in range(self.made.start.event + 1, at.size):
+        samples, at = self.made.measurement.samples, self.made.corrections.events.at
+        done = self.made.alignment.sample
+        for e in range(self.made.alignment.event + 1, at.size):
             for k in range(done, at[e] + 1):
                 self.onwards(samples.interval[k], np.concatenate([samples.angle[k], samples.velocity[k]]))
             done = max(done, at[e] + 1)

@@ -8,7 +8,7 @@ from scipy import signal
 from scipy.linalg import solve_discrete_lyapunov
 
 from imuwb.log import AXES
-from imuwb.navigation.covariance import carry, flat, square
+from imuwb.navigation.covariance import flat, propagate, square
 from imuwb.navigation.filter_model import FilterModel, Settings
 from imuwb.navigation.strapdown import MEASURED, step
 from imuwb.navigation.workspace import workspace
@@ -21,7 +21,7 @@ SECONDS = 30
 
 
 @pytest.fixture(scope="module")
-def moves():
+def motion():
     """Return half a minute in which it speeds up, turns and brakes."""
     route = mixed_route(240, 3)
     t = np.arange(0, 200, 1.0)
@@ -33,17 +33,17 @@ def moves():
     return found
 
 
-def carried(moves, model, covariance, every, steps=None):
+def carried(motion, model, covariance, every, steps=None):
     """Return the covariance that the kernel carries along a drive, and the tables."""
     tables, _ = model.tables(1 / drives.HZ)
-    state, rows, space = moves.start.copy(), flat(covariance), workspace(covariance.shape[0])
-    steps = moves.h.size if steps is None else steps
+    state, rows, space = motion.start.copy(), flat(covariance), workspace(covariance.shape[0])
+    steps = motion.h.size if steps is None else steps
     for k in range(steps):
-        state[MEASURED : MEASURED + 3] += moves.angle[k]
-        state[MEASURED + 3 : MEASURED + 6] += moves.push[k]
-        step(state, moves.h[k], *moves.angle[k], *moves.push[k])
+        state[MEASURED : MEASURED + 3] += motion.angle[k]
+        state[MEASURED + 3 : MEASURED + 6] += motion.push[k]
+        step(state, motion.h[k], *motion.angle[k], *motion.push[k])
         if (k + 1) % every == 0 or k + 1 == steps:
-            carry(rows, state, k % every + 1, 0, tables, space)
+            propagate(rows, state, k % every + 1, 0, tables, space)
     return square(rows, covariance.shape[0]), tables
 
 
@@ -90,7 +90,7 @@ def blocks(parts):
     return whole
 
 
-def dense(moves, covariance, scales, steps):
+def dense(motion, covariance, scales, steps):
     """Return the covariance, sample by sample with the matrix exponential; and the axes' errors' with navigation's."""
     axes = [companion(axis, scale) for axis, scale in zip(AXES, scales, strict=True)]
     a, q, p = (blocks([x for axis in axes for x in axis[i]]) for i in range(3))
@@ -99,9 +99,9 @@ def dense(moves, covariance, scales, steps):
         c[i, at : at + len(axis[3])] = axis[3]
         at += len(axis[3])
     whole = blocks([covariance[:9, :9], p])
-    track, h = drives.went(moves), 1 / drives.HZ
-    measured = np.concatenate([moves.angle, moves.push], axis=1) / h
-    before = np.vstack([moves.start[:10], track])
+    track, h = drives.went(motion), 1 / drives.HZ
+    measured = np.concatenate([motion.angle, motion.push], axis=1) / h
+    before = np.vstack([motion.start[:10], track])
     for k in range(steps):
         turn = drives.rotation(before[k, 6:10])
         middle = (before[k, :6] + before[k + 1, :6]) / 2
@@ -126,14 +126,14 @@ def told_before():
     ("every", "steps", "within"), [(1, 1, 1e-6), (10, 10, 3e-5), (1, 1500, 5e-4), (10, 1500, 5e-4)]
 )
 @pytest.mark.parametrize("scales", [(0.0, 0.0), (3e-3, 5e-3)])
-def test_rows_do_what_dense_matrices_do(moves, told_before, scales, every, steps, within):
+def test_rows_do_what_dense_matrices_do(motion, told_before, scales, every, steps, within):
     model = drives.mixed(every=every)
     model = FilterModel("mixed", model.error_model, scale_factor=scales, settings=model.settings)
     start = begun(model, np.random.default_rng(1))
-    found, tables = carried(moves, model, start, every, steps)
+    found, tables = carried(motion, model, start, every, steps)
     assert np.diff(tables.first).tolist() == [o + (scales[0] > 0) for o in (0, 1, 3, 2, 4, 2)]
     if (scales, steps) not in told_before:
-        told_before[scales, steps] = dense(moves, start, (scales[0],) * 3 + (scales[1],) * 3, steps)
+        told_before[scales, steps] = dense(motion, start, (scales[0],) * 3 + (scales[1],) * 3, steps)
     told, told_cross = told_before[scales, steps]
     sigma = np.sqrt(np.diag(told))
     assert np.abs((found[:9, :9] - told) / np.outer(sigma, sigma)).max() < within
@@ -147,17 +147,17 @@ def test_rows_do_what_dense_matrices_do(moves, told_before, scales, every, steps
     assert np.abs(cross).max() < within
 
 
-def test_it_stays_symmetric_and_positive(moves):
+def test_it_stays_symmetric_and_positive(motion):
     model = drives.mixed()
-    found, _ = carried(moves, model, begun(model, np.random.default_rng(2)), 10)
+    found, _ = carried(motion, model, begun(model, np.random.default_rng(2)), 10)
     sigma = np.sqrt(np.diag(found))
     assert np.abs((found - found.T) / np.outer(sigma, sigma)).max() < 1e-15
     assert np.linalg.eigvalsh(found / np.outer(sigma, sigma)).min() > -1e-12
 
 
-def test_without_noise_what_is_certain_stays_certain(moves):
+def test_without_noise_what_is_certain_stays_certain(motion):
     model = quiet(1)
-    found, _ = carried(moves, model, np.zeros((21, 21)), 1)
+    found, _ = carried(motion, model, np.zeros((21, 21)), 1)
     assert not found.any()
 
 
@@ -176,18 +176,18 @@ DISTURBED += [(10 + 2 * i, 1e-4) for i in range(6)]
 
 
 @pytest.fixture(scope="module")
-def undisturbed(moves):
-    return drives.went(moves)[-1]
+def undisturbed(motion):
+    return drives.went(motion)[-1]
 
 
 @pytest.mark.parametrize("every", [1, 10])
 @pytest.mark.parametrize(("which", "size"), DISTURBED)
-def test_an_error_grows_as_a_disturbed_mechanization_does(moves, undisturbed, which, size, every):
-    other = disturbed(moves, which, size)
-    told = drives.errors(drives.went(moves, **other)[-1], undisturbed)
+def test_an_error_grows_as_a_disturbed_mechanization_does(motion, undisturbed, which, size, every):
+    other = disturbed(motion, which, size)
+    told = drives.errors(drives.went(motion, **other)[-1], undisturbed)
     begin = np.zeros((21, 21))
     begin[which, which] = size**2
-    found, _ = carried(moves, quiet(every), begin, every)
+    found, _ = carried(motion, quiet(every), begin, every)
     # A covariance of rank one: a column over the state's own sigma is what the state leads to, sign and all.
     grown = found[:9, which] / np.sqrt(found[which, which])
     if which < 9:
@@ -197,16 +197,16 @@ def test_an_error_grows_as_a_disturbed_mechanization_does(moves, undisturbed, wh
         assert grown[part] == pytest.approx(told[part], abs=largest * (3e-3 if every == 1 else 1e-2))
 
 
-def disturbed(moves, which, size):
+def disturbed(motion, which, size):
     """Return the start, or the increments, of an estimate that errs by this much in one state."""
     if which >= 9:
         axis, scaled = divmod(which - 9, 2)
-        angle, push = moves.angle.copy(), moves.push.copy()
+        angle, push = motion.angle.copy(), motion.push.copy()
         values = (angle if axis < 3 else push)[:, axis % 3]
         # measured = true + b, and the estimate of b is 0
-        values[:] = values / (1 - size) if scaled else values + size * moves.h
+        values[:] = values / (1 - size) if scaled else values + size * motion.h
         return {"angle": angle, "push": push}
-    start = moves.start.copy()
+    start = motion.start.copy()
     if which < 3:
         start[which] += size / drives.scale(start[:3])[which]
     elif which < 6:
@@ -239,17 +239,17 @@ def drawn(axis, n, rng):
     return values
 
 
-def test_errors_of_many_drives_spread_as_the_covariance_says(moves, undisturbed):
-    rng, runs, n = np.random.default_rng(8), 400, moves.h.size
+def test_errors_of_many_drives_spread_as_the_covariance_says(motion, undisturbed):
+    rng, runs, n = np.random.default_rng(8), 400, motion.h.size
     found = np.empty((runs, 9))
     for run in range(runs):
         errors = np.stack([drawn(axis, n, rng) for axis in AXES], axis=1) / drives.HZ
-        track = drives.went(moves, angle=moves.angle + errors[:, :3], push=moves.push + errors[:, 3:])
+        track = drives.went(motion, angle=motion.angle + errors[:, :3], push=motion.push + errors[:, 3:])
         found[run] = drives.errors(track[-1], undisturbed)
     model = drives.mixed()
     start = begun(model, rng)
     start[:9] = start[:, :9] = 0
-    told = carried(moves, model, start, 10)[0][:9, :9]
+    told = carried(motion, model, start, 10)[0][:9, :9]
     chance = SimpleNamespace(variance=np.sqrt(2 / runs), nees=np.sqrt(2 * 9 / runs))
     assert (found**2).mean(axis=0) / np.diag(told) == pytest.approx(1, abs=4 * chance.variance)
     nees = np.einsum("ri,ij,rj->r", found, np.linalg.inv(told), found)

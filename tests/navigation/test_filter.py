@@ -8,7 +8,7 @@ import pytest
 
 from imuwb.errors import MissingDataError
 from imuwb.navigation.alignment import align
-from imuwb.navigation.events import corrections
+from imuwb.navigation.corrections import corrections_of
 from imuwb.navigation.filter import solve
 from imuwb.navigation.filter_model import Aids, FilterModel, Installation, Settings
 from imuwb.navigation.outages import drift
@@ -39,12 +39,12 @@ def town():
 def test_a_plain_filter_says_the_same(town):
     model = model_of(1, gate=1e9)
     short = SimpleNamespace(**vars(town))
-    keep = town.found.time < town.found.time[town.start.event] + 90
-    events = type(town.found.events)(*(x[keep] for x in town.found.events))
-    short.found = type(town.found)(events, town.found.time[keep], town.found.fix[keep])
-    assert {FIX, SPEED, STRAIGHT} <= set(events.kind[town.start.event :])
-    solution = solve(model, short.moves, short.found, short.start)
-    tables, at = solution.tables, short.start.event
+    keep = town.corrections.time < town.corrections.time[town.alignment.event] + 90
+    events = type(town.corrections.events)(*(x[keep] for x in town.corrections.events))
+    short.corrections = type(town.corrections)(events, town.corrections.time[keep], town.corrections.fix[keep])
+    assert {FIX, SPEED, STRAIGHT} <= set(events.kind[town.alignment.event :])
+    solution = solve(model, short.measurement, short.corrections, short.alignment)
+    tables, at = solution.tables, short.alignment.event
     told = list(Plain(short, tables, LEVER, solution.track.axes[at], solution.track.covariance[at]).run())
     assert len(told) > 200
     for e, state, x, P in told:
@@ -57,7 +57,7 @@ def test_a_plain_filter_says_the_same(town):
 
 
 def test_every_tenth_covariance_says_nearly_the_same(town):
-    fine, coarse = (solve(model_of(m), town.moves, town.found, town.start) for m in (1, 10))
+    fine, coarse = (solve(model_of(m), town.measurement, town.corrections, town.alignment) for m in (1, 10))
     apart = (fine.position - coarse.position) * drives.scale(fine.position[0])
     late = fine.time > fine.time[0] + 20
     print(
@@ -85,7 +85,7 @@ def study():
     model, found = FilterModel("matched", drives.plain(), settings=Settings(every=10)), []
     for seed in range(6):
         made = drives.prepared(model, mixed_route(1200, seed), seed)
-        solution = solve(model, made.moves, made.found, made.start)
+        solution = solve(model, made.measurement, made.corrections, made.alignment)
         begin = np.arange(solution.time[0] + 90, solution.time[-1] - 31, 40.0)
         out = drift(solution, solution.events[np.searchsorted(solution.time, begin)], 30.0)
         error = (out.state[:, -1, :3] - truth_at(made.log, out.time[:, -1])) * drives.scale(out.state[0, 0, :3])
@@ -122,7 +122,7 @@ def test_the_likelihood_is_that_of_the_innovations(study):
     s = solution.track.deviation[solution.events]
     first = np.isfinite(s[:, 0])
     each = -np.log(s[first]).sum(axis=1) - np.minimum(solution.track.nis[solution.events][first], 40).sum(axis=1) / 2
-    row = solution.found.fix[solution.events][first]
+    row = solution.corrections.fix[solution.events][first]
     assert solution.log_likelihood_of(0, int(row[-1])) == pytest.approx(each.sum(), rel=1e-9)
     assert solution.log_likelihood_of(int(row[5]), int(row[80])) == pytest.approx(each[5:81].sum(), rel=1e-9)
     assert solution.log_likelihood_of(int(row[-1]) + 1, 10**6) == 0
@@ -131,8 +131,8 @@ def test_the_likelihood_is_that_of_the_innovations(study):
 
 def test_the_likelihood_counts_velocities_of_their_own_time(town):
     model = replace(model_of(10), installation=Installation(lever_arm=LEVER, velocity_delay=0.3))
-    found = corrections(town.log, town.log.gnss[0], town.moves, town.still, model)
-    solution = solve(model, town.moves, found, align(town.moves, found, town.still, model))
+    found = corrections_of(town.log, town.log.gnss[0], town.measurement, town.stills, model)
+    solution = solve(model, town.measurement, found, align(town.measurement, found, town.stills, model))
     track, fix = solution.track, found.fix
     rows = fix[solution.events[20]], fix[solution.events[70]]
     chosen = [
@@ -149,17 +149,17 @@ def test_the_likelihood_counts_velocities_of_their_own_time(town):
 
 def test_what_is_no_number_ends_the_run_and_says_when(town):
     made = SimpleNamespace(**vars(town))
-    angle = made.moves.samples.angle.copy()
-    angle[made.start.sample + 1000] = np.nan
-    moves = replace(made.moves, samples=made.moves.samples._replace(angle=angle))
-    with pytest.raises(MissingDataError, match=r"mixed: at \d+\.\d s a state or a variance is no number"):
-        solve(model_of(10), moves, made.found, made.start)
+    angle = made.measurement.samples.angle.copy()
+    angle[made.alignment.sample + 1000] = np.nan
+    measurement = replace(made.measurement, samples=made.measurement.samples._replace(angle=angle))
+    with pytest.raises(MissingDataError, match=r"mixed: at \d+\.\d s a state or a variance"):
+        solve(model_of(10), measurement, made.corrections, made.alignment)
 
 
 def test_the_start_is_where_it_is_told(town):
-    solution = solve(model_of(10), town.moves, town.found, town.start)
-    assert solution.events[0] == town.start.event
-    assert solution.position[0] == pytest.approx(town.start.position, abs=1e-15)
-    assert solution.euler[0] == pytest.approx(town.start.euler, abs=1e-12)
-    assert solution.velocity[0] == pytest.approx(town.start.velocity)
+    solution = solve(model_of(10), town.measurement, town.corrections, town.alignment)
+    assert solution.events[0] == town.alignment.event
+    assert solution.position[0] == pytest.approx(town.alignment.position, abs=1e-15)
+    assert solution.euler[0] == pytest.approx(town.alignment.euler, abs=1e-12)
+    assert solution.velocity[0] == pytest.approx(town.alignment.velocity)
     assert ecef.cartesian(solution.position).shape == (solution.events.size, 3)

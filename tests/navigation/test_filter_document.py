@@ -5,8 +5,7 @@ from dataclasses import replace
 import pytest
 
 from imuwb.errors import UsageError
-from imuwb.navigation import Aids, FilterModel, Installation, Settings
-from imuwb.navigation.filter_document import read_filter, write_filter
+from imuwb.navigation import Aids, FilterModel, Installation, Settings, filter_text, read_filter
 from imuwb.replay import model_named
 from imuwb.simulation import preset
 
@@ -20,9 +19,10 @@ def test_a_filter_is_read_as_it_is_written(tmp_path):
         settings=Settings(every=5, gate=30.0, settling=20.0), aids=Aids(0.2, 0.05, 0.1),
     )  # fmt: skip
     file = tmp_path / "filter.toml"
-    file.write_text(write_filter(model), "utf-8")
+    file.write_text(filter_text(model), "utf-8")
     again = read_filter(file)
-    assert write_filter(again) == write_filter(model)
+    assert read_filter(str(file)).name == again.name
+    assert filter_text(again) == filter_text(model)
     for part in ("name", "reading", "scale_factor", "wavelet_levels", "installation", "settings", "aids"):
         assert getattr(again, part) == getattr(model, part)
     assert again.states(0.01) == model.states(0.01)
@@ -33,29 +33,29 @@ def test_a_filter_is_read_as_it_is_written(tmp_path):
     [
         (lambda t: t.replace("schema = 1", "schema = 9"), "no filter of schema 1"),
         (lambda t: t.replace('filter = "15AV"', 'filter_name = "15AV"'), "no filter of schema 1"),
-        (lambda t: t.replace("every = 10", "every = 0"), r"settings, every: 0 is no whole number above 0"),
-        (lambda t: t.replace("every = 10", 'every = "ten"'), "settings, every: 'ten'"),
+        (lambda t: t.replace("every = 10", "every = 0"), r"settings, every is 0"),
+        (lambda t: t.replace("every = 10", 'every = "ten"'), "settings, every is 'ten'"),
         (lambda t: t.replace("gate = 40.0", "gate = nan"), "settings, gate"),
-        (lambda t: t.replace("gate = 40.0", "gates = 40.0"), "settings: unknown gates; there are every, gate"),
+        (lambda t: t.replace("gate = 40.0", "gates = 40.0"), "settings: unknown gates; .* every, gate"),
         (
             lambda t: t.replace('reading = "corrected"', 'reading = "roughly"'),
-            "reading is one of corrected, as printed",
+            "reading is 'roughly'.* corrected, as printed",
         ),
         (lambda t: t.replace("wavelet_levels = []", "wavelet_levels = [3]"), "six whole numbers"),
         (lambda t: t.replace("[aids]", "[helpers]"), "unknown helpers"),
-        (lambda t: t.partition("[error_model]")[0], "a table error_model"),
+        (lambda t: t.partition("[error_model]")[0], "table error_model"),
         (lambda t: t.replace("gauss_markov", "gauss"), "error_model"),
         (lambda t: t + "]", "not TOML"),
     ],
 )
 def test_what_is_no_filter_is_refused_with_its_place(tmp_path, change, says):
     file = tmp_path / "filter.toml"
-    file.write_text(change(write_filter(model_named("15AV", BASE, interval=0.01))), "utf-8")
+    file.write_text(change(filter_text(model_named("15AV", BASE, interval=0.01))), "utf-8")
     with pytest.raises(UsageError, match=says) as error:
         read_filter(file)
     assert "filter.toml" in str(error.value)
 
 
 def test_a_file_that_is_not_there_is_said_to_be_that(tmp_path):
-    with pytest.raises(UsageError, match="cannot be read as a filter"):
+    with pytest.raises(UsageError, match="none.toml: the file cannot be read"):
         read_filter(tmp_path / "none.toml")

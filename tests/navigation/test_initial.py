@@ -1,11 +1,25 @@
-"""What a stillness tells of an axis's states, against all its samples at once."""
+"""What a standstill tells of an axis's states, against all its samples at once."""
+
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from imuwb.log import AXES
+from imuwb.navigation.filter import _axes_at_start
+from imuwb.navigation.filter_model import FilterModel
 from imuwb.navigation.initial import axis_start
 from imuwb.navigation.shaping import shaping
-from imuwb.stochastic import Autoregressive, Constant, GaussMarkov, RandomWalk, Sum, WhiteNoise
+from imuwb.stochastic import (
+    Autoregressive,
+    AxisModel,
+    Constant,
+    GaussMarkov,
+    ImuErrorModel,
+    RandomWalk,
+    Sum,
+    WhiteNoise,
+)
 
 DT = 0.01
 SUMS = [
@@ -38,3 +52,29 @@ def test_a_start_is_the_joint_law_of_all_samples(processes, before, still, after
     assert found.covariance == pytest.approx(last @ joint @ last.T, rel=1e-9, abs=1e-14)
     assert found.cross == pytest.approx(last @ joint @ mean.ravel(), rel=1e-9, abs=1e-14)
     assert found.variance == pytest.approx(mean.ravel() @ joint @ mean.ravel(), rel=1e-9, abs=1e-14)
+
+
+def test_a_standstill_measures_a_gyros_bias_down_to_the_earths_rate():
+    """The Earth's rate of 7.292115e-5 rad/s has, on one axis and on average over all attitudes, a third of its square."""
+    prior, white, seconds = 2e-3, 1e-4, 20.0
+    axis = AxisModel(Sum((WhiteNoise(white), Constant(prior))))
+    model = FilterModel("m", ImuErrorModel("m", dict.fromkeys(AXES, axis)), scale_factor=(0.01, 0.02))
+    tables, _ = model.tables(DT)
+    measurement = SimpleNamespace(interval=DT, celsius=(None,), samples=SimpleNamespace(regime=np.zeros(3000, int)))
+    alignment = SimpleNamespace(
+        covariance=np.eye(9),
+        standstill=(100, 100 + round(seconds / DT)),
+        sample=2500,
+        gyro_bias=np.array([1e-3, 0, -2e-3]),
+    )
+    states, covariance = _axes_at_start(model, measurement, tables, alignment)
+    noise = white**2 / seconds + 7.292115e-5**2 / 3
+    gain = prior**2 / (prior**2 + noise)
+    assert states[[0, 2, 4]] == pytest.approx(gain * alignment.gyro_bias)
+    assert not states[[1, 3, 5, 6, 7, 8, 9, 10, 11]].any()
+    variance = np.diagonal(covariance)
+    assert variance[:9] == pytest.approx(1.0)
+    assert variance[[9, 11, 13]] == pytest.approx(noise * gain)
+    assert variance[[15, 17, 19]] == pytest.approx(prior**2)
+    assert variance[[10, 12, 14]] == pytest.approx(0.01**2)
+    assert variance[[16, 18, 20]] == pytest.approx(0.02**2)

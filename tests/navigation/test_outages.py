@@ -66,21 +66,21 @@ def watched(found, marks):
 def both(town, model, chosen=(10, 60, 110), seconds=SECONDS):
     """Return a drift from some fixes on, and for each the states and covariances of a run without its fixes."""
     made = drives.prepared(model, log=town)
-    first = solve(model, made.moves, made.found, made.start)
+    first = solve(model, made.measurement, made.corrections, made.alignment)
     marks = marks_of(first, first.events[list(chosen)], seconds)
-    found = watched(made.found, marks)
+    found = watched(made.corrections, marks)
     solution = solve(
         model,
-        made.moves,
+        made.measurement,
         found,
-        replace(made.start, event=int(np.searchsorted(found.events.at, made.start.sample - 1))),
+        replace(made.alignment, event=int(np.searchsorted(found.events.at, made.alignment.sample - 1))),
     )
     assert np.array_equal(solution.position, first.position)
     out = drift(solution, solution.events[list(chosen)], seconds)
     runs = []
     for k in range(len(chosen)):
         begin, end = out.start[k], out.time[k, -1] + 0.5
-        run = solve(model, made.moves, found, solution.start, without=(begin, end))
+        run = solve(model, made.measurement, found, solution.alignment, without=(begin, end))
         last = (
             np.searchsorted(found.events.at, out.mark[k], side="left") - 1
         )  # the last event behind each mark's sample
@@ -112,8 +112,8 @@ def test_a_branch_is_a_run_without_its_fixes(town, states, aids):
 def test_a_branch_takes_the_aids_at_its_fixs_own_sample(town):
     model = replace(model_of(15, ALL_AIDS), installation=Installation(gnss_delay=0.0))
     out, runs, solution = both(town, model, chosen=(40,))
-    at = solution.found.events.at[out.event[0]]
-    assert (solution.found.events.at == at).sum() > 1
+    at = solution.corrections.events.at[out.event[0]]
+    assert (solution.corrections.events.at == at).sum() > 1
     assert np.array_equal(out.state[0], runs[0][0])
 
 
@@ -122,18 +122,18 @@ def test_looking_at_marks_changes_nothing(town, aids, monkeypatch):
     """However often it is looked at: the end is that of a run that nobody looks at, before its next fix."""
     model = model_of(27, aids, 7)
     made = drives.prepared(model, log=town)
-    plain = solve(model, made.moves, made.found, made.start)
+    plain = solve(model, made.measurement, made.corrections, made.alignment)
     chosen = plain.events[[10, 60, 110]]
-    assert ((made.found.events.at[plain.events[[41, 91, 141]]] + 1) % 7).any()  # off the grid of the covariance
+    assert ((made.corrections.events.at[plain.events[[41, 91, 141]]] + 1) % 7).any()  # off the grid of the covariance
     for k, event in enumerate(chosen):
         (behind,) = plain.events[np.flatnonzero(plain.events == event) + 31]
-        begin, end = (float(made.moves.time[made.found.events.at[e]]) for e in (event, behind))
+        begin, end = (float(made.measurement.time[made.corrections.events.at[e]]) for e in (event, behind))
         outs = []
         for each in (0.013, 0.37, 1.0, 1e9):
             monkeypatch.setattr(outages, "EACH", each)
             outs.append(drift(plain, chosen[k : k + 1], end - begin))
         assert [o.elapsed.size > 1 for o in outs] == [True, True, True, False]
-        run = solve(model, made.moves, made.found, made.start, without=(begin, end), smooth=True)
+        run = solve(model, made.measurement, made.corrections, made.alignment, without=(begin, end), smooth=True)
         for out in outs:
             assert out.time[0, -1] == end
             assert np.array_equal(out.state[0, -1], run.track.before.state[behind, :10])
@@ -144,19 +144,21 @@ def test_looking_at_marks_changes_nothing(town, aids, monkeypatch):
 def test_marks_are_each_second_and_the_end_to_a_sample(town, seconds):
     model = model_of(15, NO_AIDS)
     made = drives.prepared(model, log=town)
-    solution = solve(model, made.moves, made.found, made.start)
+    solution = solve(model, made.measurement, made.corrections, made.alignment)
     out = drift(solution, solution.events[[10, 60, 110]], seconds)
     told = [*range(1, int(seconds) + 1)] + ([seconds] if seconds % 1 else [])
     assert out.elapsed.tolist() == told
-    assert np.array_equal(out.mark, made.found.events.at[out.event][:, None] + 1 + np.rint(out.elapsed * drives.HZ))
+    assert np.array_equal(
+        out.mark, made.corrections.events.at[out.event][:, None] + 1 + np.rint(out.elapsed * drives.HZ)
+    )
     assert np.abs(out.time - out.start[:, None] - out.elapsed).max() <= 0.5 / drives.HZ + 1e-6
-    assert out.time == pytest.approx(made.moves.time[out.mark - 1], abs=0)
+    assert out.time == pytest.approx(made.measurement.time[out.mark - 1], abs=0)
 
 
 def test_outages_do_not_know_of_each_other(town):
     model = model_of(15, NO_AIDS)
     made = drives.prepared(model, log=town)
-    solution = solve(model, made.moves, made.found, made.start)
+    solution = solve(model, made.measurement, made.corrections, made.alignment)
     events = solution.events[5:100]
     many = drift(solution, events, SECONDS)
     for k in (0, 50, 94):
@@ -177,7 +179,7 @@ def test_aids_keep_a_drift_small(town):
         ends.append(np.abs((out.state[:, -1, :3] - truth) * drives.scale(truth[0])).max())
         sigma = np.sqrt(np.diagonal(out.covariance[:, -1], axis1=1, axis2=2))
         ends.append(sigma[:, :2].max())
-        assert (solution.found.events.kind == FIX).sum() > 200
+        assert (solution.corrections.events.kind == FIX).sum() > 200
     assert ends[2] < ends[0]
     assert ends[3] < 0.5 * ends[1]
 
@@ -188,7 +190,7 @@ def test_every_tenth_covariance_drifts_nearly_the_same(town, states):
     for every in (1, 10):
         model = replace(model_of(states, NO_AIDS, every), installation=Installation(gnss_delay=0.01))
         made = drives.prepared(model, log=town)
-        solution = solve(model, made.moves, made.found, made.start)
+        solution = solve(model, made.measurement, made.corrections, made.alignment)
         outs.append(drift(solution, solution.events[20:150:10], 60.0))
     fine, coarse = outs
     assert np.array_equal(fine.mark, coarse.mark)
@@ -202,15 +204,15 @@ def test_every_tenth_covariance_drifts_nearly_the_same(town, states):
 BEYOND = """
 from imuwb.navigation import FilterModel, drift, solve
 from imuwb.navigation.alignment import align
-from imuwb.navigation.events import corrections
-from imuwb.navigation.measurement import measurement
+from imuwb.navigation.corrections import corrections_of
+from imuwb.navigation.measurement import measurement_of
 from imuwb.simulation import drive, mixed_route, preset
 import numpy as np
 model = FilterModel("m", preset("3dm-gx3-25-gm"))
 log = drive(model.error_model, mixed_route(120), 1)
-moves = measurement(log, log.imu(), model.installation)
-found = corrections(log, log.gnss[0], moves, np.zeros((0, 2)), model)
-solution = solve(model, moves, found, align(moves, found, np.zeros((0, 2)), model))
+measurement = measurement_of(log, log.imu(), model.installation)
+found = corrections_of(log, log.gnss[0], measurement, np.zeros((0, 2)), model)
+solution = solve(model, measurement, found, align(measurement, found, np.zeros((0, 2)), model))
 try:
     drift(solution, solution.events[-5:-4], 3600.0)
 except ValueError as error:

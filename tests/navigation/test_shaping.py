@@ -231,7 +231,7 @@ def test_a_regime_has_the_temperatures_own_processes():
 
 def test_what_no_filter_has_room_for_is_refused():
     many = AxisModel(Sum(tuple(GaussMarkov(1.0, float(t)) for t in range(1, 8))))
-    with pytest.raises(ValueError, match=f"wide: 51 states; a filter has room for {MOST_STATES}"):
+    with pytest.raises(ValueError, match=f"wide: 51 states; .* {MOST_STATES}"):
         FilterModel("wide", ImuErrorModel("wide", dict.fromkeys(AXES, many))).tables(DT)
-    with pytest.raises(ValueError, match="says nothing of accel_z"):
+    with pytest.raises(ValueError, match="short: .* accel_z"):
         FilterModel("short", ImuErrorModel("five", dict.fromkeys(AXES[:5], many))).tables(DT)

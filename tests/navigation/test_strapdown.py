@@ -28,30 +28,30 @@ def off(track, truth):
 
 
 def test_a_drive_of_ten_minutes_ends_within_a_centimetre(town):
-    moves = drives.increments(town, 600)
-    place, speed = off(drives.went(moves), moves.truth)
+    motion = drives.increments(town, 600)
+    place, speed = off(drives.went(motion), motion.truth)
     assert place < 0.01
     assert speed < 1e-4
 
 
 @pytest.mark.parametrize("rate", [50, 100])
 def test_a_step_errs_with_a_higher_power_than_its_square(town, rate):
-    moves = drives.increments(town, 600, rate)
-    assert off(drives.went(moves), moves.truth)[0] < 1e-4 * (100 / rate) ** 3
+    motion = drives.increments(town, 600, rate)
+    assert off(drives.went(motion), motion.truth)[0] < 1e-4 * (100 / rate) ** 3
 
 
 def test_errors_fall_at_least_with_the_square_of_the_step():
     route, found = mixed_route(300), []
     for rate in (50, 100, 200):
-        moves = drives.increments(route, 290, rate)
-        found.append(off(drives.went(moves), moves.truth)[0])
+        motion = drives.increments(route, 290, rate)
+        found.append(off(drives.went(motion), motion.truth)[0])
     assert found[0] > 3.8 * found[1] > 3.8**2 * found[2]
 
 
 def test_attitude_follows_the_truth(town):
-    moves = drives.increments(town, 600)
-    found = euler_of_quaternion(drives.went(moves)[:, 6:])
-    apart = np.angle(np.exp(1j * (found - moves.euler)))
+    motion = drives.increments(town, 600)
+    found = euler_of_quaternion(drives.went(motion)[:, 6:])
+    apart = np.angle(np.exp(1j * (found - motion.euler)))
     assert np.abs(apart).max() < 2e-8
 
 
@@ -167,10 +167,10 @@ def test_what_falls_freely_falls_as_gravity_says():
 
 
 def test_a_start_is_left_as_it_was_and_goes_on_where_it_stopped():
-    moves = drives.increments(mixed_route(120), 110)
-    assert moves.start.shape == (SIZE,)
-    before = moves.start.copy()
-    whole = drives.went(moves)
-    assert np.array_equal(moves.start, before)
-    half = drives.went(moves, h=moves.h[:5000], angle=moves.angle[:5000], push=moves.push[:5000])
+    motion = drives.increments(mixed_route(120), 110)
+    assert motion.start.shape == (SIZE,)
+    before = motion.start.copy()
+    whole = drives.went(motion)
+    assert np.array_equal(motion.start, before)
+    half = drives.went(motion, h=motion.h[:5000], angle=motion.angle[:5000], push=motion.push[:5000])
     assert np.array_equal(whole[:5000], half)

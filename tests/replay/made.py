@@ -8,7 +8,7 @@ import numpy as np
 from imuwb.log import AXES, SECOND, GnssStream, Log
 from imuwb.navigation.filter_model import FilterModel, Settings
 from imuwb.navigation.outages import Drift
-from imuwb.replay.reference import Yardstick
+from imuwb.replay.reference import ReferenceTrack
 from imuwb.replay.scores import Scores
 from imuwb.simulation import Receiver, drive, mixed_route
 from imuwb.stochastic import AxisModel, Constant, GaussMarkov, ImuErrorModel, Sum, WhiteNoise
@@ -38,10 +38,10 @@ def scores(end, start=None, sigma=1.0, seconds=1, heading=0.0, distance=None):
     )  # fmt: skip
 
 
-def yardstick(position, velocity, seconds, heading=None, sigma=0.0):
+def track(position, velocity, seconds, heading=None, sigma=0.0):
     """Return a reference once a second."""
     n = len(position)
-    return Yardstick(
+    return ReferenceTrack(
         "made", "truth", np.linspace(0, seconds, n), np.asarray(position, float), np.asarray(velocity, float), heading,
         np.broadcast_to(np.asarray(sigma, float), (n, 3)).copy(),
     )  # fmt: skip

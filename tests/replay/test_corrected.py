@@ -37,11 +37,11 @@ def test_filters_take_corrected_samples_and_say_so(log):
     model = FilterModel("known", MODEL)
     prepared = prepare(log, model)
     assert "corrected" in ids(prepared.notes)
-    samples = prepared.moves.samples
+    samples = prepared.measurement.samples
     assert np.abs(samples.angle * RATE - truth.angular_rate.value).max() < 1e-4  # 2e-4 rad/s per m/s², held force
     # The thermometer gives a value each second, at 0.7 °C/s: 3e-4 of up to 12 m/s².
     assert np.abs(samples.velocity * RATE - truth.specific_force.value).max() < 4e-3
     before, _ = corrected_log(log, model.error_model)
     again = prepare(before, model)
-    assert np.array_equal(again.moves.samples.angle, samples.angle)
+    assert np.array_equal(again.measurement.samples.angle, samples.angle)
     assert again.notes == prepared.notes

@@ -23,7 +23,7 @@ def track(velocity, seconds):
     meridian, transverse = made.radii(PLACE[0])
     gone = np.concatenate([np.zeros((1, 3)), np.cumsum((velocity[1:] + velocity[:-1]) / 2, axis=0)])
     position = PLACE + gone * [1 / (meridian + 80), 1 / ((transverse + 80) * np.cos(PLACE[0])), -1]
-    return made.yardstick(position, velocity, seconds)
+    return made.track(position, velocity, seconds)
 
 
 def straight(speed, seconds, course=0.0):
@@ -33,7 +33,7 @@ def straight(speed, seconds, course=0.0):
 def made_drift(seed, count=6, length=10):
     rng = np.random.default_rng(seed)
     against = track(straight(15.0, 60, 0.7), 60)
-    against = made.yardstick(against.position, against.velocity, 60, np.full(61, 3.1), [0.3, 0.4, 0.5])
+    against = made.track(against.position, against.velocity, 60, np.full(61, 3.1), [0.3, 0.4, 0.5])
     start = np.arange(count) * 5.0
     time = start[:, None] + np.arange(1, length + 1) + 0.01
     position, velocity, _, _ = against.at(time)
@@ -164,3 +164,15 @@ def test_who_stands_does_not_turn():
 def test_speed_of_70_km_h_is_fast():
     assert classified(straight(69 / 3.6, 40)) == "straight"
     assert classified(straight(71 / 3.6, 40)) == "fast"
+
+
+@pytest.mark.parametrize(("speed", "kind"), [(0.9, "stop"), (1.1, "straight")])
+def test_below_a_metre_a_second_it_stands(speed, kind):
+    assert classified(straight(speed, 40)) == kind
+
+
+@pytest.mark.parametrize(("seconds", "kind"), [(9, "straight"), (10, "stop")])
+def test_a_stop_takes_more_than_three_tenths(seconds, kind):
+    velocity = straight(15.0, 40)
+    velocity[10 : 10 + seconds] = 0.0  # of 31 points
+    assert classified(velocity) == kind

@@ -9,8 +9,9 @@ import pytest
 from scipy import stats
 
 from imuwb.replay import HORIZONS, compare, drift_curve, effective_count, summarize, verdict
+from imuwb.replay.overlap import block_length
 from imuwb.replay.scores import Scores
-from imuwb.replay.statistics import block_length, quantile, resampled, sign_flip
+from imuwb.replay.statistics import quantile, resampled, sign_flip
 
 from . import made
 
@@ -244,7 +245,8 @@ def test_one_outage_has_no_certain_median():
     s = summarize("m", 30.0, made.scores([5.0], [0], seconds=30), (30.0,), 1.0, 0.95)
     assert s.median_end.value == pytest.approx(5.0)
     assert np.isnan([s.median_end.lower, s.median_end.upper]).all()
-    assert verdict(s) == "outages that do not overlap are too few to judge a sigma: 1"
+    assert verdict(s).id == "few-outages"
+    assert verdict(s).startswith("1 outages")
 
 
 @pytest.mark.parametrize(("count", "apart"), [(4, 40.0), (5, 40.0), (200, 0.6), (210, 0.6)])
@@ -260,7 +262,7 @@ def test_below_five_outages_apart_there_is_no_interval(count, apart):
     for interval in (s.median_end, s.p68_end, s.p95_end, s.median_max, paired.median_difference, paired.improvement):
         assert np.isfinite(interval.value)
         assert np.isfinite([interval.lower, interval.upper]).tolist() == [known, known]
-    assert ("too few" in verdict(s)) == (not known)
+    assert (verdict(s).id == "few-outages") == (not known)
 
 
 @pytest.mark.parametrize("duration", [3.0, 45.0, 120.0])
@@ -271,22 +273,28 @@ def test_consistency_is_judged_at_the_end(duration):
 
 
 @pytest.mark.parametrize(
-    ("sigma", "words"),
-    [(1.0, "m: sigma can be believed after 30 s (NEES/2 1.00 within "), (0.5, "m: sigma is 2.0 times too small after 30 s"),
-     (4.0, "m: sigma is 4.0 times too large after 30 s")],
-)  # fmt: skip
-def test_verdicts_in_words(sigma, words):
+    ("sigma", "verdict_id", "figure"),
+    [(1.0, "sigma-right", "1.00"), (0.5, "sigma-small", "2.0 times"), (4.0, "sigma-large", "4.0 times")],
+)
+def test_verdicts(sigma, verdict_id, figure):
     found = made.scores(np.full(20, np.sqrt(2)), np.arange(20) * 30.0, sigma, seconds=30)
-    assert verdict(summarize("m", 30.0, found, (5.0, 30.0), 1.0, 0.95)).startswith(words)
+    note = verdict(summarize("m", 30.0, found, (5.0, 30.0), 1.0, 0.95))
+    assert note.id == verdict_id
+    assert figure in note
+    assert "30 s" in note
 
 
 def test_verdict_of_short_outages():
     found = made.scores(np.ones(3), np.arange(3) * 9.0, seconds=3)
-    assert verdict(summarize("m", 3.0, found, (5.0,), 1.0, 0.95)) == "m: no outage long enough to judge its sigma"
+    assert verdict(summarize("m", 3.0, found, (5.0,), 1.0, 0.95)).id == "no-horizon"
 
 
 def test_drift_curve_in_plain_numpy():
     found = correlated(50, 4, 9)
     curve = drift_curve(found)
+    assert curve.sigma == pytest.approx(np.median(np.sqrt(np.trace(found.covariance, axis1=2, axis2=3)), axis=0))
+    assert curve.nees_per_dof == pytest.approx(found.nees.mean(axis=0) / 2)
     for name, share in (("median", 50), ("p68", 68), ("p95", 95)):
-        assert curve[name] == pytest.approx(np.percentile(np.linalg.norm(found.north_east, axis=2), share, axis=0))
+        assert getattr(curve, name) == pytest.approx(
+            np.percentile(np.linalg.norm(found.north_east, axis=2), share, axis=0)
+        )

@@ -66,11 +66,11 @@ def test_regimes_carry_the_noise_of_their_temperature(study):
     log = study.driven(5.0, 0)
     model = model_named("full", FilterModel("f", study.SENSOR), interval=0.01)
     prepared = prepare(log, model)
-    celsius = np.array(prepared.moves.celsius, dtype=float)
+    celsius = np.array(prepared.measurement.celsius, dtype=float)
     thermometer = log.imus[0].temperature
-    at = np.interp(prepared.moves.time, log.seconds(thermometer.time), thermometer.value)
-    assert np.abs(celsius[prepared.moves.samples.regime] - at).max() <= 1.0 + 1e-6
-    tables, _ = model.tables(prepared.moves.interval, prepared.moves.celsius)
+    at = np.interp(prepared.measurement.time, log.seconds(thermometer.time), thermometer.value)
+    assert np.abs(celsius[prepared.measurement.samples.regime] - at).max() <= 1.0 + 1e-6
+    tables, _ = model.tables(prepared.measurement.interval, prepared.measurement.celsius)
     wanted = [study.SENSOR.axes["gyro_x"].at(float(t)).terms[0].N ** 2 for t in celsius]
     assert tables.white[:, 0] == pytest.approx(wanted)
     assert wanted[-1] > 10 * wanted[0]

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from imuwb.navigation import drift
-from imuwb.replay import Outage, events_of, prepare, run, scores, yardstick
+from imuwb.replay import Outage, events_of, prepare, reference_track, run, scores
 from imuwb.statistics.distributions import chi_square_quantile
 
 ELLIPSE = 5.991  #: 95 % quantile of chi-squared with two degrees of freedom
@@ -35,9 +35,9 @@ def outcome(log, model, *, duration, every, settling, horizons):
     """Return the outcome of a filter in outages of one duration, one after the other; all arguments are in s."""
     prepared = prepare(log, model)
     solution = run(model, prepared)
-    start = np.arange(prepared.start_time + settling, prepared.moves.time[-1] - duration - 1, every)
+    start = np.arange(prepared.start_time + settling, prepared.measurement.time[-1] - duration - 1, every)
     drifted = drift(solution, events_of(solution, [Outage(float(t), duration) for t in start]), duration)
-    scored = scores(drifted, yardstick(log, solution, "truth"))
+    scored = scores(drifted, reference_track(log, solution, "truth"))
     at = [horizon - 1 for horizon in horizons]
     return Outcome(
         solution.fix_nis[SETTLING_FIXES:], scored.nees[:, at], scored.horizontal[:, at], start, prepared.notes

@@ -1,18 +1,26 @@
-"""What an outage replay found."""
+"""The result of an outage replay."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from imuwb.statistics import Estimate
+
 if TYPE_CHECKING:
-    from imuwb.log import Floats
-    from imuwb.replay import Budget, Choice, Clocks, Mounting, Paired, Replay, Summary, Tuned
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from imuwb.log import Floats, Reference
+    from imuwb.notes import Note
+    from imuwb.replay import Choice, Clocks, Consistency, DriftCurve, Mounting, Paired, Tuned
+
+HELD = {"document": False}  #: for a field that is drawn or written, but not part of the JSON
 
 
 @dataclass(frozen=True, slots=True)
-class OfModel:
-    """One filter in one outage; horizontal errors against the common reference."""
+class FilterErrors:
+    """Errors of one filter in one outage: horizontal, against the common reference, unless the name states otherwise."""
 
     mean: float  #: m
     max: float  #: m
@@ -20,69 +28,171 @@ class OfModel:
     vertical: float  #: m, at the end
     velocity: float  #: m/s, at the end
     heading: float | None  #: rad, at the end
-    percent: float | None  #: of the distance driven, at the end; None: it stood
-    sigma: float  #: m, the filter's own, at the end
-    nees: float  #: at the end, of two degrees of freedom
+    percent: float | None  #: of the distance driven, at the end; None: too slow
+    sigma: float  #: m, of the filter itself, at the end
+    nees: float  #: at the end, two degrees of freedom
     causal: bool
-    own_mean: float  #: m, against the same filter's run without outage (Quinchia, tables 9 and 10)
+    own_mean: float  #: m, against the filter's own run without outages (Quinchia, tables 9 and 10)
     own_max: float  #: m
 
 
 @dataclass(frozen=True, slots=True)
-class OneOutage:
+class OutageResult:
     """One outage."""
 
     start: float  #: s from the log's start
     duration: float  #: s
     mean_speed: float  #: m/s
     motion: str  #: "stop", "turn", "fast" or "straight"
-    models: dict[str, OfModel]
+    models: dict[str, FilterErrors]
 
 
 @dataclass(frozen=True, slots=True)
-class OfDuration:
-    """All filters over the outages of one duration."""
+class FilterSummary:
+    """One filter in all outages of one duration. Errors are horizontal unless the name states otherwise."""
+
+    count: int
+    effective_count: int  #: outages that do not overlap
+    median_end: float  #: m, at the end
+    median_end_interval: tuple[float, float]
+    p68_end: float  #: m, 68 % quantile at the end
+    p68_end_interval: tuple[float, float]
+    p95_end: float  #: m, 95 % quantile at the end
+    p95_end_interval: tuple[float, float]
+    median_max: float  #: m, median of each outage's largest error
+    median_max_interval: tuple[float, float]
+    median_vertical: float  #: m, at the end
+    median_velocity: float  #: m/s, at the end
+    median_heading: float | None  #: rad, at the end; None: the reference has no heading
+    median_percent: float | None  #: of the distance driven, at the end; None: no outage is fast enough
+    nees_per_dof: float | None  #: at the end, mean; None: the outages are too short
+    coverage95: float | None  #: share of the outages within the filter's own 95 % ellipse at the end
+    nis_per_dof: float  #: of the filter's run over the whole log
+    consistency: tuple[Consistency, ...]
+    curve: DriftCurve
+
+    def estimate(self, name: str) -> Estimate:
+        """Return one of the values with an interval, such as "median_end", m."""
+        return Estimate(getattr(self, name), *getattr(self, f"{name}_interval"), unit="m")
+
+
+@dataclass(frozen=True, slots=True)
+class DurationSummary:
+    """All filters in the outages of one duration."""
 
     duration: float  #: s
-    models: dict[str, dict[str, object]]  #: the design's few figures of each
-    summaries: tuple[Summary, ...]
+    models: dict[str, FilterSummary]
     paired: tuple[Paired, ...]
     by_motion: dict[str, dict[str, float]]  #: motion -> filter -> median error at the end, m
     choice: Choice | None  #: None: too few outages, or one filter
 
 
 @dataclass(frozen=True, slots=True)
-class Filter:
+class FilterInfo:
     """A filter that was run."""
 
     name: str
     states: tuple[str, ...]
-    gyros: str  #: the processes on x
-    accelerometers: str
-    left_out: tuple[str, ...]  #: processes that no state stands for
+    gyros: str  #: the processes of gyro_x
+    accelerometers: str  #: the processes of accel_x
+    left_out: tuple[str, ...]  #: processes without a state
     reading: str
     causal: bool
     nis_position: float  #: mean normalised innovation squared over its degrees of freedom
     nis_velocity: float | None
     refused: int  #: positions and velocities of fixes
-    fixes: int  #: positions and velocities behind the start
+    fixes: int  #: positions and velocities after the alignment
+    document: str = field(metadata=HELD)  #: TOML
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ErrorBudget:
+    """The sources of a filter's horizontal sigma, the largest first: k of them, at L marks and h horizons."""
+
+    filter: str
+    sources: tuple[str, ...]
+    elapsed: Floats  #: (L,) s
+    sigma: Floats  #: (k, L) m; nan where the correlations of the sources lower the variance
+    total: Floats  #: (L,) m
+    horizons: Floats  #: (h,) s
+    percent: Floats  #: (k, h) share of the variance; negative where the correlations lower it
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ErrorSamples:
+    """The errors of k outages of the longest duration, over time."""
+
+    duration: float  #: s
+    elapsed: Floats  #: (L,) s
+    errors: dict[str, Floats]  #: filter -> (k, L) m
+    limit: dict[str, float]  #: filter -> m, largest value of a figure that shows most of them
+
+
+@dataclass(frozen=True, slots=True)
+class PublishedGain:
+    """The improvement by 18AVWD as the paper states it: mean over the outages of 1 - 18AVWD/filter, against the own runs."""
+
+    own_mean: float
+    own_max: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SensorErrors:
+    """The errors of the sensors over time: a filter's estimates with three sigma, and the truth if the log has it."""
+
+    filter: str
+    epoch: str  #: of time
+    time: NDArray[np.int64]  #: (m,) ns
+    estimates: Floats  #: (m, 6, 3) rad/s and m/s²: estimate, three sigma below, three sigma above
+    true_time: NDArray[np.int64] | None  #: (k,) ns
+    true: Floats | None  #: (k, 6) rad/s and m/s², means over half a minute
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class OutageTrack:
+    """The tracks of all filters in one outage."""
+
+    start: float  #: s
+    positions: dict[str, Floats]  #: filter -> (L, 3) latitude rad, longitude rad, height m
+    ends: dict[str, float]  #: filter -> m, error at the end
+    best: str
+    worst: str
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Tracks:
+    """The tracks of some outages of one duration, and how many outages there are."""
+
+    duration: float  #: s
+    count: int
+    outages: tuple[OutageTrack, ...]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Result:
-    """All of it."""
+    """The result of an outage replay."""
 
-    outages: tuple[OneOutage, ...]
-    summary: tuple[OfDuration, ...]
-    filters: tuple[Filter, ...]
+    outages: tuple[OutageResult, ...]
+    listed: tuple[int, ...]  #: the outages in the table: all, or the worst that do not overlap, in order of time
+    summary: tuple[DurationSummary, ...]
+    samples: ErrorSamples
+    published: dict[str, PublishedGain]  #: by filter; empty without 18AVWD
+    filters: tuple[FilterInfo, ...]
+    budget: ErrorBudget
     reference: str
-    verdicts: tuple[str, ...]
+    verdicts: tuple[Note, ...]
     notes: tuple[str, ...]
-    clocks: Clocks | None  #: None: they were given
-    mounting: Mounting | None  #: likewise
+    clocks: Clocks | None  #: None: given, not estimated
+    mounting: Mounting | None  #: None: given, not estimated
     tuned: Tuned | None
-    budget: Budget
-    budget_of: str  #: filter
-    true_errors: tuple[Floats, Floats] | None = field(metadata={"document": False})  #: s; rad/s and m/s², (k, 6)
-    on_map: bool = field(metadata={"document": False})
-    replay: Replay = field(metadata={"document": False})
+    sensor_errors: SensorErrors = field(metadata=HELD)
+    reference_track: Floats = field(metadata=HELD)  #: (n, 3) latitude rad, longitude rad, height m
+    tracks: tuple[Tracks, ...] = field(metadata=HELD)
+    on_map: bool = field(metadata=HELD)
+    navigation: tuple[Reference, Floats] = field(metadata=HELD)  #: the last filter's run; (n, 4) its quaternions
+
+    def __str__(self) -> str:
+        """Return reference and verdicts, a line each."""
+        return "\n  ".join([f"Outage replay of {len(self.outages)} outages against {self.reference}", *self.verdicts])
+
+    __repr__ = __str__

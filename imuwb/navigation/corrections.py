@@ -1,0 +1,217 @@
+"""What corrects a filter: the fixes and speeds of a log, and constraints of its motion, as events in order of time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from imuwb.errors import MissingDataError
+from imuwb.log import SECOND
+from imuwb.navigation.tables import FIX, SPEED, STILL, STRAIGHT, Events
+from imuwb.notes import Note
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from imuwb.log import Floats, GnssStream, Log
+    from imuwb.navigation.filter_model import FilterModel
+    from imuwb.navigation.measurement import Measurement
+
+    Integers = NDArray[np.int64]
+
+FEW = 5  #: fixes that a filter needs
+LEAST_FIX = 3  #: fix type of a position in three dimensions
+IMPOSSIBLE = 350.0  #: m/s; a larger velocity is an error of the receiver
+MOVING = 1.0  #: m/s; a faster receiver does not report the same position twice
+EACH = 1.0  #: s between two events of an aid
+LEAST_SIGMA = (0.005, 0.005)  #: m and m/s; smaller sigmas of a receiver are raised to this
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Corrections:
+    """The events of a log, and the fix that each of them is."""
+
+    events: Events
+    time: Floats  #: (E,) s from the log's start
+    fix: Integers  #: (E,) row of the receiver's stream; -1 - row where a fix's velocity is an event of its own; else -1
+    notes: tuple[Note, ...] = ()
+
+    def __str__(self) -> str:
+        """Return the numbers of events in a line."""
+        kinds = np.bincount(self.events.kind, minlength=4)
+        return (
+            f"Corrections: {kinds[FIX]} of fixes, {kinds[SPEED]} of speed, {kinds[STRAIGHT]} of no slip, "
+            f"{kinds[STILL]} of standing still"
+        )
+
+    __repr__ = __str__
+
+
+class _Part(NamedTuple):
+    """Events of one kind."""
+
+    at: Integers
+    kind: Integers
+    late: Floats
+    value: Floats
+    variance: Floats
+    time: Floats
+    fix: Integers
+
+
+def corrections_of(
+    log: Log, gnss: GnssStream, measurement: Measurement, stills: Floats, model: FilterModel
+) -> Corrections:
+    """Return what corrects a filter, in order of time.
+
+    Fixes without a position in three dimensions, and repeated fixes in motion, are not used; nor are impossible velocities.
+
+    Args:
+        log: the log of the receiver; its zero is the start of time, its first speed is the odometer.
+        gnss: the receiver.
+        measurement: the IMU.
+        stills: (s, 2) s from the log's start, the standstills.
+        model: delays, default sigmas and aids.
+
+    Raises:
+        MissingDataError: too few fixes within the IMU's time.
+    """
+    notes: list[Note] = []
+    zero, aids = log.zero or 0, model.aids
+    time = (gnss.time - zero) / SECOND - model.installation.gnss_delay
+    rows = _usable_rows(log, gnss, time, measurement, notes)
+    parts = _fixes(gnss, rows, time, measurement, model, notes)
+    if aids.speed and log.speeds:
+        stream = log.speeds[0]
+        parts.append(_speeds((stream.time - zero) / SECOND, stream.value, measurement, aids.speed))
+    grid = np.arange(np.ceil(measurement.time[0]), measurement.time[-1], EACH)
+    if aids.straight:
+        parts.append(_aid(STRAIGHT, grid, measurement, (aids.straight,) * 2))
+    if aids.still:
+        standing = np.zeros(grid.size, dtype=bool)
+        for begin, end in stills:
+            standing |= (grid > begin) & (grid < end)
+        parts.append(_aid(STILL, grid[standing], measurement, (aids.still,) * 3))
+    columns: list[NDArray[Any]] = [np.concatenate(arrays) for arrays in zip(*parts, strict=True)]
+    order = np.lexsort((columns[1], columns[0]))
+    at, kind, late, value, variance, time, fix = (column[order] for column in columns)
+    return Corrections(Events(at, kind, late, value, variance), time, fix, tuple(notes))
+
+
+def _usable_rows(log: Log, gnss: GnssStream, time: Floats, measurement: Measurement, notes: list[Note]) -> Integers:
+    """Return the rows of the fixes that can be used and lie within the IMU's time."""
+    own = measurement.time
+    rows = np.flatnonzero(_usable(gnss, notes) & (time > own[0]) & (time < own[-1]))
+    if rows.size < FEW:
+        message = (
+            f"{log.provenance.path}: {rows.size} usable fixes of {gnss.name} lie within the IMU's time "
+            f"({own[0]:.1f} s to {own[-1]:.1f} s; the fixes: {time[0]:.1f} s to {time[-1]:.1f} s); a filter needs {FEW}"
+        )
+        raise MissingDataError(message)
+    return rows
+
+
+def _usable(gnss: GnssStream, notes: list[Note]) -> NDArray[np.bool_]:
+    good = np.isfinite(gnss.position).all(axis=1) & (np.abs(gnss.position[:, 0]) < 0.4999 * np.pi)
+    if gnss.fix_type is not None:
+        flat = gnss.fix_type < LEAST_FIX
+        if flat.any():
+            text = f"{gnss.name}: {int(flat.sum())} fixes without a position in three dimensions are not used"
+            notes.append(Note("flat-fixes", text))
+        good &= ~flat
+    repeated = _repeated(gnss)
+    if (repeated & good).any():
+        text = f"{gnss.name}: {int((repeated & good).sum())} fixes repeat the fix before in motion and are not used"
+        notes.append(Note("repeated-fixes", text))
+    return good & ~repeated
+
+
+def _repeated(gnss: GnssStream) -> NDArray[np.bool_]:
+    """Return which fixes repeat the fix before in motion; without velocities none, as a receiver may stand still."""
+    repeated = np.zeros(len(gnss), dtype=bool)
+    if len(gnss) > 1 and gnss.velocity is not None:
+        repeated[1:] = (np.diff(gnss.position, axis=0) == 0).all(axis=1)
+        repeated[1:] &= (np.diff(gnss.velocity, axis=0) == 0).all(axis=1)
+        repeated &= np.nan_to_num(np.abs(gnss.velocity)).max(axis=1) > MOVING
+    return repeated
+
+
+def _fixes(
+    gnss: GnssStream, rows: Integers, time: Floats, measurement: Measurement, model: FilterModel, notes: list[Note]
+) -> list[_Part]:
+    """Return the events of fixes: one for each, or two if position and velocity are of different times."""
+    value, variance = _values(gnss, rows, model, notes)
+    if not model.installation.velocity_delay:
+        at, late = _placed(time[rows], measurement)
+        return [_Part(at, np.full(rows.size, FIX), late, value, variance, time[rows], rows)]
+    parts: list[_Part] = []
+    for columns, delay, names in ((slice(3), 0.0, rows), (slice(3, 6), model.installation.velocity_delay, -1 - rows)):
+        own = time[rows] - delay
+        kept = np.zeros_like(variance)
+        kept[:, columns] = variance[:, columns]
+        inside = own > measurement.time[0]
+        at, late = _placed(own[inside], measurement)
+        parts.append(_Part(at, np.full(at.size, FIX), late, value[inside], kept[inside], own[inside], names[inside]))
+    return parts
+
+
+def _values(gnss: GnssStream, rows: Integers, model: FilterModel, notes: list[Note]) -> tuple[Floats, Floats]:
+    """Return values and variances of fixes, each (f, 6): position and velocity; a variance of 0: not measured."""
+    settings = model.settings
+    value, sigma = np.zeros((rows.size, 6)), np.zeros((rows.size, 6))
+    value[:, :3] = gnss.position[rows]
+    sigma[:, :3] = _sigmas(gnss.position_sigma, rows, settings.position_sigma, settings.sigma_scale, LEAST_SIGMA[0])
+    if gnss.position_sigma is None:
+        text = f"{gnss.name} reports no sigmas of positions: {settings.position_sigma} m are used"
+        notes.append(Note("default-position-sigmas", text))
+    if gnss.velocity is None:
+        notes.append(Note("no-velocities", f"{gnss.name} has no velocities: only positions correct the filter"))
+        return value, sigma**2
+    value[:, 3:] = np.nan_to_num(gnss.velocity[rows])
+    sigma[:, 3:] = _sigmas(gnss.velocity_sigma, rows, settings.velocity_sigma, settings.sigma_scale, LEAST_SIGMA[1])
+    sigma[:, 3:][~np.isfinite(gnss.velocity[rows])] = 0.0
+    wild = (np.abs(value[:, 3:]) > IMPOSSIBLE).any(axis=1)
+    if wild.any():
+        text = f"{gnss.name}: {int(wild.sum())} velocities above {IMPOSSIBLE:g} m/s are not used"
+        notes.append(Note("impossible-velocities", text))
+    sigma[wild, 3:] = value[wild, 3:] = 0.0
+    if gnss.velocity_sigma is None:
+        text = f"{gnss.name} reports no sigmas of velocities: {settings.velocity_sigma} m/s are used"
+        notes.append(Note("default-velocity-sigmas", text))
+    return value, sigma**2
+
+
+def _sigmas(
+    reported: Floats | None, rows: Integers, default: tuple[float, float], scale: float, least: float
+) -> Floats:
+    sigmas = np.tile([default[0], default[0], default[1]], (rows.size, 1))
+    if reported is not None:
+        scaled = reported[rows] * scale
+        sigmas = np.where(np.isfinite(scaled) & (scaled > 0), np.maximum(scaled, least), sigmas)
+    return sigmas
+
+
+def _speeds(time: Floats, speed: Floats, measurement: Measurement, sigma: float) -> _Part:
+    inside = np.flatnonzero((time > measurement.time[0]) & (time < measurement.time[-1]))
+    # One speed a second: the errors of an odometer's samples are correlated over a longer time.
+    inside = inside[np.unique(np.floor(time[inside] / EACH), return_index=True)[1]]
+    part = _aid(SPEED, time[inside], measurement, (sigma,))
+    part.value[:, 0] = speed[inside]
+    return part
+
+
+def _aid(kind: int, time: Floats, measurement: Measurement, sigma: tuple[float, ...]) -> _Part:
+    at, late = _placed(time, measurement)
+    value, variance = np.zeros((2, time.size, 6))
+    variance[:, : len(sigma)] = np.square(sigma)
+    return _Part(at, np.full(time.size, kind), late, value, variance, time, np.full(time.size, -1))
+
+
+def _placed(time: Floats, measurement: Measurement) -> tuple[Integers, Floats]:
+    """Return the sample whose end is nearest to each time, and how much later the time is, s."""
+    own = measurement.time
+    after = np.clip(np.searchsorted(own, time), 1, own.size - 1)
+    nearest = after - (time - own[after - 1] < own[after] - time)
+    return nearest.astype(np.int64), time - own[nearest]

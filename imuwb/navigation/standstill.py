@@ -1,0 +1,44 @@
+"""When an IMU stands still."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.log import SECOND
+
+if TYPE_CHECKING:
+    from imuwb.log import Floats, GnssStream, Log
+    from imuwb.navigation.measurement import Measurement
+
+SLOW = 0.5  #: m/s; below this speed a receiver may stand still
+QUIET = 4.0  #: largest scatter of a still second, over the scatter of the quietest tenth of all seconds
+
+
+def standstills(measurement: Measurement, log: Log, gnss: GnssStream | None) -> Floats:
+    """Return when the IMU stands still.
+
+    A second is still if the scatter of both triads is small, and if the receiver, where it reports velocities, is slow.
+
+    Returns:
+        (s, 2) begin and end, s from the log's start.
+    """
+    count = max(1, round(1 / measurement.interval))
+    blocks = measurement.time.size // count
+    if not blocks:
+        return np.zeros((0, 2))
+    still = np.ones(blocks, dtype=bool)
+    for increments in (measurement.samples.angle, measurement.samples.velocity):
+        scatter = np.sqrt(increments[: blocks * count].reshape(blocks, count, 3).var(axis=1).sum(axis=1))
+        still &= scatter <= QUIET * np.quantile(scatter, 0.1)
+    begin = measurement.time[: blocks * count : count] - measurement.interval
+    if gnss is not None and gnss.velocity is not None:
+        speed = np.hypot(gnss.velocity[:, 0], gnss.velocity[:, 1])
+        known = np.isfinite(speed)
+        if known.any():
+            time = (gnss.time - (log.zero or 0)) / SECOND
+            still &= np.interp(begin + 0.5, time[known], speed[known]) < SLOW
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(np.int8)))
+    ends = np.append(begin, begin[-1] + count * measurement.interval)
+    return np.stack([ends[edges[::2]], ends[edges[1::2]]], axis=1)

@@ -1,0 +1,113 @@
+"""A log as filters take it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from imuwb.conditioning import corrected_log
+from imuwb.errors import MissingDataError, UsageError
+from imuwb.navigation.alignment import align
+from imuwb.navigation.corrections import corrections_of
+from imuwb.navigation.filter import solve
+from imuwb.navigation.measurement import denoised, measurement_of
+from imuwb.navigation.standstill import standstills
+from imuwb.notes import Note
+from imuwb.replay.degraded import degraded
+
+if TYPE_CHECKING:
+    from imuwb.log import Floats, GnssStream, Log
+    from imuwb.navigation.alignment import Alignment
+    from imuwb.navigation.corrections import Corrections
+    from imuwb.navigation.filter import Solution
+    from imuwb.navigation.filter_model import FilterModel
+    from imuwb.navigation.measurement import Measurement
+    from imuwb.replay.degraded import Degradation
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Prepared:
+    """A log as filters take it."""
+
+    log: Log
+    gnss: GnssStream
+    measurement: Measurement
+    stills: Floats  #: (k, 2) s from the log's start, the standstills
+    corrections: Corrections
+    alignment: Alignment
+    notes: tuple[str, ...]
+
+    @property
+    def start_time(self) -> float:
+        """Return when filters start, s from the log's start."""
+        return float(self.corrections.time[self.alignment.event])
+
+    @property
+    def fix_time(self) -> Floats:
+        """Return the times of the fixes, s from the log's start."""
+        return self.corrections.time[self.corrections.fix >= 0]
+
+    def __str__(self) -> str:
+        """Return the parts, a line each."""
+        return f"{self.measurement}\n{self.corrections}\n{self.alignment}"
+
+    __repr__ = __str__
+
+
+def prepare(
+    log: Log, model: FilterModel, receiver: str | None = None, degradation: Degradation | None = None
+) -> Prepared:
+    """Return a log as filters take it, without the deterministic errors of the error model; all filters start alike.
+
+    Args:
+        log: an IMU and a receiver; a log that is corrected already is not corrected again.
+        model: its settings and the deterministic terms of its error model; its noise has no effect.
+        receiver: name of the receiver; None: the best one.
+        degradation: how its fixes are made worse; the reference stays as it is.
+
+    Raises:
+        MissingDataError: no IMU, no receiver, too few fixes, no motion.
+        UsageError: no receiver of that name; deterministic terms that are too large.
+    """
+    if not log.gnss:
+        message = (
+            f"{log.provenance.path}: the log has no GNSS receiver, and an outage replay needs fixes; name a file of fixes "
+            "with --gnss"
+        )
+        raise MissingDataError(message)
+    gnss = receiver_of(log, receiver)
+    several = ()
+    if len(log.gnss) > 1 and receiver is None:
+        text = f"the log has {len(log.gnss)} receivers: {gnss.name} is used; choose another with --receiver"
+        several = (Note("several-receivers", text),)
+    if degradation is not None:
+        gnss = degraded(gnss, degradation)
+    log, corrected = corrected_log(log, model.error_model)
+    thermal = any(axis.thermal for axis in model.error_model.axes.values())
+    measurement = measurement_of(log, log.imu(), model.installation, thermal=thermal)
+    stills = standstills(measurement, log, gnss)
+    corrections = corrections_of(log, gnss, measurement, stills, model)
+    alignment = align(measurement, corrections, stills, model)
+    notes = (*several, *corrected, *measurement.notes, *corrections.notes, alignment.note)
+    return Prepared(log, gnss, measurement, stills, corrections, alignment, notes)
+
+
+def receiver_of(log: Log, name: str | None) -> GnssStream:
+    """Return a receiver by its name, or the best one: with velocities, then with sigmas, then with the most fixes.
+
+    Raises:
+        UsageError: no receiver of that name.
+    """
+    named = [g for g in log.gnss if name in (None, g.name)]
+    if not named:
+        message = f"the log has no receiver {name!r}; choose among {', '.join(g.name for g in log.gnss)}"
+        raise UsageError(message)
+    return max(named, key=lambda g: (g.velocity is not None, g.position_sigma is not None, len(g)))
+
+
+def run(model: FilterModel, prepared: Prepared, *, smooth: bool = False) -> Solution:
+    """Return a filter's run over a whole log; ``smooth``: with what a smoother needs."""
+    measurement = prepared.measurement
+    if any(model.wavelet_levels):
+        measurement = denoised(measurement, model.wavelet_levels)
+    return solve(model, measurement, prepared.corrections, prepared.alignment, smooth=smooth)

@@ -1,0 +1,121 @@
+"""The figures of an outage replay."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.analysis import Curve, Figure, Series
+from imuwb.colors import (
+    AXIS_COLORS,
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    PINK,
+    PURPLE,
+    RED,
+    TEAL,
+    YELLOW,
+    Color,
+)
+from imuwb.replay.budget import COMMON
+from imuwb.units import STANDARD_GRAVITY
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from imuwb_plugins.outage.result import DurationSummary, ErrorBudget, Result, SensorErrors
+
+COLORS: dict[str, Color] = {
+    "none": GREY, "15AV": BLUE, "18AV": GREEN, "18AVWD": RED, "15AR": ORANGE, "27AR": PURPLE, "full": TEAL, "tuned": YELLOW,
+}  # fmt: skip
+SOURCES: tuple[Color, ...] = (RED, BLUE, GREEN, ORANGE, PURPLE, TEAL, YELLOW)
+TIME, ERROR = "time without GNSS [s]", "horizontal error [m]"
+SENSORS = (("gyros", "deg/h", float(np.degrees(3600.0)), 0), ("accelerometers", "mg", 1e3 / STANDARD_GRAVITY, 3))
+PARTS = ("", " -3 sigma", " +3 sigma")
+
+
+def color_of(name: str) -> Color:
+    """Return the colour of a filter."""
+    return COLORS.get(name, PINK)
+
+
+def drift(own: DurationSummary) -> Figure:
+    """Return the drift of each filter: median and 95 % quantile."""
+    curves: list[Curve] = []
+    for name, s in own.models.items():
+        curves.append(Curve(name, s.curve.elapsed, s.curve.median, color_of(name), style="curve"))
+        curves.append(Curve("", s.curve.elapsed, s.curve.p95, color_of(name), style="faint"))
+    title = f"Drift in outages of {own.duration:g} s: median, and 95 % quantile (faint)"
+    return Figure(title, TIME, ERROR, tuple(curves), x_scale="linear")
+
+
+def consistency(own: DurationSummary) -> Figure:
+    """Return the NEES of each filter over time."""
+    curves = tuple(
+        Curve(name, s.curve.elapsed, s.curve.nees_per_dof, color_of(name), style="curve")
+        for name, s in own.models.items()
+    )
+    title = f"NEES over its two degrees of freedom in outages of {own.duration:g} s"
+    return Figure(title, TIME, "mean NEES/2 [1]; 1: sigma is right, above 1: too small", curves, x_scale="linear")
+
+
+def errors(result: Result, name: str) -> Figure:
+    """Return the errors of some outages, with one and three sigma of the filter."""
+    samples = result.samples
+    lines, elapsed = samples.errors[name], samples.elapsed
+    sigma = result.summary[-1].models[name].curve.sigma
+    x = np.tile(np.append(elapsed, np.nan), len(lines))
+    y = np.concatenate([np.append(line, np.nan) for line in lines])
+    return Figure(
+        f"{name}: errors in {len(lines)} outages, and the median of the filter's sigma", TIME, ERROR,
+        (
+            Curve("errors", x, y, color_of(name), style="faint"),
+            Curve("1 sigma", elapsed, sigma, INK, style="curve"),
+            Curve("3 sigma", elapsed, 3 * sigma, GREY, style="curve"),
+        ),
+        x_scale="linear", y_scale="linear", y_limits=(0.0, 1.15 * samples.limit[name]),
+    )  # fmt: skip
+
+
+def budget(b: ErrorBudget) -> Figure:
+    """Return the sources of a filter's sigma over time."""
+    curves = [Curve("all", b.elapsed, b.total, INK, style="curve")]
+    shown = [(source, sigma) for source, sigma in zip(b.sources, b.sigma, strict=True) if source != COMMON]
+    for color, (source, sigma) in zip(SOURCES, shown, strict=False):
+        curves.append(Curve(source, b.elapsed, sigma, color, style="curve"))
+    return Figure(
+        f"Sources of the sigma of {b.filter}", TIME, "horizontal sigma [m]", tuple(curves),
+        y_limits=(1e-2, 1.3 * float(b.total[-1])),
+    )  # fmt: skip
+
+
+def sensor_errors(s: SensorErrors) -> Iterator[Series]:
+    """Yield the estimated errors of gyros and of accelerometers, and the true ones."""
+    names = tuple(f"{axis}{part}" for axis in "xyz" for part in PARTS)
+    colors = tuple((*AXIS_COLORS[axis], alpha) for axis in "xyz" for alpha in (255, 90, 90))
+    true_colors = tuple((*AXIS_COLORS[axis], 255) for axis in "xyz")
+    for sensor, unit, factor, first in SENSORS:
+        values = s.estimates[:, first : first + 3].reshape(len(s.time), -1) * factor
+        yield Series(f"Errors of the {sensor}, estimated by {s.filter}", unit, s.time, values, names, colors, s.epoch)
+        if s.true_time is not None and s.true is not None:
+            yield Series(
+                f"True errors of the {sensor}, means over 30 s", unit, s.true_time, s.true[:, first : first + 3] * factor,
+                ("x", "y", "z"), true_colors, s.epoch,
+            )  # fmt: skip
+
+
+def each_outage(result: Result) -> Figure:
+    """Return the largest error of each filter in each outage (Quinchia, figure 26)."""
+    x = np.arange(1.0, len(result.outages) + 1)
+    curves = tuple(
+        Curve(f.name, x, np.array([o.models[f.name].max for o in result.outages]), color_of(f.name))
+        for f in result.filters
+    )
+    return Figure(
+        "Largest horizontal error in each outage (Quinchia, figure 26)", "number of the outage in the table [1]", ERROR,
+        curves, x_scale="linear", x_limits=(0.5, len(result.outages) + 0.5),
+    )  # fmt: skip

@@ -1,0 +1,173 @@
+"""The tables of an outage replay."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.analysis import Table
+from imuwb.texts import interval_text, number_text, quantity_text
+from imuwb_plugins.outage.summary import TESTED
+
+if TYPE_CHECKING:
+    from imuwb.replay import Choice
+    from imuwb_plugins.outage.result import DurationSummary, ErrorBudget, OutageResult, Result
+
+
+def _yes(value: bool) -> str:  # noqa: FBT001 - a cell of a table
+    return "yes" if value else "no"
+
+
+def drift(own: DurationSummary, result: Result) -> Table:
+    """Return the errors of each filter at the end of the outages."""
+    causal = {f.name: f.causal for f in result.filters}
+    rows = tuple(
+        (
+            name, f"{s.count} ({s.effective_count})",
+            *(interval_text(s.estimate(part)) for part in ("median_end", "p68_end", "p95_end", "median_max")),
+            f"{number_text(s.median_vertical)} m", f"{number_text(s.median_velocity)} m/s",
+            quantity_text(None if s.median_heading is None else float(np.degrees(s.median_heading)), "deg", 2),
+            "—" if s.median_percent is None else f"{number_text(s.median_percent)} %", _yes(causal[name]),
+        )
+        for name, s in own.models.items()
+    )  # fmt: skip
+    headings = (
+        "filter", "outages (without overlap)", "median", "68 % quantile", "95 % quantile", "median of the largest error",
+        "vertical", "velocity", "heading", "share of the distance", "causal",
+    )  # fmt: skip
+    caption = (
+        "Horizontal errors at the end, with intervals by a moving-block bootstrap. Vertical, velocity, heading and share of the "
+        "distance driven: medians at the end."
+    )
+    return Table(f"Drift after {own.duration:g} s without GNSS", headings, rows, caption, wide=True)
+
+
+def paired(own: DurationSummary) -> Table:
+    """Return the comparisons of filters in the same outages."""
+    rows = tuple(
+        (
+            p.model, p.against, interval_text(p.median_difference), interval_text(p.improvement.scaled(100, "%")),
+            f"{p.win_rate * 100:.0f} %", f"{p.p_value:.2g}",
+        )
+        for p in own.paired
+    )  # fmt: skip
+    headings = (
+        "filter", "against", "median difference at the end", "mean improvement", "outages in which it is better",
+        "p-value of no difference",
+    )  # fmt: skip
+    caption = (
+        "Negative differences: the first filter is better. Improvement: 1 - filter/against. p-value: of log ratios, by random "
+        "signs of blocks of neighbours."
+    )
+    return Table(f"Pairs in the same outages of {own.duration:g} s", headings, rows, caption, wide=True)
+
+
+def choice(c: Choice) -> Table:
+    """Return the filters in order of their likelihood."""
+    rows = tuple(
+        (x.model, f"{x.log_likelihood:.2f}", f"{number_text(x.median_end)} m", f"{x.folds} of {c.folds}")
+        for x in c.candidates
+    )
+    caption = (
+        f"Cross-validation over {c.folds} blocks of time: the filter chosen in the other blocks has the log-likelihood "
+        f"{c.unseen_log_likelihood:.2f} and the median error {number_text(c.unseen_median_end)} m. The likelihood is large for "
+        "small errors with a sigma that is right."
+    )
+    headings = ("filter", "log-likelihood of an outage", "median error at the end", "chosen in blocks")
+    return Table(f"Choice of a filter for outages of {c.duration:g} s", headings, rows, caption, wide=True)
+
+
+def by_motion(own: DurationSummary) -> Table:
+    """Return the median error of each filter by motion."""
+    rows = tuple((kind, *(f"{number_text(m)} m" for m in medians.values())) for kind, medians in own.by_motion.items())
+    title = f"Median error at the end by motion, outages of {own.duration:g} s"
+    return Table(title, ("motion", *own.models), rows, wide=True)
+
+
+def consistency(own: DurationSummary) -> Table:
+    """Return whether each filter's sigma is right, at some times."""
+    rows = tuple(
+        (
+            name, f"{c.elapsed:g} s", f"{c.nees_per_dof:.2f}", f"{c.lower:.2f} to {c.upper:.2f}", f"{c.coverage95 * 100:.0f} %",
+            f"{c.ratio:.2f}", f"{s.nis_per_dof:.2f}",
+        )
+        for name, s in own.models.items()
+        for c in s.consistency
+    )  # fmt: skip
+    headings = (
+        "filter", "time without GNSS", "NEES/2", "NEES/2 for a right sigma", "outages within the 95 % ellipse", "error/sigma",
+        "NIS/dof of the whole run",
+    )  # fmt: skip
+    return Table(f"Consistency in outages of {own.duration:g} s", headings, rows)
+
+
+def budget(b: ErrorBudget) -> Table:
+    """Return the shares of the sources in a filter's horizontal variance."""
+    rows = tuple(
+        (source, *(f"{share:.1f} %" for share in shares)) for source, shares in zip(b.sources, b.percent, strict=True)
+    )
+    caption = (
+        "Shares of the horizontal variance, mean over outages that do not overlap. In common: correlations at the start; a tilt "
+        "and an accelerometer's bias, for example, cancel until the vehicle turns, and lower the variance."
+    )
+    return Table(
+        f"Error budget of {b.filter}", ("source", *(f"after {h:g} s" for h in b.horizons)), rows, caption, wide=True
+    )
+
+
+def outages(result: Result) -> Table:
+    """Return the errors of each filter in each listed outage."""
+    names = [f.name for f in result.filters]
+    rows = tuple(
+        (*_outage(own), own.motion, *(
+            f"{number_text(m.mean)} / {number_text(m.max)} / {number_text(m.end)} m" for m in map(own.models.__getitem__, names)
+        ))
+        for own in (result.outages[i] for i in result.listed)
+    )  # fmt: skip
+    which = "all"
+    if len(result.outages) > len(result.listed):
+        which = f"the {len(result.listed)} worst of {len(result.outages)} that do not overlap, by the best filter"
+    title = f"Outages ({which}): mean / largest / final horizontal error"
+    headings = ("start", "duration", "mean speed", "motion", *names)
+    return Table(title, headings, rows, f"Against {result.reference}.", wide=True)
+
+
+def _outage(own: OutageResult, decimals: int = 1) -> tuple[str, str, str]:
+    return f"{own.start:.1f} s", f"{own.duration:g} s", f"{own.mean_speed * 3.6:.{decimals}f} km/h"
+
+
+def published(result: Result) -> Table:
+    """Return the errors of each filter against its own run without outages (Quinchia, tables 9 and 10)."""
+    names = [f.name for f in result.filters]
+    rows = [
+        (*_outage(o, 2), *(f"{o.models[n].own_mean:.2f} / {o.models[n].own_max:.2f} m" for n in names))
+        for o in result.outages
+    ]
+    caption = ""
+    if result.published:
+        caption = f"Last row: mean over the outages of 1 - {TESTED}/filter, as in the paper."
+        gains = [result.published[n] for n in names]
+        rows.append(
+            (f"improvement by {TESTED}", "", "", *(f"{g.own_mean * 100:.1f} / {g.own_max * 100:.1f} %" for g in gains))
+        )
+    title = "Mean / largest error against each filter's own run without outages (Quinchia, tables 9 and 10)"
+    return Table(title, ("start", "duration", "mean speed", *names), tuple(rows), caption, wide=True)
+
+
+def filters(result: Result) -> Table:
+    """Return the filters with their states and innovations."""
+    rows = tuple(
+        (
+            f.name, str(len(f.states)), f.gyros, f.accelerometers, f.reading, f"{f.nis_position:.2f}",
+            "—" if f.nis_velocity is None else f"{f.nis_velocity:.2f}", str(f.refused), _yes(f.causal),
+            ", ".join(f.left_out) or "—",
+        )
+        for f in result.filters
+    )  # fmt: skip
+    headings = (
+        "filter", "states", "processes of gyro x", "processes of accelerometer x", "formulas", "NIS/3 of positions",
+        "NIS/3 of velocities", "refused positions and velocities", "causal", "processes without a state",
+    )  # fmt: skip
+    caption = "Nine states are position, velocity and attitude; white noise needs no state (Quinchia, table 8). The JSON names all states."
+    return Table("Filters and their states", headings, rows, caption, wide=True)
