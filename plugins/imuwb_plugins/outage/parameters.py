@@ -41,7 +41,7 @@ class Parameters:
     seed: Annotated[int, "Seed of the random numbers."] = 0
     reference: Annotated[
         Literal["best", "truth", "fixed", "smoothed", "own"],
-        "Reference of the drift: the log's truth, RTK-fixed positions, a smoothed run over all fixes, the last filter's own run, or the best.",
+        "Reference of the drift: the log's truth, RTK-fixed positions, a filter's smoothed run over all fixes, its own run, or the best of these.",
     ] = "best"
     filter: Annotated[
         Path | None, "Filter of --save-filter, run besides the others; its settings apply to all filters."
@@ -66,14 +66,15 @@ class Parameters:
         Form("F,R,D", "0.4,0,-1.2"),
     ] = (0.0, 0.0, 0.0)  # fmt: skip
     gnss_delay: Annotated[
-        Literal["auto"] | float, "Time by which the stamp of a fix is late (s), or auto: estimated from the log.", Between(-10, 10)
+        Literal["auto"] | float, "Time by which the stamp of a fix is late (s), or auto: estimated from the log.", Between(-10, 10),
+        Form("SECONDS", "0.15"),
     ] = 0.0  # fmt: skip
     velocity_delay: Annotated[
         float, "Time by which a fix's velocity is older than its position (s); --gnss-delay auto estimates it too.", Between(-10, 10)
     ] = 0.0  # fmt: skip
     clock_rate: Annotated[
         Literal["auto"] | float, "True seconds in a second of the IMU's clock, or auto: estimated from the log.",
-        Between(0.9, 1.1, open_least=True, open_most=True),
+        Between(0.9, 1.1, open_least=True, open_most=True), Form("RATE", "1.0002"),
     ] = 1.0  # fmt: skip
     skew: Annotated[
         float, "Time by which the accelerometer's stamps are later than the gyro's (s).", Between(-1, 1)
