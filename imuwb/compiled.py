@@ -1,4 +1,13 @@
-"""How loops are compiled, and how long the compiled code is believed."""
+"""How loops are compiled, and how long compiled code on disk is used.
+
+Two private parts of numba are used, so pyproject sets an upper bound for numba:
+
+* ``_cache._cache_file._version`` of a compiled function. numba uses code on disk as long as the file of the function itself is
+  unchanged, although the code contains all functions that it calls, which may be in other files. There is no public way to
+  add these files to the condition.
+* the options ``_nrt`` and ``no_cfunc_wrapper``, which numba documents for its own use. Without them a function counts the
+  references of arrays that it only reads.
+"""
 
 from __future__ import annotations
 
@@ -17,9 +26,10 @@ def compiled(*, reorder: bool = False, arrays: bool = True) -> Callable[[Functio
     """Return the decorator of a function that is compiled at its first call and kept on disk.
 
     Args:
-        reorder: whether sums may be taken in another order, several at a time.
-        arrays: whether the function makes arrays. One that does not is not made to count those it is handed, which costs about a
-            third of the time in loops of a microsecond, and a quarter of the compiler's; its products and sums are fused.
+        reorder: whether sums may be computed in another order, several terms at a time.
+        arrays: whether the function makes arrays. A function that makes none does not count references to arrays, which saves
+            about a third of the time in loops of a microsecond, and a quarter of the compiler's time; its products and sums
+            are fused.
     """
     options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
     if reorder:
@@ -28,20 +38,18 @@ def compiled(*, reorder: bool = False, arrays: bool = True) -> Callable[[Functio
         options |= {"_nrt": False, "no_cfunc_wrapper": True, "fastmath": {"contract"}}
 
     def decorate(function: Function) -> Function:
-        found = numba.njit(**options)(function)
-        # What is kept holds the code of all that a function calls, and is else believed while its own file is the same: after
-        # an update the old code of the others would be run.
-        kept = getattr(getattr(found, "_cache", None), "_cache_file", None)
-        if kept is not None:
-            kept._version += _state(Path(function.__code__.co_filename).parent)  # noqa: SLF001 - numba has no door for it
-        return cast("Function", found)
+        dispatcher = numba.njit(**options)(function)
+        cache_file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
+        if cache_file is not None:
+            cache_file._version += _fingerprint(Path(function.__code__.co_filename).parent)  # noqa: SLF001 - see above
+        return cast("Function", dispatcher)
 
     return decorate
 
 
 @cache
-def _state(folder: Path) -> str:
-    """Return a fingerprint of the modules that lie beside one another in a folder."""
+def _fingerprint(folder: Path) -> str:
+    """Return a fingerprint of all modules in a folder."""
     digest = hashlib.sha256()
     for path in sorted(folder.glob("*.py")):
         digest.update(path.read_bytes())

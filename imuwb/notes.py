@@ -1,4 +1,4 @@
-"""What a reader of a result must know, as a sentence that programs and tests know by its id."""
+"""Notes: sentences that a reader of a result must know, each with an id for programs and tests."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ if TYPE_CHECKING:
 
 
 class Note(str):
-    """A sentence with an id, such as "moving": the sentence may be re-worded, the id stays.
+    """A sentence with an id, such as "moving". The sentence may change; the id stays.
 
-    It is a text wherever a text is wanted: in a terminal, a recording, a document.
+    A note is a str: a terminal, a recording and a document show its sentence.
     """
 
     __slots__ = ("id",)
     id: str
 
-    def __new__(cls, id: str, text: str) -> Self:  # noqa: A002 - it is one
+    def __new__(cls, id: str, text: str) -> Self:  # noqa: A002 - this is an id
         """Return a note."""
         note = super().__new__(cls, text)
         note.id = id
@@ -25,5 +25,5 @@ class Note(str):
 
 
 def ids(notes: Iterable[str]) -> tuple[str, ...]:
-    """Return the ids of those notes among some texts that have one."""
+    """Return the ids of the notes among some texts; plain texts have no id."""
     return tuple(note.id for note in notes if isinstance(note, Note))

@@ -1,17 +1,17 @@
-"""Options as a person writes them: which type of value a text stands for, and which values may be.
+"""Options: the types of their values, how users write them as texts, and which values are allowed.
 
-An option is a field of a frozen dataclass. Its annotation says all there is to know of it:
+An option is a field of a frozen dataclass. Its annotation declares the type, the help, the form of the text and the range:
 
-    lever_arm: Annotated[tuple[float, float, float], "from the IMU to the antenna", Form("F,R,D", "0.4,0,-1.2")]
+    lever_arm: Annotated[tuple[float, float, float], "from the IMU to the antenna (m)", Form("F,R,D", "0.4,0,-1.2")]
     mounting: Literal["auto"] | tuple[float, float, float]
     level: Level = 0.95
 
-``check`` in the dataclass's ``__post_init__`` turns texts into values and refuses what cannot be. The command line,
-``--through`` and Python code all pass through it, so an option means the same wherever it is written.
+``check`` in the dataclass's ``__post_init__`` turns texts into values, and refuses values that are not allowed. The command line,
+``--through`` and Python code all use it, so that an option means the same everywhere.
 
-How types are written: numbers as they are; a tuple with commas; pairs with colons, ``200:30,430:60``; whole numbers also as
-a range, ``3..8``; a mapping as ``key=value,key=value``; ``Literal`` words as they are; nothing for an empty tuple. A class of its own has
-``from_text(text)``, which raises ValueError, ``__str__``, which returns that text, and ``FORMS``, which names what may be written.
+These texts stand for values: numbers; the words of a ``Literal``; ``1,2,3`` for a tuple; ``200:30,430:60`` for a tuple of pairs;
+``3..8`` for a tuple of whole numbers; ``key=value,key=value`` for a mapping; an empty text for an empty tuple. Another class has
+``from_text(text)``, which raises ValueError, ``__str__``, which returns that text, and ``FORMS``, which describes the text.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, cast
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-MOST = 10_000  #: whole numbers in a range
+MOST = 10_000  #: whole numbers in a range, at most
 
 
 @dataclass(frozen=True, slots=True)
 class Between:
-    """The numbers that may be: from ``least`` to ``most``, without an end that is open."""
+    """A range of allowed numbers, from ``least`` to ``most``; an open end does not belong to the range."""
 
     least: float = -math.inf
     most: float = math.inf
@@ -40,13 +40,13 @@ class Between:
     open_most: bool = False
 
     def __contains__(self, value: float) -> bool:
-        """Return whether a number may be; what is not finite may not."""
+        """Return whether a number is allowed; infinite numbers and nan are not."""
         above = value > self.least if self.open_least else value >= self.least
         below = value < self.most if self.open_most else value <= self.most
         return math.isfinite(value) and above and below
 
     def __str__(self) -> str:
-        """Return the rule as words that follow "must be"."""
+        """Return the rule in words that follow "must be"."""
         least = (
             "" if math.isinf(self.least) else f"above {self.least:g}" if self.open_least else f"{self.least:g} or more"
         )
@@ -60,29 +60,29 @@ NOT_NEGATIVE = Between(0.0)
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """How an option is written: its pattern for ``--help``, and an example for messages."""
+    """The text of an option: its pattern for ``--help``, and an example for errors."""
 
     pattern: str
     example: str = ""
 
 
-#: A level at which intervals and limits hold. At a level of one half, a one-sided limit would be the estimate itself.
+#: Probability with which an interval contains the truth. At one half, a one-sided limit would be the estimate itself.
 Level: TypeAlias = Annotated[float, "level of all intervals and limits", Between(0.6, 1.0, open_most=True)]
 
 
 @dataclass(frozen=True, slots=True)
 class Option:
-    """One field of a dataclass of parameters, as its annotation describes it."""
+    """One field of a dataclass of options, as its annotation declares it."""
 
     name: str
-    kind: Any  #: the type, without what ``Annotated`` adds
+    kind: Any  #: the type, without the metadata of ``Annotated``
     help: str = ""
     between: Between | None = None
     form: Form | None = None
 
 
 def options_of(parameters: type) -> tuple[Option, ...]:
-    """Return the options that a dataclass of parameters declares, in order."""
+    """Return the options that a dataclass declares, in order."""
     hints = typing.get_type_hints(parameters, include_extras=True)
     return tuple(_option(f.name, hints[f.name]) for f in fields(cast("Any", parameters)))
 
@@ -90,17 +90,18 @@ def options_of(parameters: type) -> tuple[Option, ...]:
 def _option(name: str, hint: Any) -> Option:  # noqa: ANN401 - an annotation
     if typing.get_origin(hint) is not Annotated:
         return Option(name, hint)
-    kind, *notes = typing.get_args(hint)  # an alias, such as Level, comes first: what is said last counts
-    text = next((note for note in reversed(notes) if isinstance(note, str)), "")
-    between = next((note for note in reversed(notes) if isinstance(note, Between)), None)
-    return Option(name, kind, text, between, next((note for note in reversed(notes) if isinstance(note, Form)), None))
+    kind, *metadata = typing.get_args(hint)
+    metadata.reverse()  # the metadata of an alias, such as Level, come first; those that a field adds count
+    text = next((item for item in metadata if isinstance(item, str)), "")
+    between = next((item for item in metadata if isinstance(item, Between)), None)
+    return Option(name, kind, text, between, next((item for item in metadata if isinstance(item, Form)), None))
 
 
 def check(parameters: object) -> None:
-    """Turn the texts among a frozen dataclass's fields into values, and check the ranges.
+    """Turn the texts in the fields of a frozen dataclass into values, and check the ranges.
 
     Raises:
-        ValueError: a value that cannot be; the message names option, value and rule.
+        ValueError: a value that is not allowed; the message names the option, the value and the rule.
     """
     for option in options_of(type(parameters)):
         given = getattr(parameters, option.name)
@@ -119,7 +120,7 @@ def read(option: Option, text: str) -> Any:  # noqa: ANN401 - of the option's ty
     """Return the value that a text stands for.
 
     Raises:
-        ValueError: no value of the option's type.
+        ValueError: the text stands for no value of the option's type.
     """
     for kind in _members(option.kind):
         try:
@@ -132,12 +133,13 @@ def read(option: Option, text: str) -> Any:  # noqa: ANN401 - of the option's ty
 
 
 def _members(kind: Any) -> Iterator[Any]:  # noqa: ANN401 - a type
-    """Yield the types that a union allows, words first."""
+    """Yield the types of a union, Literals first; a type that is no union alone."""
     members = typing.get_args(kind) if typing.get_origin(kind) in (typing.Union, types.UnionType) else (kind,)
     yield from sorted((m for m in members if m is not type(None)), key=lambda m: typing.get_origin(m) is not Literal)
 
 
-def _value(kind: Any, text: str) -> Any:  # noqa: ANN401 - a kind of type each
+def _value(kind: Any, text: str) -> Any:  # noqa: ANN401 - of the type ``kind``
+    """Return the value of a type that a text stands for; ValueError if there is none."""
     origin, inner = typing.get_origin(kind), typing.get_args(kind)
     if origin is Literal:
         if text in inner:
@@ -146,17 +148,11 @@ def _value(kind: Any, text: str) -> Any:  # noqa: ANN401 - a kind of type each
     if origin is tuple:
         return _tuple(inner, text, ",")
     if origin in (dict, Mapping):
-        pairs = [part.partition("=") for part in text.split(",") if part.strip()]
-        if not all(mark and value.strip() for _, mark, value in pairs) or len({key for key, _, _ in pairs}) < len(
-            pairs
-        ):
-            raise ValueError
-        return {key.strip(): _value(inner[1], value.strip()) for key, _, value in pairs}
+        return _mapping(inner[1], text)
     if kind is bool:
-        words = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
-        if text.lower() not in words:
+        if text.lower() not in _SWITCHES:
             raise ValueError
-        return words[text.lower()]
+        return _SWITCHES[text.lower()]
     if kind is float:
         number = float(text)
         if math.isnan(number):
@@ -165,16 +161,20 @@ def _value(kind: Any, text: str) -> Any:  # noqa: ANN401 - a kind of type each
     return getattr(kind, "from_text", kind if kind in (int, str, Path) else str)(text)
 
 
+def _mapping(kind: Any, text: str) -> dict[str, Any]:  # noqa: ANN401 - a type
+    pairs = [part.partition("=") for part in text.split(",") if part.strip()]
+    values = {key.strip(): value.strip() for key, _, value in pairs}
+    if len(values) < len(pairs) or not all(values.values()):
+        raise ValueError
+    return {key: _value(kind, value) for key, value in values.items()}
+
+
 def _tuple(inner: tuple[Any, ...], text: str, mark: str) -> tuple[Any, ...]:
     parts = [part.strip() for part in text.split(mark)] if text else []
-    if len(inner) == 2 and inner[1] is Ellipsis:  # noqa: PLR2004 - tuple[int, ...]
+    if inner[-1] is Ellipsis:
         kind = inner[0]
         if kind is int and ".." in text:
-            first, _, last = text.partition("..")
-            low, high = int(first), int(last)
-            if not 0 <= high - low < MOST:
-                raise ValueError
-            return tuple(range(low, high + 1))
+            return tuple(whole_numbers(text, MOST))
         if typing.get_origin(kind) is tuple:
             return tuple(_tuple(typing.get_args(kind), part, ":") for part in parts)
         return tuple(_value(kind, part) for part in parts)
@@ -183,7 +183,21 @@ def _tuple(inner: tuple[Any, ...], text: str, mark: str) -> tuple[Any, ...]:
     return tuple(_value(kind, part) for kind, part in zip(inner, parts, strict=True))
 
 
+def whole_numbers(text: str, most: int) -> range:
+    """Return the whole numbers of a range such as ``3..8``.
+
+    Raises:
+        ValueError: the text is no range, its second end is below the first, or it has more than ``most`` numbers.
+    """
+    first, _, last = text.partition("..")
+    numbers = range(int(first), int(last) + 1)
+    if not 0 < len(numbers) <= most:
+        raise ValueError
+    return numbers
+
+
 def _numbers(value: object) -> Iterator[float]:
+    """Yield all numbers in a value."""
     if isinstance(value, Mapping):
         value = tuple(cast("Mapping[str, object]", value).values())
     if isinstance(value, tuple):
@@ -193,12 +207,13 @@ def _numbers(value: object) -> Iterator[float]:
         yield float(value)
 
 
+_SWITCHES = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
 _NAMES = {int: "a whole number", float: "a number", bool: "true or false", str: "a text", Path: "a path"}
 _COUNTS = {2: "two", 3: "three", 4: "four", 6: "six"}
 
 
 def described(kind: Any) -> str:  # noqa: ANN401 - a type
-    """Return a type in words that follow "must be"."""
+    """Return the texts of a type in words that follow "must be"."""
     return " or ".join(_described(member) for member in _members(kind))
 
 
@@ -210,10 +225,10 @@ def _described(kind: Any) -> str:  # noqa: ANN401 - a type
         return "key=value,key=value"
     if origin is tuple:
         if Ellipsis not in inner:
-            return f"{_COUNTS.get(len(inner), len(inner))} {_plural(inner[0])} with commas between"
+            return f"{_COUNTS.get(len(inner), len(inner))} {_plural(inner[0])} separated by commas"
         if typing.get_origin(inner[0]) is tuple:
-            return f"{_plural(typing.get_args(inner[0])[0])} as A:B,A:B"
-        return f"{_plural(inner[0])} with commas between" + (", or a range as 3..8" if inner[0] is int else "")
+            return f"pairs of {_plural(typing.get_args(inner[0])[0])}, A:B,A:B"
+        return f"{_plural(inner[0])} separated by commas" + (", or a range such as 3..8" if inner[0] is int else "")
     return _NAMES.get(kind) or getattr(kind, "FORMS", str(kind))
 
 
@@ -222,7 +237,7 @@ def _plural(kind: Any) -> str:  # noqa: ANN401 - a type
 
 
 def text_of(value: object) -> str:
-    """Return a value as ``read`` takes it."""
+    """Return the text that ``read`` turns into a value."""
     if isinstance(value, Mapping):
         return ",".join(f"{key}={text_of(item)}" for key, item in cast("Mapping[str, object]", value).items())
     if isinstance(value, tuple):

@@ -1,4 +1,4 @@
-"""How far long work is, told to whoever watches; work that nobody watches is the same work."""
+"""How much of long work is done, reported to a function; the work is the same if no function listens."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ if TYPE_CHECKING:
 
     Item = TypeVar("Item")
 
-_watcher: ContextVar[Callable[[float], None] | None] = ContextVar("watcher", default=None)
+_report: ContextVar[Callable[[float], None] | None] = ContextVar("report", default=None)
 
 
 @contextmanager
 def watched(report: Callable[[float], None]) -> Generator[None]:
-    """Let ``report`` be told the done part of the work within, 0 to 1."""
-    token = _watcher.set(report)
+    """Call ``report`` with the share of the work inside that is done, 0 to 1."""
+    token = _report.set(report)
     try:
         yield
     finally:
-        _watcher.reset(token)
+        _report.reset(token)
 
 
 def tracked(items: Iterable[Item], count: int) -> Iterator[Item]:
-    """Yield the items, of which there are ``count``, and tell how many are done.
+    """Yield the items, of which there are ``count``, and report the share of them that is done.
 
-    What is tracked while an item is worked on counts as a part of that item.
+    Work that is tracked while an item is processed counts as a part of that item.
     """
-    outer = _watcher.get()
+    outer = _report.get()
     if outer is None:
         yield from items
         return
     for i, item in enumerate(items):
-        with watched(lambda part, before=i: outer((before + part) / count)):
+        with watched(lambda share, before=i: outer((before + share) / count)):
             yield item
         outer((i + 1) / count)

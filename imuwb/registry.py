@@ -1,7 +1,7 @@
-"""Finds readers, conditioners and analyses: by entry point, or in one Python file.
+"""Finds readers, conditioners and analyses by entry point, or in one Python file.
 
-imuwb's own are registered as a stranger's are. One that fails to import is a warning that names
-it; two of one name are an error that names both.
+The plugins of imuwb are registered like those of any other package. A plugin that fails to import gives a warning that names it.
+Two plugins of the same name are an error that names both.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ import sys
 import warnings
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from imuwb.errors import UsageError
 
 if TYPE_CHECKING:
-    from pathlib import Path
     from types import ModuleType
 
 READERS = "imuwb.readers"
@@ -30,29 +30,29 @@ class PluginWarning(UserWarning):
 
 @cache
 def installed(group: str) -> dict[str, EntryPoint]:
-    """Return {name: entry point} of a group, nothing imported yet.
+    """Return {name: entry point} of a group, without importing anything.
 
     Raises:
-        UsageError: two distributions register the same name.
+        UsageError: two packages register the same name.
     """
-    found: dict[str, EntryPoint] = {}
+    points: dict[str, EntryPoint] = {}
     for point in entry_points(group=group):
-        other = found.setdefault(point.name, point)
+        other = points.setdefault(point.name, point)
         if other.value != point.value:
             message = (
-                f"two plugins are called {point.name!r} in {group}: {_origin(other)} and {_origin(point)}; "
-                "uninstall one of them"
+                f"two plugins of {group} have the name {point.name!r}: {_origin(other)} and {_origin(point)}; "
+                "uninstall one of the packages"
             )
             raise UsageError(message)
-    return dict(sorted(found.items()))
+    return dict(sorted(points.items()))
 
 
 def load(point: EntryPoint) -> object | None:
-    """Return what an entry point names; None, with a warning that names it, when it cannot be imported."""
+    """Return the plugin of an entry point; None, with a warning that names it, if it cannot be imported."""
     try:
         return point.load()
-    except Exception as error:  # noqa: BLE001 - a stranger's module may raise anything, and must not stop ours
-        message = f"plugin {_origin(point)} is left out: {type(error).__name__}: {error}"
+    except Exception as error:  # noqa: BLE001 - the module of another package may raise anything
+        message = f"plugin {_origin(point)} cannot be imported: {type(error).__name__}: {error}"
         warnings.warn(message, PluginWarning, stacklevel=2)
         return None
 
@@ -72,34 +72,35 @@ def summary_of(plugin: object) -> str:
     return lines[0] if lines else "no description"
 
 
-def load_file(path: Path) -> ModuleType:
-    """Import one Python file as a plugin and return its module.
+def load_file(path: str | Path) -> ModuleType:
+    """Import one Python file as a plugin, and return its module.
 
     Raises:
-        UsageError: there is no such file, or it does not run.
+        UsageError: there is no such file, or it cannot be imported.
     """
+    path = Path(path)
     if not path.is_file():
-        message = f"{path}: no such plugin file"
+        message = f"{path}: there is no such file; give the path of a plugin"
         raise UsageError(message)
     name = f"imuwb_file_plugin_{path.stem}"
     specification = importlib.util.spec_from_file_location(name, path)
     if specification is None or specification.loader is None:
-        message = f"{path}: not a Python file; a plugin is a .py file"
+        message = f"{path}: this is no Python file; the name of a plugin must end in .py"
         raise UsageError(message)
     module = importlib.util.module_from_spec(specification)
-    # Before it runs: dataclasses look their own module up by name.
+    # Dataclasses look up their module by its name while it is imported.
     sys.modules[name] = module
     try:
         specification.loader.exec_module(module)
     except SyntaxError as error:
-        message = f"{path}, line {error.lineno or '?'}: {error.msg}; the plugin is not valid Python"
+        message = f"{path}, line {error.lineno or '?'}: {error.msg}; the plugin must be valid Python"
         raise UsageError(message) from error
     except (Exception, SystemExit) as error:
-        message = f"{path}: the plugin fails on import: {type(error).__name__}: {error}"
+        message = f"{path}: the import of the plugin fails: {type(error).__name__}: {error}"
         raise UsageError(message) from error
     return module
 
 
 def _origin(point: EntryPoint) -> str:
-    distribution = point.dist.name if point.dist is not None else "an unknown distribution"
+    distribution = point.dist.name if point.dist is not None else "an unknown package"
     return f"{point.name!r} ({point.value}, from {distribution})"

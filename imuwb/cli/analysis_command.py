@@ -6,10 +6,8 @@ import inspect
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
-import typer
-
 from imuwb.analysis import offers
-from imuwb.cli.options import ANY_LOG, LOG_PANEL, Conditions, Outputs, Part, Request
+from imuwb.cli.options import LOG_ARGUMENT, PANELS, Conditions, Outputs, Part, Request
 from imuwb.cli.parameters import make, parameters_of
 from imuwb.errors import UsageError
 
@@ -33,7 +31,7 @@ def command_function(name: str, analysis: Analysis) -> Callable[..., None]:
     groups = {"part": Part, "reading": ReadOptions, "conditions": Conditions, "outputs": Outputs}
     own = parameters_of(analysis.Parameters)
     shared = {
-        group: [p for p in parameters_of(kind, LOG_PANEL) if offers(analysis, NEEDED.get(p.name, "run"))]
+        group: [p for p in parameters_of(kind, PANELS[kind.__name__]) if offers(analysis, NEEDED.get(p.name, "run"))]
         for group, kind in groups.items()
     }
     options = [parameter for parameters in shared.values() for parameter in parameters]
@@ -43,10 +41,7 @@ def command_function(name: str, analysis: Analysis) -> Callable[..., None]:
             f"plugin {name}: every analysis has the options {', '.join(sorted(clash))}; rename the plugin's parameters"
         )
         raise UsageError(message)
-    logs = inspect.Parameter(
-        "logs", inspect.Parameter.KEYWORD_ONLY,
-        annotation=Annotated[list[Path], typer.Argument(help=ANY_LOG, metavar="LOG...")],
-    )  # fmt: skip
+    logs = inspect.Parameter("logs", inspect.Parameter.KEYWORD_ONLY, annotation=Annotated[list[Path], LOG_ARGUMENT])
 
     def command(**values: Any) -> None:  # noqa: ANN401 - each option has its own type
         from imuwb.cli.perform import perform  # noqa: PLC0415 - help must not wait for numpy and rerun

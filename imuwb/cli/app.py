@@ -1,4 +1,4 @@
-"""Builds the command line from the commands of the core and the analyses that are installed."""
+"""Builds the command line from the commands of the core and the installed analyses."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import is_dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
     from imuwb.analysis import Analysis
 
 LOGS, ANALYSES, RESULTS = "Logs", "Analyses", "Results"
-#: command of the core -> panel and line of the help, in the help's order. Each stands in the module of its name, as a
-#: function or as an app of several commands, with that line as the first of its docstring.
+#: command of the core -> its panel and its line in the list of commands, in the order of that list. Each command is in the
+#: module of its name: a function whose docstring begins with that line, or an app of several commands.
 COMMANDS = {
     "info": (LOGS, "Show the streams of a log: rates, gaps, clocks, units, frames and repairs."),
-    "convert": (LOGS, "Write a log as MCAP or CSV: all streams, or a part in time."),
+    "convert": (LOGS, "Write all streams of a log, or a part of them, as MCAP or CSV."),
     "simulate": (LOGS, "Simulate logs of sensors whose errors are known."),
     "model": (RESULTS, "Show, compare, export and check error models."),
-    "view": (RESULTS, "Open a recording in the Rerun viewer, on this machine only."),
+    "view": (RESULTS, "Open a recording in the Rerun viewer on this machine."),
     "plugins": (RESULTS, "List the installed analyses, conditioners and readers."),
     "demo": (RESULTS, "Run the two main jobs on the sample logs: identify noise, replay GNSS outages."),
 }
@@ -37,8 +37,8 @@ COMMANDS = {
 def build(arguments: list[str]) -> typer.Typer:
     """Return the command line for some arguments.
 
-    Only the command that the arguments name is built whole; of the others the help shows one line. A first argument that
-    ends in .py is the file of a plugin.
+    If the first argument names a command, only this command is built; otherwise all commands are listed with one line each. A
+    first argument that ends in .py is the file of a plugin.
     """
     app = typer.Typer(
         no_args_is_help=True, context_settings={"help_option_names": ["-h", "--help"]}, rich_markup_mode="rich",
@@ -56,11 +56,11 @@ def build(arguments: list[str]) -> typer.Typer:
     if wanted in points and (analysis := registry.load(points[wanted])) is not None:
         _add(app, wanted, cast("Analysis", analysis), points[wanted].value)
         return app
-    lines = {name: (ANALYSES, registry.summary_of(one)) for name, p in points.items() if (one := registry.load(p))}
-    for panel in (LOGS, ANALYSES, RESULTS):
-        for name, (its_panel, line) in (COMMANDS | lines).items():
-            if its_panel == panel:
-                app.command(name, help=line, rich_help_panel=panel)(_nothing)
+    loaded = {name: analysis for name, point in points.items() if (analysis := registry.load(point)) is not None}
+    listed = COMMANDS | {name: (ANALYSES, registry.summary_of(analysis)) for name, analysis in loaded.items()}
+    # typer shows the panels in the order in which their first commands are added.
+    for name, (panel, line) in sorted(listed.items(), key=lambda item: (LOGS, ANALYSES, RESULTS).index(item[1][0])):
+        app.command(name, help=line, rich_help_panel=panel)(_nothing)
     return app
 
 
@@ -71,16 +71,17 @@ def _add_core(app: typer.Typer, name: str) -> None:
     if hasattr(module, "app"):
         app.add_typer(module.app, name=name, rich_help_panel=panel)
     else:
-        app.command(name, rich_help_panel=panel)(expanded(getattr(module, name), PANELS))
+        function = getattr(module, name)
+        app.command(name, help=paragraphs(function.__doc__), rich_help_panel=panel)(expanded(function, PANELS))
 
 
 def _nothing() -> None:
-    """Stand for a command in the list of commands."""
+    """Stand for a command that is only listed."""
 
 
 def _version(wanted: bool) -> None:  # noqa: FBT001 - typer's callback has no keyword
     if wanted:
-        from imuwb import __version__  # noqa: PLC0415 - looked up in the installed metadata
+        from imuwb import __version__  # noqa: PLC0415 - it reads the installed metadata
 
         typer.echo(__version__)
         raise typer.Exit
@@ -89,7 +90,7 @@ def _version(wanted: bool) -> None:  # noqa: FBT001 - typer's callback has no ke
 def _root(
     *,
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version of imuwb.")
     ] = False,
 ) -> None:
     """A workbench for inertial logs: how noisy is this sensor, and how far does it drift?"""
@@ -97,6 +98,7 @@ def _root(
 
 
 def _add(app: typer.Typer, name: str, analysis: Analysis, origin: str) -> None:
+    """Add the command of an analysis, or a group of commands for an analysis of several methods."""
     short = Path(name).stem if name.endswith(".py") else name
     methods: object = getattr(analysis, "METHODS", None)
     if methods is None:
@@ -105,20 +107,26 @@ def _add(app: typer.Typer, name: str, analysis: Analysis, origin: str) -> None:
     if not isinstance(methods, Mapping) or not methods:
         message = f"{origin}: METHODS must be a mapping of names to analyses; it is {methods!r}"
         raise UsageError(message)
-    group = typer.Typer(no_args_is_help=True, help=(cast("Any", analysis).__doc__ or name).strip())
+    group = typer.Typer(no_args_is_help=True, help=paragraphs(analysis.__doc__ or name))
     for method, module in cast("Mapping[str, Analysis]", methods).items():
         _add_command(group, method, f"{short} {method}", module, f"{origin}, {method}")
     app.add_typer(group, name=name, rich_help_panel=ANALYSES)
 
 
 def _add_command(app: typer.Typer, name: str, full: str, analysis: Analysis, origin: str) -> None:
+    """Add one command; ``full`` is the name of the analysis with its method."""
     missing = [part for part in ("Parameters", "run", "draw") if not offers(analysis, part)]
     if missing:
-        message = f"{origin}: a plugin must have Parameters, run and draw; this one lacks {', '.join(missing)}"
+        message = f"{origin}: a plugin must have Parameters, run and draw; this plugin lacks {', '.join(missing)}"
         raise UsageError(message)
     if not is_dataclass(analysis.Parameters):
         message = f"{origin}: Parameters must be a dataclass; it is {analysis.Parameters!r}"
         raise UsageError(message)
     function = command_function(full, analysis)
-    text = (cast("Any", analysis).__doc__ or full).strip()
+    text = paragraphs(analysis.__doc__ or full)
     app.command(name, help=text, short_help=text.splitlines()[0], rich_help_panel=ANALYSES)(function)
+
+
+def paragraphs(text: str) -> str:
+    """Return a docstring as paragraphs without line breaks, so that the help is as wide as the terminal."""
+    return "\n\n".join(" ".join(paragraph.split()) for paragraph in text.strip().split("\n\n"))

@@ -1,4 +1,4 @@
-"""imuwb convert: a log written in another format."""
+"""imuwb convert: writes a log in another format."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from imuwb.cli.options import LOG_ARGUMENT, Force, Part
+from imuwb.cli.options import LOG_ARGUMENT, Force, Part, output_option
 from imuwb.errors import UsageError
 from imuwb.readers.read_options import ReadOptions  # noqa: TC001 - as above
 
@@ -24,13 +24,15 @@ def convert(
     *,
     output: Annotated[
         Path,
-        typer.Option("--output", "-o", help="The new log; its suffix, .mcap or .csv, is its format.", metavar="FILE"),
+        output_option(
+            "--output", "-o", text="New log to write; its suffix, .mcap or .csv, is its format.", metavar="LOG"
+        ),
     ],
     force: Force = False,
 ) -> None:
-    """Write a log as MCAP or CSV: all streams, or a part in time.
+    """Write all streams of a log, or a part of them, as MCAP or CSV.
 
-    MCAP has ROS 2 messages; the columns of CSV have units in their names.
+    MCAP has ROS 2 messages. CSV has a file for each kind of stream, with the units in the names of the columns.
     """
     from imuwb.cli.places import check_places  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.reading import read_log  # noqa: PLC0415
@@ -38,7 +40,7 @@ def convert(
     from imuwb.writers import SUFFIXES, places, write  # noqa: PLC0415
 
     if output.suffix not in SUFFIXES:
-        message = f"--output {output}: the name of a log must end in {' or '.join(SUFFIXES)}"
+        message = f"--output {output}: the name of the new log must end in {' or '.join(SUFFIXES)}"
         raise UsageError(message)
     sources = [log, *([part.gnss] if part.gnss is not None else [])]
     check_places([output], sources, force=force)
@@ -56,7 +58,7 @@ def convert(
 
 
 def baked_in(log: Log) -> Iterator[str]:
-    """Yield what the new log contains for good: the reader's repairs, and heights that are not above WGS 84."""
+    """Yield notes on what the new log no longer shows: repairs of the reader, and the zero of heights."""
     from imuwb.log import MEAN_SEA_LEVEL  # noqa: PLC0415 - help must not wait for numpy
 
     for stream in (*log.imus, *log.gnss, *log.references):
@@ -64,4 +66,4 @@ def baked_in(log: Log) -> Iterator[str]:
             yield f"{stream.name}: {repair.what} ({repair.count})"
     for stream in (*log.gnss, *log.references):
         if stream.origin.above_sea:
-            yield f"{stream.name}: heights are written as they are, {MEAN_SEA_LEVEL}, and the new file states it"
+            yield f"{stream.name}: the new log states that its heights are {MEAN_SEA_LEVEL}, as in the log"

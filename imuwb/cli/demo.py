@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 
 from imuwb import registry
-from imuwb.cli.options import Conditions, Force, Outputs, Part, Request
+from imuwb.cli.options import Conditions, Force, Outputs, Part, Request, output_option
 from imuwb.errors import MissingDataError
 
 if TYPE_CHECKING:
@@ -21,10 +21,10 @@ def demo(
     *,
     output: Annotated[
         Path,
-        typer.Option(
+        output_option(
             "--output",
             "-o",
-            help="Recording of the still log's analysis. The recording of the drive has -drive added to its name.",
+            text="Recording of the still log's analysis. The recording of the drive has -drive added to its name.",
             metavar="FILE.rrd",
         ),
     ] = Path("imuwb-demo.rrd"),

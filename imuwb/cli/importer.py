@@ -1,7 +1,7 @@
-"""``rerun FILE`` through imuwb: the viewer runs this for every file, and it says quickly which are not ours.
+"""An importer of the Rerun viewer: ``rerun FILE`` opens a log through imuwb.
 
-The viewer calls ``rerun-importer-imuwb FILE --application-id A --recording-id R`` and reads a recording from stdout; exit
-code 66 says that somebody else should try.
+The viewer runs ``rerun-importer-imuwb FILE --application-id A --recording-id R`` for every file, and reads a recording from
+stdout. Exit code 66 declines a file; this must be quick.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ import sys
 import tempfile
 from pathlib import Path
 
-NOT_OURS = 66
-HEAD = 4096
-#: what our binary formats begin with; MCAP and .rrd the viewer reads itself
+NOT_OURS = 66  #: exit code
+HEAD = 4096  #: bytes by which the format is judged
+#: first bytes of binary formats that imuwb reads, and of those that the viewer reads itself
 _MAGICS = (b"ULog\x01\x12\x35", b"#ROSBAG V2.0\n", b"SQLite format 3\0")
 _THEIRS = (b"\x89MCAP0\r\n", b"RRF2", b"RRIO")
 _TEXT = (b"% program", b"% (", b"%  GPST", b"FMT, 128")
@@ -23,8 +23,8 @@ _SUFFIXES = (".csv", ".pos", ".tlog", ".bin", ".log", ".ulg", ".bag", ".db3")
 def main() -> None:
     """Import one file, or decline it."""
     paths = [argument for argument in sys.argv[1:] if not argument.startswith("-")]
-    if len(sys.argv) < 2 or not paths:  # noqa: PLR2004 - the program and a file
-        sys.stderr.write("rerun-importer-imuwb: the Rerun viewer runs this with a file; by hand: imuwb info FILE\n")
+    if not paths:
+        sys.stderr.write("rerun-importer-imuwb: only the Rerun viewer runs this program; use imuwb info LOG\n")
         raise SystemExit(2)
     path = Path(sys.argv[1])
     if not _may_be_ours(path):
@@ -33,7 +33,7 @@ def main() -> None:
 
 
 def _option(name: str) -> str | None:
-    """Return the value of an option, ``--name VALUE`` or ``--name=VALUE``; others are of no interest."""
+    """Return the value of an option, written as ``--name VALUE`` or ``--name=VALUE``; None for an option that is not given."""
     for i, argument in enumerate(sys.argv):
         if argument == name and i + 1 < len(sys.argv):
             return sys.argv[i + 1]
@@ -43,7 +43,7 @@ def _option(name: str) -> str | None:
 
 
 def _may_be_ours(path: Path) -> bool:
-    """Decide from the first bytes, before anything heavy is imported."""
+    """Return whether imuwb may read a file, judged by its first bytes and its name."""
     try:
         with path.open("rb") as file:
             head = file.read(HEAD)
@@ -58,13 +58,14 @@ def _may_be_ours(path: Path) -> bool:
 
 
 def _is_telemetry(head: bytes) -> bool:
-    """Return whether a recorder's time, of the years 2000 to 2100 in µs, stands before a frame's mark."""
+    """Return whether a file begins with a time of the years 2000 to 2100 (µs) and the mark of a MAVLink frame."""
     first = int.from_bytes(head[:8], "big")
     return len(head) > 8 and head[8] in (0xFD, 0xFE) and 946_684_800_000_000 < first < 4_102_444_800_000_000  # noqa: PLR2004
 
 
 def _imported(path: Path, application: str | None, recording: str | None) -> int:
-    from imuwb import readers  # noqa: PLC0415 - a declined file must not wait for numpy
+    """Write the recording of a log to stdout, and return the exit code."""
+    from imuwb import readers  # noqa: PLC0415 - declining must not wait for numpy
     from imuwb.errors import ImuwbError  # noqa: PLC0415
     from imuwb.review.overview import overview  # noqa: PLC0415
     from imuwb.review.recording import RecordingReview  # noqa: PLC0415

@@ -1,4 +1,4 @@
-"""imuwb info: what is in a log."""
+"""imuwb info: shows the streams of a log."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from imuwb.analysis import Table
     from imuwb.log import Log
 
-LARGE = 256 << 20  #: bytes; a larger log is summarized from its index, where it has one
+LARGE = 256 << 20  #: bytes; a larger log is summarized from its index, if it has one
 
 
 def info(
@@ -26,7 +26,7 @@ def info(
     *,
     json: Annotated[bool, typer.Option("--json", help="Print JSON on stdout.")] = False,
     scan: Annotated[
-        bool, typer.Option("--scan", help="Read every message of a large log, not only its index.")
+        bool, typer.Option("--scan", help="Read every message of a log above 256 MB, not only its index.")
     ] = False,
 ) -> None:
     """Show the streams of a log: rates, gaps, clocks, units, frames and repairs."""
@@ -50,13 +50,13 @@ def info(
     for note in summary.notes:
         show(note)
     if not summary.streams:
-        show("this log has no stream that imuwb reads")
+        show("the log has no stream that imuwb reads")
     if whole is not None:
         show_faults(whole, show)
 
 
 def show_faults(log: Log, show: Callable[[Table | str], None]) -> None:
-    """State how many faults a log has, and the worst of them."""
+    """State how many faults a log has, and the worst fault."""
     from imuwb.health import check  # noqa: PLC0415 - help must not wait for numpy
 
     faults = [fault for fault in check(log, samples=False).faults if fault.severity != "note"]

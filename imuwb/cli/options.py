@@ -1,4 +1,4 @@
-"""The options that all analyses share, beside those that say how a log is read (``imuwb.readers.ReadOptions``)."""
+"""The options that all analyses share, except those of reading a log (``imuwb.readers.ReadOptions``)."""
 
 from __future__ import annotations
 
@@ -8,92 +8,92 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from imuwb.options import Form
+
 if TYPE_CHECKING:
     from imuwb.readers import ReadOptions
 
-ANY_LOG = "A log: MCAP, ROS bag, db3, tlog, bin, ulg, CSV or RTKLIB .pos."
-IMU_HELP = "Name of the IMU to use, as in imuwb info. A+B: the gyro of A with the accelerometer of B."
-#: Panels of ``--help``.
-LOG_PANEL, OUTPUT_PANEL = "How the log is read", "Output"
-#: group of options -> its panel, by the name of its dataclass
-PANELS = {"ReadOptions": LOG_PANEL}
-
-#: ``Annotated[Path, LOG_ARGUMENT]``: the one log of a command.
-LOG_ARGUMENT = typer.Argument(help=ANY_LOG, metavar="LOG")
-
-
-def _output(*flags: str, text: str, metavar: str | None = None) -> Any:  # noqa: ANN401 - typer's own marker
-    return typer.Option(*flags, help=text, rich_help_panel=OUTPUT_PANEL, metavar=metavar)
+#: group of options -> its panel of ``--help``, by the name of its dataclass
+PANELS = {
+    "Part": "The part of the log",
+    "ReadOptions": "How the log is read",
+    "Conditions": "Conditioners",
+    "Outputs": "Output",
+}
+LOG_HELP = "A log: MCAP, ROS bag, db3, tlog, bin, ulg, CSV or RTKLIB .pos."
+#: ``Annotated[Path, LOG_ARGUMENT]``: the log of a command, or its logs.
+LOG_ARGUMENT = typer.Argument(help=LOG_HELP, metavar="LOG")
 
 
-def _log(flag: str, text: str, metavar: str | None = None) -> Any:  # noqa: ANN401 - typer's own marker
-    return typer.Option(flag, help=text, rich_help_panel=LOG_PANEL, metavar=metavar)
+def output_option(*flags: str, text: str, metavar: str | None = None) -> Any:  # noqa: ANN401 - typer's own marker
+    """Return the marker of an option in the panel of outputs."""
+    return typer.Option(*flags, help=text, rich_help_panel=PANELS["Outputs"], metavar=metavar)
 
 
-Force = Annotated[bool, _output("--force", text="Overwrite files that exist.")]
+Force = Annotated[bool, output_option("--force", text="Overwrite files that exist.")]
 
 
 @dataclass(frozen=True)
 class Part:
-    """Which part of the log is used."""
+    """The part of a log that is used."""
 
-    imu: Annotated[str | None, _log("--imu", IMU_HELP, "NAME|A+B")] = None
-    start: Annotated[
+    imu: Annotated[
         str | None,
-        _log("--start", "Begin of the part to use: seconds from the log's start, or a time in ISO 8601.", "TIME"),
+        "IMU to use, by its name in imuwb info. A+B: the gyroscopes of A with the accelerometers of B.",
+        Form("NAME|A+B"),
     ] = None
-    end: Annotated[str | None, _log("--end", "End of the part to use, written like --start.", "TIME")] = None
+    start: Annotated[
+        str | None, "Begin of the part: seconds from the log's start, or a date and time (ISO 8601).", Form("TIME")
+    ] = None
+    end: Annotated[
+        str | None, "End of the part: seconds from the log's start, or a date and time (ISO 8601).", Form("TIME")
+    ] = None
     gnss: Annotated[
         Path | None,
-        _log("--gnss", "A second file, with the fixes of the GNSS receiver: RTKLIB .pos, CSV, any log.", "FILE"),
+        "Second log with the fixes of the GNSS receiver, such as RTKLIB .pos or CSV.",
+        Form("LOG"),
     ] = None
 
 
 @dataclass(frozen=True)
 class Conditions:
-    """What is done to the samples before the analysis."""
+    """What conditioners do to the samples before the analysis."""
 
     through: Annotated[
         list[str],
-        _log(
-            "--through",
-            "Condition the samples first. Repeat the option for several conditioners, in order; imuwb plugins lists them.",
-            "NAME:key=value,...",
-        ),
+        "Conditioner for the samples. Repeat the option for several conditioners, in their order. "
+        "imuwb plugins lists the conditioners.",
+        Form("NAME:key=value,..."),
     ] = field(default_factory=list[str])
     study: Annotated[
         list[str],
-        _log(
-            "--study",
-            "Repeat the analysis for several values of a conditioner's parameter. Two such options make a grid.",
-            "NAME.key=1,2,3|1..3",
-        ),
+        "Repeat the analysis for several values of a conditioner's parameter. Repeat the option for a grid of two parameters.",
+        Form("NAME.key=1,2,3|1..3"),
     ] = field(default_factory=list[str])
 
 
 @dataclass(frozen=True)
 class Outputs:
-    """Where the results go."""
+    """Where the results are written."""
 
     output: Annotated[
         Path | None,
-        _output(
-            "--output", "-o", text="The recording to write. Default: the log's name with .rrd.", metavar="FILE.rrd"
-        ),
+        output_option("--output", "-o", text="Recording to write. Default: LOG with .rrd.", metavar="FILE.rrd"),
     ] = None
     force: Force = False
-    json: Annotated[str | None, _output("--json", text="Write the result as JSON; - for stdout.", metavar="FILE")] = (
-        None
-    )
-    save_model: Annotated[
-        Path | None, _output("--save-model", text="Write the error model that is identified.", metavar="FILE.toml")
+    json: Annotated[
+        str | None, output_option("--json", text="Write the result as JSON to a file; - for stdout.", metavar="FILE")
     ] = None
-    live: Annotated[bool, _output("--live", text="Also show the result in a running viewer.")] = False
+    save_model: Annotated[
+        Path | None,
+        output_option("--save-model", text="Write the identified error model to a file.", metavar="FILE.toml"),
+    ] = None
+    live: Annotated[bool, output_option("--live", text="Also show the result in a running Rerun viewer.")] = False
 
 
 @dataclass(frozen=True)
 class Request:
-    """All that a user asks of any analysis."""
+    """All that a user gives to any analysis."""
 
     reading: ReadOptions
     part: Part

@@ -1,4 +1,4 @@
-"""From dataclasses of options to the command line: one option for each field, one dataclass for each group."""
+"""From dataclasses of options to the command line: an option for each field, a panel of the help for each dataclass."""
 
 from __future__ import annotations
 
@@ -22,42 +22,38 @@ if TYPE_CHECKING:
 
     from imuwb.options import Option
 
-#: Types that typer reads itself. Whatever else is read from its text by ``imuwb.options``.
+#: Types that typer reads itself. ``imuwb.options`` reads all others from their texts.
 NATIVE = (bool, int, float, str, Path, list[str], list[Path])
 
 
 def parameters_of(kind: Any, panel: str | None = None) -> list[inspect.Parameter]:  # noqa: ANN401 - a dataclass of the plugin's
-    """Return the fields of a dataclass as options, under a panel of the help."""
+    """Return the fields of a dataclass as options of a command, under a panel of the help."""
     hints = typing.get_type_hints(kind, include_extras=True)
     return [
-        _parameter(option, f, hints[f.name], panel) for option, f in zip(options_of(kind), fields(kind), strict=True)
+        _parameter(option, default_of(f), hints[f.name], panel)
+        for option, f in zip(options_of(kind), fields(kind), strict=True)
     ]
 
 
-def _parameter(option: Option, f: Field[Any], hint: Any, panel: str | None) -> inspect.Parameter:  # noqa: ANN401 - an annotation
-    default = default_of(f)
-    if any(isinstance(note, OptionInfo) for note in getattr(hint, "__metadata__", ())):
-        return inspect.Parameter(option.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=hint)
-    flag = f"--{option.name.replace('_', '-')}"
-    native = _is_native(option.kind)
-    if not native and default not in (None, inspect.Parameter.empty):
-        default = text_of(default)
-    if not native:
-        kind = str | None if default in (None, "") else str
-        default = None if default == "" else default
-    else:
+def _parameter(option: Option, default: Any, hint: Any, panel: str | None) -> inspect.Parameter:  # noqa: ANN401 - of any type
+    """Return one option; its default as a text if typer cannot read its type."""
+    if not any(isinstance(mark, OptionInfo) for mark in getattr(hint, "__metadata__", ())):
         kind = option.kind
-    typed = typer.Option(
-        f"{flag}/--no-{flag[2:]}" if option.kind is bool else flag, help=_sentence(option.help), rich_help_panel=panel,
-        metavar=option.form.pattern if option.form is not None else None,
-    )  # fmt: skip
-    return inspect.Parameter(
-        option.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, typed]
-    )
+        if not _is_native(kind):
+            if default not in (None, inspect.Parameter.empty):
+                default = text_of(default) or None
+            kind = str | None if default is None else str
+        flag = f"--{option.name.replace('_', '-')}"
+        typed = typer.Option(
+            f"{flag}/--no-{flag[2:]}" if kind is bool else flag, help=_sentence(option.help), rich_help_panel=panel,
+            metavar=option.form.pattern if option.form is not None else None,
+        )  # fmt: skip
+        hint = Annotated[kind, typed]
+    return inspect.Parameter(option.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=hint)
 
 
 def _is_native(kind: Any) -> bool:  # noqa: ANN401 - a type
-    """Return whether typer reads a type by itself: a simple one, words, or one of those or None."""
+    """Return whether typer reads a type itself: a simple type, the words of a Literal, or one of these or None."""
     if typing.get_origin(kind) in (typing.Union, types.UnionType):
         members = [member for member in typing.get_args(kind) if member is not type(None)]
         return len(members) == 1 and _is_native(members[0])
@@ -65,17 +61,17 @@ def _is_native(kind: Any) -> bool:  # noqa: ANN401 - a type
 
 
 def default_of(f: Field[Any]) -> Any:  # noqa: ANN401 - of any type
-    """Return a field's default; ``inspect.Parameter.empty`` where it has none."""
+    """Return the default of a field, or ``inspect.Parameter.empty`` for a field without a default."""
     if f.default is not MISSING:
         return f.default
     return f.default_factory() if f.default_factory is not MISSING else inspect.Parameter.empty
 
 
 def make(kind: Any, values: Mapping[str, Any]) -> Any:  # noqa: ANN401 - the dataclass's own type
-    """Return a dataclass of options made of values, or of the texts that stand for them; None stands for the default.
+    """Return a dataclass of options from values or from their texts; None stands for the default.
 
     Raises:
-        UsageError: a value that cannot be; the message says which and why.
+        UsageError: a value that is not allowed; the message names the option as a user writes it.
     """
     options = {option.name: option for option in options_of(kind)}
     try:
@@ -91,35 +87,32 @@ def make(kind: Any, values: Mapping[str, Any]) -> Any:  # noqa: ANN401 - the dat
 
 
 def expanded(function: Callable[..., None], panels: Mapping[str, str] | None = None) -> Callable[..., None]:
-    """Return a command whose parameters that are dataclasses have become options, one for each field.
+    """Return a command in which each parameter that is a dataclass of options has become an option for each field.
 
     Args:
-        function: a command; its annotations may be dataclasses of options.
+        function: a command; some of its parameters are dataclasses of options.
         panels: {name of a dataclass: panel of the help}.
     """
-    signature = inspect.signature(function, eval_str=True)
-    groups = {p.name: cast("type", p.annotation) for p in signature.parameters.values() if is_dataclass(p.annotation)}
     expansion: list[inspect.Parameter] = []
-    members: dict[str, list[str]] = {}
-    for parameter in signature.parameters.values():
-        if parameter.name not in groups:
+    groups: dict[str, tuple[type, list[str]]] = {}  #: parameter -> its dataclass, and the names of its options
+    for parameter in inspect.signature(function, eval_str=True).parameters.values():
+        kind = parameter.annotation
+        if not is_dataclass(kind):
             expansion.append(parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY))
             continue
-        kind = groups[parameter.name]
-        options = parameters_of(kind, (panels or {}).get(kind.__name__))
-        members[parameter.name] = [option.name for option in options]
+        options = parameters_of(kind, (panels or {}).get(cast("type", kind).__name__))
+        groups[parameter.name] = cast("type", kind), [option.name for option in options]
         expansion += options
 
     @wraps(function)
     def command(**values: Any) -> None:  # noqa: ANN401 - each option has its own type
         made = {
-            name: make(groups[name], {member: values.pop(member) for member in names})
-            for name, names in members.items()
+            group: make(kind, {name: values.pop(name) for name in names}) for group, (kind, names) in groups.items()
         }
         function(**values, **made)
 
     cast("Any", command).__signature__ = inspect.Signature(expansion)
-    command.__annotations__ = {p.name: p.annotation for p in expansion}
+    command.__annotations__ = {parameter.name: parameter.annotation for parameter in expansion}
     return command
 
 

@@ -1,4 +1,4 @@
-"""imuwb plugins: what is installed."""
+"""imuwb plugins: lists what is installed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ KINDS = (("analysis", registry.ANALYSES), ("conditioner", registry.CONDITIONERS)
 def plugins() -> None:
     """List the installed analyses, conditioners and readers.
 
-    Conditioners are listed with their parameters, and each plugin with the package that it comes from.
+    The list shows the parameters of conditioners, and the package that each plugin comes from.
     """
     from imuwb.analysis import Table  # noqa: PLC0415 - help must not wait for rich
     from imuwb.cli.terminal import shower  # noqa: PLC0415
@@ -27,5 +27,7 @@ def plugins() -> None:
                 text += f" ({', '.join(f.name for f in fields(cast('Any', plugin).Parameters))})"
             origin = f"{point.dist.name} {point.dist.version}" if point.dist is not None else "unknown"
             rows.append((kind, name, text, point.value, origin))
-    headings = ("kind", "name", "what it does", "module", "from")
-    shower(data=True)(Table("Plugins", headings, tuple(rows), "A single .py file is a plugin too: imuwb ./mine.py LOG"))
+    headings = ("kind", "name", "description", "module", "package")
+    shower(data=True)(
+        Table("Plugins", headings, tuple(rows), "A single .py file is also a plugin: imuwb ./mine.py LOG")
+    )

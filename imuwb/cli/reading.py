@@ -1,4 +1,4 @@
-"""Reads the log of a command, and cuts it to the part that is wanted."""
+"""Reads the log of a command, and cuts it to the part that the user wants."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def read_log(path: Path, reading: ReadOptions, part: Part | None = None) -> Log:
-    """Read a log, with the receiver's own file beside it where one is given, and cut it to the part that is wanted."""
+    """Return a log, joined with the log of the GNSS receiver if there is one, and cut to a part."""
     log = _read(path, reading)
     if part is None:
         return log

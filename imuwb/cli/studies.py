@@ -1,4 +1,4 @@
-"""Studies on the command line: ``--study NAME.key=1,2,3`` repeats an analysis for every value of a conditioner's parameter."""
+"""Studies on the command line: ``--study NAME.key=1,2,3`` repeats an analysis for each value of a conditioner's parameter."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from imuwb.analysis import Case
 from imuwb.cli.through import conditioner_of, conditioners, step_of
 from imuwb.errors import UsageError
+from imuwb.options import whole_numbers
 from imuwb.progress import tracked
 
 if TYPE_CHECKING:
@@ -21,15 +22,15 @@ MOST_CASES = 200
 
 
 def grid(texts: Sequence[str]) -> list[dict[str, str]]:
-    """Return the settings of a study, {"wavelet.levels": "3"} and so on, every combination.
+    """Return all combinations of the values of a study, each as a setting such as {"wavelet.levels": "3"}.
 
     Raises:
-        UsageError: a text that is no study, or too many combinations.
+        UsageError: a text is no study, a value is not allowed, or there are too many combinations.
     """
     axes = [_axis(text) for text in texts]
     count = math.prod(len(values) for _, values in axes)
     if count > MOST_CASES:
-        message = f"--study: there are {count} combinations; at most {MOST_CASES} are run; give fewer values"
+        message = f"--study: there are {count} combinations; give fewer values, for at most {MOST_CASES}"
         raise UsageError(message)
     names = [name for name, _ in axes]
     settings = [
@@ -46,28 +47,26 @@ def _axis(text: str) -> tuple[str, list[str]]:
     name = name.strip()
     if not mark or not values or ("." not in name and name not in _short_names()):
         short = ", ".join(f"{known}=..." for known in _short_names())
-        message = f"--study {text}: write NAME.key=1,2,3 or NAME.key=1..8, or for short {short}"
+        message = f"--study {text}: write NAME.key=1,2,3 or NAME.key=1..8, or use a short name: {short}"
         raise UsageError(message)
     return name, _values(text, values)
 
 
 def _values(text: str, values: str) -> list[str]:
-    first, dots, last = values.partition("..")
-    if not dots:
+    if ".." not in values:
         return [value.strip() for value in values.split(",")]
     try:
-        low, high = int(first), int(last)
+        return [str(number) for number in whole_numbers(values, MOST_CASES)]
     except ValueError as error:
-        message = f"--study {text}: the ends of a range must be whole numbers, such as 3..8"
+        message = (
+            f"--study {text}: a range must be two whole numbers, the smaller one first, such as 3..8, "
+            f"and contain at most {MOST_CASES}"
+        )
         raise UsageError(message) from error
-    if high < low or high - low >= MOST_CASES:
-        message = f"--study {text}: the second end of a range must be the larger one, by less than {MOST_CASES}"
-        raise UsageError(message)
-    return [str(k) for k in range(low, high + 1)]
 
 
 def steps_of(setting: Mapping[str, str]) -> list[Step]:
-    """Return the conditioners of one setting in the order that they declare, those that declare none last."""
+    """Return the conditioners of one setting in the order that they declare; those without an order come last."""
     wanted: dict[str, dict[str, str]] = {}
     short = _short_names()
     for name, value in setting.items():
@@ -77,18 +76,18 @@ def steps_of(setting: Mapping[str, str]) -> list[Step]:
 
 
 def _short_names() -> dict[str, tuple[str, str, Mapping[str, str]]]:
-    """Return {short name: (conditioner, parameter, parameters that go with it)}, as the conditioners declare them.
+    """Return {short name: (conditioner, parameter, values of other parameters)}, as the conditioners declare them.
 
     Raises:
         UsageError: two conditioners declare the same short name.
     """
     short: dict[str, tuple[str, str, Mapping[str, str]]] = {}
     for name, conditioner in conditioners():
-        for word, (key, others) in getattr(conditioner, "STUDY", {}).items():
-            if word in short:
-                message = f"--study {word}: the conditioners {short[word][0]} and {name} declare this name both; remove one of them"
+        for alias, (key, others) in getattr(conditioner, "STUDY", {}).items():
+            if alias in short:
+                message = f"--study {alias}: the conditioners {short[alias][0]} and {name} both declare this name; remove one of them"
                 raise UsageError(message)
-            short[word] = name, key, others
+            short[alias] = name, key, others
     return short
 
 
@@ -97,10 +96,10 @@ def _order(name: str) -> float:
 
 
 def cases(logs: Sequence[Log], texts: Sequence[str]) -> Iterator[Case]:
-    """Yield each log in each setting, one at a time: they may be large.
+    """Yield each log in each setting; one at a time, because logs may be large.
 
     Raises:
-        UsageError: a setting that a log does not allow, such as a bandwidth above half its rate.
+        UsageError: a setting does not suit a log, such as a bandwidth above half its rate.
     """
     settings = grid(texts)
     for log in tracked(logs, len(logs)):

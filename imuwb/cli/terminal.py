@@ -1,4 +1,4 @@
-"""What a person sees in the terminal: tables and notes, and progress while it lasts."""
+"""Tables, notes and progress in the terminal."""
 
 from __future__ import annotations
 
@@ -17,29 +17,29 @@ if TYPE_CHECKING:
 
     from imuwb.analysis import Table
 
-WIDE = 200  #: columns where the output is no terminal: files and pipes do not wrap
+WIDE = 200  #: columns of an output that is no terminal
 
 
 def console(*, data: bool) -> Console:
-    """Return the console of stdout for data, of stderr for all else."""
+    """Return a console: that of stdout for data, that of stderr for all else."""
     stream = sys.stdout if data else sys.stderr
     return Console(file=stream, width=None if stream.isatty() else WIDE, highlight=False)
 
 
 def shower(*, data: bool) -> Callable[[Table | str], None]:
-    """Return a function that prints tables, and notes (always on stderr)."""
+    """Return a function that prints tables to stdout if they are data, else to stderr, and notes always to stderr."""
     out, err = console(data=data), console(data=False)
 
-    def show(what: Table | str) -> None:
-        if isinstance(what, str):
-            err.print(f"[yellow]note[/] {escape(what)}", soft_wrap=True)
+    def show(item: Table | str) -> None:
+        if isinstance(item, str):
+            err.print(f"[yellow]note[/] {escape(item)}", soft_wrap=True)
             return
-        table = RichTable(title=escape(what.title), title_justify="left", title_style="bold", caption=escape(what.caption) or None,
+        table = RichTable(title=escape(item.title), title_justify="left", title_style="bold", caption=escape(item.caption) or None,
                           caption_justify="left")  # fmt: skip
-        for heading in what.headings:
+        for heading in item.headings:
             table.add_column(escape(heading))
-        for row in what.rows:
-            # A value and its unit stay on one line where they can.
+        for row in item.rows:
+            # A value and its unit stay on one line.
             table.add_row(*(re.sub(r"(?<=[\d\]]) (?=\S+$)", "\N{NO-BREAK SPACE}", escape(cell)) for cell in row))
         out.print(table)
 
@@ -48,10 +48,10 @@ def shower(*, data: bool) -> Callable[[Table | str], None]:
 
 @contextmanager
 def progress(text: str) -> Generator[Callable[[float, float], None]]:
-    """Show a bar on a terminal's stderr; the function it gives takes (done, all)."""
+    """Show a bar on stderr if this is a terminal; the function that is yielded takes (done, all)."""
     screen = Console(file=sys.stderr)
     if not screen.is_terminal:
-        yield lambda done, total: None  # noqa: ARG005 - nobody looks
+        yield lambda done, total: None  # noqa: ARG005 - nobody sees a bar
         return
     columns = TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn()
     with Progress(*columns, console=screen, transient=True) as bar:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
 import typing
-from dataclasses import MISSING, Field, dataclass, fields
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, cast
 
 from imuwb import registry
 from imuwb.analysis import offers
+from imuwb.cli.parameters import default_of
 from imuwb.errors import UsageError
 from imuwb.options import options_of, read
 
@@ -28,10 +30,10 @@ class Step:
     parameters: Any
 
     def apply(self, log: Log) -> tuple[Log, Any]:
-        """Return the changed log, and what the conditioner can draw.
+        """Return the changed log, and the change for ``draw``.
 
         Raises:
-            UsageError: parameters that this log does not allow.
+            UsageError: parameters that do not suit this log.
         """
         try:
             return self.conditioner.condition(log, self.parameters)
@@ -40,16 +42,16 @@ class Step:
             raise UsageError(message) from error
 
     def draw(self, applied: Any, review: Review) -> None:  # noqa: ANN401 - the conditioner's own
-        """Show the change, where the conditioner can."""
+        """Show the change, if the conditioner can draw it."""
         if offers(self.conditioner, "draw"):
             cast("Any", self.conditioner).draw(applied, review)
 
 
 def step(text: str) -> Step:
-    """Return the conditioner that ``NAME:key=value,...`` names.
+    """Return the conditioner and the parameters that ``NAME:key=value,...`` names.
 
     Raises:
-        UsageError: an unknown conditioner or key, or a value that its parameter does not allow.
+        UsageError: an unknown conditioner or key, or a value that the parameter does not allow.
     """
     name, _, rest = text.partition(":")
     pairs = [part.partition("=") for part in rest.split(",")] if rest else []
@@ -69,7 +71,7 @@ def step_of(name: str, values: Mapping[str, str]) -> Step:
     """Return a conditioner with parameters given as texts; ``/`` separates the numbers of one parameter.
 
     Raises:
-        UsageError: as ``step``.
+        UsageError: an unknown conditioner or key, or a value that the parameter does not allow.
     """
     conditioner = conditioner_of(name)
     kind = conditioner.Parameters
@@ -78,7 +80,7 @@ def step_of(name: str, values: Mapping[str, str]) -> Step:
         if key not in options:
             message = f"--through {name}: there is no parameter {key!r}; there are {', '.join(options)}"
             raise UsageError(message)
-    missing = [f.name for f in fields(kind) if f.name not in values and _required(f)]
+    missing = [f.name for f in fields(kind) if f.name not in values and default_of(f) is inspect.Parameter.empty]
     if missing:
         message = f"--through {name}: {', '.join(missing)} must be given; write {name}:{missing[0]}=..."
         raise UsageError(message)
@@ -93,7 +95,7 @@ def conditioner_of(name: str) -> Conditioner:
     """Return a conditioner by its name.
 
     Raises:
-        UsageError: no such conditioner, or one that cannot be imported.
+        UsageError: there is no such conditioner, or it cannot be imported.
     """
     points = registry.installed(registry.CONDITIONERS)
     if name not in points:
@@ -107,7 +109,7 @@ def conditioner_of(name: str) -> Conditioner:
 
 
 def conditioners() -> Iterator[tuple[str, Conditioner]]:
-    """Yield each conditioner that can be loaded, and its name."""
+    """Yield the name of each conditioner that can be imported, and the conditioner."""
     for name, point in registry.installed(registry.CONDITIONERS).items():
         conditioner = registry.load(point)
         if conditioner is not None:
@@ -115,7 +117,7 @@ def conditioners() -> Iterator[tuple[str, Conditioner]]:
 
 
 def conditioned(log: Log, texts: Sequence[str]) -> tuple[Log, list[tuple[Step, Any]]]:
-    """Return the log through all conditioners, in order, and what each can draw."""
+    """Return a log after all conditioners, in their order, and each conditioner with the change that it can draw."""
     applied: list[tuple[Step, Any]] = []
     for text in texts:
         current = step(text)
@@ -124,11 +126,7 @@ def conditioned(log: Log, texts: Sequence[str]) -> tuple[Log, list[tuple[Step, A
     return log, applied
 
 
-def _required(f: Field[Any]) -> bool:
-    return f.default is MISSING and f.default_factory is MISSING
-
-
 def _value(option: Option, text: str) -> Any:  # noqa: ANN401 - of the option's type
-    """Return a parameter's value; commas separate parameters here, so that slashes separate the parts of a tuple."""
+    """Return the value of a parameter. Slashes separate the numbers of a tuple, because commas separate the parameters."""
     kinds = (option.kind, *typing.get_args(option.kind))
     return read(option, text.replace("/", ",") if any(typing.get_origin(k) is tuple for k in kinds) else text)

@@ -1,4 +1,4 @@
-"""imuwb view: a recording in the Rerun viewer."""
+"""imuwb view: opens a recording in the Rerun viewer."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ import typer
 from imuwb.errors import ImuwbError, UnreadableLogError
 
 
-def view(recording: Annotated[Path, typer.Argument(help="A recording that imuwb wrote.", metavar="REC.rrd")]) -> None:
-    """Open a recording in the Rerun viewer, on this machine only."""
+def view(recording: Annotated[Path, typer.Argument(help="Recording that imuwb wrote.", metavar="REC.rrd")]) -> None:
+    """Open a recording in the Rerun viewer on this machine."""
     check_recording(recording)
-    # CI tells the viewer to send no usage statistics; it has no option for that.
+    # With CI the viewer sends no usage statistics; there is no option for this.
     environment = {**os.environ, "CI": "true"}
     command = [sys.executable, "-m", "rerun", str(recording), "--bind", "127.0.0.1"]
     done = subprocess.run(command, env=environment, check=False)  # noqa: S603 - our own interpreter, a checked file
     if done.returncode:
-        message = f"the viewer ended with exit code {done.returncode}; it needs a screen"
+        message = f"the viewer ended with exit code {done.returncode}; run it on a machine with a screen"
         raise ImuwbError(message)
 
 
 def check_recording(path: Path) -> None:
-    """Raise UnreadableLogError unless a file is a Rerun recording, and whole."""
+    """Raise UnreadableLogError unless a file is a complete Rerun recording."""
     from imuwb.readers.bytes import source  # noqa: PLC0415 - help must not wait
     from imuwb.review.rrd import MAGIC, is_whole  # noqa: PLC0415
 
@@ -34,8 +34,8 @@ def check_recording(path: Path) -> None:
     with path.open("rb") as file:
         magic = file.read(len(MAGIC))
     if magic != MAGIC:
-        message = f"{path}: not a Rerun recording (it begins with {magic!r}); imuwb writes one with --output FILE.rrd"
+        message = f"{path}: not a Rerun recording (the file begins with {magic!r}); imuwb writes recordings with --output FILE.rrd"
         raise UnreadableLogError(message)
     if not is_whole(path):
-        message = f"{path}: the recording is cut or damaged: its end mark is missing; make it again"
+        message = f"{path}: the recording is cut or damaged: its end mark is missing; run the analysis again"
         raise UnreadableLogError(message)
