@@ -1,4 +1,4 @@
-"""Compiled code is kept, and believed only while nothing it was made of has changed."""
+"""Compiled code is kept on disk, and used only while all modules in its folder are unchanged."""
 
 import os
 import subprocess
@@ -14,8 +14,8 @@ OUTER = "from imuwb.compiled import compiled\nfrom inner import inner\n\n\n@comp
 ASK = "import outer, inner; print(outer.outer(1), sum(outer.outer.stats.cache_hits.values()))"
 
 
-def asked(folder):
-    """Return what a new process computes with the modules of a folder, and how often it took kept code."""
+def run_in(folder):
+    """Return what a new process computes with the modules of a folder, and how often it used kept code."""
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder / "kept"), "PYTHONPATH": str(folder)}
     environment["PYTHONDONTWRITEBYTECODE"] = "1"
     done = subprocess.run([sys.executable, "-c", ASK], capture_output=True, text=True, check=True, env=environment)
@@ -25,10 +25,10 @@ def asked(folder):
 def test_code_is_kept_until_what_it_calls_has_changed(tmp_path):
     (tmp_path / "inner.py").write_text(INNER.format(1))
     (tmp_path / "outer.py").write_text(OUTER)
-    assert asked(tmp_path) == [2, 0]
-    assert asked(tmp_path) == [2, 1]
+    assert run_in(tmp_path) == [2, 0]
+    assert run_in(tmp_path) == [2, 1]
     (tmp_path / "inner.py").write_text(INNER.format(5))
-    assert asked(tmp_path) == [6, 0]
+    assert run_in(tmp_path) == [6, 0]
 
 
 @compiled()
@@ -57,7 +57,7 @@ def test_sums_are_reordered_only_where_that_is_allowed():
     assert summed_in_any_order(values) == pytest.approx(in_order, rel=1e-9)
 
 
-def test_what_makes_no_arrays_may_be_handed_some():
+def test_a_function_that_makes_no_arrays_may_change_given_arrays():
     def doubled(values):
         for i in range(values.size):
             values[i] *= 2

@@ -91,7 +91,7 @@ def test_a_text_becomes_the_value_of_its_type(option, text, value):
         ("ratio", "2", "A/B"),
     ],
 )
-def test_what_cannot_be_is_refused_with_option_value_and_rule(option, value, rule):
+def test_a_value_that_is_not_allowed_is_refused_with_option_value_and_rule(option, value, rule):
     if rule is None:  # without a range, any number is taken
         assert getattr(Parameters(**{option: value}), option) == value
         return
@@ -100,7 +100,7 @@ def test_what_cannot_be_is_refused_with_option_value_and_rule(option, value, rul
     assert rule in str(error.value)
 
 
-def test_an_annotation_says_all_of_an_option():
+def test_an_annotation_declares_all_of_an_option():
     options = {option.name: option for option in options_of(Parameters)}
     assert options["level"].help == "level of all intervals and limits"
     assert options["own"].help == "of the lines"
@@ -109,7 +109,7 @@ def test_an_annotation_says_all_of_an_option():
 
 
 @pytest.mark.parametrize("end", [Between(0.0, 1.0), Between(0.0, 1.0, open_least=True, open_most=True)])
-def test_an_open_end_does_not_count(end):
+def test_an_open_end_does_not_belong_to_the_range(end):
     assert (0.0 in end, 1.0 in end) == (not end.open_least, not end.open_most)
     assert 0.5 in end
     assert -0.1 not in end

@@ -1,4 +1,4 @@
-"""What pyproject lists, what lies in the folders, and what is installed are the same."""
+"""The lists of pyproject, the folders and the installed entry points are the same."""
 
 import tomllib
 from importlib.metadata import entry_points

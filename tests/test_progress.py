@@ -1,4 +1,4 @@
-"""Progress is told in parts of the whole, never backwards, and only to who watches."""
+"""Progress is reported in shares of the whole, never backwards, and only while a function listens."""
 
 import pytest
 
@@ -20,7 +20,7 @@ def test_inner_work_is_a_part_of_its_item():
     assert seen == pytest.approx([1 / 8, 2 / 8, 3 / 8, 4 / 8, 4 / 8, 5 / 8, 6 / 8, 7 / 8, 1, 1])
 
 
-def test_nobody_is_told_after_the_watch():
+def test_nothing_is_reported_after_the_watch():
     seen = []
     with watched(seen.append):
         pass

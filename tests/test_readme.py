@@ -1,4 +1,4 @@
-"""README is executed: its Python blocks, and its plugin on a real command line."""
+"""README is executed: its Python blocks, and its plugin on the command line."""
 
 import re
 import sys
@@ -19,7 +19,7 @@ def test_python_blocks_run(block, monkeypatch, capsys):
     assert capsys.readouterr().out
 
 
-def test_the_plugin_runs_and_is_as_short_as_it_says(monkeypatch, tmp_path, capsys):
+def test_the_plugin_runs_and_is_as_short_as_readme_states(monkeypatch, tmp_path, capsys):
     plugin = next(b for b in BLOCKS if "jerk" in b)
     assert len([line for line in plugin.splitlines() if line.strip()]) <= 27
     monkeypatch.chdir(tmp_path)

@@ -7,7 +7,7 @@ from imuwb.errors import UsageError
 
 
 @pytest.fixture(autouse=True)
-def _asked_anew():
+def _empty_cache():
     registry.installed.cache_clear()
     yield
     registry.installed.cache_clear()
@@ -49,7 +49,7 @@ def test_a_file_may_hold_dataclasses(tmp_path):
 
 
 @pytest.mark.parametrize(("text", "named"), [("x = (", "line 1"), ("raise RuntimeError('no')", "RuntimeError: no")])
-def test_a_file_that_does_not_run_says_why(tmp_path, text, named):
+def test_a_file_that_cannot_be_imported_is_an_error_with_the_reason(tmp_path, text, named):
     file = tmp_path / "mine.py"
     file.write_text(text)
     with pytest.raises(UsageError, match=named):

@@ -66,4 +66,4 @@ def baked_in(log: Log) -> Iterator[str]:
             yield f"{stream.name}: {repair.what} ({repair.count})"
     for stream in (*log.gnss, *log.references):
         if stream.origin.above_sea:
-            yield f"{stream.name}: the new log states that its heights are {MEAN_SEA_LEVEL}, as in the log"
+            yield f"{stream.name}: the heights stay {MEAN_SEA_LEVEL}; the new log states this"

@@ -105,7 +105,7 @@ def thinned(points: Floats) -> Floats:
 
 
 def ruler_length(span: float) -> float:
-    """Return the greatest of 1, 2, 5, 10, 20, ... m that is at most half the extent of a track, m."""
+    """Return 1, 2 or 5 times a power of ten, m: between a sixth and a half of the extent of a track, m."""
     decade = 10.0 ** math.floor(math.log10(span / 3))
     return next(factor * decade for factor in (5, 2, 1) if factor * decade <= span / 2)
 

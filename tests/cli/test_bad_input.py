@@ -1,4 +1,4 @@
-"""Each with a clear message and the right exit code, nothing half-written, and no traceback."""
+"""Bad input of every kind: a message with the figures, the right exit code, no unfinished file, and no traceback."""
 
 import gzip
 import json
@@ -22,7 +22,7 @@ PNG = bytes.fromhex("89504e470d0a1a0a0000000d49484452000000010000000108060000001
         ("magic.mcap", b"\x89MCAP0\r\n", "no message can be read"),
     ],
 )
-def test_what_is_no_log(imuwb, tmp_path, name, content, message):
+def test_files_that_are_no_logs(imuwb, tmp_path, name, content, message):
     if content is not None:
         (tmp_path / name).write_bytes(content)
     for command in ("info", "allan"):
@@ -138,7 +138,7 @@ def test_no_imu_in_the_log(imuwb, tmp_path):
     assert (done.code, "IMU" in done.err) == (3, True)
 
 
-def test_unknown_imu_lists_what_there_is(imuwb, static_mcap):
+def test_an_unknown_imu_lists_the_imus_of_the_log(imuwb, static_mcap):
     done = imuwb("allan", static_mcap, "--imu", "/imu/dat")
     assert (done.code, "/imu/data" in done.err) == (3, True)
 
@@ -264,7 +264,7 @@ def test_a_unit_that_is_none_is_wrong_usage_of_every_format(imuwb, static_mcap, 
             assert imuwb("info", path, "--units", units).code == 2
 
 
-def test_options_that_a_format_has_no_use_for_are_told(imuwb, static_mcap, csv_log, rows):
+def test_options_that_a_format_does_not_use_are_named(imuwb, static_mcap, csv_log, rows):
     done = imuwb("info", static_mcap, "--units", "gyro=deg/s", "--rate", "5", "--columns", "a,b")
     assert done.code == 0
     assert "--rate, --columns, --units not used: a mcap log" in done.err
@@ -279,12 +279,12 @@ def test_a_clock_that_jumps_by_decades_is_named(imuwb, csv_log, rows):
     done = imuwb("health", path, "-o", "health.rrd", "--json", "-")
     assert done.code == 0, done.err
     worst = json.loads(done.out)["result"]["faults"][0]
-    assert worst["what"] == "clock jumps by 53.9 years: 50 rows lie before, 1950 behind"
+    assert all(figure in worst["what"] for figure in ("clock jumps", "53.9 years", "50 rows", "1950"))
     assert "clock jumps" in imuwb("info", path).err
 
 
 @pytest.mark.parametrize(
-    ("content", "says"),
+    ("content", "fault"),
     [
         (None, "a directory"),
         (b"", "the file is empty"),
@@ -292,17 +292,17 @@ def test_a_clock_that_jumps_by_decades_is_named(imuwb, csv_log, rows):
         (b"RRF2" + bytes(50), "cut or damaged"),
     ],
 )
-def test_view_says_what_is_wrong_with_a_recording(imuwb, tmp_path, content, says):
+def test_view_states_the_fault_of_a_recording(imuwb, tmp_path, content, fault):
     path = tmp_path / "some.rrd"
     path.mkdir() if content is None else path.write_bytes(content)
     done = imuwb("view", path)
     assert done.code == 4
-    assert says in done.err
+    assert fault in done.err
 
 
 def test_help_of_an_analysis_names_all_formats(imuwb):
-    told = imuwb("health", "--help").out
-    assert all(name in told for name in ("MCAP", "bag", "db3", "tlog", "bin", "ulg", "CSV", "RTKLIB .pos"))
+    shown = imuwb("health", "--help").out
+    assert all(name in shown for name in ("MCAP", "bag", "db3", "tlog", "bin", "ulg", "CSV", "RTKLIB .pos"))
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no limit on the size of files there")

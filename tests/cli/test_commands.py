@@ -114,7 +114,7 @@ def test_a_part_of_a_log(imuwb, static_mcap):
     assert json.loads(done.out)["result"]["duration"] == pytest.approx(40, abs=0.05)
 
 
-def test_info_says_what_is_there(imuwb, static_mcap):
+def test_info_shows_the_streams(imuwb, static_mcap):
     done = imuwb("info", static_mcap, "--json")
     document = json.loads(done.out)
     assert set(document) == {"path", "format", "hash", "streams", "notes"}
@@ -228,7 +228,7 @@ def test_processes_are_named_in_json(imuwb, static_mcap):
     assert axis["processes"]["terms"][0]["process"] == "white_noise"
 
 
-def test_a_moving_record_is_told_first(imuwb, shared):
+def test_a_moving_record_is_noted_first(imuwb, shared):
     done = imuwb("allan", shared / "mcap" / "husky_test1_ros2cdr_zstd.mcap", "-o", "husky.rrd", "--json", "-")
     assert done.code == 0
     document = json.loads(done.out)

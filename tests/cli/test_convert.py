@@ -27,7 +27,7 @@ def log_of(names=("/imu",)):
 
 
 @pytest.fixture
-def one(tmp_path):
+def single(tmp_path):
     write(log_of(), tmp_path / "run.mcap")
     return tmp_path / "run.mcap"
 
@@ -42,15 +42,15 @@ def names(folder):
     return sorted(p.name for p in folder.iterdir())
 
 
-def test_mcap_becomes_csv_and_each_file_is_told(imuwb, one, tmp_path):
-    done = imuwb("convert", one, "-o", "out.csv")
+def test_mcap_becomes_csv_and_each_file_is_named(imuwb, single, tmp_path):
+    done = imuwb("convert", single, "-o", "out.csv")
     assert done.code == 0, done.err
     tables = ["out.csv", "out.gnss.csv", "out.reference.csv", "out.speed.csv"]
     files = sorted([*tables, *(f"{name}.toml" for name in tables)])
     assert names(tmp_path) == [*files, "run.mcap"]
     assert [name for name in files if f"wrote {name}\n" in done.err] == files
     assert done.out == ""
-    truth = read(one)
+    truth = read(single)
     (imu,) = read(tmp_path / "out.csv").imus
     for part in ("angular_rate", "specific_force", "temperature"):
         assert getattr(imu, part).time.tolist() == getattr(truth.imus[0], part).time.tolist()
@@ -60,8 +60,8 @@ def test_mcap_becomes_csv_and_each_file_is_told(imuwb, one, tmp_path):
     assert read(tmp_path / "out.reference.csv").references[0].attitude.tolist() == [[0.1] * 3] * 10
 
 
-def test_csv_becomes_mcap_and_back_the_same_bytes(imuwb, one, tmp_path):
-    assert imuwb("convert", one, "-o", "a.csv").code == 0
+def test_csv_becomes_mcap_and_back_the_same_bytes(imuwb, single, tmp_path):
+    assert imuwb("convert", single, "-o", "a.csv").code == 0
     assert imuwb("convert", "a.csv", "-o", "b.mcap").code == 0
     assert imuwb("convert", "b.mcap", "-o", "c.csv").code == 0
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "c.csv").read_bytes()
@@ -76,8 +76,8 @@ def test_a_whole_log_goes_from_mcap_to_mcap(imuwb, two, tmp_path):
 
 
 @pytest.mark.parametrize(("start", "end"), [("2", "5"), ("2024-05-01T12:00:02", "2024-05-01T12:00:05Z")])
-def test_a_part_in_time_of_all_streams(imuwb, one, tmp_path, start, end):
-    assert imuwb("convert", one, "-o", "part.mcap", "--start", start, "--end", end).code == 0
+def test_a_part_in_time_of_all_streams(imuwb, single, tmp_path, start, end):
+    assert imuwb("convert", single, "-o", "part.mcap", "--start", start, "--end", end).code == 0
     part = read(tmp_path / "part.mcap")
     rate = part.imus[0].angular_rate.time - ZERO
     assert (rate[0], rate[-1], rate.size) == (2 * SECOND, 5 * SECOND - 10_000_000, 300)
@@ -113,35 +113,35 @@ def test_several_imus_have_no_room_in_csv(imuwb, two, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["out.txt", "out", "out.rrd", "out.csv.gz"])
-def test_another_suffix_is_refused(imuwb, one, tmp_path, name):
-    done = imuwb("convert", one, "-o", name)
+def test_another_suffix_is_refused(imuwb, single, tmp_path, name):
+    done = imuwb("convert", single, "-o", name)
     assert done.code == 2
     assert ".mcap or .csv" in done.err
     assert names(tmp_path) == ["run.mcap"]
 
 
 @pytest.mark.parametrize("there", ["out.csv", "out.csv.toml", "out.gnss.csv", "out.speed.csv", "out.reference.csv"])
-def test_files_that_exist_are_kept_without_force(imuwb, one, tmp_path, there):
+def test_files_that_exist_are_kept_without_force(imuwb, single, tmp_path, there):
     (tmp_path / there).write_bytes(b"mine")
-    done = imuwb("convert", one, "-o", "out.csv")
+    done = imuwb("convert", single, "-o", "out.csv")
     assert done.code == 2
     assert there in done.err and "--force" in done.err  # noqa: PT018
     assert names(tmp_path) == [there, "run.mcap"]
     assert (tmp_path / there).read_bytes() == b"mine"
-    assert imuwb("convert", one, "-o", "out.csv", "--force").code == 0
+    assert imuwb("convert", single, "-o", "out.csv", "--force").code == 0
     assert (tmp_path / there).read_bytes() != b"mine"
 
 
 @pytest.mark.parametrize("force", [[], ["--force"]])
-def test_a_log_is_never_its_own_output(imuwb, one, force):
-    before = one.read_bytes()
-    done = imuwb("convert", one, "-o", one, *force)
+def test_a_log_is_never_its_own_output(imuwb, single, force):
+    before = single.read_bytes()
+    done = imuwb("convert", single, "-o", single, *force)
     assert (done.code, "name of its own" in done.err) == (2, True)
-    assert one.read_bytes() == before
+    assert single.read_bytes() == before
 
 
-def test_a_sibling_may_not_be_the_log_either(imuwb, one, tmp_path):
-    assert imuwb("convert", one, "-o", "out.csv").code == 0
+def test_a_sibling_may_not_be_the_log_either(imuwb, single, tmp_path):
+    assert imuwb("convert", single, "-o", "out.csv").code == 0
     before = (tmp_path / "out.gnss.csv").read_bytes()
     write(Log(Provenance("", "", "", 0), log_of().imus, log_of().gnss), tmp_path / "both.mcap")
     (tmp_path / "x.gnss.csv").write_bytes((tmp_path / "both.mcap").read_bytes())  # bytes decide, not the suffix
@@ -151,8 +151,8 @@ def test_a_sibling_may_not_be_the_log_either(imuwb, one, tmp_path):
 
 
 @pytest.mark.parametrize("output", ["run.gnss.csv", "run.csv"])
-def test_the_receiver_s_file_is_never_an_output(imuwb, one, tmp_path, output):
-    assert imuwb("convert", one, "-o", "run.csv").code == 0
+def test_the_receiver_s_file_is_never_an_output(imuwb, single, tmp_path, output):
+    assert imuwb("convert", single, "-o", "run.csv").code == 0
     (tmp_path / "imu.csv").write_bytes((tmp_path / "run.csv").read_bytes())
     before = (tmp_path / "run.gnss.csv").read_bytes()
     done = imuwb("convert", "imu.csv", "--gnss", "run.gnss.csv", "-o", output, "--force")
@@ -165,7 +165,7 @@ def test_a_log_that_is_not_there_leaves_nothing(imuwb, tmp_path):
     assert names(tmp_path) == []
 
 
-def test_what_was_mended_is_told_as_it_is_written_for_good(imuwb, csv_log, rows):
+def test_repairs_that_the_new_log_contains_are_noted(imuwb, csv_log, rows):
     lines = rows()
     lines[100], lines[101] = lines[101], lines[100]
     lines[200] = lines[200].replace(lines[200].split(",")[2], "oops")
@@ -175,12 +175,12 @@ def test_what_was_mended_is_told_as_it_is_written_for_good(imuwb, csv_log, rows)
     assert "imu: cells that are not numbers, taken as missing (1)" in done.err
 
 
-def test_heights_above_mean_sea_level_are_told_and_kept(imuwb, tmp_path):
+def test_heights_above_mean_sea_level_are_noted_and_kept(imuwb, tmp_path):
     rows = "".join(f"{i},47,8,{400 + i}\n" for i in range(20))
     (tmp_path / "fixes.csv").write_text(f"time_s,latitude_deg,longitude_deg,height_msl_m\n{rows}", "utf-8")
     for source, output in (("fixes.csv", "a.mcap"), ("a.mcap", "b.csv"), ("b.csv", "c.mcap")):
         done = imuwb("convert", source, "-o", output)
-        assert "heights are written as they are, above mean sea level" in done.err
+        assert "above mean sea level" in done.err
     assert "height_msl_m" in (tmp_path / "b.csv").read_text("utf-8")
     assert read(tmp_path / "c.mcap").gnss[0].origin.above_sea
     assert "above mean sea level" in imuwb("info", "c.mcap", "--json").out
@@ -200,8 +200,8 @@ def test_the_same_imu_twice_is_wrong_usage(imuwb, two):
     assert imuwb("convert", two, "-o", "c.csv", "--imu", "/a+/a").code == 2
 
 
-def test_a_start_before_the_log_is_wrong_usage(imuwb, one):
-    assert imuwb("convert", one, "-o", "c.csv", "--start", "-1").code == 2
+def test_a_start_before_the_log_is_wrong_usage(imuwb, single):
+    assert imuwb("convert", single, "-o", "c.csv", "--start", "-1").code == 2
 
 
 def test_frame_and_epoch_survive_csv(imuwb, csv_log, rows, tmp_path):

@@ -129,11 +129,11 @@ def test_a_file_without_a_receiver_is_refused(imuwb, imu_csv, tmp_path):
     assert not list(tmp_path.glob("*.rrd"))
 
 
-def test_a_receiver_of_another_day_is_told(imuwb, imu_csv, rtklib):
+def test_a_receiver_of_another_day_is_noted(imuwb, imu_csv, rtklib):
     found = document(imuwb, imu_csv(SINCE_1970 + 86_400), "--gnss", rtklib)
     assert any("times" in note and "belong together" in note for note in found["notes"])
 
 
-def test_a_note_that_both_files_have_is_told_once(imuwb, imu_csv, fixes_csv):
+def test_a_note_that_both_files_have_is_shown_once(imuwb, imu_csv, fixes_csv):
     found = document(imuwb, imu_csv(), "--gnss", fixes_csv)
     assert len([n for n in found["notes"] if "taken as UTC" in n]) == 1

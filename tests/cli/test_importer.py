@@ -1,4 +1,4 @@
-"""The importer that the viewer runs for every file: ours become recordings, all others are declined at once."""
+"""The importer that the viewer runs for every file: logs become recordings, all other files are declined at once."""
 
 import subprocess
 import sys
@@ -42,7 +42,7 @@ def test_a_log_becomes_a_recording_on_stdout(log, tmp_path):
         ("empty.bin", b""),
     ],
 )
-def test_what_is_not_ours_is_declined_and_nothing_is_written(tmp_path, name, content):
+def test_other_files_are_declined_and_nothing_is_written(tmp_path, name, content):
     (tmp_path / name).write_bytes(content)
     done = imported(tmp_path / name, "--recording-id", "R")
     assert (done.returncode, done.stdout) == (66, b"")
@@ -52,13 +52,13 @@ def test_a_file_that_is_not_there_is_declined(tmp_path):
     assert imported(tmp_path / "none.bin").returncode == 66
 
 
-def test_without_a_file_it_says_what_it_is():
+def test_without_a_file_it_names_the_command_for_users():
     done = imported()
     assert done.returncode == 2
     assert b"imuwb info" in done.stderr
 
 
-def test_what_is_declined_costs_nothing_that_is_heavy(tmp_path):
+def test_declining_a_file_imports_nothing_heavy(tmp_path):
     (tmp_path / "picture.png").write_bytes(b"\x89PNG" + bytes(10))
     code = (
         f"import sys; sys.argv = ['x', {str(tmp_path / 'picture.png')!r}]\n"

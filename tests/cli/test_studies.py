@@ -1,4 +1,4 @@
-"""Studies: which settings a text stands for, which conditioners they need, in which order."""
+"""Studies: the settings that a text stands for, and the order of their conditioners."""
 
 from types import SimpleNamespace
 
@@ -28,8 +28,8 @@ def test_a_sensor_filters_before_it_puts_out_samples():
 
 
 def test_parameters_of_one_conditioner_go_together():
-    (one,) = steps_of({"kaiser.f_pass": "5", "kaiser.f_stop": "9"})
-    assert one.parameters.bands == (5.0, 9.0)
+    (step,) = steps_of({"kaiser.f_pass": "5", "kaiser.f_stop": "9"})
+    assert step.parameters.bands == (5.0, 9.0)
 
 
 @pytest.mark.parametrize(
@@ -52,7 +52,7 @@ def test_a_study_that_cannot_be_is_wrong_usage(texts, named):
         ("wavelet.levels=3..9", "level is 9"),
     ],
 )
-def test_a_setting_that_the_log_cannot_have_is_told(static_log, study, named):
+def test_a_setting_that_the_log_cannot_have_is_named(static_log, study, named):
     with pytest.raises(UsageError, match=named):
         list(cases([static_log], [study]))
 
@@ -89,9 +89,11 @@ def test_conditioners_declare_their_short_names(installed):
 
 
 def test_two_conditioners_of_one_short_name_are_an_error_that_names_both(installed):
-    one, two = (SimpleNamespace(Parameters=bandwidth.Parameters, STUDY={"corner": ("cutoff", {})}) for _ in range(2))
-    installed(one=one, two=two)
-    with pytest.raises(UsageError, match="one and two"):
+    first, second = (
+        SimpleNamespace(Parameters=bandwidth.Parameters, STUDY={"corner": ("cutoff", {})}) for _ in range(2)
+    )
+    installed(first=first, second=second)
+    with pytest.raises(UsageError, match="first and second"):
         grid(["corner=7"])
 
 

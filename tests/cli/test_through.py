@@ -57,7 +57,7 @@ def test_texts_become_parameters_of_their_types(text, parameters):
     assert asdict(step(text).parameters) == parameters
 
 
-def test_what_was_done_is_in_the_json_the_recording_and_the_terminal(imuwb, static_mcap, tmp_path):
+def test_conditioners_are_in_the_json_the_recording_and_the_terminal(imuwb, static_mcap, tmp_path):
     from rerun.chunk import RrdReader
 
     through = ["--through", "bias", "--through", "kaiser:fc=8", "--through", "decimate:factor=2,anti_alias=false"]
@@ -78,7 +78,7 @@ def test_what_was_done_is_in_the_json_the_recording_and_the_terminal(imuwb, stat
     assert any(e.startswith("/conditioning/figure_0") for e in entities)
 
 
-def test_a_log_that_nothing_was_done_to_says_nothing(imuwb, static_mcap):
+def test_a_log_without_conditioners_has_no_conditioning_in_the_json(imuwb, static_mcap):
     (log,) = json.loads(imuwb("autoregressive", static_mcap, "--orders", 2, "--json", "-").out)["logs"]
     assert "conditioning" not in log
 
@@ -91,8 +91,8 @@ def test_causal_steps_are_a_causal_log(imuwb, static_mcap):
 
 
 def test_order_counts(imuwb, static_mcap):
-    one = imuwb("autoregressive", static_mcap, "--through", "decimate:rate=10", "--through", "bandwidth:cutoff=8")
-    assert (one.code, "at a rate of 10 Hz" in one.err) == (2, True)
+    early = imuwb("autoregressive", static_mcap, "--through", "decimate:rate=10", "--through", "bandwidth:cutoff=8")
+    assert (early.code, "at a rate of 10 Hz" in early.err) == (2, True)
     other = imuwb("autoregressive", static_mcap, "--through", "bandwidth:cutoff=8", "--through", "decimate:rate=10")
     assert other.code == 0
 

@@ -11,7 +11,7 @@ sizes = st.floats(-1e9, 1e9, allow_subnormal=False)
 
 
 @given(st.lists(sizes, min_size=1, max_size=20))
-def test_a_linear_axis_holds_all_values_in_order(values):
+def test_a_linear_axis_contains_all_values_in_order(values):
     scale = Scale.around("linear", [np.array(values)], None)
     places = [scale.position(v) for v in sorted(values)]
     assert places == sorted(places)
@@ -19,7 +19,7 @@ def test_a_linear_axis_holds_all_values_in_order(values):
 
 
 @given(st.lists(st.floats(1e-12, 1e12), min_size=1, max_size=20))
-def test_a_logarithmic_axis_holds_all_values_and_a_decade_at_least(values):
+def test_a_logarithmic_axis_contains_all_values_and_at_least_a_decade(values):
     scale = Scale.around("log", [np.array(values)], None)
     assert scale.high - scale.low >= 1 - 1e-9
     places = [scale.position(v) for v in sorted(values)]
@@ -29,7 +29,7 @@ def test_a_logarithmic_axis_holds_all_values_and_a_decade_at_least(values):
 
 
 @given(st.floats(-1e3, 1e3), st.floats(1, 1e5))
-def test_linear_ticks_are_round_evenly_spaced_and_say_where_they_are(low, span):
+def test_linear_ticks_are_round_and_evenly_spaced_and_their_labels_are_true(low, span):
     scale = Scale.around("linear", [], (low, low + span))
     ticks = scale.ticks()
     assert 3 <= len(ticks) <= 11
@@ -66,7 +66,7 @@ def test_positions():
     assert [linear.position(v) for v in (-2, 0, 3)] == pytest.approx([0, 0.5, 1.25])
 
 
-def test_what_can_be_shown():
+def test_values_without_a_position():
     log, linear = Scale("log", 0, 1), Scale("linear", 0, 1)
     assert [log.shows(v) for v in (1.0, 0.0, -1.0, math.nan, math.inf)] == [True, False, False, False, False]
     assert [linear.shows(v) for v in (1.0, 0.0, -1.0, math.nan, math.inf)] == [True, True, True, False, False]
@@ -76,7 +76,45 @@ def test_what_can_be_shown():
 @pytest.mark.parametrize(
     "parts", [[], [None], [np.array([])], [np.array([np.nan, np.inf])], [np.array([3.0])], [np.zeros(2)]]
 )
-def test_an_axis_without_an_extent_is_still_one(kind, parts):
+def test_an_axis_always_has_an_extent(kind, parts):
     scale = Scale.around(kind, parts, None)
     assert scale.high > scale.low
     assert scale.ticks()
+
+
+@pytest.mark.parametrize(
+    ("kind", "values", "ends"),
+    [
+        ("linear", [0.0, 100.0], (-4.0, 104.0)),
+        ("linear", [-50.0, -50.0], (-55.0, -45.0)),
+        ("linear", [0.0], (-1.0, 1.0)),
+        ("log", [1.0, 1000.0], (-1 / 3, 10 / 3)),
+        ("log", [1.7, 60.0], (0.0, 2.0)),
+        ("log", [2.0, 3.0], (-1 / 6, 5 / 6)),
+    ],
+)
+def test_an_axis_has_some_air_on_both_sides(kind, values, ends):
+    scale = Scale.around(kind, [np.array(values)], None)
+    assert (scale.low, scale.high) == pytest.approx(ends)
+
+
+def test_limits_are_kept_as_they_are():
+    assert Scale.around("linear", [np.array([7.0])], (1.0, 2.0)) == Scale("linear", 1.0, 2.0)
+    assert Scale.around("log", [np.array([7.0])], (0.1, 100.0)) == Scale("log", -1.0, 2.0)
+
+
+@pytest.mark.parametrize(("span", "count"), [(9.0, 10), (9.1, 5), (1.0, 6), (2.5, 6), (45.0, 10)])
+def test_a_linear_axis_has_at_most_nine_steps(span, count):
+    assert len(Scale("linear", 0.0, span).ticks()) == count
+
+
+@pytest.mark.parametrize(("value", "inside"), [(0.0, True), (10.0, True), (10.0 + 1e-9, True), (10.1, False), (-0.1, False), (math.nan, False)])  # fmt: skip
+def test_rounding_puts_no_value_outside(value, inside):
+    assert Scale("linear", 0.0, 10.0).contains(value) == inside
+
+
+@pytest.mark.parametrize(
+    ("low", "span", "label"), [(0.0, 6e-4, "0.0001"), (0.0, 6e-6, "1e-06"), (2e6, 6.0, "2000001"), (999_990.0, 6.0, "999991")]
+)  # fmt: skip
+def test_labels_of_small_and_large_values(low, span, label):
+    assert label in [tick.label for tick in Scale("linear", low, low + span).ticks()]

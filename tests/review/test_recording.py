@@ -1,0 +1,79 @@
+import numpy as np
+import pytest
+from rerun.chunk import RrdReader
+
+from imuwb.analysis import Series, Table
+from imuwb.errors import ImuwbError
+from imuwb.log import SECOND
+from imuwb.review.recording import RecordingReview
+from imuwb.review.rrd import is_whole, why_cut
+from imuwb.review.tab import Tab
+
+
+def test_a_recording_contains_all_that_was_shown(review, line, entities, tmp_path):
+    shown, review = review.shown, review.review
+    review.tab("Mine")
+    review.figure(line([1.0, 10.0], [1.0, 2.0]))
+    time = np.arange(5000, dtype=np.int64) * SECOND
+    review.series(Series("s", "m", time, np.ones((5000, 3)), ("a", "b", "c"), epoch="unix"))
+    review.table(Table("T", ("a", "b"), (("1 m", "x|y"),)))
+    position = np.array([[0.8, 0.1, 0.0], [0.80001, 0.10001, 0.0]])
+    review.track("gnss", position, (1, 2, 3))
+    review.map_track("gnss", position, (1, 2, 3))
+    review.note("look here")
+    assert not (tmp_path / "r.rrd").exists()
+    paths = entities(review.close())
+    for end in ("figure_0/grid", "series_0", "text_0", "text_1", "track/0_gnss", "map/0_gnss"):
+        assert f"/mine/{end}" in paths
+    assert [type(item).__name__ for item in shown] == ["Table", "str"]
+    assert [p.name for p in tmp_path.iterdir()] == ["r.rrd"]
+
+
+def test_names_of_series_have_their_unit(review):
+    time = np.arange(10, dtype=np.int64)
+    review.review.series(Series("s", "m/s", time, np.ones((10, 1)), ("a",)))
+    names = [
+        chunk.to_record_batch().column("SeriesLines:names")[0].as_py()
+        for chunk in RrdReader(str(review.review.close())).stream()
+        if "SeriesLines:names" in chunk.to_record_batch().schema.names
+    ]
+    assert names == [["a [m/s]"]]
+
+
+def test_a_discarded_review_leaves_no_file(review, tmp_path):
+    review.review.note("x")
+    review.review.discard()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_place_that_cannot_be_written_is_an_error(tmp_path):
+    with pytest.raises(ImuwbError, match="cannot be written"):
+        RecordingReview(tmp_path / "no" / "r.rrd")
+
+
+def test_a_recording_without_its_first_or_last_bytes_is_not_whole(review, tmp_path):
+    data = review.review.close().read_bytes()
+    for content, whole in ((data, True), (data[:-1], False), (data[1:], False), (b"", False)):
+        (tmp_path / "part.rrd").write_bytes(content)
+        assert is_whole(tmp_path / "part.rrd") == whole
+    assert why_cut(tmp_path / "no" / "r.rrd") == "No such file or directory"
+
+
+def test_notes_are_beside_the_first_table(drawing):
+    tab = Tab.of("My tab")
+    for name in ("first", "second"):
+        tab.add_text(drawing, name, "text")
+    tab.add_text(drawing, "large", "text", wide=True)
+    tab.notes += ["a", "b"]
+    tab.add_notes(drawing)
+    assert [view.name for view in tab.texts] == ["first", "Notes", "second"]
+    assert sorted(drawing) == [f"/my_tab/text_{i}" for i in range(4)]
+    assert [type(row).__name__ for row in tab.layout().contents] == [
+        "TextDocumentView",
+        "Horizontal",
+        "TextDocumentView",
+    ]
+
+
+def test_an_empty_tab_has_no_layout():
+    assert Tab.of("empty").layout() is None
