@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import pytest
 
-from imuwb.options import NOT_NEGATIVE, Between, Form, Level, check, options_of, text_of
+from imuwb.options import NOT_NEGATIVE, POSITIVE, Between, Form, Level, check, options_of, text_of
 
 
 @dataclass(frozen=True)
@@ -36,6 +36,8 @@ class Parameters:
     choose: bool = True
     delay: Annotated[Literal["auto"] | float, NOT_NEGATIVE] = 0.0
     ratio: Ratio | None = None
+    orders: tuple[int, ...] = ()
+    width: Annotated[float, POSITIVE] = 1.0
 
     def __post_init__(self) -> None:
         check(self)
@@ -59,6 +61,9 @@ class Parameters:
         ("delay", "auto", "auto"),
         ("delay", "0.25", 0.25),
         ("level", "0.9", 0.9),
+        ("level", "0.6", 0.6),
+        ("orders", "1..10000", tuple(range(1, 10_001))),
+        ("delay", "0", 0.0),
     ],
 )
 def test_a_text_becomes_the_value_of_its_type(option, text, value):
@@ -89,6 +94,9 @@ def test_a_text_becomes_the_value_of_its_type(option, text, value):
         ("delay", -1.0, "0 or more"),
         ("delay", "later", "auto or a number"),
         ("ratio", "2", "A/B"),
+        ("orders", "0..10000", "3..8"),
+        ("width", 0.0, "above 0"),
+        ("width", math.inf, "above 0"),
     ],
 )
 def test_a_value_that_is_not_allowed_is_refused_with_option_value_and_rule(option, value, rule):

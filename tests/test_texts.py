@@ -57,7 +57,7 @@ def test_a_factor_converts_value_and_interval():
 
 @pytest.mark.parametrize(
     ("width", "text"),
-    [(0.4, "1.23 [1.03, 1.43]"), (0.02, "1.235 [1.225, 1.245]"), (1e-4, "1.23457 [1.23452, 1.23462]"), (1e-9, "1.23457")],
+    [(2.0, "1.23 [0.235, 2.23]"), (0.4, "1.23 [1.03, 1.43]"), (0.02, "1.235 [1.225, 1.245]"), (1e-4, "1.23457 [1.23452, 1.23462]"), (1e-9, "1.23457")],
 )  # fmt: skip
 def test_a_coefficient_has_three_to_six_digits_by_its_relative_width(width, text):
     value = 1.234567

@@ -27,7 +27,7 @@ def main() -> None:
         sys.stderr.write("rerun-importer-imuwb: only the Rerun viewer runs this program; use imuwb info LOG\n")
         raise SystemExit(2)
     path = Path(sys.argv[1])
-    if not _may_be_ours(path):
+    if not may_be_ours(path):
         raise SystemExit(NOT_OURS)
     raise SystemExit(_imported(path, _option("--application-id"), _option("--recording-id")))
 
@@ -42,7 +42,7 @@ def _option(name: str) -> str | None:
     return None
 
 
-def _may_be_ours(path: Path) -> bool:
+def may_be_ours(path: Path) -> bool:
     """Return whether imuwb may read a file, judged by its first bytes and its name."""
     try:
         with path.open("rb") as file:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from imuwb.log import Log
 
 MOST_CASES = 200
+OPTION = "--study"
 
 
 def grid(texts: Sequence[str]) -> list[dict[str, str]]:
@@ -72,7 +73,7 @@ def steps_of(setting: Mapping[str, str]) -> list[Step]:
     for name, value in setting.items():
         conditioner, key, others = short[name] if name in short else (*name.split(".", 1), {})
         wanted.setdefault(conditioner, {}).update({key: value, **others})
-    return [step_of(name, wanted[name]) for name in sorted(wanted, key=_order)]
+    return [step_of(name, wanted[name], OPTION) for name in sorted(wanted, key=_order)]
 
 
 def _short_names() -> dict[str, tuple[str, str, Mapping[str, str]]]:
@@ -92,7 +93,7 @@ def _short_names() -> dict[str, tuple[str, str, Mapping[str, str]]]:
 
 
 def _order(name: str) -> float:
-    return getattr(conditioner_of(name), "ORDER", math.inf)
+    return getattr(conditioner_of(name, OPTION), "ORDER", math.inf)
 
 
 def cases(logs: Sequence[Log], texts: Sequence[str]) -> Iterator[Case]:

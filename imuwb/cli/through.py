@@ -28,6 +28,7 @@ class Step:
     name: str
     conditioner: Conditioner
     parameters: Any
+    option: str = "--through"  #: the option that names it, for errors
 
     def apply(self, log: Log) -> tuple[Log, Any]:
         """Return the changed log, and the change for ``draw``.
@@ -38,7 +39,7 @@ class Step:
         try:
             return self.conditioner.condition(log, self.parameters)
         except ValueError as error:
-            message = f"--through {self.name}: {error}"
+            message = f"{self.option} {self.name}: {error}"
             raise UsageError(message) from error
 
     def draw(self, applied: Any, review: Review) -> None:  # noqa: ANN401 - the conditioner's own
@@ -67,31 +68,38 @@ def step(text: str) -> Step:
     return step_of(name.strip(), {key.strip(): value.strip() for key, _, value in pairs})
 
 
-def step_of(name: str, values: Mapping[str, str]) -> Step:
+def step_of(name: str, values: Mapping[str, str], option: str = "--through") -> Step:
     """Return a conditioner with parameters given as texts; ``/`` separates the numbers of one parameter.
+
+    Args:
+        name: of the conditioner.
+        values: {parameter: text}.
+        option: of the command line that names the conditioner, for errors.
 
     Raises:
         UsageError: an unknown conditioner or key, or a value that the parameter does not allow.
     """
-    conditioner = conditioner_of(name)
+    conditioner = conditioner_of(name, option)
     kind = conditioner.Parameters
     options = {option.name: option for option in options_of(kind)}
     for key in values:
         if key not in options:
-            message = f"--through {name}: there is no parameter {key!r}; there are {', '.join(options)}"
+            message = f"{option} {name}: there is no parameter {key!r}; there are {', '.join(options)}"
             raise UsageError(message)
     missing = [f.name for f in fields(kind) if f.name not in values and default_of(f) is inspect.Parameter.empty]
     if missing:
-        message = f"--through {name}: {', '.join(missing)} must be given; write {name}:{missing[0]}=..."
+        mark = ":" if option == "--through" else "."
+        message = f"{option} {name}: {', '.join(missing)} must be given; write {name}{mark}{missing[0]}=..."
         raise UsageError(message)
     try:
-        return Step(name, conditioner, kind(**{key: _value(options[key], text) for key, text in values.items()}))
+        parameters = kind(**{key: _value(options[key], text) for key, text in values.items()})
     except ValueError as error:
-        message = f"--through {name}: {error}"
+        message = f"{option} {name}: {error}"
         raise UsageError(message) from error
+    return Step(name, conditioner, parameters, option)
 
 
-def conditioner_of(name: str) -> Conditioner:
+def conditioner_of(name: str, option: str = "--through") -> Conditioner:
     """Return a conditioner by its name.
 
     Raises:
@@ -99,11 +107,11 @@ def conditioner_of(name: str) -> Conditioner:
     """
     points = registry.installed(registry.CONDITIONERS)
     if name not in points:
-        message = f"--through {name}: there is no such conditioner; there are {', '.join(points)}"
+        message = f"{option} {name}: there is no such conditioner; there are {', '.join(points)}"
         raise UsageError(message)
     conditioner = registry.load(points[name])
     if conditioner is None:
-        message = f"--through {name}: the conditioner cannot be loaded (see the warning)"
+        message = f"{option} {name}: the conditioner cannot be imported; see the warning"
         raise UsageError(message)
     return cast("Conditioner", conditioner)
 

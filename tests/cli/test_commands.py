@@ -7,8 +7,6 @@ import pytest
 
 import imuwb as package
 from imuwb import read
-from imuwb.analysis import Table
-from imuwb.cli.terminal import shower
 
 PLUGIN = '''
 """Spread of an axis."""
@@ -235,8 +233,3 @@ def test_a_moving_record_is_noted_first(imuwb, shared):
     assert document["result"]["moving"]
     assert "no static record" in document["notes"][0]
     assert "overflow" not in done.err
-
-
-def test_headings_keep_their_units(capsys):
-    shower(data=True)(Table("T [s]", ("N x [deg/√h]", "sigma"), (("1 [0.9, 1.1]", "2"),)))
-    assert "N x [deg/√h]" in capsys.readouterr().out

@@ -6,6 +6,7 @@ import sys
 import pytest
 import rerun as rr
 
+from imuwb.cli.importer import may_be_ours
 from imuwb.simulation import preset, static
 from imuwb.writers import write
 
@@ -67,3 +68,32 @@ def test_declining_a_file_imports_nothing_heavy(tmp_path):
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
     assert done.stdout.strip() == "[]"
+
+
+def frame(year, mark=0xFD):
+    return int((year - 1970) * 365.2425 * 86_400e6).to_bytes(8, "big") + bytes([mark]) + bytes(20)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "ours"),
+    [
+        ("a.dat", frame(2024), True),
+        ("a.dat", frame(2024, 0xFE), True),
+        ("a.dat", frame(2024, 0xFC), False),
+        ("a.dat", frame(1999), False),
+        ("a.dat", frame(2101), False),
+        ("a.dat", b"ULog\x01\x12\x35" + bytes(9), True),
+        ("a.dat", b"#ROSBAG V2.0\n", True),
+        ("a.dat", b"SQLite format 3\0", True),
+        ("a.dat", b"% program   : RTKPOST", True),
+        ("a.dat", bytes(9) + b"\xa3\x95\x80", True),
+        ("a.csv", b"1,2,3\n", True),
+        ("a.csv", b"1,\0,3\n", False),
+        ("a.csv.gz", b"\x1f\x8b" + bytes(9), True),
+        ("a.gz", b"\x1f\x8b" + bytes(9), False),
+        ("a.dat", b"1,2,3\n", False),
+    ],
+)
+def test_a_log_is_known_by_its_first_bytes_or_its_name(tmp_path, name, content, ours):
+    (tmp_path / name).write_bytes(content)
+    assert may_be_ours(tmp_path / name) == ours

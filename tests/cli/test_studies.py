@@ -32,6 +32,21 @@ def test_parameters_of_one_conditioner_go_together():
     assert step.parameters.bands == (5.0, 9.0)
 
 
+def test_a_grid_has_at_most_200_settings():
+    assert len(grid(["decimate.factor=1..200"])) == 200
+    assert len(grid(["decimate.factor=1..100", "bandwidth=1,2"])) == 200
+    for texts in (["decimate.factor=1..201"], ["decimate.factor=1..67", "bandwidth=1,2,3"]):
+        with pytest.raises(UsageError, match="200"):
+            grid(texts)
+
+
+def test_errors_name_the_option_that_the_user_writes():
+    with pytest.raises(UsageError, match=r"^--study wavelet: levels is 31"):
+        grid(["wavelet.levels=31"])
+    with pytest.raises(UsageError, match=r"^--study bandwidth: .*bandwidth\.cutoff="):
+        grid(["bandwidth.order=2"])
+
+
 @pytest.mark.parametrize(
     ("texts", "named"),
     [(["rate"], "NAME.key"), (["rate="], "NAME.key"), (["speed=3"], "NAME.key"), (["nope.x=3"], "nope"),

@@ -89,6 +89,12 @@ def test_texts_of_neighbouring_verticals_stand_at_four_heights(line, drawn):
     assert heights[0] == heights[4]
 
 
+def test_the_label_of_a_mark_is_above_its_point(line, drawn):
+    figure = line([0.0, 100.0], [0.0, 10.0], marks=[Mark(50.0, 5.0, "m", (1, 2, 3))], kind="linear")
+    place = Frame(figure).place(50.0, 5.0)
+    assert drawn(figure).places("f/marks/texts") == [[place[0], place[1] - 26 - 16]]  # the viewer draws it 16 lower
+
+
 def test_labels_of_marks_that_hide_each_other_stand_side_by_side(line, drawn):
     def texts(*xs):
         marks = [Mark(x, 5.0, "m", (1, 2, 3)) for x in xs]

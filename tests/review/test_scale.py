@@ -91,6 +91,7 @@ def test_an_axis_always_has_an_extent(kind, parts):
         ("log", [1.0, 1000.0], (-1 / 3, 10 / 3)),
         ("log", [1.7, 60.0], (0.0, 2.0)),
         ("log", [2.0, 3.0], (-1 / 6, 5 / 6)),
+        ("log", [10 ** (1.3 / 3), 10 ** (4.7 / 3)], (1 / 3, 5 / 3)),
     ],
 )
 def test_an_axis_has_some_air_on_both_sides(kind, values, ends):
@@ -114,7 +115,7 @@ def test_rounding_puts_no_value_outside(value, inside):
 
 
 @pytest.mark.parametrize(
-    ("low", "span", "label"), [(0.0, 6e-4, "0.0001"), (0.0, 6e-6, "1e-06"), (2e6, 6.0, "2000001"), (999_990.0, 6.0, "999991")]
+    ("low", "span", "label"), [(0.0, 6e-4, "0.0001"), (0.0, 6e-5, "1e-05"), (9e5, 60.0, "900010"), (2e6, 60.0, "2.00001e+06"), (0.0, 6e-6, "1e-06"), (2e6, 6.0, "2000001"), (999_990.0, 6.0, "999991")]
 )  # fmt: skip
 def test_labels_of_small_and_large_values(low, span, label):
     assert label in [tick.label for tick in Scale("linear", low, low + span).ticks()]

@@ -31,7 +31,9 @@ def test_tracks_share_a_picture_whose_view_is_returned_once(drawing):
     tracks = Tracks("t")
     metre = 1 / 6_371_000.0
     first = np.array([[0.0, 0.0, 0.0], [0.0, 100 * metre, 0.0]])
-    assert tracks.add(drawing, "/gnss/fix", first, (1, 2, 3), "") is not None
+    view = tracks.add(drawing, "/gnss/fix", first, (1, 2, 3), "")
+    bounds = view.properties["VisualBounds2D"].range.as_arrow_array().to_pylist()[0]
+    assert (bounds["x_range"], bounds["y_range"]) == (pytest.approx([-15, 115]), pytest.approx([-15, 23]))
     assert tracks.add(drawing, "other", first + np.array([10 * metre, 0.0, 0.0]), (1, 2, 3), "end") is None
     assert drawing.strips("t/0__gnss_fix") == [[[0, 0], [pytest.approx(100, rel=1e-6), 0]]]
     assert drawing.strips("t/1_other")[0][0] == [0, pytest.approx(-10, rel=1e-6)]

@@ -1,0 +1,69 @@
+"""Where outputs go: the default names, and the rules that are checked before the work."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from imuwb.cli.options import Outputs
+from imuwb.cli.places import Places, check_places, stem
+from imuwb.errors import ImuwbError, UsageError
+
+BARE = SimpleNamespace()
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [("static.csv.gz", "static"), ("a.b.mcap", "a.b"), ("run.pos", "run"), ("flight.tlog", "flight"), ("log.ulg", "log"),
+     ("00000012.bin", "00000012"), ("dump.log", "dump"), ("notes.txt", "notes"), ("r.rrd", "r"), (".csv", ".csv"), ("data.dat", "data.dat")],
+)  # fmt: skip
+def test_the_suffixes_of_logs_are_taken_off(name, expected):
+    assert stem(Path("folder") / name) == expected
+
+
+def test_defaults_are_beside_the_first_log():
+    places = Places.of(BARE, [Path("x/a.csv.gz"), Path("y/b.csv")], Outputs(), None)
+    assert places == Places(Path("x/a.rrd"), None, None, to_stdout=False)
+    assert places.all() == [Path("x/a.rrd")]
+
+
+@pytest.mark.parametrize(
+    ("mark", "name"), [(True, "r.error-model.toml"), ("temperature", "r.temperature.toml"), (False, None)]
+)
+def test_an_analysis_that_leaves_a_model_has_a_place_for_it(mark, name):
+    outputs = Outputs(output=Path("x/r.rrd"))
+    model = Places.of(SimpleNamespace(LEAVES_MODEL=mark), [Path("a.csv")], outputs, None).model
+    assert model == (None if name is None else Path("x") / name)
+
+
+def test_json_goes_to_stdout_or_to_a_file():
+    assert Places.of(BARE, [Path("a.csv")], Outputs(json="-"), None).to_stdout
+    assert Places.of(BARE, [Path("a.csv")], Outputs(json="a.json"), None).document == Path("a.json")
+
+
+def test_files_of_an_analysis_are_among_the_outputs():
+    analysis = SimpleNamespace(outputs=lambda parameters: (Path(parameters),))
+    assert Places.of(analysis, [Path("a.csv")], Outputs(), "own.txt").all() == [Path("a.rrd"), Path("own.txt")]
+
+
+def test_a_recording_must_be_an_rrd_file():
+    with pytest.raises(UsageError, match=r"x\.mcap.*\.rrd"):
+        Places.of(BARE, [Path("a.csv")], Outputs(output=Path("x.mcap")), None)
+
+
+def test_outputs_differ_from_each_other_and_from_the_logs(tmp_path):
+    first, second, log = (tmp_path / name for name in ("a.json", "b.json", "log.csv"))
+    check_places([first, second], [log], force=False)
+    for files in ([first, first], [log], [first, tmp_path / "." / "a.json"]):
+        with pytest.raises(UsageError, match="name of its own"):
+            check_places(files, [log], force=True)
+
+
+def test_an_existing_file_needs_force_and_a_folder_is_no_place(tmp_path):
+    (tmp_path / "a.json").write_text("mine")
+    with pytest.raises(UsageError, match="--force"):
+        check_places([tmp_path / "a.json"], [], force=False)
+    check_places([tmp_path / "a.json"], [], force=True)
+    for place in (tmp_path, tmp_path / "no" / "a.json"):
+        with pytest.raises(ImuwbError, match="cannot be written"):
+            check_places([place], [], force=True)
