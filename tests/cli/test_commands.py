@@ -231,5 +231,5 @@ def test_a_moving_record_is_noted_first(imuwb, shared):
     assert done.code == 0
     document = json.loads(done.out)
     assert document["result"]["moving"]
-    assert "no static record" in document["notes"][0]
+    assert all(option in document["notes"][0] for option in ("--start 16", "--end 51"))
     assert "overflow" not in done.err

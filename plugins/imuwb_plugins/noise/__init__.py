@@ -9,6 +9,7 @@ import lazy_loader
 
 LOGS = (1, None)
 LEAVES_MODEL = True
+DEMO = "still"
 
 __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
