@@ -185,33 +185,30 @@ def identify(
         reasons.add(
             "gaps", "the longest part without gaps is less than half of the record, so there is an Allan fit only"
         )
-    inside = tuple(line for line in find_lines(part, dt, level) if line.frequency <= band) if lines and whole else ()
-    fit = reasons.attempt("no-fit", "no fit", lambda: fit_allan(octaves, inside, SETTLED / band))
-    likelihood = wavelet = steady = choice = None
-    if estimators and whole:
-        record = _Part(part, dt, inside, level, band)
-        spectrum = reasons.attempt("no-likelihood", "no likelihood", record.spectrum)
-        if spectrum is not None:
-            likelihood = reasons.attempt("no-likelihood", "no likelihood", lambda: record.likelihood(spectrum))
-        wavelet = reasons.attempt("no-wavelet", "no wavelet variance", record.wavelet)
-        steady = reasons.attempt("no-stationarity", "no test of stationarity", lambda: stationarity(part, dt))
-        if choose:
-            highest = None if likelihood is None else likelihood.highest
-            choice = reasons.attempt("no-choice", "no choice of a sum", lambda: record.choice(spectrum, highest))
-    return NoiseIdentification(
-        values.size,
-        dt,
-        level,
-        float(part.mean()),
-        curve,
-        inside,
-        fit,
-        likelihood,
-        wavelet,
-        steady,
-        choice,
-        reasons.notes,
+    in_band = tuple(line for line in find_lines(part, dt, level) if line.frequency <= band) if lines and whole else ()
+    fit = reasons.attempt("no-fit", "no fit", lambda: fit_allan(octaves, in_band, SETTLED / band))
+    record = _Part(part, dt, in_band, level, band)
+    others = _others(record, reasons, choose=choose) if estimators and whole else (None, None, None, None)
+    return NoiseIdentification(values.size, dt, level, float(part.mean()), curve, in_band, fit, *others, reasons.notes)
+
+
+def _others(
+    record: _Part, reasons: _Reasons, *, choose: bool
+) -> tuple[LikelihoodFit | None, WaveletFit | None, Stationarity | None, ModelChoice | None]:
+    """Return the likelihood fit, the wavelet fit, the test of stationarity, and the choice of a sum if it is wanted."""
+    spectrum = reasons.attempt("no-likelihood", "no likelihood", record.spectrum)
+    likelihood = None
+    if spectrum is not None:
+        likelihood = reasons.attempt("no-likelihood", "no likelihood", lambda: record.likelihood(spectrum))
+    wavelet = reasons.attempt("no-wavelet", "no wavelet variance", record.wavelet)
+    steady = reasons.attempt(
+        "no-stationarity", "no test of stationarity", lambda: stationarity(record.values, record.dt)
     )
+    if not choose:
+        return likelihood, wavelet, steady, None
+    highest = None if likelihood is None else likelihood.highest
+    choice = reasons.attempt("no-choice", "no choice of a sum", lambda: record.choice(spectrum, highest))
+    return likelihood, wavelet, steady, choice
 
 
 class _Reasons:

@@ -6,7 +6,7 @@ from imuwb.identification.coefficient import interval
 
 @pytest.mark.parametrize("freedom", [10, 200])
 @pytest.mark.parametrize("level", [0.683, 0.95])
-def test_intervals_of_chi_square_estimates_hold_the_truth_as_often_as_they_say(freedom, level):
+def test_intervals_of_chi_square_estimates_contain_the_truth_as_often_as_they_say(freedom, level):
     truth = 0.7
     rng = np.random.default_rng(freedom)
     squares = truth**2 * rng.chisquare(freedom, 2000) / freedom

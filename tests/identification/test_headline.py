@@ -123,7 +123,7 @@ def test_below_a_filters_band_the_noise_is_that_before_the_filter(walk):
     assert noise.coefficients["N"].lower < N < noise.coefficients["N"].upper
 
 
-def test_a_record_too_short_for_a_part_says_which():
+def test_a_record_too_short_for_a_part_names_the_part():
     noise = identify(record(WhiteNoise(N), n=120), DT, choose=True)
     assert ids(noise.notes) == ("no-likelihood", "no-wavelet", "no-stationarity", "no-choice")
     assert noise.headline == "allan"

@@ -114,7 +114,7 @@ def test_lines_above_a_filters_band_are_not_reported(short):
     assert [x.frequency for x in left] == pytest.approx([3.7], abs=0.01)
 
 
-def test_a_record_too_short_for_its_filter_has_no_fit_and_says_why(gyros):
+def test_a_record_too_short_for_its_filter_has_no_fit_and_a_note(gyros):
     low = bandwidth.condition(gyros, bandwidth.Parameters(0.5, order=1))[0]
     found = run(low)
     assert all(f.processes is None for f in found.axes.values())
@@ -145,7 +145,7 @@ def test_a_shock_is_noted_with_the_quiet_part(log):
     assert "--start 2" in note
 
 
-def test_a_record_too_short_to_be_still_or_moving_says_so(log):
+def test_a_record_too_short_to_be_still_or_moving_has_a_note(log):
     imu = log.imus[0]
     parts = (Triad(t.time[:150], t.value[:150]) for t in (imu.angular_rate, imu.specific_force))
     result = run(replace(log, imus=(ImuStream(imu.name, *parts),)))

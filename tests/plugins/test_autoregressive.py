@@ -49,7 +49,7 @@ def test_criteria_are_those_of_the_books(result):
         assert order.aicc == pytest.approx(deviance + 2 * k + 2 * k * (k + 1) / (n - k - 1))
 
 
-def test_first_order_says_what_the_series_is_like(result):
+def test_first_order_shows_what_the_series_is_like(result):
     readings = {axis: found.reading for axis, found in result.axes.items()}
     assert readings["gyro_y"].id == "white-noise"
     assert readings["gyro_z"].id == "random-walk"
@@ -116,7 +116,7 @@ def test_json_is_as_promised_and_has_no_nan(result):
     assert "-sum alpha_k" in document["convention"]
 
 
-def test_a_conditioned_log_is_told(log):
+def test_a_conditioned_log_is_marked(log):
     made = replace(log, conditioning=(Conditioning("kaiser", "fc=16", causal=False, delay=0.0),))
     found = autoregressive.run([made], autoregressive.Parameters(orders=2))
     assert found.conditioned

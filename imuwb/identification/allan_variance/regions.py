@@ -33,7 +33,7 @@ def regions(problem: Problem, squared: Floats, covariance: Floats, level: float)
     """
     parts = problem.design * squared
     share = parts / (parts.sum(axis=1) + problem.by_lines)[:, None]
-    found: list[Region] = []
+    dominated: list[Region] = []
     for t, letter in enumerate(LETTERS):
         inside = np.flatnonzero((share[:, t] > SHARE) & (problem.variance > 0))
         if inside.size < 2:  # noqa: PLR2004 - a slope needs two points
@@ -42,8 +42,8 @@ def regions(problem: Problem, squared: Floats, covariance: Floats, level: float)
         variance = problem.variance[inside]
         if (variance > 0).all():
             spread = covariance[np.ix_(inside, inside)]
-            found.append(free_slope(letter, problem.tau[inside], variance, spread, level))
-    return tuple(found)
+            dominated.append(free_slope(letter, problem.tau[inside], variance, spread, level))
+    return tuple(dominated)
 
 
 def free_slope(letter: str, tau: Floats, variance: Floats, covariance: Floats, level: float) -> Region:

@@ -37,27 +37,27 @@ def _axis(findings: Sequence[Finding]) -> NoiseAxis:
     )  # fmt: skip
 
 
-def draw(found: Mapping[str, NoiseAxis], review: Review) -> None:
+def draw(estimates: Mapping[str, NoiseAxis], review: Review) -> None:
     """Show the verdicts, and the estimators side by side (as Quinchia, tables 3 and 4)."""
-    review.table(_verdicts(found))
-    review.table(_estimators(found))
-    rows = tuple((name, *other) for name, axis in found.items() for other in axis.others)
+    review.table(_verdicts(estimates))
+    review.table(_estimators(estimates))
+    rows = tuple((name, *other) for name, axis in estimates.items() for other in axis.others)
     review.table(Table("Other analyses", ("axis", "analysis", "remark"), rows))
 
 
-def _verdicts(found: Mapping[str, NoiseAxis]) -> Table:
+def _verdicts(estimates: Mapping[str, NoiseAxis]) -> Table:
     rows = tuple(
         (name, axis.remarks[0] or "—", "; ".join(axis.remarks[1:]) or "nothing to act on")
-        for name, axis in found.items()
+        for name, axis in estimates.items()
     )
     doubtful = any(SUSPICIOUS in cell for row in rows for cell in row)
     caption = f"{SUSPICIOUS}: look at the figures before you use the coefficients." if doubtful else ""
     return Table("Verdicts", ("axis", "dominant process by averaging time", "remarks"), rows, caption, wide=True)
 
 
-def _estimators(found: Mapping[str, NoiseAxis]) -> Table:
+def _estimators(estimates: Mapping[str, NoiseAxis]) -> Table:
     rows: list[tuple[str, ...]] = []
-    for name, axis in found.items():
+    for name, axis in estimates.items():
         for source, coefficients in axis.estimators.items():
             label = _NAMES.get(source, source) + (" (headline)" if source == axis.headline else "")
             cells = (

@@ -240,7 +240,7 @@ def test_fast_spans_no_gap_either():
     assert curve.deviation[0] == pytest.approx(1 / 2, rel=0.1)
 
 
-def test_axes_are_each_what_allan_says():
+def test_axes_are_each_what_allan_gives():
     rng = np.random.default_rng(0)
     series = {name: (rng.standard_normal(3000), 0.1, breaks) for name, breaks in (("x", ()), ("y", (1000,)), ("z", ()))}
     found = allan_of_axes(series, "octave", fast=True)

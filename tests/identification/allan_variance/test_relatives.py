@@ -59,7 +59,7 @@ def test_hadamard_is_blind_to_a_ramp_and_allan_is_not():
     assert deviation(sloping, 0.1).deviation[-1] > 10 * deviation(values, 0.1).deviation[-1]
 
 
-def test_only_the_modified_kind_tells_quantization_from_flicker_of_the_angle():
+def test_only_the_modified_kind_separates_quantization_from_flicker_of_the_angle():
     factors = np.array([4.0, 16, 64])
     slopes = {}
     for kind in ("allan", "modified"):

@@ -42,7 +42,7 @@ def test_of_many_lags_some_are_kept_the_short_ones_all():
 
 
 @pytest.mark.parametrize("level", [0.95, 0.99])
-def test_white_noise_stays_within_the_band_as_often_as_it_says(level):
+def test_white_noise_stays_within_the_band_as_often_as_its_level(level):
     curves = [found(WhiteNoise(1.0), 2048, seed, longest=5.0, level=level) for seed in range(40)]
     inside = np.mean([np.abs(curve.value[1:]) < curve.band for curve in curves])
     assert inside == pytest.approx(level, abs=0.015)
@@ -57,7 +57,7 @@ def test_where_it_falls_to_one_eth_is_a_line_between_lags():
     assert found(GaussMarkov(1.0, 5.0), 2**16, longest=1.0).falls_to is None
 
 
-def test_intervals_of_gauss_markov_hold_the_truth():
+def test_intervals_of_gauss_markov_contain_the_truth():
     fits = [found(GaussMarkov(0.3, 2.0), 2**13, seed).gauss_markov for seed in range(60)]
     for name, truth in (("sigma", 0.3), ("Tc", 2.0)):
         assert 52 <= sum(truth in getattr(f, name) for f in fits) <= 60
@@ -105,7 +105,7 @@ def test_a_short_record_has_a_curve_but_no_process():
 
 
 @pytest.mark.parametrize("values", [np.arange(15.0), np.full(100, 2.0), np.zeros(0)])
-def test_what_has_no_autocorrelation_says_why(values):
+def test_what_has_no_autocorrelation_is_refused_with_the_reason(values):
     with pytest.raises(ValueError, match="no autocorrelation"):
         autocorrelation(values, DT)
 

@@ -50,7 +50,7 @@ def test_criteria_are_those_of_the_books():
 
 @pytest.fixture(scope="module")
 def many():
-    """Fits of many records of a true AR(3), and of as many from behind a filter."""
+    """Fits of many records of a true AR(3), and of as many filtered records."""
     return {
         make: [fit_autoregressive(make(2**12, seed), DT, 12, test=()).orders for seed in range(150)]
         for make in (record, low_passed)
@@ -150,7 +150,7 @@ def test_parts_of_one_process_give_its_model():
     assert fit.chosen == 3
 
 
-def test_what_has_no_model_says_why():
+def test_what_has_no_model_is_refused_with_the_reason():
     with pytest.raises(ValueError, match="20 samples; order 20 takes at least 21"):
         fit_autoregressive(np.arange(20.0), DT, 20)
     with pytest.raises(ValueError, match="constant"):

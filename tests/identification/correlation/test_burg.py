@@ -52,7 +52,7 @@ def test_equals_statsmodels(seed):
 
 
 def figures(text, heading):
-    """The numbers R printed behind a heading, up to the next one."""
+    """The numbers that R printed after a heading, up to the next heading."""
     block = re.split(r"\n(?=[a-z])", text[text.index(heading) + len(heading) :], maxsplit=1)[0]
     return [
         [float(x) for x in run.split()]
@@ -122,7 +122,7 @@ def test_does_not_write_into_the_record():
     np.testing.assert_array_equal(values, before)
 
 
-def test_what_has_no_model_says_why():
+def test_what_has_no_model_is_refused_with_the_reason():
     with pytest.raises(ValueError, match="10 samples; order 10 takes at least 11"):
         burg(np.arange(20.0), 10, [10])
     with pytest.raises(ValueError, match="constant"):

@@ -16,7 +16,7 @@ def fit(process, n=2**15, seed=0, **options):
     return fit_likelihood(process.sample(n, DT, np.random.default_rng(seed)), DT, **options)
 
 
-def test_intervals_hold_the_truth_about_as_often_as_they_say():
+def test_intervals_contain_the_truth_about_as_often_as_they_say():
     found = [fit(NOISE, 2**14, seed).coefficients for seed in range(15)]
     inside = [
         (c[letter].lower or 0.0) < truth < c[letter].upper for c in found for letter, truth in TRUTH.items()
@@ -77,7 +77,7 @@ def test_a_walk_is_not_taken_for_a_ramp():
     assert all(f.coefficients["K"].lower < 2e-3 < f.coefficients["K"].upper * 1.3 for f in found)
 
 
-def test_behind_a_filter_the_sum_is_fitted_below_its_corner():
+def test_after_a_filter_the_sum_is_fitted_below_its_corner():
     corner = 12.0
     taps = signal.butter(2, corner, fs=1 / DT)
     for seed in range(3):
@@ -88,7 +88,7 @@ def test_behind_a_filter_the_sum_is_fitted_below_its_corner():
     assert fit_likelihood(values, DT).highest > 49
 
 
-def test_the_sum_explains_what_it_made_and_says_so():
+def test_the_sum_explains_the_record_it_made():
     probabilities = [fit(NOISE, 2**13, seed).probability for seed in range(12)]
     assert min(probabilities) > 1e-3
     assert 0.2 < np.mean(probabilities) < 0.8
@@ -155,7 +155,7 @@ def test_a_bias_does_not_matter():
     assert biased.deviance == pytest.approx(plain.deviance, abs=1e-3)
 
 
-def test_what_cannot_be_fitted_says_why():
+def test_what_cannot_be_fitted_is_refused_with_the_reason():
     with pytest.raises(ValueError, match="constant"):
         fit_likelihood(np.full(1000, 9.81), DT)
     with pytest.raises(ValueError, match="too few"):
@@ -163,7 +163,7 @@ def test_what_cannot_be_fitted_says_why():
 
 
 def test_a_spectrum_is_fitted_up_to_the_frequency_that_is_asked_for():
-    """Of white noise behind a filter of which, up to there, less than a hundredth is lost."""
+    """White noise after a filter that, up to there, takes less than a hundredth."""
     taps = signal.butter(1, 25.0, fs=1 / DT)
     inside = []
     for seed in range(12):

@@ -80,7 +80,7 @@ def test_halves_are_judged_by_each_others_fit():
     assert found.out_of_sample == pytest.approx(expected, abs=0.01)
 
 
-def test_a_clear_choice_is_said_to_be_one():
+def test_a_clear_choice_is_called_clear():
     assert choose(WhiteNoise(0.3) + GaussMarkov(0.5, 5.0), 2**15, sums=("N", "NB", "NM", "NK")).clear
     assert not choose(WhiteNoise(0.3) + GaussMarkov(0.5, 5.0), 2**10).clear
     assert not choose(WhiteNoise(0.3), 2**12, sums=("N",)).clear

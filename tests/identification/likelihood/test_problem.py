@@ -109,14 +109,14 @@ def test_information_is_the_inverse_of_the_scatter_over_records():
     np.testing.assert_allclose(squares.std(axis=0), sigma, rtol=4 / np.sqrt(300))
 
 
-def test_the_ramp_scatters_as_its_sigma_says():
+def test_the_ramp_scatters_as_its_sigma_states():
     found = [problem_of(record(1024, seed, ramp=0.05)).solve([1, 2, 3]) for seed in range(150)]
     pull = np.array([(f.ramp - 0.05) / f.ramp_sigma for f in found])
     assert abs(pull.mean()) < 4 / 150**0.5
     assert pull.std() == pytest.approx(1, abs=0.25)
 
 
-def test_a_solution_without_ramp_says_none():
+def test_a_solution_without_ramp_has_none():
     found = problem_of(record(ramp=0.05)).solve([1, 2], ramp=False)
     assert (found.ramp, found.ramp_sigma) == (0, 0)
     assert found.squared[0] == found.squared[3] == 0

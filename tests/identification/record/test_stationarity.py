@@ -84,6 +84,6 @@ def test_the_unit_and_a_bias_do_not_matter():
         (np.full(5000, 2.0), 12, "constant"),
     ],
 )
-def test_what_cannot_be_told_says_why(values, parts, reason):
+def test_what_cannot_be_tested_is_refused_with_the_reason(values, parts, reason):
     with pytest.raises(ValueError, match=reason):
         stationarity(values, DT, parts)

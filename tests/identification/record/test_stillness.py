@@ -58,7 +58,7 @@ def test_slow_drift_is_no_motion():
 def test_axes_may_have_clocks_gaps_and_a_start_of_their_own():
     fast, slow = still(120_000), still(30_000, seed=1)
     fast_time, slow_time = 50 + np.arange(120_000) / 200, 50 + np.arange(30_000) / 50
-    fast_time[60_000:] += 1000  # a gap behind 300 s
+    fast_time[60_000:] += 1000  # a gap after 300 s
     slow_time[15_000:] += 1000
     slow[(slow_time > 1400) & (slow_time < 1401)] += 30
     found = judged({"fast": (fast_time, fast), "slow": (slow_time, slow)})

@@ -27,7 +27,7 @@ def test_two_lines_a_few_bins_apart_are_two():
     assert lines[0].amplitude.value > lines[1].amplitude.value
 
 
-def test_intervals_of_the_amplitude_hold_the_truth():
+def test_intervals_of_the_amplitude_contain_the_truth():
     inside, pulls = 0, []
     for seed in range(60):
         (line,) = find_lines(record(WhiteNoise(0.05), FlickerNoise(0.05), Sinusoid(0.1, 11.7), n=2**14, seed=seed), DT)

@@ -113,7 +113,7 @@ def test_regions_meet_where_terms_are_as_strong():
     assert regions["N"].start < 2 * crossing
 
 
-def test_behind_a_filter_the_sum_is_fitted_below_its_corner():
+def test_after_a_filter_the_sum_is_fitted_below_its_corner():
     values = (WhiteNoise(0.005) + FlickerNoise(0.01)).sample(2**16, DT, np.random.default_rng(1))
     fit = fit_spectrum(power_spectrum(signal.lfilter(*signal.butter(2, 12.0, fs=1 / DT), values)[1000:], DT, 4096))
     assert 1.0 < fit.highest < 12.0
@@ -134,7 +134,7 @@ def test_bands_that_hold_a_line_are_left_out():
         assert with_line.coefficients[letter].value == pytest.approx(plain.coefficients[letter].value, rel=0.05)
 
 
-def test_what_has_no_spectrum_says_why():
+def test_what_has_no_spectrum_is_refused_with_the_reason():
     with pytest.raises(ValueError, match=r"63 samples\b.*\b64\b"):
         power_spectrum(np.arange(63.0), DT)
     with pytest.raises(ValueError, match="density of 0"):

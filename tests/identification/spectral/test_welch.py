@@ -22,7 +22,7 @@ def test_equals_scipys_with_the_same_segments(n, size):
 
 
 @pytest.mark.parametrize("width", [1, 2, 8])
-def test_means_are_worth_what_their_scatter_says(width):
+def test_means_are_worth_what_their_scatter_shows(width):
     size, n = 64, 64 * 16
     draws = [welch(np.random.default_rng(10_000 + seed).standard_normal(n), DT, size) for seed in range(2000)]
     count = draws[0][1]

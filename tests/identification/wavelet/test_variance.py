@@ -112,7 +112,7 @@ def test_terms_that_are_not_there_get_a_limit():
     assert [type(term) for term in fits[0].processes.terms][:2].count(WhiteNoise) == 1
 
 
-def test_behind_a_filter_the_shortest_scales_are_left_out():
+def test_after_a_filter_the_shortest_scales_are_left_out():
     values = WhiteNoise(0.005).sample(2**16, DT, np.random.default_rng(1))
     fit = fit_wavelet_variance(wavelet_variance(signal.lfilter(*signal.butter(2, 8.0, fs=1 / DT), values)[1000:], DT))
     assert fit.shortest >= 4 * DT
@@ -145,7 +145,7 @@ def test_the_sum_explains_what_it_made():
     assert np.median([fit.misfit for fit in found]) == pytest.approx(1, abs=0.4)
 
 
-def test_what_has_no_wavelet_variance_says_why():
+def test_what_has_no_wavelet_variance_is_refused_with_the_reason():
     with pytest.raises(ValueError, match="63 samples are too few"):
         wavelet_variance(np.arange(63.0), DT)
     with pytest.raises(ValueError, match="variance of 0"):

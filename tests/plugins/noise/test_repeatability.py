@@ -107,7 +107,7 @@ def test_a_log_with_a_limit_alone_counts_with_zero():
     assert both(SURE, nothing(5.0)).probability > 0.05  # it may well be there and not be seen
 
 
-def test_a_value_that_may_be_0_has_the_error_that_its_upper_end_tells():
+def test_a_value_that_may_be_0_has_the_error_that_its_upper_end_shows():
     found = both(SURE, Coefficient(1.0, 0.0, 2.5, at=1.0))
     sigma = np.array([(2.1**2 - 1.9**2) / (2 * TWO_SIDED), (2.5**2 - 1) / TWO_SIDED])
     assert found.mean.value == pytest.approx(2.5**0.5)
@@ -128,7 +128,7 @@ def test_beside_what_nothing_bounds_one_log_stands_alone():
 
 
 @pytest.mark.parametrize("scatter", [(0.05, 0.1, 0.15), (0.1, 0.1, 0.1), (0.02, 0.05, 0.15)])
-def test_the_common_interval_holds_the_truth_as_often_as_it_says(scatter):
+def test_the_common_interval_contains_the_truth_as_often_as_its_level(scatter):
     rng = np.random.default_rng(72)
     sigma, inside = np.array(scatter), 0
     logs = [log(0.0), log(1.0), log(2.0)]
