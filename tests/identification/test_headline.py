@@ -43,6 +43,7 @@ def test_one_line_finds_the_noise_that_was_made(noise):
     assert noise.differences == ()
     assert noise.stationarity.stationary
     assert noise.choice.best.name == "N + K"
+    assert {"AR(1)", "AR(3)"} <= {candidate.name for candidate in noise.choice.candidates}
     assert noise.notes == ()
 
 

@@ -5,9 +5,13 @@ import numpy as np
 import pytest
 
 from imuwb.errors import MissingDataError
+from imuwb.identification import fit_spectrum, power_spectrum
+from imuwb.identification.spectral.lines import Line
 from imuwb.review.document import plain
+from imuwb.statistics import Estimate
 from imuwb.stochastic import RandomWalk, WhiteNoise
 from imuwb_plugins import bandwidth, kaiser, psd
+from imuwb_plugins.psd.compute import _named, _resonances, _white_to
 
 
 @pytest.fixture(scope="module")
@@ -154,3 +158,49 @@ def test_all_is_drawn(result, shown):
     psd.draw(result, shown)
     assert len(shown.figures) == 2
     assert any("9.3 Hz" in cell for table in shown.tables for row in table.rows for cell in row)
+
+
+@pytest.fixture(scope="module")
+def white():
+    """Return the spectrum of white noise, smoothed to its fitted density, and a fit of what lies below 20 Hz."""
+    spectrum = power_spectrum(np.random.default_rng(34).standard_normal(20_000), 0.01)
+    fit = replace(fit_spectrum(spectrum), highest=20.0)
+    return replace(spectrum, density=fit.density(spectrum.frequency, 0.01)), fit
+
+
+def changed(spectrum, factor, begin, end=50.0, freedom=5000.0):
+    inside = (spectrum.frequency > begin) & (spectrum.frequency < end)
+    return replace(
+        spectrum,
+        density=np.where(inside, factor * spectrum.density, spectrum.density),
+        degrees_of_freedom=np.full(inside.size, freedom),
+    )
+
+
+@pytest.mark.parametrize(
+    ("factor", "freedom", "left"), [(0.92, 5000, False), (0.88, 5000, True), (0.8, 500, False), (0.7, 500, True)]
+)
+def test_the_white_level_is_left_by_a_tenth_and_beyond_chance(white, factor, freedom, left):
+    spectrum, fit = white
+    at, excess = _white_to(changed(spectrum, factor, 30.0, freedom=freedom), fit)
+    assert (at is not None) == left
+    if left:
+        assert at == pytest.approx(30, rel=0.08)
+        assert excess == pytest.approx(factor, rel=0.01)
+
+
+def test_a_broad_peak_of_twice_the_density_is_a_resonance_unless_a_line_is_there(white):
+    spectrum, fit = white
+    assert _resonances(changed(spectrum, 1.9, 30.0, 34.0), fit, ()) == ()
+    (at,) = _resonances(changed(spectrum, 2.1, 30.0, 34.0), fit, ())
+    assert 30 < at < 34
+    assert _resonances(changed(spectrum, 2.1, 10.0, 14.0), fit, ()) == ()  # within the fitted band
+    line = Line(32.0, Estimate(1.0, 0.9, 1.1), 0.1, 0.01)
+    assert _resonances(changed(spectrum, 2.1, 30.0, 34.0), fit, [line]) == ()
+
+
+@pytest.mark.parametrize(("frequency", "name"), [(14.1, "2 × 7 Hz"), (14.2, "line at 14.2 Hz"), (21.0, "3 × 7 Hz")])
+def test_a_harmonic_is_a_multiple_to_a_hundredth(frequency, name):
+    base, line = (Line(f, Estimate(a, a, a), 0.1, 0.01) for f, a in ((7.0, 2.0), (frequency, 1.0)))
+    assert _named("gyro_x", line, (base, line)).name == name
+    assert _named("gyro_x", base, (base, line)).name == "line at 7 Hz"

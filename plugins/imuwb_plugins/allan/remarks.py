@@ -54,11 +54,15 @@ def _remarks(result: Result, axis: str, r: AllanAxis) -> Iterator[Note]:
     if q is not None and q.lower and n is not None and n.value and q.value and 3 * q.value**2 / dt**2 > n.value**2 / dt:
         yield Note("quantization", f"quantization-limited below {seconds_text(3 * q.value**2 / n.value**2)}")
     if ramp is not None and ramp.value:
-        yield Note("ramp", f"drifts: {ramp.value:.3g} {ramp.unit}; let it warm up, or hold its temperature")
+        yield Note(
+            "ramp", f"drifts by {ramp.value:.3g} {ramp.unit}; let the sensor warm up, or keep its temperature constant"
+        )
     if k is not None and not k.lower:
         wish = _long_enough(coefficients, result.duration)
         text = (
-            f"too short for K: a random walk as large as its limit would show in {wish}" if wish else "no random walk"
+            f"too short for K: a random walk as large as K's limit would show in a record of {wish}"
+            if wish
+            else "no random walk"
         )
         yield Note("too-short" if wish else "no-walk", text)
     if r.fit is not None and r.fit.probability < UNEXPLAINED:

@@ -180,8 +180,9 @@ def test_fast_is_exact_as_long_as_nothing_is_thinned_out():
     values = np.random.default_rng(5).standard_normal(5000)
     whole, fast = (allan(values, 1.0, [1, 7, 16, 31], fast=fast) for fast in (False, True))
     assert fast.factor.tolist() == [1, 7, 16, 31]
-    np.testing.assert_allclose(fast.deviation, whole.deviation, rtol=1e-6)
-    np.testing.assert_allclose(fast.upper, whole.upper, rtol=1e-6)
+    # Up to 2,048 squares are added in single precision, in an order that depends on the processor.
+    np.testing.assert_allclose(fast.deviation, whole.deviation, rtol=1e-5)
+    np.testing.assert_allclose(fast.upper, whole.upper, rtol=1e-5)
 
 
 MOVED = {
@@ -214,7 +215,7 @@ def test_fast_keeps_every_second_fourth_eighth_difference():
         assert m % stride == 0
         assert m / stride >= 16
         z = (phase[2 * m :] - 2 * phase[m:-m] + phase[: -2 * m])[::stride]
-        assert deviation == pytest.approx(np.sqrt(np.mean(z**2) / 2) / m, rel=1e-6)
+        assert deviation == pytest.approx(np.sqrt(np.mean(z**2) / 2) / m, rel=1e-5)
 
 
 @pytest.mark.parametrize("process", [WhiteNoise(1.0), FlickerNoise(1.0), RandomWalk(0.1)], ids=repr)

@@ -93,6 +93,8 @@ def test_a_walk_has_a_correlation_time_that_nobody_knows():
     time = found(RandomWalk(1.0), 2**12).gauss_markov.Tc
     assert time.upper > 2**12 * DT
     assert time.upper / time.lower > 10
+    assert not found(GaussMarkov(0.3, 2.0), 2**12).gauss_markov.vague
+    assert found(WhiteNoise(1.0), 2**12).gauss_markov.vague
 
 
 def test_a_sine_correlates_as_a_cosine():

@@ -125,6 +125,8 @@ def test_orders_asked_for_and_the_chosen_one_are_tested():
         (RandomWalk(1.0), "random-walk"),
         (WhiteNoise(1.0), "white-noise"),
         (Autoregressive((-0.6,), 1.0, DT), "alike"),
+        (Autoregressive((-0.06,), 1.0, DT), "alike"),
+        (Autoregressive((-0.97,), 1.0, DT), "alike"),
         (Autoregressive((0.6,), 1.0, DT), "opposite"),
     ],
     ids=repr,

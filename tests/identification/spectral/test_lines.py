@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from imuwb.identification import find_lines
-from imuwb.identification.spectral.lines import LONGEST_SEGMENT
+from imuwb.identification.spectral.lines import LONGEST_SEGMENT, _line
 from imuwb.stochastic import FlickerNoise, Sinusoid, WhiteNoise
 
 DT = 0.01
@@ -49,3 +49,44 @@ def test_a_line_gives_back_the_sinusoid_before_it_was_averaged():
 
 def test_short_records_have_no_lines():
     assert find_lines(record(Sinusoid(1.0, 7.0), n=1000), DT) == ()
+
+
+def test_the_twelve_strongest_lines_are_reported():
+    sizes = {3.0 + 3 * i: 0.1 + 0.02 * i for i in range(14)}
+    lines = find_lines(record(WhiteNoise(0.002), *(Sinusoid(size, f) for f, size in sizes.items())), DT)
+    assert sorted(line.frequency for line in lines) == pytest.approx(sorted(sizes)[2:], abs=0.02)
+    assert [line.amplitude.value for line in lines] == sorted((line.amplitude.value for line in lines), reverse=True)
+
+
+def test_the_lowest_bins_hold_drift_and_no_line():
+    step = 1 / (2**12 * DT)
+    slow, fast = (find_lines(record(WhiteNoise(0.01), Sinusoid(0.2, k * step)), DT) for k in (1.5, 7.0))
+    assert slow == ()
+    assert [line.frequency for line in fast] == pytest.approx([7 * step], abs=step)
+
+
+def hump(bins, center=1000, size=2**15, segment=2**12, height=8.0):
+    """Return white noise whose density is raised, smoothly, over so many bins of the search."""
+    f = np.fft.rfftfreq(size) * segment
+    raised = 1 + (height - 1) * np.where(np.abs(f - center) < bins / 2, np.cos(np.pi * (f - center) / bins) ** 2, 0.0)
+    return np.fft.irfft(np.fft.rfft(np.random.default_rng(1).standard_normal(size)) * np.sqrt(raised))
+
+
+def test_the_floor_follows_what_is_wider_than_a_hundred_bins():
+    assert find_lines(hump(400), DT) == ()
+    assert find_lines(hump(45), DT) != ()
+
+
+def test_a_lines_power_is_that_above_the_floor_in_its_bins_and_their_neighbours():
+    f, floor, freedom = 0.5 * np.arange(100.0), np.full(100, 2.0), 20.0
+    density = floor.copy()
+    density[48:54] = 6.0, 22.0, 102.0, 82.0, 22.0, 4.0
+    line = _line(f, density, floor, np.arange(49, 53), freedom, 0.95)
+    excess = density[48:54] - 2.0
+    assert line.amplitude.value**2 == pytest.approx(2 * excess.sum() * 0.5)
+    assert line.frequency == pytest.approx((excess @ f[48:54]) / excess.sum())
+    scatter = np.sqrt(
+        np.sum(2.0**2 + 2 * 2.0 * excess) * 2 / freedom
+    )  # of a chi-square floor, and its beat with the line
+    assert line.power_sigma == pytest.approx(2 * 0.5 * scatter)
+    assert line.amplitude.upper**2 == pytest.approx(line.amplitude.value**2 + 1.959964 * line.power_sigma)
