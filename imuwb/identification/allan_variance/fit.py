@@ -37,10 +37,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-FEWEST, FEWEST_FILTERED = (
-    3,
-    5,
-)  #: averaging times of a fit, and of a fit that leaves out the times which a filter changes
+FEWEST = 3  #: averaging times of a fit
+FEWEST_FILTERED = 5  #: averaging times of a fit that leaves out the times which a filter changes
 STRIDE = 4.0  #: factor between two squares in the search for a limit
 FARTHEST = 1e4  #: times the limit that neglects the term's own scatter
 GAUSS_MARKOV_PEAK = 1.8926  #: the Allan deviation of a Gauss-Markov process is largest at 1.8926 Tc

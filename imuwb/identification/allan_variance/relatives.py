@@ -156,8 +156,7 @@ def _freedom(kind: Kind, factor: int, n: int, alpha: int) -> float:
     weights = 2.0 * (terms - lags)
     weights[0] = terms
     freedom = terms**2 * covariance[0] ** 2 / float(weights @ covariance**2)
-    if (
-        alpha == QUANTIZED and kind == "hadamard"
-    ):  # in differences of independent noise all terms have about equal weight
+    # In differences of independent noise, all terms have about equal weight.
+    if alpha == QUANTIZED and kind == "hadamard":
         return float(freedom * max(n + 1 - 3 * factor, 1) / terms)
     return float(freedom * max(clusters / MOST_CLUSTERS, 1.0))

@@ -36,9 +36,8 @@ if TYPE_CHECKING:
 TERMS: dict[str, Callable[[float], Process]] = {
     "Q": Quantization, "N": WhiteNoise, "B": FlickerNoise, "K": RandomWalk,
 }  # fmt: skip
-RAMP_EVIDENCE = (
-    10.8  #: reduction of the deviance for which the sum takes a ramp; chance gives it in about 1 % of records
-)
+#: reduction of the deviance for which the sum takes a ramp; chance gives it in about 1 % of records
+RAMP_EVIDENCE = 10.8
 ACCEPTED = 1e-3  #: probability of the misfit, below which the sum does not explain the spectrum
 #: relative error of a real sensor's density that does not count against the sum when the highest frequency is chosen
 TOLERATED = 0.02

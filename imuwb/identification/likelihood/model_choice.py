@@ -48,9 +48,8 @@ class ModelCandidate:
     deviance: float  #: -2 log likelihood plus a constant of the record
     aic: float
     bic: float
-    out_of_sample: (
-        float | None
-    )  #: sum of the deviances of each half under the fit to the other half; None for AR models
+    #: sum of the deviances of each half under the fit to the other half; None for autoregressive models
+    out_of_sample: float | None
     aic_excess: float = 0.0  #: over the best sum
     bic_excess: float = 0.0  #: over the best sum
     out_of_sample_excess: float | None = None  #: over the best sum
