@@ -85,8 +85,25 @@ def _line(name: str, kind: str, time: Nanoseconds, *more: str) -> str:
     return ", ".join((f"{name}: {kind}", rows_text(time.size, clock.rate, seconds, clock.gaps), *filter(None, more)))
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Triad:
+class _Timed:
+    """A stream with a time of its own: its length, and its line."""
+
+    __slots__ = ()
+    time: Nanoseconds
+
+    def __len__(self) -> int:
+        """Return the number of rows."""
+        return self.time.size
+
+    def __repr__(self) -> str:
+        """Return name, kind, rows, rate, duration, gaps, units and frame in a line."""
+        kind, origin = type(self).__name__.removesuffix("Stream").lower(), getattr(self, "origin", None)
+        more = (origin.units, origin.frame) if origin is not None else ()
+        return _line(getattr(self, "name", "sensors"), kind, self.time, *more)
+
+
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
+class Triad(_Timed):
     """Three orthogonal sensors with one clock."""
 
     time: Nanoseconds  #: (n,) ns
@@ -97,19 +114,9 @@ class Triad:
         time = _frozen_time(self.time, "triad")
         _store(self, time=time, value=_frozen(self.value, np.float64, (time.size, 3), "triad value"))
 
-    def __len__(self) -> int:
-        """Return the number of samples."""
-        return self.time.size
 
-    def __str__(self) -> str:
-        """Return rows, rate, duration and gaps in a line."""
-        return _line("triad", "3 axes", self.time)
-
-    __repr__ = __str__
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Scalars:
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
+class Scalars(_Timed):
     """One quantity over time: a temperature (°C) or a speed (m/s, forward positive)."""
 
     name: str
@@ -120,16 +127,6 @@ class Scalars:
         """Check and freeze the arrays."""
         time = _frozen_time(self.time, self.name)
         _store(self, time=time, value=_frozen(self.value, np.float64, (time.size,), self.name))
-
-    def __len__(self) -> int:
-        """Return the number of samples."""
-        return self.time.size
-
-    def __str__(self) -> str:
-        """Return name, rows, rate, duration and gaps in a line."""
-        return _line(self.name, "scalars", self.time)
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,8 +192,8 @@ class ImuStream:
     __repr__ = __str__
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class GnssStream:
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
+class GnssStream(_Timed):
     """The fixes of a GNSS receiver.
 
     ``fix_type`` is numbered as in MAVLink: 1 no fix, 2 2D, 3 3D, 4 differential, 5 RTK float, 6 RTK fixed. A value that the
@@ -218,19 +215,9 @@ class GnssStream:
         if self.fix_type is not None:
             _store(self, fix_type=_frozen(self.fix_type, np.int64, (self.time.size,), f"{self.name} fix_type"))
 
-    def __len__(self) -> int:
-        """Return the number of fixes."""
-        return self.time.size
 
-    def __str__(self) -> str:
-        """Return name, kind, rows, rate, duration, gaps, units and frame in a line."""
-        return _line(self.name, "gnss", self.time, self.origin.units, self.origin.frame)
-
-    __repr__ = __str__
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Reference:
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
+class Reference(_Timed):
     """A trajectory that is more accurate than the solutions compared with it."""
 
     name: str
@@ -244,16 +231,6 @@ class Reference:
         """Check and freeze the arrays."""
         columns = ("position", "velocity", "attitude")
         _freeze_columns(self, columns, known=columns)
-
-    def __len__(self) -> int:
-        """Return the number of epochs."""
-        return self.time.size
-
-    def __str__(self) -> str:
-        """Return name, kind, rows, rate, duration, gaps, units and frame in a line."""
-        return _line(self.name, "reference", self.time, self.origin.units, self.origin.frame)
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, slots=True)

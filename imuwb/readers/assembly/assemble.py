@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.log import GnssStream, ImuStream, Log, Provenance, Reference, Repair, Scalars, Triad
 from imuwb.notes import Note
-from imuwb.readers.assembly.rows import Fault, Rows, taken
 from imuwb.readers.assembly.siblings import sibling, with_fix_rows, with_parts_joined
-from imuwb.readers.assembly.time_order import in_order
+from imuwb.readers.assembly.time_order import Fault, in_order, taken
 from imuwb.readers.batch import Batch
 
 if TYPE_CHECKING:
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from imuwb.log import Floats, Kind
+    from imuwb.log import Floats, Kind, Nanoseconds, Origin
     from imuwb.readers.batch import Remark
 
     #: stream, kind, names of the columns
@@ -39,6 +38,17 @@ _COLUMNS = {
 #: columns of a receiver that may be nan
 _MAY_BE_UNKNOWN = ("velocity", "position_sigma", "velocity_sigma", "fix_type")
 NOT_FINITE = Fault(Note("not_finite", "rows with a value that is not a number left out"))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Rows:
+    """All rows of one stream with the same columns."""
+
+    stream: str
+    kind: Kind
+    origin: Origin
+    time: Nanoseconds  #: (n,) ns
+    columns: dict[str, Floats]  #: (n,) or (n, 3) each
 
 
 def assemble(parts: Iterable[Batch | Remark], provenance: Provenance) -> Log:

@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.notes import Note
-from imuwb.readers.assembly.rows import Fault, taken
 from imuwb.units import SECOND
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from imuwb.log import Floats, Nanoseconds
+    from imuwb.log import Effect, Floats, Nanoseconds
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """A kind of fault that assembly repairs."""
+
+    what: Note
+    effect: Effect = "lost"
+
 
 IMPOSSIBLE = Fault(Note("impossible_time", "rows with an impossible time left out"))
 ALONE = Fault(Note("lone_time", "rows whose time is far from that of both neighbours left out"))
@@ -50,6 +59,13 @@ def in_order(
         counts[LATE] = late
         time, columns = taken(time, columns, np.argsort(time, kind="stable"))
     return _without(np.diff(time, prepend=time[0] - 1) == 0, REPEATED, time, columns, counts)
+
+
+def taken(
+    time: Nanoseconds, columns: dict[str, Floats], rows: NDArray[np.bool_] | NDArray[np.int64]
+) -> tuple[Nanoseconds, dict[str, Floats]]:
+    """Return some rows of time and columns, by mask or by number."""
+    return time[rows], {name: values[rows] for name, values in columns.items()}
 
 
 def _without(

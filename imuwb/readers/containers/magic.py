@@ -2,4 +2,3 @@
 
 BAG = b"#ROSBAG V2.0\n"
 MCAP = b"\x89MCAP0\r\n"
-SQLITE = b"SQLite format 3\0"

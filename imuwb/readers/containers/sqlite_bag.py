@@ -2,32 +2,122 @@
 
 from __future__ import annotations
 
+import sqlite3
+from contextlib import closing
 from typing import TYPE_CHECKING
+from urllib.parse import quote
 
-from imuwb.readers.containers.magic import SQLITE
+import numpy as np
+
+from imuwb.errors import UnreadableLogError
+from imuwb.notes import Note
+from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.containers import ros_types
+from imuwb.readers.containers.messages import Channel, Messages, Schema
+from imuwb.readers.containers.topics import Topics
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from imuwb.readers.batch import Batch, Remark
     from imuwb.readers.read_options import ReadOptions
 
 format = "db3"  # noqa: A001 - the contract's name
 uses = ("time_source", "frame")
+ROWS = 4096  #: messages at a time
+MAGIC = b"SQLite format 3\0"
+LARGEST = 64 << 20  #: bytes; larger messages, such as images, are not read
+EARLIEST, LATEST = 0, 2**62  #: ns, between which a time is possible
 
 
 def probe(head: bytes) -> bool:
     """Return whether the file begins as an SQLite database with topics."""
-    return head.startswith(SQLITE) and b"topics" in head
+    return head.startswith(MAGIC) and b"topics" in head
 
 
 def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
-    """Return the messages, some thousand at a time.
+    """Yield the messages, some thousand at a time.
 
     Raises:
         UnreadableLogError: the database is no recording of ROS 2, or has no readable message.
     """
-    from imuwb.readers.containers.sqlite_messages import streamed  # noqa: PLC0415 - a probe needs no database
+    channels: dict[int, Channel] = {}
+    schemas: dict[int, Schema] = {}
+    topics = Topics(channels, schemas, options)
+    fault = ""
+    try:
+        with closing(sqlite3.connect(f"file:{quote(str(path.resolve()))}?mode=ro&immutable=1", uri=True)) as database:
+            database.execute("PRAGMA writable_schema=ON")  # otherwise a cut file is not opened at all
+            _declare(database, channels, schemas)
+            for messages in _messages(database, path.stat().st_size):
+                yield from topics.batches(messages)
+    except (sqlite3.Error, OverflowError, UnicodeDecodeError) as error:
+        fault = f"the database is cut or damaged ({error}); everything before is used"
+    if not topics.count:
+        message = f"{path}: no message can be read: {fault or 'the recording is empty'}"
+        raise UnreadableLogError(message)
+    missing = _missing(path)
+    if missing and not fault:
+        fault = f"the database lacks its last {missing} bytes: it was cut, and rows may be missing"
+    if fault:
+        yield Remark(Note("cut", fault))
+    yield from topics.remarks()
 
-    return streamed(path, options)
+
+def _missing(path: Path) -> int:
+    """Return how many bytes the file lacks of the size in its header."""
+    with path.open("rb") as file:
+        head = file.read(32)
+    size = int.from_bytes(head[16:18], "big")
+    return max((65536 if size == 1 else size) * int.from_bytes(head[28:32], "big") - path.stat().st_size, 0)
+
+
+def _declare(database: sqlite3.Connection, channels: dict[int, Channel], schemas: dict[int, Schema]) -> None:
+    definitions: dict[str, str] = {}
+    tables = {str(name) for (name,) in database.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
+    if "message_definitions" in tables:
+        rows = database.execute(
+            "SELECT topic_type, encoded_message_definition FROM message_definitions WHERE encoding = 'ros2msg'"
+        )
+        definitions = {str(name): str(text) for name, text in rows}
+    for number, topic, kind, encoding in database.execute("SELECT id, name, type, serialization_format FROM topics"):
+        if not isinstance(number, int) or abs(number) >= LATEST:
+            continue
+        channels[number] = Channel(str(topic), str(encoding), number)
+        text = definitions.get(str(kind)) or ros_types.definition(str(kind))
+        # Without a definition the topic cannot be read; a note then gives its type.
+        schemas[number] = Schema(str(kind), "ros2msg" if text else "none", (text or "").encode())
+
+
+def _messages(database: sqlite3.Connection, size: int) -> Iterator[Messages]:
+    try:
+        total = max(int(database.execute("SELECT COUNT(*) FROM messages").fetchone()[0]), 1)
+    except sqlite3.Error:  # the end is cut: the number of rows is unknown
+        total = size
+    cursor = database.execute(
+        "SELECT topic_id, timestamp, CASE WHEN LENGTH(data) < ? THEN data END, LENGTH(data) FROM messages ORDER BY rowid",
+        (LARGEST,),
+    )
+    done, lost = 0, False
+    while rows := cursor.fetchmany(ROWS):
+        done += len(rows)
+        kept: list[tuple[int, int, bytes]] = []
+        for *row, length in rows:
+            # SQLite fills a cut page with zeros: a row without data is lost, and the next row may be half of one.
+            if _whole(tuple(row)) and not lost:
+                kept.append(tuple(row))
+            lost = length is None
+        if not kept:
+            continue
+        numbers, times, data = zip(*kept, strict=True)
+        length = np.array([len(payload) for payload in data], np.int64)
+        time = np.array(times, np.int64)
+        yield Messages(
+            np.frombuffer(b"".join(data), np.uint8), np.array(numbers, np.int64), time, time,
+            np.cumsum(length) - length, length, size * done // total,
+        )  # fmt: skip
+
+
+def _whole(row: tuple[object, ...]) -> bool:
+    number, time, data = row
+    return isinstance(number, int) and isinstance(time, int) and EARLIEST <= time < LATEST and isinstance(data, bytes)

@@ -11,19 +11,10 @@ from imuwb.log import MEAN_SEA_LEVEL, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes import source
+from imuwb.readers.flight import trajectory
 from imuwb.readers.flight.dataflash_records import FMT_SIZE, Tables, formats
 from imuwb.readers.flight.dataflash_text import TextTables
 from imuwb.readers.flight.dataflash_units import si_factors
-from imuwb.readers.flight.trajectory import (
-    attitudes,
-    interpolated,
-    isotropic,
-    located,
-    position_sigmas,
-    positions,
-    triples,
-    velocities,
-)
 from imuwb.readers.gps_time import unix_of_gps
 from imuwb.units import SECOND
 
@@ -192,7 +183,8 @@ class _Streams:
             yield Remark(Note("missing_axis", text))
             return
         values = {
-            key: triples(columns, fields) * np.array([self._factors.get((name, field), 1.0) for field in fields])
+            key: trajectory.triples(columns, fields)
+            * np.array([self._factors.get((name, field), 1.0) for field in fields])
             for key, fields in _TRIADS.items()
         }
         possible = (np.abs(values["angular_rate"]) < FASTEST).all(axis=1)
@@ -247,13 +239,13 @@ class _Streams:
         fields = {name: columns.get(name, unknown).astype(float) for name in ("Spd", "GCrs", "VZ", "Status")}
         sigmas = {name: self._accuracies(columns, accuracy, name) for name in ("HAcc", "VAcc", "SAcc")}
         known = {
-            "position": positions(columns["Lat"], columns["Lng"], columns["Alt"]),
-            "velocity": velocities(fields["Spd"], fields["GCrs"], fields["VZ"]),
-            "position_sigma": position_sigmas(sigmas["HAcc"], sigmas["VAcc"]),
-            "velocity_sigma": isotropic(sigmas["SAcc"]),
+            "position": trajectory.positions(columns["Lat"], columns["Lng"], columns["Alt"]),
+            "velocity": trajectory.velocities(fields["Spd"], fields["GCrs"], fields["VZ"]),
+            "position_sigma": trajectory.position_sigmas(sigmas["HAcc"], sigmas["VAcc"]),
+            "velocity_sigma": trajectory.isotropic(sigmas["SAcc"]),
             "fix_type": fields["Status"],
         }
-        yield from located(stream, "gnss", self._time(columns), known, self._position_origin, self._size)
+        yield from trajectory.located(stream, "gnss", self._time(columns), known, self._position_origin, self._size)
 
     def _accuracies(self, fixes: Columns, accuracy: Columns | None, name: str) -> Floats:
         """Return the accuracy of each fix, nearest in time; nan if none is near."""
@@ -272,20 +264,22 @@ class _Streams:
         if place is None or not {"Lat", "Lng", "Alt"} <= place.keys():
             return
         boot = self._boot(place)
-        columns = {"position": positions(place["Lat"], place["Lng"], place["Alt"])}
+        columns = {"position": trajectory.positions(place["Lat"], place["Lng"], place["Alt"])}
         names = ("VN", "VE", "VD")
         for table in filter(None, map(self._table, SOLUTIONS)):
             if set(names) <= table.keys():
                 rows = table["C"] == table["C"][0] if "C" in table else np.ones(table["VN"].size, dtype=bool)
-                columns["velocity"] = interpolated(boot, self._boot(table)[rows], triples(table, names)[rows])
+                columns["velocity"] = trajectory.interpolated(
+                    boot, self._boot(table)[rows], trajectory.triples(table, names)[rows]
+                )
                 break
         attitude = self._table("ATT")
         if attitude is not None and {"Roll", "Pitch", "Yaw"} <= attitude.keys():
-            angles = np.radians(triples(attitude, ("Roll", "Pitch", "Yaw")))
+            angles = np.radians(trajectory.triples(attitude, ("Roll", "Pitch", "Yaw")))
             known = (np.abs(angles) < FULL_TURNS).all(axis=1)
             if known.any():
-                columns["attitude"] = attitudes(boot, self._boot(attitude)[known], angles[known])
-        yield from located("POS", "reference", self._time(place), columns, self._position_origin, self._size)
+                columns["attitude"] = trajectory.attitudes(boot, self._boot(attitude)[known], angles[known])
+        yield from trajectory.located("POS", "reference", self._time(place), columns, self._position_origin, self._size)
 
 
 def _is_high_rate(heads: Columns, data: Columns) -> bool:

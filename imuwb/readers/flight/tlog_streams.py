@@ -10,19 +10,10 @@ from imuwb.errors import UnreadableLogError
 from imuwb.log import MEAN_SEA_LEVEL, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.flight import trajectory
 from imuwb.readers.flight.boot_clock import BootClock, boot_clock
 from imuwb.readers.flight.mavlink_fields import LAYOUTS
 from imuwb.readers.flight.telemetry import EARLIEST, LATEST, MICRO, Telemetry
-from imuwb.readers.flight.trajectory import (
-    attitudes,
-    isotropic,
-    located,
-    position_sigmas,
-    positions,
-    triples,
-    usable,
-    velocities,
-)
 from imuwb.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -133,8 +124,8 @@ class _Streams:
         force, rate, degrees = (1.0, 1.0, 1.0) if floats else (1e-3 * STANDARD_GRAVITY, 1e-3, 0.01)
         origin = Origin("rad/s, m/s²" if floats else "mrad/s, mG", "FRD", "unix")
         columns = {
-            "angular_rate": triples(values, ("xgyro", "ygyro", "zgyro")) * rate,
-            "specific_force": triples(values, ("xacc", "yacc", "zacc")) * force,
+            "angular_rate": trajectory.triples(values, ("xgyro", "ygyro", "zgyro")) * rate,
+            "specific_force": trajectory.triples(values, ("xacc", "yacc", "zacc")) * force,
         }
         temperature = values["temperature"].astype(np.float64) * degrees
         if not floats:
@@ -159,30 +150,30 @@ class _Streams:
             yield Remark(Note("above_sea", f"{name}: {text}"))
         height = values["alt_ellipsoid" if ellipsoid else "alt"] * 1e-3
         columns = {
-            "position": positions(values["lat"] * 1e-7, values["lon"] * 1e-7, height),
-            "velocity": velocities(known("vel", UNKNOWN, 1e-2), known("cog", UNKNOWN, 1e-2)),
-            "position_sigma": position_sigmas(known("h_acc", 0, 1e-3), known("v_acc", 0, 1e-3)),
-            "velocity_sigma": isotropic(known("vel_acc", 0, 1e-3)),
+            "position": trajectory.positions(values["lat"] * 1e-7, values["lon"] * 1e-7, height),
+            "velocity": trajectory.velocities(known("vel", UNKNOWN, 1e-2), known("cog", UNKNOWN, 1e-2)),
+            "position_sigma": trajectory.position_sigmas(known("h_acc", 0, 1e-3), known("v_acc", 0, 1e-3)),
+            "velocity_sigma": trajectory.isotropic(known("vel_acc", 0, 1e-3)),
             "fix_type": values["fix_type"].astype(np.float64),
         }
         origin = Origin(f"1e-7 deg, mm{'' if ellipsoid else ABOVE_SEA}, cm/s", "NED", "unix")
-        yield from located(name, "gnss", time, columns, origin, self._bytes_read)
+        yield from trajectory.located(name, "gnss", time, columns, origin, self._bytes_read)
 
     def _solution(
         self, name: str, time: Nanoseconds, values: Values, attitude: Rows | None, clock: BootClock
     ) -> Iterator[Batch | Remark]:
         """Yield the navigation solution: position and velocity, with the attitude of another message."""
-        position = positions(values["lat"] * 1e-7, values["lon"] * 1e-7, values["alt"] * 1e-3)
-        columns = {"position": position, "velocity": triples(values, ("vx", "vy", "vz")) * 1e-2}
+        position = trajectory.positions(values["lat"] * 1e-7, values["lon"] * 1e-7, values["alt"] * 1e-3)
+        columns = {"position": position, "velocity": trajectory.triples(values, ("vx", "vy", "vz")) * 1e-2}
         if attitude is not None:
             place, recorded, angles = attitude
-            at, turns = self._time(clock, place, recorded, angles), triples(angles, ("roll", "pitch", "yaw"))
+            at, turns = self._time(clock, place, recorded, angles), trajectory.triples(angles, ("roll", "pitch", "yaw"))
             known = np.isfinite(turns).all(axis=1)
             if known.any():
-                columns["attitude"] = attitudes(time, at[known], turns[known])
+                columns["attitude"] = trajectory.attitudes(time, at[known], turns[known])
         origin = Origin(f"1e-7 deg, mm{ABOVE_SEA}, cm/s", "NED", "unix")
-        yield from located(name, "reference", time, columns, origin, self._bytes_read)
-        if usable(position).any():
+        yield from trajectory.located(name, "reference", time, columns, origin, self._bytes_read)
+        if trajectory.usable(position).any():
             yield Remark(Note("above_sea", f"{name}: heights are above mean sea level"))
 
 

@@ -12,18 +12,8 @@ from imuwb.log import MEAN_SEA_LEVEL, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes import source
+from imuwb.readers.flight import trajectory
 from imuwb.readers.flight.boot_clock import EARLIEST
-from imuwb.readers.flight.trajectory import (
-    attitudes,
-    euler_angles,
-    interpolated,
-    isotropic,
-    located,
-    position_sigmas,
-    positions,
-    triples,
-    usable,
-)
 from imuwb.readers.flight.ulog_records import ULogFile
 
 if TYPE_CHECKING:
@@ -168,7 +158,7 @@ class _Streams:
             if {"samples", "dt", "scale"} <= columns.keys():
                 yield self._imu_batch(imu, *_unrolled(boot, columns, quantity))
             return
-        yield self._imu_batch(imu, boot, quantity, triples(columns, "xyz"))
+        yield self._imu_batch(imu, boot, quantity, trajectory.triples(columns, "xyz"))
         temperature = columns.get("temperature")
         if temperature is not None and quantity == "specific_force" and np.isfinite(temperature).any():
             yield self._imu_batch(imu, boot, "temperature", temperature.astype(float))
@@ -207,39 +197,41 @@ class _Streams:
         velocity = ("vel_n_m_s", "vel_e_m_s", "vel_d_m_s")
         if set(velocity) <= columns.keys():
             valid = columns.get("vel_ned_valid", np.ones(len(position)))
-            known["velocity"] = np.where(valid[:, None] > 0, triples(columns, velocity), np.nan)
+            known["velocity"] = np.where(valid[:, None] > 0, trajectory.triples(columns, velocity), np.nan)
         if {"eph", "epv"} <= columns.keys():
-            known["position_sigma"] = position_sigmas(_positive(columns["eph"]), _positive(columns["epv"]))
+            known["position_sigma"] = trajectory.position_sigmas(_positive(columns["eph"]), _positive(columns["epv"]))
         if "s_variance_m_s" in columns:
-            known["velocity_sigma"] = isotropic(_positive(columns["s_variance_m_s"]))
+            known["velocity_sigma"] = trajectory.isotropic(_positive(columns["s_variance_m_s"]))
         if "fix_type" in columns:
             known["fix_type"] = columns["fix_type"].astype(float)
         origin = Origin(f"deg, m{above_sea}, m/s", "NED", self._epoch)
         time = self._boot(columns) + (self._offset or 0)
-        yield from located(name, "gnss", time, known, origin, self._size)
+        yield from trajectory.located(name, "gnss", time, known, origin, self._size)
 
     def _solution(self) -> Iterator[Batch | Remark]:
         """Yield the navigation solution: position, with velocity and attitude of other topics."""
         local, places = self._topic(LOCAL), self._topic(GLOBAL)
         if places is not None and {"lat", "lon", "alt"} <= places.keys():
             name, boot = GLOBAL, self._boot(places)
-            position = positions(places["lat"], places["lon"], places["alt"])
+            position = trajectory.positions(places["lat"], places["lon"], places["alt"])
         elif local is not None and {"ref_lat", "ref_lon", "ref_alt", "x", "y", "z"} <= local.keys():
             name, boot, position = LOCAL, self._boot(local), _local_position(local)
         else:
             return
-        rows = usable(position)
+        rows = trajectory.usable(position)
         if not rows.any():
             return
         columns = {"position": position}
         if local is not None and {"vx", "vy", "vz"} <= local.keys():
-            columns["velocity"] = interpolated(boot, self._boot(local), triples(local, ("vx", "vy", "vz")))
+            columns["velocity"] = trajectory.interpolated(
+                boot, self._boot(local), trajectory.triples(local, ("vx", "vy", "vz"))
+            )
         attitude = self._topic(ATTITUDE)
         if attitude is not None and "q" in attitude:
             known = np.isfinite(attitude["q"]).all(axis=1)
             if known.any():
-                angles = euler_angles(attitude["q"][known].astype(float))
-                columns["attitude"] = attitudes(boot, self._boot(attitude)[known], angles)
+                angles = trajectory.euler_angles(attitude["q"][known].astype(float))
+                columns["attitude"] = trajectory.attitudes(boot, self._boot(attitude)[known], angles)
         origin = Origin(f"deg, m{ABOVE_SEA}, m/s", "NED", self._epoch)
         # Rows without a position are normal here: the solution begins before the first fix.
         kept = {key: column[rows] for key, column in columns.items()}
@@ -284,15 +276,15 @@ def _receiver_position(columns: Columns) -> tuple[Floats, str] | None:
         latitude, longitude, unit = columns["lat"] * 1e-7, columns["lon"] * 1e-7, 1e-3
     else:
         return None
-    return None if height is None else (positions(latitude, longitude, height * unit), above_sea)
+    return None if height is None else (trajectory.positions(latitude, longitude, height * unit), above_sea)
 
 
 def _local_position(local: Columns) -> Floats:
     """Return positions from displacements, (n, 3) m, NED, from a reference point; 0 where the point is unknown."""
-    reference = positions(local["ref_lat"], local["ref_lon"], local["ref_alt"])
-    known = (local.get("xy_global", local["ref_lat"] != 0) > 0) & usable(reference)
+    reference = trajectory.positions(local["ref_lat"], local["ref_lon"], local["ref_alt"])
+    known = (local.get("xy_global", local["ref_lat"] != 0) > 0) & trajectory.usable(reference)
     position = np.zeros_like(reference)
-    position[known] = displaced(reference[known], triples(local, "xyz")[known])
+    position[known] = displaced(reference[known], trajectory.triples(local, "xyz")[known])
     return position
 
 

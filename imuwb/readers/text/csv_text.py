@@ -2,18 +2,47 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING
+
+import numpy as np
+
+from imuwb.errors import UnreadableLogError
+from imuwb.log import MEAN_SEA_LEVEL, Origin
+from imuwb.notes import Note
+from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.bytes.source import damaged
+from imuwb.readers.text import lines
+from imuwb.readers.text.cells import CELLS, LINES, blocks, floats
+from imuwb.readers.text.clock import clock_of
+from imuwb.readers.text.column_names import above_sea, columns
+from imuwb.readers.text.csv_columns import check_gravity, used_columns
+from imuwb.readers.text.csv_streams import streams_of
+from imuwb.readers.text.sidecar import with_sidecar
+from imuwb.units import SECOND
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from imuwb.readers.batch import Batch, Remark
+    from numpy.typing import NDArray
+
+    from imuwb.log import Floats, Kind
     from imuwb.readers.read_options import ReadOptions
+    from imuwb.readers.text.clock import Clock
+    from imuwb.readers.text.column_names import Column
+    from imuwb.readers.text.lines import Layout
+
+    #: time (ns), {column: cells}, bytes of the file that are read
+    Piece = tuple[NDArray[np.int64], dict[Column, Floats], int]
 
 format = "csv"  # noqa: A001 - the contract's name
 uses = ("rate", "columns", "units", "frame", "epoch")
+UNTIMED = Note("no_time", "rows without a usable time left out")
+INCOMPLETE = Note("incomplete", "rows without a number in every used column")
 PRINTABLE = 0.99  #: least share of printable bytes in text
+JUMP = 3600 * SECOND  #: ns; a longer step forward shows the damage of a packed file
+MOST_UNUSABLE = 0.5  #: share of rows; with more unusable rows, the file is not a log of these columns
 
 
 def probe(head: bytes) -> bool:
@@ -25,12 +54,118 @@ def probe(head: bytes) -> bool:
 
 
 def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
-    """Return the rows of a text log in pieces.
+    """Yield the rows of a text log in pieces.
 
     Raises:
         UsageError: the columns, units or rate of the file are unknown.
         UnreadableLogError: the file has no row of numbers, or the numbers contradict their stated unit.
     """
-    from imuwb.readers.text.csv_rows import streamed  # noqa: PLC0415 - logs of other formats need no parser of text
+    options, sidecar = with_sidecar(path, options)
+    layout = lines.layout(path)
+    used = used_columns(path, layout, options)
+    clock = clock_of(path, layout, used, options)
+    notes = (sidecar, *_layout_notes(layout, used), *clock.notes)
+    yield from (Remark(note) for note in notes if note is not None)
+    yield from _Rows(path, layout, used, clock, options).batches()
 
-    return streamed(path, options)
+
+def _layout_notes(layout: Layout, used: tuple[Column, ...]) -> Iterator[Note]:
+    if layout.cut_first:
+        yield Note("first_line_cut", "first line left out: it has fewer cells than the others")
+    for column in used:
+        named = columns((column.name,), {})
+        if named and named[0].unit is not None and column.unit is not None and named[0].unit != column.unit:
+            text = f"column {column.name!r} read in {column.unit.name}, as stated, not in {named[0].unit.name}"
+            yield Note("unit_overridden", text)
+
+
+class _Rows:
+    """The rows of a text log, and the faults found so far."""
+
+    def __init__(
+        self, path: Path, layout: Layout, used: tuple[Column, ...], clock: Clock, options: ReadOptions
+    ) -> None:
+        self._path, self._layout, self._used, self._clock, self._options = path, layout, used, clock, options
+        self._faults = Counter[str]()
+        self._rows = self._unusable = 0  # rows with a time; those of them that lack a sample of the IMU
+
+    def batches(self) -> Iterator[Batch | Remark]:
+        """Yield the streams of each piece of the file, then its faults."""
+        any_stream = checked = False
+        for time, values, bytes_read in self._pieces():
+            self._rows += time.size
+            missing = [~np.isfinite(cells) for column, cells in values.items() if column.quantity in ("gyro", "accel")]
+            self._unusable += int(np.count_nonzero(np.any(missing, axis=0))) if missing else 0
+            for kind, fields, rows in streams_of(values, self._options.frame or "FRD"):
+                if not checked and "specific_force" in fields:
+                    checked = check_gravity(self._path, fields["specific_force"], self._used)
+                any_stream = True
+                kept = fields if rows is None else {name: array[rows] for name, array in fields.items()}
+                yield Batch(kind, kind, time if rows is None else time[rows], kept, self._origin(kind), bytes_read)
+        if not any_stream and self._rows:
+            yield Remark(self._nothing_used())
+        self._check_usable()
+        yield from self._repairs()
+
+    def _pieces(self) -> Iterator[Piece]:
+        """Yield the rows that have a time; those of a damaged file up to a jump in time."""
+        first_row, before = 0, None
+        for block, bytes_read in blocks(self._path, self._layout, self._used, self._clock.kind, self._faults):
+            time, timed = self._clock.time(block, first_row)
+            first_row += block.num_rows
+            self._faults[UNTIMED] += int(np.count_nonzero(~timed))
+            good = _rising(time, before) if self._layout.fault else time.size
+            values = {c: floats(block.column(c.name))[timed][:good] for c in self._used if c.quantity != "time"}
+            yield time[:good], values, bytes_read
+            if good < time.size:
+                text = "the damage shows at a jump in time; all later rows are left out"
+                self._faults[damaged(self._layout.fault, text)] = 1
+                return
+            before = int(time[-1]) if time.size else before
+
+    def _origin(self, kind: Kind) -> Origin:
+        quantities = ("gyro", "accel") if kind == "imu" else ("latitude", "height")
+        units = ", ".join(
+            dict.fromkeys(c.unit.name for c in self._used if c.unit is not None and c.quantity in quantities)
+        )
+        if kind != "imu":
+            above = f" ({MEAN_SEA_LEVEL})" if any(map(above_sea, self._used)) else ""
+            return Origin(units + above, "NED", self._clock.epoch)
+        stated = self._options.frame
+        return Origin(units, f"{stated} (stated)" if stated else "FRD (assumed)", self._clock.epoch)
+
+    def _nothing_used(self) -> Note:
+        names = ", ".join(column.name for column in self._used) or "none that is known"
+        text = (
+            f"no stream in this file (known columns: {names}); an IMU needs x, y and z of a sensor, and a fix latitude and "
+            "longitude; name the columns with --columns"
+        )
+        return Note("no_stream", text)
+
+    def _check_usable(self) -> None:
+        faults = self._faults
+        rows = self._rows + faults[UNTIMED] + faults[LINES]
+        if self._rows and self._unusable + faults[LINES] <= MOST_UNUSABLE * rows:
+            return
+        faults[INCOMPLETE] += self._unusable
+        counts = ", ".join(f"{count} {fault}" for fault, count in faults.items() if count) or "no row"
+        message = (
+            f"{self._path}: too few rows can be used ({counts}); check that this is a log of numbers, and its columns"
+        )
+        raise UnreadableLogError(message)
+
+    def _repairs(self) -> Iterator[Remark]:
+        name = "imu" if any(column.quantity in ("gyro", "accel") for column in self._used) else "gnss"
+        if self._layout.fault and not any(getattr(fault, "id", "") == "packed_damaged" for fault in self._faults):
+            note = damaged(self._layout.fault, "no row shows where, so any row may be wrong")
+            yield Remark(note, name, self._rows, "value")
+        for fault, count in self._faults.items():
+            if count:
+                yield Remark(fault, name, count, "value" if fault == CELLS else "lost")
+
+
+def _rising(time: NDArray[np.int64], before: int | None) -> int:
+    """Return how many times follow the one before and each other without a step back or a jump."""
+    steps = np.diff(time, prepend=time[:1] - 1 if before is None else before)
+    odd = np.flatnonzero((steps <= 0) | (steps > JUMP))
+    return int(odd[0]) if odd.size else time.size
