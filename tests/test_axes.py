@@ -45,3 +45,9 @@ def test_each_axis_is_given_to_the_function():
     found = for_each(axes_of(imu(np.arange(100))), lambda axis: (axis.name, axis.values[1]))
     assert found["gyro_z"] == ("gyro_z", -1.0)
     assert list(found) == [name for name, _ in found.values()]
+
+
+def test_an_axis_prints_itself_in_a_line():
+    axis = axes_of(imu(np.delete(np.arange(100), [9, 29])))["gyro_y"]
+    assert str(axis) == repr(axis)
+    assert str(axis).startswith("gyro_y: 98 samples, 100 Hz, 2 gaps")

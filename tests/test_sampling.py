@@ -6,7 +6,7 @@ from imuwb.sampling import sampling
 MS = 1_000_000
 
 
-@pytest.mark.parametrize("rate", [30.0, 100.0, 199.9, 700.0, 800.0, 900.0, 1000.0])
+@pytest.mark.parametrize("rate", [30.0, 100.0, 199.9, 700.0, 800.0, 900.0, 950.0, 1000.0])
 def test_stamps_cut_to_milliseconds_have_their_rate_and_no_gap(rate):
     time = np.unique((np.arange(20_000) * 1000 / rate).astype(np.int64)) * MS
     found = sampling(time)
@@ -59,3 +59,35 @@ def test_a_missing_sample_among_steps_that_take_turns_is_a_gap():
 def test_a_sample_that_is_missing_every_now_and_then_is_no_uneven_clock():
     time = np.arange(20_000) * 10 * MS
     assert len(sampling(time[np.arange(time.size) % 101 != 50]).gaps) == 198
+
+
+@pytest.mark.parametrize(("step", "gaps"), [(149, 0), (151, 2)])
+def test_a_step_of_more_than_one_and_a_half_intervals_is_a_gap(step, gaps):
+    steps = np.full(200, 100 * MS)
+    steps[[50, 70]] = step * MS
+    assert len(sampling(np.cumsum(steps)).gaps) == gaps
+
+
+@pytest.mark.parametrize(("long", "gaps"), [(175, False), (185, True)])
+def test_an_uneven_clock_has_steps_of_up_to_1_8_intervals(long, gaps):
+    steps = np.where(np.arange(3001) % 2, long, 200 - long) * MS
+    assert bool(sampling(np.cumsum(steps)).gaps) == gaps
+
+
+def test_a_few_gaps_in_rounded_stamps_leave_the_rate():
+    time = (np.arange(20_000) * 1000 / 950).astype(np.int64) * MS
+    kept = np.ones(time.size, bool)
+    for start in range(1000, 17_000, 2000):  # eight gaps, in 4 % of the sums
+        kept[start : start + 50] = False
+    found = sampling(time[kept])
+    assert len(found.gaps) == 8
+    assert found.rate == pytest.approx(950, rel=2e-3)
+
+
+def test_one_sample_missing_of_many_is_a_gap():
+    assert sampling(np.delete(np.arange(20_000) * 10 * MS, 7000)).breaks == (7000,)
+
+
+def test_a_clock_prints_itself_in_a_line():
+    text = str(sampling(np.delete(np.arange(1000) * 10 * MS, [40, 41, 700])))
+    assert text.startswith("100 Hz, 2 gaps (longest 0.03 s), jitter ")
