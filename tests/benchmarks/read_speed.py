@@ -1,16 +1,17 @@
-"""How fast are logs read, and within how much memory? ``imuwb.read`` against named peers, on the same bytes.
+"""Measure the speed and memory of reading logs: ``imuwb.read`` against named peers, on the same bytes.
 
-mcap: a million sensor_msgs/Imu messages in a zstd MCAP written by imuwb, against the decoder of mcap-ros2-support.
-tlog: a million MAVLink 2 frames of ten kinds, against pymavlink's mavutil. bin: a million ArduPilot records of seven kinds,
-against pymavlink's DFReader. A peer reads the beginning of the same log, in a file of its own, and its figure is messages
-per CPU second of those; what it read is compared, number by number, with what imuwb reads of that file. csv: a text log of
-1 GB through ``imuwb.readers.stream``, whose largest resident memory counts. info: ``imuwb info`` of an indexed MCAP of
-1 GB, wall clock of the process from its start to its end.
+* mcap: a million sensor_msgs/Imu messages in a zstd MCAP written by imuwb, against the decoder of mcap-ros2-support.
+* tlog: a million MAVLink 2 frames of ten kinds, against pymavlink's mavutil.
+* bin: a million ArduPilot records of seven kinds, against pymavlink's DFReader.
+* csv: a text log of 1 GB through ``imuwb.readers.stream``, with the largest resident memory.
+* info: ``imuwb info`` of an indexed MCAP of 1 GB, wall clock of the process from its start to its end.
 
-CPU seconds (``time.process_time``: all threads, so imuwb's hashing of the file counts), least of three runs. Logs are written
-in one process and read in another. Files are in the system's cache, compiled code is in numba's.
+A peer reads the beginning of the same log from a file of its own; its figure is messages per CPU second of that file. The numbers
+that the peer and imuwb read from that file are compared one by one. Figures are CPU seconds (``time.process_time``: all threads, and
+imuwb also hashes the file), the least of three runs. Logs are written in one process and read in another. Files are in the system's
+cache, and compiled code is in numba's cache.
 
-Command: ``python tests/benchmarks/read_speed.py [mcap] [tlog] [bin] [csv] [info]`` (all: two minutes, and 1 GB in the
+Command: ``python tests/benchmarks/read_speed.py [mcap] [tlog] [bin] [csv] [info]`` (all parts: two minutes, and 1 GB in the
 temporary folder; needs ``pip install -e ".[bench,test]"``). Seed: 0.
 """
 
@@ -18,69 +19,57 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
-import platform
 import subprocess
 import sys
 import tempfile
 import time
-from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
+from measure import RUNS, resident, timed, versions
 from telemetry_frames import FRAMES, START, frames_of, mavlink_dialect
 
-MESSAGES, RATE, RUNS = 1_000_000, 100.0, 3
-SUBSET = {"mcap": 50_000, "tlog": 100_000, "bin": 100_000}  #: messages that the peer reads
+MESSAGES, RATE = 1_000_000, 100.0
+SUBSET = {"mcap": 50_000, "tlog": 100_000, "bin": 100_000}  #: number of messages for the peer
 GIGABYTE = 10**9
 PACKAGES = ("imuwb", "numpy", "numba", "pyarrow", "mcap", "mcap-ros2-support", "pymavlink", "zstandard")
 
 
 def main():
     """Write and read the logs of every part, each in a process of its own, and print the table."""
-    parser = argparse.ArgumentParser(description="speed and memory of reading logs")
-    parser.add_argument("parts", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)}; all, if none is named")
+    parser = argparse.ArgumentParser(description="Measure the speed and memory of reading logs.")
+    parser.add_argument(
+        "parts", nargs="*", metavar="PART", help=f"Parts to measure: {', '.join(PARTS)} (default: all)."
+    )
     parser.add_argument("--step", choices=("write", "read", "memory"), help=argparse.SUPPRESS)
     parser.add_argument("--folder", type=Path, help=argparse.SUPPRESS)
-    given = parser.parse_args()
-    if unknown := set(given.parts) - set(PARTS):
-        parser.error(f"no such part: {', '.join(sorted(unknown))}; there are {', '.join(PARTS)}")
-    if given.step:
-        print(json.dumps(PARTS[given.parts[0]][given.step](given.folder)))
+    options = parser.parse_args()
+    if unknown := set(options.parts) - set(PARTS):
+        parser.error(f"unknown part {', '.join(sorted(unknown))}; the parts are {', '.join(PARTS)}")
+    if options.step:
+        print(json.dumps(PARTS[options.parts[0]][options.step](options.folder)))
         return
     rows = []
-    for part in given.parts or PARTS:
+    for part in options.parts or PARTS:
         with tempfile.TemporaryDirectory() as folder:
             for step in PARTS[part]:
                 print(f"{part}: {step} ...", file=sys.stderr)
-                # A process inherits its parent's largest memory, so this one stays small.
+                # A process inherits its parent's largest memory, so this process stays small.
                 command = [sys.executable, __file__, part, "--step", step, "--folder", folder]
                 ended = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True)
                 rows += json.loads(ended.stdout)
-    packages = ", ".join(f"{name} {version(name)}" for name in PACKAGES)
-    print(f"Python {platform.python_version()}, {packages}; {os.cpu_count()} processors\n")
-    print("| what | measured | messages per CPU second | goal |\n| --- | --- | --- | --- |")
+    print(f"{versions(*PACKAGES)}\n")
+    print("| measured | time or memory | messages per CPU second | goal |\n| --- | --- | --- | --- |")
     print("\n".join(f"| {' | '.join(row)} |" for row in rows))
 
 
-def cpu(work, runs=RUNS):
-    """Return the least CPU time of some runs, and what the last returned."""
-    spent, result = [], None
-    for _ in range(runs):
-        result = None  # a log that is measured already does not stand beside the next
-        begin = time.process_time()
-        result = work()
-        spent.append(time.process_time() - begin)
-    return min(spent), result
-
-
 def compared(long, short, peer, *, name, part, least, ratio):
-    """Return the rows that compare imuwb on both files with a peer on the short one; and what imuwb and the peer read there."""
+    """Return the rows that compare imuwb on both files with a peer on the short file, and the short file as imuwb and the peer read it."""
     import imuwb
 
-    ours, _ = cpu(lambda: imuwb.read(long))
-    ours_short, read = cpu(lambda: imuwb.read(short))
-    theirs, rows = cpu(peer)
+    ours, _ = timed(lambda: imuwb.read(long))
+    ours_short, read = timed(lambda: imuwb.read(short))
+    theirs, rows = timed(peer)
     count, mine, other = SUBSET[part], MESSAGES / ours, SUBSET[part] / theirs
     return [
         (f"{part}: imuwb.read, {MESSAGES:,} messages, {long.stat().st_size / 1e6:.0f} MB", f"{ours:.2f} s", f"{mine:,.0f}", f"at least {least:,}"),
@@ -88,14 +77,6 @@ def compared(long, short, peer, *, name, part, least, ratio):
         (f"  {name}, {count:,} messages", f"{theirs:.2f} s", f"{other:,.0f}", ""),
         (f"  **imuwb / {name}**", "", f"**{mine / other:.0f}**", f"at least {ratio}"),
     ], read, rows  # fmt: skip
-
-
-def resident():
-    """Return the largest resident memory of this process so far, bytes."""
-    import resource
-
-    # ru_maxrss counts kilobytes on Linux, bytes on macOS
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
 
 
 # MCAP
@@ -112,7 +93,7 @@ def write_mcap(folder):
     long = folder / "long.mcap"
     log = static(preset("3dm-gx3-25"), MESSAGES / RATE, RATE, 0)
     log = replace(log, imus=tuple(replace(imu, temperature=None) for imu in log.imus))
-    spent, _ = cpu(lambda: write(log, long))
+    spent, _ = timed(lambda: write(log, long))
     write(imuwb.select(log, end=f"{(SUBSET['mcap'] - 0.5) / RATE}"), folder / "short.mcap")
     return [(f"mcap: imuwb's writer, {MESSAGES:,} messages", f"{spent:.2f} s", f"{MESSAGES / spent:,.0f}", "")]
 
@@ -124,24 +105,24 @@ def read_mcap(folder):
     def peer():
         rows = []
         for message in read_ros2_messages(folder / "short.mcap"):
-            told = message.ros_msg
-            rate, force, stamp = told.angular_velocity, told.linear_acceleration, told.header.stamp
+            imu = message.ros_msg
+            rate, force, stamp = imu.angular_velocity, imu.linear_acceleration, imu.header.stamp
             rows.append((stamp.sec, stamp.nanosec, rate.x, rate.y, rate.z, force.x, force.y, force.z))
         return rows
 
     rows, log, theirs = compared(
         folder / "long.mcap", folder / "short.mcap", peer, name="mcap_ros2", part="mcap", least=1_500_000, ratio=60
     )
-    told = np.array(theirs)
+    columns = np.array(theirs).T
     (imu,) = log.imus
-    assert np.array_equal(imu.angular_rate.time, told[:, 0].astype(np.int64) * 10**9 + told[:, 1].astype(np.int64))
-    assert np.array_equal(imu.angular_rate.value * (1, -1, -1), told[:, 2:5])
-    assert np.array_equal(imu.specific_force.value * (1, -1, -1), told[:, 5:])
+    assert np.array_equal(imu.angular_rate.time, columns[0].astype(np.int64) * 10**9 + columns[1].astype(np.int64))
+    assert np.array_equal(imu.angular_rate.value * (1, -1, -1), columns[2:5].T)
+    assert np.array_equal(imu.specific_force.value * (1, -1, -1), columns[5:].T)
     return rows
 
 
 def mcap_memory(folder):
-    """Growth of a process that reads the long file, above the arrays it gets."""
+    """Return the row of the memory that a process needs to read the long file, above the arrays of the log."""
     import imuwb
 
     imuwb.read(folder / "short.mcap")
@@ -161,7 +142,7 @@ def mcap_memory(folder):
 
 
 def write_tlog(folder):
-    """Write frames: pymavlink packs one of each kind; times, counts and checksums of the copies are set column by column."""
+    """Write frames: pymavlink packs one frame of each kind, and the times, counts and checksums of its copies are set by column."""
     count, rng = MESSAGES // len(FRAMES), np.random.default_rng(0)
     boot = 5_000_000 + 100_000 * np.arange(count)  # µs
     columns = [frames_of(name, clock, unit, boot, rng) for name, clock, unit in FRAMES]
@@ -179,22 +160,22 @@ def read_tlog(folder):
     mavutil.set_dialect("ardupilotmega")
 
     def peer():
-        log, told = mavutil.mavlink_connection(str(folder / "short.tlog")), []
+        log, messages = mavutil.mavlink_connection(str(folder / "short.tlog")), []
         while (message := log.recv_msg()) is not None:
-            told.append(message)
+            messages.append(message)
         log.close()
-        return told
+        return messages
 
     rows, log, theirs = compared(
         folder / "long.tlog", folder / "short.tlog", peer, name="pymavlink", part="tlog", least=400_000, ratio=15
     )
-    told = {}
+    by_kind = {}
     for message in theirs:
-        told.setdefault(message.get_type(), []).append(message)
-    assert sum(map(len, told.values())) == SUBSET["tlog"]
-    assert {name for name, _, _ in FRAMES} == set(told)
+        by_kind.setdefault(message.get_type(), []).append(message)
+    assert sum(map(len, by_kind.values())) == SUBSET["tlog"]
+    assert {name for name, _, _ in FRAMES} == set(by_kind)
     for imu in log.imus:
-        messages = told.pop(imu.name)
+        messages = by_kind.pop(imu.name)
         for triad, sensor, unit in (
             (imu.angular_rate, "gyro", 1e-3), (imu.specific_force, "acc", 9.80665e-3),
         ):  # fmt: skip
@@ -203,16 +184,16 @@ def read_tlog(folder):
             boot = [m.time_usec if imu.name == "RAW_IMU" else 1000 * m.time_boot_ms for m in messages]
             assert np.array_equal(triad.time // 1000 - START, boot)
     for stream, name in ((log.gnss[0], "GPS_RAW_INT"), (log.references[0], "GLOBAL_POSITION_INT")):
-        place = np.array([(m.lat, m.lon, m.alt) for m in told.pop(name)])
+        place = np.array([(m.lat, m.lon, m.alt) for m in by_kind.pop(name)])
         np.testing.assert_allclose(np.degrees(stream.position[:, :2]), place[:, :2] * 1e-7, rtol=1e-14)
         np.testing.assert_allclose(stream.position[:, 2], place[:, 2] * 1e-3, rtol=1e-14)
-    assert "RAW_IMU" not in told
+    assert "RAW_IMU" not in by_kind
     return rows
 
 
 # ArduPilot's logs
 
-#: number, name, letters, labels; and numpy's types of the letters
+#: number, name, letters of the types, labels, records in a cycle
 RECORDS = (
     (131, "IMU", "QBfffffff", "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,T", 3),
     (132, "GPS", "QBBIHBcLLefff", "TimeUS,I,Status,GMS,GWk,NSats,HDop,Lat,Lng,Alt,Spd,GCrs,VZ", 1),
@@ -222,6 +203,7 @@ RECORDS = (
     (136, "BARO", "QBfff", "TimeUS,I,Alt,Press,Temp", 1),
     (137, "RCOU", "QHHHH", "TimeUS,C1,C2,C3,C4", 1),
 )
+#: numpy's types of the letters
 LETTERS = {
     "Q": "<u8", "B": "u1", "f": "<f4", "I": "<u4", "H": "<u2", "c": "<i2", "L": "<i4", "e": "<i4", "C": "<u2",
 }  # fmt: skip
@@ -229,7 +211,7 @@ HEAD = b"\xa3\x95"
 
 
 def write_bin(folder):
-    """Write records, ten a cycle; all but a few constants are set column by column."""
+    """Write records, ten in a cycle; all fields except a few constants are set by column."""
     import struct
 
     cycle = np.dtype([
@@ -247,14 +229,14 @@ def write_bin(folder):
     rows, step = np.zeros(count, cycle), np.arange(count)
     for number, name, _, labels, instances in RECORDS:
         for i in range(instances):
-            one = rows[f"{name}{i}"]
-            one["head"], one["number"], one["TimeUS"] = HEAD, number, 5_000_000 + 40_000 * step + 7 * i
+            record = rows[f"{name}{i}"]
+            record["head"], record["number"], record["TimeUS"] = HEAD, number, 5_000_000 + 40_000 * step + 7 * i
             for label in labels.split(",")[1:]:
-                one[label] = i if label == "I" else rng.integers(0, 1000, count)
+                record[label] = i if label == "I" else rng.integers(0, 1000, count)
     gps, place = rows["GPS0"], rows["POS0"]
     gps["Status"], gps["GWk"], gps["GMS"] = 3, 2340, 100_000_000 + 40 * step
-    for one in (gps, place):
-        one["Lat"], one["Lng"] = 473_000_000 + step, 85_000_000 - step
+    for record in (gps, place):
+        record["Lat"], record["Lng"] = 473_000_000 + step, 85_000_000 - step
     for i in range(3):
         for label in ("GyrX", "GyrY", "GyrZ", "AccX", "AccY", "AccZ", "T"):
             rows[f"IMU{i}"][label] = rng.normal({"AccZ": -9.8, "T": 30}.get(label, 0), 0.1, count)
@@ -268,30 +250,30 @@ def read_bin(folder):
     from pymavlink.DFReader import DFReader_binary
 
     def peer():
-        log, told = DFReader_binary(str(folder / "short.bin")), {}
+        log, by_kind = DFReader_binary(str(folder / "short.bin")), {}
         while (message := log.recv_msg()) is not None:
-            told.setdefault(message.get_type(), []).append(message)
+            by_kind.setdefault(message.get_type(), []).append(message)
         log.close()
-        return told
+        return by_kind
 
-    rows, log, told = compared(
+    rows, log, by_kind = compared(
         folder / "long.bin", folder / "short.bin", peer, name="DFReader", part="bin", least=800_000, ratio=8
     )
-    assert sum(map(len, told.values())) - len(told["FMT"]) == SUBSET["bin"]
+    assert sum(map(len, by_kind.values())) - len(by_kind["FMT"]) == SUBSET["bin"]
     assert [imu.name for imu in log.imus] == ["IMU.0", "IMU.1", "IMU.2"]
     for instance, imu in enumerate(log.imus):
-        mine = [message for message in told["IMU"] if instance == message.I]
+        mine = [message for message in by_kind["IMU"] if instance == message.I]
         for triad, sensor in ((imu.angular_rate, "Gyr"), (imu.specific_force, "Acc")):
             assert triad.value.tolist() == [[getattr(m, f"{sensor}{axis}") for axis in "XYZ"] for m in mine]
             assert np.ptp(triad.time // 1000 - [m.TimeUS for m in mine]) == 0
         assert imu.temperature.value.tolist() == [m.T for m in mine]
     (gnss,) = log.gnss
-    place = np.array([(m.Lat, m.Lng, m.Alt) for m in told["GPS"]])
+    place = np.array([(m.Lat, m.Lng, m.Alt) for m in by_kind["GPS"]])
     np.testing.assert_allclose(gnss.position, np.column_stack([np.radians(place[:, :2]), place[:, 2]]), rtol=1e-14)
     return rows
 
 
-# Text, and an index
+# Text, and an MCAP with an index
 
 
 def write_csv(folder):
@@ -315,7 +297,7 @@ def write_csv(folder):
 
 
 def read_csv(folder):
-    """Stream the text log in a process that does nothing else."""
+    """Return the rows of streaming the text log, in a process that does nothing else."""
     from imuwb.readers import Batch, stream
 
     path = folder / "long.csv"
@@ -328,7 +310,7 @@ def read_csv(folder):
                 rows, last = rows + part.time.size, int(part.time[-1])
         return rows, first, last
 
-    spent, (rows, first, last) = cpu(counted)
+    spent, (rows, first, last) = timed(counted)
     assert rows == int((folder / "rows.txt").read_text("utf-8")) == (last - first) // 10_000_000 + 1
     return [
         (f"csv: imuwb.readers.stream, {rows:,} rows, {path.stat().st_size / 1e6:.0f} MB", f"{spent:.1f} s", f"{rows / spent:,.0f}", ""),
@@ -353,7 +335,7 @@ def write_indexed(folder):
 
 
 def read_indexed(folder):
-    """Ask for what the log holds, as one does on the command line."""
+    """Return the row of ``imuwb info`` on the command line."""
     path = folder / "long.mcap"
     size = path.stat().st_size
     assert size >= GIGABYTE

@@ -1,4 +1,4 @@
-"""Frames of MAVLink 2 as a recorder writes them, many at once: what the benchmark of telemetry reads."""
+"""Many frames of MAVLink 2 at once, as a recorder writes them, for the benchmark of reading telemetry."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import os
 import numpy as np
 
 START = 1_714_564_800 * 10**6  #: µs
-#: the messages of a tenth of a second: name, field of the time, unit of that field (µs)
+#: messages of a tenth of a second: name, field of the time, unit of that field (µs)
 FRAMES = (
     ("HEARTBEAT", None, 0), ("ATTITUDE", "time_boot_ms", 1000), ("RAW_IMU", "time_usec", 1), ("SCALED_IMU2", "time_boot_ms", 1000),
     ("SCALED_IMU3", "time_boot_ms", 1000), ("GPS_RAW_INT", "time_usec", 1), ("GLOBAL_POSITION_INT", "time_boot_ms", 1000),
@@ -18,7 +18,7 @@ TRIADS = ("gyro", "acc")
 
 
 def mavlink_dialect():
-    """Return pymavlink's messages of protocol version 2."""
+    """Return pymavlink's dialect of protocol version 2."""
     os.environ["MAVLINK20"] = "1"
     from pymavlink.dialects.v20 import ardupilotmega
 
@@ -26,10 +26,10 @@ def mavlink_dialect():
 
 
 def frames_of(name, clock, unit, boot, rng):
-    """Return records of one kind, (n, bytes)."""
+    """Return (n, bytes) records of one kind of message."""
     dialect = mavlink_dialect()
     kind = dialect.mavlink_map[getattr(dialect, f"MAVLINK_MSG_ID_{name}")]
-    # Trailing zeros of a payload are not sent: with a last byte that is not zero, all frames of a kind are equally long.
+    # MAVLink does not send trailing zeros of a payload: a last byte above zero makes all frames of a kind equally long.
     sizes, last = _sizes(kind), kind.ordered_fieldnames[-1]
     values = {field: FIXED.get(field, 0) for field in kind.fieldnames}
     values[last] = 1 << 8 * (sizes[-1] - 1)
@@ -61,7 +61,7 @@ def frames_of(name, clock, unit, boot, rng):
 
 
 def _sizes(kind):
-    """Return the bytes of a message's fields, as they are sent."""
+    """Return the number of bytes of each field of a message, in the order of sending."""
     sizes = {"char": 1, "int8_t": 1, "uint8_t": 1, "int16_t": 2, "uint16_t": 2, "int32_t": 4, "uint32_t": 4, "float": 4}
     kinds = dict(zip(kind.fieldnames, kind.fieldtypes, strict=True))
     lengths = dict(zip(kind.ordered_fieldnames, kind.array_lengths, strict=True))
@@ -69,7 +69,7 @@ def _sizes(kind):
 
 
 def _checksums(content, extra):
-    """Return MAVLink's checksums of rows, (n,) uint16."""
+    """Return MAVLink's checksum of each row, (n,) uint16."""
     table = np.arange(256, dtype=np.uint16)
     for _ in range(8):
         table = np.where(table & 1, (table >> 1) ^ 0x8408, table >> 1).astype(np.uint16)
