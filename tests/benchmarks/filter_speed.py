@@ -34,7 +34,7 @@ from types import SimpleNamespace
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
-RATE, SECONDS, RUNS = 100.0, 1800, 5
+RATE, SECONDS, RUNS = 100.0, 1800, 3
 FIVE = ("15AV", "18AV", "18AVWD", "15AR", "27AR")
 STATES = {"15AV": 15, "18AV": 18, "27AR": 27}
 GOALS = {("15AV", 1): 0.8, ("15AV", 10): 3.0, ("27AR", 1): 0.5}  #: M epochs a second

@@ -45,10 +45,12 @@ def apart(origin, ned):
     """Return by how much, (north, east, down) m, a displacement is wrong against the vector in space."""
     found = displaced(np.array(origin), np.array([ned]))[0]
     vector = ecef(*origin) + axes(origin[0], origin[1]).T @ np.array(ned)
-    told = geodetic(vector)
-    meridian, transverse = (float(r[0]) for r in radii_of_curvature(np.array([told[0]])))
-    turn = (found[1] - told[1] + math.pi) % (2 * math.pi) - math.pi
-    return np.array([(found[0] - told[0]) * meridian, turn * transverse * math.cos(told[0]), told[2] - found[2]])
+    expected = geodetic(vector)
+    meridian, transverse = (float(r[0]) for r in radii_of_curvature(np.array([expected[0]])))
+    turn = (found[1] - expected[1] + math.pi) % (2 * math.pi) - math.pi
+    return np.array(
+        [(found[0] - expected[0]) * meridian, turn * transverse * math.cos(expected[0]), expected[2] - found[2]]
+    )
 
 
 @pytest.mark.parametrize(

@@ -86,7 +86,7 @@ def earth(position, velocity):
 
 
 def dynamics(force, still, transport, g=9.81):
-    """Return F (9, 9) of navigation's error states, as ``covariance`` tells it; force in NED."""
+    """Return F (9, 9) of navigation's error states, as in ``covariance``; force in NED."""
     f = np.zeros((9, 9))
     f[:3, 3:6] = np.eye(3)
     f[3:6, 6:] = cross(force)

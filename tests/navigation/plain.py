@@ -67,12 +67,12 @@ class Plain:
         """Begin where it starts, with such states of the axes."""
         self.made, self.tables, self.lever = made, tables, np.array(lever)
         k = int(tables.first[6]) - 9
-        told = np.where(tables.scale, np.nan, tables.step[0])
+        expected = np.where(tables.scale, np.nan, tables.step[0])
         self.c, self.a, self.q = np.zeros((6, k)), np.zeros((k, k)), np.zeros((k, k))
         for i in range(6):
             part = slice(tables.first[i] - 9, tables.first[i + 1] - 9)
             p = part.stop - part.start
-            self.c[i, part] = told[part]
+            self.c[i, part] = expected[part]
             self.a[part, part], self.q[part, part] = tables.transition[0, 1, i, :p, :p], tables.noise[0, 1, i, :p, :p]
         self.known = np.nan_to_num(self.c)  # without the scale factors
         start = made.alignment
@@ -120,7 +120,7 @@ class Plain:
         self.x += error[9:]
 
     def run(self):
-        """Yield each event with the state, the axes' states and the covariance behind it."""
+        """Yield each event with the state, the axes' states and the covariance after it."""
         samples, at = self.made.measurement.samples, self.made.corrections.events.at
         done = self.made.alignment.sample
         for e in range(self.made.alignment.event + 1, at.size):

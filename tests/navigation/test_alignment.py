@@ -47,10 +47,10 @@ def taken(town, measurement, **changes):
 def test_standing_is_found_where_the_car_stands(town, measurement):
     found = standstills(measurement, town, town.gnss[0])
     t = np.arange(0.5, 239, 1.0)
-    told = ROUTE.speed(t) == 0
+    expected = ROUTE.speed(t) == 0
     got = ((t[:, None] > found[:, 0]) & (t[:, None] < found[:, 1])).any(axis=1)
-    assert (got & ~told).sum() <= 2  # the second in which it starts
-    assert (got & told).sum() > 0.8 * told.sum()
+    assert (got & ~expected).sum() <= 2  # the second in which it starts
+    assert (got & expected).sum() > 0.8 * expected.sum()
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -63,15 +63,15 @@ def test_the_start_is_true_within_its_sigmas(seed):
     )
     start = made.alignment
     truth = route.state(made.measurement.time[start.sample - 1 : start.sample])
-    told = np.concatenate([truth.position[0], truth.velocity[0]])
+    expected = np.concatenate([truth.position[0], truth.velocity[0]])
     sigma = np.sqrt(np.diag(start.covariance))
-    assert np.abs((start.position - told[:3]) * drives.scale(told[:3]) / sigma[:3]).max() < 4
-    assert np.abs((start.velocity - told[3:]) / sigma[3:6]).max() < 4
+    assert np.abs((start.position - expected[:3]) * drives.scale(expected[:3]) / sigma[:3]).max() < 4
+    assert np.abs((start.velocity - expected[3:]) / sigma[3:6]).max() < 4
     turn = rotation_of_euler(truth.attitude[0]) @ rotation_of_euler(start.euler).T
     phi = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]) / 2
     assert np.abs(phi / sigma[6:9]).max() < 3.5
     assert np.degrees(np.abs(phi[:2])).max() < 2.5
-    # Standing tells the gyros' mean error, the earth's turn within.
+    # A standstill gives the gyros' mean error, with the Earth's rate.
     begin, end = start.standstill
     assert end - begin > 5 * drives.HZ
     assert not route.speed(made.measurement.time[begin:end] - 1).any()
@@ -105,14 +105,14 @@ def test_no_motion_means_no_heading(town, measurement):
 def test_without_velocities_positions_tell_the_start(town, measurement):
     found = taken(town, measurement, velocity=None, velocity_sigma=None)
     start = align(measurement, found, NO_STILLS, MODEL)
-    told = align(measurement, taken(town, measurement), NO_STILLS, MODEL, found.time[start.event] - 0.05)
-    assert told.event == start.event
+    expected = align(measurement, taken(town, measurement), NO_STILLS, MODEL, found.time[start.event] - 0.05)
+    assert expected.event == start.event
     sigma = np.sqrt(np.diag(start.covariance))
-    assert np.abs((start.velocity - told.velocity)[:2] / sigma[3:5]).max() < 4
-    off = np.angle(np.exp(1j * (start.euler - told.euler)))
+    assert np.abs((start.velocity - expected.velocity)[:2] / sigma[3:5]).max() < 4
+    off = np.angle(np.exp(1j * (start.euler - expected.euler)))
     assert np.abs(off / sigma[[6, 7, 8]]).max() < 4
-    assert sigma[8] > np.sqrt(told.covariance[8, 8])  # positions tell it worse
-    assert sigma[3] > 5 * np.sqrt(told.covariance[3, 3])
+    assert sigma[8] > np.sqrt(expected.covariance[8, 8])  # positions give a worse heading
+    assert sigma[3] > 5 * np.sqrt(expected.covariance[3, 3])
 
 
 def test_without_velocities_and_far_apart_there_is_no_heading(town, measurement):

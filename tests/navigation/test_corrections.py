@@ -167,8 +167,8 @@ def test_aids_come_each_second_in_order(town, measurement):
     assert np.diff(found.time[kind == SPEED]) == pytest.approx(1.0, abs=0.11)
     speeds = town.speeds[0]
     at = town.seconds(speeds.time)
-    told = np.interp(found.time[kind == SPEED], at, speeds.value)
-    assert found.events.value[kind == SPEED, 0] == pytest.approx(told, abs=1e-9)
+    expected = np.interp(found.time[kind == SPEED], at, speeds.value)
+    assert found.events.value[kind == SPEED, 0] == pytest.approx(expected, abs=1e-9)
     widths = {STILL: (0.05, 3), STRAIGHT: (0.2, 2), SPEED: (0.1, 1)}
     for k, (sigma, count) in widths.items():
         variance = found.events.variance[kind == k]

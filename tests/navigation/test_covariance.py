@@ -33,7 +33,7 @@ def motion():
     return found
 
 
-def carried(motion, model, covariance, every, steps=None):
+def propagated(motion, model, covariance, every, steps=None):
     """Return the covariance that the kernel carries along a drive, and the tables."""
     tables, _ = model.tables(1 / drives.HZ)
     state, rows, space = motion.start.copy(), flat(covariance), workspace(covariance.shape[0])
@@ -118,7 +118,7 @@ def dense(motion, covariance, scales, steps):
 
 
 @pytest.fixture(scope="module")
-def told_before():
+def known():
     return {}
 
 
@@ -126,30 +126,30 @@ def told_before():
     ("every", "steps", "within"), [(1, 1, 1e-6), (10, 10, 3e-5), (1, 1500, 5e-4), (10, 1500, 5e-4)]
 )
 @pytest.mark.parametrize("scales", [(0.0, 0.0), (3e-3, 5e-3)])
-def test_rows_do_what_dense_matrices_do(motion, told_before, scales, every, steps, within):
+def test_rows_do_what_dense_matrices_do(motion, known, scales, every, steps, within):
     model = drives.mixed(every=every)
     model = FilterModel("mixed", model.error_model, scale_factor=scales, settings=model.settings)
     start = begun(model, np.random.default_rng(1))
-    found, tables = carried(motion, model, start, every, steps)
+    found, tables = propagated(motion, model, start, every, steps)
     assert np.diff(tables.first).tolist() == [o + (scales[0] > 0) for o in (0, 1, 3, 2, 4, 2)]
-    if (scales, steps) not in told_before:
-        told_before[scales, steps] = dense(motion, start, (scales[0],) * 3 + (scales[1],) * 3, steps)
-    told, told_cross = told_before[scales, steps]
-    sigma = np.sqrt(np.diag(told))
-    assert np.abs((found[:9, :9] - told) / np.outer(sigma, sigma)).max() < within
+    if (scales, steps) not in known:
+        known[scales, steps] = dense(motion, start, (scales[0],) * 3 + (scales[1],) * 3, steps)
+    expected, expected_cross = known[scales, steps]
+    sigma = np.sqrt(np.diag(expected))
+    assert np.abs((found[:9, :9] - expected) / np.outer(sigma, sigma)).max() < within
     # What navigation has to do with each axis's error is the same in whatever states that is written.
     weight = np.zeros((6, found.shape[0] - 9))
     for axis in range(6):
         part = slice(tables.first[axis] - 9, tables.first[axis + 1] - 9)
         weight[axis, part] = np.where(tables.scale[part], 0.0, tables.step[0, part])
     spread = np.sqrt(np.einsum("ij,jk,ik->i", weight, found[9:, 9:], weight))
-    cross = (found[:9, 9:] @ weight.T - told_cross) / np.outer(sigma, np.where(spread > 0, spread, 1))
+    cross = (found[:9, 9:] @ weight.T - expected_cross) / np.outer(sigma, np.where(spread > 0, spread, 1))
     assert np.abs(cross).max() < within
 
 
 def test_it_stays_symmetric_and_positive(motion):
     model = drives.mixed()
-    found, _ = carried(motion, model, begun(model, np.random.default_rng(2)), 10)
+    found, _ = propagated(motion, model, begun(model, np.random.default_rng(2)), 10)
     sigma = np.sqrt(np.diag(found))
     assert np.abs((found - found.T) / np.outer(sigma, sigma)).max() < 1e-15
     assert np.linalg.eigvalsh(found / np.outer(sigma, sigma)).min() > -1e-12
@@ -157,7 +157,7 @@ def test_it_stays_symmetric_and_positive(motion):
 
 def test_without_noise_what_is_certain_stays_certain(motion):
     model = quiet(1)
-    found, _ = carried(motion, model, np.zeros((21, 21)), 1)
+    found, _ = propagated(motion, model, np.zeros((21, 21)), 1)
     assert not found.any()
 
 
@@ -184,17 +184,17 @@ def undisturbed(motion):
 @pytest.mark.parametrize(("which", "size"), DISTURBED)
 def test_an_error_grows_as_a_disturbed_mechanization_does(motion, undisturbed, which, size, every):
     other = disturbed(motion, which, size)
-    told = drives.errors(drives.went(motion, **other)[-1], undisturbed)
+    expected = drives.errors(drives.went(motion, **other)[-1], undisturbed)
     begin = np.zeros((21, 21))
     begin[which, which] = size**2
-    found, _ = carried(motion, quiet(every), begin, every)
+    found, _ = propagated(motion, quiet(every), begin, every)
     # A covariance of rank one: a column over the state's own sigma is what the state leads to, sign and all.
     grown = found[:9, which] / np.sqrt(found[which, which])
     if which < 9:
-        grown *= np.sign(told[which])
+        grown *= np.sign(expected[which])
     for part, unit in ((slice(0, 3), 30.0), (slice(3, 6), 1.0), (slice(6, 9), 0.03)):
-        largest = np.abs(told / np.repeat([30.0, 1.0, 0.03], 3)).max() * unit
-        assert grown[part] == pytest.approx(told[part], abs=largest * (3e-3 if every == 1 else 1e-2))
+        largest = np.abs(expected / np.repeat([30.0, 1.0, 0.03], 3)).max() * unit
+        assert grown[part] == pytest.approx(expected[part], abs=largest * (3e-3 if every == 1 else 1e-2))
 
 
 def disturbed(motion, which, size):
@@ -249,8 +249,8 @@ def test_errors_of_many_drives_spread_as_the_covariance_says(motion, undisturbed
     model = drives.mixed()
     start = begun(model, rng)
     start[:9] = start[:, :9] = 0
-    told = carried(motion, model, start, 10)[0][:9, :9]
+    expected = propagated(motion, model, start, 10)[0][:9, :9]
     chance = SimpleNamespace(variance=np.sqrt(2 / runs), nees=np.sqrt(2 * 9 / runs))
-    assert (found**2).mean(axis=0) / np.diag(told) == pytest.approx(1, abs=4 * chance.variance)
-    nees = np.einsum("ri,ij,rj->r", found, np.linalg.inv(told), found)
+    assert (found**2).mean(axis=0) / np.diag(expected) == pytest.approx(1, abs=4 * chance.variance)
+    nees = np.einsum("ri,ij,rj->r", found, np.linalg.inv(expected), found)
     assert nees.mean() == pytest.approx(9, abs=4 * chance.nees)

@@ -45,9 +45,9 @@ def test_a_plain_filter_says_the_same(town):
     assert {FIX, SPEED, STRAIGHT} <= set(events.kind[town.alignment.event :])
     solution = solve(model, short.measurement, short.corrections, short.alignment)
     tables, at = solution.tables, short.alignment.event
-    told = list(Plain(short, tables, LEVER, solution.track.axes[at], solution.track.covariance[at]).run())
-    assert len(told) > 200
-    for e, state, x, P in told:
+    expected = list(Plain(short, tables, LEVER, solution.track.axes[at], solution.track.covariance[at]).run())
+    assert len(expected) > 200
+    for e, state, x, P in expected:
         sigma = np.sqrt(np.diag(P))
         error = drives.errors(solution.track.state[e, :10], state)
         assert np.abs(error[:3]).max() < 1e-6, e
@@ -139,9 +139,9 @@ def test_the_likelihood_counts_velocities_of_their_own_time(town):
         e for e in range(fix.size) if found.events.kind[e] == FIX and rows[0] <= max(fix[e], -1 - fix[e]) <= rows[1]
     ]
     assert len(chosen) == 2 * (rows[1] - rows[0] + 1)
-    told = -sum(np.log(d[np.isfinite(d)]).sum() for d in track.deviation[chosen])
-    told -= sum(min(n, 40) / 2 for n in track.nis[chosen].ravel() if np.isfinite(n))
-    assert solution.log_likelihood_of(*map(int, rows)) == pytest.approx(told, rel=1e-9)
+    expected = -sum(np.log(d[np.isfinite(d)]).sum() for d in track.deviation[chosen])
+    expected -= sum(min(n, 40) / 2 for n in track.nis[chosen].ravel() if np.isfinite(n))
+    assert solution.log_likelihood_of(*map(int, rows)) == pytest.approx(expected, rel=1e-9)
 
 
 # What cannot be run

@@ -1,4 +1,4 @@
-"""What a standstill tells of an axis's states, against all its samples at once."""
+"""What is known of an axis after a standstill, against the joint law of all its samples."""
 
 from types import SimpleNamespace
 

@@ -88,8 +88,8 @@ def test_a_gap_is_bridged_by_straight_lines_and_noted(first, width):
     assert found.time == pytest.approx(EVEN, abs=1e-7)
     gyro = signals(EVEN)[0]
     inside = np.arange(first, first + width)
-    told = [np.interp(inside, [first - 1, first + width], gyro[[first - 1, first + width], i]) for i in range(3)]
-    assert found.samples.angle[inside] == pytest.approx(np.stack(told, axis=1) * DT, abs=1e-9)
+    expected = [np.interp(inside, [first - 1, first + width], gyro[[first - 1, first + width], i]) for i in range(3)]
+    assert found.samples.angle[inside] == pytest.approx(np.stack(expected, axis=1) * DT, abs=1e-9)
     assert found.samples.angle[keep] == pytest.approx(gyro[keep] * DT, abs=1e-9)
     assert ids(found.notes) == ("imu-gaps",)
     assert found.notes[0].startswith(f"{width} samples")
@@ -116,8 +116,8 @@ def test_an_accelerometer_on_another_clock_is_put_on_the_gyros():
     assert ids(found.notes) == ("accelerometer-clock",)
     # Nothing is lost or doubled: the integral is that of the motion.
     integral = signals(EVEN)[2]
-    told = integral(EVEN[[5, -5]], 1.0)
-    assert found.samples.velocity[6:-4].sum(axis=0) == pytest.approx(told[1] - told[0], abs=1e-5)
+    expected = integral(EVEN[[5, -5]], 1.0)
+    assert found.samples.velocity[6:-4].sum(axis=0) == pytest.approx(expected[1] - expected[0], abs=1e-5)
 
 
 def test_a_skewed_accelerometer_is_shifted_back():

@@ -49,7 +49,7 @@ def town():
 
 
 def watched(found, marks):
-    """Return corrections with an event that measures nothing behind each of some samples."""
+    """Return corrections with an event that measures nothing after each of some samples."""
     extra = np.unique(marks) - 1
     old = found.events
     at = np.concatenate([old.at, extra])
@@ -81,9 +81,7 @@ def both(town, model, chosen=(10, 60, 110), seconds=SECONDS):
     for k in range(len(chosen)):
         begin, end = out.start[k], out.time[k, -1] + 0.5
         run = solve(model, made.measurement, found, solution.alignment, without=(begin, end))
-        last = (
-            np.searchsorted(found.events.at, out.mark[k], side="left") - 1
-        )  # the last event behind each mark's sample
+        last = np.searchsorted(found.events.at, out.mark[k], side="left") - 1  # the last event up to each mark's sample
         assert np.array_equal(found.events.at[last] + 1, out.mark[k])
         runs.append((run.track.state[last, :10], run.track.covariance[last, :9, :9], run))
     return out, runs, solution
@@ -104,8 +102,8 @@ def test_a_branch_is_a_run_without_its_fixes(town, states, aids):
             out.state[k, -1, :3], solution.position[np.searchsorted(solution.time, out.time[k, -1])]
         )
         # It went astray, and the fixes that follow bring it back, if its model knows of the bias that there is.
-        behind = run.time > out.time[k, -1] + 20
-        apart = (run.position[behind] - solution.position[-behind.sum() :]) * drives.scale(run.position[0])
+        after = run.time > out.time[k, -1] + 20
+        apart = (run.position[after] - solution.position[-after.sum() :]) * drives.scale(run.position[0])
         assert np.linalg.norm(apart[-1]) < (2 if states in {15, 21} else 50)
 
 
@@ -126,8 +124,8 @@ def test_looking_at_marks_changes_nothing(town, aids, monkeypatch):
     chosen = plain.events[[10, 60, 110]]
     assert ((made.corrections.events.at[plain.events[[41, 91, 141]]] + 1) % 7).any()  # off the grid of the covariance
     for k, event in enumerate(chosen):
-        (behind,) = plain.events[np.flatnonzero(plain.events == event) + 31]
-        begin, end = (float(made.measurement.time[made.corrections.events.at[e]]) for e in (event, behind))
+        (after,) = plain.events[np.flatnonzero(plain.events == event) + 31]
+        begin, end = (float(made.measurement.time[made.corrections.events.at[e]]) for e in (event, after))
         outs = []
         for each in (0.013, 0.37, 1.0, 1e9):
             monkeypatch.setattr(outages, "EACH", each)
@@ -136,8 +134,8 @@ def test_looking_at_marks_changes_nothing(town, aids, monkeypatch):
         run = solve(model, made.measurement, made.corrections, made.alignment, without=(begin, end), smooth=True)
         for out in outs:
             assert out.time[0, -1] == end
-            assert np.array_equal(out.state[0, -1], run.track.before.state[behind, :10])
-            assert np.array_equal(out.covariance[0, -1], run.track.before.covariance[behind, :9, :9])
+            assert np.array_equal(out.state[0, -1], run.track.before.state[after, :10])
+            assert np.array_equal(out.covariance[0, -1], run.track.before.covariance[after, :9, :9])
 
 
 @pytest.mark.parametrize("seconds", [30.0, 12.345, 0.4])
@@ -146,8 +144,8 @@ def test_marks_are_each_second_and_the_end_to_a_sample(town, seconds):
     made = drives.prepared(model, log=town)
     solution = solve(model, made.measurement, made.corrections, made.alignment)
     out = drift(solution, solution.events[[10, 60, 110]], seconds)
-    told = [*range(1, int(seconds) + 1)] + ([seconds] if seconds % 1 else [])
-    assert out.elapsed.tolist() == told
+    expected = [*range(1, int(seconds) + 1)] + ([seconds] if seconds % 1 else [])
+    assert out.elapsed.tolist() == expected
     assert np.array_equal(
         out.mark, made.corrections.events.at[out.event][:, None] + 1 + np.rint(out.elapsed * drives.HZ)
     )

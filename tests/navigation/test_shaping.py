@@ -41,7 +41,7 @@ def of(*terms):
 
 
 def autocovariance(one, lags):
-    """Return the output's autocovariance when it starts as it is told to: c A^k P0 c."""
+    """Return the output's autocovariance from its own start: c A^k P0 c."""
     found, at = [], one.P0 @ one.c
     for _ in range(lags):
         found.append(one.c @ at)
@@ -92,8 +92,8 @@ def test_a_constant_and_a_ramp_go_on_without_noise():
 
 def test_a_sinusoid_oscillates():
     one, k = of(Sinusoid(0.4, 1.3)), np.arange(300)
-    told = 0.4**2 / 2 * np.cos(2 * np.pi * 1.3 * k * DT)
-    assert autocovariance(one, 300) == pytest.approx(told, abs=1e-12)
+    expected = 0.4**2 / 2 * np.cos(2 * np.pi * 1.3 * k * DT)
+    assert autocovariance(one, 300) == pytest.approx(expected, abs=1e-12)
 
 
 def test_white_noise_is_a_density_and_quantization_is_left_out_by_name():
@@ -134,8 +134,8 @@ def test_a_lattice_is_the_autoregressive_process(poles):
     answer = np.array(answer) * np.sign(answer[0])
     assert answer == pytest.approx(impulse, abs=1e-6 * np.abs(impulse).max())
     long = signal.lfilter([0.7], [1.0, *alpha], np.eye(1, 300_000)[0])
-    told = np.array([long[: long.size - k] @ long[k:] for k in range(0, 200, 10)])
-    assert autocovariance(one, 200)[::10] == pytest.approx(told, rel=3e-5, abs=1e-9 * told[0])
+    expected = np.array([long[: long.size - k] @ long[k:] for k in range(0, 200, 10)])
+    assert autocovariance(one, 200)[::10] == pytest.approx(expected, rel=3e-5, abs=1e-9 * expected[0])
 
 
 @pytest.mark.parametrize(
@@ -174,8 +174,8 @@ def test_many_samples_are_the_product_of_single_ones(samples):
     a, q = one.over(samples)
     powers = [np.linalg.matrix_power(one.A, k) for k in range(samples + 1)]
     assert a == pytest.approx(powers[-1], rel=1e-9, abs=1e-12)
-    told = sum((p @ one.Q @ p.T for p in powers[:samples]), np.zeros_like(one.Q))
-    assert q == pytest.approx(told, rel=1e-9, abs=1e-12 * max(np.abs(told).max(), 1e-300))
+    expected = sum((p @ one.Q @ p.T for p in powers[:samples]), np.zeros_like(one.Q))
+    assert q == pytest.approx(expected, rel=1e-9, abs=1e-12 * max(np.abs(expected).max(), 1e-300))
 
 
 @pytest.mark.parametrize("scales", [(0.0, 0.0), (0.0, 2e-3), (1e-3, 2e-3)])

@@ -101,15 +101,15 @@ def coning(times, half=0.0175, turn=1.6):
     return quaternion(times), np.einsum("j,ijk->ik", weights / 2, rate(at.ravel()).reshape(*at.shape, 3)) * h[:, None]
 
 
-def turned_off(steps, told):
-    """Return by how much, rad, an attitude is wrong behind coning in such steps, of such lengths as the algorithm is told."""
+def turned_off(steps, expected):
+    """Return by how much, rad, an attitude is wrong after coning in some steps, for the lengths that the algorithm is given."""
     truth, angle = coning(np.concatenate([[0.0], np.cumsum(steps)]))
     state = navigation_state(CONING_PLACE, np.zeros(3), np.zeros(3))
     state[6:10] = truth[0]
-    if told is not steps:  # the earth turns by the true step
-        angle = angle - drives.earth(CONING_PLACE, np.zeros(3))[0] * (steps - told)[:, None]
-    force = np.array([drives.rotation(q).T @ [0, 0, -9.8] * h for q, h in zip(truth[1:], told, strict=True)])
-    track = mechanize(state, told, angle, force)
+    if expected is not steps:  # the earth turns by the true step
+        angle = angle - drives.earth(CONING_PLACE, np.zeros(3))[0] * (steps - expected)[:, None]
+    force = np.array([drives.rotation(q).T @ [0, 0, -9.8] * h for q, h in zip(truth[1:], expected, strict=True)])
+    track = mechanize(state, expected, angle, force)
     turn = [drives.rotation(truth[1:][k]) @ drives.rotation(track[k, 6:]).T for k in (0, -1)]
     first, last = ((x - x.T) / 2 for x in turn)
     return np.linalg.norm(last - first) / math.sqrt(2)  # the first step has none before it

@@ -152,8 +152,8 @@ def test_a_fixs_velocity_is_judged_behind_its_position(filtered):
 @pytest.mark.parametrize("late", [-0.005, 0.004])
 def test_a_late_fix_is_where_the_antenna_was_to_be(filtered, late):
     out = taken(filtered, FIX, VALUES[FIX], VARIANCES[FIX], late=late)
-    told = residual(FIX, filtered.state, TURNING, VALUES[FIX], late)
-    assert out.innovation[:3] == pytest.approx(-told[:3], abs=1e-5)
+    expected = residual(FIX, filtered.state, TURNING, VALUES[FIX], late)
+    assert out.innovation[:3] == pytest.approx(-expected[:3], abs=1e-5)
 
 
 def test_a_component_without_sigma_says_nothing(filtered):

@@ -81,7 +81,7 @@ def test_without_velocity_positions_tell_the_heading(town, velocity):
     course = np.arctan2(*(np.interp(prepared.start_time, t, truth.velocity[:, i]) for i in (1, 0)))
     off = np.angle(np.exp(1j * (prepared.alignment.euler[2] - course)))
     assert abs(off) < 3.5 * np.sqrt(prepared.alignment.covariance[8, 8])
-    assert abs(prepared.start_time - town.prepared.start_time) < 15  # positions tell later that it moves
+    assert abs(prepared.start_time - town.prepared.start_time) < 15  # positions show the motion later
     model = replace(town.model, settings=replace(town.model.settings, settling=60.0))
     found = replay(prepared, [model], sweep(prepared, model, 10.0))
     (one,) = found.runs.values()
@@ -153,7 +153,7 @@ def test_velocity_spikes_and_jumps_do_no_harm(town, swept):
     g = town.log.gnss[0]
     velocity, position = np.array(g.velocity), np.array(g.position)
     velocity[[100, 140, 200], 0] += 400.0
-    position[[120, 121, 170], 0] += 50 / 6.37e6  # north, two of them one behind the other
+    position[[120, 121, 170], 0] += 50 / 6.37e6  # north, two of them in a row
     prepared = prepare(made.with_gnss(town.log, velocity=velocity, position=position), town.model)
     assert any(n.startswith("/gnss/fix: 3 velocities above 350 m/s") for n in prepared.notes)
     found = replay(prepared, [town.model], sweep(prepared, town.model, 20.0))
@@ -247,8 +247,8 @@ def test_a_lever_arm_and_a_mounting_that_are_told_do_not_matter():
         scored = replay(prepare(off.log, model), [model], outages).runs["known"]
         return float(np.median(scored.outages[20.0].scores.horizontal[:, -1])), np.nanmean(scored.solution.fix_nis) / 3
 
-    told, nis = median(Installation(lever_arm=arm))
+    expected, nis = median(Installation(lever_arm=arm))
     _, ignored = median(Installation())
     assert 0.85 < nis < 1.15
     assert nis < ignored
-    assert told < 40
+    assert expected < 40

@@ -25,7 +25,7 @@ def clocks(late):
 
 def test_the_delay_of_a_receiver(clocks):
     assert clocks.delay.value == pytest.approx(LATENCY, abs=0.08)
-    assert clocks.delay.value + clocks.velocity_delay.value == pytest.approx(LATENCY, abs=0.03)  # what velocities tell
+    assert clocks.delay.value + clocks.velocity_delay.value == pytest.approx(LATENCY, abs=0.03)  # from velocities
     assert clocks.rate is None
     assert 0.3 < clocks.noise < 3.0
 
@@ -71,8 +71,8 @@ def test_noise_is_found_by_outages_and_holds_in_others(loud):
     assert found.fitted >= 4
     assert found.judged >= 4
     assert found.white[0] == pytest.approx(3.0, rel=0.3)
-    before, behind = found.nees_per_dof
-    assert abs(np.log(behind)) < abs(np.log(before))
+    before, after = found.nees_per_dof
+    assert abs(np.log(after)) < abs(np.log(before))
     assert found.log_likelihood[1] > found.log_likelihood[0]
     assert found.median_end[1] < 1.2 * found.median_end[0]
     tuned, known = (m.error_model.axes["gyro_x"].processes.terms[0].N for m in (model, loud.model))

@@ -106,7 +106,7 @@ def test_an_outage_that_begins_in_a_gap_of_fixes_is_refused(town):
     words = r"the outage of 5 s at 133 s begins in a gap .* 120\.0 s; .* --at own"
     with pytest.raises(UsageError, match=words):
         replay(prepared, [town.model], [Outage(133.0, 5.0)])
-    check_outages(prepared, town.model, [Outage(120.0, 5.0)])  # behind the last fix there is
+    check_outages(prepared, town.model, [Outage(120.0, 5.0)])  # after the last fix before the gap
     drift = replay(prepared, [town.model], [Outage(135.0, 5.0)]).runs["known"].outages[5.0].drift
     assert drift.time[0] == pytest.approx(np.arange(136.0, 141.0), abs=0.02)
 

@@ -68,7 +68,7 @@ def test_errors_are_estimate_less_reference(one):
 
 def test_heading_errors_go_round(one):
     found = scores(one.drift, one.against)
-    assert found.heading == pytest.approx(one.turn, abs=1e-9)  # 3.1 + 0.2 rad is behind half a turn
+    assert found.heading == pytest.approx(one.turn, abs=1e-9)  # 3.1 + 0.2 rad is past half a turn
     assert (3.1 + one.turn > np.pi).any()
 
 

@@ -251,7 +251,7 @@ def test_one_outage_has_no_certain_median():
 
 @pytest.mark.parametrize(("count", "apart"), [(4, 40.0), (5, 40.0), (200, 0.6), (210, 0.6)])
 def test_below_five_outages_apart_there_is_no_interval(count, apart):
-    """However many overlap: 200 at 0.6 s are of 119.4 s, 4 of 30 s behind each other; 210 are 5."""
+    """However many overlap: 200 at 0.6 s are last 119.4 s, which is 4 outages of 30 s; 210 last as long as 5."""
     rng = np.random.default_rng(count)
     start = np.arange(count) * apart
     one, other = (made.scores(rng.uniform(1, 9, count), start, seconds=30) for _ in range(2))
