@@ -201,8 +201,8 @@ def _attitude_sigmas(velocity: float, speed: float, down: float, settings: Setti
 
 
 def _last_standstill(measurement: Measurement, stills: Floats, until: float) -> tuple[int, int] | None:
-    """Return the samples of the last standstill that begins before a time and is long enough."""
-    long = [(begin, end) for begin, end in stills if begin < until and end - begin >= SECONDS_STILL]
+    """Return the samples of the last standstill that ends before a time and is long enough."""
+    long = [(begin, end) for begin, end in stills if end < until and end - begin >= SECONDS_STILL]
     if not long:
         return None
     begin, end = np.searchsorted(measurement.time, long[-1], side="right")
