@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from imuwb.log import Floats, ImuStream, Log, Nanoseconds
     from imuwb.stochastic import ImuErrorModel
 
-#: fields of an axis model -> the term they state; a field by temperature counts where the temperature is known
+#: field of an axis model -> its term; a curve counts where the temperature is known
 _PLAIN = {
     "bias": "bias", "scale_factor": "scale factor", "scale_factor_nonlinear": "non-linear scale factor",
     "cross_coupling": "cross-coupling", "g_sensitivity": "g-sensitivity",
@@ -29,7 +29,7 @@ _THERMAL = {"thermal_bias": "bias", "thermal_scale_factor": "scale factor"}
 
 
 def corrected_log(log: Log, model: ImuErrorModel) -> tuple[Log, tuple[Note, ...]]:
-    """Return a log whose first IMU is corrected once, and a note of it; what ``correct`` did before stays as it is.
+    """Return a log whose first IMU is corrected once, and a note; a log that ``correct`` has corrected before stays as it is.
 
     Raises:
         MissingDataError: as ``correct``.
@@ -50,17 +50,17 @@ def corrected_log(log: Log, model: ImuErrorModel) -> tuple[Log, tuple[Note, ...]
 def correct(log: Log, model: ImuErrorModel, step: tuple[str, str] | None = None) -> tuple[Log, Note]:
     """Return a log whose first IMU is without a model's deterministic terms, and a note of what was taken off.
 
-    Where the log has no temperature, the values that the model states beside its curves are taken off; a log is returned as
-    it is where the model states none.
+    Where the log has no temperature, the constant terms of the model are taken off in place of its curves. The log is returned
+    unchanged where the model has curves only.
 
     Args:
         log: an IMU; an error model is that of one sensor, so that only the first IMU is corrected.
-        model: its deterministic terms; its noise does not matter.
+        model: an error model with deterministic terms; its noise does not matter.
         step: name and parameters of the step in ``Log.conditioning``.
 
     Raises:
-        MissingDataError: no IMU; no force, where gyros have a g-sensitivity.
-        UsageError: terms so large that no motion is measured so.
+        MissingDataError: no IMU; no accelerometer, where gyros have a g-sensitivity.
+        UsageError: terms so large that no motion fits the measurement.
     """
     imu = log.imu()
     where = f"{log.provenance.path}: {imu.name}"
@@ -101,9 +101,9 @@ def _listed(terms: tuple[str, ...]) -> str:
 
 
 def _at(imu: ImuStream) -> str:
-    """Return at which temperature a model with curves is applied, in words."""
+    """Return the temperature at which a model with curves is applied, as text."""
     if imu.temperature is None or not len(imu.temperature):
-        return " at the plain values beside its curves, as the log has no temperature"
+        return " with constant values in place of its curves, as the log has no temperature"
     celsius = imu.temperature.value
     return f" at the log's temperature of {celsius.min():.1f} to {celsius.max():.1f} °C"
 
@@ -125,7 +125,7 @@ def _rate(imu: ImuStream, model: ImuErrorModel) -> Triad | None:
 
 
 def _celsius(imu: ImuStream, time: Nanoseconds) -> Floats | None:
-    """Return the temperature known at times, °C; None where there is none."""
+    """Return the temperature known at some times, °C; None where the log has no temperature."""
     if imu.temperature is None or not len(imu.temperature):
         return None
     return _held(imu.temperature.time, imu.temperature.value, time)

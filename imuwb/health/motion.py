@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """A recorded span in which the IMU is still, or moves."""
+    """A recorded span during which the IMU is still, or moves."""
 
     start: float  #: s from the log's start
     end: float

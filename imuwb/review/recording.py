@@ -16,7 +16,7 @@ from imuwb.review import chart
 from imuwb.review.envelope import envelope
 from imuwb.review.rrd import is_whole, why_cut
 from imuwb.review.tab import Tab
-from imuwb.writers.beside import partial
+from imuwb.writers.whole import partial
 
 if TYPE_CHECKING:
     from collections.abc import Callable

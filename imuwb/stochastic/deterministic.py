@@ -45,7 +45,7 @@ def shown(model: ImuErrorModel, motion: tuple[Floats, Floats], celsius: Floats |
     Args:
         model: its deterministic terms.
         motion: (n, 3) rad/s and (n, 3) m/s², true.
-        celsius: (n,) or () °C; None: unknown, and the values beside the model's curves count.
+        celsius: (n,) or () °C; None: unknown; constant values count in place of the model's curves.
     """
     rate, force = motion
     gyro = np.stack([_axis(model, i, rate, celsius) + _leaked(model, i, force) for i in range(GYROS)], axis=1)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from imuwb.errors import UsageError
-from imuwb.writers.beside import beside, write_text
+from imuwb.writers.whole import whole_file, write_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -15,13 +15,13 @@ if TYPE_CHECKING:
 
     Progress = Callable[[int, int], None]
 
-__all__ = ["SUFFIXES", "beside", "places", "write", "write_text"]
+__all__ = ["SUFFIXES", "places", "whole_file", "write", "write_text"]
 
 SUFFIXES = (".mcap", ".csv")
 
 
 def places(log: Log, path: str | Path) -> tuple[Path, ...]:
-    """Return the files that ``write`` would make; CSV has a table for each kind of stream, and a sidecar beside each table."""
+    """Return the files that ``write`` would make; CSV has a table for each kind of stream, and a sidecar for each table."""
     path = Path(path)
     if path.suffix != ".csv":
         return (path,)

@@ -13,7 +13,7 @@ from pyarrow import csv
 
 from imuwb.errors import MissingDataError
 from imuwb.log import Scalars
-from imuwb.writers.beside import beside, write_text
+from imuwb.writers.whole import whole_file, write_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -60,7 +60,7 @@ def write_csv(log: Log, path: Path, progress: Callable[[int, int], None] | None 
     done = 0
     epochs = [stream.origin.epoch for stream in (*log.imus, *log.gnss, *log.references)]
     for (kind, place), table in zip(_tables(log, path).items(), made, strict=True):
-        with beside(place) as temporary, temporary.open("wb") as file:
+        with whole_file(place) as temporary, temporary.open("wb") as file:
             file.write((",".join(table.column_names) + "\n").encode())
             options = csv.WriteOptions(include_header=False, quoting_style="none")
             for start in range(0, table.num_rows, ROWS):

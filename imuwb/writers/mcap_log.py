@@ -17,8 +17,8 @@ import zstandard
 
 from imuwb.errors import MissingDataError
 from imuwb.log import MEAN_SEA_LEVEL
-from imuwb.writers.beside import beside
 from imuwb.writers.ros_messages import definition, stamped, topics
+from imuwb.writers.whole import whole_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -62,7 +62,7 @@ def write_mcap(log: Log, path: Path, progress: Progress | None = None) -> None:
     if late is not None:
         message = f"{path}: {late} has times after 2038, which the stamps of ROS 2 do not reach; write .csv"
         raise MissingDataError(message)
-    with beside(path) as temporary, temporary.open("wb") as file:
+    with whole_file(path) as temporary, temporary.open("wb") as file:
         file.write(MAGIC + _record(HEADER, _text("ros2") + _text("imuwb")))
         declared = _declarations([(topic.name, topic.schema) for topic in streams])
         file.write(declared)

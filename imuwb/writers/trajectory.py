@@ -9,7 +9,7 @@ import numpy as np
 
 from imuwb.errors import UsageError
 from imuwb.log import SECOND, Log, Provenance
-from imuwb.writers.beside import beside, write_text
+from imuwb.writers.whole import whole_file, write_text
 
 if TYPE_CHECKING:
     from imuwb.log import Floats, Reference
@@ -57,7 +57,7 @@ def _write_tum(reference: Reference, quaternion: Floats, path: Path) -> None:
     east = (reference.position[:, 1] - first[1]) * EARTH_RADIUS * np.cos(first[0])
     down = first[2] - reference.position[:, 2]
     whole, rest = np.divmod(reference.time, SECOND)
-    with beside(path) as temporary, temporary.open("w", encoding="ascii") as file:
+    with whole_file(path) as temporary, temporary.open("w", encoding="ascii") as file:
         for i in range(reference.time.size):
             w, x, y, z = quaternion[i]
             file.write(

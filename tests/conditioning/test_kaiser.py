@@ -112,3 +112,9 @@ def test_bands_that_cannot_be_are_told_with_the_rule(wrong):
 def test_a_filter_that_would_be_too_long_is_refused():
     with pytest.raises(ValueError, match=r"taps; widen the transition from 1 to 1\.0001 Hz"):
         design_kaiser(100, 1, 1.0001)
+
+
+def test_attenuations_go_to_200_db():
+    assert design_kaiser(100, 10, 30, 199.0).taps.size > 1
+    with pytest.raises(ValueError, match="200 dB"):
+        design_kaiser(100, 10, 30, 201.0)

@@ -96,3 +96,9 @@ def test_a_cutoff_beyond_nyquist_is_told(cutoff, kind):
 def test_an_order_that_cannot_be_is_told(order):
     with pytest.raises(ValueError, match=f"order is {order}; it must be 1 to 8"):
         design_lowpass(100.0, 10.0, order=order)
+
+
+def test_it_has_settled_where_the_slowest_mode_has_a_ten_millionth_left():
+    pole = (1 - np.tan(np.pi * 0.1)) / (1 + np.tan(np.pi * 0.1))  # of first order, by the bilinear transform
+    settling = design_lowpass(100.0, 10.0, order=1).settling - 1  # and one sample for each order
+    assert pole**settling <= 1e-7 < pole ** (settling - 1)

@@ -195,3 +195,15 @@ def test_the_band_of_motion_is_measured_above_the_noise(highest):
 def test_a_record_without_motion_has_the_narrowest_band():
     x = np.random.default_rng(9).standard_normal(10_000)
     assert measured_band(x, 100.0, 100.0) == pytest.approx(100 / 4096)
+
+
+def test_four_standard_errors_above_the_noise_are_motion():
+    rate, n = 100.0, 1 << 20
+    rng = np.random.default_rng(8)
+    noise = rng.standard_normal(n) * rate**0.5  # N = 1
+    assert measured_band(noise, rate, 1.0) < 0.1
+    spectrum = np.fft.rfft(rng.standard_normal(n) * rate**0.5)
+    spectrum[np.fft.rfftfreq(n, 1 / rate) > 10] = 0
+    slow = np.fft.irfft(spectrum, n)
+    # 511 segments: a standard error is 1/22.6 of the noise.
+    assert measured_band(noise + (5 / 22.6) ** 0.5 * slow, rate, 1.0) == pytest.approx(9.86, abs=0.1)

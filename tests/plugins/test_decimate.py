@@ -109,3 +109,12 @@ def test_rate_or_factor_is_given(given):
 def test_nothing_left_is_missing_data(make_log, noise):
     with pytest.raises(MissingDataError, match="no part between gaps"):
         condition(make_log(noise), factor=100)
+
+
+@pytest.mark.parametrize(("off", "held"), [(0.0008, True), (0.0012, False)])
+def test_the_rate_may_miss_a_whole_fraction_by_a_thousandth(make_log, noise, off, held):
+    if held:
+        assert condition(make_log(noise), rate=100 / 4 * (1 + off))[1] == pytest.approx({"gyro": 25})
+    else:
+        with pytest.raises(ValueError, match="rate of 100 Hz"):
+            condition(make_log(noise), rate=100 / 4 * (1 + off))

@@ -118,3 +118,10 @@ def test_magnitude_and_phase_are_shown(make_log, noise, shown):
     assert (magnitude.y_scale, phase.y_scale) == ("linear", "linear")
     slope = np.polyfit(f[f < 14], phase.curves[0].y[f < 14], 1)[0]
     assert slope == pytest.approx(-2 * np.pi * applied.filters["gyro"].delay, rel=1e-6)
+
+
+def test_the_phase_ends_where_the_magnitude_is_that_of_rounding(make_log, noise):
+    _, applied = condition(make_log(noise), **BANDS)
+    np.testing.assert_array_equal(np.isnan(applied.phase), applied.magnitude <= -100)
+    assert (applied.frequency[0], applied.frequency[-1]) == (0, pytest.approx(50))
+    assert np.isnan(applied.phase).any()

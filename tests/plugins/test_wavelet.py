@@ -119,3 +119,21 @@ def test_the_band_is_that_of_the_deepest_level(make_log, noise):
     assert nothing.conditioning[0].band is None
     assert "nothing is taken away" in nothing.conditioning[0].note
     assert "nothing is taken away" not in found.conditioning[0].note
+
+
+def test_the_quietest_fiftieth_of_the_seconds_is_the_sensors_noise(make_log, monkeypatch):
+    from imuwb_plugins.wavelet import apply
+
+    seen = []
+    monkeypatch.setattr(apply, "measured_band", lambda *given: seen.append(given[-1]) or 5.0)
+    seconds = np.arange(1.0, 102.0)
+    values = np.repeat(seconds, 100) * np.resize([1.0, -1.0], 10_100)  # each second has its number as its scatter
+    condition(make_log(values), motion_band="measured")
+    assert seen == pytest.approx([3.0 / 10] * 3)  # 0, 1, ... 100 %: the third of 101 seconds; over the root of 100 Hz
+
+
+@pytest.mark.parametrize(("samples", "kept"), [(15, False), (16, True)])
+def test_parts_of_sixteen_samples_are_kept(make_log, gap, noise, samples, kept):
+    keep = gap(len(noise), 1000, len(noise) - samples)
+    triad = condition(make_log(noise, keep=keep), levels="1")[0].imu().angular_rate
+    assert len(triad) == 1000 + samples * kept

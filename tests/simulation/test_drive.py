@@ -309,7 +309,8 @@ def test_every_stream_survives_mcap(short, tmp_path):
     [
         (lambda: planned_route("rome"), "turin-1, turin-2"),
         (lambda: planned_outages("rome"), "turin-1, turin-2"),
-        (lambda: mixed_route(60), "90 to 86400"),
+        (lambda: mixed_route(89), "90 to 86400"),
+        (lambda: mixed_route(86_401), "90 to 86400"),
         (lambda: mixed_route(float("nan")), "90 to 86400"),
         (lambda: Receiver(rate=0), "rate"),
         (lambda: Receiver(position_sigma=(1, -1, 1)), "sigma"),

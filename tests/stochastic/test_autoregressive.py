@@ -69,3 +69,9 @@ def test_samples_left_out_of_a_record_follow_it():
     space = AR3.every(factor)
     expected = [space.c @ np.linalg.matrix_power(space.A, k) @ space.P0 @ space.c for k in lags]
     np.testing.assert_allclose(found, expected, atol=0.02 * expected[0])
+
+
+def test_a_pole_closer_to_the_circle_than_a_billionth_is_refused():
+    with pytest.raises(ValueError, match="pole of magnitude 1"):
+        Autoregressive((-(1 - 0.7e-9),), 1.0, DT)
+    assert Autoregressive((-(1 - 1.4e-9),), 1.0, DT).beta0 == 1.0

@@ -200,3 +200,13 @@ def test_wrong_usage_is_named(tool, options, named):
 @pytest.mark.parametrize("tool", ["kalibr", "ros", "kf-gins", "px4", "json"])
 def test_published_sensors_can_be_exported_and_name_their_source(tool):
     assert "Quinchia" in export(preset("3dm-gx3-25-gm"), tool)
+
+
+@pytest.mark.parametrize(("ratio", "noted"), [(1.45, False), (1.55, True)])
+def test_axes_that_differ_by_more_than_half_are_noted(ratio, noted):
+    axes = {
+        f"{s}_{a}": AxisModel(Sum((WhiteNoise(1e-3 * (ratio if a == "z" else 1)), RandomWalk(1e-5))))
+        for s in ("gyro", "accel")
+        for a in "xyz"
+    }
+    assert any("times the smallest" in c for c in comments(export(ImuErrorModel("m", axes), "kalibr"))) == noted

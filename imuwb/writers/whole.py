@@ -19,7 +19,7 @@ def partial(path: Path) -> Path:
 
 
 @contextmanager
-def beside(path: str | Path) -> Generator[Path]:
+def whole_file(path: str | Path) -> Generator[Path]:
     """Yield a path to write to; after the block the file stands at ``path``, or nowhere if there was an error.
 
     Raises:
@@ -39,5 +39,5 @@ def beside(path: str | Path) -> Generator[Path]:
 
 def write_text(path: str | Path, text: str) -> None:
     """Write a text file, whole or not at all."""
-    with beside(path) as temporary:
+    with whole_file(path) as temporary:
         temporary.write_text(text, "utf-8")
