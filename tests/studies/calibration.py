@@ -6,8 +6,8 @@ tolerances of the data sheet. The sensor stands on the six faces of a cube for 1
 10, 50 and 100 deg/s in both directions, 20 s a step (mounted with a tilt of 0.05° rms). The plugin finds and orders the positions and
 the steps. Goals: 93 to 97 % of all parameters are inside their 95 % intervals, and each single parameter is in at least 90 %.
 
-The results of the six-position method and of the rate table are then corrected in the record with z up, as --through correction does. The
-corrected record must have the sensor's own noise and spectrum.
+The record with z up is then corrected by the results of the six-position method and of the rate table, as --through correction does.
+The corrected record must have the sensor's own noise and spectrum.
 
 The last table shows other conditions: faces without tilt, faces with ten times the tilt, and a sensor with slow noise (3dm-gx3-25: flicker,
 and a random walk on the accelerometers). The true bias of the last is the mean over the six minutes, slow noise included.
@@ -52,11 +52,13 @@ POOLED, EACH = (0.93, 0.97), 0.90
 
 
 def site():
+    """Return gravity and latitude of the bench."""
     angle = np.radians(LATITUDE)
     return simulation.Site(float(gravity(np.array([angle]), np.zeros(1))[0]), float(angle))
 
 
 def calibrate(method, logs, **options):
+    """Return the result of a method of the calibration plugin; each log is named by its key."""
     module = METHODS[method]
     logs = [replace(log, provenance=replace(log.provenance, path=name)) for name, log in logs.items()]
     return module.run(logs, module.Parameters(latitude=LATITUDE, level=LEVEL, **options))
@@ -88,6 +90,7 @@ def truth(model, method):
 
 
 def matrix(model, sensor):
+    """Return the (3, 3) matrix of scale factors and cross-couplings of the gyros or the accelerometers."""
     rows = []
     for i, k in enumerate("xyz"):
         terms = model.axes[f"{sensor}_{k}"]
@@ -195,10 +198,12 @@ def other_conditions(seed):
 
 
 def block(first, last):
+    """Return the figures of some records: (coverage, noise of the corrected record, coverage in other conditions)."""
     return [(*record(seed), other_conditions(seed)) for seed in range(first, last)]
 
 
 def study(records=300, workers=2):
+    """Return the tables: a summary, the corrected record, the parameters by method, other conditions."""
     jobs = [(first, min(first + BLOCK, records)) for first in range(0, records, BLOCK)]
     done = [record for part in over_records(block, jobs, workers) for record in part]
     counts = defaultdict(list)

@@ -15,12 +15,11 @@ Seeds: ``SeedSequence([p, k, s])`` makes all six axes of the log of preset p at 
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
-from study_report import GOALS, Share, Table, main, over_records, published, verdict
+from filtered_ar1 import printed, taps
+from study_report import GOALS, Share, Table, main, over_records, verdict
 
-from imuwb.conditioning import design_kaiser, filtered
+from imuwb.conditioning import filtered
 from imuwb.identification.temperature import Record, first_order, identify, over_temperature
 from imuwb.log import AXES
 from imuwb.simulation import preset
@@ -33,12 +32,6 @@ TABULATED = (-30, 0, 30, 60)
 RATE, HOURS, CUTOFFS = 100.0, 3.0, (None, 8.0, 16.0, 24.0)
 LOW, HIGH = 0.93, 0.97
 NAMES = {"motionpakii": "MotionPakII", "ahrs300cc": "AHRS300CC"}
-
-
-@cache
-def taps(cutoff):
-    """Return the taps of the low-pass with this cut-off (Hz), with 4 Hz from pass band to stop band."""
-    return design_kaiser(RATE, cutoff - 2.0, cutoff + 2.0, 100.0).taps
 
 
 def samples(unit, place, seed, hours):
@@ -136,11 +129,6 @@ def _white(done, unit, seeds, hours):
     ]
     headings = ("°C", *figures[0], *figures[1])
     return Table(f"{NAMES[PRESETS[unit]]} (table 1 at -30, 0, 30 and 60 °C)", headings, tuple(rows))
-
-
-def printed():
-    """Return the paper's coefficients; an empty dict where the file is absent."""
-    return published("eldiasty").get("ar1", {})
 
 
 def _ar1(first, cutoff):

@@ -50,6 +50,7 @@ LINES = 1000
 
 
 def noise_of(kind, seed):
+    """Return (n,) samples of one kind of noise."""
     rng = np.random.default_rng([("white", "ar", "walk").index(kind), seed])
     steps = rng.standard_normal(SAMPLES + SETTLING)
     if kind == "white":

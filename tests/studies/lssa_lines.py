@@ -61,6 +61,7 @@ def record(case, seed):
 
 
 def block(case, first, last):
+    """Return the results of some records of one case."""
     return [record(case, seed) for seed in range(first, last)]
 
 
@@ -69,11 +70,11 @@ def study(records=500, workers=2):
     rows = []
     for case in CASES:
         jobs = [(case, a, min(a + BLOCK, records)) for a in range(0, records, BLOCK)]
-        records_of_case = [lines for part in over_records(block, jobs, workers) for lines in part]
-        inside = np.array([line for line, _ in records_of_case if line is not None])
+        results = [lines for part in over_records(block, jobs, workers) for lines in part]
+        inside = np.array([line for line, _ in results if line is not None])
         shares = [Share(int(column.sum()), len(inside)) for column in inside.T]
         whole = pooled(shares)
-        others = sum(other for _, other in records_of_case)
+        others = sum(other for _, other in results)
         rows.append((case, len(inside), *shares, whole, verdict(0.93 <= whole.value <= 0.97), others))
     headings = (
         "record", "records with the line found", "coverage of the frequency", "coverage of the amplitude",

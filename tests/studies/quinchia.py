@@ -19,6 +19,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from coverage_table4 import PRESET, truth
 from study_report import Share, Table, main, over_records, pooled, verdict
 
 from imuwb.identification import (
@@ -36,17 +37,11 @@ from imuwb.stochastic import GaussMarkov
 from imuwb.units import UNITS, coefficient_units
 
 QUESTION = "Quinchia's tables 4 and 5, recovered from simulated records"
-FLICKER, MARKOV, RATE, HOURS = "3dm-gx3-25", "3dm-gx3-25-gm", 100.0, 7.0
+MARKOV, RATE, HOURS = "3dm-gx3-25-gm", 100.0, 7.0
 LETTERS = ("N", "B", "K")
 GYROS = tuple(axis for axis in AXES if axis.startswith("gyro"))
 AGREE = 0.93
 PEAK = 1.8926  #: averaging time over Tc at which the Allan deviation of a Gauss-Markov process is largest
-
-
-def truth(axis):
-    """Return {letter: coefficient} of an axis; each process has one coefficient, named by its letter."""
-    terms = preset(FLICKER).axes[axis].processes.terms
-    return {letter: getattr(term, letter) for term in terms for letter in LETTERS if hasattr(term, letter)}
 
 
 def samples(name, axis, seed, hours):
@@ -58,7 +53,7 @@ def samples(name, axis, seed, hours):
 
 def record(seed, axis, hours):
     """Return {estimator: coefficients} of an axis."""
-    x = samples(FLICKER, axis, seed, hours)
+    x = samples(PRESET, axis, seed, hours)
     fits = fit_likelihood(x, 1 / RATE), fit_allan(allan(x, 1 / RATE)), fit_spectrum(power_spectrum(x, 1 / RATE))
     return dict(zip(("likelihood", "allan", "spectrum"), (fit.coefficients for fit in fits), strict=True))
 
@@ -245,5 +240,5 @@ def _summary(table4, cells, choices):
 if __name__ == "__main__":
     main(
         __file__, QUESTION, study, 20,
-        lambda n: f"seeds 0..{n - 1} of {FLICKER}, 0..{max(n // 2, 1) - 1} of {MARKOV}; {HOURS:g} h at {RATE:g} Hz",
+        lambda n: f"seeds 0..{n - 1} of {PRESET}, 0..{max(n // 2, 1) - 1} of {MARKOV}; {HOURS:g} h at {RATE:g} Hz",
     )  # fmt: skip

@@ -26,7 +26,7 @@ QUESTION = "N, B and K along a ramp of ten hours"
 RATE, HOURS, DEGREE = 100.0, 10.0, np.pi / 180
 TRUTH = {"N": 0.005 * DEGREE, "B": 0.002 * DEGREE, "K": 7.3e-5 * DEGREE}
 CHANGE, SWING, BEND, THERMOMETER = 0.2, DEGREE, 0.3 * DEGREE, 0.1
-MOST, HELD, FEWEST = 1.2, 0.93, 5000
+MOST, COVERED, FEWEST = 1.2, 0.93, 5000
 
 
 def white(celsius):
@@ -125,7 +125,7 @@ def _summary(up, done):
     ]
     for letter in TRUTH:
         share = coverage(done, letter)
-        rows.append((f"coverage of {letter}", f"at least {100 * HELD:g} %", share, verdict(share.value >= HELD)))
+        rows.append((f"coverage of {letter}", f"at least {100 * COVERED:g} %", share, verdict(share.value >= COVERED)))
     off = np.concatenate([_off([pair for *_, pair in bins]) for bins, *_ in up])
     rows.append(
         (
@@ -138,7 +138,7 @@ def _summary(up, done):
     loops = [low <= 0 <= high for *_, intervals in done for low, high in intervals]
     share = Share(sum(loops), len(loops))
     rows.append(
-        ("hysteresis: 0 inside its interval", f"at least {100 * HELD:g} %", share, verdict(share.value >= HELD))
+        ("hysteresis: 0 inside its interval", f"at least {100 * COVERED:g} %", share, verdict(share.value >= COVERED))
     )
     celsius = np.linspace(-35, 65, 21)
     ends = [law.at(celsius) for _, law, _ in done]
