@@ -49,8 +49,8 @@ def compiled(*, reorder: bool = False, arrays: bool = True) -> Callable[[Functio
 
 @cache
 def _fingerprint(folder: Path) -> str:
-    """Return a fingerprint of all modules in a folder."""
-    digest = hashlib.sha256()
+    """Return a fingerprint of all modules in a folder, and of the options that this module sets."""
+    digest = hashlib.sha256(Path(__file__).read_bytes())
     for path in sorted(folder.glob("*.py")):
         digest.update(path.read_bytes())
     return f" {digest.hexdigest()[:16]}"

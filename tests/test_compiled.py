@@ -57,6 +57,20 @@ def test_sums_are_reordered_only_where_that_is_allowed():
     assert summed_in_any_order(values) == pytest.approx(in_order, rel=1e-9)
 
 
+@compiled(reorder=True)
+def inverse(x):
+    return -1.0 if x != x else 1.0 / x  # noqa: PLR0124 - true of nan alone
+
+
+def test_nan_and_infinity_are_numbers_in_any_order_of_sums():
+    assert inverse(0.0) == np.inf
+    assert inverse(np.nan) == -1.0
+
+
+def test_other_threads_run_beside_compiled_code():
+    assert summed.targetoptions["nogil"]
+
+
 def test_a_function_that_makes_no_arrays_may_change_given_arrays():
     def doubled(values):
         for i in range(values.size):

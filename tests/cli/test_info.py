@@ -1,9 +1,11 @@
 """``imuwb info``: the streams of a log, its faults, and when a log is read as a whole."""
 
 import json
+from types import SimpleNamespace
 
 import pytest
 
+from imuwb import health
 from imuwb.cli import info
 
 
@@ -16,8 +18,14 @@ def test_faults_are_counted_and_the_analysis_of_faults_is_named(imuwb, csv_log, 
     assert "imuwb health" in shown
 
 
-def test_remarks_alone_are_no_faults(imuwb, static_mcap):
-    assert "faults" not in imuwb("info", static_mcap).err
+def test_notes_are_not_counted_as_faults(imuwb, static_mcap, monkeypatch):
+    def faults(*severities):
+        found = [SimpleNamespace(severity=s, count=1, stream="imu", what="gap") for s in severities]
+        monkeypatch.setattr(health, "check", lambda *_, **__: SimpleNamespace(faults=found))
+        return imuwb("info", static_mcap).err
+
+    assert "imuwb health" not in faults("note")
+    assert "2 faults" in faults("fault", "warning", "note")
 
 
 @pytest.mark.parametrize(("arguments", "read"), [((), False), (("--scan",), True)])

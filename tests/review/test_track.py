@@ -39,6 +39,7 @@ def test_tracks_share_a_picture_whose_view_is_returned_once(drawing):
     assert drawing.strips("t/1_other")[0][0] == [0, pytest.approx(-10, rel=1e-6)]
     assert drawing.strips("t/scale") == [[[0, 8], [50, 8]]]
     assert drawing.labels("t/texts") == ["50 m", "start"]
+    assert drawing.places("t/texts") == [[25, 12], [0, 0]]
     assert drawing.places("t/labels/1")[0] == pytest.approx([100, -10])
     assert "t/labels/0" not in drawing
 
