@@ -1,4 +1,4 @@
-"""The list of commands, and how options become commands."""
+"""The list of commands, and how dataclasses become options."""
 
 import inspect
 from dataclasses import dataclass, field
@@ -9,6 +9,7 @@ from typing import Annotated
 import pytest
 
 from imuwb.cli.app import COMMANDS
+from imuwb.cli.demo import LOGS, marked
 from imuwb.cli.parameters import expanded, make
 from imuwb.errors import UsageError
 from imuwb.options import POSITIVE, Form
@@ -27,6 +28,10 @@ def test_every_command_of_the_core_shows_its_help(imuwb):
         assert f" {name} " in shown.out
         done = imuwb(name, "--help")
         assert (done.code, "Usage: imuwb" in done.out) == (0, True)
+
+
+def test_the_demo_has_an_analysis_for_each_sample_log():
+    assert [marked(log)[0] for log in LOGS] == ["noise", "outage"]
 
 
 def test_an_unknown_command_is_wrong_usage(imuwb):
@@ -58,6 +63,6 @@ def test_a_group_of_options_becomes_an_option_for_each_field():
     assert call.value.args == ("x", Route(2.0, (1.0, 2.0, 3.0), {}), 4)
 
 
-def test_a_value_that_cannot_be_is_named_as_the_option_is_written():
+def test_an_error_names_the_option_as_users_write_it():
     with pytest.raises(UsageError, match="^--arm is '1,2'"):
         make(Route, {"arm": "1,2"})

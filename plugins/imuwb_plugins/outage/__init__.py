@@ -6,6 +6,8 @@ against the best reference of the log: truth, RTK-fixed positions, or a filter's
 
 import lazy_loader
 
+DEMO = "drive"
+
 __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={
