@@ -129,7 +129,7 @@ def _repair_notes(streams: list[Rows], unused: dict[str, list[Repair]]) -> Itera
     """Yield the repairs of streams whose repairs no summary shows, and those of streams without rows."""
     shown = {(r.stream, r.kind) for r in streams if r.kind in ("imu", "gnss")}
     hidden = [(r.stream, repair) for r in streams if (r.stream, r.kind) not in shown for repair in r.origin.repairs]
-    for stream, repair in (*hidden, *((stream, repair) for stream, few in unused.items() for repair in few)):
+    for stream, repair in (*hidden, *((stream, repair) for stream, repairs in unused.items() for repair in repairs)):
         yield Note(getattr(repair.what, "id", "repair"), f"{stream}: {repair.what} ({repair.count})")
 
 

@@ -109,8 +109,8 @@ def _gathered(
     return fields
 
 
-def _continues(one: ros_layout.Place, other: ros_layout.Place) -> bool:
-    return one.kind == other.kind and not one.count and not other.count and one.end == other.offset
+def _continues(place: ros_layout.Place, after: ros_layout.Place) -> bool:
+    return place.kind == after.kind and not place.count and not after.count and place.end == after.offset
 
 
 class _ObjectDecoder:

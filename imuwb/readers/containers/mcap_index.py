@@ -89,5 +89,5 @@ def _first(file: BinaryIO, chunk: ChunkIndex, number: int) -> bytes:
 
 def _alone(payload: bytes) -> Messages:
     """Return one payload as a buffer of messages."""
-    one = np.zeros(1, np.int64)
-    return Messages(np.frombuffer(payload, np.uint8), one.astype(np.uint16), one, one, one, one + len(payload), 0)
+    zero = np.zeros(1, np.int64)
+    return Messages(np.frombuffer(payload, np.uint8), zero.astype(np.uint16), zero, zero, zero, zero + len(payload), 0)

@@ -103,8 +103,8 @@ class Telemetry:
         self.impossible += int(np.count_nonzero(~possible))
         key = (frames.system << 40) | (frames.component << 32) | frames.number
         wanted = np.flatnonzero(possible & np.isin(frames.number, list(LAYOUTS)))
-        for one in np.unique(key[wanted]):
-            rows = wanted[key[wanted] == one]
+        for message in np.unique(key[wanted]):
+            rows = wanted[key[wanted] == message]
             number = int(frames.number[rows[0]])
             pieces = self._pieces[int(frames.system[rows[0]]), int(frames.component[rows[0]]), number]
             pieces.place.append(offset + frames.record[rows])

@@ -131,9 +131,9 @@ class _Streams:
         if not floats:
             yield Remark(Note("coarse", f"{name}: {LSB}"))
         instance = values["id"] if "id" in values else np.zeros(time.size, np.uint8)
-        for one in np.unique(instance):
-            rows = instance == one
-            stream = name if not one else f"{name}.{one}"
+        for sensor in np.unique(instance):
+            rows = instance == sensor
+            stream = name if not sensor else f"{name}.{sensor}"
             yield Batch(stream, "imu", time[rows], {k: v[rows] for k, v in columns.items()}, origin, self._bytes_read)
             measured = rows & (temperature != 0)  # 0: no thermometer
             if measured.any():

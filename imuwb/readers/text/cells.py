@@ -132,12 +132,12 @@ def known(cells: pa.Array[Any]) -> NDArray[np.bool_]:
     return flags[cells.offset : cells.offset + len(cells)].astype(bool)
 
 
-def words(cells: pa.Array[Any], kind: str, count: int = 1) -> NDArray[Any]:
-    """Return the memory of cells, (n, count) numbers of a numpy kind; undefined for null."""
+def memory(cells: pa.Array[Any], kind: str, count: int = 1) -> NDArray[Any]:
+    """Return the memory of cells as numbers of a numpy kind, (n, count); undefined for null."""
     table = np.frombuffer(cells.buffers()[1], kind).reshape(-1, count)
     return table[cells.offset : cells.offset + len(cells)]
 
 
 def floats(cells: pa.Array[Any]) -> Floats:
     """Return cells of double precision; nan for null."""
-    return np.where(known(cells), words(cells, "<f8")[:, 0], np.nan)
+    return np.where(known(cells), memory(cells, "<f8")[:, 0], np.nan)

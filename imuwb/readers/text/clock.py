@@ -70,10 +70,10 @@ class Clock:
 def _nanoseconds(stamps: pa.Array[Any], measure: Unit | None) -> Times:
     """Return times in ns, and which of them int64 can hold; undefined for null."""
     if pa.types.is_timestamp(stamps.type):
-        return cells.words(stamps, "<i8")[:, 0], np.ones(len(stamps), dtype=bool)
+        return cells.memory(stamps, "<i8")[:, 0], np.ones(len(stamps), dtype=bool)
     if pa.types.is_decimal(stamps.type):
         # A decimal is stored as a 128-bit integer, here in ns: exact, while a double has steps of 200 ns in Unix time.
-        low, high = cells.words(stamps, "<i8", 2).T
+        low, high = cells.memory(stamps, "<i8", 2).T
         return low, high == low >> 63
     with np.errstate(over="ignore"):
         numbers = cells.floats(stamps) * (cast("Any", measure).factor * SECOND)

@@ -69,8 +69,8 @@ def above_sea(column: Column) -> bool:
 
 def scale_of(column: Column) -> str | None:
     """Return the time scale that a column's name states, ``"UTC"`` or ``"GPS"``; None if it states none."""
-    words = set(re.split(r"[^a-z0-9]+", column.name.lower()))
-    return "UTC" if "utc" in words else "GPS" if words & {"gps", "gpst"} else None
+    parts = set(re.split(r"[^a-z0-9]+", column.name.lower()))
+    return "UTC" if "utc" in parts else "GPS" if parts & {"gps", "gpst"} else None
 
 
 def columns(names: tuple[str, ...], units: Mapping[str, str]) -> tuple[Column, ...]:
