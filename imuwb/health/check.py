@@ -10,9 +10,7 @@ import numpy as np
 from imuwb.health.channel import channels
 from imuwb.health.clocks import clock_faults
 from imuwb.health.fault import RANK, Fault
-from imuwb.health.inertial import inertial_faults
 from imuwb.health.lone import lone_samples
-from imuwb.health.motion import segments
 from imuwb.health.plausibility import implausible
 from imuwb.health.receivers import receiver_faults
 from imuwb.health.repairs import repair_faults
@@ -91,6 +89,9 @@ def check(log: Log, *, lines: bool = True, samples: bool = True) -> Health:
 
 def _examined(log: Log, imu: ImuStream, *, lines: bool) -> tuple[tuple[Segment, ...], list[Fault]]:
     """Return when an IMU is still and when it moves, and what is wrong with its samples."""
+    from imuwb.health.inertial import inertial_faults  # noqa: PLC0415 - clocks and receivers need no compiler
+    from imuwb.health.motion import segments  # noqa: PLC0415
+
     axes = channels(log, imu)
     lone = {axis: lone_samples(channel) for axis, channel in axes.items()}
     spans = segments(axes, lone)
