@@ -23,7 +23,7 @@ JUMP = 8.0  #: standard errors between a block's mean and the running median of 
 WINDOW = 61  #: blocks of that running median
 FEWEST_BLOCKS = 10
 FEWEST_SAMPLES = 4  #: samples of a block that is tested
-JOIN = 5  #: blocks; disturbances closer than this are one
+JOIN = 5  #: blocks; disturbances up to twice this apart are one
 MOVING = 0.5  #: share of disturbed blocks, above which the record is not static
 
 

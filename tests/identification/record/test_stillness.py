@@ -94,3 +94,42 @@ def test_a_slow_axis_is_left_out_beside_a_fast_one():
     found = judged({"fast": (np.arange(3000) / 100, still(3000)), "slow": (np.arange(30) * 1.0, 50 * still(30))})
     assert found is not None
     assert found.disturbances == ()
+
+
+def spans(axes, rate):
+    return [(d.start, d.end) for d in stillness(axes, 1 / rate).disturbances]
+
+
+@pytest.mark.parametrize(("times", "disturbed"), [(2.4, False), (3.6, True)])
+def test_a_second_of_three_times_the_usual_scatter_is_disturbed(times, disturbed):
+    values = still(20_000)
+    values[5000:5100] *= times
+    assert spans({"a": values}, 100) == ([(50.0, 51.0)] if disturbed else [])
+
+
+@pytest.mark.parametrize(
+    ("rate", "offset", "disturbed"), [(16, 1.4, False), (16, 2.7, True), (100, 0.75, False), (100, 1.3, True)]
+)
+def test_a_mean_off_by_eight_standard_errors_and_a_usual_deviation_is_disturbed(rate, offset, disturbed):
+    """Eight standard errors of a second are two deviations at 16 Hz, but less than one at 100 Hz."""
+    values = still(200 * rate)
+    values[50 * rate : 51 * rate] += offset
+    assert spans({"a": values}, rate) == ([(50.0, 51.0)] if disturbed else [])
+
+
+@pytest.mark.parametrize(("apart", "count"), [(8, 1), (10, 1), (12, 2)])
+def test_disturbances_up_to_ten_seconds_apart_are_one(apart, count):
+    values = still(20_000)
+    for begin in (50, 51 + apart):
+        values[100 * begin : 100 * begin + 100] += 30
+    assert len(spans({"a": values}, 100)) == count
+
+
+@pytest.mark.parametrize(("share", "moving"), [(0.22, False), (0.28, True)])
+def test_a_record_disturbed_in_more_than_half_of_its_seconds_moves(share, moving):
+    """Each of two axes is disturbed for a quarter of the time, not the same quarter, so both are still mostly."""
+    a, b = still(20_000), still(20_000, seed=1)
+    part = int(share * 20_000)
+    a[:part] *= 10
+    b[-part:] *= 10
+    assert stillness({"a": a, "b": b}, 0.01).moving == moving
