@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 #: Sum of the correlations of a segment's power with those of both neighbours; Hann windows that overlap by half.
 NEIGHBOURS = 2 * (1 / 6) ** 2
-ASIDE = 1 / 36  #: correlation with a neighbour's power at the next frequency
+ASIDE = 1 / 36  #: sum of the correlations with a neighbour's powers at all higher frequencies, mostly the next one
 #: Correlations of the powers of one segment at frequencies one and two bins apart.
 APART_1, APART_2 = (2 / 3) ** 2, (1 / 6) ** 2
 
@@ -65,7 +65,7 @@ def _add_power(transform: NDArray[np.complex128], total: Floats) -> None:  # pra
 def independent(count: int, width: float = 1.0) -> float:
     """Return the number of independent powers in a mean over ``count`` segments and ``width`` neighbouring frequencies.
 
-    Powers of segments that overlap by half are correlated, at the same frequency and at the next one. So are the powers of one
+    Powers of segments that overlap by half are correlated, at the same frequency and at the next ones. So are the powers of one
     segment at frequencies one and two bins apart.
     """
     across = 2 * APART_1 * (width - 1) / width + 2 * APART_2 * max(width - 2, 0.0) / width

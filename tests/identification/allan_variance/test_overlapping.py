@@ -162,6 +162,17 @@ def test_averaging_times_with_terms_enough_are_not_bridged():
     np.testing.assert_array_equal(with_stamps.lower[: short.sum()], without.lower[short])
 
 
+def test_less_than_half_of_the_differences_is_bridged():
+    """A sample in a hundred is missing: an average over 20 keeps 0.6 of the differences, one over 35 keeps 0.3."""
+    place = np.flatnonzero(np.arange(4000) % 100 < 99)
+    breaks = (np.flatnonzero(np.diff(place) > 1) + 1).tolist()
+    curve = allan(
+        np.random.default_rng(5).standard_normal(place.size), 0.01, [0.2, 0.35], breaks=breaks, time=place * 10**7
+    )
+    assert curve.terms[0] == 40 * (99 + 1 - 2 * 20)
+    assert curve.terms[1] > 0.95 * (place.size + 1 - 2 * 35)
+
+
 def test_stamps_that_scatter_move_no_sample():
     values, time, breaks = thinned(WhiteNoise(1.0), 4096, 1)
     jitter = np.random.default_rng(0).integers(-2_000_000, 2_000_000, time.size)

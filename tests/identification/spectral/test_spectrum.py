@@ -139,3 +139,10 @@ def test_what_has_no_spectrum_is_refused_with_the_reason():
         power_spectrum(np.arange(63.0), DT)
     with pytest.raises(ValueError, match="density of 0"):
         fit_spectrum(power_spectrum(np.zeros(2**12), DT, 256))
+
+
+def test_a_fit_takes_eight_bands():
+    spectrum = power_spectrum(np.random.default_rng(0).standard_normal(2**12), DT, 256)
+    with pytest.raises(ValueError, match="^7 bands"):
+        fit_spectrum(spectrum, highest=float(spectrum.frequency[6]))
+    assert fit_spectrum(spectrum, highest=float(spectrum.frequency[7])).highest == spectrum.frequency[7]

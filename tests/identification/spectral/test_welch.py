@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
+from imuwb.identification.spectral import welch as welch_module
 from imuwb.identification.spectral.welch import independent, welch
 
 DT = 0.02
@@ -47,3 +48,17 @@ def test_does_not_write_into_the_record():
     before = values.copy()
     welch(values, DT, 64)
     np.testing.assert_array_equal(values, before)
+
+
+def overlap(apart, bins, size=256):
+    """Return the correlation of white noise's powers: |sum w(t) w(t + apart) e^(2 pi i bins t/size)|² over (sum w²)²."""
+    window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(size) / size)
+    shared = window[apart:] * window[: size - apart]
+    turned = np.sum(shared * np.exp(2j * np.pi * bins * np.arange(shared.size) / size))
+    return abs(turned) ** 2 / np.sum(window**2) ** 2
+
+
+def test_powers_correlate_as_their_windows_overlap():
+    assert [overlap(0, 1), overlap(0, 2)] == pytest.approx([welch_module.APART_1, welch_module.APART_2])
+    assert 2 * overlap(128, 0) == pytest.approx(welch_module.NEIGHBOURS)
+    assert sum(overlap(128, bins) for bins in range(1, 20)) == pytest.approx(welch_module.ASIDE, rel=1e-3)
