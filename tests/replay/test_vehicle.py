@@ -48,7 +48,7 @@ def test_a_mounting_that_is_found_gives_the_drift_of_an_imu_that_sits_straight(t
     odd = turned(town.log, MOUNTING)
     model = replace(town.model, installation=Installation(mounting=estimate_mounting(odd, None, 0.95).angles))
     straight, other = prepare(town.log, town.model), prepare(odd, model)
-    assert other.start.euler == pytest.approx(straight.start.euler, abs=np.radians(3))
+    assert other.alignment.euler == pytest.approx(straight.alignment.euler, abs=np.radians(3))
 
 
 def test_no_velocities_tell_no_mounting(town):
