@@ -23,6 +23,10 @@ class Note(str):
         note.id = id
         return note
 
+    def __getnewargs__(self) -> tuple[str, str]:
+        """Return the arguments of a copy, for copy and pickle."""
+        return self.id, str(self)
+
 
 def ids(notes: Iterable[str]) -> tuple[str, ...]:
     """Return the ids of the notes among some texts; plain texts have no id."""
