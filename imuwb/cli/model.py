@@ -34,12 +34,7 @@ _Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exis
 
 @app.command()
 def show(
-    model: _Model,
-    *,
-    rate: _Rate = 100.0,
-    hours: _Hours = 10.0,
-    output: _Output = None,
-    force: _Force = False,
+    model: _Model, *, rate: _Rate = 100.0, hours: _Hours = 10.0, output: _Output = None, force: _Force = False
 ) -> None:
     """Show the terms of an error model, its Allan deviation and its spectrum."""
     _review([model], rate, hours, output, force=force)

@@ -8,10 +8,7 @@ from imuwb.log import Scalars
 from .records import G, faults, motion, still
 
 
-@pytest.mark.parametrize(
-    ("gravity", "severity", "follows"),
-    [(9.3, "warning", "-52 mg"), (3.4, "fault", "units")],
-)
+@pytest.mark.parametrize(("gravity", "severity", "follows"), [(9.3, "warning", "-52 mg"), (3.4, "fault", "units")])
 def test_a_gravity_that_cannot_be_is_told(gravity, severity, follows):
     gyro, accel = still()
     (fault,) = faults(gyro, accel + np.array([0, 0, G - gravity]))

@@ -93,8 +93,7 @@ def test_verdicts_and_faults_are_drawn_the_worst_first(damaged, shown):
 
 def test_a_clean_log_says_that_nothing_was_found(make_log, shown):
     health.draw(
-        health.run([make_log(np.random.default_rng(5).standard_normal((3000, 3)) * 0.01)], health.Parameters()),
-        shown,
+        health.run([make_log(np.random.default_rng(5).standard_normal((3000, 3)) * 0.01)], health.Parameters()), shown
     )
     assert shown.tables[1].rows[0][:3] == ("all", "—", "nothing")
     assert shown.figures[0].marks == ()

@@ -9,15 +9,7 @@ from scipy import signal
 from imuwb.errors import UsageError
 from imuwb.geodesy.attitude import rotation_of_euler
 from imuwb.readers import read
-from imuwb.simulation import (
-    Odometer,
-    Receiver,
-    drive,
-    mixed_route,
-    planned_outages,
-    planned_route,
-    preset,
-)
+from imuwb.simulation import Odometer, Receiver, drive, mixed_route, planned_outages, planned_route, preset
 from imuwb.stochastic import AxisModel, ImuErrorModel
 from imuwb.writers import write
 

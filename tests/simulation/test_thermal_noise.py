@@ -93,10 +93,7 @@ def test_a_long_gauss_markov_process_hardly_moves():
     assert found[:, 0].var() == pytest.approx(1.0, rel=0.35)
 
 
-@pytest.mark.parametrize(
-    ("cold", "hot"),
-    [((-0.9,), (0.3,)), ((-1.6, 0.7), (-0.4, 0.1)), ((), ())],
-)
+@pytest.mark.parametrize(("cold", "hot"), [((-0.9,), (0.3,)), ((-1.6, 0.7), (-0.4, 0.1)), ((), ())])
 def test_an_ar_set_changes_while_its_past_goes_on(cold, hot):
     sets = Autoregressive(cold, 1.0, DT), Autoregressive(hot, 3.0, DT)
     found = records(*sets, count=800, warm=2.0)

@@ -6,16 +6,7 @@ import pytest
 
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.simulation import preset
-from imuwb.stochastic import (
-    AxisModel,
-    Constant,
-    FlickerNoise,
-    GaussMarkov,
-    ImuErrorModel,
-    RandomWalk,
-    Sum,
-    WhiteNoise,
-)
+from imuwb.stochastic import AxisModel, Constant, FlickerNoise, GaussMarkov, ImuErrorModel, RandomWalk, Sum, WhiteNoise
 from imuwb.stochastic.exports import export
 
 DEGREE = math.pi / 180

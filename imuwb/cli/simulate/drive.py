@@ -27,9 +27,7 @@ class Drive(Group):
         str | None, "route after Quinchia et al. (2013): turin-1 (17.3 min, town) or turin-2 (15.05 min, with highway)"
     ] = None
     duration: Annotated[
-        float | None,
-        "duration of a route through town, country and highway, in place of a preset (s)",
-        Form("SECONDS"),
+        float | None, "duration of a route through town, country and highway, in place of a preset (s)", Form("SECONDS")
     ] = None
     route_seed: Annotated[int, "seed of the route's turns, stops and slopes", NOT_NEGATIVE] = 0
     truth_rate: Annotated[float, "rate of the true trajectory in the log (Hz)", Form("HZ")] = 10.0
