@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from imuwb.stochastic import state_space
-from imuwb.stochastic.checks import as_floats, require
+from imuwb.stochastic.elementary import Elementary
 from imuwb.stochastic.state_space import StateSpace
-from imuwb.stochastic.sums import Addable
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,7 +21,7 @@ ROUNDING = 1e-9  #: of a pole's magnitude: a pole at 1 is computed just below it
 
 
 @dataclass(frozen=True, slots=True)
-class Autoregressive(Addable):
+class Autoregressive(Elementary):
     """x(n) = -sum alpha_k x(n-k) + beta0 w(n) (Quinchia, eq. 9); valid at its own step only.
 
     Raises:
@@ -36,9 +35,7 @@ class Autoregressive(Addable):
 
     def __post_init__(self) -> None:
         """Check that the set is stable."""
-        as_floats(self)
-        require("beta0", self.beta0)
-        require("dt", self.dt, above=0.0)
+        Elementary.__post_init__(self)
         object.__setattr__(self, "alpha", tuple(float(a) for a in self.alpha))
         poles = np.roots([1.0, *self.alpha])
         worst = max(np.abs(poles), default=0.0)

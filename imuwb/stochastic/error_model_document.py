@@ -13,8 +13,11 @@ import tomli_w
 
 from imuwb.errors import UsageError
 from imuwb.log import AXES
+from imuwb.stochastic.autoregressive import Autoregressive
 from imuwb.stochastic.axis_model import AxisModel
-from imuwb.stochastic.kinds import PROCESSES
+from imuwb.stochastic.flicker import FlickerNoise
+from imuwb.stochastic.gauss_markov import GaussMarkov
+from imuwb.stochastic.processes import Constant, Quantization, RandomWalk, RateRamp, Sinusoid, WhiteNoise
 from imuwb.stochastic.sums import Sum
 from imuwb.units import UNITS, coefficient_units, si_unit, unit
 
@@ -24,6 +27,8 @@ if TYPE_CHECKING:
     from imuwb.units import Unit
 
 SCHEMA = 1
+_KINDS = (WhiteNoise, Quantization, FlickerNoise, RandomWalk, RateRamp, GaussMarkov, Autoregressive, Sinusoid, Constant)
+PROCESSES = {kind.name: kind for kind in _KINDS}
 LARGEST = 1e100  #: SI; the square of a parameter must still be a finite number
 #: parameter of a process -> coefficient whose unit it has ("rate": that of the sensor itself)
 _PARAMETER = {"N": "N", "B": "B", "K": "K", "R": "R", "Q": "Q", "sigma": "rate", "beta0": "rate", "amplitude": "rate"}

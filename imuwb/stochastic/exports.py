@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import dataclass, fields
+from functools import partial
 from typing import TYPE_CHECKING, Any, cast
 
 from imuwb.errors import MissingDataError, UsageError
@@ -43,7 +44,13 @@ class Sensor:
     def of(model: ImuErrorModel, name: str) -> Sensor:
         """Return the three axes of ``gyro`` or ``accel``."""
         axes = [model.axes.get(f"{name}_{axis}") for axis in "xyz"]
-        return Sensor(name, *(tuple(None if a is None else take(a) for a in axes) for take in (_white, _walk, _sigma, _time, _flicker)))  # fmt: skip
+
+        def each(take: Callable[[AxisModel], float | None]) -> tuple[float | None, ...]:
+            return tuple(None if a is None else take(a) for a in axes)
+
+        kinds = ((WhiteNoise, "N"), (GaussMarkov, "sigma"), (GaussMarkov, "Tc"), (FlickerNoise, "B"))
+        white, sigma, time, flicker = (each(partial(_first, kind=kind, parameter=p)) for kind, p in kinds)
+        return Sensor(name, white, each(_walk), sigma, time, flicker)
 
     def largest(self, what: str, values: tuple[float | None, ...], notes: list[str]) -> float:
         """Return the largest of three values, with a note where they differ much.
@@ -64,30 +71,14 @@ class Sensor:
         return max(known)
 
 
-def _first(model: AxisModel, kind: type, name: str) -> float | None:
-    return next((getattr(term, name) for term in model.processes.terms if isinstance(term, kind)), None)
-
-
-def _white(model: AxisModel) -> float | None:
-    return _first(model, WhiteNoise, "N")
+def _first(model: AxisModel, kind: type, parameter: str) -> float | None:
+    return next((getattr(term, parameter) for term in model.processes.terms if isinstance(term, kind)), None)
 
 
 def _walk(model: AxisModel) -> float | None:
     squares = [term.K**2 for term in model.processes.terms if isinstance(term, RandomWalk)]
     squares += [2 * term.sigma**2 / term.Tc for term in model.processes.terms if isinstance(term, GaussMarkov)]
     return math.sqrt(sum(squares)) if squares else None
-
-
-def _sigma(model: AxisModel) -> float | None:
-    return _first(model, GaussMarkov, "sigma")
-
-
-def _time(model: AxisModel) -> float | None:
-    return _first(model, GaussMarkov, "Tc")
-
-
-def _flicker(model: AxisModel) -> float | None:
-    return _first(model, FlickerNoise, "B")
 
 
 def _walk_or_stated(sensor: Sensor, notes: list[str], horizon: float) -> float:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from scipy import fft, special
 
-from imuwb.stochastic.checks import as_floats, require
+from imuwb.stochastic.elementary import Elementary
 from imuwb.stochastic.gauss_markov import GaussMarkov
-from imuwb.stochastic.sums import Addable, Sum
+from imuwb.stochastic.sums import Sum
 
 if TYPE_CHECKING:
     from imuwb.log import Floats
@@ -28,16 +28,11 @@ class FlickerApproximation:
 
 
 @dataclass(frozen=True, slots=True)
-class FlickerNoise(Addable):
+class FlickerNoise(Elementary):
     """Bias instability: density B²/(2 pi f), an Allan deviation flat at √(2 ln2/pi) B = 0.664 B."""
 
     B: float  #: unit
     name: ClassVar[str] = "flicker_noise"
-
-    def __post_init__(self) -> None:
-        """Check B."""
-        as_floats(self)
-        require("B", self.B)
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return (2 ln 2/pi) B² at every tau, which averaged samples have exactly."""

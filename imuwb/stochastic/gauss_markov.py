@@ -7,27 +7,20 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from imuwb.stochastic.checks import as_floats, require
+from imuwb.stochastic.elementary import Elementary
 from imuwb.stochastic.state_space import StateSpace
-from imuwb.stochastic.sums import Addable
 
 if TYPE_CHECKING:
     from imuwb.log import Floats
 
 
 @dataclass(frozen=True, slots=True)
-class GaussMarkov(Addable):
+class GaussMarkov(Elementary):
     """First-order Gauss-Markov: variance sigma², correlation e^(-|t|/Tc) (Quinchia, eq. 1 and 4)."""
 
     sigma: float  #: unit
     Tc: float  #: s
     name: ClassVar[str] = "gauss_markov"
-
-    def __post_init__(self) -> None:
-        """Check sigma and Tc."""
-        as_floats(self)
-        require("sigma", self.sigma)
-        require("Tc", self.Tc, above=0.0)
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return 2 s² T²/tau² (tau/T - 3/2 + 2 e^(-tau/T) - e^(-2 tau/T)/2); it peaks at 0.6174 s, 1.893 T."""

@@ -15,25 +15,19 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from imuwb.stochastic import state_space
-from imuwb.stochastic.checks import as_floats, require
+from imuwb.stochastic.elementary import Elementary
 from imuwb.stochastic.state_space import StateSpace
-from imuwb.stochastic.sums import Addable
 
 if TYPE_CHECKING:
     from imuwb.log import Floats
 
 
 @dataclass(frozen=True, slots=True)
-class WhiteNoise(Addable):
+class WhiteNoise(Elementary):
     """Angle or velocity random walk. Allan variance N²/tau; density N²; N²/dt per sample."""
 
     N: float  #: unit/√Hz
     name: ClassVar[str] = "white_noise"
-
-    def __post_init__(self) -> None:
-        """Check N."""
-        as_floats(self)
-        require("N", self.N)
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return N²/tau (IEEE 952, C.6)."""
@@ -55,16 +49,11 @@ class WhiteNoise(Addable):
 
 
 @dataclass(frozen=True, slots=True)
-class Quantization(Addable):
+class Quantization(Elementary):
     """Quantization in the sense of IEEE: white noise of sigma Q on the angle or the velocity."""
 
     Q: float  #: rad or m/s
     name: ClassVar[str] = "quantization"
-
-    def __post_init__(self) -> None:
-        """Check Q."""
-        as_floats(self)
-        require("Q", self.Q)
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return 3 Q²/tau² (IEEE 952, C.18)."""
@@ -86,16 +75,11 @@ class Quantization(Addable):
 
 
 @dataclass(frozen=True, slots=True)
-class RandomWalk(Addable):
+class RandomWalk(Elementary):
     """Rate or acceleration random walk: the integral of white noise of density K²."""
 
     K: float  #: unit/√s
     name: ClassVar[str] = "random_walk"
-
-    def __post_init__(self) -> None:
-        """Check K."""
-        as_floats(self)
-        require("K", self.K)
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return K² tau/3 (IEEE 952, C.12)."""
@@ -123,16 +107,11 @@ class RandomWalk(Addable):
 
 
 @dataclass(frozen=True, slots=True)
-class RateRamp(Addable):
+class RateRamp(Elementary):
     """A rate that grows steadily, R t. It is not random; its sign is that of the sensor."""
 
     R: float  #: unit/s
     name: ClassVar[str] = "rate_ramp"
-
-    def __post_init__(self) -> None:
-        """Check R."""
-        as_floats(self)
-        require("|R|", abs(self.R))
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return R² tau²/2 (IEEE 952, C.22)."""
@@ -157,18 +136,12 @@ class RateRamp(Addable):
 
 
 @dataclass(frozen=True, slots=True)
-class Sinusoid(Addable):
+class Sinusoid(Elementary):
     """A line: amplitude · sin(2 pi f t + phase), the phase drawn evenly."""
 
     amplitude: float  #: unit
     frequency: float  #: Hz
     name: ClassVar[str] = "sinusoid"
-
-    def __post_init__(self) -> None:
-        """Check amplitude and frequency."""
-        as_floats(self)
-        require("amplitude", self.amplitude)
-        require("frequency", self.frequency, above=0.0)
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return A² (sin² x / x)², x = pi f tau (IEEE 952, C.25)."""
@@ -199,16 +172,11 @@ class Sinusoid(Addable):
 
 
 @dataclass(frozen=True, slots=True)
-class Constant(Addable):
+class Constant(Elementary):
     """A bias that is drawn once, at turn-on, with this sigma."""
 
     sigma: float  #: unit
     name: ClassVar[str] = "constant"
-
-    def __post_init__(self) -> None:
-        """Check sigma."""
-        as_floats(self)
-        require("sigma", self.sigma)
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return 0: differences do not see a constant."""

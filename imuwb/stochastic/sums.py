@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, Protocol, cast, runtime_checkable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -60,11 +60,6 @@ class Addable:
     """Gives processes their ``+``."""
 
     __slots__ = ()
-
-    def __str__(self) -> str:
-        """Return the process with its parameters, four digits each, such as ``WhiteNoise(N=0.001)``."""
-        parameters = (f"{f.name}={short_text(getattr(self, f.name))}" for f in fields(cast("Any", self)))
-        return f"{type(self).__name__}({', '.join(parameters)})"
 
     def __add__(self, other: Process | Sum) -> Sum:
         """Return the sum of two independent processes."""

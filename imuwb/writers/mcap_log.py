@@ -135,17 +135,9 @@ def _write_summary(file: BinaryIO, declared: bytes, index: _Index, channels: int
     counts = b"".join(struct.pack("<HQ", channel, count) for channel, count in index.counts.items())
     first = index.first if index.chunks else 0
     totals = struct.pack(
-        "<QHIIIIQQI",
-        sum(index.counts.values()),
-        channels,
-        channels,
-        0,
-        len(index.metadata),
-        len(index.chunks),
-        first,
-        index.last,
-        len(counts),
-    )
+        "<QHIIIIQQI", sum(index.counts.values()), channels, channels, 0, len(index.metadata), len(index.chunks), first,
+        index.last, len(counts),
+    )  # fmt: skip
     file.write(_record(STATISTICS, totals + counts))
     file.write(b"".join([*index.chunks, *index.metadata]))
     file.write(_record(FOOTER, struct.pack("<QQI", start, 0, 0)) + MAGIC)

@@ -1,0 +1,44 @@
+"""What the processes have in common: frozen parameters that are checked, and that print themselves."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any, ClassVar, cast
+
+import numpy as np
+
+from imuwb.stochastic.sums import Addable, short_text
+
+POSITIVE = ("Tc", "frequency", "dt")  #: parameters that must be above 0; the others must not be negative
+SIGNED = ("R",)  #: parameters of either sign
+
+
+class Elementary(Addable):
+    """A process with parameters of its own; a subclass is a frozen dataclass of them.
+
+    Raises:
+        ValueError: a parameter that is not finite, or is out of its range.
+    """
+
+    __slots__ = ()
+    name: ClassVar[str]  #: in documents
+
+    def __post_init__(self) -> None:
+        """Make whole numbers floats, so that 1 and 1.0 are the same process in every respect, and check the ranges."""
+        for f in fields(cast("Any", self)):
+            value: Any = getattr(self, f.name)
+            if isinstance(value, int):
+                object.__setattr__(self, f.name, float(value))
+            if isinstance(value, int | float):
+                _check(f.name, abs(value) if f.name in SIGNED else value)
+
+    def __str__(self) -> str:
+        """Return the process with its parameters, four digits each, such as ``WhiteNoise(N=0.001)``."""
+        parameters = (f"{f.name}={short_text(getattr(self, f.name))}" for f in fields(cast("Any", self)))
+        return f"{type(self).__name__}({', '.join(parameters)})"
+
+
+def _check(name: str, value: float) -> None:
+    if not np.isfinite(value) or value < 0 or (value == 0 and name in POSITIVE):
+        message = f"{name} is {value}; it must be {'positive' if name in POSITIVE else '0 or more'}"
+        raise ValueError(message)
