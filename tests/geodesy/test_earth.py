@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from imuwb.geodesy.earth import displaced, radii_of_curvature
+from imuwb.geodesy.earth import displaced, gravity, ned_scale, radii_of_curvature
 
 A, B = 6_378_137.0, 6_356_752.314245  #: m, semi-axes of WGS 84 (NIMA TR8350.2)
 E2 = 1 - (B / A) ** 2
@@ -115,3 +115,22 @@ def test_one_origin_serves_many_and_each_may_have_its_own():
     np.testing.assert_allclose(one[:, 2], [450.0, 443.0, 453.0], atol=2e-3)  # a plane leaves the ellipsoid
     assert one[1, 0] > origin[0]
     assert one[1, 1] < origin[1]
+
+
+@given(DEGREES, st.floats(-100, 9000))
+def test_the_scale_is_that_of_neighbouring_places_in_space(degrees, height):
+    latitude, step = math.radians(degrees), 1e-5
+    found = ned_scale(np.array([latitude]), np.array([height]))[0]
+    north = np.linalg.norm(ecef(latitude + step, 0, height) - ecef(latitude - step, 0, height)) / (2 * step)
+    east = np.linalg.norm(ecef(latitude, step, height) - ecef(latitude, -step, height)) / (2 * step)
+    assert found == pytest.approx([north, east, -1.0], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "height", "expected"),
+    [(0, 0, 9.780_325_3), (90, 0, 9.832_184_9), (45, 0, 9.806_197_8), (45, 1000, 9.803_112_0)],
+)
+def test_gravity_is_that_published(degrees, height, expected):
+    """NIMA TR8350.2: gravity at the equator and at the poles; the free-air gradient is 0.308 577 mGal/m at 45 degrees."""
+    found = gravity(np.radians([float(degrees)]), np.array([float(height)]))[0]
+    assert found == pytest.approx(expected, abs=2e-6)
