@@ -295,7 +295,7 @@ class Log:
         if self.imus:
             return self.imus[0]
         others = ", ".join(stream.name for stream in (*self.gnss, *self.references)) or "no stream that imuwb reads"
-        message = f"{self.provenance.path}: the analysis needs an IMU, but this log has none; it has {others}"
+        message = f"{self.provenance.path}: the log has no IMU, which the analysis needs; it has {others}"
         raise MissingDataError(message)
 
     def streams(self) -> tuple[ImuStream | GnssStream | Scalars | Reference, ...]:

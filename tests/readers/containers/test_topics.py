@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from imuwb.readers import ReadOptions
-from imuwb.readers.containers.messages import Channel, Messages
+from imuwb.readers.containers.messages import Channel, Messages, Schema
 from imuwb.readers.containers.ros_layout import UnknownLayoutError, plan
 from imuwb.readers.containers.topics import Topics
 
@@ -62,6 +62,24 @@ def test_sigmas_of_a_fix_are_north_east_down():
     covariance = [1.0, 0, 0, 0, 4.0, 0, 0, 0, 9.0]  # east, north, up
     (batch,) = topics().batches(messages([{**FIX, "position_covariance": covariance}]))
     assert batch.columns["position_sigma"].tolist() == [[2, 1, 3]]
+
+
+def test_sigmas_of_a_receiver_s_velocity_are_north_east_down():
+    covariance = [0.0] * 36
+    covariance[0], covariance[7], covariance[14] = 1.0, 4.0, 9.0  # east, north, up
+    velocity = {"twist": {"linear": {"x": 10.0, "y": 20.0, "z": 30.0}}, "covariance": covariance}
+    schema = Schema("geometry_msgs/TwistWithCovarianceStamped", "none", b"")
+    found = Topics({1: Channel("/gps/vel", "json", 1)}, {1: schema}, ReadOptions())
+    (batch,) = found.batches(messages([velocity]))
+    assert batch.columns["velocity"].tolist() == [[20, 10, -30]]
+    assert batch.columns["velocity_sigma"].tolist() == [[2, 1, 3]]
+
+
+@pytest.mark.parametrize(("seconds", "own"), [(9_199_999_999, True), (9_200_000_001, False)])
+def test_a_stamp_that_int64_cannot_hold_is_none(seconds, own):
+    stamped = {**IMU, "header": {"stamp": {"sec": seconds, "nanosec": 0}}}
+    (batch,) = topics().batches(messages([stamped], 7))
+    assert batch.time.tolist() == [seconds * 10**9 if own else 7]
 
 
 @pytest.mark.parametrize(("count", "beyond"), [(64, True), (65, False)])
