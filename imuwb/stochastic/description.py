@@ -25,9 +25,8 @@ def axis_text(axis: str, model: AxisModel) -> str:
 def process_text(axis: str, process: Process) -> str:
     """Return a process with its parameters: white noise N 2.42 deg/√h."""
     values = {f.name: getattr(process, f.name) for f in fields(cast("Any", process))}
-    return (
-        f"{cast('Any', process).name.replace('_', ' ')} {', '.join(_parameter(axis, *item) for item in values.items())}"
-    )
+    name = cast("Any", process).name.replace("_", " ").replace("gauss markov", "Gauss-Markov")
+    return f"{name} {', '.join(_parameter(axis, *item) for item in values.items())}"
 
 
 def _parameter(axis: str, name: str, value: Any) -> str:  # noqa: ANN401 - a number, or the numbers of an AR set
