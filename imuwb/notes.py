@@ -23,9 +23,9 @@ class Note(str):
         note.id = id
         return note
 
-    def __getnewargs__(self) -> tuple[str, str]:
-        """Return the arguments of a copy, for copy and pickle."""
-        return self.id, str(self)
+    def __reduce__(self) -> tuple[type[Self], tuple[str, str]]:
+        """Return how copy and pickle make the note again."""
+        return type(self), (self.id, str(self))
 
 
 def ids(notes: Iterable[str]) -> tuple[str, ...]:
