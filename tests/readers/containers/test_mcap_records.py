@@ -129,6 +129,10 @@ def test_messages_before_the_cut_are_counted_to_the_byte(declared, some, by_hand
     assert "cut" in ids(log.notes)
 
 
+def test_a_small_chunk_that_is_cut_gives_its_whole_messages(declared, some, by_hand):
+    assert numbers(read(by_hand(declared, chunk(some(0, 3))[:-10], end=False))) == [0, 1]
+
+
 @pytest.mark.parametrize("compression", PACK)
 def test_a_chunk_that_is_cut_gives_its_whole_messages(declared, some, by_hand, compression):
     rng = np.random.default_rng(1)
