@@ -1,10 +1,14 @@
 """The limits beyond which a flight controller's value is damage, or its time is not believed."""
 
+import struct
+
 import numpy as np
 import pytest
 
 from imuwb.readers.flight.boot_clock import boot_clock
+from imuwb.readers.flight.dataflash_text import TextTables
 from imuwb.readers.flight.trajectory import FASTEST, HIGHEST, usable, velocities
+from imuwb.readers.flight.ulog_records import walk
 from tests.readers.flight import dataflash_writer as log
 from tests.readers.flight import ulog_writer as px4
 from tests.readers.flight.mavlink_writer import FIX, STEP, T, at, since_start
@@ -107,3 +111,18 @@ def test_a_second_between_the_samples_of_a_buffer_is_damage(ulog_of, step, sampl
     sound = {**row, "dt": 100.0, "timestamp": px4.START + 10**7, "timestamp_sample": px4.START + 10**7}
     found = ulog_of(px4.topic("sensor_gyro_fifo", 9, px4.FIFO, [row, sound]))
     assert len(found.imu().angular_rate) == 2 + samples
+
+
+@pytest.mark.parametrize(("size", "whole"), [(4095, 10), (4096, 9)])
+def test_a_message_that_the_file_s_end_cuts_is_shorter_than_four_kilobytes(size, whole):
+    messages = (struct.pack("<HB", 8, ord("D")) + bytes(8)) * 10
+    cut = struct.pack("<HB", size, ord("D")) + bytes(5)
+    kind, _, _, _ = walk(np.frombuffer(messages + cut, np.uint8))
+    assert kind.size == whole
+
+
+@pytest.mark.parametrize(("time", "bad"), [(2**53 - 1, 0), (2**53, 1)])
+def test_a_time_in_text_that_a_double_cannot_hold_is_a_bad_line(time, bad):
+    tables = TextTables({"IMU"})
+    tables.take([b"FMT, 131, 20, IMU, Qf, TimeUS,GyrX", f"IMU, {time}, 0.5".encode()])
+    assert (tables.bad, tables.table("IMU") is None) == (bad, bool(bad))
