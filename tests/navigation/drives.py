@@ -159,12 +159,12 @@ def prepared(model, route=None, seed=1, *, log=None, **options):
     """Return a drive, and what a filter takes of it."""
     log = log or drive(model.error_model, route or mixed_route(240), seed, receiver=Receiver(), **options)
     measurement = measurement_of(log, log.imu(), model.installation)
-    still = standstills(measurement, log, log.gnss[0])
-    found = corrections_of(log, log.gnss[0], measurement, still, model)
+    stills = standstills(measurement, log, log.gnss[0])
+    found = corrections_of(log, log.gnss[0], measurement, stills, model)
     return SimpleNamespace(
         log=log,
         measurement=measurement,
-        still=still,
+        stills=stills,
         corrections=found,
-        alignment=align(measurement, found, still, model),
+        alignment=align(measurement, found, stills, model),
     )

@@ -142,13 +142,13 @@ def test_a_lattice_is_the_autoregressive_process(poles):
     ("alpha", "pole"), [((-1.044,), "1.044"), ((-1.0,), "1 "), ((-2.0, 0.99), r"1\.1"), ((0.0, 1.21), r"1\.1")]
 )
 def test_an_unstable_set_is_refused_by_its_pole(alpha, pole):
-    with pytest.raises(ValueError, match=f"not stable: it has a pole of magnitude {pole}"):
+    with pytest.raises(ValueError, match=rf"pole of magnitude {pole.strip()}(?![\d.])"):
         shaping(Sum((Autoregressive(alpha, 1.0, DT),)), DT)
 
 
 def test_a_set_of_another_step_is_refused():
     axes = {a: AxisModel(Sum((Autoregressive((-0.9,), 1.0, 0.02),))) for a in AXES}
-    with pytest.raises(ValueError, match=r"mine, gyro_x: .*own step of 0.02 s, not at 0.01 s; resample"):
+    with pytest.raises(ValueError, match=r"mine, gyro_x: .* 0\.02 s.* 0\.01 s"):
         FilterModel("mine", ImuErrorModel("m", axes)).tables(DT)
 
 
