@@ -119,10 +119,8 @@ def _apart(log: Log) -> Iterator[Fault]:
     ]
     for gnss in log.gnss:
         if spans and not any(gnss.time[0] <= end and gnss.time[-1] >= start for start, end in spans):
-            yield Fault(
-                gnss.name, "two clocks", "its times do not overlap the IMU's: two clocks in one file", "fault",
-                consequence="shift one of them before both are used together",
-            )  # fmt: skip
+            yield Fault(gnss.name, "two clocks", "its times do not overlap the IMU's: two clocks in one file", "fault",
+                        consequence="shift one of them before both are used together")  # fmt: skip
 
 
 def is_of(fault: Fault, stream: str) -> bool:

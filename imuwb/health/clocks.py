@@ -88,9 +88,7 @@ def _gaps(name: str, time: Floats, clock: Sampling, *, inertial: bool) -> Fault:
         consequence = f"averaging times above {whole / 2:.3g} s span gaps"
     kind, text = ("batches", "recorded in batches") if lost > MOSTLY else ("gaps", "gaps")
     severity = "note" if lost > MOSTLY else "fault" if lost > MUCH else "warning"
-    return Fault(
-        name, kind, f"{text}: {what}", severity, len(clock.gaps), float(time[0]) + at, longest, consequence
-    )  # fmt: skip
+    return Fault(name, kind, f"{text}: {what}", severity, len(clock.gaps), float(time[0]) + at, longest, consequence)  # fmt: skip
 
 
 def _rate_drops(name: str, time: Floats) -> Iterator[Fault]:
@@ -107,6 +105,4 @@ def _rate_drops(name: str, time: Floats) -> Iterator[Fault]:
         spans = [float(windows[a : a + n].sum()) for a, n in zip(first, length, strict=True)]
         what = f"the rate drops, down to {1 / float(usual.max()):.3g} Hz"
         consequence = "the noise differs at that rate; leave these spans out with --start and --end"
-        yield Fault(
-            name, "rate drop", what, "warning", int(first.size), float(starts[first[longest]]), max(spans), consequence
-        )  # fmt: skip
+        yield Fault(name, "rate drop", what, "warning", int(first.size), float(starts[first[longest]]), max(spans), consequence)  # fmt: skip

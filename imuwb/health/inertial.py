@@ -82,10 +82,8 @@ def _stuck(channel: Channel) -> Iterator[Fault]:
     long = spans > max(STUCK, LONGER * usual)
     if long.any():
         at = int(np.argmax(spans))
-        yield Fault(
-            channel.where, "stuck", "the same value for seconds: stuck", "fault", int(long.sum()),
-            float(time[first[at]]), float(spans[at]), "leave these spans out",
-        )  # fmt: skip
+        yield Fault(channel.where, "stuck", "the same value for seconds: stuck", "fault", int(long.sum()),
+                    float(time[first[at]]), float(spans[at]), "leave these spans out")  # fmt: skip
 
 
 def _saturated(channel: Channel) -> Iterator[Fault]:
@@ -103,10 +101,8 @@ def _saturated(channel: Channel) -> Iterator[Fault]:
         edges = np.concatenate([first - 1, first + length])
         leap = float(np.abs(values[edges[(edges >= 0) & (edges < values.size)]] - end).max(initial=0.0))
         if first.size >= SEVERAL or leap > LEAP * channel.step:
-            yield Fault(
-                channel.where, "saturated", f"saturated at {value_text(channel.axis, end)}", "fault", int(length.sum()),
-                float(channel.time[first[0]]), consequence="larger values are lost; attitude and velocity after them are off",
-            )  # fmt: skip
+            yield Fault(channel.where, "saturated", f"saturated at {value_text(channel.axis, end)}", "fault", int(length.sum()),
+                        float(channel.time[first[0]]), consequence="larger values are lost; attitude and velocity after them are off")  # fmt: skip
 
 
 def _struck(channel: Channel, lone: Lone, segments: Sequence[Segment]) -> Iterator[Fault]:
@@ -118,10 +114,8 @@ def _struck(channel: Channel, lone: Lone, segments: Sequence[Segment]) -> Iterat
             still |= (at >= segment.start) & (at <= segment.end)
     if still.any():
         what = f"lone samples off by up to {value_text(channel.axis, float(lone.off[still].max()))}"
-        yield Fault(
-            channel.where, "lone samples", what, "warning", int(still.sum()), float(at[still][0]),
-            consequence="each one disturbs the results at every averaging time",
-        )  # fmt: skip
+        yield Fault(channel.where, "lone samples", what, "warning", int(still.sum()), float(at[still][0]),
+                    consequence="each one disturbs the results at every averaging time")  # fmt: skip
 
 
 def _coarse(channel: Channel) -> Iterator[Fault]:
@@ -133,10 +127,8 @@ def _coarse(channel: Channel) -> Iterator[Fault]:
     scatter = float(np.std(np.diff(channel.values[:LOOKED_AT]))) / 2**0.5
     limited = lsb > scatter
     consequence = f"from sample to sample the values change by {value_text(channel.axis, scatter)}"
-    yield Fault(
-        channel.where, "step", f"smallest step (LSB) {value_text(channel.axis, lsb)}", "warning" if limited else "note",
-        consequence=consequence + (": quantization-limited" if limited else ""),
-    )  # fmt: skip
+    yield Fault(channel.where, "step", f"smallest step (LSB) {value_text(channel.axis, lsb)}", "warning" if limited else "note",
+                consequence=consequence + (": quantization-limited" if limited else ""))  # fmt: skip
 
 
 def _lines(channel: Channel) -> Iterator[Fault]:

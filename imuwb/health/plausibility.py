@@ -37,21 +37,17 @@ def implausible(log: Log, imu: ImuStream, segments: Sequence[Segment]) -> Iterat
     rate = _mean(log, imu.angular_rate, longest)
     if rate is not None and float(np.abs(rate).max()) > BIAS:
         worst = float(rate[int(np.argmax(np.abs(rate)))])
-        yield Fault(
-            f"{imu.name} gyros", "rate", f"turns by {np.degrees(worst):.3g} deg/s while still", "warning", 1,
-            longest.start, longest.length, "a bias to be taken off, or the IMU turns evenly",
-        )  # fmt: skip
+        yield Fault(f"{imu.name} gyros", "rate", f"turns by {np.degrees(worst):.3g} deg/s while still", "warning", 1,
+                    longest.start, longest.length, "a bias to be taken off, or the IMU turns evenly")  # fmt: skip
     force = _mean(log, imu.specific_force, longest)
     size = STANDARD_GRAVITY if force is None else float(np.linalg.norm(force))
     off = size / STANDARD_GRAVITY - 1
     if abs(off) > GRAVITY:
         wrong = abs(off) > WRONG
-        yield Fault(
-            f"{imu.name} accelerometers", "gravity", f"gravity is {size:.4g} m/s² while still",
-            "fault" if wrong else "warning", 1, longest.start, longest.length,
-            "units or scale are wrong, or the stream is no accelerometer" if wrong
-            else f"off by {1000 * off:+.0f} mg: a bias or a scale factor to be calibrated",
-        )  # fmt: skip
+        yield Fault(f"{imu.name} accelerometers", "gravity", f"gravity is {size:.4g} m/s² while still",
+                    "fault" if wrong else "warning", 1, longest.start, longest.length,
+                    "units or scale are wrong, or the stream is no accelerometer" if wrong
+                    else f"off by {1000 * off:+.0f} mg: a bias or a scale factor to be calibrated")  # fmt: skip
 
 
 def _temperature(log: Log, imu: ImuStream) -> Iterator[Fault]:

@@ -33,10 +33,8 @@ def receiver_faults(log: Log, gnss: GnssStream) -> Iterator[Fault]:
         return
     held = (np.diff(gnss.position, axis=0) == 0).all(axis=1)
     if held.mean() > HELD:
-        yield Fault(
-            gnss.name, "held rows", "rows that repeat the position before", "warning", int(held.sum()),
-            float(time[int(np.argmax(held)) + 1]), consequence="the receiver is slower than its rows: each fix is to be used once",
-        )  # fmt: skip
+        yield Fault(gnss.name, "held rows", "rows that repeat the position before", "warning", int(held.sum()),
+                    float(time[int(np.argmax(held)) + 1]), consequence="the receiver is slower than its rows: each fix is to be used once")  # fmt: skip
     yield from _spikes(gnss, time)
     yield from _jumps(gnss, time, held)
     for what, sigma in (("position", gnss.position_sigma), ("velocity", gnss.velocity_sigma)):
@@ -52,16 +50,12 @@ def _fix_types(name: str, fix_type: NDArray[np.int64], time: Floats) -> Iterator
         longest = int(np.argmax(length))
         last = min(first[longest] + length[longest], time.size - 1)
         start = float(time[first[longest]])
-        yield Fault(
-            name, "no 3D fix", "fixes of less than three dimensions", "warning", int(poor.sum()), start,
-            float(time[last]) - start, "do not navigate by them",
-        )  # fmt: skip
+        yield Fault(name, "no 3D fix", "fixes of less than three dimensions", "warning", int(poor.sum()), start,
+                    float(time[last]) - start, "do not navigate by them")  # fmt: skip
     changes = np.flatnonzero(np.diff(fix_type) != 0)
     if changes.size:
-        yield Fault(
-            name, "fix changes", "the type of the fix changes", "note", int(changes.size), float(time[changes[0] + 1]),
-            consequence="positions may jump there",
-        )  # fmt: skip
+        yield Fault(name, "fix changes", "the type of the fix changes", "note", int(changes.size), float(time[changes[0] + 1]),
+                    consequence="positions may jump there")  # fmt: skip
 
 
 def _speeds(gnss: GnssStream, time: Floats) -> tuple[Floats, Floats]:
@@ -77,9 +71,7 @@ def _spikes(gnss: GnssStream, time: Floats) -> Iterator[Fault]:
     spikes = np.flatnonzero((speed[1:-1] > speed[:-2] + FAST) & (speed[1:-1] > speed[2:] + FAST)) + 1
     if spikes.size:
         what = f"spikes of the velocity, up to {speed[spikes].max():.3g} m/s"
-        yield Fault(
-            gnss.name, "velocity spikes", what, "fault", int(spikes.size), float(at[spikes[0]]), consequence=GATED
-        )  # fmt: skip
+        yield Fault(gnss.name, "velocity spikes", what, "fault", int(spikes.size), float(at[spikes[0]]), consequence=GATED)  # fmt: skip
 
 
 def _jumps(gnss: GnssStream, time: Floats, held: NDArray[np.bool_]) -> Iterator[Fault]:
@@ -97,9 +89,7 @@ def _jumps(gnss: GnssStream, time: Floats, held: NDArray[np.bool_]) -> Iterator[
     jumps = np.flatnonzero(pace > TIMES * expected + JUMP)
     if jumps.size:
         what = f"jumps of the position, up to {distance[jumps].max():.3g} m"
-        yield Fault(
-            gnss.name, "position jumps", what, "fault", int(jumps.size), float(time[jumps[0] + 1]), consequence=GATED
-        )  # fmt: skip
+        yield Fault(gnss.name, "position jumps", what, "fault", int(jumps.size), float(time[jumps[0] + 1]), consequence=GATED)  # fmt: skip
 
 
 def _displacements(position: Floats) -> Floats:
