@@ -5,20 +5,20 @@ An analysis is a module, or any object, with these parts:
 * ``Parameters``: a frozen dataclass whose fields are the options of the command; ``imuwb.options`` states how they are declared.
   ``__post_init__`` calls ``check(self)`` and raises ValueError, with the reason, for a value that cannot be.
 * ``run(logs, parameters) -> result``: computes, and changes nothing else. The result is a frozen dataclass or a dict, and
-  becomes JSON. MissingDataError says what a log lacks.
+  becomes JSON. For a log that lacks data it raises MissingDataError.
 * ``draw(result, review)``: shows the result, and computes nothing.
 
-and, where it wants them, with these:
+and these, if it needs them:
 
 * ``LOGS = (fewest, most)``: how many logs it takes; (1, 1) without it; ``most`` None: any number.
 * ``error_model(result) -> ImuErrorModel``, for ``--save-model``. With ``LEAVES_MODEL`` the model is always saved, beside the
   recording, as ``NAME.error-model.toml``; if ``LEAVES_MODEL`` is a text, it stands in place of "error-model".
 * ``findings(result) -> tuple of Finding``: the result of each axis in terms that several analyses share.
-* ``outputs(parameters) -> tuple of paths`` and ``write_outputs(result, parameters)``: files of its own. Those that exist are
+* ``outputs(parameters) -> tuple of paths`` and ``write_outputs(result, parameters)``: files of its own. Files that exist are
   overwritten with --force only.
 * ``study(cases, parameters) -> result`` and ``draw_study(result, review)``, for ``--study``.
 * ``DEMO = "still"`` or ``"drive"``: imuwb demo runs the analysis on that sample log. The analysis of the drive gets the error model
-  that the first one leaves as its parameter ``error_model``.
+  that the first analysis leaves as its parameter ``error_model``.
 * ``SHOWS_FAULTS = True``: imuwb info names this analysis to a user whose log has faults.
 
 An analysis of several methods has ``METHODS`` instead, {name: module}; each module is an analysis as above, and becomes a
@@ -34,7 +34,7 @@ A conditioner changes the samples before an analysis uses them (``--through NAME
 * ``condition(log, parameters) -> (log, applied)``: the log with its change, which ``Log.conditioning`` states with its delay and
   whether it is causal. ValueError gives the reason why a parameter does not suit the log;
 
-and, where it wants them,
+and these, if it needs them:
 
 * ``draw(applied, review)``;
 * ``STUDY = {short name: (parameter, {parameter: value, ...})}``, for ``--study``: a name that users may write for

@@ -30,7 +30,7 @@ BACKGROUND: Color = (22, 22, 26)  #: of figures and tracks
 AXIS_COLORS: dict[str, Color] = {"x": RED, "y": GREEN, "z": BLUE}
 #: The tracks of GNSS receivers.
 TRACK_COLORS: tuple[Color, ...] = (ORANGE, TEAL, PURPLE)
-#: Things without an order, told apart.
+#: Colours of things without an order.
 PALETTE: tuple[Color, ...] = (BLUE, ORANGE, GREEN, RED, PURPLE, TEAL, YELLOW, BROWN)
 
 

@@ -1,16 +1,16 @@
-"""The errors of imuwb, and their exit codes on the command line.
+"""The errors of imuwb, and the exit code of each kind on the command line.
 
-ImuwbError                 1  the work failed, for example because a file cannot be written
- ├── UsageError            2  a command, option, parameter or plugin is wrong
- ├── MissingDataError      3  the log is sound but lacks what the analysis needs
- └── UnreadableLogError    4  the log cannot be read, or contradicts its stated units
+ImuwbError                 1  the work failed: a file cannot be written, no viewer runs, ...
+ ├── UsageError            2  a command, an option or a plugin is wrong
+ ├── MissingDataError      3  the log is sound, but lacks data that the analysis needs
+ └── UnreadableLogError    4  the log cannot be read, or contradicts what its user states
 
-A message names the value, the rule that the value breaks, and the remedy.
+A message names the value, the rule that it breaks, and what to do.
 """
 
 
 class ImuwbError(Exception):
-    """Base of all errors that imuwb raises on purpose."""
+    """Base of every error that imuwb raises on purpose."""
 
     exit_code = 1
 
@@ -22,12 +22,12 @@ class UsageError(ImuwbError):
 
 
 class MissingDataError(ImuwbError):
-    """The log is sound but lacks the data that the analysis needs."""
+    """The log is sound, but lacks data that the analysis needs."""
 
     exit_code = 3
 
 
 class UnreadableLogError(ImuwbError):
-    """The file is not a readable log, or contradicts its stated units."""
+    """The log cannot be read, or contradicts what its user states."""
 
     exit_code = 4

@@ -45,16 +45,16 @@ def build(arguments: list[str]) -> typer.Typer:
         pretty_exceptions_enable=False,
     )  # fmt: skip
     app.callback()(_root)
-    wanted = arguments[0] if arguments else ""
-    if wanted in COMMANDS:
-        _add_core(app, wanted)
+    name = arguments[0] if arguments else ""
+    if name in COMMANDS:
+        _add_core(app, name)
         return app
-    if wanted.endswith(".py"):
-        _add(app, wanted, cast("Analysis", registry.load_file(Path(wanted))), wanted)
+    if name.endswith(".py"):
+        _add(app, name, cast("Analysis", registry.load_file(Path(name))), name)
         return app
     points = registry.installed(registry.ANALYSES)
-    if wanted in points and (analysis := registry.load(points[wanted])) is not None:
-        _add(app, wanted, cast("Analysis", analysis), points[wanted].value)
+    if name in points and (analysis := registry.load(points[name])) is not None:
+        _add(app, name, cast("Analysis", analysis), points[name].value)
         return app
     loaded = {name: analysis for name, point in points.items() if (analysis := registry.load(point)) is not None}
     listed = COMMANDS | {name: (ANALYSES, registry.summary_of(analysis)) for name, analysis in loaded.items()}
@@ -79,8 +79,8 @@ def _nothing() -> None:
     """Stand for a command that is only listed."""
 
 
-def _version(wanted: bool) -> None:  # noqa: FBT001 - typer's callback has no keyword
-    if wanted:
+def _version(asked: bool) -> None:  # noqa: FBT001 - typer's callback has no keyword
+    if asked:
         from imuwb import __version__  # noqa: PLC0415 - it reads the installed metadata
 
         typer.echo(__version__)

@@ -90,8 +90,8 @@ def check_count(name: str, analysis: Analysis, paths: Sequence[Path]) -> None:
     """Raise UsageError unless the analysis takes that many logs."""
     fewest, most = cast("tuple[int, int | None]", getattr(analysis, "LOGS", (1, 1)))
     if len(paths) < fewest or (most is not None and len(paths) > most):
-        wanted = str(fewest) if fewest == most else f"{fewest} to {most}" if most else f"{fewest} or more"
-        message = f"{name} takes {wanted} log{'s' if wanted != '1' else ''}; {len(paths)} are given"
+        count = str(fewest) if fewest == most else f"{fewest} to {most}" if most else f"{fewest} or more"
+        message = f"{name} takes {count} log{'s' if count != '1' else ''}; {len(paths)} are given"
         raise UsageError(message)
 
 

@@ -51,7 +51,7 @@ class Places:
 
 
 def recording_place(output: Path | None, source: Path) -> Path:
-    """Return the recording that the user gives, or the one beside a source.
+    """Return the recording that the user gives, or the default recording beside a source.
 
     Raises:
         UsageError: the name of the recording does not end in .rrd.

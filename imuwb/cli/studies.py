@@ -68,12 +68,12 @@ def _values(text: str, values: str) -> list[str]:
 
 def steps_of(setting: Mapping[str, str]) -> list[Step]:
     """Return the conditioners of one setting in the order that they declare; those without an order come last."""
-    wanted: dict[str, dict[str, str]] = {}
+    parameters: dict[str, dict[str, str]] = {}
     short = _short_names()
     for name, value in setting.items():
         conditioner, key, others = short[name] if name in short else (*name.split(".", 1), {})
-        wanted.setdefault(conditioner, {}).update({key: value, **others})
-    return [step_of(name, wanted[name], OPTION) for name in sorted(wanted, key=_order)]
+        parameters.setdefault(conditioner, {}).update({key: value, **others})
+    return [step_of(name, parameters[name], OPTION) for name in sorted(parameters, key=_order)]
 
 
 def _short_names() -> dict[str, tuple[str, str, Mapping[str, str]]]:

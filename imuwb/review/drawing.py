@@ -1,4 +1,4 @@
-"""Lines, points and labels of 2D views, logged in one way."""
+"""How lines, points and labels of 2D views are logged."""
 
 from __future__ import annotations
 
@@ -54,11 +54,11 @@ def labels(
     size: float = 0.0,
 ) -> None:
     """Log texts at points; the points are visible if they have a size."""
-    places, words = [place for place, _ in texts], [text for _, text in texts]
-    shown = rr.Points2D(
-        places, labels=words, colors=[color] * len(places), radii=rr.Radius.ui_points(size), show_labels=True
+    places, shown = [place for place, _ in texts], [text for _, text in texts]
+    labelled = rr.Points2D(
+        places, labels=shown, colors=[color] * len(places), radii=rr.Radius.ui_points(size), show_labels=True
     )
-    recording.log(path, shown, static=True)
+    recording.log(path, labelled, static=True)
 
 
 def plane_view(path: str, name: str, x_range: Sequence[float], y_range: Sequence[float]) -> rrb.View:

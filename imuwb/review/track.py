@@ -21,7 +21,7 @@ EARTH_RADIUS = 6_371_000.0  #: m; a track is drawn on a plane, where a sphere is
 POINTS = 10_000  #: at least, of a long track that is drawn; a line on a screen shows no more
 AIR = 0.15  #: around a track for the labels, as a share of its extent
 BELOW = 0.08  #: of the ruler below the track, as a share of the track's extent
-RULER_LABEL = 0.04  #: of the ruler's text below the ruler, likewise
+RULER_LABEL = 0.04  #: of the ruler's text below the ruler, as a share of the track's extent
 
 
 class Tracks:
