@@ -112,7 +112,14 @@ def test_a_model_prints_a_line_for_each_axis_in_display_units():
     name, *lines = str(ImuErrorModel("mine", {"accel_z": accel, "gyro_x": gyro})).splitlines()
     assert name == "mine"
     assert [line.partition(": ")[0] for line in lines] == ["gyro_x", "accel_z"]
-    for text in ("N 0.3 deg/√h", "Gauss-Markov sigma 1.5 deg/s", "Tc 20 s", "1 %", "2, 0 mrad", "2 set-points from -20 to 50 °C"):
+    for text in (
+        "N 0.3 deg/√h",
+        "Gauss-Markov sigma 1.5 deg/s",
+        "Tc 20 s",
+        "1 %",
+        "2, 0 mrad",
+        "2 set-points from -20 to 50 °C",
+    ):
         assert text in lines[0]
     for text in ("K 1 m/s/h^1.5", "bias 1 mg", "0.5 rad/s per m/s²", "LSB 102 mg"):
         assert text in lines[1]
