@@ -215,7 +215,7 @@ def test_a_ramp_has_no_plateaus():
 @pytest.mark.parametrize(("apart", "count"), [(0.9, 1), (1.1, 2)])
 def test_set_points_within_a_degree_have_one_temperature(apart, count):
     parts = [LogPart(k, None, {}, Stretch(0.0, 1.0, t, 0.0, t, None), None) for k, t in enumerate((10.0, 10.0 + apart))]
-    assert len(grouped(parts)) == count
+    assert len(grouped(parts, lambda part: part.stretch.nominal)) == count
 
 
 @pytest.mark.parametrize(("size", "noted"), [(1.0, False), (1.012, False), (1.08, True)])

@@ -15,9 +15,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-PARTS = (
-    4  #: of a stretch; the scatter of their means gives the error of the whole mean; each part has as many parts again
-)
+PARTS = 4  #: of a stretch, and of each part again; the scatter of their means gives the error of the whole mean
 FEWEST = 4 * PARTS * PARTS  #: samples of a stretch
 CHANCE = 0.05  #: of a test for white noise: its probability of a false alarm
 COARSE = 3  #: different values in a stretch, up to which noise does not average out the rounding

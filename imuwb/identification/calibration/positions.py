@@ -146,9 +146,8 @@ def known_attitudes(
 
     fit = fitted(0.0)
     tilt = fit.extra**0.5 if misplacement is None and fit.extra_freedom else misplacement
-    if (
-        tilt
-    ):  # Two tilts of that rms shorten the vertical part by the square of the rms on average, with as large a scatter.
+    # Two tilts of that rms shorten the vertical part by the square of the rms on average, and scatter as much.
+    if tilt:
         fit = fitted(tilt**2)
     axes = tuple(_axis(fit, axis * columns, bent, level) for axis in range(3))
     residual = fit.residual.reshape(3, positions).T

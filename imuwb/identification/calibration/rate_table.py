@@ -45,7 +45,6 @@ class RunFit:
     offset: tuple[Estimate, Estimate, Estimate]  #: of each gyro at rest in this attitude, in the unit of the samples
     residual: Floats  #: (k, 3)
     sigma: Floats  #: (k, 3) standard deviation of the means' noise
-    probability: tuple[float, float, float]  #: that noise alone makes residuals as large as these
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -87,7 +86,6 @@ def rate_table(runs: Sequence[RateRun], conditions: TableConditions) -> RateTabl
             tuple(fit.estimate(0, conditions.level) for fit in three),  # type: ignore[arg-type]
             np.stack([fit.residual for fit in three], axis=1),
             np.sqrt(run.means.variance),
-            tuple(fit.probability for fit in three),  # type: ignore[arg-type]
         )
         for run, three in zip(runs, fits, strict=True)
     )

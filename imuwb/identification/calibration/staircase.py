@@ -25,7 +25,6 @@ class Staircase:
 
     axis: int  #: number of the gyro that turns
     rate: Floats  #: (k,) rad/s, given rate of each step
-    both: bool  #: whether the table turned in both directions
 
 
 def turned_axis(mean: Floats, name: str) -> int:
@@ -73,7 +72,7 @@ def matched(mean: Floats, rates: Sequence[float], name: str, *, raw: bool) -> St
         message = f"{name}: the steps of gyro {'xyz'[axis]} are not the given rates, in both directions or one, with stops or without"
         raise ValueError(message)
     _, rate = min(fits, key=lambda fit: fit[0])
-    return Staircase(axis, rate, bool(rate.min() < 0 < rate.max()))
+    return Staircase(axis, rate)
 
 
 def _level_sets(wanted: Floats) -> list[Floats]:

@@ -100,7 +100,7 @@ def right_sides(time: Floats, lattice: Lattice | None, whitening: Whitening, row
 def _squares(
     time: Floats, lattice: Lattice | None, whitening: Chain | Recursion, grid: Grid
 ) -> tuple[Floats, Complexes]:
-    """Return the sums over rows of |row of E|² and (row of E)²."""
+    """Return the sums over rows of |row of WE|² and (row of WE)²."""
     if isinstance(whitening, Recursion):
         part = None if lattice is None else type(lattice)(lattice.interval, lattice.index[whitening.kept])
         twice = sums(time[whitening.kept], part, np.ones((1, whitening.count)), grid, 2)[0]

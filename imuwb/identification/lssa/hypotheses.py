@@ -50,12 +50,6 @@ class Hypothesis:
     octave_frequency: Floats  #: (b,) cycles per sample, middle of each octave
     octave_power: Floats  #: (b,) power of the whitened series over the mean of all octaves: 1 if the structure is right
 
-    def __str__(self) -> str:
-        """Return the verdict, in one line."""
-        return f"{self.name}: {'tenable' if self.tenable else 'rejected'}, p = {self.p_value:.2g}"
-
-    __repr__ = __str__
-
     @property
     def coefficient(self) -> float | None:
         """Return El-Diasty's C of b(k+1) = C b(k) + e, which is -alpha; None for an order other than 1."""

@@ -85,12 +85,8 @@ def fitted_noise(
     """
     n, nothing = time.size, np.empty(0)
     if weights is not None:
-        if (
-            noise.kind not in ("white", "local")
-            or weights.shape != (n,)
-            or not (weights >= 0).all()
-            or not weights.any()
-        ):
+        suits = weights.shape == (n,) and (weights >= 0).all() and weights.any()
+        if noise.kind not in ("white", "local") or not suits:
             message = "weights need white noise, one weight for each sample, none below 0; other noise is weighted by its covariance"
             raise ValueError(message)
         return NoiseFit(noise, white(n, weights), nothing)
@@ -148,13 +144,10 @@ def _first_order(residual: Floats, steps: NDArray[np.int64], noise: Noise) -> No
 
 def _gauss_markov(time: Floats, residual: Floats, noise: Noise) -> NoiseFit:
     """Return Gauss-Markov noise with the likeliest correlation time."""
-    limits = np.log([FASTEST * float(np.median(np.diff(time))), SLOWEST * float(time[-1])])
-    best = _smallest(
-        lambda x: _misfit(gauss_markov(time, math.exp(x)), residual),
-        np.linspace(limits[0], limits[1], 25),
-        tuple(limits),
-    )
-    return NoiseFit(noise, gauss_markov(time, math.exp(best)), np.empty(0), math.exp(best))
+    first, last = np.log([FASTEST * float(np.median(np.diff(time))), SLOWEST * float(time[-1])])
+    tried = np.linspace(first, last, 25)
+    best = math.exp(_smallest(lambda x: _misfit(gauss_markov(time, math.exp(x)), residual), tried, (first, last)))
+    return NoiseFit(noise, gauss_markov(time, best), np.empty(0), best)
 
 
 def _misfit(chain: Chain, residual: Floats) -> float:

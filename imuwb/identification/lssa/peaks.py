@@ -63,8 +63,7 @@ class Extraction:
     peaks: tuple[Peak, ...]  #: the strongest first
     spectrum: Spectrum  #: of the series
     significance: Significance  #: of that spectrum
-    left: Spectrum  #: of the series without the lines
-    left_significance: Significance
+    left_significance: Significance  #: of the spectrum without the lines
     residual: Floats  #: (rows,) whitened, without the lines
 
     def __str__(self) -> str:
@@ -110,7 +109,7 @@ def extract(spectrum: Spectrum, level: float = 0.99, confidence: float = 0.95, m
         left_significance = significance(left, level)
     peaks = [_peak(spectrum, left_significance, line, lines, residual, confidence) for line in lines]
     peaks.sort(key=lambda peak: -peak.amplitude.value)
-    return Extraction(tuple(peaks), spectrum, first, left, left_significance, residual)
+    return Extraction(tuple(peaks), spectrum, first, left_significance, residual)
 
 
 def _leakage(spectrum: Spectrum) -> Floats:
@@ -257,9 +256,8 @@ def _peak(
         Estimate(value, value - half, value + half) for value, half in zip(values, map(float, halves), strict=True)
     )
     own = columns[:, at + 1] * line.a + columns[:, at + 2] * line.b
-    together = (
-        0.5 * (amplitude * z / halves[1]) ** 2 if halves[1] > 0 else np.inf
-    )  # exceedance when all lines are fitted
+    # the exceedance when all lines are fitted together
+    together = 0.5 * (amplitude * z / halves[1]) ** 2 if halves[1] > 0 else np.inf
     return Peak(
         frequency, replace(size, lower=max(size.lower, 0.0)), phase, 100 * float(own @ own) / adjusted.rest, line.exceedance,
         line.probability, bool(min(line.exceedance, together) > left.record),

@@ -32,26 +32,16 @@ LOWEST = SKIPPED + LEAST_NEIGHBOURS  #: cycles of a line in the record, at least
 NODES = 64  #: of the quadrature
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class Significance:
     """What noise alone would show at m frequencies, and the limits of significance."""
 
     exceedance: Floats  #: (m,)
-    level: (
-        Floats  #: (m,) of the noise: half the quadratic form by which a line of noise reduces the residual on average
-    )
+    level: Floats  #: (m,) of the noise: half of a noise line's mean reduction of the residual's quadratic form
     one: float  #: exceedance that is significant at one frequency chosen beforehand
     record: float  #: exceedance that is significant anywhere in the record
     probability: float  #: 1 - the level of both limits
-    neighbours: (
-        NDArray[np.int64] | None
-    )  #: (m,) number of frequencies in the level; None: it is that of the whole residual
-
-    def __str__(self) -> str:
-        """Return the limits, in one line."""
-        return f"exceedance {self.one:.3g} at one frequency, {self.record:.3g} in the record (level {1 - self.probability:g})"
-
-    __repr__ = __str__
+    neighbours: NDArray[np.int64] | None  #: (m,) frequencies in the level; None: it is that of the whole residual
 
     def reduction(self, spectrum: Spectrum, exceedance: float) -> Floats:
         """Return by how much a line must reduce the quadratic form for an exceedance, (m,); 0 where the level is not known."""

@@ -59,9 +59,8 @@ def lattice_of(time: Floats, interval: float, stray: float = STRAY) -> Lattice |
 
 
 def _lattice(time: Floats, interval: float, stray: float) -> Lattice | None:
-    steps = np.rint(np.diff(time) / interval).astype(
-        np.int64
-    )  # rounded step by step: an error of the interval must not add up
+    # Rounded step by step: an error of the interval must not add up.
+    steps = np.rint(np.diff(time) / interval).astype(np.int64)
     if steps.min(initial=1) < 1:
         return None
     steps //= np.gcd.reduce(steps)

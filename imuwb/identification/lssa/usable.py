@@ -11,12 +11,16 @@ from scipy import fft
 from imuwb.identification.lssa.trigonometric import Grid, summit, sums
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from imuwb.identification.lssa.spectrum import Adjusted
     from imuwb.identification.lssa.trigonometric import Lattice
 
+    Floats = NDArray[np.float64]
+
 MIRRORED = 0.5  #: share of a line's power at another frequency, from which both frequencies show the same line
 FAR = 8.0  #: usual sampling rates, up to which mirrors are searched
-LOOKED_AT = 1 << 15  #: samples that are enough to find mirrors
+ENOUGH = 1 << 15  #: samples that are enough to find mirrors
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,31 +43,32 @@ def usable_band(adjusted: Adjusted) -> UsableBand:
     if adjusted.lattice is not None:
         mirror = _mirror_of(adjusted.lattice)
         return UsableBand(lowest, mirror / 2, mirror)
-    time = time[: min(time.size, LOOKED_AT)]
+    time = time[: min(time.size, ENOUGH)]
     step = 0.5 / float(time[-1])
     count = int(FAR / interval / step)
     window = np.abs(sums(time, None, np.ones((1, time.size)), Grid(step, count))[0]) ** 2 / time.size**2
-    begin = int(0.25 / interval / step)  # above the window's own peak
-    high = np.flatnonzero(window[begin:] > MIRRORED)
-    if not high.size:
+    top = _first_top(window, int(0.25 / interval / step))
+    if top is None:
         return UsableBand(lowest, FAR / interval / 2, None)
-    top = begin + int(high[0])
-    while top + 1 < count and window[top + 1] > window[top]:
-        top += 1
     mirror = (top + 1 + summit(window, top)) * step
     return UsableBand(lowest, mirror / 2, mirror)
 
 
 def _mirror_of(lattice: Lattice) -> float:
     """Return the mirror of a lattice: its rate, or less if most points are missing in a regular pattern."""
-    index = lattice.index[:LOOKED_AT]
+    index = lattice.index[:ENOUGH]
     length = 2 * fft.next_fast_len(2 * (int(index[-1]) + 1), real=True)
     window = np.abs(fft.rfft(np.bincount(index, minlength=length).astype(float))) ** 2 / index.size**2
-    begin = length // 4
+    top = _first_top(window, length // 4)
+    return 1 / lattice.interval if top is None else top / (length * lattice.interval)
+
+
+def _first_top(window: Floats, begin: int) -> int | None:
+    """Return the index of the first high maximum from ``begin``, which is above the window's own peak; None for none."""
     high = np.flatnonzero(window[begin:] > MIRRORED)
     if not high.size:
-        return 1 / lattice.interval
+        return None
     top = begin + int(high[0])
     while top + 1 < window.size and window[top + 1] > window[top]:
         top += 1
-    return top / (length * lattice.interval)
+    return top

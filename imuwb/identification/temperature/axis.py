@@ -11,8 +11,7 @@ from imuwb.identification.temperature.bias import Biases, biases
 from imuwb.identification.temperature.dependence import Dependence, by_chi_square, depends, heterogeneity
 from imuwb.identification.temperature.function_choice import FunctionChoice, choose_function
 from imuwb.identification.temperature.functions import TemperatureFunction
-from imuwb.identification.temperature.pooled import pooled
-from imuwb.identification.temperature.quantization import settled
+from imuwb.identification.temperature.pooled import pooled, settled
 from imuwb.identification.temperature.set_point import LETTERS, SetPoint, log_sigma
 from imuwb.identification.temperature.slow_processes import SLOW, size_of, slow_processes
 

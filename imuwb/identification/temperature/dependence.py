@@ -39,7 +39,6 @@ DRAWS, SEED = 20_000, 20_130_807  #: of the simulation
 class Dependence:
     """A test that a quantity is the same at all temperatures."""
 
-    temperatures: int
     statistic: float | None  #: None: there is no evidence of the coefficient, so nothing to test
     distribution: str  #: of the statistic if nothing depends on temperature
     critical: float | None  #: the statistic exceeds it with probability ``size`` if nothing depends on temperature
@@ -87,7 +86,7 @@ def depends(
         return None
     if pooled is not None and pooled.value is None:
         text = "no evidence of the coefficient at all temperatures together"
-        return Dependence(len(points), None, text, None, None, size, None, pooled)
+        return Dependence(None, text, None, None, size, None, pooled)
     common, slope, information = _common(points, list(TERMS).index(letter))
     if common <= 0:
         return None
@@ -102,14 +101,14 @@ def depends(
     p_value = float((1 + np.count_nonzero(drawn >= statistic)) / (1 + DRAWS))
     critical = float(np.quantile(drawn, 1 - size))
     text = f"simulated from scaled chi-squares of {freedom.min():.3g} to {freedom.max():.3g} degrees of freedom"
-    return Dependence(len(points), statistic, text, critical, p_value, size, p_value < size, value)
+    return Dependence(statistic, text, critical, p_value, size, p_value < size, value)
 
 
 def by_chi_square(count: int, statistic: float, size: float, common: Coefficient | None = None) -> Dependence:
     """Return the test of a statistic whose distribution is chi-square with ``count`` - 1 degrees of freedom."""
     p_value = float(chi_square_tail(statistic, count - 1))
     critical = float(chi_square_quantile(1 - size, count - 1))
-    return Dependence(count, statistic, f"chi-square({count - 1})", critical, p_value, size, p_value < size, common)
+    return Dependence(statistic, f"chi-square({count - 1})", critical, p_value, size, p_value < size, common)
 
 
 def _drawn(freedom: Floats, information: Floats) -> Floats:

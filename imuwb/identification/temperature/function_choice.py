@@ -43,10 +43,6 @@ class FunctionCandidate:
     excess_sigma: float  #: standard error of that difference
     fit_probability: float | None  #: that chance makes the fit's chi-square as large; None: no degree of freedom
 
-    def __str__(self) -> str:
-        """Return the error of the prediction, in one line."""
-        return f"{self.kind}: prediction error {self.error:.3g}"
-
 
 @dataclass(frozen=True, eq=False, slots=True)
 class FunctionChoice:

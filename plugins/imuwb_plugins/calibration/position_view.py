@@ -23,20 +23,18 @@ def draw(result: PositionResult, review: Review) -> None:
     """Show parameters and residuals, then samples before and after the correction, then the positions."""
     for note in result.notes:
         review.note(note)
-    for sensor in SENSORS:
-        axes = [axis for axis in result.parameters if axis.startswith(sensor)]
-        if axes:
-            review.figure(_residuals(result, sensor))
-    for sensor in SENSORS:
-        if any(axis.startswith(sensor) for axis in result.parameters):
-            review.table(parameter_table(result.parameters, sensor, result.imu, result.level))
+    sensors = [s for s in SENSORS if f"{s}_x" in result.parameters]
+    for sensor in sensors:
+        review.figure(_residuals(result, sensor))
+    for sensor in sensors:
+        review.table(parameter_table(result.parameters, sensor, result.imu, result.level))
     if result.printed:
         review.table(_printed(result))
     review.tab("Raw and corrected")
     for trace in result.traces:
         review.figure(trace_figure(trace, result.unit))
     review.tab("Positions")
-    review.table(_positions(result))
+    review.table(_positions(result, sensors))
 
 
 def _residuals(result: PositionResult, sensor: str) -> Figure:
@@ -69,16 +67,11 @@ def _printed(result: PositionResult) -> Table:
         for axis, x in result.printed.items()
     )  # fmt: skip
     caption = "From two means only: b = (up + down)/2, s = (up - down - 2 g)/(2 g)."
-    return Table(
-        "As printed: Hassaballa, equations 3 to 6",
-        ("axis", "mean up", "mean down", "bias, eq. 5", "scale factor, eq. 6"),
-        rows,
-        caption,
-    )
+    headings = ("axis", "mean up", "mean down", "bias, eq. 5", "scale factor, eq. 6")
+    return Table("As printed: Hassaballa, equations 3 to 6", headings, rows, caption)
 
 
-def _positions(result: PositionResult) -> Table:
-    sensors = [s for s in SENSORS if any(axis.startswith(s) for axis in result.parameters)]
+def _positions(result: PositionResult, sensors: list[str]) -> Table:
     headings = ["number", "position", "up", "duration"]
     for sensor in sensors:
         unit = result.unit or display(SENSORS[sensor][1])[1]

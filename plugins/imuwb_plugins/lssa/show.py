@@ -8,14 +8,14 @@ import numpy as np
 
 from imuwb.analysis import Curve, Figure, Mark, Table
 from imuwb.colors import AXIS_COLORS, GREY, ORANGE
-from imuwb.units import coefficient_units
+from imuwb.units import UNITS, coefficient_units
 
 if TYPE_CHECKING:
     from imuwb.analysis import Review
     from imuwb.identification.lssa import ChiSquare
     from imuwb_plugins.lssa.result import LssaAxis, PeakResult, Result
 
-_UNITS = {"gyro": ("deg/s", np.pi / 180), "accel": ("m/s²", 1.0)}
+DENSITY_UNITS = {"gyro": UNITS["deg/s"], "accel": UNITS["m/s²"]}
 _SENSORS = {"gyro": "gyroscopes", "accel": "accelerometers"}
 NOTHING_DB = -150.0  #: dB; smaller values are not drawn
 LABELLED = 5  #: lines with a label in a figure, at most
@@ -39,10 +39,9 @@ def draw(result: Result, review: Review) -> None:
 
 
 def _figure(axis: str, spectrum: LssaAxis, result: Result) -> Figure:
-    sensor = axis.partition("_")[0]
-    unit, factor = _UNITS[sensor]
+    rate = DENSITY_UNITS[axis.partition("_")[0]]
     scale, y_title = {
-        "density": (factor**2, f"one-sided density [({unit})²/Hz]"),
+        "density": (rate.factor**2, f"one-sided density [({rate.name})²/Hz]"),
         "percent": (1.0, "share of the residual [%]"),
         "decibels": (1.0, "signal-to-noise ratio, eq. 12 as printed [dB]"),
         "printed": (1.0, "quadratic form over f, eq. 13 as printed [1/Hz]"),
@@ -86,15 +85,8 @@ def _peaks(result: Result) -> Table:
         for peak in spectrum.peaks
     )  # fmt: skip
     headings = (
-        "axis",
-        "line",
-        "frequency",
-        "amplitude",
-        "phase at start",
-        "share of residual",
-        "probability by chance",
-        "verdict",
-    )
+        "axis", "line", "frequency", "amplitude", "phase at start", "share of residual", "probability by chance", "verdict",
+    )  # fmt: skip
     rows = rows or ((*("—",) * (len(headings) - 1), f"no line at {100 * result.level:g} %"),)
     caption = (
         f"Intervals at {100 * result.confidence:g} %. Probability by chance: that noise alone shows as much anywhere in a record. A "
@@ -117,9 +109,7 @@ def _phase(peak: PeakResult) -> str:
 
 
 def _chance(peak: PeakResult, result: Result) -> str:
-    if peak.probability is None:
-        return f"< {1 - result.level:.2g}"
-    return _probability(peak.probability)
+    return f"< {1 - result.level:.2g}" if peak.probability is None else _probability(peak.probability)
 
 
 def _probability(value: float) -> str:
@@ -149,14 +139,8 @@ def _hypotheses(result: Result) -> Table:
         "x(n) = -alpha x(n-1) + w(n). The tests use the longest part without gaps, without steady lines, and whitened: the "
         "correlations of short lags (Ljung and Box), and the powers in octaves for slow drifts (Bartlett)."
     )
-    headings = (
-        "axis",
-        "hypothesis",
-        "verdict",
-        "short lags",
-        "slow drifts",
-        "power of the lowest octave over the mean",
-    )
+    octave = "power of the lowest octave over the mean"
+    headings = ("axis", "hypothesis", "verdict", "short lags", "slow drifts", octave)
     return Table("Structure of the noise", headings, rows, caption, wide=True)
 
 

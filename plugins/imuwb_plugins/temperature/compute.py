@@ -80,7 +80,7 @@ def _groups(logs: Sequence[Log], parameters: Parameters) -> tuple[tuple[str, ...
         parts += log_parts
         cuts.append(cut)
         notes += log_notes
-    groups = grouped(parts)
+    groups = grouped(parts, lambda part: part.stretch.nominal)
     usable = [group for group in groups if any(part.has_enough() for part in group)]
     short = [group[0].stretch.nominal for group in groups if group not in usable]
     if short:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -16,12 +16,13 @@ from imuwb.notes import Note
 from imuwb.sampling import longest_part
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterable
 
     from imuwb.axes import Axis
     from imuwb.log import Floats, Log
     from imuwb_plugins.temperature.parameters import Parameters
 
+Item = TypeVar("Item")
 TOGETHER = 1.0  #: °C; set-points that differ by no more have one temperature
 FEWEST = 1024  #: samples of a record
 STEADY = 0.2  #: °C; a smoothed temperature that spans no more is constant
@@ -120,12 +121,12 @@ def _check_stillness(log: Log, axes: dict[str, Axis]) -> list[Note]:
     return [Note("disturbed", text)]
 
 
-def grouped(parts: Sequence[LogPart]) -> list[list[LogPart]]:
-    """Return the parts at each temperature, in rising order."""
-    groups: list[list[LogPart]] = []
-    for part in sorted(parts, key=lambda p: p.stretch.nominal):
-        if groups and part.stretch.nominal - groups[-1][0].stretch.nominal <= TOGETHER:
-            groups[-1].append(part)
+def grouped(items: Iterable[Item], celsius: Callable[[Item], float]) -> list[list[Item]]:
+    """Return the items at each temperature, in rising order."""
+    groups: list[list[Item]] = []
+    for item in sorted(items, key=celsius):
+        if groups and celsius(item) - celsius(groups[-1][0]) <= TOGETHER:
+            groups[-1].append(item)
         else:
-            groups.append([part])
+            groups.append([item])
     return groups

@@ -54,7 +54,7 @@ class DependenceResult:
     by_coefficient: dict[str, Dependence | None]
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class FunctionResult:
     """A coefficient as a function of temperature, in SI."""
 
@@ -68,14 +68,8 @@ class FunctionResult:
     lower: Floats
     upper: Floats
 
-    def __str__(self) -> str:
-        """Return the formula."""
-        return self.formula
 
-    __repr__ = __str__
-
-
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class TemperatureAxis:
     """One axis."""
 
@@ -86,12 +80,6 @@ class TemperatureAxis:
     turn_on: float | None  #: standard deviation of the bias between logs at one temperature
     reference_bias: float  #: value of ``bias`` at the reference temperature, by its function
     over: AxisTemperatures = field(metadata={"document": False})
-
-    def __str__(self) -> str:
-        """Return one line for each temperature."""
-        return "\n".join(map(str, self.by_temperature))
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -9,7 +9,7 @@ import numpy as np
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.temperature import FirstOrder, first_order
 from imuwb.log import AXES
-from imuwb_plugins.temperature.records import TOGETHER, parts_of
+from imuwb_plugins.temperature.records import grouped, parts_of
 from imuwb_plugins.temperature.result import CONVENTION, Study, StudyCase
 
 if TYPE_CHECKING:
@@ -64,12 +64,7 @@ def _first_orders(case: Case, number: int, parameters: Parameters) -> dict[str, 
 
 
 def _merged(pairs: ByTemperature) -> tuple[tuple[float, FirstOrder], ...]:
-    groups: list[ByTemperature] = []
-    for pair in sorted(pairs, key=lambda p: p[0]):
-        if groups and pair[0] - groups[-1][0][0] <= TOGETHER:
-            groups[-1].append(pair)
-        else:
-            groups.append([pair])
+    groups = grouped(pairs, lambda pair: pair[0])
     return tuple((float(np.mean([t for t, _ in g])), _mean([first for _, first in g])) for g in groups)
 
 

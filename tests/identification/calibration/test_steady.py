@@ -95,7 +95,8 @@ def test_a_hand_may_wander_within_the_tolerance():
 
 def test_a_shake_about_the_same_mean_parts_a_stretch():
     values = 0.02 * np.random.default_rng(5).standard_normal((4000, 3))
-    values[2000:2100] *= 5
+    shake = 4 * values[2000:2100].reshape(4, 25, 3)
+    values[2000:2100] = (shake - shake.mean(axis=1, keepdims=True)).reshape(100, 3)
     found = steady(values, DT, 5.0, SPAN)
     assert [(a < 2000, b <= 2025) for a, b in found] == [(True, True), (False, False)]
 
@@ -105,3 +106,10 @@ def test_halves_may_differ_by_a_hundredth_of_the_span(drift, is_steady):
     values = 0.02 * np.random.default_rng(6).standard_normal((4000, 3))
     values[:, 2] += np.linspace(0, drift, 4000)
     assert len(steady(values, DT, 10.0, SPAN)) == int(is_steady)
+
+
+def test_rounding_of_a_sensor_without_noise_parts_no_stretch():
+    values = np.zeros((4000, 3))
+    values.reshape(160, 25, 3)[::4] += 1e-10
+    ((first, end),) = steady(values, DT, 10.0, SPAN)
+    assert end - first > 3900

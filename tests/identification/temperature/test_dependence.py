@@ -4,8 +4,7 @@ from scipy import stats
 
 from imuwb.identification.temperature import Record, heterogeneity, identify, over_temperature
 from imuwb.identification.temperature.dependence import DRAWS, _drawn, depends
-from imuwb.identification.temperature.pooled import pooled
-from imuwb.identification.temperature.quantization import settled
+from imuwb.identification.temperature.pooled import pooled, settled
 from imuwb.stochastic import FlickerNoise, Sum, WhiteNoise
 
 DT = 0.01
