@@ -148,3 +148,11 @@ def test_a_line_is_mostly_taken_for_a_line():
     assert (
         sum(kind in ("linear", "arrhenius") for kind in kinds) >= 42
     )  # the simplest within a standard error of the best
+
+
+def test_a_set_point_far_off_excuses_no_function_that_the_others_contradict():
+    celsius = np.array([-30.0, -15, 0, 15, 30, 45, 60])
+    sharp = np.interp(celsius, [-30, 0, 30, 60], [0.8, 0.48, 0.67, 0.67])
+    sharp[3] += 0.6
+    found = choose_function(celsius, sharp, np.full(7, 0.03), logarithmic=True)
+    assert found.function.kind == "piecewise"

@@ -16,9 +16,9 @@ def test_white_noise_has_its_slope_and_an_interval_as_wide_as_the_slopes_scatter
     found = [
         white_slope(allan(process.sample(20_000, DT, rng), DT, "octave", fast=True), process, WHITE) for _ in range(60)
     ]
-    slopes = np.array([region.slope for region in found])
+    slopes = np.array([region.slope.value for region in found])
     assert slopes.mean() == pytest.approx(-0.5, abs=0.005)
-    halves = np.mean([(region.upper - region.lower) / 2 for region in found])
+    halves = np.mean([(region.slope.upper - region.slope.lower) / 2 for region in found])
     assert halves == pytest.approx(1.96 * slopes.std(), rel=0.4)
     assert all(region.end / region.start == 2**9 for region in found)  # ten octaves
 
