@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
+from scipy import signal
 
-from imuwb.identification import allan, stationarity
+from imuwb.identification import allan, equivalent_degrees_of_freedom, stationarity
 from imuwb.stochastic import FlickerNoise, GaussMarkov, WhiteNoise
 
 DT = 0.01
@@ -87,3 +88,15 @@ def test_the_unit_and_a_bias_do_not_matter():
 def test_what_cannot_be_tested_is_refused_with_the_reason(values, parts, reason):
     with pytest.raises(ValueError, match=reason):
         stationarity(values, DT, parts)
+
+
+def test_parts_are_compared_down_to_fifteen_degrees_of_freedom():
+    longest = round(stationarity(white(12_000), DT).averaging_time[-1] / DT)
+    assert equivalent_degrees_of_freedom(longest, 1000, 0) >= 15 > equivalent_degrees_of_freedom(2 * longest, 1000, 0)
+
+
+def test_after_a_filter_steady_noise_is_seldom_refused_either():
+    """Neighbouring samples are then alike, so a part has fewer degrees of freedom than a power law gives it."""
+    low_pass = signal.butter(2, 0.02, output="sos")
+    steady = [stationarity(signal.sosfilt(low_pass, white(13_000, seed))[1000:], DT).stationary for seed in range(30)]
+    assert sum(steady) >= 28
