@@ -157,3 +157,10 @@ def test_what_has_no_model_is_refused_with_the_reason():
         fit_autoregressive(np.arange(20.0), DT, 20)
     with pytest.raises(ValueError, match="constant"):
         fit_autoregressive(np.ones(100), DT, 3)
+
+
+def test_innovations_are_called_white_down_to_one_in_a_hundred():
+    tests = [fit_autoregressive(record(2**9, seed), DT, 3).whiteness for seed in range(12)]
+    probabilities = np.array([[w.probability, w.white] for of_record in tests for w in of_record])
+    np.testing.assert_array_equal(probabilities[:, 1] == 1, probabilities[:, 0] > 0.01)
+    assert ((probabilities[:, 0] > 0.01) & (probabilities[:, 0] < 0.5)).any()

@@ -4,6 +4,7 @@ from scipy import signal
 
 from imuwb.identification import choose_model, find_lines, fit_autoregressive
 from imuwb.identification.likelihood.cosine_spectrum import cosine_spectrum
+from imuwb.identification.likelihood.model_choice import ModelCandidate, _ranked
 from imuwb.identification.likelihood.problem import LikelihoodProblem
 from imuwb.stochastic import Autoregressive, FlickerNoise, GaussMarkov, Quantization, RandomWalk, Sinusoid, WhiteNoise
 
@@ -84,6 +85,18 @@ def test_a_clear_choice_is_called_clear():
     assert choose(WhiteNoise(0.3) + GaussMarkov(0.5, 5.0), 2**15, sums=("N", "NB", "NM", "NK")).clear
     assert not choose(WhiteNoise(0.3) + GaussMarkov(0.5, 5.0), 2**10).clear
     assert not choose(WhiteNoise(0.3), 2**12, sums=("N",)).clear
+
+
+@pytest.mark.parametrize(("bic", "out", "clear"), [(9.9, 1.0, False), (10.1, 1.0, True), (10.1, -1.0, False)])
+def test_a_difference_of_ten_is_clear_if_the_best_is_best_out_of_sample(bic, out, clear):
+    best, other = (
+        ModelCandidate(n, WhiteNoise(1.0) + RandomWalk(1.0), 1, 0.0, b, b, o)
+        for n, b, o in (("N", 0.0, 0.0), ("K", bic, out))
+    )
+    choice = _ranked([other, best], 1.0)
+    assert choice.best.name == "N"
+    assert choice.clear == clear
+    assert (choice.candidates[1].bic_excess, choice.candidates[1].out_of_sample_excess) == (bic, out)
 
 
 def test_quantization_is_tried_only_where_it_shows():
