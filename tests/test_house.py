@@ -29,6 +29,7 @@ TERMS = {
         "selection.py",
         "writers",
     },  # a quantity
+    "wavelet": {"identification"},  # a kind of variance
 }
 
 
