@@ -129,6 +129,17 @@ def _axis_rows(
     low, high = begin, _U((first[6] + _LANES - 1) // _LANES * _LANES)
     for axis in range(6):
         start, end = first[axis], first[axis + 1]
+        if end - start == 3:  # noqa: PLR2004 - unrolled, as the columns below
+            a, b, c = transition[axis, 0, 0], transition[axis, 0, 1], transition[axis, 0, 2]
+            d, e, f = transition[axis, 1, 0], transition[axis, 1, 1], transition[axis, 1, 2]
+            g, h, k = transition[axis, 2, 0], transition[axis, 2, 1], transition[axis, 2, 2]
+            one, two, three = _U(start * STRIDE), _U((start + 1) * STRIDE), _U((start + 2) * STRIDE)
+            for j in range(low, high):
+                x, y, z = source[one + j], source[two + j], source[three + j]
+                product[one + j] = a * x + b * y + c * z
+                product[two + j] = d * x + e * y + f * z
+                product[three + j] = g * x + h * y + k * z
+            continue
         for s in range(start, end):
             row, other = _U(s * STRIDE), _U(start * STRIDE)
             weight = transition[axis, s - start, 0]

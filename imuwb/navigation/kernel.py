@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 FINE, NOT_FINITE, NOT_POSITIVE = 0, 1, 2  #: how a run ended
 _U = np.uint64
+_ONE, _TWO = _U(1), _U(2)
 
 
 @compiled(arrays=False)
@@ -58,15 +59,26 @@ def advance(
             measured = angle[k, axis] if axis < 3 else velocity[k, axis - 3]  # noqa: PLR2004 - gyros first
             state[MEASURED + axis] += measured
             order, at = _U(first[axis + 1] - first[axis]), _U(first[axis] - NAVIGATION)
-            total, block = 0.0, transition[axis]
-            for i in range(order):
-                value = 0.0
-                for j in range(order):
-                    value += block[i, j] * axes[at + j]
-                moved[i] = value
-                total += weight[at + i] * value * (measured if scale[at + i] else h)
-            for i in range(order):
-                axes[at + i] = moved[i]
+            total = 0.0
+            if order == 3:  # noqa: PLR2004 - unrolled: tests/benchmarks/README.md states the gain
+                x, y, z = axes[at], axes[at + _ONE], axes[at + _TWO]
+                p = transition[axis, 0, 0] * x + transition[axis, 0, 1] * y + transition[axis, 0, 2] * z
+                q = transition[axis, 1, 0] * x + transition[axis, 1, 1] * y + transition[axis, 1, 2] * z
+                r = transition[axis, 2, 0] * x + transition[axis, 2, 1] * y + transition[axis, 2, 2] * z
+                axes[at], axes[at + _ONE], axes[at + _TWO] = p, q, r
+                total = weight[at] * p * (measured if scale[at] else h)
+                total += weight[at + _ONE] * q * (measured if scale[at + _ONE] else h)
+                total += weight[at + _TWO] * r * (measured if scale[at + _TWO] else h)
+            else:
+                block = transition[axis]
+                for i in range(order):
+                    value = 0.0
+                    for j in range(order):
+                        value += block[i, j] * axes[at + j]
+                    moved[i] = value
+                    total += weight[at + i] * value * (measured if scale[at + i] else h)
+                for i in range(order):
+                    axes[at + i] = moved[i]
             error[axis] = total
         step(
             state, h, angle[k, 0] - error[0], angle[k, 1] - error[1], angle[k, 2] - error[2],
