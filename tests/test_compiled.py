@@ -22,6 +22,7 @@ def run_in(folder):
     return [int(word) for word in done.stdout.split()]
 
 
+@pytest.mark.slow
 def test_code_is_kept_until_what_it_calls_has_changed(tmp_path):
     (tmp_path / "inner.py").write_text(INNER.format(1))
     (tmp_path / "outer.py").write_text(OUTER)

@@ -82,6 +82,7 @@ def test_a_circle_is_seen():
     assert circle({"a": {"b", "c"}, "b": {"c"}, "c": set()}) == []
 
 
+@pytest.mark.slow
 def test_no_circle_between_files():
     assert circle({name: imports(file) for name, file in modules().items()}) == []
 
@@ -102,6 +103,7 @@ def texts(file: Path) -> list[tuple[int, str]]:
     ]
 
 
+@pytest.mark.slow
 def test_no_string_of_the_core_names_a_plugin():
     points = (*entry_points(group="imuwb.analyses"), *entry_points(group="imuwb.conditioners"))
     names = {point.name for point in points if point.value.startswith("imuwb_plugins")}
@@ -116,6 +118,7 @@ def test_no_string_of_the_core_names_a_plugin():
     assert named == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("folder", ["imuwb", "plugins", "tests"])
 def test_files_and_functions_stay_short(folder):
     long = []

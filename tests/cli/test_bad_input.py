@@ -33,6 +33,7 @@ def test_files_that_are_no_logs(imuwb, tmp_path, name, content, message):
     assert not list(tmp_path.glob("*.rrd"))
 
 
+@pytest.mark.slow
 def test_a_shell_sees_the_exit_code_and_the_message(process):
     done = process("allan", "gone.mcap")
     assert done.code == 4
@@ -46,6 +47,7 @@ def test_a_directory(imuwb, tmp_path):
     assert (done.code, "directory" in done.err) == (4, True)
 
 
+@pytest.mark.slow
 def test_a_truncated_mcap_is_used_as_far_as_it_is_whole(imuwb, static_mcap):
     whole = static_mcap.read_bytes()
     static_mcap.write_bytes(whole[: int(len(whole) * 0.6)])
@@ -78,6 +80,7 @@ def test_text_in_a_number_column_costs_its_row(imuwb, csv_log, rows):
     assert repairs(done)["cells that are not numbers, taken as missing"] == 1
 
 
+@pytest.mark.slow
 def test_nan_costs_its_row(imuwb, csv_log, rows):
     lines = rows()
     lines[10] = lines[10].rpartition(",")[0] + ",nan"
@@ -97,6 +100,7 @@ def test_rows_out_of_order_are_sorted_and_repeats_left_out(imuwb, csv_log, rows)
     assert found["rows with the same time as the row before left out"] == 1
 
 
+@pytest.mark.slow
 def test_constant_channels(imuwb, csv_log, rows):
     stuck = [",".join([*line.split(",")[:1], "0.5", *line.split(",")[2:]]) for line in rows()]
     done = imuwb("allan", csv_log(stuck), "--json", "-")
@@ -119,6 +123,7 @@ def test_a_wrong_unit_is_refused_with_the_likely_one(imuwb, csv_log, rows):
     assert "--units accel=g" in done.err
 
 
+@pytest.mark.slow
 def test_no_rate_where_none_can_be_known(imuwb, csv_log, rows):
     lines = [line.partition(",")[2] for line in rows()]
     path = csv_log(lines, header="gx_deg_s,gy_deg_s,gz_deg_s,ax_m_s2,ay_m_s2,az_m_s2")
@@ -143,6 +148,7 @@ def test_an_unknown_imu_lists_the_imus_of_the_log(imuwb, static_mcap):
     assert (done.code, "/imu/data" in done.err) == (3, True)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32" or not hasattr(os, "geteuid"), reason="permissions are others there")
 def test_unwritable_output(imuwb, static_mcap):
     done = imuwb("allan", static_mcap, "-o", "no/such/folder/x.rrd")
@@ -201,6 +207,7 @@ def test_a_cut_gzip_file_is_used_as_far_as_it_unpacks(imuwb, csv_log, rows, tmp_
     assert any("packed" in what for what in repairs(done))
 
 
+@pytest.mark.slow
 def test_a_curve_of_which_nothing_is_left_has_no_fit_and_no_crash(imuwb, shared, tmp_path):
     whole = (shared / "mcap" / "husky_test1_json.mcap").read_bytes()
     (tmp_path / "cut.mcap").write_bytes(whole[:582_492])
@@ -219,6 +226,7 @@ def test_a_pipe_is_no_log_and_no_output(imuwb, tmp_path, static_mcap):
     assert (done.code, "pipe: cannot be written" in done.err) == (1, True)
 
 
+@pytest.mark.slow
 def test_a_linked_output_stays_a_link(imuwb, tmp_path, static_mcap):
     (tmp_path / "target.json").write_text("old")
     (tmp_path / "link.json").symlink_to("target.json")
@@ -242,6 +250,7 @@ def test_rows_in_no_order_are_sorted_not_stretched(imuwb, csv_log, rows):
     assert (stream["count"], stream["rate_hz"]) == (400, pytest.approx(0.05))
 
 
+@pytest.mark.slow
 def test_one_impossible_value_costs_its_axis(imuwb, csv_log, rows):
     lines = rows()
     lines[7] = ",".join(["0.07", "1e300", *lines[7].split(",")[2:]])
@@ -305,6 +314,7 @@ def test_help_of_an_analysis_names_all_formats(imuwb):
     assert all(name in shown for name in ("MCAP", "bag", "db3", "tlog", "bin", "ulg", "CSV", "RTKLIB .pos"))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no limit on the size of files there")
 def test_a_recording_that_does_not_fit_leaves_nothing(static_mcap, tmp_path):
     import resource

@@ -23,6 +23,7 @@ def turns(imuwb, tmp_path):
     return sorted((tmp_path / "turns").glob("*.mcap"))
 
 
+@pytest.mark.slow
 def test_from_a_bench_to_a_model_that_corrects(imuwb, cube, turns, tmp_path):
     assert [p.name for p in cube] == [f"{way}_{k}.mcap" for way in ("down", "up") for k in "xyz"]
     truth = ImuErrorModel.read(tmp_path / "cube" / "truth.toml")
@@ -60,6 +61,7 @@ def test_a_model_is_named_as_it_is_asked_for(imuwb, cube, tmp_path):
     assert not (tmp_path / "six.calibration.toml").exists()
 
 
+@pytest.mark.slow
 def test_one_log_in_csv_and_its_attitudes(imuwb, tmp_path):
     done = imuwb(
         "simulate",

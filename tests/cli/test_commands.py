@@ -64,6 +64,7 @@ def test_completion_is_offered(imuwb):
     assert "imuwb" in imuwb("--show-completion", "bash", _TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION="1").out
 
 
+@pytest.mark.slow
 def test_allan_leaves_a_recording_json_and_a_model(imuwb, static_mcap, tmp_path):
     done = imuwb(
         "allan", static_mcap, "--json", "out.json", "--save-model", "model.toml", "--averaging-times", "log:20"
@@ -91,12 +92,14 @@ def test_allan_leaves_a_recording_json_and_a_model(imuwb, static_mcap, tmp_path)
     assert not [name for name in os.listdir(tmp_path) if "partial" in name]
 
 
+@pytest.mark.slow
 def test_json_on_stdout_is_json_alone(imuwb, static_mcap):
     done = imuwb("allan", static_mcap, "--json", "-")
     assert json.loads(done.out)["result"]["imu"] == "/imu/data"
     assert "deg/√h" in done.err
 
 
+@pytest.mark.slow
 def test_existing_files_are_kept_without_force(imuwb, static_mcap, tmp_path):
     (tmp_path / "static.rrd").write_bytes(b"mine")
     done = imuwb("allan", static_mcap)
@@ -107,6 +110,7 @@ def test_existing_files_are_kept_without_force(imuwb, static_mcap, tmp_path):
     assert (tmp_path / "static.rrd").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_a_part_of_a_log(imuwb, static_mcap):
     done = imuwb("allan", static_mcap, "--start", "10", "--end", "2024-01-01T00:00:50", "--json", "-")
     assert json.loads(done.out)["result"]["duration"] == pytest.approx(40, abs=0.05)
@@ -163,6 +167,7 @@ def test_plugins_are_listed(imuwb):
         assert name in done.out
 
 
+@pytest.mark.slow
 def test_demo_runs_in_a_shell_and_leaves_a_recording(process, tmp_path):
     done = process("demo")
     assert done.code == 0, done.err
@@ -183,6 +188,7 @@ def test_view_refuses_what_is_no_recording(imuwb, static_mcap):
     assert imuwb("view", "gone.rrd").code == 4
 
 
+@pytest.mark.slow
 def test_live_without_a_viewer_fails_clearly(imuwb, static_mcap, tmp_path):
     start = time.monotonic()
     done = imuwb("allan", static_mcap, "--live")
@@ -211,6 +217,7 @@ def test_a_plugin_that_fails_is_named_with_its_line(imuwb, static_mcap, tmp_path
     assert not (tmp_path / "static.rrd").exists()
 
 
+@pytest.mark.slow
 def test_a_pipe_without_unicode_does_not_matter(tmp_path, static_mcap):
     import subprocess
     import sys
@@ -221,11 +228,13 @@ def test_a_pipe_without_unicode_does_not_matter(tmp_path, static_mcap):
     assert "√" in done.stdout.decode("utf-8")
 
 
+@pytest.mark.slow
 def test_processes_are_named_in_json(imuwb, static_mcap):
     axis = json.loads(imuwb("allan", static_mcap, "--json", "-").out)["result"]["axes"]["gyro_x"]
     assert axis["processes"]["terms"][0]["process"] == "white_noise"
 
 
+@pytest.mark.slow
 def test_a_moving_record_is_noted_first(imuwb, shared):
     done = imuwb("allan", shared / "mcap" / "husky_test1_ros2cdr_zstd.mcap", "-o", "husky.rrd", "--json", "-")
     assert done.code == 0

@@ -24,6 +24,7 @@ def log(tmp_path_factory):
     return path
 
 
+@pytest.mark.slow
 def test_a_log_becomes_a_recording_on_stdout(log, tmp_path):
     done = imported(log, "--application-id", "A", "--recording-id", "R")
     assert done.returncode == 0, done.stderr
@@ -32,6 +33,7 @@ def test_a_log_becomes_a_recording_on_stdout(log, tmp_path):
     assert any(path.startswith("/overview/") for path in entities)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "content"),
     [

@@ -42,6 +42,7 @@ def still(tmp_path):
     return written(tmp_path / "still.csv", 1)
 
 
+@pytest.mark.slow
 def test_one_log_leaves_a_recording_a_model_and_json(imuwb, still, tmp_path):
     done = imuwb(
         "noise", still, "--denoise", 3, "--json", "out.json", "--study", "bandwidth=8,4", "--study", "rate=20,10"
@@ -75,12 +76,14 @@ def test_one_log_leaves_a_recording_a_model_and_json(imuwb, still, tmp_path):
     assert "Coefficients by setting" in done.out
 
 
+@pytest.mark.slow
 def test_a_log_long_enough_has_a_denoising_tab(imuwb, tmp_path):
     still = written(tmp_path / "still.csv", 3, seconds=210)
     assert imuwb("noise", still, "--denoise", 2, "--no-choose").code == 0
     assert any(e.startswith("/denoising/figure_0") for e in entities(tmp_path / "still.rrd"))
 
 
+@pytest.mark.slow
 def test_equal_logs_of_one_sensor_do_not_differ_and_give_a_turn_on_bias(imuwb, tmp_path):
     biases = (0.01, 0.03, 0.02)
     logs = [written(tmp_path / f"run{i}.csv", 10 + i, 60, bias) for i, bias in enumerate(biases)]
@@ -106,6 +109,7 @@ def test_equal_logs_of_one_sensor_do_not_differ_and_give_a_turn_on_bias(imuwb, t
         assert any(e.startswith(f"/{tab}/") for e in shown)
 
 
+@pytest.mark.slow
 def test_logs_that_differ_are_named(imuwb, tmp_path):
     logs = [written(tmp_path / f"run{i}.csv", 20 + i, 60, times=1.5 if i else 1.0) for i in range(2)]
     done = imuwb("noise", *logs, "--no-choose", "--json", "-")
@@ -113,6 +117,7 @@ def test_logs_that_differ_are_named(imuwb, tmp_path):
     assert "2 logs differ in gyro_x N" in done.err
 
 
+@pytest.mark.slow
 def test_several_logs_in_several_settings_name_the_log(imuwb, tmp_path):
     logs = [written(tmp_path / f"run{i}.csv", 30 + i, 30) for i in range(2)]
     done = imuwb("noise", *logs, "--no-choose", "--study", "bias.sensors=gyro,both", "--json", "-")
@@ -123,6 +128,7 @@ def test_several_logs_in_several_settings_name_the_log(imuwb, tmp_path):
     ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_gap_is_noted(imuwb, tmp_path):
     log = written(tmp_path / "gap.csv", 4, 120, keep=lambda n: np.r_[0 : n // 3, n // 2 : n])
     done = imuwb("noise", log, "--no-choose", "--denoise", 0)
@@ -146,6 +152,7 @@ def test_too_short_or_constant_is_missing_data(imuwb, tmp_path, analysis):
         assert not path.with_suffix(".rrd").exists()
 
 
+@pytest.mark.slow
 def test_one_constant_axis_is_noted_and_the_others_are_analysed(imuwb, tmp_path):
     log = written(tmp_path / "stuck.csv", 6, 60, times=0.0)
     done = imuwb("noise", log, "--no-choose", "--denoise", 0, "--json", "-")

@@ -57,6 +57,7 @@ def test_texts_become_parameters_of_their_types(text, parameters):
     assert asdict(step(text).parameters) == parameters
 
 
+@pytest.mark.slow
 def test_conditioners_are_in_the_json_the_recording_and_the_terminal(imuwb, static_mcap, tmp_path):
     from rerun.chunk import RrdReader
 
@@ -90,6 +91,7 @@ def test_causal_steps_are_a_causal_log(imuwb, static_mcap):
     assert all(c["delay"] > 0 for c in log["conditioning"])
 
 
+@pytest.mark.slow
 def test_order_counts(imuwb, static_mcap):
     early = imuwb("autoregressive", static_mcap, "--through", "decimate:rate=10", "--through", "bandwidth:cutoff=8")
     assert (early.code, "at a rate of 10 Hz" in early.err) == (2, True)

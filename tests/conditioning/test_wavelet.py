@@ -197,6 +197,7 @@ def test_a_record_without_motion_has_the_narrowest_band():
     assert measured_band(x, 100.0, 100.0) == pytest.approx(100 / 4096)
 
 
+@pytest.mark.slow
 def test_four_standard_errors_above_the_noise_are_motion():
     rate, n = 100.0, 1 << 20
     rng = np.random.default_rng(8)

@@ -8,12 +8,14 @@ from imuwb.health import check
 from .records import N, T, changed, coarse, faults, log_of, motion, setting, still
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20))
 def test_still_noise_has_no_fault(seed):
     # No line but one in a hundred axes is the search's own promise; nothing else may be found.
     assert [f for f in faults(*still(seed, flicker=1.0)) if not f.what.startswith("line")] == []
 
 
+@pytest.mark.slow
 def test_of_white_noise_hardly_an_axis_shows_a_line():
     assert sum(len(faults(*still(seed, flicker=1.0), "line")) for seed in range(20)) <= 4
 
@@ -164,6 +166,7 @@ def test_lines_are_not_looked_for_where_the_imu_moves_or_nobody_asks():
     assert faults(gyro, accel, "line") == []
 
 
+@pytest.mark.slow
 def test_the_adis_tells_its_step_and_the_line_at_0_56_hz(shared):
     from imuwb.readers import ReadOptions, read
 

@@ -30,6 +30,7 @@ def noise(walk):
     return identify(walk, DT, choose=True)
 
 
+@pytest.mark.slow
 def test_one_line_finds_the_noise_that_was_made(noise):
     assert noise.headline == "likelihood"
     assert set(noise.estimators) == {"allan", "likelihood", "wavelet"}
@@ -72,6 +73,7 @@ def test_what_is_not_asked_for_is_left_out(walk):
     assert plain.processes == plain.allan.processes
 
 
+@pytest.mark.slow
 def test_a_gauss_markov_process_that_is_clearly_best_is_the_sum():
     noise = identify(record(WhiteNoise(0.001), GaussMarkov(0.05, 1.0), n=20_000, seed=0), DT, choose=True)
     clear, close = (replace(noise, choice=replace(noise.choice, clear=c)) for c in (True, False))
@@ -94,6 +96,7 @@ def test_estimators_that_contradict_each_other_are_named(noise):
     )
 
 
+@pytest.mark.slow
 def test_a_gap_is_bridged_and_the_longest_part_is_used(walk):
     kept = np.r_[0:10_000, 12_000:30_000]
     time = np.rint(kept * DT * 1e9).astype(np.int64)
@@ -105,6 +108,7 @@ def test_a_gap_is_bridged_and_the_longest_part_is_used(walk):
     assert noise.allan.coefficients["N"].lower < N < noise.allan.coefficients["N"].upper
 
 
+@pytest.mark.slow
 def test_without_a_part_of_half_the_record_there_is_an_allan_fit_only(walk):
     pieces = identify(walk, DT, breaks=(10_000, 20_000))
     assert ids(pieces.notes) == ("gaps",)

@@ -122,6 +122,7 @@ def known():
     return {}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("every", "steps", "within"), [(1, 1, 1e-6), (10, 10, 3e-5), (1, 1500, 5e-4), (10, 1500, 5e-4)]
 )
@@ -239,6 +240,7 @@ def drawn(axis, n, rng):
     return values
 
 
+@pytest.mark.slow
 def test_errors_of_many_drives_spread_as_the_covariance_says(motion, undisturbed):
     rng, runs, n = np.random.default_rng(8), 400, motion.h.size
     found = np.empty((runs, 9))

@@ -19,6 +19,8 @@ from .. import ecef  # noqa: TID252 - tests are no package that has a name
 from . import drives
 from .plain import Plain
 
+pytestmark = pytest.mark.slow
+
 LEVER = (1.0, 0.3, -1.2)
 
 

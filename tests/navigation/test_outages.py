@@ -218,6 +218,7 @@ except ValueError as error:
 """
 
 
+@pytest.mark.slow
 def test_an_outage_beyond_the_logs_end_is_refused():
     found = subprocess.run([sys.executable, "-c", BEYOND], capture_output=True, text=True, check=False)
     assert found.returncode == 0

@@ -27,6 +27,7 @@ def off(track, truth):
 # Drives
 
 
+@pytest.mark.slow
 def test_a_drive_of_ten_minutes_ends_within_a_centimetre(town):
     motion = drives.increments(town, 600)
     place, speed = off(drives.went(motion), motion.truth)
@@ -34,12 +35,14 @@ def test_a_drive_of_ten_minutes_ends_within_a_centimetre(town):
     assert speed < 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [50, 100])
 def test_a_step_errs_with_a_higher_power_than_its_square(town, rate):
     motion = drives.increments(town, 600, rate)
     assert off(drives.went(motion), motion.truth)[0] < 1e-4 * (100 / rate) ** 3
 
 
+@pytest.mark.slow
 def test_errors_fall_at_least_with_the_square_of_the_step():
     route, found = mixed_route(300), []
     for rate in (50, 100, 200):
@@ -48,6 +51,7 @@ def test_errors_fall_at_least_with_the_square_of_the_step():
     assert found[0] > 3.8 * found[1] > 3.8**2 * found[2]
 
 
+@pytest.mark.slow
 def test_attitude_follows_the_truth(town):
     motion = drives.increments(town, 600)
     found = euler_of_quaternion(drives.went(motion)[:, 6:])

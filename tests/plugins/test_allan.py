@@ -19,6 +19,7 @@ def run(log, **options):
     return allan.run([log], allan.Parameters(**options))
 
 
+@pytest.mark.slow
 def test_finds_the_sensor_that_was_simulated(log):
     truth = preset("3dm-gx3-25")
     result = run(log)
@@ -31,6 +32,7 @@ def test_finds_the_sensor_that_was_simulated(log):
     assert log.provenance.hash in model.provenance["log"]
 
 
+@pytest.mark.slow
 def test_the_longer_grid_gives_the_same_fit(log):
     octave, dense = run(log), run(log, averaging_times="log:40")
     assert len(dense.axes["gyro_x"].averaging_time) > len(octave.axes["gyro_x"].averaging_time)
@@ -44,6 +46,7 @@ def rows_of(log, keep):
     return replace(log, imus=(replace(log.imus[0], angular_rate=left, specific_force=None),))
 
 
+@pytest.mark.slow
 def test_a_gap_is_noted_and_leaves_the_figures_as_they_are(log):
     n = len(log.imus[0].angular_rate)
     result = run(rows_of(log, np.r_[0:20_000, 30_000:n]))
@@ -58,6 +61,7 @@ def test_a_gap_is_noted_and_leaves_the_figures_as_they_are(log):
             assert (a.value, a.lower, a.upper) == pytest.approx((b.value, b.lower, b.upper), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_missing_sample_switches_nothing_off(short):
     """Lines, other deviations and estimates are of the longest part without gaps, here 6000 samples of 9999."""
     cut = rows_of(short, np.r_[0:4000, 4001:10_000])
@@ -70,6 +74,7 @@ def test_a_missing_sample_switches_nothing_off(short):
     assert [line.frequency for line in result.axes["gyro_y"].lines] == pytest.approx([3.7], abs=0.01)
 
 
+@pytest.mark.slow
 def test_a_record_in_pieces_of_less_than_half_has_allan_deviations_only(short):
     found = run(rows_of(short, np.r_[0:3000, 3100:6000, 6100:9000]), deviation="total").axes["gyro_y"]
     assert (found.estimates, found.other, found.lines) == (None, None, ())
@@ -82,6 +87,7 @@ def filtered(log, kind):
     return bandwidth.condition(log, bandwidth.Parameters(15.0))[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["kaiser", "bandwidth"])
 def test_what_a_filter_took_away_is_not_missing_from_the_white_noise(kind):
     """Of 21 white records: the fits are of what lies below the filter's band, where it does not show."""
@@ -102,6 +108,7 @@ def test_what_a_filter_took_away_is_not_missing_from_the_white_noise(kind):
     assert np.median(sizes) == pytest.approx(1, abs=0.015)
 
 
+@pytest.mark.slow
 def test_lines_above_a_filters_band_are_not_reported(short):
     """In a stop band, what a tone leaves stands out from what the noise leaves."""
     n = 10_000
@@ -122,6 +129,7 @@ def test_a_record_too_short_for_its_filter_has_no_fit_and_a_note(gyros):
     assert "no-likelihood" in ids(found.axes["gyro_x"].estimates.notes)
 
 
+@pytest.mark.slow
 def test_triads_may_have_clocks_of_their_own(log):
     imu = log.imus[0]
     slow = Triad(imu.specific_force.time[::2], imu.specific_force.value[::2])
@@ -131,11 +139,13 @@ def test_triads_may_have_clocks_of_their_own(log):
     assert result.axes["accel_x"].averaging_time[0] == pytest.approx(0.04)
 
 
+@pytest.mark.slow
 def test_one_triad_is_enough(log):
     result = run(replace(log, imus=(replace(log.imus[0], specific_force=None),)))
     assert list(result.axes) == ["gyro_x", "gyro_y", "gyro_z"]
 
 
+@pytest.mark.slow
 def test_a_shock_is_noted_with_the_quiet_part(log):
     imu = log.imus[0]
     value = imu.specific_force.value.copy()
@@ -145,6 +155,7 @@ def test_a_shock_is_noted_with_the_quiet_part(log):
     assert "--start 2" in note
 
 
+@pytest.mark.slow
 def test_a_record_too_short_to_be_still_or_moving_has_a_note(log):
     imu = log.imus[0]
     parts = (Triad(t.time[:150], t.value[:150]) for t in (imu.angular_rate, imu.specific_force))
@@ -153,6 +164,7 @@ def test_a_record_too_short_to_be_still_or_moving_has_a_note(log):
     assert "stillness-unknown" in ids(result.notes)
 
 
+@pytest.mark.slow
 def test_several_imus_are_noted(log):
     other = replace(log.imus[0], name="/imu/other")
     (note,) = (note for note in run(replace(log, imus=(log.imus[0], other))).notes if note.id == "imus")
@@ -192,6 +204,7 @@ def chosen(short):
     return run(short, choose=True, model="headline")
 
 
+@pytest.mark.slow
 def test_every_estimator_finds_the_white_noise(chosen):
     for axis, true in (("gyro_x", 0.01 / 50**0.5), ("gyro_y", 0.01 / 50**0.5), ("accel_x", 0.02 / 50**0.5)):
         estimates = chosen.axes[axis].estimates
@@ -221,6 +234,7 @@ def test_differences_are_reported_where_intervals_do_not_meet(chosen):
         assert found.estimates.agree == (not apart)
 
 
+@pytest.mark.slow
 def test_sums_are_compared_only_when_asked_for(chosen, gyros):
     alone = run(gyros, estimators=False).axes["gyro_x"]
     assert (alone.estimates, alone.other) == (None, None)
@@ -259,6 +273,7 @@ def test_a_line_is_found_named_and_kept_in_the_model(chosen):
     assert chosen.axes["gyro_x"].lines == ()
 
 
+@pytest.mark.slow
 def test_noise_that_grows_is_not_stationary():
     n = 12_000
     rng = np.random.default_rng(22)
@@ -325,6 +340,7 @@ def gyros(short):
     )
 
 
+@pytest.mark.slow
 def test_fast_is_the_same_within_a_fraction_of_the_intervals(gyros):
     usual, fast = (run(gyros, averaging_times="all", fast=f, lines=False, estimators=False) for f in (False, True))
     for axis, found in usual.axes.items():
@@ -338,6 +354,7 @@ def test_fast_is_the_same_within_a_fraction_of_the_intervals(gyros):
         assert thin.coefficients == found.coefficients  # the fit is of octaves
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["modified", "hadamard", "total"])
 def test_another_deviation_is_drawn_beside(gyros, kind):
     from imuwb.identification import deviation

@@ -73,6 +73,7 @@ def test_a_result_prints_one_line_for_each_axis(result):
     assert axes[1].endswith("no line")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["local", "white", "ar:2", "gauss-markov", "gauss-markov:0.5", "random-walk"])
 def test_json_is_as_promised_and_has_no_nan(log, kind):
     document = json.loads(json.dumps(plain(run(log, noise=kind)), allow_nan=False))
@@ -156,6 +157,7 @@ def test_random_gaps_are_what_it_is_for(make_log):
         assert axis.fourier_density.size == 0  # no part without gaps is long enough
 
 
+@pytest.mark.slow
 def test_sensors_have_their_own_clocks(make_log):
     line = np.cos(2 * np.pi * 5 * TIME)[:, None]
     found = run(make_log(noise() + line, noise(seed=63) + np.cos(2 * np.pi * 80 * TIME / 4)[:, None], accel_rate=400.0))
@@ -176,6 +178,7 @@ def test_stamps_since_the_epoch_are_as_good(log, result):
         assert [p.name for p in found.peaks] == [p.name for p in result.axes[axis].peaks]
 
 
+@pytest.mark.slow
 def test_beyond_the_usable_band_nothing_is_looked_for_and_it_is_said(log):
     found = run(log, highest=80.0)
     assert found.axes["gyro_x"].frequency[-1] < 50
@@ -184,6 +187,7 @@ def test_beyond_the_usable_band_nothing_is_looked_for_and_it_is_said(log):
     assert ids(run(log, highest=20.0).notes) == ("band",)
 
 
+@pytest.mark.slow
 def test_peaks_are_at_most_as_many_as_asked_for(log):
     assert [len(a.peaks) for a in run(log, peaks=1).axes.values()] == [1, 0, 0]
     assert not any(a.peaks for a in run(log, peaks=0).axes.values())
@@ -244,6 +248,7 @@ def test_a_covariance_that_is_none_says_so(make_log, tmp_path, array, error, nam
         run(make_log(noise(300)), noise=f"covariance:{path}")
 
 
+@pytest.mark.slow
 def test_a_covariance_is_used(make_log, tmp_path):
     lag = np.abs(np.subtract.outer(np.arange(300), np.arange(300)))
     np.save(tmp_path / "c.npy", 0.9**lag)
@@ -287,6 +292,7 @@ def lines_of(values):
     return drifting_lines(values, 0.01, peaks)
 
 
+@pytest.mark.slow
 def test_the_real_accelerometer_has_its_line_and_harmonic(adis):
     drifting, _ = lines_of(adis.accel)
     first = drifting[0]
@@ -298,11 +304,13 @@ def test_the_real_accelerometer_has_its_line_and_harmonic(adis):
     assert third.in_both_halves
 
 
+@pytest.mark.slow
 def test_no_line_of_the_real_gyro_is_claimed(adis):
     drifting, steady = lines_of(adis.gyro)
     assert not any(x.in_both_halves for x in (*drifting, *steady))
 
 
+@pytest.mark.slow
 def test_a_steady_line_does_not_make_the_noise_another(make_log):
     rng, n = np.random.default_rng(4), 20_000
     t = np.arange(n) / 100

@@ -77,6 +77,7 @@ def test_a_low_pass_shows_where_white_ends(result):
     assert result.axes["gyro_x"].white_to is None
 
 
+@pytest.mark.slow
 def test_of_a_filtered_log_what_lies_below_its_band_counts(make_log, log):
     inside = 0
     for seed in range(7):

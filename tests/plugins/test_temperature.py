@@ -14,6 +14,8 @@ from imuwb_plugins import temperature
 from imuwb_plugins.temperature.compute import _difference_of_logs
 from imuwb_plugins.temperature.records import LogPart, grouped
 
+pytestmark = pytest.mark.slow
+
 RATE, N = 50.0, 0.005
 AXES = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
 
@@ -268,7 +270,7 @@ def test_a_study_gives_ar1_by_temperature_and_setting(gyros, shown):
 @pytest.mark.parametrize(
     ("options", "why"),
     [
-        ({"celsius": "a,b"}, "numbers with commas"),
+        ({"celsius": "a,b"}, "celsius is 'a,b'"),
         ({"celsius": "-300"}, "celsius is -300"),
         ({"bins": -1.0}, "bins is -1"),
         ({"reference": 2000.0}, "reference is 2000"),

@@ -30,6 +30,8 @@ from imuwb.readers import describe, read
 from imuwb.summary import summarize
 from imuwb.writers import write
 
+pytestmark = pytest.mark.slow
+
 FULL = os.environ.get("IMUWB_FULL_FUZZ", "0") not in ("", "0")
 ROOT = Path(__file__).resolve().parents[2]
 KINDS = {"cut": 0, "1 bit": 1, "20 bits": 20, "1000 bits": 1000}  #: and how many bits are flipped

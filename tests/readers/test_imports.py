@@ -15,6 +15,7 @@ def modules_after_reading(path):
     return int(samples), set(modules)
 
 
+@pytest.mark.slow
 def test_a_small_text_log_needs_its_parser_alone(text_log):
     rows = "".join(f"{i / 100},1,2,3,0,0,-1\n" for i in range(500))
     samples, modules = modules_after_reading(text_log(f"time_s,gx_dps,gy_dps,gz_dps,ax_g,ay_g,az_g\n{rows}"))

@@ -27,6 +27,7 @@ def name_of(entry):
     return entry["path"] + (" with options" if "options" in entry else "")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("entry", [entry for entry in TABLE if "refused" not in entry], ids=name_of)
 def test_a_recording_holds_what_the_table_says(shared, entry):
     log = read(shared / entry["path"], options_of(entry))
@@ -56,6 +57,7 @@ def test_no_recording_is_missing_in_the_table(shared):
     assert there == {entry["path"] for entry in TABLE}
 
 
+@pytest.mark.slow
 def test_six_files_of_one_run_are_one_log(shared):
     first, *others = (read(shared / "mcap" / name) for name in HUSKY)
     (imu,), (gnss,) = first.imus, first.gnss

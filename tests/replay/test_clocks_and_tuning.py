@@ -10,6 +10,8 @@ from imuwb.replay import estimate_clocks, prepare, scaled, tune
 
 from . import made
 
+pytestmark = pytest.mark.slow
+
 LATENCY = 0.15
 
 

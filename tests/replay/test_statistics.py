@@ -82,6 +82,7 @@ def held(count, width, block, tries=40):
     return np.mean([q.lower <= truth <= q.upper for q in found])
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_median_where_blocks_are_many():
     count, width = 900, 10
     assert held(count, width, width) > 0.86
@@ -114,6 +115,7 @@ def test_sign_flip_draws_where_signs_are_too_many():
     assert sign_flip(np.ones(4), 1) == 2 / 16
 
 
+@pytest.mark.slow
 def test_sign_flip_is_fair():
     rng = np.random.default_rng(8)
     p = np.array([sign_flip(moving(rng, 240, 20) - moving(rng, 240, 20), 20) for _ in range(120)])

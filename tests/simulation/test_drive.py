@@ -111,6 +111,7 @@ def test_long_routes_know_town_country_road_and_highway():
         assert ((speed > low) & (speed < high)).mean() > 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PUBLISHED)
 def test_motion_lies_below_five_hertz(name):
     rate, force = planned_route(name).averages(60_000, 100)
@@ -130,6 +131,7 @@ def test_before_the_start_it_stands_and_behind_the_end_there_is_nothing(town):
 # The truth
 
 
+@pytest.mark.slow
 def test_the_truth_is_met_by_an_integration_in_another_frame():
     route = planned_route("turin-2")
     end = route.duration - 600
@@ -171,6 +173,7 @@ def test_truth_stands_at_samples_of_the_imu(short):
 # Receiver and odometer
 
 
+@pytest.mark.slow
 def test_fixes_scatter_and_claim_what_the_receiver_says(town):
     receiver = Receiver(5.0, (1.0, 2.0, 3.0), (0.1, 0.2, 0.3))
     (gnss,) = drive(IDEAL, town, 3, receiver=receiver).gnss
@@ -186,6 +189,7 @@ def test_fixes_scatter_and_claim_what_the_receiver_says(town):
     assert set(gnss.fix_type) == {3}
 
 
+@pytest.mark.slow
 def test_a_late_fix_shows_where_the_car_was(short):
     late = drive(IDEAL, short, 0, receiver=replace(SILENT, latency=0.15)).gnss[0]
     then = short.state(np.arange(len(late)) - 0.15)
@@ -227,6 +231,7 @@ def test_errors_come_on_top_of_the_motion(short):
     assert np.diff(errors, axis=0).std(axis=0) / np.sqrt(2) == pytest.approx(expected, rel=0.02)
 
 
+@pytest.mark.slow
 def test_deterministic_terms_follow_the_motion(short):
     gyro = AxisModel(scale_factor=0.01, g_sensitivity=(0, 1e-3, 0), cross_coupling=(0.1, 0))
     ideal, real = (drive(m, short, 0).imus[0] for m in (IDEAL, ImuErrorModel("bent", {"gyro_z": gyro})))
@@ -236,6 +241,7 @@ def test_deterministic_terms_follow_the_motion(short):
     assert np.array_equal(real.specific_force.value, force)
 
 
+@pytest.mark.slow
 def test_vibration_is_strong_as_told_between_5_and_50_hertz(short):
     calm, shaken = (drive(IDEAL, short, 0, rate=200, vibration=v).imus[0] for v in (0, 0.5))
     force = shaken.specific_force.value - calm.specific_force.value

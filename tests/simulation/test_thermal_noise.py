@@ -75,6 +75,7 @@ def test_a_random_walk_goes_on():
     assert_follows(records(RandomWalk(1.0), RandomWalk(4.0)), averages(fine))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("short", "long"), [(3.0, 0.8), (3.0, 3.0), (0.8, 3.0)])
 def test_a_gauss_markov_process_keeps_its_state(short, long):
     rate = np.repeat(1 / between(short, long), FINE) * DT / FINE
@@ -93,6 +94,7 @@ def test_a_long_gauss_markov_process_hardly_moves():
     assert found[:, 0].var() == pytest.approx(1.0, rel=0.35)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("cold", "hot"), [((-0.9,), (0.3,)), ((-1.6, 0.7), (-0.4, 0.1)), ((), ())])
 def test_an_ar_set_changes_while_its_past_goes_on(cold, hot):
     sets = Autoregressive(cold, 1.0, DT), Autoregressive(hot, 3.0, DT)

@@ -56,6 +56,7 @@ def test_samples_have_the_allan_variance(process):
     assert (np.abs(ratio - 1) < 4.5 * error).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("process", [p for p in SPECTRAL if isinstance(p, Stationary)], ids=ids)
 def test_samples_start_stationary(process):
     first = np.array([process.sample(20, DT, np.random.default_rng(seed)) for seed in range(3000)])

@@ -92,6 +92,7 @@ def test_a_log_of_many_chunks_is_whole(fresh):
     assert seen[-1] == (30_000, 30_000)
 
 
+@pytest.mark.slow
 def test_the_mcap_package_and_the_ros_decoder_read_it(simulated, fresh):
     path = fresh("log.mcap")
     write(simulated, path)

@@ -24,6 +24,7 @@ def test_finds_what_is_there_and_limits_what_is_not():
         assert found[letter].upper > 0
 
 
+@pytest.mark.slow
 def test_all_five_terms_at_once():
     truth = {"Q": 2e-4, "N": 0.005, "B": 0.004, "K": 1e-3, "R": 3e-5}
     process = Quantization(2e-4) + WhiteNoise(0.005) + FlickerNoise(0.004) + RandomWalk(1e-3) + RateRamp(3e-5)
@@ -34,6 +35,7 @@ def test_all_five_terms_at_once():
         assert found[letter].upper > truth[letter] * 0.8
 
 
+@pytest.mark.slow
 def test_a_line_is_taken_into_the_sum():
     values = (WhiteNoise(0.002) + Sinusoid(0.05, 0.56)).sample(600_000, DT, np.random.default_rng(2))
     lines = find_lines(values, DT)
@@ -61,6 +63,7 @@ def test_slopes_of_pure_processes():
         assert region.nominal == slope
 
 
+@pytest.mark.slow
 def test_correlation_time_is_the_centre_of_a_flat_region_that_ends():
     found = fit(WhiteNoise(0.005) + FlickerNoise(0.004) + RandomWalk(2e-4), n=2_000_000)
     flat = next(region for region in found.regions if region.letter == "B")
@@ -86,6 +89,7 @@ def test_a_fast_line_is_taken_off_as_it_was_sampled(frequency):
     assert found.lines[0].amplitude == pytest.approx(0.05 / np.sinc(frequency * DT), rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_point_far_below_the_fit_is_not_explained():
     # With some twenty degrees of freedom, a twentieth of the expected variance is only three standard deviations away.
     curve = allan(WhiteNoise(1.0).sample(20_000, DT, np.random.default_rng(0)), DT)
@@ -115,6 +119,7 @@ def test_three_octaves_are_needed():
         fit_allan(allan(np.arange(6.0) % 2, DT))
 
 
+@pytest.mark.slow
 def test_times_at_which_a_filter_shows_are_left_out():
     curve = allan(WhiteNoise(0.01).sample(400_000, DT, np.random.default_rng(8)), DT)
     bent = replace(curve, deviation=np.where(curve.averaging_time < 1, 0.9 * curve.deviation, curve.deviation))

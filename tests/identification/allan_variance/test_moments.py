@@ -39,6 +39,7 @@ def test_covariance_equals_the_matrix_form(which):
     np.testing.assert_allclose(found, expected, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_ramp_adds_its_cross_terms():
     n, factors, ramp = 50, (1, 3, 20), 0.3
     rng = np.random.default_rng(0)
@@ -49,6 +50,7 @@ def test_ramp_adds_its_cross_terms():
     np.testing.assert_allclose(np.cov(draws.T), found, rtol=0.12, atol=0.02 * found.max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("m", "n"), [(1, 400), (7, 400), (100, 400), (190, 400)])
 @pytest.mark.parametrize(("exponent", "process"), [(2, UNITS[0]), (0, UNITS[1]), (-1, UNITS[2]), (-2, UNITS[3])])
 def test_degrees_of_freedom_are_those_of_samples(m, n, exponent, process):

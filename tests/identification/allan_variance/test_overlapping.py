@@ -18,6 +18,7 @@ def slow_allan_variance(values, dt, m):
     return np.mean((means[m:] - means[: means.size - m]) ** 2) / 2
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=30)
 @given(st.integers(0, 2**32 - 1), st.integers(2, 150))
 def test_equals_the_textbook_sum(seed, n):
@@ -96,6 +97,7 @@ def test_phase_dat_deviation_and_intervals(shared):
         assert sigma * np.sqrt(edf / stats.chi2.ppf(tail, edf)) == pytest.approx(high, rel=1e-2)
 
 
+@pytest.mark.slow
 def test_published_variance_of_the_adis16405(shared):
     with gzip.open(shared / "static/adis16405_imu1.csv.gz", "rt") as file:
         next(file)
@@ -123,6 +125,7 @@ def thinned(process, n, seed, share=0.05):
     return values[place], place * 10**7, (np.flatnonzero(np.diff(place) > 1) + 1).tolist()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("process", [WhiteNoise(1.0), FlickerNoise(1.0), RandomWalk(1.0)], ids=repr)
 def test_gaps_at_random_are_bridged_without_bias(process):
     factor = 2 ** np.arange(7)

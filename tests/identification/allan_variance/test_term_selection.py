@@ -24,6 +24,7 @@ def cuts():
     return [(p.misfit(select(p, 0.95)[0])[0], first_time(p)) for p in problems]
 
 
+@pytest.mark.slow
 def test_a_time_is_left_out_if_that_reduces_chi_square_by_twice_15(cuts):
     kept, left = ([first for chi2, first in cuts if low < chi2 < high] for low, high in ((24, 29), (33, 60)))
     assert len(kept) >= 2

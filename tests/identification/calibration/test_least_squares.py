@@ -68,6 +68,7 @@ def test_one_shared_variance_gives_its_own_degrees_of_freedom():
     assert (fit_linear(straight(20), np.zeros(20), apart, None, always=False).freedom > 100).all()
 
 
+@pytest.mark.slow
 def test_coverage_where_both_errors_are_alike():
     rng = np.random.default_rng(4)
     design, inside = straight(9), 0

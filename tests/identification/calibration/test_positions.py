@@ -193,6 +193,7 @@ def test_without_attitudes_the_triangular_matrix_comes_back(model, raw):
     np.testing.assert_allclose(found.residual, 0, atol=gain * 1e-8)
 
 
+@pytest.mark.slow
 def test_without_attitudes_the_intervals_hold(model):
     rng = np.random.default_rng(6)
     values, lower = measured(model, spread(12))[1], triangular(model)

@@ -57,6 +57,7 @@ def test_where_it_falls_to_one_eth_is_a_line_between_lags():
     assert found(GaussMarkov(1.0, 5.0), 2**16, longest=1.0).falls_to is None
 
 
+@pytest.mark.slow
 def test_intervals_of_gauss_markov_contain_the_truth():
     fits = [found(GaussMarkov(0.3, 2.0), 2**13, seed).gauss_markov for seed in range(60)]
     for name, truth in (("sigma", 0.3), ("Tc", 2.0)):

@@ -5,6 +5,8 @@ from scipy import linalg, signal
 from imuwb.identification import burg, fit_autoregressive
 from imuwb.stochastic import Autoregressive, RandomWalk, WhiteNoise
 
+pytestmark = pytest.mark.slow
+
 DT = 0.1
 AR3 = Autoregressive((-1.2, 0.7, -0.2), 0.3, DT)
 

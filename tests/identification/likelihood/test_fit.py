@@ -18,6 +18,7 @@ def fit(process, n=2**15, seed=0, **options):
     return fit_likelihood(process.sample(n, DT, np.random.default_rng(seed)), DT, **options)
 
 
+@pytest.mark.slow
 def test_intervals_contain_the_truth_about_as_often_as_they_say():
     found = [fit(NOISE, 2**14, seed).coefficients for seed in range(15)]
     inside = [
@@ -28,6 +29,7 @@ def test_intervals_contain_the_truth_about_as_often_as_they_say():
     assert np.median([c["B"].value or 0.0 for c in found]) == pytest.approx(0.004, rel=0.1)
 
 
+@pytest.mark.slow
 def test_narrower_levels_hold_it_less_often():
     found = [fit(WhiteNoise(1.0), n=2048, seed=seed, level=0.5).coefficients["N"] for seed in range(20)]
     assert 5 <= sum(c.lower < 1 < c.upper for c in found) <= 15
@@ -50,6 +52,7 @@ def test_terms_that_are_not_there_get_a_limit():
     assert (np.array(limits) < [1e-4, 3e-3, 2e-3, 1e-4]).all()
 
 
+@pytest.mark.slow
 def test_limits_lie_above_what_is_there():
     """A walk too weak to be seen at all: its limit is above it in at least 95 % of records, one-sided."""
     found = [fit(WhiteNoise(0.005) + RandomWalk(1e-4), 2**14, seed).coefficients["K"] for seed in range(15)]
@@ -73,6 +76,7 @@ def test_a_ramp_is_found_with_its_sign():
         assert found.coefficients["K"].value is None or found.coefficients["K"].lower == 0
 
 
+@pytest.mark.slow
 def test_a_walk_is_not_taken_for_a_ramp():
     found = [fit(WhiteNoise(0.005) + RandomWalk(2e-3), 2**14, seed) for seed in range(12)]
     assert sum(f.coefficients["R"].value is not None for f in found) <= 1
@@ -90,6 +94,7 @@ def test_after_a_filter_the_sum_is_fitted_below_its_corner():
     assert fit_likelihood(values, DT).highest > 49
 
 
+@pytest.mark.slow
 def test_the_sum_explains_the_record_it_made():
     probabilities = [fit(NOISE, 2**13, seed).probability for seed in range(12)]
     assert min(probabilities) > 1e-3

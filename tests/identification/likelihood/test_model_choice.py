@@ -15,6 +15,7 @@ def choose(process, n=2**14, seed=0, **options):
     return choose_model(process.sample(n, DT, np.random.default_rng(seed)), DT, **options)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("process", "name"),
     [
@@ -30,6 +31,7 @@ def test_the_sum_that_made_a_record_is_chosen(process, name):
     assert [choose(process, seed=seed).best.name for seed in range(3)].count(name) >= 2
 
 
+@pytest.mark.slow
 def test_what_is_chosen_has_the_values():
     found = choose(WhiteNoise(0.3) + GaussMarkov(0.5, 5.0), 2**16).best
     (gauss_markov,) = [term for term in found.processes.terms if isinstance(term, GaussMarkov)]
@@ -99,6 +101,7 @@ def test_a_difference_of_ten_is_clear_if_the_best_is_best_out_of_sample(bic, out
     assert (choice.candidates[1].bic_excess, choice.candidates[1].out_of_sample_excess) == (bic, out)
 
 
+@pytest.mark.slow
 def test_quantization_is_tried_only_where_it_shows():
     assert not any("Q" in c.name for c in choose(WhiteNoise(0.3) + FlickerNoise(0.5), 2**13, seed=1).candidates)
     assert any("Q" in c.name for c in choose(Quantization(0.1) + WhiteNoise(0.3), 2**13).candidates)

@@ -99,6 +99,7 @@ def test_scoring_ends_where_the_gradient_is_0(seed, ramp):
             assert problem.deviance(found.squared + step, ramp=ramp) > found.deviance - 1e-4
 
 
+@pytest.mark.slow
 def test_information_is_the_inverse_of_the_scatter_over_records():
     truth = np.array([0.0, 0.3, 0.0, 0.3]) ** 2
     found = [problem_of(record(2048, seed, truth)).solve([1, 3], ramp=False) for seed in range(150)]
@@ -109,6 +110,7 @@ def test_information_is_the_inverse_of_the_scatter_over_records():
     np.testing.assert_allclose(squares.std(axis=0), sigma, rtol=4 / np.sqrt(300))
 
 
+@pytest.mark.slow
 def test_the_ramp_scatters_as_its_sigma_states():
     found = [problem_of(record(1024, seed, ramp=0.05)).solve([1, 2, 3]) for seed in range(150)]
     pull = np.array([(f.ramp - 0.05) / f.ramp_sigma for f in found])

@@ -32,6 +32,7 @@ def test_errors_of_a_higher_order_are_the_scatter_of_estimates():
     assert np.mean([f.sigma for f in found], axis=0) == pytest.approx(scatter, rel=4 / np.sqrt(2 * 200))
 
 
+@pytest.mark.slow
 def test_true_structures_are_refused_as_often_as_the_level_says():
     walk = sum(not is_random_walk(np.cumsum(series(s)), 0.95).tenable for s in range(400))
     ar = sum(not is_autoregressive(series(s, (-0.9,)), 1, 0.95).tenable for s in range(400))

@@ -149,6 +149,7 @@ def wandering(n, seed=3):
     return np.cos(2 * np.pi * np.cumsum(frequency) * DT) + 0.5 * rng.standard_normal(n)
 
 
+@pytest.mark.slow
 def test_a_line_that_wanders_is_one_drifting_line():
     n = 100_000
     values = wandering(n)
@@ -162,6 +163,7 @@ def test_a_line_that_wanders_is_one_drifting_line():
     assert drifting[0].in_both_halves
 
 
+@pytest.mark.slow
 def test_a_pure_line_stays_steady():
     n = 100_000
     time = np.arange(n) * DT

@@ -16,6 +16,7 @@ def spectra(count, noise, n=256, oversampling=2):
         yield least_squares_spectrum(adjust(time, values, Constituents("linear"), noise), oversampling=oversampling)
 
 
+@pytest.mark.slow
 def test_the_share_of_white_noise_has_its_beta_distribution():
     shares = np.array([s.share[[19, 40]] for s in spectra(300, Noise(), 64)])
     assert stats.kstest(shares.ravel(), stats.beta(1, (62 - 2) / 2).cdf).pvalue > RARE
@@ -23,6 +24,7 @@ def test_the_share_of_white_noise_has_its_beta_distribution():
     assert stats.kstest(shares.ravel(), stats.beta(1, 20).cdf).pvalue < RARE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [Noise(), Noise("local")])
 def test_noise_exceeds_its_levels_as_often_as_said(noise):
     looked = above = records = 0

@@ -26,6 +26,7 @@ def covariance_of(kind, adjusted, time, given):
     }[kind]()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("known", KNOWN)
 @pytest.mark.parametrize("kind", ["white", "weights", "AR(1)", "Gauss-Markov", "random walk", "dense"])
 @pytest.mark.parametrize("spacing", ["even", "gaps", "uneven"])

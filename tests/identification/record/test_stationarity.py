@@ -12,6 +12,7 @@ def white(n=2**14, seed=0):
     return np.random.default_rng(seed).standard_normal(n)
 
 
+@pytest.mark.slow
 def test_steady_noise_is_seldom_refused():
     process = WhiteNoise(0.005) + FlickerNoise(0.004)
     found = [stationarity(process.sample(2**14, DT, np.random.default_rng(seed)), DT) for seed in range(150)]
@@ -20,6 +21,7 @@ def test_steady_noise_is_seldom_refused():
     assert all(one.smallest == min(one.probability.min() * one.probability.size, 1) for one in found)
 
 
+@pytest.mark.slow
 def test_probabilities_are_even_at_each_averaging_time():
     p = np.array([stationarity(white(2**13, seed), DT).probability[:5] for seed in range(200)])
     assert np.abs(p.mean(axis=0) - 0.5).max() < 4.5 / np.sqrt(12 * 200)

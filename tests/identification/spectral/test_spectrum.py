@@ -52,6 +52,7 @@ def test_degrees_of_freedom_are_those_of_the_scatter():
     assert (np.abs(np.log(ratio)) < 5 * np.sqrt(2 / 400)).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "truth", [{"N": 0.005, "B": 0.01}, {"Q": 2e-4, "N": 0.005, "K": 0.03}, {"N": 0.005, "B": 0.01, "K": 0.02}], ids=repr
 )

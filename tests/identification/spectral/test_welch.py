@@ -22,6 +22,7 @@ def test_equals_scipys_with_the_same_segments(n, size):
     np.testing.assert_allclose(density, expected, rtol=1e-8, atol=1e-12 * expected.max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [1, 2, 8])
 def test_means_are_worth_what_their_scatter_shows(width):
     size, n = 64, 64 * 16

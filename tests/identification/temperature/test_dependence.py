@@ -57,6 +57,7 @@ def test_the_law_of_an_unsure_coefficient_is_drawn_and_wider():
     assert found.common.lower < 0.002 < found.common.upper
 
 
+@pytest.mark.slow
 def test_a_flicker_that_grows_is_found():
     rng = np.random.default_rng(5)
     points = [
@@ -80,6 +81,7 @@ def test_what_is_not_there_has_no_test_but_a_limit_better_than_any():
         over_temperature(points[:1])
 
 
+@pytest.mark.slow
 def test_a_limit_that_all_temperatures_give_together_holds():
     rng = np.random.default_rng(7)
     sensor, held = Sum((WhiteNoise(0.005), FlickerNoise(0.0006))), []
@@ -89,6 +91,7 @@ def test_a_limit_that_all_temperatures_give_together_holds():
     assert stats.binom.cdf(sum(held), 15, 0.95) > 1e-4
 
 
+@pytest.mark.slow
 def test_size_of_the_test_of_n():
     found = [depends(chamber([0.005] * 3, 100 + seed, n=2000), "N").depends for seed in range(25)]
     assert stats.binom.sf(sum(map(bool, found)) - 1, 25, 0.05) > 1e-4

@@ -137,6 +137,7 @@ def test_a_function_that_the_set_points_contradict_is_not_taken():
     assert loose.function.kind in ("constant", "linear", "arrhenius")
 
 
+@pytest.mark.slow
 def test_a_line_is_mostly_taken_for_a_line():
     rng = np.random.default_rng(6)
     kinds = [

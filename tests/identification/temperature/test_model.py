@@ -24,6 +24,7 @@ def found():
     return over_temperature(points)
 
 
+@pytest.mark.slow
 def test_the_model_has_the_sensors_noise_at_every_temperature(found):
     model = axis_model(found)
     for t in (-30.0, -17.0, 25.0, 44.0):
@@ -63,6 +64,7 @@ def test_what_never_changes_is_no_table():
     assert pytest.approx(0.005, rel=0.01) == white.N
 
 
+@pytest.mark.slow
 def test_a_coefficient_found_here_and_there_is_what_all_temperatures_say_together():
     rng = np.random.default_rng(3)
     sensor = Sum((WhiteNoise(0.005), FlickerNoise(0.0012)))

@@ -28,6 +28,7 @@ def test_one_record_has_the_coefficients_that_the_likelihood_gives_it(sensor):
     assert point.region.nominal == -0.5
 
 
+@pytest.mark.slow
 def test_more_records_of_a_temperature_tell_more():
     rng = np.random.default_rng(2)
     parts = [Record(SENSOR.sample(40_000, DT, rng) + k, 1000.0 * k, 20.0 + 0.1 * k, log=k) for k in range(3)]
@@ -49,6 +50,7 @@ def test_first_order_has_the_papers_sign_and_its_own_error():
     assert found.sigma_if_ar == pytest.approx(found.sigma, rel=0.05)
 
 
+@pytest.mark.slow
 def test_the_samples_deviation_has_an_interval_that_knows_their_correlation():
     rng = np.random.default_rng(4)
     process = Autoregressive((-0.95,), 1.0, DT)

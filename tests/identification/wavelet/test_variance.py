@@ -43,6 +43,7 @@ def test_is_blind_to_a_straight_line():
     np.testing.assert_allclose(sloping.variance, plain.variance, rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_expectations_are_integrals_of_the_densities():
     levels = 7
     size = 2**18
@@ -83,6 +84,7 @@ def test_flicker_repeats_itself_from_scale_to_scale():
     assert flicker[7] == pytest.approx(flicker[8], rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "truth", [{"N": 0.005, "B": 0.01}, {"Q": 2e-4, "N": 0.005, "K": 0.03}, {"N": 0.005, "B": 0.01, "K": 0.02}], ids=repr
 )

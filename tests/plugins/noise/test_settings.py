@@ -26,6 +26,7 @@ def grid():
     return study(cases([white(200_000, 1000)], ["bandwidth=98,42,20", "rate=200,100,50"]), Parameters())
 
 
+@pytest.mark.slow
 def test_every_setting_is_there_at_its_rate(grid):
     assert [c.settings for c in grid.cases] == [
         {"bandwidth": b, "rate": r} for b in ("98", "42", "20") for r in ("200", "100", "50")

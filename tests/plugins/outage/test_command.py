@@ -40,6 +40,7 @@ def test_too_short_to_tune(log, toml):
         outage.run([log], Parameters(error_model=toml, models="none", tune=True))
 
 
+@pytest.mark.slow
 def test_samples_that_know_what_comes_are_not_causal(command, mcap, toml):
     options = ("--error-model", toml, "--models", "none", "--at", "150:10", "-o", "o.rrd", "--json", "o.json")
     code, _, err = command("outage", mcap, *options, "--through", "wavelet:levels=6")
@@ -48,6 +49,7 @@ def test_samples_that_know_what_comes_are_not_causal(command, mcap, toml):
     assert one["models"]["none"]["causal"] is False
 
 
+@pytest.mark.slow
 def test_a_recording_and_json_are_written(command, mcap, toml):
     code, out, err = command(
         "outage", mcap, "--error-model", toml, "--models", "none,full", "--durations", "10", "--random", "25",

@@ -40,6 +40,7 @@ def test_tables_and_notes(few):
     assert any(n.startswith("10 s: full: ") for n in shown.notes)
 
 
+@pytest.mark.slow
 def test_every_figure_has_units_and_finite_curves(swept):
     shown = Shown()
     outage.draw(swept, shown)

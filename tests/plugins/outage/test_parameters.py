@@ -129,6 +129,7 @@ def test_readmes_example_is_one_of_several():
     assert len(EXAMPLES) >= 4
 
 
+@pytest.mark.slow
 def test_readmes_outages_can_be_run_on_readmes_drive(toml):
     (at,) = {m for e in EXAMPLES for m in re.findall(r"--at (\d\S*)", e)}
     log = drive(sensor(), planned_route("turin-1"), 1, rate=20.0, receiver=Receiver())

@@ -47,6 +47,7 @@ def ran(log, tmp_path, model, **options):
     return outage.run([log], Parameters(error_model=path, models="full", at="150:20,180:20", **options))
 
 
+@pytest.mark.slow
 def test_biases_are_taken_off_before_anything_is_estimated(log, tmp_path):
     found = ran(log, tmp_path, sensor(), mounting="auto")
     assert ids(found.notes).count("corrected") == 1

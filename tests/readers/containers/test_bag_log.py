@@ -59,6 +59,7 @@ def numbers(log):
 # Whole bags
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compression", PACK)
 @pytest.mark.parametrize("size", [1, 2000, 1 << 20])
 def test_every_compression_is_read(fresh, imu, compression, size):
@@ -152,6 +153,7 @@ def test_the_bag_of_a_real_run_equals_its_mcap(shared):
     assert [len(bag.imus[0].angular_rate), len(bag.gnss[0]), len(bag.speeds[0])] == [11_865, 989, 3952]
 
 
+@pytest.mark.slow
 def test_the_bag_of_a_real_run_is_what_rosbags_reads(shared):
     rosbag1 = pytest.importorskip("rosbags.rosbag1", reason="rosbags, which reads bags, is not installed")
     path = shared / "mcap" / "robot_localization_test1.bag"
@@ -206,6 +208,7 @@ def test_a_chunk_that_is_cut_gives_its_whole_messages(by_hand, declared, some, c
     assert least <= len(found) <= 600
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compression", ["bz2", "lz4"])
 def test_a_chunk_that_does_not_unpack_is_left_out_with_a_note(by_hand, declared, some, compression):
     bad = bytearray(chunk(some(4), compression))

@@ -69,6 +69,7 @@ def test_ros_1_equals_the_generic_decoder(mcap, ros):
     np.testing.assert_array_equal(imu.specific_force.value, force)
 
 
+@pytest.mark.slow
 def test_one_run_in_five_encodings_is_one_log(shared):
     logs = [read(shared / "mcap" / f"husky_test1_{name}.mcap") for name in HUSKY]
     first = logs[0]

@@ -99,12 +99,14 @@ def whole(request, mcap, ros):
     return mcap.write(mcap.Topic(messages), **LAYOUTS[request.param])
 
 
+@pytest.mark.slow
 def test_every_layout_is_read(whole):
     log = read(whole)
     assert numbers(log) == list(range(COUNT))
     assert log.notes == ()
 
 
+@pytest.mark.slow
 def test_cut_anywhere_what_was_whole_is_used(whole, fresh):
     data, path, most = whole.read_bytes(), fresh("cut.mcap"), 0
     for size in sorted({*range(8, len(data), max(1, len(data) // 60)), *range(8, 40), len(data) - 1}):
@@ -258,6 +260,7 @@ def test_a_file_of_little_more_than_its_magic_is_refused(fresh, data):
         read(path)
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(st.data())
 def test_damaged_bytes_never_raise_anything_else(declared, some, fresh, data):

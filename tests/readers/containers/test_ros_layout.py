@@ -205,6 +205,7 @@ def dig(message, path):
     return list(message) if hasattr(message, "__len__") else message
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(definitions())
 def test_every_field_of_any_message_is_what_the_generic_decoder_reads(case):

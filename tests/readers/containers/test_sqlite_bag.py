@@ -116,6 +116,7 @@ def assert_same(one, other):
     assert [speed.value.tolist() for speed in one.speeds] == [speed.value.tolist() for speed in other.speeds]
 
 
+@pytest.mark.slow
 def test_what_rosbags_writes_equals_the_same_messages_in_mcap(store, recording, fresh, mcap):
     from rosbags.rosbag2 import Writer
 
@@ -265,6 +266,7 @@ def attempt(path):
     return len(found.imu().angular_rate) if found.imus else 0
 
 
+@pytest.mark.slow
 def test_cut_anywhere_what_can_be_read_is_read_or_refused(recording, by_hand, fresh):
     data, path = by_hand(recording, page=512).read_bytes(), fresh("cut.db3")
     counts = []
@@ -291,6 +293,7 @@ def test_a_damaged_name_in_the_schema_is_refused_or_passed_over(recording, by_ha
     assert attempt(path) is None
 
 
+@pytest.mark.slow
 def test_flipped_bits_never_raise_anything_else(recording, by_hand, fresh):
     data, rng, path = by_hand(recording).read_bytes(), np.random.default_rng(14), fresh("log.db3")
     counts = []

@@ -89,6 +89,7 @@ def test_no_messages_make_a_clock_that_adds_nothing():
     assert clock.unix(np.array([0, 7]), np.array([5, 6])).tolist() == [5, 6]
 
 
+@pytest.mark.slow
 @given(st.lists(st.integers(7, 1000), min_size=1, max_size=6), st.integers(-(10**6), 10**6))
 def test_whatever_reboots_time_is_what_it_was(lengths, ahead):
     boot = [i for length in lengths for i in range(length)]

@@ -21,6 +21,7 @@ def batches(shared):
     return read(path), log.heard(path)
 
 
+@pytest.mark.slow
 def test_three_imus_at_25_hz_and_a_receiver_at_5(batches):
     found, heard = batches
     for i in range(3):
@@ -89,6 +90,7 @@ def test_high_rate_batches_are_raw_over_mul_on_the_sensors_clock(batches):
     assert any(note.id == "cut_batch" and note.startswith("1 ") for note in found.notes)
 
 
+@pytest.mark.slow
 def test_a_log_without_a_fix_counts_from_power_up(shared):
     found = read(shared / "dataflash" / "ardusub_small.BIN")
     first = log.heard(shared / "dataflash" / "ardusub_small.BIN")["IMU"][0]

@@ -42,6 +42,7 @@ def real(request, shared):
     return tables_of(path.read_bytes()), log.heard(path)
 
 
+@pytest.mark.slow
 def test_every_record_that_pymavlink_finds_is_found(real):
     tables, wanted = real
     found = {name: next(iter(t.values())).shape[0] for name in WANTED if (t := tables.table(name)) is not None}
@@ -141,6 +142,7 @@ def test_cut_anywhere_the_whole_records_before_the_cut_are_found():
         assert tables.skipped == cut - ends[whole - 1]
 
 
+@pytest.mark.slow
 @given(st.lists(st.integers(0, len(log.binary(log.flight(10)))), max_size=8).map(sorted))
 @settings(deadline=None, max_examples=60)
 def test_pieces_give_what_the_whole_gives(pieces):

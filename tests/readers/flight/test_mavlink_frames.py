@@ -60,6 +60,7 @@ def told(data):
     return list(zip(*(column.tolist() for column in columns), strict=True)), found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", REAL)
 def test_every_frame_that_pymavlink_decodes_is_found_and_no_other(shared, name):
     path = shared / "tlog" / f"{name}.tlog"
@@ -250,6 +251,7 @@ def test_all_messages_that_are_read_are_tested():
     assert all(mavlink.mavlink_map[number].msgname == layout.name for number, layout in LAYOUTS.items())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", LAYOUTS)
 @settings(max_examples=25, deadline=None)
 @given(data=st.data())

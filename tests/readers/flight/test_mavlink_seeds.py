@@ -12,6 +12,8 @@ from imuwb.readers.flight.mavlink_seeds import SEEDS
 
 from .mavlink_writer import T, mavlink, record
 
+pytestmark = pytest.mark.slow
+
 TABLE = {number: {seeds} if isinstance(seeds, int) else set(seeds) for number, seeds in SEEDS.items()}
 TWICE = [number for number, seeds in TABLE.items() if len(seeds) > 1]
 

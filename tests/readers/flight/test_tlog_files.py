@@ -50,6 +50,7 @@ def test_a_log_without_faults_has_no_notes_of_any(tlog_of):
     assert not {"checksum_failed", "unknown_message", "no_frame", "impossible_time"} & set(ids(notes))
 
 
+@pytest.mark.slow
 def test_cut_at_any_byte_the_whole_frames_are_read(fresh):
     records, path = numbered(4), fresh("log.tlog")
     data = b"".join(records)
@@ -78,6 +79,7 @@ def test_a_gzip_file_that_is_cut_is_read_as_far_as_it_unpacks(fresh):
     assert "packed_cut" in ids(log.notes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("block", [1, 100, 1000])
 def test_small_blocks_give_what_one_does(tlog_of, monkeypatch, block):
     rows = [*numbered(30), *fixes(20), b"garbage", spoilt(numbered(1)[0]), *(solution(i) for i in range(20))]
@@ -97,6 +99,7 @@ def test_a_real_log_in_small_blocks_is_the_same(shared, monkeypatch):
     assert content(read(path)) == content(whole)
 
 
+@pytest.mark.slow
 def test_the_values_of_a_real_log_are_pymavlinks(shared):
     path = shared / "tlog" / "ardusub_small.tlog"
     messages = {}

@@ -36,6 +36,7 @@ def real(request, shared):
     return taken(path.read_bytes(), names), columns, told
 
 
+@pytest.mark.slow
 def test_every_topic_and_column_equals_pyulogs(real):
     log, columns, _ = real
     names = {name for name, _ in columns}

@@ -76,6 +76,7 @@ def test_a_byte_that_is_no_text_costs_its_row(imu_of, bad):
     assert repairs(imu)["not_a_number"] == 1
 
 
+@pytest.mark.slow
 def test_text_far_after_the_first_block_costs_its_row_alone(imu_of):
     rows = [f"{i},{ROW}" for i in range(300_000)]
     rows[250_000] = "250000,oops,2,3,0,0,-1"

@@ -14,6 +14,7 @@ from tests.readers.repairs import repairs
 from tests.readers.text.csv_writer import DEG, HEADER, timed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "cells", "expected"),
     [
