@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 T = 1_714_564_800 * 10**9
 HEAVY = {"numba", "scipy", "pandas", "rerun", "imuwb.identification", "imuwb.health"}
 CODE = "import sys, imuwb\nlog = imuwb.read(sys.argv[1])\nprint(len(log.imu().angular_rate), *sys.modules)"
