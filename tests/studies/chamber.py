@@ -2,7 +2,7 @@
 
 The presets ``motionpakii`` and ``ahrs300cc`` hold table 1 at its four temperatures, interpolate linearly between them, and
 have the y axis's values on all axes. The chamber goes from -30 to 60 °C in steps of 10 °C, with 3 h at 100 Hz at each step;
-``identify`` and ``over_temperature`` estimate N. Goal: the 95 % interval contains the true N in 93 to 97 % of all axes,
+``set_point_of`` and ``over_temperature`` estimate N. Goal: the 95 % interval contains the true N in 93 to 97 % of all axes,
 temperatures and seeds.
 
 AR(1) is fitted to the y axes of seed 0 after Kaiser low-passes of 8, 16 and 24 Hz, and stands beside tables 2 to 5. The presets
@@ -20,7 +20,7 @@ from filtered_ar1 import printed, taps
 from study_report import GOALS, Share, Table, main, over_records, verdict
 
 from imuwb.conditioning import filtered
-from imuwb.identification.temperature import Record, first_order, identify, over_temperature
+from imuwb.identification.temperature import Record, first_order, over_temperature, set_point_of
 from imuwb.log import AXES
 from imuwb.simulation import preset
 from imuwb.units import coefficient_units
@@ -51,7 +51,7 @@ def record(unit, seed, hours):
     first = {}
     for place, t in enumerate(CELSIUS):
         for axis, x in samples(unit, place, seed, hours).items():
-            points[axis].append(identify([Record(x, place * hours * 3600, float(t), log=place)], 1 / RATE))
+            points[axis].append(set_point_of([Record(x, place * hours * 3600, float(t), log=place)], 1 / RATE))
             if axis.endswith("_y") and t in TABULATED and not seed:
                 for cutoff in CUTOFFS:
                     series = x if cutoff is None else filtered(x, taps(cutoff))

@@ -2,7 +2,7 @@
 
 A gyro at 100 Hz has an N that grows by 20 % over the ramp (0.3 deg/√h at 15 °C), flicker (7.2 deg/h) and a random walk
 (15.8 deg/h^1.5) that do not depend on temperature, and a thermal bias of 1 deg/s over the ramp with a parabola of 0.3 deg/s. The
-thermometer has 1 Hz and a noise of 0.1 °C. ``stretches`` cuts the ramp into 22 bins of 5 °C; ``identify`` removes the drift of each
+thermometer has 1 Hz and a noise of 0.1 °C. ``stretches`` cuts the ramp into 22 bins of 5 °C; ``set_point_of`` removes the drift of each
 bin. The Cramer-Rao bound of N from the n samples of a bin is N/√(2n) if all else is known; with B and K unknown, the bound comes
 from the information matrix of the likelihood at the truth. Goals: the rms error of N over all bins is at most 1.2 times the first
 bound; B and K are inside their 95 % intervals, or below their limits, in at least 93 % of bins.
@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 from study_report import GOALS, Share, Table, main, over_records, verdict
 
-from imuwb.identification.temperature import Record, identify, over_temperature, smooth_temperature, stretches
+from imuwb.identification.temperature import Record, over_temperature, set_point_of, smooth_temperature, stretches
 from imuwb.stochastic import FlickerNoise, RandomWalk, Sum
 
 QUESTION = "N, B and K along a ramp of ten hours"
@@ -63,7 +63,7 @@ def record(seed, hours, back):
             continue
         warm = smooth_temperature(time, read, t[inside])
         groups.setdefault(s.nominal, []).append(Record(x[inside], t[inside.start], float(warm.mean()), warm, s.rising))
-    over = over_temperature([identify(group, 1 / RATE) for _, group in sorted(groups.items())])
+    over = over_temperature([set_point_of(group, 1 / RATE) for _, group in sorted(groups.items())])
     bins = [
         (
             p.celsius,

@@ -2,7 +2,7 @@
 
 The size is measured on sensors that do not depend on temperature: white noise alone; white noise, flicker and random walk (a gyro
 of 0.3 deg/√h, 7.2 deg/h, 15.8 deg/h^1.5); and these with quantization. A record has six successive set-points of 5 minutes at
-100 Hz; ``identify`` and ``over_temperature`` estimate the coefficients. A further case is a ramp of 110 °C in 2 h, cut into 22 bins
+100 Hz; ``set_point_of`` and ``over_temperature`` estimate the coefficients. A further case is a ramp of 110 °C in 2 h, cut into 22 bins
 of 5 °C, whose bias follows the temperature by 1 deg/s and a parabola. Goal: the test of N at 5 % rejects in 3.5 to 6.5 % of records.
 
 The power is measured with an N that changes linearly from the coldest to the hottest set-point. Goal: a change of 10 % is found in
@@ -22,7 +22,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # matrix products are small:
 import numpy as np
 from study_report import GOALS, Share, Table, main, over_records, verdict
 
-from imuwb.identification.temperature import Record, identify, over_temperature, smooth_temperature, stretches
+from imuwb.identification.temperature import Record, over_temperature, set_point_of, smooth_temperature, stretches
 from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, Sum, WhiteNoise
 
 QUESTION = "Size and power of the tests of dependence on temperature"
@@ -51,7 +51,7 @@ def set_points(case, seed, change, minutes):
         x = whole[k * n : (k + 1) * n]
         scale = 1 + change * (t - CELSIUS[0]) / np.ptp(CELSIUS)
         x = x + WHITE.N * (scale**2 - 1) ** 0.5 * rng.standard_normal(n) * RATE**0.5
-        points.append(identify([Record(x, k * minutes * 60, float(t))], 1 / RATE))
+        points.append(set_point_of([Record(x, k * minutes * 60, float(t))], 1 / RATE))
     return _decisions(over_temperature(points, size=SIZE))
 
 
@@ -70,7 +70,7 @@ def ramp(seed, hours):
         at = t[slice(*np.searchsorted(t, [s.start, s.end]))]
         inside = slice(round(at[0] * RATE), round(at[0] * RATE) + at.size)
         points.append(
-            identify([Record(x[inside], at[0], s.celsius, smooth_temperature(time, read, at), True)], 1 / RATE)
+            set_point_of([Record(x[inside], at[0], s.celsius, smooth_temperature(time, read, at), True)], 1 / RATE)
         )
     return _decisions(over_temperature(points, size=SIZE))
 

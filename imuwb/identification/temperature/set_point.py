@@ -85,7 +85,7 @@ class SetPoint:
         return max(self.fit.misfit, 1.0) if self.fit.probability < ACCEPTED else 1.0
 
 
-def identify(records: Sequence[Record], dt: float, *, level: float = 0.95, band: float = float("inf")) -> SetPoint:
+def set_point_of(records: Sequence[Record], dt: float, *, level: float = 0.95, band: float = float("inf")) -> SetPoint:
     """Return the noise at one temperature.
 
     Args:

@@ -9,7 +9,7 @@ import numpy as np
 
 from imuwb.axes import THREADS, axes_of, rates
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.identification.temperature import heterogeneity, identify, log_sigma, over_temperature
+from imuwb.identification.temperature import heterogeneity, log_sigma, over_temperature, set_point_of
 from imuwb.log import AXES, source_of
 from imuwb.notes import Note
 from imuwb.progress import tracked
@@ -138,7 +138,7 @@ def _set_point(axis: str, group: Sequence[LogPart], parameters: Parameters) -> t
     dt, band = part.axes[axis].clock.interval, part.log.band
     records = [record for _, record in taken]
     try:
-        point = identify(records, dt, level=parameters.level, band=band)
+        point = set_point_of(records, dt, level=parameters.level, band=band)
     except ValueError as error:
         return None, str(error)
     apart = _difference_of_logs(records, dt, band, parameters.level)
@@ -152,7 +152,7 @@ def _difference_of_logs(records: Sequence[Record], dt: float, band: float, level
     """Return the relative difference of N between logs at one temperature; None if chance explains it."""
     if len({record.log for record in records}) < 2:  # noqa: PLR2004 - a difference needs two logs
         return None
-    each = [identify([record], dt, level=level, band=band).coefficients["N"] for record in records]
+    each = [set_point_of([record], dt, level=level, band=band).coefficients["N"] for record in records]
     known = [(c.value, s) for c in each if c.value is not None and (s := log_sigma(c, level))]
     if len(known) < 2:  # noqa: PLR2004 - a difference needs two values
         return None

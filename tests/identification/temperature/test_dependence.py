@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from imuwb.identification.temperature import Record, heterogeneity, identify, over_temperature
+from imuwb.identification.temperature import Record, heterogeneity, over_temperature, set_point_of
 from imuwb.identification.temperature.dependence import DRAWS, _drawn, depends
 from imuwb.identification.temperature.pooled import pooled, settled
 from imuwb.stochastic import FlickerNoise, Sum, WhiteNoise
@@ -13,7 +13,7 @@ DT = 0.01
 def chamber(sizes, seed, n=20_000, flicker=0.0):
     rng = np.random.default_rng(seed)
     return [
-        identify([Record(Sum((WhiteNoise(size), FlickerNoise(flicker))[: 1 + (flicker > 0)]).sample(n, DT, rng), 0.0, 10.0 * k)], DT)
+        set_point_of([Record(Sum((WhiteNoise(size), FlickerNoise(flicker))[: 1 + (flicker > 0)]).sample(n, DT, rng), 0.0, 10.0 * k)], DT)
         for k, size in enumerate(sizes)
     ]  # fmt: skip
 
@@ -61,7 +61,7 @@ def test_the_law_of_an_unsure_coefficient_is_drawn_and_wider():
 def test_a_flicker_that_grows_is_found():
     rng = np.random.default_rng(5)
     points = [
-        identify([Record(Sum((WhiteNoise(0.005), FlickerNoise(b))).sample(40_000, DT, rng), 0.0, t)], DT)
+        set_point_of([Record(Sum((WhiteNoise(0.005), FlickerNoise(b))).sample(40_000, DT, rng), 0.0, t)], DT)
         for t, b in ((-20.0, 0.002), (20.0, 0.004), (60.0, 0.012))
     ]
     assert depends(points, "B").depends is True
@@ -86,7 +86,7 @@ def test_a_limit_that_all_temperatures_give_together_holds():
     rng = np.random.default_rng(7)
     sensor, held = Sum((WhiteNoise(0.005), FlickerNoise(0.0006))), []
     for _ in range(15):
-        points = [identify([Record(sensor.sample(4000, DT, rng), 0.0, 1.0 * k)], DT) for k in range(5)]
+        points = [set_point_of([Record(sensor.sample(4000, DT, rng), 0.0, 1.0 * k)], DT) for k in range(5)]
         held.append(pooled(points)["B"].upper >= 0.0006)
     assert stats.binom.cdf(sum(held), 15, 0.95) > 1e-4
 

@@ -3,7 +3,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from imuwb.identification.temperature import Record, axis_model, identify, over_temperature
+from imuwb.identification.temperature import Record, axis_model, over_temperature, set_point_of
 from imuwb.stochastic import FlickerNoise, Sum, WhiteNoise
 
 DT, N = 0.01, 30_000
@@ -18,7 +18,7 @@ def size_at(celsius):
 def found():
     rng = np.random.default_rng(1)
     points = [
-        identify([Record(Sum((WhiteNoise(size_at(t)), FlickerNoise(0.002))).sample(N, DT, rng) + 0.01 * t, 300.0 * k, t)], DT)
+        set_point_of([Record(Sum((WhiteNoise(size_at(t)), FlickerNoise(0.002))).sample(N, DT, rng) + 0.01 * t, 300.0 * k, t)], DT)
         for k, t in enumerate(CELSIUS)
     ]  # fmt: skip
     return over_temperature(points)
@@ -52,7 +52,8 @@ def test_the_bias_is_a_curve_of_a_gyro_and_a_change_of_an_accelerometer(found):
 def test_what_never_changes_is_no_table():
     rng = np.random.default_rng(2)
     points = [
-        identify([Record(WhiteNoise(0.005).sample(N, DT, rng) + 0.3, 300.0 * k, t)], DT) for k, t in enumerate(CELSIUS)
+        set_point_of([Record(WhiteNoise(0.005).sample(N, DT, rng) + 0.3, 300.0 * k, t)], DT)
+        for k, t in enumerate(CELSIUS)
     ]
     over = over_temperature(points)
     model = axis_model(over)
@@ -69,7 +70,8 @@ def test_a_coefficient_found_here_and_there_is_what_all_temperatures_say_togethe
     rng = np.random.default_rng(3)
     sensor = Sum((WhiteNoise(0.005), FlickerNoise(0.0012)))
     points = [
-        identify([Record(sensor.sample(N, DT, rng), 300.0 * k, t)], DT) for k, t in enumerate((*CELSIUS, 60.0, 70.0))
+        set_point_of([Record(sensor.sample(N, DT, rng), 300.0 * k, t)], DT)
+        for k, t in enumerate((*CELSIUS, 60.0, 70.0))
     ]
     sure = [bool(p.coefficients["B"].lower) for p in points]
     law = over_temperature(points).laws["B"]

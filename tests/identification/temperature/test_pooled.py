@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from imuwb.identification.likelihood.fit import TERMS
-from imuwb.identification.temperature import Record, identify
+from imuwb.identification.temperature import Record, set_point_of
 from imuwb.identification.temperature.pooled import _climbed, pooled
 from imuwb.stochastic import FlickerNoise, Quantization, Sum, WhiteNoise
 
@@ -14,7 +14,7 @@ B, Q = 0.003, 5e-5
 def points():
     rng = np.random.default_rng(1)
     sums = [Sum((WhiteNoise(n), FlickerNoise(B), Quantization(Q))) for n in SIZES]
-    return [identify([Record(s.sample(20_000, DT, rng), 0.0, 10.0 * k)], DT) for k, s in enumerate(sums)]
+    return [set_point_of([Record(s.sample(20_000, DT, rng), 0.0, 10.0 * k)], DT) for k, s in enumerate(sums)]
 
 
 def deviance_with(points, found, sizes):

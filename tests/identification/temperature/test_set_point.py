@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from imuwb.identification import fit_likelihood
-from imuwb.identification.temperature import Record, first_order, identify, over_temperature
+from imuwb.identification.temperature import Record, first_order, over_temperature, set_point_of
 from imuwb.stochastic import Autoregressive, FlickerNoise, RandomWalk, Sum, WhiteNoise
 
 DT = 0.01
@@ -13,7 +13,7 @@ WALK = Sum((WhiteNoise(0.005), RandomWalk(0.002)))
 @pytest.mark.parametrize("sensor", [SENSOR, WALK])
 def test_one_record_has_the_coefficients_that_the_likelihood_gives_it(sensor):
     x = sensor.sample(60_000, DT, np.random.default_rng(1)) + 3.0
-    point = identify([Record(x, 0.0, 20.0)], DT)
+    point = set_point_of([Record(x, 0.0, 20.0)], DT)
     plain = fit_likelihood(x - x.mean(), DT)
     for letter in "QNBK":
         a, b = point.coefficients[letter], plain.coefficients[letter]
@@ -32,7 +32,7 @@ def test_one_record_has_the_coefficients_that_the_likelihood_gives_it(sensor):
 def test_more_records_of_a_temperature_tell_more():
     rng = np.random.default_rng(2)
     parts = [Record(SENSOR.sample(40_000, DT, rng) + k, 1000.0 * k, 20.0 + 0.1 * k, log=k) for k in range(3)]
-    one, three = identify(parts[:1], DT), identify(parts, DT)
+    one, three = set_point_of(parts[:1], DT), set_point_of(parts, DT)
     width = [p.coefficients["B"].upper - p.coefficients["B"].lower for p in (one, three)]
     assert width[1] < 0.75 * width[0]
     assert three.coefficients["N"].lower < 0.005 < three.coefficients["N"].upper
@@ -57,7 +57,7 @@ def test_the_samples_deviation_has_an_interval_that_knows_their_correlation():
     sigma = (1 / (1 - 0.95**2)) ** 0.5
     inside = widths = 0
     for _ in range(30):
-        found = identify([Record(process.sample(20_000, DT, rng), 0.0, 0.0)], DT).deviation
+        found = set_point_of([Record(process.sample(20_000, DT, rng), 0.0, 0.0)], DT).deviation
         inside += found.lower <= sigma <= found.upper
         widths += (found.upper - found.lower) / sigma
     assert inside >= 23  # of 30 at 95 %: fewer in 1 of 1e4
@@ -70,12 +70,12 @@ def test_the_samples_deviation_has_an_interval_that_knows_their_correlation():
 )
 def test_what_has_no_noise_is_refused(values, why):
     with pytest.raises(ValueError, match=why):
-        identify([Record(values, 0.0, 20.0)], DT)
+        set_point_of([Record(values, 0.0, 20.0)], DT)
 
 
 def test_quantization_that_no_temperature_shows_is_left_out_and_n_is_surer():
     rng = np.random.default_rng(5)
-    points = [identify([Record(WhiteNoise(0.005).sample(30_000, DT, rng), 0.0, t)], DT) for t in range(0, 60, 10)]
+    points = [set_point_of([Record(WhiteNoise(0.005).sample(30_000, DT, rng), 0.0, t)], DT) for t in range(0, 60, 10)]
     free = [p for p in points if p.coefficients["Q"].value]
     assert free  # else there is nothing to settle
     settled = over_temperature(points).points
@@ -92,8 +92,8 @@ def test_a_random_walk_is_found_in_a_ramps_bin_and_not_made_by_its_drift():
     warm = 20 + 5 * np.linspace(0, 1, n)
     still, walking = WhiteNoise(0.005), Sum((WhiteNoise(0.005), RandomWalk(0.003)))
     drift = 0.3 * (warm - 20)
-    quiet = identify([Record(still.sample(n, DT, rng) + drift, 0.0, 22.5, warm)], DT)
-    walks = identify([Record(walking.sample(n, DT, rng) + drift, 0.0, 22.5, warm)], DT)
+    quiet = set_point_of([Record(still.sample(n, DT, rng) + drift, 0.0, 22.5, warm)], DT)
+    walks = set_point_of([Record(walking.sample(n, DT, rng) + drift, 0.0, 22.5, warm)], DT)
     assert quiet.coefficients["K"].upper < 0.001
     assert walks.coefficients["K"].lower < 0.003 < walks.coefficients["K"].upper
     assert walks.coefficients["K"].lower > 0.001
