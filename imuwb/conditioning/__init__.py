@@ -1,4 +1,4 @@
-"""What is done to samples before they are analysed or navigated with: arrays in, arrays out."""
+"""Conditioning of samples before they are analysed or used for navigation: arrays in, arrays out."""
 
 import lazy_loader
 

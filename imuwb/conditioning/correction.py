@@ -1,7 +1,7 @@
 """A log without the deterministic terms of an error model: bias, scale factors, cross-coupling, g-sensitivity.
 
 The correction is causal: each sample is corrected with the last temperature and the last force that were measured up to its
-time. Samples before the first one take the first one, as a filter would wait for it.
+time. Samples before the first measured value are corrected with that first value, because a filter would wait for it.
 """
 
 from __future__ import annotations
@@ -48,13 +48,13 @@ def corrected_log(log: Log, model: ImuErrorModel) -> tuple[Log, tuple[Note, ...]
 
 
 def correct(log: Log, model: ImuErrorModel, step: tuple[str, str] | None = None) -> tuple[Log, Note]:
-    """Return a log whose first IMU is without a model's deterministic terms, and a note of what was taken off.
+    """Return a log without a model's deterministic terms in its first IMU, and a note that names these terms.
 
-    Where the log has no temperature, the constant terms of the model are taken off in place of its curves. The log is returned
-    unchanged where the model has curves only.
+    Where the log has no temperature, the constant terms of the model are subtracted instead of its curves. If the model then has
+    curves only, the log is returned unchanged.
 
     Args:
-        log: an IMU; an error model is that of one sensor, so that only the first IMU is corrected.
+        log: log with an IMU; an error model describes one sensor, so only the first IMU is corrected.
         model: an error model with deterministic terms; its noise does not matter.
         step: name and parameters of the step in ``Log.conditioning``.
 
@@ -132,5 +132,5 @@ def _celsius(imu: ImuStream, time: Nanoseconds) -> Floats | None:
 
 
 def _held(known: Nanoseconds, values: Floats, time: Nanoseconds) -> Floats:
-    """Return the last values measured up to some times; before the first value, the first."""
+    """Return, for each time, the last value measured up to it; before the first value, the first value."""
     return values[np.clip(np.searchsorted(known, time, side="right") - 1, 0, None)]

@@ -1,7 +1,7 @@
 """Linear-phase low-pass filters with Kaiser's window (El-Diasty, 2.3, eq. 14 to 17).
 
-As printed, eq. 17 has A_pass in delta_stop, where A_stop belongs, and eq. 15 has k = 0 in its second branch. These are
-Kaiser's own formulas.
+The printed eq. 17 has A_pass in delta_stop, where A_stop is correct, and the printed eq. 15 has k = 0 in its second branch.
+This module uses Kaiser's own formulas.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-LONGEST = 400_001  #: taps
-LOBES = 8  #: of the response on each side of the transition, where the gain is checked
-GRID = 1024  #: frequencies in them
+LONGEST = 400_001  #: largest number of taps
+LOBES = 8  #: number of lobes of the response on each side of the transition, in which the gain is checked
+GRID = 1024  #: number of frequencies in these lobes
 DEEPEST = 200.0  #: dB; with more, rounding fills the stop band
-MARGIN = 0.98  #: of the gain allowed in the stop band, for frequencies between those that are checked
+MARGIN = 0.98  #: share of the gain allowed in the stop band; the rest is for frequencies between those that are checked
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -56,7 +56,7 @@ class KaiserFilter:
 def design_kaiser(
     rate: float, f_pass: float, f_stop: float, a_stop: float = 100.0, a_pass: float = 0.0001
 ) -> KaiserFilter:
-    """Return the shortest odd low-pass that Kaiser's formulas give.
+    """Return the shortest low-pass of odd length that Kaiser's formulas give.
 
     Args:
         rate: Hz.
@@ -79,7 +79,7 @@ def design_kaiser(
     attenuation = -20 * np.log10(delta)
     beta = float(signal.kaiser_beta(attenuation))
     width = (f_stop - f_pass) / rate
-    # Kaiser's length is an estimate, up to a decibel short: the filter grows until it keeps its bands.
+    # Kaiser's length is an estimate; the attenuation may lack a decibel. The filter grows until it keeps its bands.
     size = int(np.ceil((attenuation - 7.95) / (14.36 * width) if attenuation > 21 else 0.9222 / width)) | 1  # noqa: PLR2004 - Kaiser's
     cutoff = (f_pass + f_stop) / 2
     while size <= LONGEST:
@@ -103,7 +103,7 @@ def _keeps(taps: Floats, rate: float, edges: tuple[float, float], ripple: float,
 
 
 def filtered(values: Floats, taps: Floats) -> Floats:
-    """Return filtered values, (n + 1 - taps): those for which the whole filter lies on samples.
+    """Return filtered values, (n + 1 - taps): those for which all taps lie on samples.
 
     Args:
         values: (n,) or (n, k) samples.
@@ -117,12 +117,12 @@ def filtered(values: Floats, taps: Floats) -> Floats:
 
 
 def fir_change(kaiser: KaiserFilter, *, causal: bool, step: int = 1) -> Change:
-    """Return a filter as a change of streams, every ``step``-th value kept.
+    """Return a filter as a change of streams; every ``step``-th value is kept.
 
     Args:
         kaiser: symmetric, of odd length.
-        causal: whether a value stands at the time of the last sample it is made of, or of the middle one.
-        step: samples of which one is kept.
+        causal: whether a value has the time of the last sample that it depends on, or of the middle one.
+        step: one of this many samples is kept.
     """
     size = kaiser.taps.size
     first, last = (size - 1, 0) if causal else (size // 2, size // 2)

@@ -1,4 +1,4 @@
-"""The low-pass within a sensor: Butterworth, or a moving average (in the 3DM-GX3-25 of 15 samples)."""
+"""The low-pass within a sensor: Butterworth, or a moving average (of 15 samples in the 3DM-GX3-25)."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-SETTLED = 1e-7  #: rest of the slowest mode; output before it is left out
-HALF_POWER = 0.4429  #: where sinc is 1/√2
+SETTLED = 1e-7  #: remaining share of the slowest mode; earlier output is left out
+HALF_POWER = 0.4429  #: argument at which sinc is 1/√2
 LOST = 0.01  #: largest share of a power that is lost within the band
 GRID = 1000  #: frequencies at which the band is looked for
 LOW = 1e-3  #: of the cutoff: the frequency whose phase gives the delay

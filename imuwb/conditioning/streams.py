@@ -26,7 +26,7 @@ class Change:
     shortest: int = 1  #: samples of a part between gaps; shorter parts are dropped
     first: int = 0  #: samples that are left out at the beginning of a part
     last: int = 0  #: samples that are left out at its end
-    step: int = 1  #: samples of which one is kept
+    step: int = 1  #: one of this many samples is kept
 
 
 def condition_streams(log: Log, design: Callable[[str, float], Change]) -> Log:

@@ -1,7 +1,7 @@
 """Wavelet denoising: details below a threshold are taken as noise (Quinchia, 4.5 and 5.6).
 
 Level k keeps frequencies below rate/2^(k+1). Stein's unbiased risk estimate (SURE; Donoho and Johnstone 1995) gives each level
-the threshold of the least expected error; the common libraries do not have it. The noise is scaled level by level, by the
+the threshold with the least expected error; the common libraries do not have it. The noise is scaled level by level, by the
 median of the details' magnitudes.
 """
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Rule = Literal["sure", "universal", "bayes", "all", "none"]
 Shrinkage = Literal["soft", "hard"]
 MEDIAN = 0.6745  #: of the magnitude of a standard normal value
-WAVELETS = 16  #: of the last level in a sliding window
+WAVELETS = 16  #: number of wavelets of the last level in a sliding window
 BATCH = 1 << 22  #: samples in the windows that are denoised at once
 CLEAR = 4.0  #: standard errors by which a density is above the noise, where there is motion
 MOTION_SHARE = 0.99  #: of the motion's energy, within a measured band
@@ -74,7 +74,7 @@ def denoise(
 
     Args:
         values: (n,) evenly spaced samples.
-        level: of decomposition; 0 leaves the series as it is.
+        level: level of decomposition; 0 leaves the series as it is.
         wavelet: a discrete wavelet of PyWavelets.
         rule: ``"sure"``, ``"universal"`` (σ√(2 ln n)), ``"bayes"`` (σ²/σ_x), ``"all"`` (no detail is kept), ``"none"``.
         shrinkage: ``"soft"`` or ``"hard"``.
@@ -104,7 +104,7 @@ def denoise_causally(
 
     Args:
         values: (n,) evenly spaced samples.
-        level: of decomposition.
+        level: level of decomposition.
         wavelet: a discrete wavelet of PyWavelets.
         rule: as in ``denoise``.
         shrinkage: as in ``denoise``.
@@ -187,9 +187,9 @@ def threshold(detail: Floats, rule: Rule) -> float:
 
 
 def sure_threshold(size: Floats) -> float:
-    """Return the soft threshold of the least Stein risk for details of unit noise.
+    """Return the soft threshold with the least Stein risk for details of unit noise.
 
-    risk(t) = n - 2 #(|x| <= t) + sum min(x², t²), at the magnitudes themselves.
+    risk(t) = n - 2 #(|x| <= t) + sum min(x², t²), evaluated at the magnitudes.
 
     Args:
         size: (n,) magnitudes, rising.

@@ -1,4 +1,4 @@
-"""The Earth: the WGS 84 ellipsoid and its gravity; and attitudes against north, east and down."""
+"""The Earth: the WGS 84 ellipsoid and its gravity; and attitudes relative to north, east and down."""
 
 from imuwb.geodesy.attitude import (
     euler_of_quaternion,

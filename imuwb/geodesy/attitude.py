@@ -1,4 +1,4 @@
-"""Attitudes: Euler angles, rotation matrices and quaternions of the body against north-east-down (Groves, 2.2).
+"""Attitudes: Euler angles, rotation matrices and quaternions of the body relative to north-east-down (Groves, 2.2).
 
 A quaternion is (w, x, y, z) and turns body vectors into the navigation frame, as C_b_n does.
 """

@@ -1,4 +1,4 @@
-"""Where noise coefficients are read, and the interval of a coefficient whose square is estimated."""
+"""The averaging times at which noise coefficients are read, and the interval of a coefficient whose square is estimated."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def interval(square: float, sigma: float, level: float) -> tuple[float, float]:
     """Return the ends of the interval of a coefficient whose square was estimated with this standard error.
 
     A positive quadratic estimate is about a scaled chi-square, which is skewed for few degrees of freedom and never reaches 0.
-    The lower end is 0 nevertheless where chance alone may have made the term.
+    The lower end is still 0 where chance alone can explain the term.
     """
     z = normal_limit(level)
     freedom = 2 * square**2 / sigma**2

@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     Computed = TypeVar("Computed")
 
 AR_ORDERS = (1, 3)  #: autoregressive models that are compared (Quinchia; El-Diasty)
-SETTLED = 20.0  #: times 1/band: averaging time (s) above which a filter takes less than a part in 250 of white noise
+SETTLED = 20.0  #: averaging time, in units of 1/band, above which a filter removes less than 1/250 of white noise
 LONG_ENOUGH = (
     0.5  #: share of the record in its longest part without gaps, below which only the Allan curve is identified
 )
@@ -60,7 +60,7 @@ class NoiseIdentification:
 
     n: int  #: samples
     dt: float  #: s
-    level: float  #: of all intervals and limits
+    level: float  #: confidence level of all intervals and limits
     mean: float  #: of the samples that the likelihood uses
     curve: AllanDeviation
     lines: tuple[Line, ...]
@@ -78,7 +78,7 @@ class NoiseIdentification:
 
     @property
     def estimators(self) -> dict[str, Mapping[str, Coefficient]]:
-        """Return the coefficients of each estimator; those of the Allan fit are unknown where there is none."""
+        """Return the coefficients of each estimator; where there is no Allan fit, its coefficients are unknown."""
         unknown = dict.fromkeys("QNBKR", UNKNOWN)
         fits = {"likelihood": self.likelihood, "wavelet": self.wavelet}
         others = {name: fit.coefficients for name, fit in fits.items() if fit is not None}
@@ -86,7 +86,7 @@ class NoiseIdentification:
 
     @property
     def coefficients(self) -> Mapping[str, Coefficient]:
-        """Return Q, N, B, K and R of the headline."""
+        """Return Q, N, B, K and R of the headline's estimator."""
         return self.estimators[self.headline]
 
     @property
@@ -161,11 +161,11 @@ def identify(
         breaks: indices before which samples are missing.
         averaging_times: of the curve: ``"octave"``, ``"log:N"``, ``"all"``, or times in s; fits use octaves.
         uncertainty: of the curve: ``"edf"`` or ``"printed"``, as in ``allan``.
-        level: of all intervals and limits.
+        level: confidence level of all intervals and limits.
         lines: whether periodic lines are searched; the fits then include or leave out the lines.
         estimators: whether the likelihood, the wavelet variances and the test of stationarity are computed too.
         choose: whether sums of processes are compared, also with Gauss-Markov and autoregressive terms.
-        band: Hz; a filter has changed what lies above. Fits use what lies below.
+        band: Hz; a filter has changed the spectrum above it. Fits use the spectrum below it.
         fast: whether the curve is thinned at long averaging times, as in ``allan``; fits are not.
 
     Raises:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from imuwb.statistics import Estimate
 
-SHARE = 0.6  #: of the variance or density; a term with more dominates
+SHARE = 0.6  #: share of the variance or density, above which a term dominates
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,7 +18,7 @@ class Region:
     The slope of a line fitted there is free, so it can be compared with the nominal slope of the term (El-Diasty, 4.1).
     """
 
-    letter: str  #: of the term: Q, N, B, K or R
+    letter: str  #: letter of the term: Q, N, B, K or R
     start: float
     end: float
     slope: Estimate  #: on log-log axes

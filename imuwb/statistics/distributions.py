@@ -1,6 +1,6 @@
 """Quantiles and tail probabilities of the distributions that estimates and tests need.
 
-They come from ``scipy.special``: the functions that ``scipy.stats`` wraps, without the second that its import takes.
+They come from ``scipy.special``. ``scipy.stats`` wraps the same functions, but its import takes a second.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def chi_square_limits(level: float, freedom: ArrayLike) -> tuple[Any, Any]:
     """Return the factors that turn an estimated variance into the ends of its interval.
 
     Args:
-        level: of the interval.
+        level: confidence level of the interval.
         freedom: degrees of freedom; the estimate is about the true variance times chi-square over ``freedom``.
     """
     nu, tail = np.asarray(freedom, dtype=np.float64), (1 - level) / 2
@@ -51,7 +51,7 @@ def chi_square_limits(level: float, freedom: ArrayLike) -> tuple[Any, Any]:
 
 
 def pearson3_quantile(probability: float, skewness: float) -> float:
-    """Return the value that a Pearson III variable of mean 0 and variance 1 stays below; skewness is 0 or more."""
+    """Return the value that a Pearson III variable stays below with this probability: mean 0, variance 1, skewness 0 or more."""
     if skewness < 1e-6:  # noqa: PLR2004 - normal to nine digits
         return normal_quantile(probability)
     shape = 4 / skewness**2

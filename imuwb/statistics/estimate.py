@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A value, and the interval that contains the truth with the probability given by the level of its result.
+    """A value, and the interval that contains the truth with the probability ``level`` of the result that it is part of.
 
     An end without a bound is infinite. Both ends are nan where there is no interval.
     """
@@ -45,7 +45,8 @@ class Estimate:
 class Coefficient:
     """A noise coefficient. If the record does not show it, ``value`` is None and ``upper`` is its limit.
 
-    A limit is one-sided, at the level of its result. An infinite limit means that the record does not bound the coefficient.
+    A limit is one-sided, at the ``level`` of the result that it is part of. An infinite limit means that the record does
+    not bound the coefficient.
     """
 
     value: float | None

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from imuwb.log import Floats
 
 
-ROUNDING = 1e-9  #: of a pole's magnitude: a pole at 1 is computed just below it
+ROUNDING = 1e-9  #: margin of a pole's magnitude: rounding may put a pole at 1 just below 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ class Autoregressive(Elementary):
     name: ClassVar[str] = "autoregressive"
 
     def __post_init__(self) -> None:
-        """Check that the set is stable."""
+        """Check that the process is stable."""
         Elementary.__post_init__(self)
         object.__setattr__(self, "alpha", tuple(float(a) for a in self.alpha))
         poles = np.roots([1.0, *self.alpha])
@@ -76,10 +76,10 @@ class Autoregressive(Elementary):
         return StateSpace(power, step.P0 - power @ step.P0 @ power.T, step.c, 0.0, step.P0)
 
     def resampled(self, factor: int) -> Autoregressive:
-        """Return the autoregressive process of the same order whose autocovariance at ``factor`` times its step is this one's.
+        """Return an autoregressive process of the same order p with ``factor`` times the step.
 
-        Except for order 1, the remaining samples are no autoregressive process of that order; this is the one whose
-        autocovariance agrees with theirs up to lag p (Yule and Walker).
+        Its autocovariance agrees with that of every ``factor``-th sample up to lag p (Yule and Walker). Except for order 1,
+        these samples themselves are no autoregressive process of that order.
         """
         if not self.alpha or factor == 1:
             return Autoregressive(self.alpha, self.beta0, self.dt * factor)

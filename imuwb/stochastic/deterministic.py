@@ -1,4 +1,4 @@
-"""The deterministic terms of an error model, added to a motion and taken off a measurement.
+"""The deterministic terms of an error model, added to a motion and subtracted from a measurement.
 
 With s the scale factor, s2 its non-linear part, c the cross-couplings and G the g-sensitivity (Hassaballa, eq. 1 and 2):
 
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from imuwb.stochastic.error_model import ImuErrorModel
 
 GYROS = 3  #: axes before the first accelerometer
-CLOSE = 1e-14  #: of the largest value, measured or true; a smaller change ends the iteration
-MOST_TURNS = 200  #: of the iteration
+CLOSE = 1e-14  #: share of the largest value, measured or true; a smaller change ends the iteration
+MOST_TURNS = 200  #: largest number of iterations
 NOTHING = AxisModel()
 
 
@@ -53,7 +53,7 @@ def shown(model: ImuErrorModel, motion: tuple[Floats, Floats], celsius: Floats |
 
 
 def corrected(model: ImuErrorModel, measured: tuple[Floats, Floats], celsius: Floats | None) -> tuple[Floats, Floats]:
-    """Return the motion of which sensors without noise measure this: the inverse of ``shown``.
+    """Return the motion for which sensors without noise measure these values: the inverse of ``shown``.
 
     Args:
         model: its deterministic terms.
@@ -61,7 +61,7 @@ def corrected(model: ImuErrorModel, measured: tuple[Floats, Floats], celsius: Fl
         celsius: as in ``shown``.
 
     Raises:
-        ValueError: terms so large that no motion is measured so.
+        ValueError: terms so large that no motion fits the measurement.
     """
     rate, force = measured
     force = np.stack(_solved(model, GYROS, force, celsius), axis=1)
@@ -98,7 +98,7 @@ def _at(points: Thermal, plain: float, celsius: Floats | None) -> Floats | float
 
 
 def _solved(model: ImuErrorModel, first: int, measured: Floats, celsius: Floats | None) -> list[Floats]:
-    """Return the triad's motion, axis by axis and again: the measurement less bias and cross-couplings, over the gain."""
+    """Return the triad's motion by iteration over the axes: the measurement less bias and cross-couplings, over the gain."""
     axes = [model.axes.get(AXES[first + i], NOTHING) for i in range(3)]
     true = np.array(measured)
     largest = float(np.abs(measured).max(initial=0.0))
@@ -107,7 +107,7 @@ def _solved(model: ImuErrorModel, first: int, measured: Floats, celsius: Floats 
         for i, axis in enumerate(axes):
             bias = _at(axis.thermal_bias, axis.bias, celsius)
             true[:, i] = (measured[:, i] - bias - _crossed(axis, i, true)) / _gain(axis, true[:, i], celsius)
-        # The motion counts too: a measurement of 0 may be a motion against a bias.
+        # The size of the motion counts too: a measurement of 0 may be a motion that cancels a bias.
         close = CLOSE * max(largest, float(np.abs(true).max(initial=0.0)))
         if not np.abs(true - before).max(initial=0.0) > close:
             return [true[:, i] for i in range(3)]

@@ -1,4 +1,4 @@
-"""What the processes have in common: frozen parameters that are checked, and that print themselves."""
+"""What the processes have in common: frozen parameters, their checks, and a text form."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Elementary(Addable):
     """
 
     __slots__ = ()
-    name: ClassVar[str]  #: in documents
+    name: ClassVar[str]  #: name of the process in documents
 
     def __post_init__(self) -> None:
         """Make whole numbers floats, so that 1 and 1.0 are the same process in every respect, and check the ranges."""

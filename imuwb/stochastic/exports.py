@@ -35,7 +35,7 @@ class Sensor:
 
     name: str
     white: tuple[float | None, ...]  #: N
-    walk: tuple[float | None, ...]  #: K; a Gauss-Markov process counts as the walk that it is at first, sigma √(2/Tc)
+    walk: tuple[float | None, ...]  #: K; a Gauss-Markov process counts as a walk of K = sigma √(2/Tc), its start
     sigma: tuple[float | None, ...]  #: sigma of the Gauss-Markov process
     time: tuple[float | None, ...]  #: Tc of the Gauss-Markov process, s
     flicker: tuple[float | None, ...]  #: B
@@ -82,7 +82,7 @@ def _walk(model: AxisModel) -> float | None:
 
 
 def _walk_or_stated(sensor: Sensor, notes: list[str], horizon: float) -> float:
-    """Return K; where there is flicker only, the walk that reaches its flat level at a horizon, with a note."""
+    """Return K; with flicker only, K of the walk whose Allan deviation reaches the flat level at a horizon, and a note."""
     if any(sensor.walk):
         if any(sensor.sigma):
             notes.append(
@@ -100,7 +100,7 @@ def _walk_or_stated(sensor: Sensor, notes: list[str], horizon: float) -> float:
 
 
 def _bias(sensor: Sensor, notes: list[str]) -> tuple[list[float], float]:
-    """Return sigma of each axis's Gauss-Markov bias and its correlation time; from flicker, with a note, where there is none."""
+    """Return sigma of each axis's Gauss-Markov bias, and the correlation time; without such a bias, sigma comes from flicker."""
     if all(sensor.sigma) and all(sensor.time):
         times = [t for t in sensor.time if t]
         longest = max(times)
@@ -202,7 +202,7 @@ _PX4 = {
     "EKF2_GYR_NOISE": ("gyro", "white", "rad/s", 0.0001, 0.1), "EKF2_ACC_NOISE": ("accel", "white", "m/s^2", 0.01, 1.0),
     "EKF2_GYR_B_NOISE": ("gyro", "walk", "rad/s^2", 0.0, 0.01), "EKF2_ACC_B_NOISE": ("accel", "walk", "m/s^3", 0.0, 0.01),
 }  # fmt: skip
-PX4_STEP = 0.01  #: s, of its filter: EKF2_PREDICT_US, 10000 as delivered
+PX4_STEP = 0.01  #: s, of its filter: EKF2_PREDICT_US, 10000 by default
 
 
 def px4(model: ImuErrorModel, rate: float, horizon: float) -> str:

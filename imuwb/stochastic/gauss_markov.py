@@ -23,7 +23,10 @@ class GaussMarkov(Elementary):
     name: ClassVar[str] = "gauss_markov"
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
-        """Return 2 s² T²/tau² (tau/T - 3/2 + 2 e^(-tau/T) - e^(-2 tau/T)/2); it peaks at 0.6174 s, 1.893 T."""
+        """Return 2 s² T²/tau² (tau/T - 3/2 + 2 e^(-tau/T) - e^(-2 tau/T)/2), with s = sigma and T = Tc.
+
+        The largest Allan deviation is 0.6174 s, at tau = 1.893 T.
+        """
         del dt
         x = tau / self.Tc
         # For small x the terms cancel to x³/3 - x⁴/4 + 7 x⁵/60.

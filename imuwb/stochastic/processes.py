@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class WhiteNoise(Elementary):
-    """Angle or velocity random walk. Allan variance N²/tau; density N²; N²/dt per sample."""
+    """Angle or velocity random walk. Allan variance N²/tau; density N²; variance of a sample N²/dt."""
 
     N: float  #: unit/√Hz
     name: ClassVar[str] = "white_noise"
@@ -137,7 +137,7 @@ class RateRamp(Elementary):
 
 @dataclass(frozen=True, slots=True)
 class Sinusoid(Elementary):
-    """A line: amplitude · sin(2 pi f t + phase), the phase drawn evenly."""
+    """A line: amplitude · sin(2 pi f t + phase); the phase has a uniform distribution."""
 
     amplitude: float  #: unit
     frequency: float  #: Hz
@@ -150,7 +150,7 @@ class Sinusoid(Elementary):
         return self.amplitude**2 * (np.sin(x) ** 2 / x) ** 2
 
     def power_spectral_density(self, f: Floats, dt: float) -> Floats:
-        """Return 0: the power of a line is in no density; A²/4 stands at +f and at -f."""
+        """Return 0: a density does not show the power of a line, which is A²/4 at +f and at -f."""
         del dt
         return np.zeros_like(f)
 

@@ -1,4 +1,4 @@
-"""Finite-order processes as a filter takes them."""
+"""The state-space form of finite-order processes, which a filter needs."""
 
 from __future__ import annotations
 

@@ -11,12 +11,12 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-MOST_TIMES = 10_000  #: for log:N
-MOST_WORK = 10**11  #: second differences, which take about a minute
+MOST_TIMES = 10_000  #: largest N of log:N
+MOST_WORK = 10**11  #: largest number of second differences; so many take about a minute
 
 
 def averaging_factors(times: str | Sequence[float], n: int, dt: float) -> NDArray[np.int64]:
-    """Return rising averaging factors m (tau = m dt) for n samples, each at most n/2.
+    """Return averaging factors m (tau = m dt) in rising order for n samples; each is at most n/2.
 
     Args:
         times: ``"octave"`` (m = 1, 2, 4, ...), ``"log:N"`` (about N times), ``"all"``, or times in s as numbers or as a
@@ -25,7 +25,7 @@ def averaging_factors(times: str | Sequence[float], n: int, dt: float) -> NDArra
         dt: s.
 
     Raises:
-        ValueError: another text, or no time between dt and half the record.
+        ValueError: a text that is none of these, or no time between dt and half the record.
     """
     largest = n // 2
     if largest < 1:

@@ -5,7 +5,8 @@ times, and the sum itself gives their covariance. So the squares are estimated b
 the covariance is taken from the fit, and the fit is repeated. The usual way reads straight lines off parts of the curve; that
 is biased where the parts overlap.
 
-A term stays in the sum when it is larger than chance would make it if the term were absent (one-sided, half of 1 - level).
+A term stays in the sum if it is larger than chance would make it if the term were absent. The test is one-sided, with the
+probability (1 - level)/2 of a false alarm.
 A term that does not stay is not zero: it has an upper limit.
 """
 
@@ -37,10 +38,10 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-FEWEST = 3  #: averaging times of a fit
-FEWEST_FILTERED = 5  #: averaging times of a fit that leaves out the times which a filter changes
+FEWEST = 3  #: least number of averaging times of a fit
+FEWEST_FILTERED = 5  #: least number for a fit that leaves out the averaging times which a filter changes
 STRIDE = 4.0  #: factor between two squares in the search for a limit
-FARTHEST = 1e4  #: times the limit that neglects the term's own scatter
+FARTHEST = 1e4  #: largest ratio of a limit to the limit that neglects the term's own scatter
 GAUSS_MARKOV_PEAK = 1.8926  #: the Allan deviation of a Gauss-Markov process is largest at 1.8926 Tc
 OCTAVE = 1.8  #: ratio of averaging times that counts as an octave
 
@@ -54,11 +55,12 @@ class AllanFit:
     lines: tuple[Sinusoid, ...]
     processes: Sum
     regions: tuple[Region, ...]
-    #: s, of the bias instability: centre of the flat region on the log axis (Quinchia, table 5), between its begin and end
+    #: s, correlation time of the bias instability: centre of the flat region on the log axis (Quinchia, table 5); its
+    #: interval is the region
     correlation_time: Estimate | None
     shortest: float  #: s; the sum explains the curve from this averaging time up
-    misfit: float  #: chi-square over its degrees of freedom, from there up
-    probability: float  #: that chance makes a misfit as large
+    misfit: float  #: chi-square over its degrees of freedom, from this time up
+    probability: float  #: probability that chance makes so large a misfit
 
     @property
     def gauss_markov_time(self) -> float | None:
@@ -85,7 +87,7 @@ def fit_allan(curve: AllanDeviation, lines: Sequence[Line] = (), shortest: float
     Args:
         curve: from ``allan(..., "octave")``; a denser curve is thinned to about one point an octave.
         lines: sinusoids found in the spectrum; their frequencies and amplitudes are held.
-        shortest: s; shorter averaging times are left out, such as those at which a filter shows.
+        shortest: s; shorter averaging times are left out, such as those that a filter has changed.
 
     Raises:
         ValueError: fewer than three averaging times, or a curve that is 0 (a constant channel).
@@ -97,7 +99,7 @@ def fit_allan(curve: AllanDeviation, lines: Sequence[Line] = (), shortest: float
     freedom = max(problem.variance.size - len(active), 1)
     chi2, _ = problem.misfit(squared)
     probability = min(float(chi_square_tail(chi2, freedom)), problem.strangeness(squared))
-    # A sum that does not explain the curve has wider intervals than its statistics give (Birge).
+    # If the sum does not explain the curve, its intervals are widened (Birge).
     inflation = max(chi2 / freedom, 1.0) if probability < ACCEPTED else 1.0
     coefficients = _coefficients(problem, squared, covariance * inflation, active, curve.level, inflation)
     terms = [PROCESSES[x](c.value) for x, c in coefficients.items() if c.value is not None]
@@ -158,9 +160,9 @@ def _coefficients(
 def _upper_limit(
     problem: Problem, squared: Floats, active: list[int], term: int, level: float, inflation: float
 ) -> float:
-    """Return the largest size of a term that would, with probability 1 - level, be estimated as low as this record gives.
+    """Return a term's upper limit: if this is its size, an estimate as low as this record's has probability 1 - level.
 
-    With the size of the term, the other terms that fit, the weights and the scatter change too.
+    If the size of the term changes, the fitted other terms, the weights and the scatter change too.
     """
     z = normal_quantile(level) * inflation**0.5
 
@@ -168,7 +170,7 @@ def _upper_limit(
         held = np.eye(5)[term] * size
         others, _ = problem.solve(active, held, rounds=2)
         estimate = problem.added(others + held, active, term)
-        # An estimate below 0 is chance, or a curve that bends away: it must not make the limit absurdly small.
+        # An estimate below 0 comes from chance, or from a curve that bends away. It must not make the limit too small.
         return max(estimate.value, 0.0) + z * estimate.sigma
 
     here = problem.added(squared, active, term)

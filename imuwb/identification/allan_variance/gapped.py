@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-FEWEST = 2  #: samples of an incomplete block, which its variance takes
-FULLNESS = 0.8  #: of the share of samples in the whole record; emptier blocks are left out
+FEWEST = 2  #: least number of samples in an incomplete block; its variance needs them
+FULLNESS = 0.8  #: least share of samples in a block, over that share in the whole record; emptier blocks are left out
 
 
 def bridged(
@@ -27,8 +27,8 @@ def bridged(
 ) -> tuple[Floats, NDArray[np.int64], Floats]:
     """Return the Allan variance at each factor (NaN where there is none), the number of differences, and the clear share.
 
-    The clear share is the part of the mean square that is left without the excess. The smaller it is, the more the scatter of
-    the excess itself counts.
+    The clear share is the part of the mean square that is left without the excess. If it is small, the scatter of the
+    excess itself counts much.
 
     Args:
         values: (n,) samples.

@@ -7,8 +7,8 @@ multiple of 1 at lag 0 only, |t|, t² ln|t| and |t|³ for quantization, white, f
 equivalent degrees of freedom. Here the sums are computed exactly, also between different m, so that a fit knows the correlations
 of its points.
 
-One difference is intended: Greenhall and Riley take phase samples that are averages, but the angle of a gyro is the plain sum of
-its samples. For white noise at m = 1 the degrees of freedom are then 2/3 of the number of terms, not 4/5.
+One difference from that paper is intended. Greenhall and Riley take phase samples that are averages, but the angle of a gyro is
+the plain sum of its samples. For white noise at m = 1 the degrees of freedom are then 2/3 of the number of terms, not 4/5.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ if TYPE_CHECKING:
 #: exponents alpha of the rate's density f^alpha, in the order of all tables here
 EXPONENTS = (2, 0, -1, -2)  # quantization Q, white N, flicker B, random walk K
 NEAR = 24  #: lags on each side of a corner that are all summed
-FAR = 30  #: times m + q; beyond this lag flicker is computed from its series
+FAR = 30  #: lag, over m + q, beyond which flicker is computed from its series
 SCALED = 64  #: averaging factor above which only m/n matters
-FEW = 16  #: length of a record, over the averaging time, above which the ends of the record have no effect
-FARTHEST = 4096  #: lag, over the averaging time, beyond which differences are not correlated
+FEW = 16  #: ratio of record length to averaging time, above which the ends of the record have no effect
+FARTHEST = 4096  #: ratio of lag to averaging time, beyond which differences are not correlated
 RATIO = 1.12  #: ratio of successive lags far from a corner
 
 
@@ -159,7 +159,7 @@ class Moments:
     linear: Floats  #: (k, k, 4) for the cross terms with a ramp
 
     def scaled(self, wider: Floats) -> Moments:
-        """Return the moments of variances that scatter wider by these factors, (k,)."""
+        """Return the moments of variances whose scatter is larger by these factors, (k,)."""
         both = np.outer(wider, wider)
         return Moments(self.factor, self.squares * both[:, :, None, None], self.linear * both[:, :, None])
 
@@ -175,7 +175,7 @@ class Moments:
         p = squared * dt ** np.arange(4)
         total = np.einsum("ijtu,t,u->ij", self.squares, p, p)
         if ramp:
-            mean = ramp * (self.factor * dt) ** 2  # of z
+            mean = ramp * (self.factor * dt) ** 2  # mean of z
             total += 4 * np.outer(mean, mean) * (self.linear @ p)
         tau = self.factor * dt
         return total / (4 * np.outer(tau, tau) ** 2)

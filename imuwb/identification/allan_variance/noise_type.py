@@ -15,7 +15,7 @@ from imuwb.compiled import compiled
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-FEWEST = 30  #: averaged points, which the method takes
+FEWEST = 30  #: least number of averaged points that the method needs
 MOST = 1 << 11  #: points that are used; the autocorrelation then scatters by 0.022, and the noise types are 0.25 apart
 MOST_DIFFERENCES = 2
 
@@ -23,7 +23,7 @@ MOST_DIFFERENCES = 2
 def exponent(phase: NDArray[np.float64]) -> int | None:
     """Return alpha (2 quantization ... 0 white, -1 flicker, -2 random walk) of phase data at its own step.
 
-    None for fewer than 30 points, or constant phase.
+    The result is None for fewer than 30 points, or for constant phase.
     """
     if phase.size < FEWEST:
         return None

@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 
 Uncertainty = Literal["edf", "printed"]
 BLOCK = 2048  #: points; a block of the sum stays in the fastest cache while all factors use it
-ROUNDED = 1e-8  #: of a sum of squares: largest mean square of rounding errors in the fast mode
-BRIDGE = 0.5  #: share of the second differences; where gaps leave less, block means bridge the gaps
-LEAST_CLEAR = 0.1  #: share of the degrees of freedom; a bridged variance with less depends mostly on its correction
-ROUGHLY = 61  #: every 61st sample is averaged to the value that is taken off before the sum
+ROUNDED = 1e-8  #: largest mean square of rounding errors in the fast mode, as a share of a sum of squares
+BRIDGE = 0.5  #: where gaps leave a smaller share of the second differences, block means bridge the gaps
+LEAST_CLEAR = 0.1  #: least share of the degrees of freedom; with less, a bridged variance is mostly its correction
+ROUGHLY = 61  #: the mean of every 61st sample is subtracted from all samples before they are summed
 THINNEST = 16  #: least number of points of the sum in an averaging time, in the fast mode
 
 
@@ -39,7 +39,7 @@ class AllanDeviation:
 
     n: int  #: samples
     dt: float  #: s
-    level: float  #: of the intervals
+    level: float  #: confidence level of the intervals
     factor: NDArray[np.int64]  #: (k,) averaging factors m
     averaging_time: Floats  #: (k,) s
     deviation: Floats  #: (k,)
@@ -82,14 +82,14 @@ def allan(
         values: (n,) evenly spaced samples.
         dt: s.
         averaging_times: ``"octave"``, ``"log:N"``, ``"all"``, or times in s.
-        level: of the intervals.
+        level: confidence level of the intervals.
         uncertainty: ``"edf"``: chi-square with Greenhall-Riley degrees of freedom of the noise type at each averaging time;
             ``"printed"``: +-z/√(2(n/m - 1)), the papers' formula (Quinchia, eq. 15; Hassaballa, eq. 10).
         breaks: indices before which samples are missing; no second difference spans a break.
         time: (n,) ns. Where gaps leave too few second differences, block means bridge them (``gapped.bridged``). Without
-            ``time``, the averaging times end with half the longest part.
-        fast: whether the sum is thinned at long averaging times, to 16 to 32 points in each; the averaging times are rounded
-            to that, and the intervals are those of the thinned sums.
+            ``time``, the longest averaging time is half the longest part.
+        fast: whether the sum is thinned at long averaging times: 16 to 32 points in each are left. The averaging times are
+            rounded to the steps of these points, and the intervals are those of the thinned sums.
 
     Raises:
         ValueError: fewer than 2 samples, samples that are not finite, or no averaging time within the record.
@@ -120,7 +120,7 @@ def allan(
 
 def _phases(values: Floats, dt: float, breaks: Sequence[int]) -> list[Floats]:
     """Return the running sums of the parts between breaks that have at least two samples."""
-    # An offset does not change second differences, but it costs the sum digits; so a rough mean will do.
+    # An offset does not change second differences, but it costs digits of the sum. A rough mean is enough to remove it.
     center = float(values[0] + (values[::ROUGHLY] - values[0]).mean()) if values.size else 0.0
     edges = [0, *sorted(breaks), values.size]
     phases = [_phase(values[a:b], center) for a, b in pairwise(edges) if b > a]
@@ -151,7 +151,7 @@ def _variances(phases: Sequence[Floats], factor: NDArray[np.int64], *, fast: boo
 def _degrees_of_freedom(
     factor: NDArray[np.int64], terms: NDArray[np.int64], kinds: NDArray[np.int64], thin: NDArray[np.int64]
 ) -> Floats:
-    """Return the degrees of freedom of each variance: those of a record without gaps, thinned, of as many terms."""
+    """Return the degrees of freedom of each variance: those of a thinned record without gaps that has as many terms."""
     n = terms + 2 * factor - 1
     return np.array(
         [
@@ -329,7 +329,7 @@ def _halved(phase: Floats) -> Floats:  # pragma: no cover - compiled
 def _noise_types(exponents: Sequence[int | None]) -> NDArray[np.int64]:
     """Return the exponent at each factor; where too few points are left (None), the last exponent.
 
-    In a sum of processes, the exponent falls as the averaging time grows, so a higher exponent is chance.
+    In a sum of processes, the exponent falls as the averaging time grows, so a higher exponent comes from chance.
     """
     kinds = np.zeros(len(exponents), dtype=np.int64)
     last = next((exponent for exponent in exponents if exponent is not None), 0)

@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 PROCESSES = {"Q": Quantization, "N": WhiteNoise, "B": FlickerNoise, "K": RandomWalk, "R": RateRamp}
 LETTERS = tuple(PROCESSES)
 ROUNDS = 6
-LEAST_EIGENVALUE = 1e-9  #: of a correlation matrix
+LEAST_EIGENVALUE = 1e-9  #: floor of the eigenvalues of a correlation matrix
 
 
 def _thinned_by_gaps(curve: AllanDeviation, chosen: NDArray[np.int64], n: int) -> Floats:
-    """Return by what factor (1 or more) gaps widen the scatter of each Allan variance, against n samples without gaps."""
+    """Return by what factor (1 or more) gaps widen the scatter of each Allan variance, compared with n samples."""
     whole = [
         equivalent_degrees_of_freedom(int(m), n, int(a))
         for m, a in zip(curve.factor[chosen], curve.noise_type[chosen], strict=True)
@@ -102,9 +102,9 @@ class Problem:
         return chi2, chi2 - 2 * float(np.linalg.slogdet(whiten)[1])
 
     def strangeness(self, squared: Floats) -> float:
-        """Return the probability that chance puts any point as far above or below the sum.
+        """Return the probability that chance puts at least one point so far above or below the sum.
 
-        The residual alone cannot show that. With few degrees of freedom, a variance of a hundredth of the expected one is
+        Chi-square of the residual cannot show that. With few degrees of freedom, a variance of a hundredth of the expected one is
         less than one standard deviation away; its chi-square law shows how improbable it is.
         """
         expected = self.design @ squared + self.by_lines
@@ -119,7 +119,7 @@ class Problem:
         Args:
             active: indices of the free terms.
             held: (5,) squares of terms that are in the sum but not free.
-            rounds: repetitions of the fit, each with the covariance of the one before, at most.
+            rounds: largest number of repetitions of the fit; each takes the covariance of the fit before.
 
         Raises:
             ValueError: no active term.

@@ -29,7 +29,7 @@ def regions(problem: Problem, squared: Floats, covariance: Floats, level: float)
         problem: the Allan variances, (k,).
         squared: (5,) fitted squares of Q, N, B, K, R.
         covariance: (k, k) of the Allan variances.
-        level: of the intervals of the slopes.
+        level: confidence level of the intervals of the slopes.
     """
     parts = problem.design * squared
     share = parts / (parts.sum(axis=1) + problem.by_lines)[:, None]
@@ -50,11 +50,11 @@ def free_slope(letter: str, tau: Floats, variance: Floats, covariance: Floats, l
     """Return the region of a term with the slope of its Allan deviation, by generalised least squares.
 
     Args:
-        letter: of the term.
+        letter: letter of the term.
         tau: (k,) s, averaging times.
         variance: (k,) Allan variances.
-        covariance: (k, k) of those.
-        level: of the slope's interval.
+        covariance: (k, k) of the Allan variances.
+        level: confidence level of the slope's interval.
     """
     whiten = whitener(covariance / np.outer(variance, variance))
     design = whiten @ np.stack([np.ones(tau.size), np.log(tau)], axis=1)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 Kind = Literal["allan", "modified", "hadamard", "total"]
-QUANTIZED = 2  #: alpha
+QUANTIZED = 2  #: alpha of quantization noise
 SCALED = 16  #: averaging factor above which degrees of freedom depend on n/m only
 MOST_CLUSTERS = 256  #: n/m above which degrees of freedom grow in proportion to n/m
 #: alpha -> (b, c, a): degrees of freedom b T/tau - c of the total deviation, and bias factor 1 - a tau/T (SP 1065, table 9)
@@ -52,7 +52,7 @@ def deviation(
         dt: s.
         kind: ``"allan"``, ``"modified"``, ``"hadamard"`` or ``"total"``.
         averaging_times: as for ``allan``; those of the modified and Hadamard deviations end at a third of the record.
-        level: of the intervals.
+        level: confidence level of the intervals.
 
     Raises:
         ValueError: too few samples, or no averaging time within the record.
@@ -143,7 +143,7 @@ def _freedom(kind: Kind, factor: int, n: int, alpha: int) -> float:
     terms = max(size + 1 - 3 * m, 1)
     length = 1 << (8 * size).bit_length()
     f = (np.arange(length // 2) + 0.5) / length  # at half-integer frequencies, because 1/f² has no value at 0
-    step = 2 * np.sin(np.pi * f)  # of one difference
+    step = 2 * np.sin(np.pi * f)  # gain of one difference
     wide = 2 * np.sin(np.pi * f * m)
     # The phase is the sum of a rate of density f^alpha; aliasing turns f into a sine.
     density = step ** float(alpha) / step**2 * wide**6

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-ACCEPTED = 1e-3  #: probability of a misfit as large; below it the sum does not explain the curve
+ACCEPTED = 1e-3  #: probability that chance makes so large a misfit; below it the sum does not explain the curve
 MUCH = 15.0  #: reduction of chi-square that justifies leaving out one point, or taking a term back
-FEWEST_POINTS = 6  #: that a fit keeps
+FEWEST_POINTS = 6  #: least number of points that a fit keeps
 BEYOND_DOUBT = 8.0  #: sigmas; a term this large stays without a test
 
 
@@ -25,15 +25,15 @@ def first_time(problem: Problem) -> int:
     """Return how many of the shortest averaging times to leave out so that the sum explains the rest.
 
     A sensor's own filter, or its resonances, bend the short end of the curve, and no sum of these processes can follow. The
-    points there are precise, so the misfit is large. A cut must reduce the misfit by far more than chance gives the points
-    that it leaves out. Nothing is left out when no cut helps.
+    points there are precise, so the misfit is large. A cut must reduce the misfit by far more than the part that chance
+    gives to the points left out. Nothing is left out when no cut helps.
     """
     misfits: list[float] = []
     for first in range(max(problem.tau.size - FEWEST_POINTS, 1)):
         part = problem.since(first)
         try:
             squared, _, active = select(part, 0.95)
-        except ValueError:  # nothing is left at these times; an earlier first time may do
+        except ValueError:  # no term is left at these times; a fit with an earlier first time may be possible
             if not first:
                 raise
             break
@@ -106,6 +106,6 @@ def _without_weak(problem: Problem, active: list[int], kept: set[int], level: fl
 
 
 def _ratio(problem: Problem, squared: Floats, active: list[int], term: int, level: float) -> float:
-    """Return a term's size over the size that chance exceeds one time in 2/(1 - level) if the term is absent."""
+    """Return a term's size over the size that chance exceeds with probability (1 - level)/2 if the term is absent."""
     estimate = problem.added(squared, active, term)
     return estimate.value / (estimate.sigma * estimate.quantile((1 + level) / 2))

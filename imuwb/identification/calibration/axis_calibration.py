@@ -44,7 +44,7 @@ def student_estimate(value: float, variance: float, freedom: float, level: float
         value: the estimated parameter.
         variance: of that parameter.
         freedom: degrees of freedom of the variance.
-        level: of the interval.
+        level: confidence level of the interval.
     """
     sigma = max(variance, 0.0) ** 0.5
     half = sigma * student_limit(level, max(freedom, 1.0))

@@ -1,4 +1,4 @@
-"""Whether an axis stands at the end of its range."""
+"""A test of whether an axis is at the end of its range."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-SHARE = 0.2  #: of a stretch's samples; a clipped axis has more at its largest or smallest value
-FINE = 8  #: different values in a stretch, from which a sensor is fine enough to be judged
+SHARE = 0.2  #: share of a stretch's samples; a clipped axis has a larger share at its largest or smallest value
+FINE = 8  #: least number of different values in a stretch; with fewer, a sensor is too coarse to be judged
 
 
 def clipped(stretches: Sequence[NDArray[np.float64]]) -> NDArray[np.bool_]:

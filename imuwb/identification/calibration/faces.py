@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 FACES = tuple((axis, sign) for axis in range(3) for sign in (1, -1))
-LEANS = 0.35  #: of gravity, that a horizontal axis may show: a tilt of about 20°
+LEANS = 0.35  #: largest share of gravity that a horizontal axis may show: a tilt of about 20°
 
 
 def face_name(face: tuple[int, int]) -> str:
@@ -29,7 +29,7 @@ def faces(force: Floats, names: Sequence[str], *, raw: bool) -> list[tuple[int, 
 
     Args:
         force: (P, 3) means of the accelerometers.
-        names: of the positions, for messages.
+        names: names of the positions, for messages.
         raw: whether the means are in counts or volts; the zero is then taken from the positions in which an axis is horizontal.
 
     Raises:

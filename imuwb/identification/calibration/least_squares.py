@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-CHANCE = 0.2  #: probability of the residuals below which an extra error is estimated; a smaller one would cost coverage
-WEAK = 1e-7  #: smallest singular value over the largest of a design with columns of length 1; below, it is singular
+CHANCE = 0.2  #: probability of the residuals below which an extra error is estimated; a smaller limit costs coverage
+WEAK = 1e-7  #: ratio of smallest to largest singular value, below which a design with columns of length 1 is singular
 RANGE = 12.0  #: decades below the variance of the residuals, in which the extra variance is searched
 
 
@@ -32,7 +32,7 @@ class LinearFit:
     residual: Floats  #: (n,)
     extra: float  #: variance of the extra error in a row whose pattern is 1
     extra_freedom: float  #: number of rows minus number of parameters
-    probability: float  #: that noise alone makes residuals as large as these
+    probability: float  #: probability that noise alone makes residuals as large as these
 
     def estimate(self, place: int, level: float, factor: float = 1.0) -> Estimate:
         """Return the parameter number ``place`` times a factor, with its interval."""
@@ -125,8 +125,8 @@ def _restricted(design: Floats, y: Floats, variance: Floats, pattern: Floats) ->
 
 
 def _uncertainty(design: Floats, covariance: Floats, total: Floats, variance: Floats, noise: RowNoise) -> Floats:
-    """Return how uncertain each parameter's variance is because the noise's variance is uncertain: a variance, (m,)."""
-    effect = (covariance @ design.T / total) ** 2 * variance  # (m, n): of a relative change of one row's variance
+    """Return the variance of each parameter's variance that comes from the uncertain variance of the noise, (m,)."""
+    effect = (covariance @ design.T / total) ** 2 * variance  # (m, n): effect of a relative change of a row's variance
     variances = np.zeros(len(covariance))
     for source in np.unique(noise.source):
         rows = noise.source == source
@@ -135,7 +135,7 @@ def _uncertainty(design: Floats, covariance: Floats, total: Floats, variance: Fl
 
 
 def _extra_uncertainty(design: Floats, covariance: Floats, total: Floats, pattern: Floats) -> Floats:
-    """Return how uncertain each parameter's variance is because the extra variance is uncertain: a variance, (m,)."""
+    """Return the variance of each parameter's variance that comes from the uncertain extra variance, (m,)."""
     inverse = np.diag(1 / total)
     project = inverse - inverse @ design @ covariance @ design.T @ inverse
     weighted = project * pattern

@@ -1,4 +1,6 @@
-"""Accelerometers from positions of unknown attitudes: the specific force of a still sensor is one gravity in every attitude.
+"""Calibration of accelerometers from positions of unknown attitudes.
+
+The specific force on a still sensor has the magnitude of gravity in every attitude.
 
 Without known attitudes the frame of the case is not observable. The frame of the result has its x axis along the x
 accelerometer, and its y axis in the plane of the x and y accelerometers. In this frame measured = A force + b with a lower
@@ -26,8 +28,8 @@ if TYPE_CHECKING:
 
 FEWEST = 9  #: positions: one for each parameter
 CLOSE = 1e-12  #: relative change of the parameters at which the iteration ends
-MOST_TURNS = 60  #: of the iteration
-#: smallest singular value over the largest of the design's columns; below, the positions are too close to each other
+MOST_TURNS = 60  #: largest number of iterations
+#: ratio of smallest to largest singular value of the design, below which the positions are too close to each other
 WEAKEST = 0.02
 _LOWER = np.tril_indices(3)
 
@@ -36,9 +38,9 @@ def without_attitudes(means: Means, gravity: float, level: float, *, raw: bool =
     """Return bias, scale factors and the three observable cross-couplings.
 
     Args:
-        means: of the accelerometers in P positions, at least 9, spread over all directions.
+        means: means of the accelerometers in P positions, at least 9, spread over all directions.
         gravity: m/s².
-        level: of the intervals.
+        level: confidence level of the intervals.
         raw: whether the means are in counts or volts.
 
     Raises:
@@ -77,7 +79,7 @@ def _start(value: Floats, gravity: float, *, raw: bool) -> tuple[Floats, Floats]
 
 
 def _linearised(means: Means, matrix: Floats, bias: Floats, gravity: float) -> tuple[Floats, Floats, Floats]:
-    """Return the design, (P, 9): bias, then A by rows; one gravity minus the norm of the force, (P,); its variance, (P,)."""
+    """Return the design, (P, 9): bias, then A by rows; gravity minus the norm of the force, (P,); its variance, (P,)."""
     inverse = np.linalg.inv(matrix)
     force = (means.value - bias) @ inverse.T
     size = np.linalg.norm(force, axis=1)
@@ -112,7 +114,7 @@ def _result(
     at = {(int(i), int(j)): 3 + k for k, (i, j) in enumerate(zip(*_LOWER, strict=True))}
 
     def estimate(place: int, value: float) -> Estimate:
-        e = fit.estimate(place, level)  # of the last, vanishing change; its interval is the parameter's
+        e = fit.estimate(place, level)  # of the last change, near 0; its interval is that of the parameter
         half = (e.upper - e.lower) / 2
         return Estimate(value, value - half, value + half, e.sigma)
 

@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-PARTS = 4  #: of a stretch, and of each part again; the scatter of their means gives the error of the whole mean
-FEWEST = 4 * PARTS * PARTS  #: samples of a stretch
-CHANCE = 0.05  #: of a test for white noise: its probability of a false alarm
-COARSE = 3  #: different values in a stretch, up to which noise does not average out the rounding
+PARTS = 4  #: parts of a stretch, and of each part again; the scatter of their means gives the error of the whole mean
+FEWEST = 4 * PARTS * PARTS  #: least number of samples in a stretch
+CHANCE = 0.05  #: probability of a false alarm of the test for white noise
+COARSE = 3  #: different values in a stretch; with no more, noise does not average out the rounding
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -34,10 +34,10 @@ class Means:
 def means(stretches: Sequence[Floats]) -> Means:
     """Return the means of stretches, with variances that include slow noise.
 
-    The means of a stretch's quarters scatter by the noise of the mean, including most of the slow noise. All stretches are of
+    The scatter of the means of a stretch's quarters shows the noise of the mean, with most of the slow noise. All stretches are of
     one sensor, so P stretches give 3 P degrees of freedom. If the quarters scatter by more than the quarters of the quarters
     explain (F test, 5 %), the noise is not white, and a longer mean is no better. The mean then has the variance of a
-    quarter's mean, increased by the growth from sixteenths to quarters, as of a random walk.
+    quarter's mean, increased by the growth from sixteenths to quarters, as for a random walk.
 
     Args:
         stretches: each (n, 3), evenly sampled at one common rate, n at least 64.

@@ -1,4 +1,4 @@
-"""Accelerometers from positions of known attitudes: bias, scale factors and cross-couplings by least squares.
+"""Calibration of accelerometers from positions of known attitudes: bias, scale factors and cross-couplings by least squares.
 
 A position that is not exactly at its stated attitude tilts gravity into the horizontal axes. The size of these tilts is
 estimated from the residuals and widens the intervals of the cross-couplings. The vertical axis is shortened by their square.
@@ -25,15 +25,15 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-BENT = 0.05  #: of the non-linear column's length, that must remain when the other columns are taken out
-#: times the fourth power of the tilt: the variance of the vertical part's shortening. The factor is 2 for a known tilt and a
+BENT = 0.05  #: least share of the non-linear column's length that remains when the other columns are projected out
+#: variance of the vertical part's shortening, over the fourth power of the tilt. The factor is 2 for a known tilt and a
 #: symmetric distribution; coverage with faces 0.5° off needs more (tests/studies/calibration.md).
 SHORTENED = 6.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class PositionCalibration:
-    """The accelerometers from P positions."""
+    """The calibration of the accelerometers from P positions."""
 
     axes: tuple[AxisCalibration, AxisCalibration, AxisCalibration]
     force: Floats  #: (P, 3) m/s², true specific force, from the attitudes or from the fit
@@ -41,7 +41,7 @@ class PositionCalibration:
     sigma: Floats  #: (P, 3) standard deviation of the means' noise, in the unit of the samples
     misplacement: float | None  #: rad, rms of each of a position's two tilts; None: not estimated
     freedom: float  #: number of rows minus number of parameters
-    probability: float  #: that noise alone makes residuals as large as these
+    probability: float  #: probability that noise alone makes residuals as large as these
 
     def __str__(self) -> str:
         """Return one line for each axis."""
@@ -52,7 +52,7 @@ class PositionCalibration:
 
 @dataclass(frozen=True, slots=True)
 class PrintedCalibration:
-    """One axis by Hassaballa's eq. 3 to 6, from two means only."""
+    """The calibration of one axis by Hassaballa's eq. 3 to 6, from two means only."""
 
     up: float  #: mean with the axis up
     down: float  #: mean with the axis down
@@ -92,10 +92,10 @@ def six_position(
     """Return bias, scale factor and all cross-couplings from the six faces of a cube, and the face of each position.
 
     Args:
-        means: of the accelerometers in P positions, each face at least once, in any order.
-        names: of the positions.
+        means: means of the accelerometers in P positions, each face at least once, in any order.
+        names: names of the positions.
         gravity: m/s².
-        level: of the intervals.
+        level: confidence level of the intervals.
         raw: whether the means are in counts or volts.
         misplacement: rad, rms tilt of a face; None: estimated from the residuals.
 
@@ -115,10 +115,10 @@ def known_attitudes(
     """Return bias, scale factor, cross-couplings and, if the positions determine it, the non-linear scale factor.
 
     Args:
-        means: of the accelerometers.
+        means: means of the accelerometers.
         force: (P, 3) m/s², true specific force.
-        level: of the intervals.
-        full_range: m/s², on which the definition of the non-linear part rests; None: no non-linear part.
+        level: confidence level of the intervals.
+        full_range: m/s², range that defines the non-linear part; None: no non-linear part.
         misplacement: rad, rms tilt of a position; None: estimated from the residuals.
 
     Raises:
@@ -146,7 +146,7 @@ def known_attitudes(
 
     fit = fitted(0.0)
     tilt = fit.extra**0.5 if misplacement is None and fit.extra_freedom else misplacement
-    # Two tilts of that rms shorten the vertical part by the square of the rms on average, and scatter as much.
+    # Two tilts of that rms shorten the vertical part by the square of the rms on average; the shortening scatters as much.
     if tilt:
         fit = fitted(tilt**2)
     axes = tuple(_axis(fit, axis * columns, bent, level) for axis in range(3))
@@ -188,7 +188,7 @@ def _gain(means: Means, force: Floats) -> Floats:
 
 
 def _tilted(force: Floats, gain: Floats) -> Floats:
-    """Return the variance of each mean by tilts of 1 rad rms, (P, 3)."""
+    """Return the variance of each mean that tilts of 1 rad rms cause, (P, 3)."""
     size = (force**2).sum(axis=1, keepdims=True)
     level = np.maximum(size - force**2, 0.0)
     level[level < 1e-9 * size.max()] = 0.0

@@ -49,7 +49,7 @@ class RunFit:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class RateTableCalibration:
-    """The gyros from several runs of a rate table."""
+    """The calibration of the gyros from several runs of a rate table."""
 
     axes: tuple[AxisCalibration, AxisCalibration, AxisCalibration]
     runs: tuple[RunFit, ...]  #: in the order of the given runs
@@ -61,7 +61,7 @@ class TableConditions:
 
     latitude: float | None = None  #: rad; None: not known
     misplacement: float = 0.0  #: rad, rms angle between the sensor's axis and the table's
-    full_range: float | None = None  #: rad/s, on which the non-linear part is defined; None: no non-linear part
+    full_range: float | None = None  #: rad/s, range that defines the non-linear part; None: no non-linear part
     forces_known: bool = False  #: g-sensitivity is already subtracted: the offsets of all runs are the same bias
     level: float = 0.95
 
@@ -70,11 +70,11 @@ def rate_table(runs: Sequence[RateRun], conditions: TableConditions) -> RateTabl
     """Return the gyros' calibration; an axis that no run turns has only a bias and couplings.
 
     The offset of a run includes the g-sensitivity to the specific force in its attitude. So the bias is the mean over the runs,
-    with the interval of their scatter, unless the forces are known. The bias of a single run is that of its attitude.
+    with an interval from their scatter, unless the forces are known. With a single run, the bias is that in its attitude.
 
     Args:
         runs: each with one axis along the vertical axis of the table; several runs may turn the same axis.
-        conditions: of the table.
+        conditions: conditions of the table.
 
     Raises:
         ValueError: the steps of a run do not separate its offset from its scale factor.
@@ -93,7 +93,7 @@ def rate_table(runs: Sequence[RateRun], conditions: TableConditions) -> RateTabl
 
 
 def bends(rate: Floats, full_range: float | None) -> bool:
-    """Return whether rates separate a non-linear scale factor from the linear one: two magnitudes, one turned both ways."""
+    """Return whether rates separate a non-linear scale factor from the linear one: two magnitudes, one in both directions."""
     return full_range is not None and np.unique(np.abs(rate[rate != 0])).size > 1 and rate.size > 3  # noqa: PLR2004 - one more than parameters
 
 
@@ -121,7 +121,7 @@ def _vertical(run: RateRun, conditions: TableConditions) -> float:
 
 
 def _earth_across(run: RateRun, conditions: TableConditions) -> Floats:
-    """Return the variance of a step's mean by the earth's horizontal rate, which rotates relative to the turning sensor."""
+    """Return the variance of a step's mean that the earth's horizontal rate causes; it rotates relative to the turning sensor."""
     horizontal = EARTH_RATE * (MIDDLE if conditions.latitude is None else float(np.cos(conditions.latitude)))
     left = np.minimum(1.0, 2 / np.maximum(np.abs(run.rate) * run.length, 1e-12))
     return (horizontal * left) ** 2 / 2

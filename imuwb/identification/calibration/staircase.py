@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-TURNS = 0.3  #: of the turned axis's span; another axis that spans more turns as well
-OFF = 0.01  #: of the span of rates, by which a step may miss the line
+TURNS = 0.3  #: share of the turned axis's span; an axis with a larger span turns as well
+OFF = 0.01  #: share of the span of rates, by which a step may miss the line
 GAINS = (0.5, 2.0)  #: smallest and largest plausible gain of a gyro in SI
 
 
@@ -32,7 +32,7 @@ def turned_axis(mean: Floats, name: str) -> int:
 
     Args:
         mean: (k, 3) means of the steps.
-        name: of the run, for messages.
+        name: name of the run, for messages.
 
     Raises:
         ValueError: a second gyro turns as well.
@@ -57,7 +57,7 @@ def matched(mean: Floats, rates: Sequence[float], name: str, *, raw: bool) -> St
     Args:
         mean: (k, 3) means of the steps, rad/s, counts or volts.
         rates: magnitudes of the table's rates, rad/s.
-        name: of the run, for messages.
+        name: name of the run, for messages.
         raw: whether the unit is not rad/s, so that the gain is not known.
 
     Raises:

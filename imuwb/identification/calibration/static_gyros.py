@@ -28,14 +28,15 @@ def static_gyros(
     """Return bias and g-sensitivity of the gyros, and the residuals of their means, (P, 3).
 
     The vertical part of the earth's rate looks like the g-sensitivity of an axis to its own specific force. It is subtracted if
-    the latitude is known; else it widens those intervals as at 45°. The horizontal part depends on the headings, which are
-    taken for random. Other changes between positions, such as a drift of the bias, are estimated from the residuals.
+    the latitude is known; if not, it widens the intervals of these g-sensitivities, as at a latitude of 45°. The horizontal part
+    depends on the headings, which are assumed to be random. Other changes between positions, such as a drift of the bias, are
+    estimated from the residuals.
 
     Args:
-        means: of the gyros in P positions.
+        means: means of the gyros in P positions.
         force: (P, 3) m/s², true specific force.
         gravity: m/s².
-        level: of the intervals.
+        level: confidence level of the intervals.
         latitude: rad; None: not known.
 
     Raises:

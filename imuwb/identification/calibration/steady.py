@@ -13,13 +13,13 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-BLOCK = 0.5  #: s
-FEWEST = 8  #: samples of a block
-QUARTER = 0.3186393639643751  #: of a standard deviation; a quarter of normal deviations are smaller
+BLOCK = 0.5  #: s, length of a block
+FEWEST = 8  #: least number of samples in a block
+QUARTER = 0.3186393639643751  #: standard deviations; a quarter of all normal deviations are smaller
 JUMP = 7.0  #: standard deviations between the means of neighbouring blocks, from which the sensor moved
-SCATTER = 3.0  #: times the usual scatter within a block, from which the sensor moved
-DRIFT = 0.01  #: of the span; a stretch whose halves differ by more is not steady
-ROUNDED = 1e-9  #: of the span; smaller differences are rounding errors
+SCATTER = 3.0  #: ratio to the usual scatter within a block, from which the sensor moved
+DRIFT = 0.01  #: share of the span; a stretch whose halves differ by more is not steady
+ROUNDED = 1e-9  #: share of the span; smaller differences are rounding errors
 
 
 def steady(
@@ -34,7 +34,7 @@ def steady(
     Args:
         values: (n, k), evenly sampled, without gaps.
         dt: s.
-        shortest: s, duration of a stretch at least.
+        shortest: s, least duration of a stretch.
         span: (k,) range of each channel, in its unit; a slow drift is compared with it.
         tolerance: (k,) difference between two blocks that is allowed in addition to noise, since a hand is never quite still.
     """

@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 
 TENABLE = 0.01  #: probability of the misfit, below which a first-order process does not explain the record
 GROUP = 2**0.5  #: ratio of the last frequency to the first in a group that is tested as one
-FEWEST = 32  #: lowest coefficients, which are one group
+FEWEST = 32  #: number of the lowest coefficients, which are one group
 FEWEST_SAMPLES = 16
 SHORTEST = 1e-5  #: sampling intervals; a process with so short a Tc is white noise
 WIDEST = 30.0  #: half width of the interval of a logarithm; wider ones are cut here
 LONG = 1_000_000  #: samples; a longer record is transformed in single precision
-SHOWN = 2000  #: lags that are kept, about
+SHOWN = 2000  #: number of lags that are kept, approximately
 VAGUE = 100.0  #: ratio of the ends of Tc's interval, above which the record does not show Tc
 
 
@@ -38,7 +38,7 @@ class GaussMarkovFit:
     Tc: Estimate  #: s
     tenable: bool  #: the process alone explains the record
     misfit: float  #: chi-square of the spectrum over its degrees of freedom
-    probability: float  #: that chance makes a misfit as large
+    probability: float  #: probability that chance makes so large a misfit
 
     def process(self) -> GaussMarkov:
         """Return the process."""
@@ -87,7 +87,7 @@ def autocorrelation(values: Floats, dt: float, longest: float | None = None, *, 
         values: (n,) evenly spaced samples.
         dt: s.
         longest: s, longest lag; None: a tenth of the record. Of many lags about 2,000 are kept, more densely near 0.
-        level: of the band and of the intervals.
+        level: level of the band and of the intervals.
 
     Raises:
         ValueError: a constant channel, or fewer than 16 samples.
@@ -102,7 +102,7 @@ def autocorrelation(values: Floats, dt: float, longest: float | None = None, *, 
     most = min(max(round((n * dt / 10 if longest is None else longest) / dt), 1), n - 1)
     size = fft.next_fast_len(n + most, real=True)
     variance = float(np.mean(np.square(centered)))
-    # Single precision gives a part in a million, and the scatter of so long a record is a thousandth.
+    # Single precision is accurate to a part in a million; the values of so long a record scatter by a thousandth.
     digits = np.float32 if n > LONG else np.float64
     power = np.abs(fft.rfft((centered / variance**0.5).astype(digits), size))
     np.square(power, out=power)
@@ -133,8 +133,8 @@ def fit_gauss_markov(spectrum: CosineSpectrum, level: float = 0.95) -> GaussMark
     does not, because the errors of those lags are correlated. White noise is such a process with Tc far below dt.
 
     Args:
-        spectrum: of the whole record.
-        level: of the intervals.
+        spectrum: spectrum of the whole record.
+        level: confidence level of the intervals.
     """
     index: Floats = np.concatenate([spectrum.index.astype(np.float64), (spectrum.first + spectrum.last) / 2])
     power = np.concatenate([(spectrum.low + spectrum.ramp * spectrum.trend()) ** 2, spectrum.power])

@@ -73,7 +73,7 @@ class Whiteness:
 
     order: int
     statistic: float
-    probability: float  #: that chance makes a statistic as large
+    probability: float  #: probability that chance makes so large a statistic
     largest: float  #: magnitude of the largest correlation within the lags
     white: bool  #: at 1 %, so the order is tenable
 
@@ -127,7 +127,7 @@ def fit_autoregressive(
         values: (n,) evenly spaced samples.
         dt: s.
         orders: highest order.
-        level: of significance of the coefficients.
+        level: level of significance of the coefficients.
         test: orders whose innovations are tested for whiteness; the chosen order is always tested.
         breaks: indices before which samples are missing.
 
@@ -173,7 +173,7 @@ def fit_autoregressive(
 def _density(innovations: Floats, alpha: Floats) -> Floats:
     """Return the series' density at GRID/2 + 1 frequencies, scaled so that its mean over the circle is the variance.
 
-    The innovations are nearly white, so their spectrum does not leak and a coarse grid will do; the model then colours it.
+    The innovations are nearly white, so their spectrum does not leak and a coarse grid is enough. The model's gain is then applied.
     """
     size = min(GRID, 1 << max(innovations.size // 8, 2).bit_length() - 1)
     pieces = innovations[: innovations.size // size * size].reshape(-1, size)
@@ -186,8 +186,8 @@ def _density(innovations: Floats, alpha: Floats) -> Floats:
 def _bartlett(alpha: Floats, covariances: Floats, density: Floats, n: int) -> Floats:
     """Return the standard errors of alpha for a linear process of any density.
 
-    alpha solves g_i = sum_j a_j r(i - j) = 0; By Bartlett's covariance of sample
-    autocovariances, that of g is the mean over frequencies of 2 Re(A e^(-iwi)) Re(A e^(-iwj)) S². R then gives that of alpha.
+    alpha solves g_i = sum_j a_j r(i - j) = 0. Bartlett's formula for sample autocovariances gives the covariance G of g: the
+    mean over frequencies of 2 Re(A e^(-iwi)) Re(A e^(-iwj)) S²/n. The covariance of alpha is R^-1 G R^-1.
     """
     p = alpha.size
     w = np.pi * np.arange(density.size) / (density.size - 1)
@@ -204,7 +204,7 @@ def _bartlett(alpha: Floats, covariances: Floats, density: Floats, n: int) -> Fl
 def _ideal(alpha: Sequence[Floats], variance: Floats, n: int) -> Floats:
     """Return the standard errors if the series is autoregressive of the highest order given.
 
-    beta0²/n R^-1, whose diagonal follows from the models of lower orders (Levinson): R^-1 = sum of a_k a_k'/v_k.
+    The covariance is beta0²/n R^-1. Its diagonal follows from the models of lower orders (Levinson): R^-1 = sum a_k a_k'/v_k.
     """
     p = len(alpha) - 1
     diagonal = np.zeros(p)

@@ -179,7 +179,7 @@ def _cin(x: Floats) -> Floats:
 
 
 def _pairs(index: NDArray[np.int64]) -> tuple[Floats, Floats, NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return pi i and pi j of all pairs, which pairs are equal, and which the symmetry of the record decouples."""
+    """Return pi i and pi j of all pairs, which pairs are equal, and which pairs the symmetry decouples."""
     a = np.pi * index.astype(np.float64)
     same = np.eye(index.size, dtype=bool)
     apart = (index[:, None] + index[None, :]) % 2 == 1

@@ -2,7 +2,7 @@
 
 The Allan variance condenses a record to some twenty correlated figures. The likelihood of the cosine coefficients uses all of
 the record, and its errors are near the Cramer-Rao bound. The value of a term is its likeliest size. A term whose likeliest size
-is 0 has no value but an upper limit. A term whose interval begins at 0 may be absent.
+is 0 has an upper limit and no value. A term whose interval begins at 0 may be absent.
 """
 
 from __future__ import annotations
@@ -59,8 +59,8 @@ class LikelihoodFit:
     processes: Sum  #: the terms that have a value
     deviance: float  #: -2 log likelihood plus a constant of the record
     highest: float  #: Hz; the sum explains the spectrum up to this frequency
-    misfit: float  #: chi-square over its degrees of freedom, up to there
-    probability: float  #: that chance makes a misfit as large
+    misfit: float  #: chi-square over its degrees of freedom, up to this frequency
+    probability: float  #: probability that chance makes so large a misfit
 
     @property
     def identified(self) -> Sum:
@@ -91,7 +91,7 @@ def fit_likelihood(values: Floats, dt: float, lines: Sequence[Line] = (), *, lev
         values: (n,) samples.
         dt: s.
         lines: sinusoids found in the spectrum; their frequencies are left out.
-        level: of the intervals and limits.
+        level: confidence level of the intervals and limits.
 
     Raises:
         ValueError: fewer than 256 samples, or a constant channel.
@@ -108,8 +108,8 @@ def fit_cosine_spectrum(
     """Return the likeliest sum of a record's cosine coefficients.
 
     Args:
-        spectrum: of the record.
-        level: of the intervals and limits.
+        spectrum: spectrum of the record.
+        level: confidence level of the intervals and limits.
         highest: Hz; coefficients above are left out, such as those that a filter has changed.
 
     Raises:
@@ -126,8 +126,8 @@ def fit_problem(problem: LikelihoodProblem, level: float = 0.95, *, without: Col
     """Return the likeliest sum Q, N, B, K of the cosine coefficients of one record, or of several together.
 
     Args:
-        problem: of these four.
-        level: of the intervals and limits.
+        problem: likelihood problem of these four terms.
+        level: confidence level of the intervals and limits.
         without: terms that are known to be absent; their limits are estimated as well.
     """
     problem, misfit, freedom = explained(problem)
@@ -138,7 +138,7 @@ def fit_problem(problem: LikelihoodProblem, level: float = 0.95, *, without: Col
     known = sloping.ramp_sigma > 0  # 0 where a line hides all of the lowest coefficients
     ramped = known and steady.deviance - (sloping.deviance + 2 * np.log(sloping.ramp_sigma)) > RAMP_EVIDENCE
     best = sloping if ramped else steady
-    # A sum that does not explain the spectrum has wider intervals than its statistics give (Birge).
+    # If the sum does not explain the spectrum, its intervals are widened (Birge).
     inflation = max(misfit / freedom, 1.0) if probability < ACCEPTED else 1.0
     coefficients = profiled(problem, best, level, ramped=bool(ramped), inflation=inflation, terms=everything)
     coefficients["R"] = _ramp(sloping, level, inflation, ramped=bool(ramped))
@@ -163,7 +163,7 @@ def explained(problem: LikelihoodProblem) -> tuple[LikelihoodProblem, float, flo
     """Return the part of the problem that the sum explains, chi-square and its degrees of freedom.
 
     A sensor's own filter, or its resonances, bend the upper end of the spectrum, and no sum of these processes can follow. The
-    bins there are precise. A cut must reduce the misfit by far more than chance gives the bins that it leaves out.
+    bins there are precise. A cut must reduce the misfit by far more than the part that chance gives to the bins left out.
     """
     top = float(problem.frequency[-1])
     groups = int(np.log(top / problem.frequency[0]) / np.log(GROUP))
@@ -240,7 +240,7 @@ class _Profile:
         return (solution.deviance - best.deviance) / self._inflation
 
     def _end(self, term: int, reach: float, *, upward: bool) -> float:
-        """Return the square at which the deviance has risen by ``reach``; 0 where it rises by less down to 0."""
+        """Return the square at which the deviance has risen by ``reach``; 0 if it has risen by less at a square of 0."""
         best = self._best
         value = float(best.squared[term])
         if not upward and self._loss(term, 0.0) < reach:
@@ -252,7 +252,7 @@ class _Profile:
             if self._loss(term, outer) > reach:
                 break
             inner = outer
-        else:  # the likelihood is flat: the record is no noise
+        else:  # the likelihood is flat, so the record does not look like noise
             return outer if upward else 0.0
         inner = max(inner, 1e-3 * outer)
         for _ in range(7):  # to a hundredth of a factor of two

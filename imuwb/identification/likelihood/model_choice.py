@@ -81,7 +81,7 @@ class ModelChoice:
 
     @property
     def best(self) -> ModelCandidate:
-        """Return the sum of the least BIC."""
+        """Return the sum with the least BIC."""
         return self.candidates[0]
 
     def __str__(self) -> str:
@@ -111,7 +111,7 @@ def choose_model(
         highest: Hz; the spectrum above is left out, such as where a sensor's own filter shows.
         sums: texts of the letters Q, N, B, K, and M for a Gauss-Markov process.
         models: autoregressive models of this record, compared without a fit.
-        spectrum: of the record, if it has been computed.
+        spectrum: spectrum of the record, if it has been computed.
 
     Raises:
         ValueError: fewer than 512 samples.
@@ -157,7 +157,7 @@ def _ranked(candidates: Sequence[ModelCandidate], highest: float) -> ModelChoice
 
 
 def _gauss_markov_may_win(candidates: Sequence[ModelCandidate]) -> bool:
-    """Return whether sums with one Gauss-Markov term come near those with flicker, which two such terms would imitate."""
+    """Return whether sums with one Gauss-Markov term come near those with flicker; two such terms imitate flicker."""
     single, flicker = (
         min((c.bic for c in candidates if term in c.name.split(" + ")), default=np.inf) for term in ("GM", "B")
     )

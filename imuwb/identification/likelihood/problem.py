@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 ROUNDS = 60
 CLOSE = 1e-4  #: change of the deviance at which scoring ends
-FAINT = 1e-3  #: of the rough estimate; a term that was absent starts at this size
+FAINT = 1e-3  #: share of the rough estimate, at which a term that was absent starts
 
 
 @dataclass(frozen=True, eq=False, slots=True)

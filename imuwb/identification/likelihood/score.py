@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-LEAST_SHARE = 1e-14  #: of a density; nothing is smaller
+LEAST_SHARE = 1e-14  #: floor of a density, as a share of the largest density
 
 
 @compiled()
@@ -25,8 +25,8 @@ def add_bins(
     Args:
         squared: (t,) sizes².
         power: (k,) mean squares.
-        count: (k,) coefficients in each.
-        design: (k, t) densities of sizes of 1.
+        count: (k,) coefficients in each bin.
+        design: (k, t) densities of processes of size 1.
         information: (t, t) to add to.
         target: (t,) to add to.
     """
@@ -72,8 +72,8 @@ def add_low(
     Args:
         squared: (t,) sizes².
         low: (l,) coefficients.
-        trend: (l,) of a ramp of 1; 0 at even half periods.
-        parts: (t, l, l) covariances of sizes of 1.
+        trend: (l,) lowest coefficients of a ramp of 1 unit/s; 0 at even half periods.
+        parts: (t, l, l) covariances of processes of size 1.
         removed: ramp that was taken off the samples; it is put back if ``ramp`` is false.
         ramp: whether a ramp is estimated (restricted likelihood).
         information: (t, t) to add to.

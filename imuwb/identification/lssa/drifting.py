@@ -1,4 +1,6 @@
-"""Lines whose frequency drifts over the record: a spectrum of short segments shows one line, that of the whole record many.
+"""Lines whose frequency drifts over the record.
+
+A spectrum of short segments shows such a line as one line; the spectrum of the whole record shows many lines.
 
 For example, the frequency of a swaying bench drifts, and a sinusoid with a constant phase over hours explains little of it. Such
 a line is found in the averaged spectrum of segments (Welch), above the noise around it. It has a frequency and an amplitude, but

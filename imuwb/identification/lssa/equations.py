@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Complexes = NDArray[np.complex128]
 
-#: of a line's determinant without constituents; if the constituents leave less, they already include the line
+#: share of a line's determinant without constituents; if the constituents leave less, they already include the line
 SEPARATE = 1e-10
 BLOCK = 256  #: frequencies that are evaluated together with a dense covariance
 
@@ -47,7 +47,7 @@ class Equations:
         return np.where(determinant > SEPARATE * self.whole**2, determinant, 0.0)
 
     def solve(self, right: Complexes) -> tuple[Floats, Complexes]:
-        """Return by how much each line reduces the quadratic form of the residual, and its a - ib: a cos + b sin.
+        """Return by how much each line reduces the quadratic form of the residual, and a - ib of the line a cos + b sin.
 
         Args:
             right: (m,) v, cosine's part plus i times sine's part.
@@ -67,8 +67,8 @@ def equations(time: Floats, lattice: Lattice | None, whitening: Whitening, basis
 
     Args:
         time: (n,) s, from 0.
-        lattice: of the time stamps.
-        whitening: of the noise.
+        lattice: lattice of the time stamps.
+        whitening: whitening of the noise.
         basis: (rows, k) Q.
         grid: the frequencies.
     """

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-LAGS = 20  #: of the test of correlations
+LAGS = 20  #: number of lags in the test of correlations
 FIRST_OCTAVE = 4  #: frequencies in the lowest octave
 CLEAR = 1e-4  #: smaller p values are not printed
 
@@ -147,7 +147,7 @@ def hypothesis_text(hypothesis: Hypothesis, level: float, confidence: float = 0.
 
     Args:
         hypothesis: the test.
-        level: of the test.
+        level: level of the test.
         confidence: level of C's interval.
     """
     name = f"{'' if hypothesis.order else 'a '}{hypothesis.name}"

@@ -76,9 +76,9 @@ def fitted_noise(
         time: (n,) s.
         values: (n,).
         columns: (n, k) of constituents.
-        lattice: of the time stamps.
+        lattice: lattice of the time stamps.
         noise: the structure.
-        weights: (n,) of white noise.
+        weights: (n,) inverse variances of white noise.
 
     Raises:
         ValueError: weights with other noise, AR(p) without a lattice or with too many gaps, a covariance of another size.

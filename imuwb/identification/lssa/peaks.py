@@ -27,13 +27,13 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-MOST = 12  #: lines of one series
-ROUNDS = 8  #: searches of the residual
+MOST = 12  #: largest number of lines of one series
+ROUNDS = 8  #: largest number of searches of the residual
 APART = 3.0  #: cycles over the record; lines that differ by less are one line
-LEAKS = 10.0  #: times the power that stronger lines leak to its frequency; a weaker line in the same search needs more
+LEAKS = 10.0  #: least ratio of a weaker line to the power that stronger lines of the same search leak to its frequency
 TOGETHER = 8.0  #: cycles over the record; lines that differ by less are fitted together
-TURNS = 4  #: most turns of fitting the groups
-SETTLED = 1e-4  #: of the noise's level; a turn that reduces the residual by less is the last one
+TURNS = 4  #: largest number of turns in which all groups are fitted
+SETTLED = 1e-4  #: share of the noise's level; a turn that reduces the residual by less is the last one
 HALVES = 0.05  #: probability of a false alarm in each half of the record
 
 
@@ -44,9 +44,9 @@ class Peak:
     frequency: Estimate  #: Hz
     amplitude: Estimate  #: in the unit of the samples
     phase: Estimate  #: rad, -pi ... pi, of a cosine at the first sample
-    percent: float  #: of the residual's quadratic form
+    percent: float  #: per cent of the residual's quadratic form
     exceedance: float  #: minus the logarithm of the probability at this one frequency
-    probability: float  #: that noise alone shows as much anywhere in the record
+    probability: float  #: probability that noise alone shows as much anywhere in the record
     significant: bool  #: in the record as a whole
     in_both_halves: bool  #: whether each half of the record shows the line by itself
 
@@ -88,8 +88,8 @@ def extract(spectrum: Spectrum, level: float = 0.99, confidence: float = 0.95, m
     """Return the significant lines of a spectrum.
 
     Args:
-        spectrum: of the series.
-        level: of significance in the record as a whole.
+        spectrum: spectrum of the series.
+        level: level of significance in the record as a whole.
         confidence: level of the intervals.
         most: largest number of lines.
     """

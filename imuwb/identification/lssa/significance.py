@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 NEIGHBOURS = 50  #: Fourier frequencies on each side of a frequency, at most, from which local noise is estimated
 LEAST_NEIGHBOURS = 4  #: on both sides together
 SKIPPED = 2  #: nearest Fourier frequencies on each side, into which a line leaks
-LOWEST = SKIPPED + LEAST_NEIGHBOURS  #: cycles of a line in the record, at least, with local noise
-NODES = 64  #: of the quadrature
+LOWEST = SKIPPED + LEAST_NEIGHBOURS  #: least number of cycles of a line in the record, with local noise
+NODES = 64  #: number of nodes of the quadrature
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
@@ -41,7 +41,7 @@ class Significance:
     one: float  #: exceedance that is significant at one frequency chosen beforehand
     record: float  #: exceedance that is significant anywhere in the record
     probability: float  #: 1 - the level of both limits
-    neighbours: NDArray[np.int64] | None  #: (m,) frequencies in the level; None: it is that of the whole residual
+    neighbours: NDArray[np.int64] | None  #: (m,) frequencies that give the level; None: the whole residual gives it
 
     def reduction(self, spectrum: Spectrum, exceedance: float) -> Floats:
         """Return by how much a line must reduce the quadratic form for an exceedance, (m,); 0 where the level is not known."""
@@ -67,8 +67,8 @@ def significance(spectrum: Spectrum, level: float = 0.99) -> Significance:
     """Return the exceedances of a spectrum and the limits of significance.
 
     Args:
-        spectrum: of the series.
-        level: of both limits.
+        spectrum: spectrum of the series.
+        level: level of both limits.
     """
     freedom = spectrum.adjusted.freedom
     if spectrum.adjusted.noise.noise.kind == "local":
@@ -114,7 +114,7 @@ def record_probability(exceedance: float, count: int, together: float) -> float:
 
 
 def _log_quiet(u: float, count: int, together: float) -> float:
-    """Return the log probability that no frequency reaches u: no crossing, and the first is below."""
+    """Return the log probability that no frequency reaches u: the first value is below u, and none crosses it."""
     climbing = np.exp(-u) - _both(u, together)
     return float(-(count - 1) * -np.log1p(-min(climbing, 0.999)) + np.log1p(-np.exp(-u)))
 

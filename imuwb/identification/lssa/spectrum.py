@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Complexes = NDArray[np.complex128]
 
-FEWEST = 16  #: rows beyond the constituents
-RANK = 1e-6  #: of a column's length, that must remain when the columns before are projected out
+FEWEST = 16  #: least number of rows minus number of constituents
+RANK = 1e-6  #: share of a column's length that must remain when the columns before it are projected out
 WHITE = Noise()
 
 
@@ -141,7 +141,7 @@ def adjust(
         time: (n,) s, rising; unequal spacing is allowed.
         values: (n,) in any unit.
         constituents: the known constituents.
-        noise: its structure; parameters that are not given are estimated.
+        noise: structure of the noise; parameters that are not given are estimated.
         interval: s, usual sampling interval; None: the median step.
         weights: (n,) inverse variances up to a factor; with white noise only.
 

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     Complexes = NDArray[np.complex128]
 
 ACCURACY = 1e-11  #: of the uneven transform, relative to the sum of all strengths
-STRAY = 6e-6  #: intervals, by which a time stamp may miss the lattice: whole nanoseconds at 5 kHz
-ROUNDED = 0.05  #: intervals, by which a time stamp may miss the lattice if the noise needs one
+STRAY = 6e-6  #: intervals, by which a time stamp may miss the lattice: rounding to nanoseconds at 5 kHz
+ROUNDED = 0.05  #: intervals, by which a time stamp may miss the lattice if the structure of the noise needs a lattice
 PADDED = 8.0  #: largest number of lattice points for each sample
 
 
@@ -76,7 +76,7 @@ def grid_of(time: Floats, lattice: Lattice | None, highest: float, oversampling:
 
     Args:
         time: (n,) s.
-        lattice: of the time stamps.
+        lattice: lattice of the time stamps.
         highest: Hz.
         oversampling: frequencies for each cycle over the record; 1: the Fourier frequencies.
     """
@@ -95,7 +95,7 @@ def sums(time: Floats, lattice: Lattice | None, strengths: Floats, grid: Grid, m
 
     Args:
         time: (n,) s, of the samples or other instants.
-        lattice: of these instants.
+        lattice: lattice of these instants.
         strengths: (k, n).
         grid: the frequencies.
         multiple: 1, or 2 for twice the frequencies.

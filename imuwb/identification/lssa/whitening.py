@@ -1,4 +1,4 @@
-"""Whitening: rows that noise of a known structure makes equal and independent, C^-1 = W' W, without forming C.
+"""Whitening: rows in which noise of a known structure is independent and of equal size, C^-1 = W' W, without forming C.
 
 * ``Chain``: each sample depends on the one before, over any step: white (with weights), first-order Gauss-Markov, AR(1), random
   walk.
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-MOST_DENSE = 20_000  #: samples with a given covariance, at most
-CONDITION = 1e-12  #: of the largest variance; a covariance with a smaller pivot is singular
+MOST_DENSE = 20_000  #: largest number of samples with a given covariance
+CONDITION = 1e-12  #: share of the largest variance; a covariance with a smaller pivot is singular
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-FEWEST_DEGREES = 15.0  #: degrees of freedom of a part's Allan variance
-FEWEST = 64  #: samples of a part
+FEWEST_DEGREES = 15.0  #: least degrees of freedom of a part's Allan variance
+FEWEST = 64  #: least number of samples in a part
 REFUSED = 0.01  #: probability, over all averaging times, below which a record is not stationary
 SEGMENT = 1 << 13  #: samples of a segment of the spectrum that shows the correlation of neighbouring samples
 SHORT = SEGMENT // 16  #: longest averaging factor for which that spectrum is fine enough
@@ -36,7 +36,7 @@ class Stationarity:
     length: float  #: s, of a part
     averaging_time: Floats  #: (k,) s
     deviation: Floats  #: (w, k)
-    probability: Floats  #: (k,) that chance makes the parts differ as much
+    probability: Floats  #: (k,) probability that chance makes the parts differ as much
     stationary: bool
     smallest: float  #: probability over all averaging times (Bonferroni)
     worst_part: int  #: index of the part that differs most

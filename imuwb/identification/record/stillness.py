@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 BLOCK = 1.0  #: s
 SCATTER = 3.0  #: ratio of a block's standard deviation to the median, above which the block is disturbed
-JUMP = 8.0  #: standard errors between a block's mean and the running median of the means
+JUMP = 8.0  #: standard errors between a block's mean and the running median of the means, above which the block is disturbed
 WINDOW = 61  #: blocks of that running median
 FEWEST_BLOCKS = 10
 FEWEST_SAMPLES = 4  #: samples of a block that is tested

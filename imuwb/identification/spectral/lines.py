@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 LONGEST_SEGMENT = 1 << 16
-FLOOR_BINS = 101  #: of the running median that is the floor
+FLOOR_BINS = 101  #: number of bins of the running median, which is the noise floor
 LEAST_SEGMENTS = 8
-MOST = 12  #: lines
+MOST = 12  #: largest number of lines
 DRIFT_BINS = 4  #: lowest bins, in which the window spreads the drift
 CLEARLY, ABOVE = 1.3, 0.5  #: factor and margin over the limit, because the floor itself scatters
 
@@ -50,7 +50,7 @@ def find_lines(values: Floats, dt: float, level: float = 0.95, false_alarm: floa
     Args:
         values: (n,) evenly spaced samples.
         dt: s.
-        level: of the amplitudes' intervals.
+        level: confidence level of the amplitudes' intervals.
         false_alarm: probability that a record without lines shows a line.
     """
     size = min(LONGEST_SEGMENT, 1 << max(values.size // LEAST_SEGMENTS, 1).bit_length() - 1)

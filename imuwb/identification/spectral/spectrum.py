@@ -33,9 +33,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 LONGEST = 1 << 20  #: samples of a segment (Quinchia, 5.4)
-WIDTH = 1.08  #: of an averaged band, last frequency over first
+WIDTH = 1.08  #: ratio of the last frequency to the first in an averaged band
 FIRST = 3  #: lowest bins, in which the window spreads the drift
-FEWEST_BANDS = 8  #: of a fit; four terms need more than four
+FEWEST_BANDS = 8  #: least number of bands in a fit; four terms need more than four
 LINE_BINS = 6  #: bins of the line search that are left out on both sides of a line
 NOMINAL = dict(zip(TERMS, (2.0, 0.0, -1.0, -2.0), strict=True))  #: slope of the density of each pure process
 
@@ -75,8 +75,8 @@ class SpectralFit:
     processes: Sum
     regions: tuple[Region, ...]
     highest: float  #: Hz; the sum explains the spectrum up to this frequency
-    misfit: float  #: chi-square over its degrees of freedom, up to there
-    probability: float  #: that chance makes a misfit as large
+    misfit: float  #: chi-square over its degrees of freedom, up to this frequency
+    probability: float  #: probability that chance makes so large a misfit
 
     def density(self, frequency: Floats, dt: float) -> Floats:
         """Return the fitted sum's one-sided density."""
@@ -101,14 +101,14 @@ def power_spectrum(values: Floats, dt: float, segment: int = LONGEST, *, level: 
         values: (n,) evenly spaced samples.
         dt: s.
         segment: longest segment (samples); a shorter record is one segment.
-        level: of the intervals.
+        level: confidence level of the intervals.
 
     Raises:
         ValueError: fewer than 64 samples.
     """
     n = values.size
     size = min(segment, n)
-    if size < 64:  # noqa: PLR2004 - fewer have no spectrum worth the name
+    if size < 64:  # noqa: PLR2004 - fewer samples give no useful spectrum
         message = (
             f"the segment has {size} samples; a spectrum needs at least 64: record for longer, or take longer segments"
         )
@@ -179,7 +179,7 @@ def _regions(problem: LikelihoodProblem, squared: Floats, level: float, inflatio
             continue
         # The expectation of the log of a chi-square mean is not the log of the mean.
         y = np.log(power) - (special.digamma(count / 2) - np.log(count / 2))
-        # Near half the rate a sampled process is no power law: the slope is the departure from the process's own density.
+        # Near half the rate a sampled process is no power law, so the slope is relative to the process's own density.
         y = y - np.log(parts[inside, t]) + nominal * np.log(f)
         design = np.stack([np.ones(f.size), np.log(f)], axis=1)
         weighted = design * (count / 2)[:, None]

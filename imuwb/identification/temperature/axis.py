@@ -73,9 +73,9 @@ def over_temperature(
 
     Args:
         points: of one axis, in rising temperature.
-        level: of intervals and limits.
+        level: confidence level of intervals and limits.
         size: probability of a false alarm of each test.
-        kind: of all functions; None: each is chosen. A law of positive coefficients, such as Arrhenius's, is not used for
+        kind: kind of all functions; None: each is chosen. A law of positive coefficients, such as Arrhenius's, is not used for
             quantities with a sign: their functions are chosen.
 
     Raises:

@@ -1,8 +1,8 @@
 """The bias at each temperature, its uncertainty, and its hysteresis.
 
-The bias of a sensor also walks while its temperature changes: what flicker and random walk do between two records is not a
-thermal change. So means are compared by the variance of their differences, which grows with the time between them. A slow process
-that is not identified counts with its upper limit. The turn-on bias is estimated only from several logs at one temperature.
+Flicker and random walk also change the bias of a sensor between two records. Such a change is not thermal. So means are compared
+by the variance of their differences, which grows with the time between them. A slow process that is not identified counts with
+its upper limit. The turn-on bias is estimated only from several logs at one temperature.
 """
 
 from __future__ import annotations
@@ -71,7 +71,10 @@ class Biases:
     __repr__ = __str__
 
     def heterogeneity(self) -> float | None:
-        """Return the chi-square statistic that all biases are equal, with k - 1 degrees of freedom; None if it has none."""
+        """Return the chi-square statistic of the test that all biases are equal; None if there is no test.
+
+        It has k - 1 degrees of freedom.
+        """
         first = self.differences[0]
         covariance = (first[1:, None] + first[None, 1:] - self.differences[1:, 1:]) / 2  # of differences from the first
         away = np.array([b.estimate.value - self.at[0].estimate.value for b in self.at[1:]])
@@ -87,7 +90,7 @@ def biases(means: Sequence[Sequence[RecordMean]], white: Sequence[float], slow: 
         means: records of each temperature.
         white: N at each temperature.
         slow: flicker and random walk, common to all temperatures.
-        level: of the intervals.
+        level: confidence level of the intervals.
     """
     records = [m for here in means for m in here]
     duration = float(np.median([m.duration for m in records]))

@@ -1,4 +1,4 @@
-"""Whether a coefficient depends on temperature: a score test of one value at all temperatures.
+"""A score test of whether a coefficient depends on temperature, or has one value at all temperatures.
 
 At each temperature the likelihood is maximised with the coefficient held at the common value and the other terms free. Its slope
 there, divided by the root of its information, is a standardised difference. If few cosine coefficients determine the square of
@@ -27,12 +27,12 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-ROUNDS = 12  #: of the search for the common value
+ROUNDS = 12  #: largest number of rounds of the search for the common value
 FAINT = 1e-4  #: standard errors; a smaller square is 0
 CLOSE = 0.01  #: standard errors of the common square, at which the search ends
 SURE = 2000.0  #: degrees of freedom, from which a square is normal enough
-LEVEL = 0.95  #: of the interval of the common value
-DRAWS, SEED = 20_000, 20_130_807  #: of the simulation
+LEVEL = 0.95  #: confidence level of the interval of the common value
+DRAWS, SEED = 20_000, 20_130_807  #: number of draws, and seed, of the simulation
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -40,7 +40,7 @@ class Dependence:
     """A test that a quantity is the same at all temperatures."""
 
     statistic: float | None  #: None: there is no evidence of the coefficient, so nothing to test
-    distribution: str  #: of the statistic if nothing depends on temperature
+    distribution: str  #: distribution of the statistic if nothing depends on temperature
     critical: float | None  #: the statistic exceeds it with probability ``size`` if nothing depends on temperature
     p_value: float | None
     size: float  #: probability of a false alarm
@@ -145,7 +145,7 @@ def _squares(point: SetPoint) -> Floats:
 
 
 def _score(point: SetPoint, start: Floats, term: int, held: float) -> tuple[float, float]:
-    """Return the slope of the log likelihood by a term's square, with the other terms likeliest, and its information."""
+    """Return the log likelihood's derivative by a term's square, with the other terms likeliest, and its information."""
     others = [t for t, letter in enumerate(TERMS) if t != term and letter not in point.absent]
     at = point.problem.solve(others, ramp=point.ramped, start=start, held=np.eye(start.size)[term] * held).squared
     slope, information = point.problem.slope(at, ramp=point.ramped)

@@ -1,6 +1,7 @@
 """The choice of a function of temperature.
 
-The simplest function is taken that agrees with the set-points, and predicts a left-out set-point about as well as the best.
+The choice is the simplest function that agrees with the set-points and predicts a left-out set-point about as well as the best
+function does.
 """
 
 from __future__ import annotations
@@ -39,9 +40,9 @@ class FunctionCandidate:
     kind: FunctionKind
     parameters: int
     error: float  #: mean square of the prediction errors over the estimates' standard errors; about 1 is the least
-    excess: float  #: mean difference of these squares from the best kind's
+    excess: float  #: mean difference of these squares from those of the best kind
     excess_sigma: float  #: standard error of that difference
-    fit_probability: float | None  #: that chance makes the fit's chi-square as large; None: no degree of freedom
+    fit_probability: float | None  #: probability of so large a chi-square of the fit; None: no degree of freedom
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -75,7 +76,7 @@ def choose_function(
         estimate: (k,) estimates, or their logarithms.
         sigma: (k,) standard errors of those.
         logarithmic: whether they are logarithms; an Arrhenius law needs them.
-        varies: whether a test found a dependence on temperature; without, the function is a constant.
+        varies: whether a test found a dependence on temperature; if not, the function is a constant.
         kind: the kind to take; None: it is chosen.
 
     Raises:
@@ -97,7 +98,7 @@ def choose_function(
         if parameters_of(name, celsius.size - 1) < celsius.size and (logarithmic or name != "arrhenius")
     }
     candidates = _candidates(squares, celsius, estimate, sigma)
-    # Few set-points scatter much: a single outlier must not excuse a function that the others contradict.
+    # The errors of few set-points scatter much. One outlier must not justify a function that the others contradict.
     tenable = [c for c in candidates if c.fit_probability is None or c.fit_probability > CONTRADICTED]
     best = next((c for c in tenable if c.excess <= c.excess_sigma), None)
     if best is None:

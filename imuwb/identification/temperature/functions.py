@@ -40,7 +40,7 @@ def weights(kind: FunctionKind, at: Floats, celsius: Floats, sigma: Floats) -> F
     """Return the weights of the estimates in the values of a function, (m, k).
 
     Args:
-        kind: of function.
+        kind: kind of the function.
         at: (m,) °C.
         celsius: (k,) °C of the estimates, rising.
         sigma: (k,) standard errors of the estimates.
@@ -90,7 +90,7 @@ class TemperatureFunction:
         """Return the share of the excess variance that counts, (m,).
 
         It is 1 for a smooth function. For a function through the set-points it is that of a Brownian bridge between two
-        set-points; leaving one out showed the error of a bridge twice as long.
+        set-points; ``left_out`` shows the error of a bridge twice as long.
         """
         if self.kind not in ("piecewise", "spline"):
             return np.ones(at.size)
@@ -123,7 +123,7 @@ def fitted(
 
 
 def left_out(kind: FunctionKind, celsius: Floats, estimate: Floats, sigma: Floats) -> tuple[Floats, Floats]:
-    """Return each inner estimate minus the function of the others, and the variance of this error by the estimates' errors."""
+    """Return each inner estimate minus the function of the others, and the variance of this error due to the estimates' errors."""
     missed, expected = [], []
     for i in range(1, celsius.size - 1):
         others = np.arange(celsius.size) != i

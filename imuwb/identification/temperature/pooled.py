@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-ROUNDS, CLOSE = 60, 1e-3  #: of the scoring, and the change of the deviance at which it ends
+ROUNDS, CLOSE = 60, 1e-3  #: largest number of rounds of the scoring, and the change of the deviance at which it ends
 LEAST_STEP = 1e-3  #: share of a step, below which the scoring ends
-DOUBLINGS, HALVINGS = 30, 6  #: of a square in the search for a limit
+DOUBLINGS, HALVINGS = 30, 6  #: largest numbers of doublings and halvings of a square in the search for a limit
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -46,7 +46,7 @@ def pooled(points: Sequence[SetPoint], level: float = 0.95, own: Collection[str]
 
     Args:
         points: one for each temperature.
-        level: of the intervals and limits.
+        level: confidence level of the intervals and limits.
         own: letters, besides N, that differ with temperature.
     """
     absent = {letter for point in points for letter in point.absent}
@@ -60,7 +60,7 @@ def pooled(points: Sequence[SetPoint], level: float = 0.95, own: Collection[str]
 
 
 def settled(points: Sequence[SetPoint], level: float = 0.95) -> tuple[tuple[SetPoint, ...], dict[str, Coefficient]]:
-    """Return set-points of one axis, and the common coefficients; without quantization if all together do not show it.
+    """Return set-points of one axis, and the common coefficients; without quantization if all set-points together do not show it.
 
     Quantization and random walk share the upper end of the spectrum: a free quantization term that is absent doubles the error of
     N. The limits of quantization remain those of the fit with the free term.

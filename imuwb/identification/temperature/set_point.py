@@ -91,7 +91,7 @@ def set_point_of(records: Sequence[Record], dt: float, *, level: float = 0.95, b
     Args:
         records: of one axis, all at that temperature.
         dt: s.
-        level: of intervals and limits.
+        level: confidence level of intervals and limits.
         band: Hz, up to which no filter has changed the spectrum.
 
     Raises:

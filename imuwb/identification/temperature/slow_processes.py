@@ -24,7 +24,7 @@ def size_of(here: Coefficient, everywhere: Coefficient | None) -> float:
 
 
 def slow_processes(points: Sequence[Mapping[str, Coefficient]], common: Mapping[str, Coefficient | None]) -> Sum:
-    """Return flicker and random walk for the walk of the bias between temperatures: root mean squares over temperatures.
+    """Return the flicker and random walk that change the bias between temperatures: root mean squares over temperatures.
 
     Args:
         points: coefficients at each temperature.

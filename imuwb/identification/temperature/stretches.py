@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 Cut = Literal["set-point", "plateaus", "bins"]
 STEADY = 2.0  #: °C; a log whose temperature spans no more is one set-point
 PLATEAU = 1.0  #: °C, largest span of a plateau
-DWELL = 3.0  #: a plateau lasts this many times longer than the log takes on average for that span
-MOST = 0.5  #: of the log; with a smaller share in plateaus, the log is a ramp
+DWELL = 3.0  #: least ratio of the duration of a plateau to the average time in which the log passes that span
+MOST = 0.5  #: share of the log; with a smaller share in plateaus, the log is a ramp
 TURN = 2.0  #: °C; a ramp that goes back by more has turned
 WIDTHS = (5.0, 10.0, 20.0)  #: °C, widths of bins; the first with enough samples is taken, else the last
 ENOUGH = 20_000  #: samples of the median bin

@@ -1,4 +1,4 @@
-"""The trend of a record by a bias that follows the temperature, which is removed in the identification of the noise.
+"""The trend that a temperature-dependent bias makes in a record; it is removed when the noise is identified.
 
 Within a stretch the bias is modelled by a parabola of the temperature and a straight line in time. These columns are projected out
 of the lowest cosine coefficients (restricted likelihood). So a thermal drift does not look like flicker or a random walk, and

@@ -36,7 +36,7 @@ def white_slope(
         curve: at octaves.
         processes: the identified sum.
         coefficients: Q, N, B and K of the sum.
-        level: of the slope's interval.
+        level: confidence level of the slope's interval.
     """
     white = coefficients["N"].value
     if white is None:

@@ -38,12 +38,12 @@ _R3 = 3**0.5
 SMOOTH = np.array([1 + _R3, 3 + _R3, 3 - _R3, 1 - _R3]) / 8
 DETAIL = SMOOTH[::-1] * np.array([1.0, -1.0, 1.0, -1.0])
 OVERSAMPLED = 8  #: coefficients kept in the duration of a wavelet; more would add no information
-FEWEST = 4  #: independent coefficients of a scale
-FEWEST_SAMPLES = 64  #: which give four scales
+FEWEST = 4  #: least number of independent coefficients of a scale
+FEWEST_SAMPLES = 64  #: least number of samples, which give four scales
 SELF_SIMILAR = 9  #: level from which the wavelet variance of flicker no longer changes
 GRID = 48  #: frequencies per octave
 ROUNDS = 8  #: repetitions of a fit, each with the covariance of the one before
-LEAST = 1e-12  #: of the largest variance, floor of the weights' variances
+LEAST = 1e-12  #: floor of the variances in the weights, as a share of the largest variance
 MUCH = 15.0  #: reduction of chi-square that justifies leaving out another scale
 
 
@@ -75,8 +75,8 @@ class WaveletFit:
     coefficients: dict[str, Coefficient]  #: Q, N, B, K
     processes: Sum
     shortest: float  #: s; the sum explains the variances from this scale up
-    misfit: float  #: chi-square over its degrees of freedom, from there up
-    probability: float  #: that chance makes a misfit as large
+    misfit: float  #: chi-square over its degrees of freedom, from this scale up
+    probability: float  #: probability that chance makes so large a misfit
 
     def __str__(self) -> str:
         """Return the coefficients and how well they explain the variances."""
@@ -160,7 +160,7 @@ def spread_convolve(series: Floats, taps: Floats, step: int) -> Floats:
 
 
 def _flicker(wavelet: Floats) -> float:
-    """Return the variance of averaged flicker of B = 1 after a filter that stops constants."""
+    """Return the variance of averaged flicker of B = 1 after a filter that removes constants."""
     size = fft.next_fast_len(2 * wavelet.size, real=True)
     correlation = fft.irfft(np.abs(fft.rfft(wavelet, size)) ** 2, size)[: wavelet.size]
     lag = np.arange(wavelet.size, dtype=np.float64)
@@ -197,7 +197,7 @@ def fit_wavelet_variance(variances: WaveletVariance, lines: Sequence[Line] = (),
     Args:
         variances: from ``wavelet_variance``.
         lines: sinusoids found in the spectrum; their frequencies and amplitudes are held.
-        level: of the intervals.
+        level: confidence level of the intervals.
 
     Raises:
         ValueError: fewer than six scales, or a variance of 0 (a constant channel).
@@ -211,7 +211,7 @@ def fit_wavelet_variance(variances: WaveletVariance, lines: Sequence[Line] = (),
         raise ValueError(message)
     whole = _Scales.of(variances, lines)
     fits = [whole.fit()]
-    # A sensor's own filter changes the shortest scales. They are left out, until the rest is explained, where that pays.
+    # A sensor's own filter changes the shortest scales. They are left out until the sum explains the rest, if that helps enough.
     for first in range(1, levels - len(TERMS) - 1):
         if fits[-1].probability > ACCEPTED:
             break
@@ -244,7 +244,7 @@ class _Scales:
     of_lines: Floats  #: (j, j) covariance from the uncertainty of the lines' amplitudes
     design: Floats  #: (j, 4) variances of processes of size 1
     gains: Floats  #: (j, k) squared gain at each frequency
-    width: Floats  #: (k,) of the frequencies, over the sampling rate
+    width: Floats  #: (k,) width of each step of frequency, over the sampling rate
     parts: Floats  #: (k, 4) densities of processes of size 1
 
     @staticmethod
