@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 AROUND = 1.0  #: s before and after the alignment over which specific force and angular rate are averaged
 NEAR = 5.0  #: s; positions at most this far apart give a velocity
-CLEAR = 3.0  #: a velocity counts as motion above this many of its sigmas
+CLEAR = 3.0  #: a speed above this many of its sigmas counts as motion
 HARDEST = 8.0  #: m/s², the largest acceleration of a vehicle
 SECONDS_STILL = 5.0  #: s; a shorter standstill does not give the gyros' bias
 
@@ -40,8 +40,8 @@ class Alignment:
     velocity: Floats  #: (3,) m/s, NED, of the IMU
     euler: Floats  #: (3,) roll, pitch, heading, rad
     covariance: Floats  #: (9, 9) of the navigation error states
-    gyro_bias: Floats  #: (3,) rad/s, mean rate over the standstill, with the Earth's rate; 0 without a standstill
-    standstill: tuple[int, int] | None  #: first sample of the last standstill before, and the first one after it
+    gyro_bias: Floats  #: (3,) rad/s, mean rate over the standstill, including the Earth's rate; 0 without a standstill
+    standstill: tuple[int, int] | None  #: first sample of the last standstill, and first one after it
     note: Note
 
     def __str__(self) -> str:
@@ -75,8 +75,8 @@ def align(
         measurement: the IMU.
         corrections: the log's fixes.
         stills: (s, 2) s from the log's start, the standstills; the last one before the fix gives the gyros' bias.
-        model: sigmas, lever arm and the speed that is enough.
-        after: s from the log's start; the fix is later than this.
+        model: its settings give the sigmas, the lever arm and the lowest speed that gives the heading.
+        after: s from the log's start; the fix must be later than this time.
 
     Raises:
         MissingDataError: no fix has a velocity, or none is fast enough.
@@ -111,13 +111,13 @@ def align(
 
 
 def _velocities(corrections: Corrections, usual: float) -> _Velocities:
-    """Return the fixes with a velocity; where no fix has one, velocities come from the positions before and after.
+    """Return the fixes with a velocity; if no fix has one, compute it from the positions before and after each fix.
 
-    A position whose velocity is an event of its own carries a copy of that velocity.
+    If the velocity of a fix is a separate event, the event of its position has a copy of the velocity.
 
     Args:
         corrections: the log's fixes.
-        usual: m/s, sigma of a velocity without one.
+        usual: m/s, sigma of a velocity that has no sigma of its own.
     """
     events = corrections.events
     fixes = np.flatnonzero(corrections.fix >= 0)
@@ -146,7 +146,7 @@ def _first_fast(measurement: Measurement, velocities: _Velocities, enough: float
     time, speed = velocities.time, velocities.speed
     inside = (time > measurement.time[0] + AROUND) & (time < measurement.time[-1] - AROUND)
     fast = (speed > np.maximum(enough, CLEAR * velocities.sigma)) & inside
-    # A single fast fix is a spike: the velocity of the next one must agree.
+    # A single fast fix may be a spike: the velocity of the next fix must agree with it.
     step = np.hypot(*np.diff(velocities.value[:, :2], axis=0).T)
     agrees = np.append(step < HARDEST * np.diff(time) + CLEAR * velocities.sigma[1:], False)
     fast &= agrees & np.append(fast[1:], False)
@@ -182,10 +182,10 @@ def _means(measurement: Measurement, time: float) -> tuple[Floats, Floats]:
 
 
 def _level(force: Floats, wanted: Floats, heading: float) -> Floats:
-    """Return the attitude, (3,) rad, that turns a body's specific force into the one in NED, at a given heading."""
+    """Return the attitude, (3,) rad, with a given heading, that turns the force in body axes into the wanted one in NED."""
     cosine, sine = np.cos(heading), np.sin(heading)
     x, y, z = cosine * wanted[0] + sine * wanted[1], cosine * wanted[1] - sine * wanted[0], wanted[2]
-    # Pitch does not change the force across the vehicle: f_y cos(roll) - f_z sin(roll) = y.
+    # Pitch does not change the force component across the vehicle: f_y cos(roll) - f_z sin(roll) = y.
     across = np.hypot(force[1], force[2])
     roll = -np.arccos(np.clip(y / across, -1, 1)) - np.arctan2(force[2], force[1])
     roll = np.arctan2(np.sin(roll), np.cos(roll))
@@ -195,7 +195,7 @@ def _level(force: Floats, wanted: Floats, heading: float) -> Floats:
 
 
 def _attitude_sigmas(velocity: float, speed: float, down: float, settings: Settings) -> tuple[float, float, float]:
-    """Return the sigmas of the attitude errors, rad: those of the settings, and what the velocity's sigma adds to them."""
+    """Return the sigmas of the attitude errors, rad: those of the settings plus the effect of the velocity's sigma."""
     tilt = float(np.hypot(np.radians(settings.tilt), velocity / AROUND / down))
     return tilt, tilt, float(np.hypot(np.radians(settings.heading), min(velocity / speed, np.pi)))
 

@@ -1,4 +1,4 @@
-"""What corrects a filter: the fixes and speeds of a log, and constraints of its motion, as events in order of time."""
+"""The events that correct a filter, in order of time: fixes, speeds, and constraints on the vehicle's motion."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     Integers = NDArray[np.int64]
 
-FEW = 5  #: fixes that a filter needs
+FEW = 5  #: fewest fixes that a filter needs
 LEAST_FIX = 3  #: fix type of a position in three dimensions
 IMPOSSIBLE = 350.0  #: m/s; a larger velocity is an error of the receiver
 MOVING = 1.0  #: m/s; a faster receiver does not report the same position twice
@@ -31,11 +31,11 @@ LEAST_SIGMA = (0.005, 0.005)  #: m and m/s; smaller sigmas of a receiver are rai
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Corrections:
-    """The events of a log, and the fix that each of them is."""
+    """The events of a log, and the fix that each event comes from."""
 
     events: Events
     time: Floats  #: (E,) s from the log's start
-    fix: Integers  #: (E,) row of the receiver's stream; -1 - row where a fix's velocity is an event of its own; else -1
+    fix: Integers  #: (E,) row in the receiver's stream; -1 - row for a fix's separate velocity; -1 for other kinds
     notes: tuple[Note, ...] = ()
 
     def __str__(self) -> str:
@@ -64,12 +64,12 @@ class _Part(NamedTuple):
 def corrections_of(
     log: Log, gnss: GnssStream, measurement: Measurement, stills: Floats, model: FilterModel
 ) -> Corrections:
-    """Return what corrects a filter, in order of time.
+    """Return the events that correct a filter, in order of time.
 
     Fixes without a position in three dimensions, and repeated fixes in motion, are not used; nor are impossible velocities.
 
     Args:
-        log: the log of the receiver; its zero is the start of time, its first speed is the odometer.
+        log: the log of the receiver; times count from its start, and its first stream of speeds is the odometer.
         gnss: the receiver.
         measurement: the IMU.
         stills: (s, 2) s from the log's start, the standstills.
@@ -129,7 +129,7 @@ def _usable(gnss: GnssStream, notes: list[Note]) -> NDArray[np.bool_]:
 
 
 def _repeated(gnss: GnssStream) -> NDArray[np.bool_]:
-    """Return which fixes repeat the fix before in motion; without velocities none, as a receiver may stand still."""
+    """Return which fixes repeat the previous fix in motion; none without velocities: the receiver may stand still."""
     repeated = np.zeros(len(gnss), dtype=bool)
     if len(gnss) > 1 and gnss.velocity is not None:
         repeated[1:] = (np.diff(gnss.position, axis=0) == 0).all(axis=1)
@@ -210,7 +210,7 @@ def _aid(kind: int, time: Floats, measurement: Measurement, sigma: tuple[float, 
 
 
 def _placed(time: Floats, measurement: Measurement) -> tuple[Integers, Floats]:
-    """Return the sample whose end is nearest to each time, and how much later the time is, s."""
+    """Return, for each time, the sample with the nearest end, and the time minus that end, s."""
     own = measurement.time
     after = np.clip(np.searchsorted(own, time), 1, own.size - 1)
     nearest = after - (time - own[after - 1] < own[after] - time)

@@ -1,15 +1,16 @@
 """Propagation of the error covariance, by operations on rows: the transition matrix is never formed.
 
 Error states, in this order: position (3) m NED, velocity (3) m/s NED, attitude phi (3) rad NED, then the states of each sensor
-axis, ``gyro_x`` ... ``accel_z``. A navigation error is estimate less truth, and C_true = (I + [phi x]) C_estimate. An error of
-an axis's state is truth less estimate. Feedback subtracts the navigation errors and adds the others. With b the axes' errors
-in NED:
+axis, ``gyro_x`` ... ``accel_z``. A navigation error is estimate minus truth, and C_true = (I + [phi x]) C_estimate. An error
+of an axis's state is truth minus estimate. Feedback subtracts the navigation errors and adds the others. b is the error of
+the axes in NED:
 
     d/dt position = velocity
     d/dt velocity = f x phi + b_accel - (2 omega_ie + omega_en) x velocity + (0, 0, 2 g/R position_down)
     d/dt phi      = -omega_in x phi + omega_en(velocity) - b_gyro
 
-Source: Groves, 14.2, without the terms that have no effect in an outage of minutes (Earth rate and gravity by latitude).
+Source: Groves, 14.2, without the terms that have no effect in outages of a few minutes (change of Earth rate and gravity with
+latitude).
 
 A covariance is a flat array of rows of ``STRIDE`` numbers, and the loops count in unsigned integers: the compiler then knows
 all offsets, and works on four columns at once.
@@ -75,7 +76,7 @@ def _propagated(
     coefficients: tuple[float, ...], rn: float, re: float, rd: float, vn: float, ve: float, vd: float,
     pn: float, pe: float, pd: float, gx: float, gy: float, gz: float, ax: float, ay: float, az: float,
 ) -> tuple[float, ...]:  # fmt: skip  # pragma: no cover - compiled
-    """Return position, velocity and attitude errors at the end of a span, with the axes' mean errors: second order in it."""
+    """Return the navigation errors at the end of a span, to second order in its length, from the axes' mean errors."""
     span, c00, c01, c02, c10, c11, c12, c20, c21, c22, fn, fe, fd, wn, we, wd, tn, te, td, curved, gradient = (
         coefficients
     )
@@ -106,7 +107,7 @@ def _navigation_rows(
             product[row + j] = weight * source[other + j]
         for s in range(start + 1, end):
             weight, other = weights[s - NAVIGATION], _U(s * STRIDE)
-            if weight != 0.0:  # only one state of a lattice contributes
+            if weight != 0.0:  # of a lattice's states, only one has a weight
                 for j in range(n):
                     product[row + j] += weight * source[other + j]
     for j in range(n):
@@ -156,7 +157,7 @@ def _axis_rows(
 def _navigation_columns(
     product: Floats, covariance: Floats, state: Floats, first: Integers, weights: Floats
 ) -> None:  # pragma: no cover - compiled
-    """Write ``product`` times the transposed transition matrix into the covariance: the navigation states' part."""
+    """Write the navigation states' columns of ``product`` times the transposed transition matrix into the covariance."""
     coefficients = _coefficients(state)
     for i in range(NAVIGATION):
         row = _U(i * STRIDE)
@@ -187,7 +188,7 @@ def _navigation_columns(
 def _axis_columns(
     product: Floats, covariance: Floats, first: Integers, transition: Floats
 ) -> None:  # pragma: no cover - compiled
-    """Write the same product into the axes' columns, and into their rows, which are equal.
+    """Write the axes' columns of the same product into the covariance, and, by symmetry, the axes' rows.
 
     Loops over 1, 2 and 3 states are unrolled: tests/benchmarks/README.md states the gain.
     """
@@ -243,7 +244,7 @@ def _add_noise(
         for s in range(start, first[axis + 1]):
             for t in range(start, first[axis + 1]):
                 covariance[s * STRIDE + t] += noise[axis, s - start, t - start]
-            # A state's noise has an effect on attitude or velocity within the span already.
+            # A state's noise already changes attitude or velocity within the span.
             moved = cross[s - NAVIGATION] * each / span
             if moved != 0.0:
                 row, sign = (6, -moved) if axis < 3 else (3, moved)  # noqa: PLR2004 - gyros first
@@ -251,7 +252,7 @@ def _add_noise(
                     value = sign * state[TURNED + 3 * i + axis % 3]
                     covariance[(row + i) * STRIDE + s] += value
                     covariance[s * STRIDE + row + i] += value
-    # White noise of both triads in NED; that of the accelerometers, integrated twice, also affects position.
+    # White noise of both triads in NED. The noise of the accelerometers, integrated twice, also changes position.
     over = 1.0 / span
     sudden = each * each * over * over
     gx, gy, gz = (
@@ -281,13 +282,13 @@ def _add_noise(
 def propagate(
     covariance: Floats, state: Floats, samples: Whole, regime: Whole, axes: AxisTables, space: Workspace
 ) -> None:  # pragma: no cover - compiled
-    """Propagate a covariance over the span that a state has summed up, and begin a new span.
+    """Propagate a covariance over the span of the sums in a state, and begin a new span.
 
     Args:
         covariance: flat rows, changed.
         state: (SIZE,) of the mechanization; its sums are cleared.
         samples: number of samples in the span.
-        regime: of the tables.
+        regime: index of the temperature regime in the tables.
         axes: the axes' shaping filters.
         space: scratch.
     """

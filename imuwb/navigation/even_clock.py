@@ -11,8 +11,8 @@ if TYPE_CHECKING:
 
     from imuwb.log import Floats
 
-FIRST = 32  #: samples over which the clock is known from the median interval alone
-EVEN = 0.6  #: of an interval; stamps that differ by less from an even clock lie on it
+FIRST = 32  #: first samples, over which the median interval alone gives the clock
+EVEN = 0.6  #: intervals; a stamp that differs by less from an even clock lies on it
 
 
 def even_clock(time: Floats) -> tuple[Floats, float, NDArray[np.int64]]:

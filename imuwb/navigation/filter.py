@@ -43,7 +43,7 @@ class Solution:
     alignment: Alignment
     tables: AxisTables
     rules: Rules
-    track: Track  #: by event; nothing for the events before the alignment
+    track: Track  #: by event; the events before the alignment have no state
     events: NDArray[np.int64]  #: (m,) the events that are fixes, from the alignment on
 
     def __str__(self) -> str:
@@ -59,7 +59,7 @@ class Solution:
 
     @property
     def time(self) -> Floats:
-        """Return the times of the fixes, (m,) s from the log's start: of the samples at which they count."""
+        """Return the time at which each fix is applied, (m,) s from the log's start: the end of its sample."""
         return self.measurement.time[self.corrections.events.at[self.events]]
 
     @property
@@ -74,7 +74,7 @@ class Solution:
 
     @property
     def quaternion(self) -> Floats:
-        """Return the attitudes, (m, 4) w, x, y, z, of the body against NED."""
+        """Return the attitudes, (m, 4) w, x, y, z, of the body relative to NED."""
         return self.track.state[self.events, QUATERNION : QUATERNION + 4]
 
     @property
@@ -104,11 +104,11 @@ class Solution:
         return int((np.isfinite(self.track.nis[fixes]) & ~self.track.used[fixes]).sum())
 
     def log_likelihood_of(self, first: int, last: int) -> float:
-        """Return the log-likelihood of the innovations of some fixes; the NIS of a refused one counts as the gate.
+        """Return the log-likelihood of the innovations of some fixes; a NIS above the gate counts as the gate's value.
 
         Args:
-            first: row of the receiver's stream.
-            last: row of the receiver's stream, included.
+            first: row of the first fix in the receiver's stream.
+            last: row of the last fix, included.
         """
         row = np.where(self.corrections.fix < 0, -1 - self.corrections.fix, self.corrections.fix)
         counted = (self.corrections.events.kind == FIX) & (row >= first) & (row <= last)
@@ -118,7 +118,7 @@ class Solution:
 
 
 def axis_errors(solution: Solution) -> tuple[Floats, Floats]:
-    """Return the filter's estimates of the axes' errors at each fix, without scale factors, and their sigmas.
+    """Return the filter's estimates of the axes' errors at each fix, except scale factors, and their sigmas.
 
     Returns:
         (m, 6) and (m, 6), rad/s and m/s², ``gyro_x`` ... ``accel_z``.
@@ -146,14 +146,14 @@ def solve(
     Args:
         model: the filter.
         measurement: the IMU.
-        corrections: what corrects the filter.
+        corrections: the events that correct the filter.
         alignment: where the filter starts.
         without: s from the log's start; fixes between these two times are not used.
         smooth: whether to keep what ``smoothed`` needs.
 
     Raises:
         MissingDataError: a state or a variance becomes invalid; the message states when.
-        ValueError: a process that no filter can carry.
+        ValueError: a process that cannot be written with states.
     """
     tables, _ = model.tables(measurement.interval, measurement.celsius)
     if measurement.gap_noise is not None:
@@ -192,12 +192,12 @@ def rules_of(model: FilterModel) -> Rules:
 
 
 def no_marks() -> Marks:
-    """Return no marks: a run then ends with its last event."""
+    """Return empty marks: a run with them ends with its last event."""
     return Marks(np.zeros(0, np.int64), True, np.zeros((0, 10)), np.zeros((0, NAVIGATION, NAVIGATION)))
 
 
 def empty_track(count: int, n: int, *, smooth: bool = False) -> Track:
-    """Return room for a run.
+    """Return an empty track with room for a run.
 
     Args:
         count: events.
@@ -235,7 +235,7 @@ def _axes_at_start(
             prior = axis_start(shaping, begin, end - begin, alignment.sample - end)
             covariance[place, place] = prior.covariance
             if end > begin:
-                # One axis measures a third of the Earth's rate squared, on average over all attitudes.
+                # On average over all attitudes, one axis has a third of the Earth's squared rate.
                 noise = shaping.white / ((end - begin) * measurement.interval) + EARTH_RATE**2 / 3
                 gain = prior.cross / (prior.variance + noise)
                 states[place.start - NAVIGATION : place.stop - NAVIGATION] = gain * alignment.gyro_bias[axis]

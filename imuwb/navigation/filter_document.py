@@ -17,7 +17,7 @@ from imuwb.stochastic import ImuErrorModel
 SCHEMA = 1
 READINGS = ("corrected", "as printed")
 PARTS: dict[str, type[Any]] = {"installation": Installation, "settings": Settings, "aids": Aids}
-AXES, DEEPEST = 6, 30  #: numbers of levels of denoising, and the largest level
+AXES, DEEPEST = 6, 30  #: how many levels of denoising there are (one for each axis), and the largest level
 
 
 def filter_text(model: FilterModel) -> str:

@@ -1,4 +1,4 @@
-"""The model of a filter: an error model, the states that stand for it, and the filter's settings."""
+"""The model of a filter: an error model, the states that represent it, and the filter's settings."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ NAVIGATION_STATES = (
 
 @dataclass(frozen=True, slots=True)
 class Aids:
-    """What corrects the filter besides fixes, also in an outage: sigmas; 0 switches an aid off."""
+    """Sigmas of the aids, which correct the filter besides fixes, also in an outage; 0 switches an aid off."""
 
     straight: float = 0.0  #: m/s, of the vehicle's velocity across and down (non-holonomic constraint), each second
     still: float = 0.0  #: m/s, of a velocity of zero in a standstill (zero-velocity update), each second
@@ -40,10 +40,10 @@ class Installation:
     #: deg; roll, pitch and heading that turn vectors from the vehicle's axes to the IMU's
     mounting: tuple[float, float, float] = (0.0, 0.0, 0.0)
     lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)  #: m, FRD in the vehicle, from the IMU to the antenna
-    gnss_delay: float = 0.0  #: s; a fix shows the position at its stamp less this delay
-    velocity_delay: float = 0.0  #: s; a fix's velocity is that much older than its position
+    gnss_delay: float = 0.0  #: s; a fix shows the position at its stamp minus this delay
+    velocity_delay: float = 0.0  #: s, by which a fix's velocity is older than its position
     clock_rate: float = 1.0  #: true seconds in a second of the IMU's clock
-    skew: float = 0.0  #: s; the accelerometer's stamps are that much later than the gyro's of the same instant
+    skew: float = 0.0  #: s, by which the accelerometer's stamp of an instant is later than the gyro's
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,11 +51,11 @@ class Settings:
     """The settings of the filter itself."""
 
     every: int = 10  #: samples between two propagations of the covariance
-    gate: float = 40.0  #: normalised innovation squared, of three components, above which a fix is refused
+    gate: float = 40.0  #: NIS of the three components of a position or velocity, above which it is refused
     patience: int = 5  #: fixes refused in a row before the filter accepts the next one
     position_sigma: tuple[float, float] = (2.5, 5.0)  #: m, horizontal and vertical, of fixes without sigmas
     velocity_sigma: tuple[float, float] = (0.15, 0.3)  #: m/s, horizontal and vertical, of fixes without sigmas
-    sigma_scale: float = 1.0  #: factor of the receiver's own sigmas
+    sigma_scale: float = 1.0  #: factor that multiplies the receiver's own sigmas
     tilt: float = 1.0  #: deg, sigma of roll and pitch at the alignment
     heading: float = 3.0  #: deg, sigma of heading at the alignment; the velocity's sigma adds to it
     start_speed: float = 3.0  #: m/s; above this speed the velocity gives the heading
@@ -68,7 +68,7 @@ class FilterModel:
 
     name: str
     error_model: ImuErrorModel
-    reading: Reading = "corrected"  #: of Quinchia's formulas
+    reading: Reading = "corrected"  #: how Quinchia's formulas are read
     scale_factor: tuple[float, float] = (0.0, 0.0)  #: sigmas, of gyros and accelerometers; 0: no state
     #: levels of denoising before the mechanization, ``gyro_x`` ... ``accel_z``; empty: no denoising
     wavelet_levels: tuple[int, ...] = ()
@@ -95,7 +95,7 @@ class FilterModel:
 
     @property
     def causal(self) -> bool:
-        """Whether no sample depends on later samples; denoising of the whole record does."""
+        """Whether no sample depends on later samples; after denoising of the whole record, each does."""
         return not any(self.wavelet_levels)
 
     def shapings(self, dt: float, celsius: float | None = None) -> tuple[Shaping, ...]:
@@ -106,7 +106,7 @@ class FilterModel:
             celsius: °C; None: the model's plain parameters.
 
         Raises:
-            ValueError: an axis that the error model lacks, or a process that no filter can carry.
+            ValueError: an axis that the error model lacks, or a process that cannot be written with states.
         """
         shapings: list[Shaping] = []
         for axis in AXES:

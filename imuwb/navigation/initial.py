@@ -1,4 +1,4 @@
-"""What a filter knows of an axis's states when it starts, from the log's start and from a standstill."""
+"""The prior of an axis's states when the filter starts, and its relation to the mean error over a standstill."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class AxisStart:
-    """The prior of an axis's p states when the filter starts, and of the mean error over a standstill before."""
+    """The prior of an axis's p states when the filter starts, and of the axis's mean error over an earlier standstill."""
 
     covariance: Floats  #: (p, p) of the states
     cross: Floats  #: (p,) covariance of the states and the mean

@@ -5,7 +5,7 @@ the error state between updates is zero, and only its covariance is propagated. 
 sample of the log and at events. An outage that branches off before some fixes is therefore equal, bit for bit, to a run
 without these fixes.
 
-Loops copy the arrays, and counters have one type; otherwise the compiler makes the same code several times.
+Arrays are copied in loops, and all counters have one type; otherwise numba compiles the same code several times.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def advance(
     state: Floats, axes: Floats, covariance: Floats, samples: Samples, begin: Whole, end: Whole, with_covariance: bool,
     every: int, pending: Whole, tables: AxisTables, space: Workspace,
 ) -> Whole:  # fmt: skip  # pragma: no cover - compiled
-    """Propagate through the samples ``begin`` to ``end`` (excluded); return how many of them the covariance still lacks."""
+    """Propagate through the samples ``begin`` to ``end`` (excluded); return how many the covariance does not include yet."""
     interval, angle, velocity, regimes = (
         samples.interval, samples.angle, samples.velocity, samples.regime
     )  # fmt: skip
@@ -93,7 +93,7 @@ def advance(
 
 @compiled(arrays=False)
 def sound(state: Floats, covariance: Floats, n: int) -> int:  # pragma: no cover - compiled
-    """Return FINE if a state and its variances are valid, and what is wrong otherwise."""
+    """Return FINE if a state and its variances are valid, otherwise NOT_FINITE or NOT_POSITIVE."""
     for i in range(10):
         if not math.isfinite(state[i]):
             return NOT_FINITE
@@ -118,7 +118,7 @@ def run(
     state: Floats, axes: Floats, covariance: Floats, samples: Samples, events: Events, rules: Rules, tables: AxisTables,
     space: Workspace, begin: int, event: int, skip_from: int, skip_to: int, marks: Marks, track: Track,
 ) -> tuple[int, Whole]:  # fmt: skip  # pragma: no cover - compiled
-    """Run the filter from a checkpoint; return FINE or what is wrong, and the event at which the run ended.
+    """Run the filter from a checkpoint; return FINE, NOT_FINITE or NOT_POSITIVE, and the event at which the run ended.
 
     Args:
         state, axes, covariance: the checkpoint; changed.
@@ -128,7 +128,7 @@ def run(
         event: first event.
         skip_from, skip_to: fixes at samples between these two, both excluded, are not used.
         marks: where the state is written between events; the run ends at the last mark, or, without marks, after the last event.
-        track: written, if it has room.
+        track: the run writes its state after each event here, if there is room.
     """
     n = tables.first[6]
     weighing, spare, seen = space.weighing, space.spare, space.seen

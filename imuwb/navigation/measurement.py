@@ -1,4 +1,4 @@
-"""An IMU's samples as a filter takes them: even steps without gaps, in the vehicle's axes."""
+"""An IMU's samples in the form that a filter needs: even steps without gaps, in the vehicle's axes."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Measurement:
     samples: Samples
     celsius: tuple[float | None, ...]  #: °C, temperature of each regime; None: the log has no temperature
     bridged: Floats  #: (g, 2) s from the log's start: begin and end of the gaps that are bridged
-    gap_noise: Floats | None  #: (6,) unit²/Hz; stands for the unknown motion in bridged gaps, which are the last regime
+    gap_noise: Floats | None  #: (6,) unit²/Hz; density of the unknown motion in bridged gaps, the last regime
     notes: tuple[Note, ...] = ()
 
     def __str__(self) -> str:
@@ -56,12 +56,12 @@ class Measurement:
 
 
 def measurement_of(log: Log, imu: ImuStream, installation: Installation, *, thermal: bool = False) -> Measurement:
-    """Return an IMU's samples as a filter takes them.
+    """Return an IMU's samples in the form that a filter needs.
 
-    A sample is the average since the sample before. Stamps with jitter move to an even clock; straight lines bridge gaps.
+    A sample is the average since the sample before. An even clock replaces stamps with jitter; straight lines bridge gaps.
 
     Args:
-        log: the log of the IMU; its zero is the start of time.
+        log: the log of the IMU; times count from its start.
         imu: gyros and accelerometers.
         installation: mounting, clock rate and skew.
         thermal: whether the model's parameters depend on temperature; the samples then have regimes.
@@ -83,7 +83,7 @@ def measurement_of(log: Log, imu: ImuStream, installation: Installation, *, ther
     else:
         force = _onto(own, step, other, accel.value)
         gaps += _gaps_of_other_clock(other, notes)
-    # ``mounting`` turns vectors from the vehicle to the IMU; here they come from the IMU.
+    # ``mounting`` turns vectors from the vehicle's axes to the IMU's; here they turn the other way.
     turn = rotation_of_euler(np.radians(installation.mounting))
     rate, force = np.ascontiguousarray(rate @ turn), np.ascontiguousarray(force @ turn)
     regime, celsius = _regimes(imu, own, zero, notes) if thermal else (np.zeros(own.size, np.int64), (None,))
@@ -92,7 +92,8 @@ def measurement_of(log: Log, imu: ImuStream, installation: Installation, *, ther
         within = np.zeros(own.size, dtype=bool)
         for begin, end in gaps:
             within |= (own > begin) & (own <= end + AFTER * interval)
-        # The motion in a gap is as large as elsewhere, and correlated over HOLDS: its density is 2 sigma² T.
+        # Assumption: the motion in a gap has the variance sigma² of the rest, and the correlation time T = HOLDS.
+        # Its density is then 2 sigma² T.
         gap_noise = 2 * HOLDS * np.concatenate([part[~within].var(axis=0) for part in (rate, force)])
         regime, celsius = np.where(within, len(celsius), regime), (*celsius, celsius[int(np.bincount(regime).argmax())])
     true = own[0] + (own - own[0]) * installation.clock_rate
@@ -107,7 +108,7 @@ def denoised(measurement: Measurement, levels: tuple[int, ...]) -> Measurement:
 
     Args:
         measurement: in the vehicle's axes.
-        levels: of decomposition, ``gyro_x`` ... ``accel_z``.
+        levels: number of levels of decomposition of each axis, ``gyro_x`` ... ``accel_z``.
     """
     samples = measurement.samples
     angle, velocity = samples.angle.copy(), samples.velocity.copy()
@@ -182,7 +183,7 @@ def _onto(time: Floats, step: Floats, other: Floats, values: Floats) -> Floats:
     """Return the averages, over the steps of one clock, of samples on another clock: differences of their integral."""
     dt = np.median(np.diff(other))
     width = np.diff(other, prepend=other[0] - dt)
-    # A sample holds over the step before it; over a gap, the mean of both sides holds.
+    # A sample applies to the step that ends at it; over a gap, the mean of the samples on both sides applies.
     before = np.concatenate([values[:1], values[:-1]])
     held = np.where((width > OTHER_GAP * dt)[:, None], (before + values) / 2, values)
     edges = np.concatenate([[other[0] - width[0]], other])

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from imuwb.navigation.filter import Solution
 
 EACH = 1.0  #: s between two marks
-ALL = np.iinfo(np.int64).max  #: after the last sample of any log
+ALL = np.iinfo(np.int64).max  #: a sample number after the last sample of any log
 
 
 @dataclass(frozen=True, eq=False, slots=True)

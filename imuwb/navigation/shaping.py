@@ -1,4 +1,4 @@
-"""Shaping filters: the states that stand for the sum of processes on one sensor axis."""
+"""Shaping filters: the states that represent the sum of processes on one sensor axis."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 #: How Quinchia's formulas are read. "corrected": white noise of density N², and exp(-dt/Tc); "as printed": word for word.
 Reading = Literal["corrected", "as printed"]
 
-#: Hz; in this band Gauss-Markov states stand for flicker: the times of outages, and of the drive before them.
+#: Hz, band in which Gauss-Markov states represent flicker noise; it covers the lengths of outages and of the drive before them.
 FLICKER_BAND = (2e-4, 0.2)
 FLICKER_STATES = 3
 
@@ -85,16 +85,16 @@ def shaping(processes: Sum, dt: float, reading: Reading = "corrected") -> Shapin
     """Return the shaping filter of a sum of processes at a sampling interval.
 
     Quantization has no state, as its integral does not grow; ``left_out`` names it. Flicker noise becomes Gauss-Markov states,
-    which are valid in ``FLICKER_BAND``. The value at an instant stands for the average over a sample; the relative difference
-    is about dt over the correlation time.
+    which are valid in ``FLICKER_BAND``. The value at an instant is used for the average over a sample; the relative
+    difference is about dt over the correlation time.
 
     Args:
-        processes: of one axis, SI.
+        processes: the sum on one axis, SI.
         dt: s.
-        reading: of Quinchia's formulas.
+        reading: how Quinchia's formulas are read.
 
     Raises:
-        ValueError: an autoregressive process with another step, or with poles outside the unit circle.
+        ValueError: an autoregressive process with another sampling interval, or with poles outside the unit circle.
     """
     spaces: list[StateSpace] = []
     names: list[str] = []
@@ -102,7 +102,7 @@ def shaping(processes: Sum, dt: float, reading: Reading = "corrected") -> Shapin
     white = 0.0
     for term in processes.terms:
         if isinstance(term, WhiteNoise):
-            # Eq. 27 states a variance per sample; read as a density, it is too large by 1/dt.
+            # Eq. 27 states a variance per sample; taken as a density, it is too large by the factor 1/dt.
             white += term.N**2 / (dt if reading == "as printed" else 1.0)
         elif isinstance(term, Quantization):
             left_out.append("quantization")
@@ -132,7 +132,7 @@ def _spaces(term: Process, dt: float, reading: Reading) -> Iterator[tuple[str, S
         yield f"Gauss-Markov, {term.Tc:.4g} s", space
     elif isinstance(term, Autoregressive):
         if term.alpha:
-            term.discretize(dt)  # raises if the process has another step
+            term.discretize(dt)  # raises if the process has another sampling interval
             yield f"AR({len(term.alpha)})", lattice(term)
         else:
             yield "", term.discretize(dt)
@@ -146,8 +146,8 @@ def _spaces(term: Process, dt: float, reading: Reading) -> Iterator[tuple[str, S
 def lattice(process: Autoregressive) -> StateSpace:
     """Return an autoregressive process with orthonormal states, in the normalised lattice form (Gray and Markel 1975).
 
-    The states are the backward prediction errors over their sigmas; their stationary covariance is the identity. The
-    covariance of the last p values is nearly singular where poles are near 1, and rounding would destroy it.
+    The states are the backward prediction errors over their sigmas; their stationary covariance is the identity. If
+    the last p values were the states, poles near 1 would make the covariance nearly singular, and rounding would destroy it.
     """
     order = len(process.alpha)
     reflection = _reflection(process.alpha)
@@ -172,7 +172,7 @@ def lattice(process: Autoregressive) -> StateSpace:
 
 
 def _reflection(alpha: tuple[float, ...]) -> Floats:
-    """Return the reflection coefficients of a stable process, by Levinson's recursion backwards."""
+    """Return the reflection coefficients of a stable process, by Levinson's recursion in reverse."""
     a = np.array(alpha)
     reflection = np.empty(a.size)
     for m in range(a.size, 0, -1):

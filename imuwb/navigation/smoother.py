@@ -1,4 +1,4 @@
-"""The smoother: a solution whose every state depends on all fixes (Rauch, Tung and Striebel 1965).
+"""The smoother: a solution in which each state depends on all fixes (Rauch, Tung and Striebel 1965).
 
 The filter feeds its errors back, so the estimated error after an event is zero. The smoothed error after event k is
 
@@ -70,7 +70,7 @@ def smoothed(solution: Solution) -> Smoothed:
 
 
 def _correction(solution: Solution, e: int) -> Floats:
-    """Return the errors that an event removed, (n,): before less after; of the axes' states, after less before."""
+    """Return the errors that an event removed, (n,): before minus after; for the axes' states, after minus before."""
     before, after = solution.track.before.state[e], solution.track.state[e]
     turn = (
         rotation_of_quaternion(after[QUATERNION : QUATERNION + 4])
@@ -86,7 +86,7 @@ def _correction(solution: Solution, e: int) -> Floats:
 
 
 def _corrected(solution: Solution, error: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the positions, velocities and rotations of a solution without some errors, (m, n)."""
+    """Return the positions, velocities and rotations of a solution after the errors, (m, n), are removed."""
     position = solution.position - error[:, :3] / ned_scale(solution.position[:, 0], solution.position[:, 2])
     x, y, z = error[:, 6:9].T
     zero = np.zeros_like(x)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from imuwb.navigation.measurement import Measurement
 
 SLOW = 0.5  #: m/s; below this speed a receiver may stand still
-QUIET = 4.0  #: largest scatter of a still second, over the scatter of the quietest tenth of all seconds
+QUIET = 4.0  #: ratio of the scatter of a still second, at most, to that of the quietest tenth of all seconds
 
 
 def standstills(measurement: Measurement, log: Log, gnss: GnssStream | None) -> Floats:

@@ -1,7 +1,8 @@
 """Strapdown mechanization: position, velocity and attitude in NED from increments of angle and velocity (Groves, 5.4).
 
-Coning and sculling are corrected with the step before; the steps may differ in length. Earth rate, transport rate and gravity
-are those at the middle of a step. The state of the mechanization is one flat array, so that a copy of it is a checkpoint:
+The corrections of coning and sculling use the increments of the step before; the steps may differ in length. Earth rate,
+transport rate and gravity are those at the middle of a step. The state of the mechanization is one flat array, so that a copy
+of it is a checkpoint:
 
     LATITUDE rad, LONGITUDE rad, HEIGHT m; VELOCITY (3) m/s NED; QUATERNION (4) body to NED;
     PAST_ANGLE (3) rad, PAST_VELOCITY (3) m/s and PAST_STEP s: increments and length of the step before; length 0: none;

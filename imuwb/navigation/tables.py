@@ -12,17 +12,17 @@ if TYPE_CHECKING:
     Integers = NDArray[np.int64]
 
 FIX, SPEED, STRAIGHT, STILL = 0, 1, 2, 3  #: kinds of event: GNSS fix, forward speed, no slip, standstill
-MOST_ROWS = 6  #: measurements of an event
+MOST_ROWS = 6  #: largest number of measurements of an event
 
 
 class AxisTables(NamedTuple):
-    """The shaping filters of all six axes, as the kernels take them.
+    """The shaping filters of all six axes, in the form that the kernels need.
 
-    R regimes of temperature, of which one applies at a time; K states in all, at most O for each axis; tables by the number
-    of samples in a span, 0 to M.
+    There are R regimes of temperature, of which one applies at a time, and K states, at most O for each axis. The index of
+    M + 1 values is the number of samples in a span, 0 to M.
     """
 
-    first: Integers  #: (7,) where an axis's states begin among all error states; the last one is the number of states
+    first: Integers  #: (7,) index of each axis's first state among all error states; the last value is the number of states
     step: Floats  #: (R, K) contribution of a state to its axis's error at an instant; 1 for a scale factor
     scale: NDArray[
         np.bool_
@@ -45,7 +45,7 @@ class Samples(NamedTuple):
 
 
 class Events(NamedTuple):
-    """The events that correct the filter, in order of time: E of them."""
+    """The E events that correct the filter, in order of time."""
 
     at: Integers  #: (E,) the sample after which the event counts
     kind: Integers  #: (E,) FIX, SPEED, STRAIGHT or STILL
@@ -64,12 +64,12 @@ class Rules(NamedTuple):
 
 
 class Marks(NamedTuple):
-    """Where a run reports its state between events: L marks."""
+    """The L marks at which a run reports its state between events."""
 
     at: Integers  #: (L,) number of samples up to the mark, rising
     with_covariance: bool  #: whether the covariance is propagated
-    state: Floats  #: (L, 10) written: position, velocity, quaternion
-    covariance: Floats  #: (L, 9, 9) written: of position, velocity and attitude
+    state: Floats  #: (L, 10) output: position, velocity, quaternion
+    covariance: Floats  #: (L, 9, 9) output: of position, velocity and attitude
 
 
 class Prior(NamedTuple):
@@ -87,8 +87,8 @@ class Track(NamedTuple):
     state: Floats  #: (E, SIZE)
     axes: Floats  #: (E, K)
     covariance: Floats  #: (E, n, n)
-    innovation: Floats  #: (E, 6) m and m/s, measured less predicted; nan: not measured
+    innovation: Floats  #: (E, 6) m and m/s, measured minus predicted; nan: not measured
     deviation: Floats  #: (E, 6) sigma of the innovation
     nis: Floats  #: (E, 2) normalised innovation squared of position and of velocity; nan: not measured
     used: NDArray[np.bool_]  #: (E, 2) whether position and velocity passed the gate
-    before: Prior  #: for a smoother; empty: not kept
+    before: Prior  #: the states before the events, for a smoother; empty: not kept

@@ -47,7 +47,7 @@ def _measure(
     state: Floats, kind: int, late: float, value: Floats, lever: Floats, tables: AxisTables, regime: int,
     space: Weighing,
 ) -> None:  # fmt: skip  # pragma: no cover - compiled
-    """Write the residuals, predicted less measured, and their derivatives by the error states."""
+    """Write the residuals, predicted minus measured, and their derivatives with respect to the error states."""
     first, weight, scale = tables.first, tables.step, tables.scale
     rows, residual, c, arm, swing = space.rows, space.residual, space.turn, space.arm, space.swing
     for r in range(MOST_ROWS):
@@ -116,7 +116,7 @@ def _scalar(
 ) -> tuple[float, float]:  # pragma: no cover - compiled
     """Update by one measurement; return its innovation and the variance of the innovation.
 
-    ``error`` is the error estimated so far by this event.
+    ``error`` is the error that this event's measurements have estimated so far.
     """
     innovation, total = residual, variance
     for i in range(n):
@@ -218,7 +218,7 @@ def update(
             refused[group] += 1
             if refused[group] <= rules.patience:
                 break
-            # Many fixes agree against the filter: its own variance is too small.
+            # More than ``patience`` fixes in a row are refused: the filter's own variance is too small.
             for r in range(3 * group, 3 * group + 3):
                 if variance[r] > 0.0:
                     covariance[r * STRIDE + r] += residual[r] * residual[r]

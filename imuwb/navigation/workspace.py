@@ -15,27 +15,27 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 
-MOST_STATES = 48  #: of a filter
+MOST_STATES = 48  #: largest number of error states of a filter
 STRIDE = 48  #: numbers from one row to the next of a flat matrix; constant, so that the compiler knows all offsets
 
 
 class Weighing(NamedTuple):
     """Results and scratch of one event's update."""
 
-    innovation: Floats  #: (6,) m and m/s, measured less predicted; nan: not measured
+    innovation: Floats  #: (6,) m and m/s, measured minus predicted; nan: not measured
     deviation: Floats  #: (6,) sigma of the innovation
     nis: Floats  #: (2,) of position and velocity
     used: NDArray[np.bool_]  #: (2,) whether position and velocity passed the gate
     refused: NDArray[np.int64]  #: (2,) positions and velocities refused in a row
-    rows: Floats  #: (6, n) derivatives of the residuals by the error states
-    residual: Floats  #: (6,) predicted less measured
-    error: Floats  #: (n,) estimated so far
-    guess: Floats  #: (n,) estimated, if the group in work passes
+    rows: Floats  #: (6, n) derivatives of the residuals with respect to the error states
+    residual: Floats  #: (6,) predicted minus measured
+    error: Floats  #: (n,) error that the event has estimated so far
+    guess: Floats  #: (n,) estimated error if the present group, position or velocity, passes the gate
     gain: Floats  #: (n,)
-    tried: Floats  #: flat rows of the covariance, if the group in work passes
+    tried: Floats  #: flat rows of the covariance if the present group passes the gate
     turn: Floats  #: (3, 3) C_b_n
     arm: Floats  #: (3,) m NED, the lever arm
-    swing: Floats  #: (3,) m/s NED, velocity of the antenna against the IMU
+    swing: Floats  #: (3,) m/s NED, velocity of the antenna relative to the IMU
 
 
 class Workspace(NamedTuple):

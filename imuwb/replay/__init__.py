@@ -1,4 +1,4 @@
-"""Outage replay: filters over a log, their drift against a reference, and the statistics of it."""
+"""Outage replay: filters over a log, their drift against a reference, and its statistics."""
 
 from imuwb.replay.budget import Budget, budget
 from imuwb.replay.choice import Choice, FilterCandidate, choose

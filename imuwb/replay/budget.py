@@ -1,7 +1,7 @@
 """The error budget of outages: the share of each source in the filter's horizontal variance.
 
-Without updates, the covariance is linear in its start and in the noise that enters: each source is propagated alone. The
-correlations of the sources at the start are a source of their own, "in common". Its variance may be negative: a tilt and an
+Without updates, the covariance is linear in its initial value and in the noise, so each source is propagated alone. The
+correlations of the sources at the start are one more source, "in common". Its variance may be negative: a tilt and an
 accelerometer's bias, for example, cancel until the vehicle turns.
 """
 

@@ -24,18 +24,18 @@ class FilterCandidate:
     model: str
     log_likelihood: float  #: of an outage's errors, under the filter's own covariance; mean over outages and times
     median_end: float  #: m
-    folds: int  #: number of folds in which this filter is the best in the other folds
+    folds: int  #: number of folds for which this filter is the best one in all other folds
 
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """Filters in order of their likelihood, and the performance of the choice in outages that it was not made on."""
+    """Filters in order of their likelihood, and the performance of the choice in outages that were not used for it."""
 
     duration: float  #: s
     candidates: tuple[FilterCandidate, ...]
     folds: int
-    unseen_log_likelihood: float  #: in each fold, of the filter chosen in the other folds; mean
-    unseen_median_end: float  #: m; in each fold, of the filter chosen in the other folds; median
+    unseen_log_likelihood: float  #: mean over outages; each fold uses the filter chosen in the other folds
+    unseen_median_end: float  #: m; median over outages; each fold uses the filter chosen in the other folds
 
     @property
     def chosen(self) -> str:

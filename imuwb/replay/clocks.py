@@ -21,14 +21,14 @@ if TYPE_CHECKING:
     from imuwb.log import Floats, Log
     from imuwb.navigation.filter_model import FilterModel
 
-#: The unknowns are: delay of positions, s; delay of velocities less that of positions, s; rate; log of the noise's factor.
+#: The unknowns are: delay of positions, s; delay of velocities minus that of positions, s; rate; log of the noise's factor.
 DELAYS = np.arange(-0.5, 0.51, 0.1)  #: s, of the first grid
 RATES = np.array([-2e-3, -1e-3, -5e-4, 0.0, 5e-4, 1e-3, 2e-3])  #: of the first grid
 STEPS = np.array([0.05, 0.1, 3e-4, 0.5])  #: of the first simplex
 SMALL = np.array([0.01, 0.01, 2e-5, 0.1])  #: the first steps of the curvature
-STAIRS = np.array([2.0, 2.0, 4.0, 0.0])  #: samples; smaller steps of the curvature meet the stairs of the likelihood
-RISE = 2.0  #: of the misfit, over which the curvature is taken: the misfit is rough at smaller scales
-ENDS = 3  #: fixes at each end that do not count, as a delay moves some of them out of the log
+STAIRS = np.array([2.0, 2.0, 4.0, 0.0])  #: samples; at smaller steps of the curvature the likelihood is a staircase
+RISE = 2.0  #: rise of the misfit over which the curvature is computed; the misfit is rough at smaller scales
+ENDS = 3  #: fixes at each end that do not count, because a delay moves some of them out of the log
 LOUD = np.log(3.0)  #: log of the factor of white noise at the start of the search: vehicles vibrate
 
 
@@ -57,7 +57,7 @@ def estimate_clocks(
 
     Args:
         log: the log.
-        model: a filter; its own delays and rate are where the search begins.
+        model: a filter; the search begins at its delays and rate.
         receiver: name of the receiver; None: the best one.
         level: of the intervals.
         with_delay: whether the delays of positions and velocities are estimated.
@@ -78,7 +78,7 @@ def estimate_clocks(
     def objective(x: Floats) -> float:
         full = np.zeros(4)
         full[free] = x
-        # The search is over the times of positions and of velocities, whose estimates hardly depend on each other.
+        # The search uses the delays of positions and of velocities, whose estimates are almost independent.
         full[1] -= full[0]
         return misfit(full)
 

@@ -43,12 +43,12 @@ if TYPE_CHECKING:
     from imuwb.stochastic import Process
 
 NAMES = ("none", "15AV", "18AV", "18AVWD", "15AR", "27AR", "full")
-FLOOR = float(np.sqrt(2 * np.log(2) / np.pi))  #: flat Allan deviation of flicker noise over its B
-#: Largest Allan deviation of a Gauss-Markov process over its sigma, and its averaging time over Tc.
+FLOOR = float(np.sqrt(2 * np.log(2) / np.pi))  #: ratio of flicker noise's flat Allan deviation to B
+#: For a Gauss-Markov process: ratio of the largest Allan deviation to sigma, and of its averaging time to Tc.
 PEAK, PEAK_AT = 0.6174, 1.892
-LONGEST, SHORTEST = 2000.0, 1.0  #: s, the averaging times among which the flat part of an Allan curve is searched
+LONGEST, SHORTEST = 2000.0, 1.0  #: s, range of averaging times in which the flat part of an Allan curve is searched
 FLAT = 1.05  #: the flat part is below this multiple of the smallest Allan deviation
-STATIC = 1800.0  #: s of simulated static samples to which an AR process is fitted, without a static log
+STATIC = 1800.0  #: s of simulated static samples to which an AR process is fitted if there is no static log
 TURN_ON = (float(np.radians(0.2)), 0.1)  #: rad/s, m/s²: usual for MEMS that were calibrated once
 WAVELET, SEED = "db4", 0
 LEVELS = {"gyro_x": 7, "gyro_y": 7, "gyro_z": 7, "accel_x": 7, "accel_y": 6, "accel_z": 6}  #: Quinchia, table 7
@@ -68,8 +68,8 @@ def model_named(
     Args:
         name: one of ``NAMES``.
         base: a filter with the error model and all settings.
-        reading: of the paper's formulas, for Gauss-Markov parameters and for the filter.
-        interval: s, of the log's samples.
+        reading: how the paper's formulas are read, for Gauss-Markov parameters and for the filter.
+        interval: s, sampling interval of the log.
         turn_on: sigmas of turn-on biases of gyros (rad/s) and accelerometers (m/s²), for an error model without them;
             None: ``TURN_ON`` for ``full``, none for the others.
         static: axis -> static samples at that interval, to which AR processes are fitted; None: simulated from the error model.
@@ -124,10 +124,10 @@ def _of(
 
 
 def gauss_markov(processes: Sum, reading: Reading) -> tuple[GaussMarkov, ...]:
-    """Return the Gauss-Markov processes that stand for bias instability: those of the model, or one made from its flicker noise.
+    """Return the Gauss-Markov processes that represent bias instability: the model's own, or one made from its flicker noise.
 
-    As printed (eq. 29, table 5), sigma is the flat Allan deviation 0.664 B, and Tc the averaging time in its middle. Corrected,
-    sigma and Tc are such that the process has its largest Allan deviation there, with this value.
+    "as printed" (eq. 29, table 5): sigma is the flat Allan deviation 0.664 B, and Tc is the averaging time in the middle of the
+    flat part. "corrected": the largest Allan deviation of the process has this value and this averaging time.
     """
     own = tuple(term for term in processes.terms if isinstance(term, GaussMarkov))
     flicker = [term for term in processes.terms if isinstance(term, FlickerNoise) and term.B > 0]

@@ -1,4 +1,4 @@
-"""What the vehicle does in an outage, by the reference."""
+"""The kind of motion of the vehicle in an outage, from the reference."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ if TYPE_CHECKING:
 
     from imuwb.replay.replay import Replay
 
-SLOW = 1.0  #: m/s; a slower vehicle stands, and has no course
-STOPPED = 0.3  #: share of an outage; a longer stand makes it a stop
+SLOW = 1.0  #: m/s; a slower vehicle counts as standing and has no course
+STOPPED = 0.3  #: share of an outage; a vehicle that stands for longer makes it a "stop"
 TURN = np.radians(45)  #: change of course that makes an outage a turn
 FAST = 70 / 3.6  #: m/s, mean speed that makes an outage fast
 

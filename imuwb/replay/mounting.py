@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 
     Complex = NDArray[np.complex128]
 
-STILL = 5.0  #: s of standstills that the level needs
+STILL = 5.0  #: s of standstills that roll and pitch need
 SLOW = 2.0  #: m/s; at a lower speed the course is unknown
 WINDOW = 1.0  #: s, over which accelerations are averaged
-LEAST = 20  #: windows
+LEAST = 20  #: fewest windows that the heading needs
 LEAST_ACCELERATION = 0.3  #: m/s², rms that the heading needs
 LARGEST_ACCELERATION = 10.0  #: m/s²; larger ones are errors
 
@@ -37,7 +37,7 @@ LARGEST_ACCELERATION = 10.0  #: m/s²; larger ones are errors
 class Mounting:
     """Roll, pitch and heading that turn vectors from the vehicle's axes to the IMU's, as ``Installation`` has them."""
 
-    angles: tuple[float, float, float]  #: deg; roll and pitch are as level as the places of the standstills
+    angles: tuple[float, float, float]  #: deg; roll and pitch assume that the vehicle stands still on level ground
     heading: Estimate  #: deg
 
     def __str__(self) -> str:
@@ -49,8 +49,8 @@ class Mounting:
 def estimate_mounting(log: Log, receiver: str | None, level: float) -> Mounting:
     """Return the mounting of the first IMU, from the log itself.
 
-    In a standstill, gravity gives roll and pitch. In motion, the horizontal specific force is the vehicle's acceleration, ahead
-    and across, which the receiver gives too; as complex numbers, the two differ by the heading.
+    In a standstill, gravity gives roll and pitch. In motion, the horizontal specific force is the vehicle's acceleration,
+    forward and to the right. The receiver gives the same acceleration. As complex numbers, the two differ by the heading.
 
     Args:
         log: an IMU, and a receiver with velocities.
@@ -77,7 +77,7 @@ def estimate_mounting(log: Log, receiver: str | None, level: float) -> Mounting:
     turn = np.vdot(true, centred) / np.vdot(true, true).real
     rest = np.abs(centred - turn * true)
     sigma = float(np.sqrt((rest**2).mean() / 2 / (np.abs(true) ** 2).sum()) / np.abs(turn))
-    # A vector measured at an angle is in the vehicle at that angle less.
+    # The IMU measures a vector turned by the angle of ``turn``; this rotation turns it back to the vehicle's axes.
     whole = rotation_of_euler(np.array([0.0, 0.0, -float(np.angle(turn))])) @ level_rotation
     roll, pitch, heading = (float(np.degrees(x)) for x in euler_of_rotation(whole.T))
     sigma = float(np.degrees(sigma))
@@ -102,7 +102,7 @@ def _level(log: Log, gnss: GnssStream, measurement: Measurement) -> Floats:
 def _accelerations(
     log: Log, gnss: GnssStream, measurement: Measurement, level_rotation: Floats
 ) -> tuple[Complex, Complex]:
-    """Return the accelerations by the receiver and by the IMU, (k,) and (k,) m/s²: ahead + i across, in windows of motion."""
+    """Return the accelerations from receiver and IMU, (k,) and (k,) m/s²: forward + i right, in windows of motion."""
     velocity = np.zeros((len(gnss), 3)) if gnss.velocity is None else gnss.velocity
     speed = np.hypot(velocity[:, 0], velocity[:, 1])
     known = np.isfinite(speed)

@@ -1,4 +1,4 @@
-"""The outages of a replay: a sweep, those of the log itself, or given ones; and where outages are possible."""
+"""The outages of a replay: a sweep, those of the log itself, or given ones; and the check that they are possible."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ if TYPE_CHECKING:
     from imuwb.navigation.filter_model import FilterModel
     from imuwb.replay.prepared import Prepared
 
-OWN, OWN_SHARE = 3.0, 2.5  #: s and usual intervals; a longer span without good fixes is an outage of the log itself
+#: s, and usual intervals between fixes; a span without good fixes that is longer than both is an outage of the log itself
+OWN, OWN_SHARE = 3.0, 2.5
 LEAST_SETTLING = 10.0  #: s of fixes that every outage needs before
-WORSE = 3.0  #: sigma of a degraded fix, over the usual sigma
+WORSE = 3.0  #: ratio of a degraded fix's sigma to the usual sigma
 SPACING = 0.95  #: s between two outages of a sweep, at least
 ROUNDING = 1e-3  #: s; a fix that is this much later still precedes an outage
 
@@ -48,8 +49,8 @@ def sweep(prepared: Prepared, model: FilterModel, duration: float) -> tuple[Outa
 def own_outages(prepared: Prepared, model: FilterModel) -> tuple[Outage, ...]:
     """Return the outages of the log itself, in whole seconds: spans between good fixes.
 
-    A fix is good unless its sigma is larger than three times the median, or its type below the median. The other fixes in a
-    span are not used. Such outages need a reference that continues: truth, or all fixes smoothed.
+    A fix is good unless its sigma is larger than three times the median, or its fix type is below the median. Fixes
+    within such a span are not used. Such outages need a reference that continues: truth, or all fixes smoothed.
     """
     fixes = np.flatnonzero(prepared.corrections.fix >= 0)
     variance = prepared.corrections.events.variance[fixes, 0]
@@ -69,7 +70,7 @@ def check_outages(prepared: Prepared, model: FilterModel, outages: Sequence[Outa
 
     Raises:
         MissingDataError: no outages.
-        UsageError: an outage before the filter has settled, after the log, in a gap of fixes, or twice.
+        UsageError: an outage before the filter has settled, after the log, in a gap of fixes, or given twice.
     """
     first, last = prepared.start_time, float(prepared.measurement.time[-1])
     if not outages:

@@ -17,7 +17,7 @@ ROUNDING = 1e-6  #: s; outages that overlap by less do not overlap
 def without_overlap(start: ArrayLike, duration: ArrayLike) -> NDArray[np.int64]:
     """Return the outages to keep so that no two of them overlap: each one that overlaps none of those kept before it.
 
-    Of outages in order of time and of one duration, no other choice keeps more.
+    If the outages are in order of time and have one duration, no other choice keeps more.
 
     Args:
         start: (s,) s, in the order in which the outages are tried.
@@ -32,7 +32,7 @@ def without_overlap(start: ArrayLike, duration: ArrayLike) -> NDArray[np.int64]:
 
 
 def effective_count(start: Floats, duration: float) -> int:
-    """Return the number of outages that do not overlap, at most."""
+    """Return the largest number of outages of which no two overlap."""
     return without_overlap(np.sort(start), duration).size
 
 

@@ -1,4 +1,4 @@
-"""A log as filters take it."""
+"""The preparation of a log for filters."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Prepared:
-    """A log as filters take it."""
+    """A log in the form that filters need."""
 
     log: Log
     gnss: GnssStream
@@ -57,11 +57,11 @@ class Prepared:
 def prepare(
     log: Log, model: FilterModel, receiver: str | None = None, degradation: Degradation | None = None
 ) -> Prepared:
-    """Return a log as filters take it, without the deterministic errors of the error model; all filters start alike.
+    """Return a log in the form that filters need, without the model's deterministic errors; all filters start alike.
 
     Args:
         log: an IMU and a receiver; a log that is corrected already is not corrected again.
-        model: its settings and the deterministic terms of its error model; its noise has no effect.
+        model: its settings and the deterministic terms of its error model are used; its noise has no effect.
         receiver: name of the receiver; None: the best one.
         degradation: how its fixes are made worse; the reference stays as it is.
 
@@ -106,7 +106,7 @@ def receiver_of(log: Log, name: str | None) -> GnssStream:
 
 
 def run(model: FilterModel, prepared: Prepared, *, smooth: bool = False) -> Solution:
-    """Return a filter's run over a whole log; ``smooth``: with what a smoother needs."""
+    """Return a filter's run over a whole log; with ``smooth``, it has what a smoother needs."""
     measurement = prepared.measurement
     if any(model.wavelet_levels):
         measurement = denoised(measurement, model.wavelet_levels)

@@ -69,8 +69,8 @@ def reference_track(log: Log, solution: Solution, wanted: str = "best") -> Refer
 
     Args:
         log: with its references and receivers.
-        solution: a filter's run over the whole log. Its attitude relates antenna and IMU. If it is the reference itself, and
-            smoothed, it must come from ``solve(..., smooth=True)``.
+        solution: a filter's run over the whole log. Its attitude relates antenna and IMU. If the
+            reference is its smoothed run, it must come from ``solve(..., smooth=True)``.
         wanted: "best", "truth", "fixed", "smoothed", or "own": the run, not smoothed.
 
     Raises:

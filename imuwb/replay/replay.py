@@ -84,7 +84,7 @@ def replay(
     Raises:
         UsageError: an outage that is not possible.
         MissingDataError: a filter that becomes invalid; no outage that can be scored.
-        ValueError: the log lacks the wanted reference; a process that no filter can carry.
+        ValueError: the log lacks the wanted reference; a process that cannot be written with states.
     """
     check_outages(prepared, models[0], outages)
     solutions = {model.name: run(model, prepared) for model in models}
@@ -113,7 +113,7 @@ def replay(
 def _score(
     runs: dict[str, FilterRun], outages: Sequence[Outage], duration: float, track: ReferenceTrack
 ) -> NDArray[np.bool_]:
-    """Add the outages of a duration to the runs; return which of them all filters have scores for."""
+    """Add the outages of a duration to the runs; return for which of them every filter has scores."""
     good = np.ones(len(outages), dtype=bool)
     for filter_run in tracked(runs.values(), len(runs)):
         solution = filter_run.solution

@@ -25,7 +25,7 @@ def scaled(model: ImuErrorModel, white: tuple[float, float], slow: tuple[float, 
     """Return a model with scaled white noise and scaled slower processes; turn-on biases and quantization stay.
 
     Args:
-        model: of an IMU.
+        model: error model of an IMU.
         white: factors of the white noise of gyros and accelerometers.
         slow: factors of the slower processes of gyros and accelerometers.
     """

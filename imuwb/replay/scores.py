@@ -1,4 +1,4 @@
-"""The errors of a filter in outages, and its own covariance of them."""
+"""The errors of a filter in outages, and the filter's own covariance of these errors."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from imuwb.replay.reference import ReferenceTrack
 
 HORIZONS = (5.0, 10.0, 30.0, 60.0)  #: s since the start of an outage, at which results are listed
-LEAST = 0.01  #: smallest eigenvalue of a difference of covariances, over the trace of the larger one
+LEAST = 0.01  #: least ratio of an eigenvalue of a difference of covariances to the trace of the larger covariance
 
 
 @dataclass(frozen=True, eq=False, slots=True)

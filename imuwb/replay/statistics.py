@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from imuwb.log import Floats
     from imuwb.replay.scores import Scores
 
-DRAWS = 1000  #: of the bootstrap
-EXACT = 12  #: blocks; up to this number the test of signs tries all of them
+DRAWS = 1000  #: number of bootstrap samples
+EXACT = 12  #: blocks; up to this number the sign test tries all combinations of signs
 SEED = 0
 FEWEST = 5  #: outages that do not overlap; fewer give no intervals and no verdict
 LIMIT_95 = 5.991  #: 95 % quantile of chi-squared with two degrees of freedom
@@ -38,10 +38,10 @@ class Consistency:
 
     elapsed: float  #: s since the start of the outage
     nees_per_dof: float  #: mean; 1 if sigma is right
-    lower: float  #: interval of this mean for a right sigma, with as many outages as do not overlap
+    lower: float  #: interval of this mean if sigma is right, for the number of outages that do not overlap
     upper: float
     coverage95: float  #: share of the outages within the filter's own 95 % ellipse
-    ratio: float  #: of errors to sigma: square root of ``nees_per_dof``
+    ratio: float  #: ratio of errors to sigma: square root of ``nees_per_dof``
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ class Paired:
     median_difference: Estimate  #: m; negative: the first filter is better
     improvement: Estimate  #: mean of 1 - model/against (Quinchia, section 7)
     win_rate: float  #: share of the outages in which the first filter is better
-    p_value: float  #: of no difference, by random signs of blocks of neighbours
+    p_value: float  #: for the hypothesis of no difference, by random signs of blocks of neighbours
 
 
 def resampled(count: int, block: int) -> NDArray[np.int64]:
@@ -193,7 +193,7 @@ class DriftCurve:
     median: Floats  #: (L,) m
     p68: Floats  #: (L,) m, 68 % quantile
     p95: Floats  #: (L,) m, 95 % quantile
-    sigma: Floats  #: (L,) m, median of the filter's own
+    sigma: Floats  #: (L,) m, median of the filter's own sigma
     nees_per_dof: Floats  #: (L,) mean
 
 

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from imuwb.replay.scores import Scores
 
 DURATION = 30.0  #: s, of the outages
-SHARE = 0.5  #: of the log, to which the noise is fitted
+SHARE = 0.5  #: share of the log to which the noise is fitted
 LEAST = 4  #: outages in each part
-STEP = 1.0  #: of the first simplex, in the logarithm of a factor
+STEP = 1.0  #: size of the first simplex, in the logarithm of a factor
 PRIOR = 2.0  #: sigma of the logarithm of a factor: a factor without effect in outages stays near 1
 
 
@@ -42,7 +42,7 @@ class Tuned:
     fitted: int  #: outages
     judged: int  #: outages
     split: float  #: s from the log's start; the outages before are fitted, those after are judged
-    log_likelihood: tuple[float, float]  #: of an outage that is judged, before and after tuning, mean
+    log_likelihood: tuple[float, float]  #: of an outage, mean over the judged outages, before and after tuning
     nees_per_dof: tuple[float, float]  #: at the end, before and after tuning
     median_end: tuple[float, float]  #: m, before and after tuning
 

@@ -1,4 +1,4 @@
-"""Logs of known truth: what a sensor of a given error model would have put out."""
+"""Simulated logs with known truth: the output of a sensor with a given error model."""
 
 from imuwb.simulation.bench import Site
 from imuwb.simulation.chamber import chamber, set_points

@@ -1,4 +1,4 @@
-"""The record of a calibration bench: one motion, measured without a break so that slow noise goes on, and cut into logs."""
+"""The record of a calibration bench: one motion without a break, so that slow noise continues, cut into logs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ MOST_TILT = 0.2  #: rad
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """Where the bench stands. Without a latitude the earth does not turn."""
+    """The place of the bench. Without a latitude, the earth's rotation is left out."""
 
     gravity: float = 9.80665  #: m/s²
     latitude: float | None = None  #: rad
@@ -85,7 +85,7 @@ def check_misplacement(misplacement: float) -> None:
 
 
 def noted(model: ImuErrorModel, text: str) -> ImuErrorModel:
-    """Return the true model with a note of what else was drawn."""
+    """Return the true model with a note on what else was drawn at random."""
     return replace(model, provenance={**model.provenance, "bench": text})
 
 

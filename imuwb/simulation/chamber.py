@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from imuwb.stochastic import ImuErrorModel
 
 MOST = 200  #: set-points
-CLOSE = 1e-9  #: of a step, by which the last set-point may miss the end
-FINE = 1000  #: seeds differ between temperatures that differ by a thousandth of a degree
+CLOSE = 1e-9  #: share of a step by which the last set-point may miss the end
+FINE = 1000  #: steps in a degree; temperatures that differ by a step or more have different seeds
 
 
 def set_points(first: float, last: float, step: float) -> tuple[float, ...]:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from imuwb.simulation.thermal import Temperature
     from imuwb.stochastic import ImuErrorModel
 
-LOWEST_RATE, HIGHEST_RATE = 20.0, 10_000.0  #: Hz; at lower rates four nodes do not follow the motion within a sample
+LOWEST_RATE, HIGHEST_RATE = 20.0, 10_000.0  #: Hz; at lower rates four nodes in a sample do not follow the motion
 RECEIVER = Receiver()
 
 

@@ -1,4 +1,4 @@
-"""The legs of a drive, drawn as people drive in a town, on a country road, on a highway."""
+"""The legs of a drive, drawn at random as people drive in a town, on a country road or on a highway."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Zone:
         return 0.0 if self.stops else min(self.turning, self.speed[0])
 
     def corner(self, angle: float, speed: float) -> Leg:
-        """Return a turn that keeps the lateral acceleration."""
+        """Return a turn with the lateral acceleration of the zone, or with less in a short turn."""
         return Leg(max(SHORTEST_TURN, abs(angle) * speed / self.lateral), speed, angle)
 
 

@@ -14,8 +14,8 @@ from imuwb.simulation.profile import profile
 from imuwb.simulation.route import Route
 
 STANDING = 62.0  #: s, before the car moves
-FAST = 25.0  #: m/s, above which both neighbours are on a highway
-TURN_SLOWS = 0.75  #: speed in an outage's turn over its mean
+FAST = 25.0  #: m/s; if two outages in sequence are both faster, a highway lies between them
+TURN_SLOWS = 0.75  #: ratio of the speed in an outage's turn to the outage's mean speed
 CURVE = 12.0  #: s of a slight curve
 SHORTEST, LONGEST = 90.0, 86_400.0  #: s
 LONGEST_ZONE = 300.0  #: s

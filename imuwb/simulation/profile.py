@@ -1,7 +1,7 @@
 """A driver's legs as smooth functions of time, and the road as smooth functions of the distance.
 
-All are quintic B-splines over even knots: they have four continuous derivatives and stay within the bounds of their control
-points, and their slopes within those of the control polygon. With half a second between knots nothing is left at 5 Hz.
+All are quintic B-splines over even knots. They have four continuous derivatives. Their values stay within the bounds of the
+control points, and their slopes within those of the control polygon. Knots half a second apart leave no motion at 5 Hz.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ DEGREE = 5
 MARGIN = 3  #: control points outside each end that a value at the end depends on
 STEP = 0.5  #: s between control points
 UNEVEN = 0.03  #: share by which a driver misses the wanted speed
-UNEVEN_STEP = 4.0  #: s, after which he corrects it
+UNEVEN_STEP = 4.0  #: s, after which the driver corrects the speed
 TAPER = 8.0  #: s, from a pinned speed to the wanted one
 
 ROAD_STEP = 100.0  #: m between the road's control points
@@ -68,7 +68,7 @@ def _smooth(controls: Floats, step: float) -> BSpline:
 
 
 def _reachable(speed: Floats, time: Floats) -> Floats:
-    """Return the highest speeds below the wanted ones that the limits of braking and speeding up allow."""
+    """Return the highest speeds, at most the wanted ones, that the limits of braking and speeding up allow."""
     reached = np.minimum.accumulate(speed - SPEEDING_UP * time) + SPEEDING_UP * time
     braked = np.minimum.accumulate((reached + SLOWING_DOWN * time)[::-1])[::-1]
     return braked - SLOWING_DOWN * time
@@ -80,7 +80,7 @@ def _uneven(speed: Floats, time: Floats, rng: np.random.Generator) -> Floats:
 
 
 def _pinned(speed: Floats, time: Floats, pins: Sequence[Pin]) -> Floats:
-    """Return control points scaled around each pin so that the mean there is the pinned one: a mean is linear in them."""
+    """Return control points scaled around each pin so that the mean speed is the pinned one; it is linear in the points."""
     if not pins:
         return speed
     shapes = [

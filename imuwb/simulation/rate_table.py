@@ -106,7 +106,7 @@ def _profile(steps: Sequence[float], seconds: float, rate: float) -> Floats:
 def _motion(up: Floats, profile: Floats, rate: float, site: Site, rng: np.random.Generator) -> tuple[Floats, Floats]:
     turned = profile[:, None] * up
     if site.latitude is not None:
-        # Seen from the table, the earth's horizontal rate turns the other way round.
+        # In the table's axes, the horizontal part of the earth's rate turns in the opposite direction.
         angle = np.cumsum(profile) / rate + rng.uniform(0, 2 * np.pi)
         still, aside = site.earth_rate(up, 0.0), site.earth_rate(up, np.pi / 2)
         vertical = up * float(still @ up)

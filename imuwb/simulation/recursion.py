@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @compiled()
 def carried(start: float, factor: Floats, steps: Floats) -> Floats:  # pragma: no cover - compiled
-    """Return x(k) = factor(k) x(k-1) + steps(k) of (n,) factors and steps, the start first: (n + 1,)."""
+    """Return x, (n + 1,): first the start, then x(k) = factor(k) x(k-1) + steps(k), with (n,) factors and steps."""
     series = np.empty(steps.size + 1)
     series[0] = start
     for k in range(steps.size):

@@ -101,7 +101,7 @@ class Route:
 
         Args:
             count: samples, from k = 0 on.
-            rate: Hz, at least 20: at lower rates four nodes do not follow the motion.
+            rate: Hz, at least 20: at lower rates the four integration nodes of a sample do not follow the motion.
 
         Returns:
             (n, 3) rad/s and (n, 3) m/s²
@@ -142,7 +142,8 @@ class Route:
     def _integrated(self) -> CubicHermiteSpline:
         """Return latitude, longitude and height over time (Groves, eq. 2.111), by quadrature cell by cell.
 
-        The rate of latitude depends on latitude only through the radius of curvature: so little that a few passes are exact.
+        The rate of latitude depends on latitude only through the radius of curvature. This effect is so small that a few passes
+        give the exact result.
         """
         ends = np.linspace(0.0, self.duration, int(np.ceil(self.duration / CELL)) + 1)
         cell = ends[1]
@@ -175,7 +176,7 @@ class Route:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Moving:
-    """The motion by the profile alone: NED without the earth's shape and rotation."""
+    """The motion that the profile alone gives: NED, without the earth's shape and rotation."""
 
     speed: Floats  #: (n,) m/s
     velocity: Floats  #: (n, 3) m/s

@@ -1,4 +1,4 @@
-"""What the sensors of an error model put out for a motion: deterministic terms, noise, bandwidth, steps."""
+"""The output of an error model's sensors for a motion: deterministic terms, noise, bandwidth, quantization."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Sensor:
         streams: Sequence[np.random.SeedSequence],
         progress: Callable[[int, int], None] | None = None,
     ) -> ImuStream:
-        """Return what the sensor puts out.
+        """Return the output of the sensor.
 
         Args:
             time: (n,) ns.
@@ -57,7 +57,7 @@ class Sensor:
             progress: called with (axes done, axes).
 
         Raises:
-            UsageError: a bandwidth out of its range, an axis that states no ``lsb``, an AR set of another rate.
+            UsageError: a bandwidth out of its range, an axis that states no ``lsb``, an AR set for another rate.
         """
         values = np.empty((2, time.size, 3))
         seconds = (time - time[0]) / SECOND

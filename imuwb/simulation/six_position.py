@@ -133,7 +133,7 @@ def _motion(
 
 def _turn(before: Floats, after: Floats, count: int, rate: float) -> tuple[Floats, Floats]:
     """Return the body's rate and the direction up in it, (count, 3) each, over a turn that begins and ends at rest."""
-    axis = np.cross(after, before)  # in the body's frame up turns the other way round
+    axis = np.cross(after, before)  # in the body's frame, the direction up turns in the opposite direction
     if np.linalg.norm(axis) < 1e-3:  # noqa: PLR2004 - upside down, or nearly: any axis at right angles is right
         axis = np.cross(before, np.eye(3)[int(np.argmin(np.abs(before)))])
     axis = axis / np.linalg.norm(axis)

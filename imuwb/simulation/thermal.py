@@ -81,6 +81,6 @@ def temperature(celsius: float | Temperature | None) -> Temperature:
 
 
 def recipe_of(celsius: float | Temperature | None) -> float | Temperature | None:
-    """Return a temperature as a log's hash contains it: a constant one is its number."""
+    """Return a temperature in the form that goes into a log's hash: a constant temperature becomes a number."""
     constant = celsius.constant if isinstance(celsius, Temperature) else celsius
     return celsius if constant is None else constant

@@ -1,8 +1,8 @@
 """The noise of a sensor whose temperature changes.
 
 An amplitude multiplies a process of unit amplitude, sample by sample. The steps of a random walk and of a ramp are scaled
-before they are added up. A correlation time, a frequency or the coefficients of an AR set change within the recursion, whose
-state goes on, so that the output never jumps. The variance at any time is that of the temperature at that time.
+before they are added up. A correlation time, a frequency or the coefficients of an AR set change within the recursion. Its
+state continues, so the output never jumps. The variance at any time is that of the temperature at that time.
 """
 
 from __future__ import annotations
@@ -50,8 +50,8 @@ def thermal_noise(model: AxisModel, celsius: Floats, dt: float, rng: np.random.G
         (n,) in the axis's unit.
 
     Raises:
-        ValueError: an AR set of another step, or one that is not stable between two set-points; a process that has no
-            rule for a changing temperature.
+        ValueError: an AR set for another sampling interval, or one that is not stable between two set-points; a process that
+            has no rule for a changing temperature.
     """
     if not model.thermal:
         return model.processes.sample(celsius.size, dt, rng)
@@ -85,7 +85,7 @@ def _times(unit: Any, name: str) -> Callable[[Parameters, float, np.random.Gener
 
 def _random_walk(p: Parameters, dt: float, rng: np.random.Generator) -> Floats:
     steps = rng.standard_normal((2, p["K"].size)) * (p["K"] * np.sqrt(dt))
-    # As in a walk at one temperature: the mean of a step's ends, and a bridge of variance 1/12.
+    # As for a walk at one temperature: the mean of both ends of a step, plus the mean of a Brownian bridge, variance 1/12.
     return np.cumsum(steps[0]) - steps[0] / 2 + steps[1] / np.sqrt(12)
 
 

@@ -29,7 +29,7 @@ class Tolerances:
 
 
 def specimen(model: ImuErrorModel, seed: int, tolerances: Tolerances | None) -> ImuErrorModel:
-    """Return one sensor of a kind, its turn-on biases and its errors within the tolerances drawn.
+    """Return one sensor of a kind; its turn-on biases and its errors within the tolerances are drawn at random.
 
     Args:
         model: the kind. A ``Constant`` process becomes a bias, normally distributed.

@@ -1,1 +1,1 @@
-"""The analyses and conditioners that come with imuwb, one folder each, registered as a stranger's would be."""
+"""The analyses and conditioners that come with imuwb, one folder each, registered like those of other packages."""

@@ -53,7 +53,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     axes = axes_of(imu)
     _check(log, axes)
     still = _stillness(log, axes)
-    # The harmonics of a motion are no lines of the sensor.
+    # Harmonics of a motion are not lines of the sensor, so a moving IMU is not searched for lines.
     wanted = replace(parameters, lines=parameters.lines and not (still is not None and still.moving))
     results = for_each(axes, lambda axis: _axis(axis, wanted, log.band))
     spans = [log.seconds(axis.time[[0, -1]]) for axis in axes.values()]

@@ -24,8 +24,8 @@ _NAMES: dict[type, str] = {
     RateRamp: "ramp", Sinusoid: "lines",
 }  # fmt: skip
 MUCH = 0.2  #: of a logarithm, about a fifth: change of the Allan deviation that puts the coefficients in doubt
-DECISIVE = 3.0  #: ratio of a random walk to the other terms, at a tenth of the record, at which the walk shows
-LONGER = 1.5  #: ratio to the length of the record, below which no longer record is recommended
+DECISIVE = 3.0  #: Allan deviation of a random walk that shows, over that of the other terms, at a tenth of the record
+LONGER = 1.5  #: ratio to the length of the record; a longer record is recommended only above this
 POINTS = 200  #: averaging times at which the terms are compared
 
 

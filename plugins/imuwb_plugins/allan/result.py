@@ -28,7 +28,7 @@ class FitQuality:
 
     from_averaging_time: float  #: s; shorter averaging times are left out of the fit
     misfit: float  #: chi-square over degrees of freedom
-    probability: float  #: that chance makes a misfit as large
+    probability: float  #: probability that chance makes a misfit as large
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +37,7 @@ class ReadOut:
 
     letter: str
     averaging_time: float  #: s
-    deviation: float  #: of the term's own line, or of the flat level
+    deviation: float  #: deviation of the term's own line, or of the flat level
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -51,7 +51,7 @@ class ModelCurves:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class OtherDeviation:
-    """A relative of the Allan deviation."""
+    """A deviation of the Allan family other than the Allan deviation itself."""
 
     kind: str
     averaging_time: Floats
@@ -67,7 +67,7 @@ class EstimatorComparison:
     headline: str  #: the estimator with the least error: "likelihood" where the record allows it
     by: dict[str, dict[str, Coefficient]]  #: estimator -> coefficients
     processes: Sum  #: of the headline's error model
-    intervals_apply: bool  #: the headline's intervals are of that sum; not so for a sum with a Gauss-Markov process
+    intervals_apply: bool  #: whether the headline's intervals belong to that sum; not if it has a Gauss-Markov process
     highest: float | None  #: Hz, up to which the likelihood's sum explains the spectrum
     agree: bool  #: intervals of all estimators overlap
     disagreements: tuple[str, ...]

@@ -26,7 +26,7 @@ class GaussMarkovResult:
     Tc_interval: tuple[float, float]  #: s
     tenable: bool  #: the process alone explains the series
     misfit: float  #: chi-square of the spectrum over its degrees of freedom
-    probability: float  #: that chance makes a misfit as large
+    probability: float  #: probability that chance makes a misfit as large
     vague: bool  #: the record does not show Tc
 
 

@@ -18,7 +18,7 @@ class AutoregressiveAxis:
     chosen: int | None  #: order, by BIC
     whiteness: tuple[Whiteness, ...]
     reading: str  #: what the model of order 1 means
-    model: Autoregressive | None  #: that is saved
+    model: Autoregressive | None  #: the saved model
     poles: tuple[complex, ...]  #: of the saved model
     dt: float  #: s
     unit: str

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from imuwb.log import Floats, Log
     from imuwb_plugins.bandwidth.parameters import Parameters
 
-LOWEST = 1e-4  #: of the rate, at which the curve of the magnitude begins
+LOWEST = 1e-4  #: share of the rate at which the curve of the magnitude begins
 POINTS = 1000
 FLOOR = 1e-6  #: gain, below which the curve is level
 

@@ -1,4 +1,4 @@
-"""The mean taken off each axis of a log."""
+"""The removal of the mean from each axis of a log."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, dict[str, list[flo
     imus = tuple(_without(imu, mean) for imu, mean in zip(log.imus, means, strict=True))
     triads = [triad for imu in log.imus for triad in (imu.angular_rate, imu.specific_force) if triad is not None]
     end = float(log.seconds(np.array([triad.time[-1] for triad in triads])).max())
-    # The mean of a beginning that is the whole record is not causal.
+    # If the beginning is the whole record, its mean is not causal.
     causal = parameters.seconds is not None and parameters.seconds < end
     text = f"seconds={'all' if parameters.seconds is None else f'{parameters.seconds:g}'},sensors={parameters.sensors}"
     step = Conditioning("bias", text, causal, 0.0)

@@ -21,7 +21,7 @@ __all__ = ["METHODS"]
 
 
 class Method:
-    """An analysis by one method; its modules are imported when they are used, so that help does not wait for numpy."""
+    """The analysis of one method; its modules are imported on first use, so that help does not wait for numpy."""
 
     LOGS: ClassVar = (1, None)
     LEAVES_MODEL: ClassVar = "calibration"

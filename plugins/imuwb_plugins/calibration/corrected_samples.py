@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from imuwb.log import Floats
     from imuwb_plugins.calibration.stretches import SteadyStretch
 
-POSITION_POINTS = 400  #: samples of a position at most
-STEP_POINTS = 200  #: samples of a step at most
+POSITION_POINTS = 400  #: most samples of a position
+STEP_POINTS = 200  #: most samples of a step
 
 
 def position_traces(

@@ -1,4 +1,4 @@
-"""From calibrated parameters to an error model: a new one, or one that has the noise already."""
+"""From calibrated parameters to an error model: a new one, or one that already has the noise."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def _terms(c: AxisCalibration, full_range: float | None) -> dict[str, Any]:
         terms["bias"] = c.bias.value
     if c.scale_factor is not None:
         terms["scale_factor"] = c.scale_factor.value
-        # A non-linear part of the base model belongs to the base model's scale factor.
+        # A non-linear part of the base model belongs to the old scale factor, so it does not stay.
         terms["scale_factor_nonlinear"] = 0.0 if c.scale_factor_nonlinear is None else c.scale_factor_nonlinear.value
         if c.scale_factor_nonlinear is not None and full_range is not None:
             terms["range"] = full_range

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 UNLIKELY = 0.01  #: probability of the residuals, below which noise does not explain them
 RARE = 1e-6  #: smaller probabilities are not printed
-MISSED = 1e-3  #: of the span, by which a step misses the fitted line if the given rates are wrong
+MISSED = 1e-3  #: share of the span; a step that misses the fitted line by more shows wrong rates
 LARGE = 0.1  #: largest plausible scale factor
 
 

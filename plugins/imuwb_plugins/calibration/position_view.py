@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from imuwb.analysis import Review
     from imuwb_plugins.calibration.result import PositionResult
 
-APART = 0.12  #: positions, by which the points of the three axes are shifted sideways
+APART = 0.12  #: distance, in positions, by which the points of the three axes are shifted sideways
 
 
 def draw(result: PositionResult, review: Review) -> None:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from imuwb_plugins.calibration.stretches import SteadyStretch
 
 RANGES = (2, 4, 8, 16, 32, 64, 128)  #: g, usual full ranges
-STRANGE = 0.2  #: of the means' variation, in the residuals, from which the attitudes are wrong
+STRANGE = 0.2  #: share of the means' variation left in the residuals, above which the attitudes are wrong
 
 
 def run(logs: Sequence[Log], p: SixPosition | MultiPosition) -> PositionResult:

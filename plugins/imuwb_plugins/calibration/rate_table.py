@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 RANGES = (250, 300, 500, 1000, 2000, 4000, 8000, 20000)  #: deg/s, usual full ranges
 VERTICAL = 0.7  #: share of the specific force along an axis, from which the axis is vertical
-SAME_LEVEL = 0.01  #: of the span of the steps; steps closer together have the same level
+SAME_LEVEL = 0.01  #: share of the span of the steps; steps closer together have the same level
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from imuwb.analysis import Review
     from imuwb_plugins.calibration.result import TableResult, TableRun
 
-ASIDE = 0.015  #: of the span of rates, by which the points of different runs are shifted sideways
+ASIDE = 0.015  #: share of the span of rates by which the points of different runs are shifted sideways
 
 
 def draw(result: TableResult, review: Review) -> None:

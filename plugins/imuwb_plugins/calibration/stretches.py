@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 
     from imuwb.log import Floats, ImuStream, Log, Triad
 
-FEWEST = 64  #: samples of a stretch, for the scatter of its parts
-LEANS = 0.005  #: of gravity, by which a position held by hand may vary in half a second
-CREEPS = 0.01  #: of the gyros' span in the log, by which their means may vary in half a second
-SAME_RATE = 0.02  #: relative difference of sampling rates between logs, that is allowed
+FEWEST = 64  #: fewest samples of a stretch, for the scatter of its parts
+LEANS = 0.005  #: share of gravity by which a position held by hand may vary in half a second
+CREEPS = 0.01  #: share of the gyros' span in the log by which their means may vary in half a second
+SAME_RATE = 0.02  #: largest relative difference of sampling rates between logs
 LOOSE = 1e3  #: standard deviations, by which a still gyro may drift
 STILL = 3.0  #: deg/s; a log whose means span less does not turn
-MOVES = 0.005  #: of the span of all means; a mean of a still sensor is less uncertain
+MOVES = 0.005  #: share of the span of all means; a more uncertain mean shows that the sensor was not still
 WARMED = 2.0  #: °C; bias and scale factor of cheap sensors change by as much as their intervals
 
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from imuwb.log import Log
     from imuwb_plugins.decimate.parameters import Parameters
 
-PASS, STOP = 0.4, 0.5  #: edges of the anti-alias filter, of the new rate
+PASS, STOP = 0.4, 0.5  #: edges of the anti-alias filter, as shares of the new rate
 ROUNDING = 1e-3  #: share by which the ratio of the rates may miss a whole number
 
 

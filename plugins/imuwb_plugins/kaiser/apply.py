@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 POINTS = 2001
 FLOOR = 1e-9  #: gain, below which the curve of the magnitude is level
-FAINTEST = -100.0  #: dB, below which the phase is that of rounding
+FAINTEST = -100.0  #: dB; at smaller magnitudes the phase is only rounding error
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -35,9 +35,9 @@ if TYPE_CHECKING:
     Indices = NDArray[np.int64]
 
 FEWEST = 256  #: samples
-BINS = 1500  #: of frequency, equally wide in its logarithm, in the figures
-SLOW = 8  #: Fourier frequencies, from the lowest, whose noise disturbs a level or a trend
-LARGEST_SHARE = 0.999  #: of a limit in decibels; a share of 1 would be infinite
+BINS = 1500  #: bins of frequency in the figures, equally wide on a logarithmic axis
+SLOW = 8  #: number of the lowest Fourier frequencies, whose noise disturbs a level or a trend
+LARGEST_SHARE = 0.999  #: largest share of a limit in decibels; a share of 1 would be infinite
 NONE = np.empty(0)
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from imuwb.log import Floats
     from imuwb_plugins.lssa.parameters import Parameters
 
-HARMONIC = 0.01  #: of a multiple, by which a harmonic may miss it
+HARMONIC = 0.01  #: share of a multiple by which a harmonic may differ from it
 
 
 def lines_of(

@@ -21,7 +21,7 @@ SHALLOW = 3  #: levels of the second curve, as in Quinchia's figure 17
 SHOWN = ("gyro_z", "accel_z")
 FEWEST = 4096  #: samples
 SEGMENT = 1 << 16
-DEEPEST = 1e-6  #: of the lowest raw density; a lower density is off the figure
+DEEPEST = 1e-6  #: share of the lowest raw density; a lower density is outside the figure
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -42,7 +42,7 @@ class Denoised:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Denoising:
-    """The z axes before and after."""
+    """The z axes before and after denoising."""
 
     rate_hz: dict[str, float]
     curves: tuple[Denoised, ...]
@@ -78,7 +78,7 @@ def _denoised(axis: Axis, levels: int) -> Denoised | None:
 
 
 def _density_limits(axes: Mapping[str, Axis], curves: Sequence[Denoised]) -> dict[str, tuple[float, float]]:
-    """Return limits that contain the raw density and six decades below: denoising can leave next to nothing."""
+    """Return limits that contain the raw density and six decades below: denoising can remove almost everything."""
     limits: dict[str, tuple[float, float]] = {}
     for axis in axes:
         raw, *others = (c.density[c.density > 0] for c in curves if c.axis == axis)

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from imuwb.log import Floats, Log
 
 DIFFERENT = 0.01  #: probability, over all coefficients, below which the logs differ
-FEWEST = 2  #: logs that bound a coefficient, for a comparison
+FEWEST = 2  #: fewest logs with an interval or a limit of a coefficient, for a comparison
 LETTERS = "QNBK"
 
 
@@ -41,7 +41,7 @@ class Compared:
     logs: tuple[Coefficient, ...]  #: of each log
     mean: Coefficient  #: root mean square, weighted by duration
     statistic: float | None  #: chi-square of the differences of squares
-    probability: float | None  #: that chance makes differences as large
+    probability: float | None  #: probability that chance makes differences as large
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 FEWEST = 256  #: samples
 TOLERANCE = 0.1  #: excess of N over the best, up to which a setting keeps the sensor's full capacity
-GRID = 4  #: settings of rate and bandwidth, which a test of the rule takes
+GRID = 4  #: fewest settings of rate and bandwidth for a test of the rule
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -32,7 +32,7 @@ class AxisCase:
     allan_deviation: Floats
     coefficients: dict[str, Coefficient]
     deviation: float  #: standard deviation of a sample without its slow drift: √(Allan variance at one sample)
-    per_step: float  #: sigma² times the sampling interval, which a filter takes for Q (Hassaballa, eq. 11)
+    per_step: float  #: sigma² times the sampling interval, which a filter uses as Q (Hassaballa, eq. 11)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

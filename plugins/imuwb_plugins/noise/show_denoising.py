@@ -23,7 +23,7 @@ FARTHEST = 0.75  #: of the way from the axis's colour to orange, for the deepest
 
 
 def draw(denoising: Denoising, review: Review) -> None:
-    """Show both, with the limits of the band that denoising keeps."""
+    """Show Allan deviation and spectrum, with the limits of the band that denoising keeps."""
     for axis, limits in denoising.density_limits.items():
         curves = [c for c in denoising.curves if c.axis == axis]
         colors = {c.levels: _color(i, len(curves)) for i, c in enumerate(curves)}

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from imuwb.log import Floats
     from imuwb_plugins.noise.repeatability import Compared, Repeatability
 
-LEAST = 0.1  #: of a value: lower end of a bar that would reach 0, which a logarithmic axis does not have
+LEAST = 0.1  #: share of a value at which a bar ends that would reach 0; a logarithmic axis has no 0
 ASIDE = 0.08  #: distance between the axes' bars at one log
 
 

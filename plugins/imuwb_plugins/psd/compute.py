@@ -95,7 +95,7 @@ def _named(axis: str, line: Line, lines: Sequence[Line]) -> LineResult:
 
 
 def _white_to(spectrum: PowerSpectrum, fit: SpectralFit) -> tuple[float | None, float]:
-    """Return the frequency above the fitted band where the spectrum leaves the fit, and the ratio above; None: it does not."""
+    """Return the frequency above the fitted band from which the spectrum leaves the fit, or None, and their ratio above it."""
     if fit.coefficients["N"].value is None:
         return None, 1.0
     ratio = spectrum.density / fit.density(spectrum.frequency, spectrum.dt)

@@ -48,7 +48,7 @@ class SpectrumAxis:
     )
     excess: float = 1.0  #: ratio of the density above white_to to the white level, geometric mean
     explained_to: float | None = None  #: Hz
-    probability: float | None = None  #: that chance makes a misfit as large
+    probability: float | None = None  #: probability that chance makes a misfit as large
     why_none: str | None = None
     resonances: tuple[float, ...] = ()  #: Hz, broad peaks above the fitted band
     model_densities: ModelDensities | None = field(default=None, metadata={"document": False})

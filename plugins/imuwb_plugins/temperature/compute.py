@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from imuwb_plugins.temperature.records import LogPart
 
 DIFFERENT = 1e-3  #: probability by chance, below which N differs between logs
-NOTICEABLE = 0.02  #: relative difference of N between logs, from which a note says so
+NOTICEABLE = 0.02  #: relative difference of N between logs, from which a note reports it
 NAMED = 6  #: temperatures in a note, at most
 
 

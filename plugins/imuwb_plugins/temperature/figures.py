@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 CELSIUS = "temperature [°C]"
 COLD_TO_HOT = (BLUE, TEAL, GREEN, YELLOW, ORANGE, RED)
 NAMED = 6  #: temperatures in a legend, at most
-#: of the span of temperatures, by which the points of an axis are shifted sideways
+#: share of the span of temperatures by which the points of an axis are shifted sideways
 ASIDE = {"x": -0.005, "y": 0.0, "z": 0.005}
 DEVIATION = {"gyro": UNITS["deg/h"], "accel": UNITS["m/s²"]}
 DIM = 0.6  #: of a colour, for limits

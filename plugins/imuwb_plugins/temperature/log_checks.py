@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from imuwb.log import Log
     from imuwb_plugins.temperature.parameters import Parameters
 
-SAME_RATE = 0.01  #: relative difference of sampling rates between logs, that is allowed
+SAME_RATE = 0.01  #: largest relative difference of sampling rates between logs
 
 
 def check_together(logs: Sequence[Log], parameters: Parameters) -> list[Note]:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 Item = TypeVar("Item")
 TOGETHER = 1.0  #: °C; set-points that differ by no more have one temperature
-FEWEST = 1024  #: samples of a record
+FEWEST = 1024  #: fewest samples of a record
 STEADY = 0.2  #: °C; a smoothed temperature that spans no more is constant
 
 
