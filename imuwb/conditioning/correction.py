@@ -32,8 +32,8 @@ def corrected_log(log: Log, model: ImuErrorModel) -> tuple[Log, tuple[Note, ...]
     """Return a log whose first IMU is corrected once, and a note; a log that ``correct`` has corrected before stays as it is.
 
     Raises:
-        MissingDataError: as ``correct``.
-        UsageError: as ``correct``.
+        MissingDataError: as in ``correct``.
+        UsageError: as in ``correct``.
     """
     if is_ideal(model):
         return log, ()

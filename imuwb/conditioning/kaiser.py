@@ -35,7 +35,7 @@ class KaiserFilter:
     cutoff: float  #: Hz, midway between pass and stop band: -6 dB
     f_pass: float  #: Hz
     f_stop: float  #: Hz
-    beta: float  #: of the window
+    beta: float  #: beta of the window
 
     @property
     def delay(self) -> float:

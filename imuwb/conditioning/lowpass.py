@@ -17,7 +17,7 @@ SETTLED = 1e-7  #: remaining share of the slowest mode; earlier output is left o
 HALF_POWER = 0.4429  #: argument at which sinc is 1/√2
 LOST = 0.01  #: largest share of a power that is lost within the band
 GRID = 1000  #: frequencies at which the band is looked for
-LOW = 1e-3  #: of the cutoff: the frequency whose phase gives the delay
+LOW = 1e-3  #: share of the cutoff: the frequency whose phase gives the delay
 MOST_ORDER = 8  #: higher orders are not stable in this form
 
 
@@ -26,7 +26,7 @@ class Lowpass:
     """A causal filter: sections of second order, or a moving average."""
 
     sections: Floats | None  #: (s, 6); None: a moving average
-    width: int  #: of the moving average, samples
+    width: int  #: samples, width of the moving average
     rate: float  #: Hz
     cutoff: float  #: Hz, -3 dB
     delay: float  #: s, group delay at low frequencies

@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
 Rule = Literal["sure", "universal", "bayes", "all", "none"]
 Shrinkage = Literal["soft", "hard"]
-MEDIAN = 0.6745  #: of the magnitude of a standard normal value
+MEDIAN = 0.6745  #: median magnitude of a standard normal value
 WAVELETS = 16  #: number of wavelets of the last level in a sliding window
 BATCH = 1 << 22  #: samples in the windows that are denoised at once
 CLEAR = 4.0  #: standard errors by which a density is above the noise, where there is motion
-MOTION_SHARE = 0.99  #: of the motion's energy, within a measured band
+MOTION_SHARE = 0.99  #: share of the motion's energy within a measured band
 
 
 @dataclass(frozen=True, eq=False, slots=True)

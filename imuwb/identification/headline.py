@@ -61,7 +61,7 @@ class NoiseIdentification:
     n: int  #: samples
     dt: float  #: s
     level: float  #: confidence level of all intervals and limits
-    mean: float  #: of the samples that the likelihood uses
+    mean: float  #: mean of the samples that the likelihood uses
     curve: AllanDeviation
     lines: tuple[Line, ...]
     allan: AllanFit | None
@@ -159,8 +159,8 @@ def identify(
         dt: s.
         time: (n,) ns, for a record with gaps: averages then bridge the gaps.
         breaks: indices before which samples are missing.
-        averaging_times: of the curve: ``"octave"``, ``"log:N"``, ``"all"``, or times in s; fits use octaves.
-        uncertainty: of the curve: ``"edf"`` or ``"printed"``, as in ``allan``.
+        averaging_times: those of the curve: ``"octave"``, ``"log:N"``, ``"all"``, or times in s; fits use octaves.
+        uncertainty: how the intervals of the curve are computed: ``"edf"`` or ``"printed"``, as in ``allan``.
         level: confidence level of all intervals and limits.
         lines: whether periodic lines are searched; the fits then include or leave out the lines.
         estimators: whether the likelihood, the wavelet variances and the test of stationarity are computed too.

@@ -34,7 +34,7 @@ def chi_square_quantile(probability: float, freedom: ArrayLike) -> Any:  # noqa:
     return 2 * special.gammaincinv(np.asarray(freedom, dtype=np.float64) / 2, probability)
 
 
-def chi_square_tail(value: ArrayLike, freedom: ArrayLike) -> Any:  # noqa: ANN401 - as above
+def chi_square_tail(value: ArrayLike, freedom: ArrayLike) -> Any:  # noqa: ANN401 - a number, or an array
     """Return the probability that a chi-square variable exceeds a value."""
     return special.chdtrc(freedom, np.maximum(value, 0.0))
 

@@ -6,5 +6,5 @@ spectrum, it can be sampled, and it can be given to a filter.
 
 import lazy_loader
 
-# The public names stand in __init__.pyi; each is imported when it is first used.
+# The public names are in __init__.pyi; each is imported when it is first used.
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -33,8 +33,8 @@ class AxisModel:
     #: coefficient that the record does not show, such as "K" -> its upper limit
     limits: Mapping[str, float] = field(default_factory=dict[str, float])
     thermal: tuple[tuple[float, Sum], ...] = ()  #: (°C, the same processes at that temperature), rising
-    bias: float = 0.0  #: measured = true + b, the part that is the same at each turn-on
-    scale_factor: float = 0.0  #: measured = (1 + s) true
+    bias: float = 0.0  #: b in measured = true + b; it is the same at each turn-on
+    scale_factor: float = 0.0  #: s in measured = (1 + s) true
     thermal_bias: Thermal = ()  #: (°C, bias at that temperature), rising, in place of ``bias``
     thermal_scale_factor: Thermal = ()  #: (°C, scale factor at that temperature), rising, in place of ``scale_factor``
     scale_factor_nonlinear: float = 0.0  #: s2 in s2 |true|/range, as a fraction of the true value

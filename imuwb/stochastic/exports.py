@@ -35,7 +35,8 @@ class Sensor:
 
     name: str
     white: tuple[float | None, ...]  #: N
-    walk: tuple[float | None, ...]  #: K; a Gauss-Markov process counts as a walk of K = sigma √(2/Tc), its start
+    #: K; a Gauss-Markov process counts as a random walk of K = sigma √(2/Tc), because it grows like that walk until about Tc
+    walk: tuple[float | None, ...]
     sigma: tuple[float | None, ...]  #: sigma of the Gauss-Markov process
     time: tuple[float | None, ...]  #: Tc of the Gauss-Markov process, s
     flicker: tuple[float | None, ...]  #: B

@@ -181,7 +181,7 @@ def _upper_limit(
         if low > FARTHEST * plain:  # so few degrees of freedom, or so bad a fit, that every size is possible
             return float(plain**0.5)
     ends = float(np.log(low)), float(np.log(high))
-    if reach(low) <= low:  # the estimate alone reaches no farther
+    if reach(low) <= low:  # no root lies between low and high
         return float(high**0.5)
 
     def beyond(log_size: float) -> float:

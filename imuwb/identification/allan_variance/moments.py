@@ -124,7 +124,7 @@ def equivalent_degrees_of_freedom(m: int, n: int, exponent: int) -> float:
     terms = n + 1 - 2 * m
     if exponent == 1 or n <= FEW * m:
         return _summed(m, n, exponent)
-    # Variances of long averages differ in scale only; those of phase noise do not.
+    # For long averages, the correlations depend on lag/m only; for phase noise this is not so.
     reference = SCALED if exponent <= 0 and m > SCALED else m
     flat, rising = _long(reference, exponent)
     return terms / (m / reference * flat - (m / reference) ** 2 * rising / terms)
@@ -156,7 +156,7 @@ class Moments:
 
     factor: NDArray[np.int64]  #: (k,)
     squares: Floats  #: (k, k, 4, 4)
-    linear: Floats  #: (k, k, 4) for the cross terms with a ramp
+    linear: Floats  #: (k, k, 4) moments of the cross terms with a ramp
 
     def scaled(self, wider: Floats) -> Moments:
         """Return the moments of variances whose scatter is larger by these factors, (k,)."""

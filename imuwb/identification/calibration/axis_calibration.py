@@ -42,7 +42,7 @@ def student_estimate(value: float, variance: float, freedom: float, level: float
 
     Args:
         value: the estimated parameter.
-        variance: of that parameter.
+        variance: variance of that parameter.
         freedom: degrees of freedom of the variance.
         level: confidence level of the interval.
     """

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-PARTS = 4  #: parts of a stretch, and of each part again; the scatter of their means gives the error of the whole mean
+PARTS = 4  #: number of parts of a stretch, and again of each part; the scatter of their means gives the error of the whole mean
 FEWEST = 4 * PARTS * PARTS  #: least number of samples in a stretch
 CHANCE = 0.05  #: probability of a false alarm of the test for white noise
 COARSE = 3  #: different values in a stretch; with no more, noise does not average out the rounding

@@ -173,7 +173,7 @@ def _design(force: Floats, axis: int, full_range: float | None) -> Floats:
 
 
 def _bends(design: Floats) -> bool:
-    """Return whether the last column is well separated from the others, with rows to spare."""
+    """Return whether the last column is well separated from the others, and there are more rows than columns."""
     if len(design) <= design.shape[1]:
         return False
     last = design[:, -1]

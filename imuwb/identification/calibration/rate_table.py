@@ -34,7 +34,7 @@ class RateRun:
     axis: int  #: number of the gyro that turns
     rate: Floats  #: (k,) rad/s, of the table in each step
     length: Floats  #: (k,) s
-    means: Means  #: of the gyros in k steps
+    means: Means  #: means of the gyros in k steps
     up: float | None = None  #: +1: the turned axis points up, -1: down, 0: horizontal; None: not known
 
 
@@ -52,7 +52,7 @@ class RateTableCalibration:
     """The calibration of the gyros from several runs of a rate table."""
 
     axes: tuple[AxisCalibration, AxisCalibration, AxisCalibration]
-    runs: tuple[RunFit, ...]  #: in the order of the given runs
+    runs: tuple[RunFit, ...]  #: fits in the order of the given runs
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +93,7 @@ def rate_table(runs: Sequence[RateRun], conditions: TableConditions) -> RateTabl
 
 
 def bends(rate: Floats, full_range: float | None) -> bool:
-    """Return whether rates separate a non-linear scale factor from the linear one: two magnitudes, one in both directions."""
+    """Return whether rates separate a non-linear scale factor from the linear one: at least two magnitudes and four rates."""
     return full_range is not None and np.unique(np.abs(rate[rate != 0])).size > 1 and rate.size > 3  # noqa: PLR2004 - one more than parameters
 
 

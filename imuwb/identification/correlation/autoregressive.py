@@ -43,7 +43,7 @@ class Order:
     alpha_sigma: Floats  #: (p,) Bartlett's, valid for any series
     #: (p,) valid only if the series is autoregressive of this order: √((1 - alpha²)/n) for order 1
     alpha_sigma_if_ar: Floats
-    significant: NDArray[np.bool_]  #: (p,) at ``level``
+    significant: NDArray[np.bool_]  #: (p,) whether alpha is significant at ``level``
     beta0: float  #: unit
     aicc: float
     bic: float
@@ -51,8 +51,8 @@ class Order:
     largest_pole: float  #: magnitude
     stable: bool
     beta0_ratio: float = 1.0  #: beta0 over that of order 1
-    aicc_excess: float = 0.0  #: AICc over that of order 1
-    bic_excess: float = 0.0  #: BIC over that of order 1
+    aicc_excess: float = 0.0  #: AICc minus that of order 1
+    bic_excess: float = 0.0  #: BIC minus that of order 1
 
     def compared(self, first: Order) -> Order:
         """Return the model with its differences from the model of order 1."""
@@ -75,7 +75,7 @@ class Whiteness:
     statistic: float
     probability: float  #: probability that chance makes so large a statistic
     largest: float  #: magnitude of the largest correlation within the lags
-    white: bool  #: at 1 %, so the order is tenable
+    white: bool  #: whether innovations are white at the 1 % level; the order is then tenable
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
@@ -85,10 +85,10 @@ class AutoregressiveFit:
     dt: float  #: s; the models are valid at this step only
     n: int  #: samples
     mean: float  #: taken off before the fit
-    level: float  #: of the significance of coefficients
+    level: float  #: level of significance of the coefficients
     orders: tuple[Order, ...]
     chosen: int  #: order, by BIC
-    whiteness: tuple[Whiteness, ...]  #: of the orders asked for, and of the chosen order
+    whiteness: tuple[Whiteness, ...]  #: tests of the requested orders and of the chosen order
     reading: Note  #: what the model of order 1 means
 
     def process(self, order: int) -> Autoregressive:

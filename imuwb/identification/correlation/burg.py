@@ -29,8 +29,8 @@ class Burg:
 
     mean: float  #: taken off before the fit
     n: int  #: samples
-    alpha: tuple[Floats, ...]  #: (k,) for order k
-    variance: Floats  #: (p + 1,) of the innovations, beta0²
+    alpha: tuple[Floats, ...]  #: coefficients, (k,) for order k
+    variance: Floats  #: (p + 1,) variance of the innovations, beta0²
 
     def __str__(self) -> str:
         """Return the number of models."""

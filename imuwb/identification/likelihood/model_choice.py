@@ -43,16 +43,16 @@ class ModelCandidate:
     """One sum, and how well it explains the record."""
 
     name: str  #: such as "N + GM + K"
-    processes: Sum  #: with the likeliest parameters, without terms of size 0
+    processes: Sum  #: sum with the likeliest parameters, without terms of size 0
     parameters: int  #: number of free parameters
     deviance: float  #: -2 log likelihood plus a constant of the record
     aic: float
     bic: float
     #: sum of the deviances of each half under the fit to the other half; None for autoregressive models
     out_of_sample: float | None
-    aic_excess: float = 0.0  #: over the best sum
-    bic_excess: float = 0.0  #: over the best sum
-    out_of_sample_excess: float | None = None  #: over the best sum
+    aic_excess: float = 0.0  #: AIC minus that of the best sum
+    bic_excess: float = 0.0  #: BIC minus that of the best sum
+    out_of_sample_excess: float | None = None  #: ``out_of_sample`` minus that of the best sum
 
     def compared(self, best: ModelCandidate) -> ModelCandidate:
         """Return the candidate with its differences from the best one."""
@@ -170,7 +170,7 @@ def _candidate(name: str, processes: Sum, k: int, deviance: float, n: float, out
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Fitted:
-    processes: list[Process]  #: of size 1
+    processes: list[Process]  #: processes of size 1
     squared: Floats
     deviance: float
     times: tuple[float, ...]  #: correlation times, s

@@ -35,7 +35,7 @@ FAINT = 1e-3  #: share of the rough estimate, at which a term that was absent st
 class Solution:
     """The likeliest squares of some terms."""
 
-    squared: Floats  #: (t,) of all terms, 0 where one is left out
+    squared: Floats  #: (t,) squares of all terms, 0 for a term that is left out
     deviance: float  #: -2 log likelihood
     information: Floats  #: (t, t) Fisher's, of the squares
     ramp: float  #: unit/s; 0 where no ramp is estimated

@@ -43,8 +43,8 @@ class Hypothesis:
     order: int  #: p; 0 for the random walk
     tenable: bool
     p_value: float
-    correlations: ChiSquare  #: of short lags (Ljung and Box)
-    octaves: ChiSquare  #: of slow drifts (Bartlett)
+    correlations: ChiSquare  #: test of the correlations of short lags (Ljung and Box)
+    octaves: ChiSquare  #: test for slow drifts (Bartlett)
     alpha: Floats  #: (p,) x(n) = -sum alpha x(n-k) + w(n)
     sigma: Floats  #: (p,) standard errors if the structure is right
     octave_frequency: Floats  #: (b,) cycles per sample, middle of each octave

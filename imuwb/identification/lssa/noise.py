@@ -40,7 +40,7 @@ class Noise:
     """
 
     kind: NoiseKind = "white"
-    order: int = 0  #: of autoregressive noise
+    order: int = 0  #: order of autoregressive noise
     correlation_time: float | None = None  #: s, of Gauss-Markov noise; None: it is estimated
     covariance: Floats | None = field(default=None, repr=False)  #: (n, n)
 
@@ -63,7 +63,7 @@ class NoiseFit:
 
     noise: Noise
     whitening: Whitening
-    alpha: Floats  #: (p,) of Quinchia's eq. 9; empty if the noise is not autoregressive
+    alpha: Floats  #: (p,) alpha of Quinchia's eq. 9; empty if the noise is not autoregressive
     correlation_time: float | None = None  #: s
 
 
@@ -75,7 +75,7 @@ def fitted_noise(
     Args:
         time: (n,) s.
         values: (n,).
-        columns: (n, k) of constituents.
+        columns: (n, k) columns of the constituents.
         lattice: lattice of the time stamps.
         noise: the structure.
         weights: (n,) inverse variances of white noise.

@@ -47,7 +47,7 @@ class Peak:
     percent: float  #: per cent of the residual's quadratic form
     exceedance: float  #: minus the logarithm of the probability at this one frequency
     probability: float  #: probability that noise alone shows as much anywhere in the record
-    significant: bool  #: in the record as a whole
+    significant: bool  #: whether the line is significant in the record as a whole
     in_both_halves: bool  #: whether each half of the record shows the line by itself
 
     def __str__(self) -> str:
@@ -61,9 +61,9 @@ class Extraction:
     """The lines of a series, and the residual without them."""
 
     peaks: tuple[Peak, ...]  #: the strongest first
-    spectrum: Spectrum  #: of the series
-    significance: Significance  #: of that spectrum
-    left_significance: Significance  #: of the spectrum without the lines
+    spectrum: Spectrum  #: spectrum of the series
+    significance: Significance  #: significance of that spectrum
+    left_significance: Significance  #: significance of the spectrum without the lines
     residual: Floats  #: (rows,) whitened, without the lines
 
     def __str__(self) -> str:
@@ -135,7 +135,7 @@ def _leaked(leakage: Floats, grid: Grid, at: int, line: int) -> float:
 
 
 def _new_lines(left: Spectrum, noise: Significance, leakage: Floats, lines: list[_Line], most: int) -> list[_Line]:
-    """Return lines at the highest exceedances, away from known lines and from what stronger lines leak."""
+    """Return lines at the highest exceedances, away from known lines and from leakage of stronger lines."""
     exceedance = noise.exceedance.copy()
     step, span = left.grid.step, float(left.adjusted.time[-1])
     for line in lines:

@@ -37,7 +37,7 @@ class Significance:
     """What noise alone would show at m frequencies, and the limits of significance."""
 
     exceedance: Floats  #: (m,)
-    level: Floats  #: (m,) of the noise: half of a noise line's mean reduction of the residual's quadratic form
+    level: Floats  #: (m,) level of the noise: half of a noise line's mean reduction of the residual's quadratic form
     one: float  #: exceedance that is significant at one frequency chosen beforehand
     record: float  #: exceedance that is significant anywhere in the record
     probability: float  #: 1 - the level of both limits

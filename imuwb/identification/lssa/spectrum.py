@@ -40,10 +40,10 @@ class Adjusted:
     interval: float  #: s, usual sampling interval
     lattice: Lattice | None
     noise: NoiseFit
-    names: tuple[str, ...]  #: of the k constituents
+    names: tuple[str, ...]  #: names of the k constituents
     basis: Floats  #: (rows, k) whitened constituents, orthonormal
     residual: Floats  #: (rows,) whitened series without the constituents
-    coefficients: Floats  #: (k,) of the constituents
+    coefficients: Floats  #: (k,) coefficients of the constituents
     sigma: Floats  #: (k,) standard errors of the coefficients
 
     def __str__(self) -> str:
@@ -73,7 +73,7 @@ class Spectrum:
     grid: Grid
     equations: Equations
     oversampling: int
-    reduction: Floats  #: (m,) by how much a line reduces the quadratic form of the residual
+    reduction: Floats  #: (m,) reduction of the quadratic form of the residual by a line
     complex_amplitude: Complexes  #: (m,) a - ib of a cos(omega t) + b sin(omega t), with t from the first sample
 
     def __str__(self) -> str:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Complexes = NDArray[np.complex128]
 
-ACCURACY = 1e-11  #: of the uneven transform, relative to the sum of all strengths
+ACCURACY = 1e-11  #: accuracy of the uneven transform, relative to the sum of all strengths
 STRAY = 6e-6  #: intervals, by which a time stamp may miss the lattice: rounding to nanoseconds at 5 kHz
 ROUNDED = 0.05  #: intervals, by which a time stamp may miss the lattice if the structure of the noise needs a lattice
 PADDED = 8.0  #: largest number of lattice points for each sample
@@ -29,7 +29,7 @@ class Lattice:
     """Time stamps that are whole multiples of an interval."""
 
     interval: float  #: s
-    index: NDArray[np.int64]  #: (n,) from 0
+    index: NDArray[np.int64]  #: (n,) the multiples, from 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class Grid:
 
     step: float  #: Hz
     count: int
-    length: int = 0  #: of the lattice's transform; 0: the time stamps lie on no lattice
+    length: int = 0  #: length of the lattice's transform; 0: the time stamps lie on no lattice
 
     @property
     def frequency(self) -> Floats:

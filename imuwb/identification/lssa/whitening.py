@@ -59,7 +59,7 @@ class Chain:
 class Recursion:
     """Row i is x_i + sum alpha_k x_(i-k)."""
 
-    alpha: Floats  #: (p,) of Quinchia's eq. 9
+    alpha: Floats  #: (p,) alpha of Quinchia's eq. 9
     interval: float  #: s
     kept: NDArray[np.int64]  #: samples whose p predecessors exist
 

@@ -53,9 +53,9 @@ class AxisTemperatures:
     """One axis over temperature, in SI."""
 
     level: float
-    points: tuple[SetPoint, ...]  #: in rising temperature
-    dependence: dict[str, Dependence | None]  #: of N, B, K, Q, alpha, bias; None: there is no test
-    laws: dict[str, Law]  #: of N, B, K, Q, alpha, bias
+    points: tuple[SetPoint, ...]  #: set-points in rising temperature
+    dependence: dict[str, Dependence | None]  #: tests of N, B, K, Q, alpha, bias; None: there is no test
+    laws: dict[str, Law]  #: laws of N, B, K, Q, alpha, bias
     biases: Biases
 
     def __str__(self) -> str:
@@ -72,7 +72,7 @@ def over_temperature(
     """Return the tests of dependence on temperature, and the functions of temperature.
 
     Args:
-        points: of one axis, in rising temperature.
+        points: set-points of one axis, in rising temperature.
         level: confidence level of intervals and limits.
         size: probability of a false alarm of each test.
         kind: kind of all functions; None: each is chosen. A law of positive coefficients, such as Arrhenius's, is not used for

@@ -36,9 +36,9 @@ DOUBLINGS, HALVINGS = 30, 6  #: largest numbers of doublings and halvings of a s
 class Pooled:
     """The likeliest squares."""
 
-    squares: Floats  #: (k, t) of k temperatures and t terms
+    squares: Floats  #: (k, t) squares at k temperatures of t terms
     deviance: float
-    information: Floats  #: (t, t) of the common squares, with those that differ with temperature eliminated
+    information: Floats  #: (t, t) information of the common squares, with those that differ with temperature eliminated
 
 
 def pooled(points: Sequence[SetPoint], level: float = 0.95, own: Collection[str] = ()) -> dict[str, Coefficient]:

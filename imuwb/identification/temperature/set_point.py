@@ -58,12 +58,12 @@ class SetPoint:
     duration: float  #: s
     coefficients: dict[str, Coefficient]  #: Q, N, B, K
     fit: LikelihoodFit
-    problem: LikelihoodProblem  #: up to the highest frequency that the sum explains
+    problem: LikelihoodProblem  #: likelihood problem up to the highest frequency that the sum explains
     ar1: FirstOrder
     deviation: Coefficient  #: standard deviation of the samples without a drift with time and temperature
     region: Region | None  #: averaging times at which random walk dominates, and the slope of a free line there
     curve: AllanDeviation
-    means: tuple[RecordMean, ...]  #: of each record
+    means: tuple[RecordMean, ...]  #: mean of each record
     lines: tuple[Line, ...]  #: sinusoids that the fit leaves out
     absent: tuple[str, ...] = ()  #: coefficients that are known to be absent
 
@@ -89,7 +89,7 @@ def set_point_of(records: Sequence[Record], dt: float, *, level: float = 0.95, b
     """Return the noise at one temperature.
 
     Args:
-        records: of one axis, all at that temperature.
+        records: records of one axis, all at that temperature.
         dt: s.
         level: confidence level of intervals and limits.
         band: Hz, up to which no filter has changed the spectrum.

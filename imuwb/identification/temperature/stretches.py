@@ -64,7 +64,7 @@ def stretches(
         came = [None, *(now > before for before, now in pairwise(levels))]
         return cut, tuple(
             _stretch(time, celsius, at[a], at[b], None, up)
-            for (a, b), up in zip(plateaus, came, strict=False)  # no plateau, none that came
+            for (a, b), up in zip(plateaus, came, strict=False)  # without a plateau ``came`` still has one item
         )
     width = width or _wide_enough(at, mean, rate)
     return cut, tuple(_stretch(time, celsius, at[a], at[b], middle, up) for a, b, middle, up in _bins(mean, width))

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 MOVED = 0.2  #: °C; a stretch whose smoothed temperature spans less has no thermal trend
 KNOTS = 40  #: means of a stretch, between which the smoothed thermometer is linear
-SAME = 1e-6  #: of a column's size; a smaller remainder next to the other columns is a rounding error
+SAME = 1e-6  #: share of a column's size; a smaller remainder next to the other columns is a rounding error
 
 
 def smooth_temperature(time: Floats, celsius: Floats, at: Floats) -> Floats:
