@@ -23,7 +23,7 @@ class AxisStart:
 
     covariance: Floats  #: (p, p) of the states
     cross: Floats  #: (p,) covariance of the states and the mean
-    variance: float  #: of the mean, without white noise
+    variance: float  #: variance of the mean, without the part of white noise
 
 
 def axis_start(shaping: Shaping, before: int, still: int, after: int) -> AxisStart:

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 #: The unknowns are: delay of positions, s; delay of velocities minus that of positions, s; rate; log of the noise's factor.
 DELAYS = np.arange(-0.5, 0.51, 0.1)  #: s, of the first grid
-RATES = np.array([-2e-3, -1e-3, -5e-4, 0.0, 5e-4, 1e-3, 2e-3])  #: of the first grid
-STEPS = np.array([0.05, 0.1, 3e-4, 0.5])  #: of the first simplex
+RATES = np.array([-2e-3, -1e-3, -5e-4, 0.0, 5e-4, 1e-3, 2e-3])  #: changes of the clock rate in the first grid
+STEPS = np.array([0.05, 0.1, 3e-4, 0.5])  #: sizes of the first simplex
 SMALL = np.array([0.01, 0.01, 2e-5, 0.1])  #: the first steps of the curvature
 STAIRS = np.array([2.0, 2.0, 4.0, 0.0])  #: samples; at smaller steps of the curvature the likelihood is a staircase
 RISE = 2.0  #: rise of the misfit over which the curvature is computed; the misfit is rough at smaller scales

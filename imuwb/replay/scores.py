@@ -27,7 +27,7 @@ class Scores:
 
     start: Floats  #: (s,) s from the log's start, the last fix before each outage
     elapsed: Floats  #: (L,) s
-    north_east: Floats  #: (s, L, 2) m, estimate less reference
+    north_east: Floats  #: (s, L, 2) m, estimate minus reference
     covariance: Floats  #: (s, L, 2, 2) m², of this error: from the filter's covariance and the reference's
     vertical: Floats  #: (s, L) m, up
     velocity: Floats  #: (s, L) m/s, length of the horizontal velocity's error

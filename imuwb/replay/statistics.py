@@ -59,9 +59,9 @@ class Summary:
     median_vertical: float  #: m, at the end
     median_velocity: float  #: m/s, at the end
     median_heading: float | None  #: rad, at the end; None: the reference has no heading
-    median_percent: float | None  #: of the distance driven, at the end; None: no outage is fast enough
+    median_percent: float | None  #: per cent of the distance driven, at the end; None: no outage is fast enough
     consistency: tuple[Consistency, ...]
-    nis_per_dof: float  #: of the filter's run over the whole log
+    nis_per_dof: float  #: mean NIS over its degrees of freedom, in the filter's run over the whole log
 
     def __str__(self) -> str:
         """Return median, consistency and number of outages in a line."""
@@ -118,9 +118,9 @@ def summarize(
     Args:
         model: name of the filter.
         duration: s.
-        scores: of the outages that are scored.
+        scores: errors in the outages that are scored.
         horizons: s since the start of the outage; times at which consistency is judged.
-        nis_per_dof: of the filter's run over the whole log.
+        nis_per_dof: mean NIS over its degrees of freedom, in the filter's run over the whole log.
         level: of all intervals.
     """
     if not scores.start.size:

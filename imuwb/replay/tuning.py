@@ -37,8 +37,8 @@ PRIOR = 2.0  #: sigma of the logarithm of a factor: a factor without effect in o
 class Tuned:
     """Factors of a filter's noise, and their effect in outages to which they were not fitted."""
 
-    white: tuple[float, float]  #: of the white noise of gyros and accelerometers
-    slow: tuple[float, float]  #: of the slower processes of gyros and accelerometers
+    white: tuple[float, float]  #: factors of the white noise of gyros and accelerometers
+    slow: tuple[float, float]  #: factors of the slower processes of gyros and accelerometers
     fitted: int  #: outages
     judged: int  #: outages
     split: float  #: s from the log's start; the outages before are fitted, those after are judged
@@ -121,7 +121,7 @@ def _scored(
         prepared: the log.
         model: the filter.
         factors: (4,) logarithms of the factors: white and slower noise, each of gyros and accelerometers.
-        outages: of the duration that is fitted.
+        outages: all last ``DURATION``.
         track: the reference.
     """
     g, a, slow_g, slow_a = (float(f) for f in np.exp(factors))

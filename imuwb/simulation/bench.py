@@ -67,7 +67,7 @@ class Bench:
 
 
 def check_size(seconds: float, each: int, rate: float) -> None:
-    """Raise UsageError unless a record of ``each`` stretches of so many seconds is of a possible size."""
+    """Raise UsageError unless a record of ``each`` stretches, all of the given seconds, has a possible size."""
     if not 0 < seconds * rate < LONGEST or round(seconds * rate) < FEWEST:
         message = f"{seconds:g} s at {rate} Hz in each position are {seconds * rate:.3g} samples; there must be {FEWEST} or more"
         raise UsageError(message)
@@ -78,7 +78,7 @@ def check_size(seconds: float, each: int, rate: float) -> None:
 
 
 def check_misplacement(misplacement: float) -> None:
-    """Raise UsageError unless tilts of the sensor on the bench, rms in rad, are small."""
+    """Raise UsageError unless the tilts of the sensor on the bench (rms, rad) are small."""
     if not 0 <= misplacement <= MOST_TILT:
         message = f"the misplacement is {np.degrees(misplacement):g}°; it must be 0 to {np.degrees(MOST_TILT):.0f}°"
         raise UsageError(message)

@@ -33,7 +33,7 @@ class Positions:
     logs: dict[str, Log]
     truth: ImuErrorModel
     attitudes: Floats  #: (P, 2) roll and pitch, rad, as intended
-    names: tuple[str, ...]  #: of the positions
+    names: tuple[str, ...]  #: name of each position
 
 
 def six_position(

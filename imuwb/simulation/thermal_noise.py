@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from imuwb.log import Floats
     from imuwb.stochastic import AxisModel
 
-    Parameters = Mapping[str, Floats]  #: of a process -> (n,) at each sample
+    Parameters = Mapping[str, Floats]  #: parameter of a process -> (n,) its value at each sample
 
 PIECE = 0.25  #: °C, over which an AR set is constant
 SMALL = 1e-3  #: dt/Tc, below which a difference of tanh cancels

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 BAND = (5.0, 50.0)  #: Hz, of the road
 ENGINE = 27.0  #: Hz, at which a four-cylinder engine fires when it idles
-ENGINE_SHARE = 0.5  #: of the variance
+ENGINE_SHARE = 0.5  #: share of the engine in the variance
 ROTATION = 0.01  #: rad/s for each m/s²
 LOWEST_RATE = 60.0  #: Hz, at which the engine is still below half the rate
 STRONGEST = 100.0  #: m/s²

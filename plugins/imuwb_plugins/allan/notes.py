@@ -21,7 +21,7 @@ FAST = Note(
     "fast mode: at averaging times of 32 samples and more the sums are thinned and the times are rounded. The error of a deviation is "
     "less than a quarter of the half width of its interval. Quantization noise loses most and gets wider intervals instead.",
 )
-JITTER = 0.2  #: of the sampling interval
+JITTER = 0.2  #: share of the sampling interval; a note reports time stamps that scatter by more
 UNEXPLAINED = 1e-3  #: probability of the misfit, below which the sum does not explain the curve
 SHORTENED = 1.5  #: ratio of the first averaging time of a fit to the sampling interval, above which a note names it
 

@@ -23,7 +23,7 @@ _NAMES: dict[type, str] = {
     Quantization: "quantization", WhiteNoise: "white noise", FlickerNoise: "bias instability", RandomWalk: "random walk",
     RateRamp: "ramp", Sinusoid: "lines",
 }  # fmt: skip
-MUCH = 0.2  #: of a logarithm, about a fifth: change of the Allan deviation that puts the coefficients in doubt
+MUCH = 0.2  #: change of the Allan deviation's logarithm, about a fifth, that puts the coefficients in doubt
 DECISIVE = 3.0  #: Allan deviation of a random walk that shows, over that of the other terms, at a tenth of the record
 LONGER = 1.5  #: ratio to the length of the record; a longer record is recommended only above this
 POINTS = 200  #: averaging times at which the terms are compared

@@ -66,14 +66,14 @@ class EstimatorComparison:
 
     headline: str  #: the estimator with the least error: "likelihood" where the record allows it
     by: dict[str, dict[str, Coefficient]]  #: estimator -> coefficients
-    processes: Sum  #: of the headline's error model
+    processes: Sum  #: the sum in the headline's error model
     intervals_apply: bool  #: whether the headline's intervals belong to that sum; not if it has a Gauss-Markov process
     highest: float | None  #: Hz, up to which the likelihood's sum explains the spectrum
     agree: bool  #: intervals of all estimators overlap
     disagreements: tuple[str, ...]
     stationarity: Stationarity | None
     choice: ModelChoice | None
-    mean: float  #: of the samples
+    mean: float  #: mean of the samples
     notes: tuple[Note, ...]
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from imuwb.identification.calibration import AxisCalibration
     from imuwb.statistics import Estimate
 
-LARGEST_GAIN = 2.0  #: of a log in SI; the smallest is its inverse
+LARGEST_GAIN = 2.0  #: largest plausible gain of a log in SI; the smallest is its inverse
 
 
 def completed_model(
@@ -30,10 +30,10 @@ def completed_model(
     """Return the error model with the calibrated terms, and notes.
 
     Args:
-        name: of the IMU, for a new model.
+        name: name of the IMU, for a new model.
         axes: the calibrated axes.
         base: model to complete; None: a new one.
-        provenance: of the calibrated terms.
+        provenance: where the calibrated terms come from.
         full_range: rad/s or m/s² by sensor, on which the non-linear part is defined.
         celsius: °C, temperature of the calibration; None: not known.
 

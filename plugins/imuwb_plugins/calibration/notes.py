@@ -35,7 +35,7 @@ def position_notes(
     Args:
         p: the options.
         gravity: m/s², and where it comes from.
-        fit: of the accelerometers.
+        fit: calibration of the accelerometers.
         full_range: m/s², of the non-linear part; None: the method has none.
     """
     yield _gravity(p, gravity)
@@ -122,8 +122,8 @@ def table_notes(
     """Return notes on the rates, the axes, the bias and the earth's rate.
 
     Args:
-        runs: of the table.
-        fit: of the runs.
+        runs: the runs of the table.
+        fit: the fit to the runs.
         p: the options.
         full_range: rad/s, of the non-linear part.
         known: whether the g-sensitivity is subtracted.

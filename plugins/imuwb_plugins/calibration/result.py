@@ -53,7 +53,7 @@ class PositionResult:
     parameters: Terms
     printed: dict[str, PrintedCalibration]
     misplacement: float | None  #: rad
-    probability: float  #: that noise alone makes residuals as large as these
+    probability: float  #: probability that noise alone makes residuals as large as these
     positions: tuple[Position, ...]
     temperature: float | None  #: °C
     notes: tuple[str, ...]
@@ -76,7 +76,7 @@ class Step:
     mean: dict[str, float]
     residual: dict[str, float]
     sigma: dict[str, float]
-    #: of the turned gyro: mean minus true rate minus offset of the run; of a log in counts or volts, the mean
+    #: for the turned gyro: mean minus true rate minus offset of the run; for a log in counts or volts, the mean
     error: float
     fitted_error: float  #: value of the fit for ``error``
 
@@ -87,7 +87,7 @@ class TableRun:
 
     name: str
     axis: str  #: axis that turns
-    offset: dict[str, Estimate]  #: of each gyro at rest in this attitude
+    offset: dict[str, Estimate]  #: output of each gyro at rest in this attitude
     steps: tuple[Step, ...]
 
 

@@ -75,7 +75,7 @@ def without_lines(series: Floats, time: Floats, lines: Sequence[PeakResult]) -> 
     Args:
         series: (n,).
         time: (n,) s from the axis's first sample.
-        lines: of the series.
+        lines: the lines of the series.
     """
     for line in lines:
         if line.phase is not None:

@@ -20,7 +20,7 @@ class PeakResult:
     """A line in SI, with flat keys; intervals at the level ``confidence``."""
 
     frequency: float  #: Hz
-    frequency_lower: float  #: of a drifting line: minus the resolution of the segments' spectrum
+    frequency_lower: float  #: for a drifting line, its frequency minus the resolution of the segments' spectrum
     frequency_upper: float
     amplitude: float
     lower: float  #: of the amplitude
@@ -28,7 +28,7 @@ class PeakResult:
     phase: float | None  #: rad, of a cosine, at the axis's first sample; None: the line drifts
     phase_lower: float | None
     phase_upper: float | None
-    percent: float  #: of the series without the constituents
+    percent: float  #: per cent of the residual, which is the series without the constituents
     probability: float | None  #: that noise alone shows as much anywhere in the record; None: below 1 - level
     significant: bool  #: in the record as a whole
     in_both_halves: bool  #: whether each half of the record shows the line by itself
@@ -48,8 +48,8 @@ class HypothesisResult:
     hypothesis: str
     tenable: bool
     p_value: float
-    correlations: ChiSquare  #: of short lags (Ljung and Box)
-    octaves: ChiSquare  #: of slow drifts (Bartlett)
+    correlations: ChiSquare  #: test of the correlations of short lags (Ljung and Box)
+    octaves: ChiSquare  #: test of the powers in octaves, for slow drifts (Bartlett)
     alpha: tuple[float, ...]  #: x(n) = -sum alpha x(n-k) + w(n)
     alpha_sigma: tuple[float, ...]
     lowest_octave: float  #: power of the lowest octave over the mean of all: about 1 if the structure is right

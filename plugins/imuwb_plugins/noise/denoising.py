@@ -37,7 +37,7 @@ class Denoised:
     frequency: Floats  #: Hz
     density: Floats  #: one-sided
     deviation: float  #: standard deviation
-    share: float = 1.0  #: of the raw axis's standard deviation
+    share: float = 1.0  #: ratio to the raw axis's standard deviation
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -46,7 +46,7 @@ class Denoising:
 
     rate_hz: dict[str, float]
     curves: tuple[Denoised, ...]
-    density_limits: dict[str, tuple[float, float]] = field(metadata={"document": False})  #: of the figure of each axis
+    density_limits: dict[str, tuple[float, float]] = field(metadata={"document": False})  #: by axis, of its figure
 
 
 def denoising(log: Log, levels: int) -> Denoising | None:

@@ -38,7 +38,7 @@ LETTERS = "QNBK"
 class Compared:
     """One coefficient of one axis in all logs. SI."""
 
-    logs: tuple[Coefficient, ...]  #: of each log
+    logs: tuple[Coefficient, ...]  #: the coefficient in each log
     mean: Coefficient  #: root mean square, weighted by duration
     statistic: float | None  #: chi-square of the differences of squares
     probability: float | None  #: probability that chance makes differences as large
@@ -48,7 +48,7 @@ class Compared:
 class TurnOn:
     """The mean of an axis from log to log. SI."""
 
-    means: tuple[float, ...]  #: of each log
+    means: tuple[float, ...]  #: mean of each log
     #: standard deviation from log to log; a limit if the noise within the logs explains the scatter of the means
     sigma: Coefficient
 

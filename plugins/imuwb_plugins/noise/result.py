@@ -46,7 +46,7 @@ class Result:
     axes: dict[str, NoiseAxis]  #: of the first log
     parts: tuple[dict[str, Any], ...]  #: for each log: analysis -> its own result
     denoising: Denoising | None
-    repeatability: Repeatability | None  #: of several logs
+    repeatability: Repeatability | None  #: comparison of several logs; None: one log
     notes: tuple[Note, ...] = ()
 
     def __str__(self) -> str:

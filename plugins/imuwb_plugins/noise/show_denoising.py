@@ -19,7 +19,7 @@ _SENSORS = {
     "gyro": ("Gyroscope", "deg/h", "(deg/s)²/Hz", (np.pi / 180) ** 2),
     "accel": ("Accelerometer", "m/s²", "(m/s²)²/Hz", 1.0),
 }
-FARTHEST = 0.75  #: of the way from the axis's colour to orange, for the deepest denoising
+FARTHEST = 0.75  #: share of the way from the axis's colour to orange, for the deepest denoising
 
 
 def draw(denoising: Denoising, review: Review) -> None:

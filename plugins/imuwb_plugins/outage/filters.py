@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from imuwb.replay import FilterRun, Replay
 
 BUDGETED = 30  #: outages
-SIGMAS = 3  #: of the limits around an estimate
+SIGMAS = 3  #: sigmas between an estimate and its limits
 
 
 def nis_per_dof(run: FilterRun) -> tuple[float, float | None, float | None]:

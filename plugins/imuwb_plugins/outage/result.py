@@ -28,7 +28,7 @@ class FilterErrors:
     vertical: float  #: m, at the end
     velocity: float  #: m/s, at the end
     heading: float | None  #: rad, at the end
-    percent: float | None  #: of the distance driven, at the end; None: too slow
+    percent: float | None  #: per cent of the distance driven, at the end; None: too slow
     sigma: float  #: m, of the filter itself, at the end
     nees: float  #: at the end, two degrees of freedom
     causal: bool
@@ -64,10 +64,10 @@ class FilterSummary:
     median_vertical: float  #: m, at the end
     median_velocity: float  #: m/s, at the end
     median_heading: float | None  #: rad, at the end; None: the reference has no heading
-    median_percent: float | None  #: of the distance driven, at the end; None: no outage is fast enough
+    median_percent: float | None  #: per cent of the distance driven, at the end; None: no outage is fast enough
     nees_per_dof: float | None  #: at the end, mean; None: the outages are too short
     coverage95: float | None  #: share of the outages within the filter's own 95 % ellipse at the end
-    nis_per_dof: float  #: of the filter's run over the whole log
+    nis_per_dof: float  #: mean NIS over its degrees of freedom, in the filter's run over the whole log
     consistency: tuple[Consistency, ...]
     curve: DriftCurve
 

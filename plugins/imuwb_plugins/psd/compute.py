@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 FEWEST = 256  #: samples
 HARMONIC = 0.01  #: relative error of a multiple of a line's frequency that counts as a harmonic
 PEAK = 2.0  #: ratio to the fitted density, above which a broad peak is called a resonance
-APART = 0.1  #: of a logarithm: the spectrum leaves its white level if it differs by more
+APART = 0.1  #: difference of natural logarithms; a spectrum that differs by more leaves its white level
 BEYOND_CHANCE = 4.0  #: standard errors by which it must differ as well
 POINTS = 200  #: frequencies of the model's densities in the figure
 

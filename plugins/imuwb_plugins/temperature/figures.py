@@ -24,7 +24,7 @@ NAMED = 6  #: temperatures in a legend, at most
 #: share of the span of temperatures by which the points of an axis are shifted sideways
 ASIDE = {"x": -0.005, "y": 0.0, "z": 0.005}
 DEVIATION = {"gyro": UNITS["deg/h"], "accel": UNITS["m/s²"]}
-DIM = 0.6  #: of a colour, for limits
+DIM = 0.6  #: factor that darkens the colour of limits
 
 
 def color_of(share: float) -> Color:

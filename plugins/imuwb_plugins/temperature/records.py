@@ -32,7 +32,7 @@ STEADY = 0.2  #: °C; a smoothed temperature that spans no more is constant
 class LogPart:
     """A stretch of a log, with its arrays still in the log."""
 
-    number: int  #: of the log
+    number: int  #: number of the log
     log: Log
     axes: dict[str, Axis]
     stretch: Stretch
@@ -73,8 +73,8 @@ def parts_of(
     """Return how a log was divided, its stretches, and notes.
 
     Args:
-        number: of the log.
-        log: of a still sensor.
+        number: number of the log.
+        log: a log of a still sensor.
         given: °C, temperature of the log; None: by its thermometer.
         parameters: options.
 

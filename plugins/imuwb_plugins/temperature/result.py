@@ -28,9 +28,9 @@ class TemperatureResult:
     coefficients: dict[str, Coefficient]
     ar1: FirstOrder
     deviation: Coefficient  #: standard deviation of the samples
-    slope: Estimate | None  #: of a free line in the Allan curve, where random walk dominates
+    slope: Estimate | None  #: slope of a free line in the Allan curve, where random walk dominates
     slope_times: tuple[float, float] | None  #: s, averaging times of that line
-    bias: Estimate  #: of a gyro the mean, of an accelerometer the change from the reference temperature
+    bias: Estimate  #: mean of a gyro; change of an accelerometer's mean from the reference temperature
     explained_to: float  #: Hz, highest frequency that the sum explains
     averaging_time: Floats
     allan_deviation: Floats
