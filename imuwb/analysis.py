@@ -3,26 +3,26 @@
 An analysis is a module, or any object, with these parts:
 
 * ``Parameters``: a frozen dataclass whose fields are the options of the command; ``imuwb.options`` states how they are declared.
-  ``__post_init__`` calls ``check(self)`` and raises ValueError, with the reason, for a value that cannot be.
-* ``run(logs, parameters) -> result``: computes, and changes nothing else. The result is a frozen dataclass or a dict, and
+  ``__post_init__`` calls ``check(self)`` and raises ValueError, with the reason, for a value that is not allowed.
+* ``run(logs, parameters) -> result``: computes the result, and changes nothing. The result is a frozen dataclass or a dict, and
   becomes JSON. For a log that lacks data it raises MissingDataError.
 * ``draw(result, review)``: shows the result, and computes nothing.
 
 and these, if it needs them:
 
-* ``LOGS = (fewest, most)``: how many logs it takes; (1, 1) without it; ``most`` None: any number.
+* ``LOGS = (fewest, most)``: how many logs the analysis takes. Without ``LOGS`` it takes one; ``most`` = None means any number.
 * ``error_model(result) -> ImuErrorModel``, for ``--save-model``. With ``LEAVES_MODEL`` the model is always saved, beside the
-  recording, as ``NAME.error-model.toml``; if ``LEAVES_MODEL`` is a text, it stands in place of "error-model".
+  recording, as ``NAME.error-model.toml``; if ``LEAVES_MODEL`` is a text, this text replaces "error-model" in the name.
 * ``findings(result) -> tuple of Finding``: the result of each axis in terms that several analyses share.
-* ``outputs(parameters) -> tuple of paths`` and ``write_outputs(result, parameters)``: files of its own. Files that exist are
-  overwritten with --force only.
+* ``outputs(parameters) -> tuple of paths`` and ``write_outputs(result, parameters)``: files that the analysis
+  itself writes. Existing files are overwritten only with --force.
 * ``study(cases, parameters) -> result`` and ``draw_study(result, review)``, for ``--study``.
-* ``DEMO = "still"`` or ``"drive"``: imuwb demo runs the analysis on that sample log. The analysis of the drive gets the error model
-  that the first analysis leaves as its parameter ``error_model``.
+* ``DEMO = "still"`` or ``"drive"``: imuwb demo runs the analysis on that sample log. The analysis of the drive has a parameter
+  ``error_model``, and gets in it the error model that the analysis of the still log saves.
 * ``SHOWS_FAULTS = True``: imuwb info names this analysis to a user whose log has faults.
 
-An analysis of several methods has ``METHODS`` instead, {name: module}; each module is an analysis as above, and becomes a
-command of a group. The JSON of its result has the method among the parameters.
+An analysis of several methods has ``METHODS`` instead, {name: module}; each module has the parts of an analysis, and
+becomes a command of a group. The JSON of its result has the method among the parameters.
 
 An analysis is registered under the entry-point group ``imuwb.analyses``, or is a single file: ``imuwb ./mine.py LOG``. The first
 line of its docstring is its help. ``imuwb --help`` imports every analysis, so its module imports nothing heavy: import numpy
@@ -30,16 +30,17 @@ inside ``run`` and ``draw``, or attach them with ``lazy_loader`` as the plugins 
 
 A conditioner changes the samples before an analysis uses them (``--through NAME:key=value,...``). It is a module with
 
-* ``Parameters``, as above;
-* ``condition(log, parameters) -> (log, applied)``: the log with its change, which ``Log.conditioning`` states with its delay and
-  whether it is causal. ValueError gives the reason why a parameter does not suit the log;
+* ``Parameters``, like those of an analysis;
+* ``condition(log, parameters) -> (log, applied)``: the changed log, and what ``draw`` shows of the change. ``Log.conditioning``
+  of the changed log states the conditioner, its delay, and whether it is causal. ValueError gives the reason why a parameter
+  does not suit the log;
 
 and these, if it needs them:
 
 * ``draw(applied, review)``;
 * ``STUDY = {short name: (parameter, {parameter: value, ...})}``, for ``--study``: a name that users may write for
   ``NAME.parameter``, and the values (as texts) of other parameters that go with it;
-* ``ORDER``, a number: in one setting of a study conditioners run in rising order; those without a number run last.
+* ``ORDER``, a number: in each setting of a study, conditioners run in rising order; those without a number run last.
 
 It is registered under ``imuwb.conditioners``.
 """
@@ -80,7 +81,7 @@ class Analysis(Protocol):
         """Return the result of the analysis."""
         ...
 
-    def draw(self, result: Any, review: Review) -> None:  # noqa: ANN401 - as above
+    def draw(self, result: Any, review: Review) -> None:  # noqa: ANN401 - each analysis has its own types
         """Show a result."""
         ...
 
@@ -175,14 +176,14 @@ class Finding:
 
     axis: str
     source: str  #: name of the estimator
-    coefficients: Mapping[str, Coefficient]  #: those of Q, N, B, K, R that it estimates
+    coefficients: Mapping[str, Coefficient]  #: the coefficients among Q, N, B, K, R that the estimator gives
     remarks: tuple[str, ...] = ()  #: advice to the user, one line each
     headline: bool = False  #: whether the error model takes this estimator's values
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Case:
-    """One setting of a study, and the log conditioned so."""
+    """One setting of a study, and the log that is conditioned with it."""
 
     settings: Mapping[str, str]  #: {"rate": "100", "bandwidth": "42"}, for example
     log: Log
@@ -204,10 +205,10 @@ class Conditioner(Protocol):
 
 
 class Review(Protocol):
-    """Where an analysis shows its result. One call puts it into the recording, and a text into the terminal as well."""
+    """Where an analysis shows its result. Each call writes to the recording; tables and notes go to the terminal too."""
 
     def tab(self, name: str) -> None:
-        """Open a tab: everything that follows is shown on it."""
+        """Open a tab; all later calls show on this tab."""
         ...
 
     def series(self, series: Series) -> None:

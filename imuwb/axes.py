@@ -62,7 +62,7 @@ def rates(axes: Mapping[str, Axis]) -> dict[str, float]:
 
 
 def gap_notes(axes: Mapping[str, Axis], result: str) -> list[Note]:
-    """Return a note for each sensor with gaps: the named result uses its longest part without gaps."""
+    """Return a note for each sensor with gaps; it states that the named result uses the longest part without gaps."""
     clocks = {axis.sensor: axis.clock for axis in axes.values()}
     return [
         Note("gaps", f"{sensor}: {len(clock.breaks)} gaps; {result} uses the longest part without gaps")

@@ -16,15 +16,12 @@ YELLOW: Color = (237, 201, 72)
 BROWN: Color = (156, 117, 95)
 PINK: Color = (255, 157, 167)
 
-INK: Color = (225, 225, 228)  #: text, and what everything is compared with
+INK: Color = (225, 225, 228)  #: text, and the curve that others are compared with
 PALE: Color = (200, 200, 205)  #: bands and dashed lines
-GREY: Color = (150, 150, 156)  #: what stands back
-FRAME, GRID, SUBGRID = (
-    GREY,
-    (105, 105, 112),
-    (58, 58, 64),
-)  #: of a figure: its frame, its labelled grid lines, the others
-BACKGROUND: Color = (22, 22, 26)  #: of figures and tracks
+GREY: Color = (150, 150, 156)  #: things of less importance
+#: the frame of a figure, its labelled grid lines, its other grid lines
+FRAME, GRID, SUBGRID = GREY, (105, 105, 112), (58, 58, 64)
+BACKGROUND: Color = (22, 22, 26)  #: the background of figures and tracks
 
 #: One colour for each axis.
 AXIS_COLORS: dict[str, Color] = {"x": RED, "y": GREEN, "z": BLUE}
@@ -35,7 +32,7 @@ PALETTE: tuple[Color, ...] = (BLUE, ORANGE, GREEN, RED, PURPLE, TEAL, YELLOW, BR
 
 
 def color_at(index: int) -> Color:
-    """Return the colour of the ``index``-th of many things; the palette begins anew after its end."""
+    """Return the colour of the ``index``-th of many things; after the last colour of the palette, the first one follows."""
     return PALETTE[index % len(PALETTE)]
 
 

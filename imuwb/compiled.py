@@ -1,4 +1,4 @@
-"""How loops are compiled, and how long compiled code on disk is used.
+"""Compiles loops, and decides how long compiled code on disk is valid.
 
 Two private parts of numba are used, so pyproject sets an upper bound for numba:
 
@@ -41,7 +41,7 @@ def compiled(*, reorder: bool = False, arrays: bool = True) -> Callable[[Functio
         dispatcher = numba.njit(**options)(function)
         cache_file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
         if cache_file is not None:
-            cache_file._version += _fingerprint(Path(function.__code__.co_filename).parent)  # noqa: SLF001 - see above
+            cache_file._version += _fingerprint(Path(function.__code__.co_filename).parent)  # noqa: SLF001 - no public way
         return cast("Function", dispatcher)
 
     return decorate

@@ -33,7 +33,7 @@ Kind = Literal["imu", "gnss", "velocity", "fix", "speed", "temperature", "refere
 Effect = Literal["lost", "time", "order", "value"]
 
 AXES = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
-MEAN_SEA_LEVEL = "above mean sea level"  #: in the units of an origin whose heights are not above WGS 84
+MEAN_SEA_LEVEL = "above mean sea level"  #: part of ``Origin.units`` if heights are not above WGS 84
 
 
 def _frozen(
@@ -67,7 +67,7 @@ def _store(target: object, /, **values: object) -> None:
 
 
 def _freeze_columns(stream: Any, names: tuple[str, ...], known: tuple[str, ...] = ()) -> None:  # noqa: ANN401 - a stream
-    """Freeze the time and the (n, 3) columns of a stream; nan is allowed but in ``known`` columns."""
+    """Freeze the time and the (n, 3) columns of a stream; nan is allowed, except in ``known`` columns."""
     time = _frozen_time(stream.time, stream.name)
     _store(stream, time=time)
     for name in names:
@@ -86,7 +86,7 @@ def _line(name: str, kind: str, time: Nanoseconds, *more: str) -> str:
 
 
 class _Timed:
-    """A stream with a time of its own: its length, and its line."""
+    """Base of streams with one clock: gives their length, and their text in one line."""
 
     __slots__ = ()
     time: Nanoseconds
@@ -248,12 +248,13 @@ class Provenance:
 class Conditioning:
     """What a conditioner did to a log's samples."""
 
-    name: str  #: of the conditioner
-    parameters: str  #: as on the command line after the name
+    name: str  #: the conditioner's name
+    parameters: str  #: the parameters as they follow the name on the command line
     causal: bool  #: whether no sample depends on later samples, apart from the delay
-    delay: float  #: s, by which the samples lag the motion
+    delay: float  #: s; the samples lag the motion by this time
     note: str = ""
-    band: float | None = None  #: Hz, up to which a spectrum stays the same to 1 %; None: everywhere
+    #: Hz; up to this frequency a spectrum changes by at most 1 %; None: at every frequency
+    band: float | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -267,7 +268,7 @@ class Log:
     references: tuple[Reference, ...] = ()
     notes: tuple[str, ...] = ()
     zero: int | None = None  #: ns; start of "seconds from the log's start", also for a part of the log
-    conditioning: tuple[Conditioning, ...] = ()  #: in order
+    conditioning: tuple[Conditioning, ...] = ()  #: in the order in which they were applied
 
     def __post_init__(self) -> None:
         """Set ``zero`` to the start of the earliest stream unless it is given."""

@@ -10,7 +10,7 @@ An option is a field of a frozen dataclass. Its annotation declares the type, th
 ``--through`` and Python code all use it, so that an option means the same everywhere.
 
 These texts stand for values: numbers; the words of a ``Literal``; ``1,2,3`` for a tuple; ``200:30,430:60`` for a tuple of pairs;
-``3..8`` for a tuple of whole numbers; ``key=value,key=value`` for a mapping; an empty text for an empty tuple. Another class has
+``3..8`` for a tuple of whole numbers; ``key=value,key=value`` for a mapping; an empty text for an empty tuple. A class of your own has
 ``from_text(text)``, which raises ValueError, ``__str__``, which returns that text, and ``FORMS``, which describes the text.
 """
 
@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, cast
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-MOST = 10_000  #: whole numbers in a range, at most
+MOST = 10_000  #: largest number of whole numbers in a range
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +91,7 @@ def _option(name: str, hint: Any) -> Option:  # noqa: ANN401 - an annotation
     if typing.get_origin(hint) is not Annotated:
         return Option(name, hint)
     kind, *metadata = typing.get_args(hint)
-    metadata.reverse()  # the metadata of an alias, such as Level, come first; those that a field adds count
+    metadata.reverse()  # the metadata of an alias, such as Level, come first; metadata that a field adds override them
     text = next((item for item in metadata if isinstance(item, str)), "")
     between = next((item for item in metadata if isinstance(item, Between)), None)
     return Option(name, kind, text, between, next((item for item in metadata if isinstance(item, Form)), None))

@@ -1,4 +1,4 @@
-"""How much of long work is done, reported to a function; the work is the same if no function listens."""
+"""Reports to a function how much of a long work is done; without a function the work is the same."""
 
 from __future__ import annotations
 

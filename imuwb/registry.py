@@ -58,7 +58,7 @@ def load(point: EntryPoint) -> object | None:
 
 
 def marked(group: str, mark: str, value: object) -> tuple[str, object] | None:
-    """Return the name and the first plugin of a group that has an attribute of that value; None if no plugin has."""
+    """Return the name and the first plugin of a group that has an attribute with that value; None if there is no such plugin."""
     for name, point in installed(group).items():
         plugin = load(point)
         if getattr(plugin, mark, None) == value:

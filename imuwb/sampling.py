@@ -1,7 +1,7 @@
 """The clock of a stream: its interval, its gaps, its jitter.
 
-Stamps may be rounded (to milliseconds, for example), late, or missing. The median step, and gaps taken as steps above it, would
-then be wrong by tens of per cent.
+Stamps may be rounded (to milliseconds, for example), late, or missing. The median step would
+then be wrong by tens of per cent, and so would gaps that are found as steps longer than the median.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-SPAN = 100  #: steps; rounding averages out over so many
+SPAN = 100  #: steps; over this number of steps rounding averages out
 GAP = 1.5  #: intervals; a longer step misses at least one sample
 UNEVEN = 1.8  #: intervals; a step up to this may belong to an uneven clock that misses no sample
 ENDS = 0.05  #: share of the sums of SPAN steps, at each end, that may contain gaps
-EVEN = 0.01  #: intervals; a step that near to the interval is not rounded
-ROUNDED = 0.9  #: share of steps near the interval, below which the stamps are rounded
+EVEN = 0.01  #: intervals; a step that differs from the interval by less is not rounded
+ROUNDED = 0.9  #: share of steps near the interval; with a smaller share the stamps are rounded
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,8 +28,8 @@ class StreamSummary:
     epoch: Epoch
     gaps: tuple[tuple[float, float], ...]  #: (start from the stream's first row, length), s
     repairs: tuple[Repair, ...]
-    units: str  #: of the file; a Log has SI
-    frame: str  #: of the file; a Log has FRD or NED
+    units: str  #: units in the file; a Log has SI
+    frame: str  #: frame in the file; a Log has FRD or NED
 
     def __str__(self) -> str:
         """Return name, kind, rows, rate, duration, gaps, units and frame in a line."""

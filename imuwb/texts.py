@@ -15,7 +15,7 @@ HOURS = 2  #: shortest time, in hours, that is written in hours
 LARGE = 100  #: smallest number that is written without decimals
 COEFFICIENT_DIGITS = (3, 6)  #: fewest and most significant digits of a coefficient
 MOST_DECIMALS = 9
-DECIMALS = 6  #: of a value whose interval has no width, or none that is finite
+DECIMALS = 6  #: decimals of a value whose interval has no width or an infinite width
 
 
 def number_text(value: float) -> str:
@@ -84,7 +84,7 @@ def converted_text(estimate: Estimate, unit: Unit) -> str:
 def coefficient_text(coefficient: Coefficient, unit: Unit) -> str:
     """Return a coefficient and its interval in a display unit, with as many digits as the width of the interval justifies.
 
-    "<" stands before an upper limit. A dash stands for a coefficient, or for an end of its interval, that nothing bounds.
+    "<" stands before an upper limit. A dash stands for a coefficient, or for an end of its interval, that the data do not bound.
     """
     c = coefficient
     if c.value is None:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from imuwb.errors import ImuwbError
 
-INTERRUPTED = 130  #: exit code that shells expect of a program that Ctrl-C ended
+INTERRUPTED = 130  #: exit code that shells expect from a program that Ctrl-C ended
 
 
 def main() -> None:

@@ -26,7 +26,7 @@ def command_function(name: str, analysis: Analysis) -> Callable[..., None]:
     Raises:
         UsageError: a parameter of the analysis has the name of a shared option.
     """
-    from imuwb.readers.read_options import ReadOptions  # noqa: PLC0415 - the list of commands does without
+    from imuwb.readers.read_options import ReadOptions  # noqa: PLC0415 - the list of commands does not need it
 
     groups = {"part": Part, "reading": ReadOptions, "conditions": Conditions, "outputs": Outputs}
     own = parameters_of(analysis.Parameters)

@@ -1,7 +1,7 @@
 """The words that a shell asks to complete.
 
-Typer runs the program with no arguments for this. The environment then contains the line: bash passes COMP_WORDS and COMP_CWORD,
-zsh, fish and PowerShell pass _TYPER_COMPLETE_ARGS (``typer._completion_classes``).
+A shell asks by running the program without arguments. The environment then contains the line to complete: bash passes
+COMP_WORDS and COMP_CWORD, zsh, fish and PowerShell pass _TYPER_COMPLETE_ARGS (``typer._completion_classes``).
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-ASKED = "_IMUWB_COMPLETE"  #: is in the environment when a shell asks
+ASKED = "_IMUWB_COMPLETE"  #: name of the variable that is in the environment when a shell asks
 
 
 def words_before(environment: Mapping[str, str]) -> list[str]:

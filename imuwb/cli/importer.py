@@ -13,7 +13,7 @@ from pathlib import Path
 
 NOT_OURS = 66  #: exit code
 HEAD = 4096  #: bytes by which the format is judged
-#: first bytes of binary formats that imuwb reads, and of those that the viewer reads itself
+#: first bytes of the binary formats that imuwb reads, and of the formats that the viewer itself reads
 _MAGICS = (b"ULog\x01\x12\x35", b"#ROSBAG V2.0\n", b"SQLite format 3\0")
 _THEIRS = (b"\x89MCAP0\r\n", b"RRF2", b"RRIO")
 _TEXT = (b"% program", b"% (", b"%  GPST", b"FMT, 128")

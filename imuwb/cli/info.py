@@ -9,7 +9,7 @@ import typer
 
 from imuwb import registry
 from imuwb.cli.options import LOG_ARGUMENT
-from imuwb.readers.read_options import ReadOptions  # noqa: TC001 - as above
+from imuwb.readers.read_options import ReadOptions  # noqa: TC001 - the command line reads the annotations as the program runs
 
 if TYPE_CHECKING:
     from collections.abc import Callable

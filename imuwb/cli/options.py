@@ -93,7 +93,7 @@ class Outputs:
 
 @dataclass(frozen=True)
 class Request:
-    """All that a user gives to any analysis."""
+    """The values of the options that all analyses share."""
 
     reading: ReadOptions
     part: Part

@@ -53,7 +53,7 @@ def _parameter(option: Option, default: Any, hint: Any, panel: str | None) -> in
 
 
 def _is_native(kind: Any) -> bool:  # noqa: ANN401 - a type
-    """Return whether typer reads a type itself: a simple type, the words of a Literal, or one of these or None."""
+    """Return whether typer reads a type itself: a simple type, the words of a Literal, or a union of one of these with None."""
     if typing.get_origin(kind) in (typing.Union, types.UnionType):
         members = [member for member in typing.get_args(kind) if member is not type(None)]
         return len(members) == 1 and _is_native(members[0])

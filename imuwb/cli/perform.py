@@ -48,7 +48,7 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: ob
     through = [conditioned(read_log(path, request.reading, request.part), request.conditions.through) for path in paths]
     logs = [log for log, _ in through]
     with errors_named(name, analysis), progress(f"{name}: computing") as report, watched(lambda part: report(part, 1)):
-        # The study comes first, because it finds a setting that a log cannot have before the long work begins.
+        # The study comes first, because it finds a setting that does not suit a log before the long work begins.
         study = plugin.study(cases(logs, request.conditions.study), parameters) if request.conditions.study else None
         result = plugin.run(logs, parameters)
 
@@ -96,7 +96,7 @@ def check_count(name: str, analysis: Analysis, paths: Sequence[Path]) -> None:
 
 
 def draw_conditioning(log: Log, steps: list[tuple[Step, Any]], review: RecordingReview) -> None:
-    """State and show on a tab of its own what the conditioners did to the samples."""
+    """State what the conditioners did to the samples, and show it on a separate tab."""
     if not steps:
         return
     review.tab("Conditioning")

@@ -1,4 +1,4 @@
-"""Where outputs go. The places are checked before the work begins."""
+"""The paths of the outputs. They are checked before the work begins."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def stem(path: Path) -> str:
 
 
 def check_places(files: Sequence[Path], logs: Sequence[Path], *, force: bool) -> None:
-    """Check that all outputs can be written, that no two have the same name, and that none is a log that is read.
+    """Check that all outputs can be written, that no two outputs have the same path, and that no output is a log that is read.
 
     Raises:
         UsageError: two outputs have the same name, or a file exists and ``force`` is not set.

@@ -26,7 +26,7 @@ def grid(texts: Sequence[str]) -> list[dict[str, str]]:
     """Return all combinations of the values of a study, each as a setting such as {"wavelet.levels": "3"}.
 
     Raises:
-        UsageError: a text is no study, a value is not allowed, or there are too many combinations.
+        UsageError: a text is not a study, a value is not allowed, or there are too many combinations.
     """
     axes = [_axis(text) for text in texts]
     count = math.prod(len(values) for _, values in axes)

@@ -21,7 +21,7 @@ WIDE = 200  #: columns of an output that is no terminal
 
 
 def console(*, data: bool) -> Console:
-    """Return a console: that of stdout for data, that of stderr for all else."""
+    """Return the console of stdout for data, and the console of stderr for everything else."""
     stream = sys.stdout if data else sys.stderr
     return Console(file=stream, width=None if stream.isatty() else WIDE, highlight=False)
 

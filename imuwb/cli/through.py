@@ -72,9 +72,9 @@ def step_of(name: str, values: Mapping[str, str], option: str = "--through") -> 
     """Return a conditioner with parameters given as texts; ``/`` separates the numbers of one parameter.
 
     Args:
-        name: of the conditioner.
+        name: name of the conditioner.
         values: {parameter: text}.
-        option: of the command line that names the conditioner, for errors.
+        option: the option of the command line that names the conditioner, for errors.
 
     Raises:
         UsageError: an unknown conditioner or key, or a value that the parameter does not allow.
@@ -125,7 +125,7 @@ def conditioners() -> Iterator[tuple[str, Conditioner]]:
 
 
 def conditioned(log: Log, texts: Sequence[str]) -> tuple[Log, list[tuple[Step, Any]]]:
-    """Return a log after all conditioners, in their order, and each conditioner with the change that it can draw."""
+    """Return a log after all conditioners, in their order, and each conditioner with the change that its ``draw`` can show."""
     applied: list[tuple[Step, Any]] = []
     for text in texts:
         current = step(text)

@@ -1,4 +1,4 @@
-"""What is wrong with a log, stream by stream: where, how often, how badly, and what follows from it."""
+"""Checks what is wrong with each stream of a log: where, how often, how badly, and with which consequence."""
 
 from imuwb.health.check import Health, StreamHealth, check, is_of
 from imuwb.health.fault import Fault

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
     from imuwb.log import Floats, ImuStream, Log
 
-LOOKED_AT = 200_000  #: samples that are enough for what is the same all along
-ROUNDING = 1e-9  #: of the largest value; a smaller difference is one of rounding
+LOOKED_AT = 200_000  #: number of samples that show the properties that do not change during a log
+ROUNDING = 1e-9  #: share of the largest value; a smaller difference is due to rounding
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -43,13 +43,13 @@ class Channel:
 
     @property
     def gaps(self) -> Floats:
-        """Return the differences between neighbouring values, without those of rounding."""
+        """Return the differences between neighbouring values, without the differences that are due to rounding."""
         gaps = np.diff(self.levels)
         return gaps[gaps > ROUNDING * max(abs(float(self.levels[0])), abs(float(self.levels[-1])), 1e-12)]
 
 
 def channels(log: Log, imu: ImuStream) -> dict[str, Channel]:
-    """Return the axes of an IMU whose samples are not all equal, by name; those of one sensor share their time."""
+    """Return the axes of an IMU whose samples are not all equal, by name; the axes of one sensor share their time."""
     by_axis: dict[str, Channel] = {}
     for sensor, triad in (("gyro", imu.angular_rate), ("accel", imu.specific_force)):
         if triad is None or not len(triad):

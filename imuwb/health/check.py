@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from imuwb.health.motion import Segment
     from imuwb.log import Floats, ImuStream, Log, Nanoseconds, Repair
 
-WINDOWS = 400  #: in which the rate of a stream is counted over a log
-FEWEST = 20  #: rows in a window
-#: by the rank of the worst fault
+WINDOWS = 400  #: number of windows of a log in which the rate of a stream is counted
+FEWEST = 20  #: least number of rows in a window
+#: the verdict for each severity of the worst fault, from a note to a fault
 VERDICTS = ("good", "usable, with warnings", "not usable as it is")
 
 
@@ -33,7 +33,7 @@ class StreamHealth:
 
     name: str
     verdict: str
-    faults: int  #: of the stream and its axes, notes included
+    faults: int  #: number of faults of the stream and its axes, including notes
     usual_rate: float  #: Hz, the median over time
     time: Floats  #: (w,) s from the log's start
     rate: Floats  #: (w,) Hz
@@ -46,14 +46,13 @@ class Health:
     streams: tuple[StreamHealth, ...]
     faults: tuple[Fault, ...]
     segments: tuple[Segment, ...]  #: when one IMU is still and when it moves; empty where the record does not show it
-    segments_of: (
-        str | None
-    )  #: name of that IMU: the first whose record shows it, else the first; None: no IMU was examined
-    still: float  #: s, that it is still
-    moving: float  #: s, that it moves
+    #: name of that IMU: the first whose record shows it, else the first; None: no IMU was examined
+    segments_of: str | None
+    still: float  #: s; total time during which that IMU is still
+    moving: float  #: s; total time during which that IMU moves
 
     def __str__(self) -> str:
-        """Return the verdict of each stream, and the faults, one a line."""
+        """Return the verdict of each stream, and the faults; one line for each."""
         return "\n".join([*(f"{s.name}: {s.verdict}" for s in self.streams), *map(str, self.faults)])
 
     __repr__ = __str__
@@ -65,7 +64,7 @@ def check(log: Log, *, lines: bool = True, samples: bool = True) -> Health:
     Args:
         log: the log.
         lines: look for periodic lines in still records too.
-        samples: examine the samples of the IMUs, which takes most of the time, besides clocks and receivers.
+        samples: examine the samples of the IMUs too; this takes most of the time. Clocks and receivers are always examined.
     """
     faults: list[Fault] = []
     clocks = list(_clocks(log))
@@ -99,7 +98,7 @@ def _examined(log: Log, imu: ImuStream, *, lines: bool) -> tuple[tuple[Segment, 
 
 
 def _clocks(log: Log) -> Iterator[tuple[str, Nanoseconds, tuple[Repair, ...], bool]]:
-    """Yield name, times, repairs and whether it is inertial, of each stream; of an IMU with two clocks, of each sensor."""
+    """Yield for each stream its name, times, repairs, and whether it is inertial; an IMU with two clocks counts as two streams."""
     for imu in log.imus:
         triads = [t for t in (imu.angular_rate, imu.specific_force) if t is not None]
         same = len(triads) < 2 or np.array_equal(triads[0].time, triads[1].time)  # noqa: PLR2004 - gyro and accelerometer
@@ -124,7 +123,7 @@ def _apart(log: Log) -> Iterator[Fault]:
 
 
 def is_of(fault: Fault, stream: str) -> bool:
-    """Return whether a fault is one of a stream, or of one of its axes."""
+    """Return whether a fault belongs to a stream or to one of its axes."""
     imu, _, sensor = stream.rpartition(" ")
     axes = {"gyros": f"{imu} gyro_", "accelerometers": f"{imu} accel_"}.get(sensor, f"{stream} ")
     return fault.stream == stream or fault.stream.startswith(axes)

@@ -17,24 +17,24 @@ if TYPE_CHECKING:
     from imuwb.log import Floats
     from imuwb.sampling import Sampling
 
-JITTER = 0.2  #: of the interval
-DROPPED = 1.5  #: times the usual step, over a window
-WINDOW = 50  #: steps
-WINDOWS = 4  #: that a stream must have, so that its usual step is known
-MOSTLY = 0.5  #: share of a stream that is missing, from which on it was recorded in batches
-MANY = 100  #: gaps; so many in a stream whose rate drops are the steps of the lower rate
-MUCH = 0.01  #: share of a stream that is missing, from which on it is a fault
+JITTER = 0.2  #: share of the interval; a larger scatter of the stamps is a fault
+DROPPED = 1.5  #: times the usual step; a window with longer steps shows a drop of the rate
+WINDOW = 50  #: steps in a window
+WINDOWS = 4  #: least number of windows from which the usual step of a stream is known
+MOSTLY = 0.5  #: share of missing time; a stream with a larger share was recorded in batches
+MANY = 100  #: gaps; if a stream whose rate drops has more gaps, they are the steps of the lower rate
+MUCH = 0.01  #: share of missing time; a larger share is a fault
 DAY, YEAR = 86_400.0, 31_557_600.0  #: s
-FAR = 10.0  #: times the recorded time
+FAR = 10.0  #: times the recorded time; a longer step is a jump of the clock
 
 
 def clock_faults(name: str, time: Floats, *, inertial: bool) -> Iterator[Fault]:
     """Yield what is wrong with the times of a stream.
 
     Args:
-        name: of the stream.
+        name: name of the stream.
         time: (n,) s from the log's start, rising.
-        inertial: whether its samples are averaged over time, so that gaps limit averaging times.
+        inertial: whether the stream is from an IMU; gaps then limit the averaging times.
     """
     if time.size < 2:  # noqa: PLR2004 - a step needs two rows
         yield Fault(name, "single row", "a single row", "fault", consequence="there is nothing to analyse")
@@ -51,7 +51,7 @@ def clock_faults(name: str, time: Floats, *, inertial: bool) -> Iterator[Fault]:
 
 
 def _jumps(time: Floats) -> NDArray[np.int64]:
-    """Return the rows before which a clock was set: it steps by a day, and by far more than the recorded time."""
+    """Return the rows before which a clock was set: its step is longer than a day, and far longer than the recorded time."""
     steps = np.diff(time)
     long = steps > DAY
     return np.flatnonzero(long & (steps > FAR * float(steps[~long].sum()))) + 1
@@ -92,7 +92,7 @@ def _gaps(name: str, time: Floats, clock: Sampling, *, inertial: bool) -> Fault:
 
 
 def _rate_drops(name: str, time: Floats) -> Iterator[Fault]:
-    """Yield spans in which the rate itself is lower, without gaps."""
+    """Yield spans without gaps in which the rate is lower."""
     steps = np.diff(time)
     if steps.size < WINDOWS * WINDOW:
         return

@@ -19,14 +19,13 @@ class Fault:
     """What is wrong with a stream or an axis of an IMU."""
 
     stream: str
-    kind: str  #: for programs, such as "gaps"; the texts may be re-worded, the kind stays
+    kind: str  #: name for programs, such as "gaps"; the texts may change, the kind stays
     what: str
     severity: Severity
     count: int = 1
-    start: float | None = (
-        None  #: s from the log's start, of the first one or the longest one; None: everywhere, or unknown
-    )
-    length: float | None = None  #: s, of the longest one
+    #: s from the log's start, of the first or the longest fault of this kind; None: everywhere, or unknown
+    start: float | None = None
+    length: float | None = None  #: s; length of the longest fault of this kind
     consequence: str = ""
 
     def __str__(self) -> str:
@@ -36,6 +35,6 @@ class Fault:
 
 
 def runs(inside: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return first row and length of each run of True."""
+    """Return the first row and the length of each run of True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]])))
     return edges[::2], edges[1::2] - edges[::2]

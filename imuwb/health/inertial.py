@@ -18,18 +18,19 @@ if TYPE_CHECKING:
     from imuwb.health.motion import Segment
     from imuwb.log import ImuStream
 
-STUCK = 2.0  #: s; equal samples for longer, and for much longer than usual, are a stuck channel
-LONGER = 20.0  #: times the usual run of equal samples
-USUAL = 0.99  #: quantile of the runs that is the usual one
-SATURATED = 3  #: equal samples in a row at the end of a channel's range
-SEVERAL = 3  #: such runs; tops of a motion are not that often equal to a step
-LEAP = 4.0  #: steps (LSB) into such a run or out of it, which the top of a smooth motion does not have
-FINE = 1000  #: different values, from which on a channel is not coarse
-FAR = 4.0  #: standard deviations from the median to the end of the range of a coarse channel
-COARSE = 50  #: samples for each different value, from which on the step of a channel is reported
-GRID, MOSTLY = 0.1, 0.9  #: steps by which a difference may miss whole steps, and share of differences that do not
-MOVES = 0.2  #: share of a record that moves, from which on its lines are those of the motion
-MOST_LINES = 3  #: that are reported of an axis
+STUCK = 2.0  #: s; a channel with equal samples for longer than this, and for much longer than usual, is stuck
+LONGER = 20.0  #: times the usual run of equal samples; a longer run is "much longer than usual"
+USUAL = 0.99  #: the usual run is this quantile of all runs
+SATURATED = 3  #: least number of equal samples in a row, at the end of a channel's range, that show saturation
+SEVERAL = 3  #: number of such runs that show saturation; the peaks of a motion are not equal so often
+LEAP = 4.0  #: steps (LSB); a larger change before or after such a run shows saturation, for the peak of a smooth motion has none
+FINE = 1000  #: number of different values; a channel with more is not coarse
+FAR = 4.0  #: standard deviations; the end of the range of a coarse channel is further than this from the median
+COARSE = 50  #: samples for each different value; with at least as many, the step of a channel is reported
+#: steps: a difference that is nearer to a whole number of steps is on the grid; and the least share of differences on the grid
+GRID, MOSTLY = 0.1, 0.9
+MOVES = 0.2  #: share of a record; if the IMU moves for longer, the lines may be those of the motion
+MOST_LINES = 3  #: largest number of lines that are reported for an axis
 
 
 def inertial_faults(
@@ -45,7 +46,7 @@ def inertial_faults(
     Args:
         imu: the IMU.
         channels: its axes whose samples are not all equal.
-        lone: their lone samples.
+        lone: the lone samples of each channel.
         segments: when the IMU is still and when it moves; empty where the record does not show it.
         lines: look for periodic lines too, where the IMU hardly moves.
     """
@@ -89,7 +90,7 @@ def _stuck(channel: Channel) -> Iterator[Fault]:
 def _saturated(channel: Channel) -> Iterator[Fault]:
     values = channel.values
     middle, spread = float(np.median(values)), float(np.std(values))
-    fine = channel.levels.size > FINE  # then equal samples do not follow each other by chance
+    fine = channel.levels.size > FINE  # with so many values, equal samples do not follow each other by chance
     for end in (float(values.max()), float(values.min())):
         if not fine and abs(end - middle) < FAR * spread:
             continue
@@ -97,7 +98,7 @@ def _saturated(channel: Channel) -> Iterator[Fault]:
         first, length = first[length >= SATURATED], length[length >= SATURATED]
         if not first.size:
             continue
-        # The rounded top of a smooth motion is flat too, but nothing leaps up to it.
+        # The rounded peak of a smooth motion is flat too, but no large change leads to it.
         edges = np.concatenate([first - 1, first + length])
         leap = float(np.abs(values[edges[(edges >= 0) & (edges < values.size)]] - end).max(initial=0.0))
         if first.size >= SEVERAL or leap > LEAP * channel.step:
@@ -106,7 +107,7 @@ def _saturated(channel: Channel) -> Iterator[Fault]:
 
 
 def _struck(channel: Channel, lone: Lone, segments: Sequence[Segment]) -> Iterator[Fault]:
-    """Yield the lone samples of a channel while it is still: those of a motion may be part of it."""
+    """Yield the lone samples of a channel while the IMU is still: during a motion they may be part of the motion."""
     at = channel.time[lone.rows]
     still = np.zeros(at.size, dtype=bool)
     for segment in segments:

@@ -1,4 +1,4 @@
-"""Lone samples: off both neighbours by far more than samples usually change, and by more than a few steps of the sensor."""
+"""Finds lone samples. A lone sample differs from both neighbours by far more than usual, and by more than a few steps of the sensor."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ if TYPE_CHECKING:
     from imuwb.health.channel import Channel
     from imuwb.log import Floats
 
-STRUCK = 40.0  #: times the usual change, by which a lone sample is off both neighbours
-STEPS = 5.0  #: steps (LSB) of the sensor, by which it is off at least
-AROUND = 12  #: samples on each side of it that show what is usual there
-MOST = 10_000  #: candidates that are examined
-FEW = 0.002  #: share of lone samples, above which they are motion
-LEAST = 3  #: lone samples that are never motion
-SLOWEST = 20.0  #: Hz; slower samples do not show what happens between them
-FEWEST = 100  #: samples; fewer do not show what is usual
+STRUCK = 40.0  #: times the usual change; a lone sample differs by more from both neighbours
+STEPS = 5.0  #: steps (LSB) of the sensor; a lone sample differs by at least as much from both neighbours
+AROUND = 12  #: samples on each side of a lone sample that show the usual change there
+MOST = 10_000  #: largest number of candidates that are examined
+FEW = 0.002  #: share of lone samples; a larger share shows motion
+LEAST = 3  #: number of samples; fewer lone samples than this are never taken as motion
+SLOWEST = 20.0  #: Hz; at a lower rate, the samples do not show what happens between them
+FEWEST = 100  #: samples; fewer samples do not show the usual change
 CONSISTENT = 1.4826 / 2**0.5  #: sigma of normal samples over the median of their changes
-SMALLEST = 1e-6  #: of the range of the values, a usual change at least
+SMALLEST = 1e-6  #: share of the range of the values; the usual change is at least this
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -35,7 +35,7 @@ class Lone:
     off: Floats  #: (k,) difference from the nearer neighbour, rad/s or m/s²
 
     def without(self, values: Floats) -> Floats:
-        """Return the channel's values, each lone one replaced by the mean of its neighbours."""
+        """Return the channel's values, with each lone sample replaced by the mean of its neighbours."""
         if not self.rows.size:
             return values
         mended = values.copy()
@@ -44,7 +44,7 @@ class Lone:
 
 
 def lone_samples(channel: Channel) -> Lone:
-    """Return the lone samples; none where samples are too few or too slow, or where lone ones are too many."""
+    """Return the lone samples; nothing if the samples are too few, the rate is too low, or the lone samples are too many."""
     nothing = Lone(np.empty(0, np.int64), np.empty(0))
     values = channel.values
     if values.size < FEWEST or not 1 / channel.clock.interval >= SLOWEST:
@@ -54,15 +54,16 @@ def lone_samples(channel: Channel) -> Lone:
     usual = float(np.median(changes[:: max(changes.size // LOOKED_AT, 1)])) * CONSISTENT
     usual = max(usual, float(np.ptp(values[:LOOKED_AT])) * SMALLEST)
     far = np.flatnonzero(off > max(STRUCK * usual, (STEPS - 0.5) * channel.step))
-    # Both neighbours of a struck sample are off as well: the lone one is the largest of the three.
+    # The neighbours of a struck sample also differ from their own neighbours: the lone sample is the largest of the three.
     rows = np.array([k for k in far[:MOST] if _stands_out(off, changes, int(k))], np.int64)
     return Lone(rows + 1, off[rows]) if 0 < rows.size < max(FEW * values.size, LEAST) else nothing
 
 
 def _off(values: Floats, breaks: NDArray[np.int64]) -> Floats:
-    """Return how far each sample but the first and the last is off its nearer neighbour, (n - 2,).
+    """Return how far each sample is from its nearer neighbour, (n - 2,); the first and the last sample are left out.
 
-    A step is off one neighbour only: the smaller difference counts, and 0 where the two have different signs.
+    The smaller of the two differences counts, because a step differs from one neighbour only. The result is 0 where the two
+    differences have different signs.
     """
     before, after = values[1:-1] - values[:-2], values[1:-1] - values[2:]
     off = np.where(before * after > 0, np.minimum(np.abs(before), np.abs(after)), 0.0)
@@ -71,8 +72,8 @@ def _off(values: Floats, breaks: NDArray[np.int64]) -> Floats:
 
 
 def _stands_out(off: Floats, changes: Floats, k: int) -> bool:
-    """Return whether a sample is off by more than its neighbours are, and by far more than those around it change."""
-    # Where a motion begins, one side is quiet: the larger change counts.
+    """Return whether a sample differs by more than its neighbours do, and by far more than the samples around it change."""
+    # Where a motion begins, one side is quiet, so the larger change of the two sides counts.
     around = max(
         np.median(changes[max(k - AROUND, 0) : k]) if k else 0.0,
         np.median(changes[k + 2 : k + 2 + AROUND]) if k + 2 < changes.size else 0.0,

@@ -30,11 +30,11 @@ class Segment:
 
 
 def segments(channels: Mapping[str, Channel], lone: Mapping[str, Lone]) -> tuple[Segment, ...]:
-    """Return when the IMU is still and when it moves; nothing where the record does not show it.
+    """Return when the IMU is still and when it moves; no segment if the record does not show it.
 
     Args:
         channels: its axes whose samples are not all equal.
-        lone: their lone samples, which are no motion.
+        lone: the lone samples of each channel; they are not taken as motion.
     """
     axes = {axis: (channel.time, lone[axis].without(channel.values)) for axis, channel in channels.items()}
     record = stillness(axes) if axes else None

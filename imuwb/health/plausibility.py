@@ -1,4 +1,4 @@
-"""What a still IMU cannot measure: a wrong gravity, a large rate, a temperature that never changes."""
+"""Finds values that a still IMU cannot measure: a wrong gravity, a large rate, a temperature that never changes."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ if TYPE_CHECKING:
     from imuwb.health.motion import Segment
     from imuwb.log import Floats, ImuStream, Log, Triad
 
-GRAVITY = 0.02  #: of standard gravity, by which a still accelerometer may be off
-WRONG = 0.1  #: of standard gravity, from which on no bias explains the difference
-BIAS = 0.05  #: rad/s of a still gyro
-CONSTANT = 600.0  #: s, over which a temperature must change at all
-STILL_ENOUGH = 5.0  #: s
+GRAVITY = 0.02  #: share of standard gravity; a still accelerometer may differ from gravity by this
+WRONG = 0.1  #: share of standard gravity; no bias explains a larger difference
+BIAS = 0.05  #: rad/s; a larger rate of a still gyro is a fault
+CONSTANT = 600.0  #: s; over a longer time a temperature must change
+STILL_ENOUGH = 5.0  #: s; shortest still segment that is examined
 
 
 def implausible(log: Log, imu: ImuStream, segments: Sequence[Segment]) -> Iterator[Fault]:
-    """Yield what the sensors of an IMU cannot measure.
+    """Yield the values that the sensors of an IMU cannot have measured.
 
     Args:
         log: the log whose start times count from.
@@ -62,7 +62,7 @@ def _temperature(log: Log, imu: ImuStream) -> Iterator[Fault]:
 
 
 def _mean(log: Log, triad: Triad | None, segment: Segment) -> Floats | None:
-    """Return a triad's mean over a segment, (3,); None where it has no sample there."""
+    """Return a triad's mean over a segment, (3,); None if the triad has no sample there."""
     if triad is None:
         return None
     time = log.seconds(triad.time)

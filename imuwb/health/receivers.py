@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from imuwb.log import Floats, GnssStream, Log
 
 FIXED_3D = 3
-FEWEST = 3  #: fixes that can be compared
-FAST = 30.0  #: m/s by which a lone speed exceeds those before and after it
-JUMP, TIMES = 20.0, 3.0  #: m/s, and times the speed, with which positions may change
-HELD = 0.02  #: share of fixes that repeat the position before
+FEWEST = 3  #: least number of fixes that can be compared
+FAST = 30.0  #: m/s; a spike exceeds the speeds before and after it by more
+JUMP, TIMES = 20.0, 3.0  #: m/s, and times the speed: positions may change with up to the sum of both
+HELD = 0.02  #: share of fixes; if more fixes repeat the position before, this is a fault
 GATED = "a filter must gate them"
 
 
@@ -75,7 +75,7 @@ def _spikes(gnss: GnssStream, time: Floats) -> Iterator[Fault]:
 
 
 def _jumps(gnss: GnssStream, time: Floats, held: NDArray[np.bool_]) -> Iterator[Fault]:
-    """Yield steps of the position that are too fast for the velocity, or for the usual pace where no velocity is known."""
+    """Yield steps of the position that are too fast for the velocity, or, if no velocity is known, for the usual pace."""
     moved = _displacements(gnss.position)
     distance = np.linalg.norm(moved, axis=1)
     pace = distance / np.diff(time)
@@ -93,7 +93,7 @@ def _jumps(gnss: GnssStream, time: Floats, held: NDArray[np.bool_]) -> Iterator[
 
 
 def _displacements(position: Floats) -> Floats:
-    """Return north and east from each fix to the next, (n - 1, 2) m."""
+    """Return the displacements to north and east from each fix to the next, (n - 1, 2) m."""
     meridian, transverse = radii_of_curvature(position[:-1, 0])
     turns = np.diff(position[:, :2], axis=0)
     turns[:, 1] = (turns[:, 1] + np.pi) % (2 * np.pi) - np.pi  # across the date line

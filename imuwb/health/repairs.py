@@ -1,4 +1,4 @@
-"""Repairs by the reader, and what follows from them."""
+"""The repairs by the reader as faults, with their consequences."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from imuwb.health.fault import Severity
     from imuwb.log import Effect, Repair
 
-MUCH = 0.01  #: share of a stream that was repaired, above which the severity is higher
+MUCH = 0.01  #: share of a stream; if more of it was repaired, the severity is higher
 #: effect -> severity of few repairs, severity of many, consequence
 _MEANING: dict[Effect, tuple[Severity, Severity, str]] = {
     "lost": ("warning", "fault", "the rows that were left out are missing: results span the holes"),
@@ -23,7 +23,7 @@ _MEANING: dict[Effect, tuple[Severity, Severity, str]] = {
 
 
 def repair_faults(name: str, repairs: Iterable[Repair], rows: int) -> Iterator[Fault]:
-    """Yield the repairs of a stream of so many rows."""
+    """Yield a fault for each repair of a stream with ``rows`` rows."""
     for repair in repairs:
         few, many, consequence = _MEANING[repair.effect]
         severity = many if repair.count > MUCH * rows else few

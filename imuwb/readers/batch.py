@@ -28,15 +28,15 @@ class Batch:
     * gnss: ``position``, ``velocity``, ``position_sigma``, ``velocity_sigma`` (n, 3), ``fix_type`` (n,);
     * reference: ``position``, ``velocity``, ``attitude`` (n, 3);
     * speed: ``speed`` (n,); temperature: ``temperature`` (n,);
-    * velocity and fix: ``velocity`` and ``velocity_sigma`` (n, 3), or ``fix_type`` (n,), of a receiver whose positions are
-      another stream.
+    * velocity and fix: ``velocity`` and ``velocity_sigma`` (n, 3), or ``fix_type`` (n,): values of a receiver whose positions
+      are in another stream.
 
     Triads of one IMU with different clocks come in different batches with the same stream name.
     """
 
     stream: str
     kind: Kind
-    time: NDArray[np.int64]  #: (n,) ns, as in the file; assembly repairs order and repeats
+    time: NDArray[np.int64]  #: (n,) ns, as in the file; imuwb later repairs the order and repeated times
     columns: Mapping[str, NDArray[np.float64]]
     origin: Origin = field(default_factory=Origin)
     bytes_read: int = 0  #: the reader's position in the file
@@ -55,14 +55,14 @@ class Remark:
     text: str  #: a ``Note``, if tests or programs need its id
     stream: str = ""
     count: int = 0
-    effect: Effect = "lost"  #: of the repair on the stream
+    effect: Effect = "lost"  #: effect of the repair on the stream
 
 
 class Reader(Protocol):
     """One file format: a module, or any object, with these names.
 
-    Two more names are optional. ``describe(path) -> LogSummary | None`` returns what an index states, or None without an
-    index. ``uses`` lists the names of the options that the format uses; a note names the others if they are set.
+    Two more names are optional. ``describe(path) -> LogSummary | None`` returns the summary that the file's index states, or None
+    without an index. ``uses`` lists the names of the options that the format uses; a note names the others if they are set.
     """
 
     format: str

@@ -20,7 +20,7 @@ DIMENSIONS = {
     "fix_type": "dimensionless", "speed": "speed", "roll": "angle", "pitch": "angle", "heading": "angle",
     "week": "dimensionless",
 }  # fmt: skip
-#: A unit of one of these is the unit of several quantities.
+#: The unit of one of these names is the unit of several quantities.
 GROUPS = {
     "position": ("latitude", "longitude"),
     "velocity": ("velocity_north", "velocity_east", "velocity_down"),

@@ -1,4 +1,4 @@
-"""What a file does not state itself, and its user states for it."""
+"""Options for what a file does not state itself, such as its rate, units and frame."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from imuwb.errors import UsageError
 from imuwb.options import Between, Form, check
 from imuwb.readers.quantities import units_by_quantity
-from imuwb.units import Epoch  # noqa: TC001 - as above
+from imuwb.units import Epoch  # noqa: TC001 - the fields' types are looked up when the program runs
 
 if TYPE_CHECKING:
     from collections.abc import Collection

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
     Progress = Callable[[int, int], None]
 
-#: Formats are asked in the order of their names, but for these: MCAP first, then, after those with a magic number,
-#: telemetry and text. Only the readers that are asked are imported.
+#: Readers are asked in the order of their names, with these exceptions: MCAP is first; telemetry and text are last, after the
+#: formats with a magic number. Only the readers that are asked are imported.
 ORDER = {"mcap": -1, "tlog": 1, "csv": 2}
 
 
@@ -75,7 +75,7 @@ def read(path: str | Path, options: ReadOptions | None = None, progress: Progres
     Args:
         path: a file of any known format; its leading bytes decide which.
         options: what the file does not state itself, such as rate, columns, and units.
-        progress: called now and then with (bytes read, bytes of the file).
+        progress: called from time to time with (bytes read, bytes of the file).
 
     Raises:
         UnreadableLogError: the file cannot be read, or contradicts its stated units.

@@ -1,4 +1,4 @@
-"""The shared look of results: a Rerun recording, the terminal, and JSON, from the same calls.
+"""Shows results as a Rerun recording, in the terminal, and as JSON; the same calls make all three.
 
-Nothing is imported here, because tables and JSON must not wait for the viewer's library.
+Nothing is imported here, so that tables and JSON do not wait for the import of the viewer's library.
 """

@@ -19,23 +19,21 @@ if TYPE_CHECKING:
     from imuwb.review.frame import Point
 
 # Lengths are in the view's own units, in which the frame is 1200 wide.
-MARGIN_X, MARGIN_Y = (90.0, 25.0), (60.0, 90.0)  #: for titles and labels: left and right, above and below
+MARGIN_X, MARGIN_Y = (90.0, 25.0), (60.0, 90.0)  #: space for titles and labels: left and right, above and below
 LABEL_DROP = 16.0  #: the viewer puts a label below its point by about this much
-LEGEND_STEP = 32.0  #: from line to line
+LEGEND_STEP = 32.0  #: distance between the lines of the legend
 LEGEND_AIR, LEGEND_LINE, LEGEND_HALF = 12.0, 45.0, 60.0
-LETTER = 15.0  #: width of a letter, about, where the figure fills a quarter of the screen
-ABOVE = 26.0  #: of a mark's label above its point
-ASIDE = 42.0  #: between the labels of marks that would hide each other
-DASH = 7.0  #: of a vertical line
-VERTICAL_ROWS = 4  #: heights at which the texts of neighbouring verticals stand
+LETTER = 15.0  #: approximate width of a letter if the figure fills a quarter of the screen
+ABOVE = 26.0  #: distance of a mark's label above its point
+ASIDE = 42.0  #: distance between the labels of marks that would hide each other
+DASH = 7.0  #: length of a dash of a vertical line
+VERTICAL_ROWS = 4  #: number of heights at which the texts of neighbouring vertical lines are placed
 THICKNESS = {"line": 1.6, "curve": 1.2, "points": 1.6, "fit": 0.9, "faint": 0.5}
 ALPHA = {"line": 255, "curve": 255, "points": 255, "fit": 220, "faint": 110}
 INTERVAL_ALPHA = 130
 DOTTED = ("line", "points")  #: styles that show each point
-BACKGROUND_STYLES = (
-    "fit",
-    "faint",
-)  #: styles that go with several colours; the legend shows them in the colour of text
+#: styles that curves of several colours share; the legend shows these styles in the colour of text
+BACKGROUND_STYLES = ("fit", "faint")
 GRID_ORDER, INTERVAL_ORDER, VERTICAL_ORDER, CURVE_ORDER, POINT_ORDER, LEGEND_ORDER, MARK_ORDER = (
     0,
     10,
@@ -78,7 +76,7 @@ def _grid(figure: Figure, frame: Frame, recording: rr.RecordingStream, path: str
 
 
 def _curve(curve: Curve, frame: Frame, recording: rr.RecordingStream, path: str) -> None:
-    """Log a curve: its line, its intervals and its points, as its style has them."""
+    """Log a curve: its line, its intervals and its points, as far as its style has these."""
     color = (*curve.color, ALPHA[curve.style])
     parts = frame.strips(curve.x, curve.y)
     strips = [part for part in parts if len(part) > 1]
@@ -96,7 +94,7 @@ def _curve(curve: Curve, frame: Frame, recording: rr.RecordingStream, path: str)
 
 
 def _verticals(figure: Figure, frame: Frame, recording: rr.RecordingStream, path: str) -> None:
-    """Log the dashed vertical lines; the texts of neighbours stand at different heights."""
+    """Log the dashed vertical lines; the texts of neighbours are placed at different heights."""
     shown = [vertical for vertical in figure.verticals if frame.x.contains(vertical.x)]
     if not shown:
         return
@@ -141,7 +139,7 @@ def _crowd(figure: Figure, frame: Frame, left: float, right: float, lowest: floa
 
 
 def _marks(figure: Figure, frame: Frame, recording: rr.RecordingStream, path: str) -> None:
-    """Log the marks; labels that would hide each other stand side by side."""
+    """Log the marks; labels that would hide each other are placed side by side."""
     marks = [mark for mark in figure.marks if frame.contains(mark.x, mark.y)]
     if not marks:
         return

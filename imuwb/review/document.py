@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 SCHEMA = 1
 
 
-def plain(value: object) -> object:  # noqa: PLR0911 - a kind of value each
+def plain(value: object) -> object:  # noqa: PLR0911 - one return for each kind of value
     """Return a value in the types of JSON: a dataclass as an object, an array as a list, a number that is not finite as null.
 
     Fields of dataclasses with ``document=False`` in their metadata are left out: only figures use them.
@@ -56,12 +56,12 @@ def document(
     """Return the JSON text of a result and its provenance.
 
     Args:
-        analysis: its name, with its method if it has several: "calibration six-position".
-        version: of imuwb.
-        parameters: of the analysis, a dataclass.
-        result: of the analysis.
-        logs: that were analysed.
-        notes: that the review shows.
+        analysis: name of the analysis, with the method if it has several: "calibration six-position".
+        version: version of imuwb.
+        parameters: parameters of the analysis, a dataclass.
+        result: result of the analysis.
+        logs: the logs that were analysed.
+        notes: the notes that the review shows.
         study: result of a study; None: no study was run.
     """
     name, _, method = analysis.partition(" ")

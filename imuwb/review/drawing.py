@@ -1,4 +1,4 @@
-"""How lines, points and labels of 2D views are logged."""
+"""Logs the lines, points and labels of 2D views."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A long series as the extremes of short spans: no peak is lost, and it is drawn at once."""
+"""A long series as the extremes of short spans: no peak is lost, and the series is drawn fast."""
 
 from __future__ import annotations
 

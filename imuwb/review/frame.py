@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 Point: TypeAlias = tuple[float, float]
 
-WIDTH, HEIGHT = 1200.0, 560.0  #: of the frame, in the view's own units
+WIDTH, HEIGHT = 1200.0, 560.0  #: size of the frame, in the view's own units
 SAME = 1e-6  #: greatest distance between two points that count as one, in the view's units
 
 

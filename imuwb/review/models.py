@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from imuwb.stochastic import AxisModel, ImuErrorModel
     from imuwb.stochastic.model_check import Verdict
 
-POINTS = 200  #: of each curve
+POINTS = 200  #: number of points of each curve
 #: sensor -> title, unit of the Allan deviation, unit of the density and its factor to SI
 _SENSORS = {
     "gyro": ("Gyroscopes", "deg/h", "(deg/s)²/Hz", (np.pi / 180) ** 2),
@@ -50,7 +50,7 @@ def _allan(
 ) -> Figure:
     name, unit, _, _ = _SENSORS[sensor]
     tau = np.geomspace(1 / rate, duration / 2, POINTS)
-    tau = np.unique(np.rint(tau * rate)) / rate  # an autoregressive process knows multiples of its step only
+    tau = np.unique(np.rint(tau * rate)) / rate  # an autoregressive process is defined only at multiples of its step
     curves = tuple(
         Curve(
             label,

@@ -1,4 +1,4 @@
-"""The first tab of every recording: the content of the log."""
+"""The first tab of every recording; it shows the content of the logs."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from imuwb.analysis import Review
     from imuwb.log import ImuStream, Log, Triad
 
-MANY = 3  #: more logs than this have no tab each
-SAMPLES = 100_000  #: from which the median and the spread of an axis are estimated, at least
-SPREAD = 0.99  #: quantile of the distances from the median that is an axis's spread
-STILL = 0.1  #: largest spread, as a share of the distance between the axes' medians, at which axes are drawn about their medians
-ALPHA = 150  #: of the lines of three axes, which cross each other
+MANY = 3  #: up to this number of logs, each is shown over time
+SAMPLES = 100_000  #: least number of samples that the median and the spread of an axis are estimated from
+SPREAD = 0.99  #: the spread of an axis is this quantile of the distances from its median
+STILL = 0.1  #: up to this spread, as a share of the distance between the axes' medians, axes are drawn without their medians
+ALPHA = 150  #: opacity of the lines of three axes, which cross each other
 
 
 def overview(logs: Sequence[Log], review: Review) -> None:
@@ -56,7 +56,7 @@ def _streams(log: Log, review: Review) -> None:
 
 
 def _triad(imu: ImuStream, triad: Triad, quantity: str, sensor: str, unit: str, scale: float) -> Series:
-    """Return three axes over time; those of a still sensor about their medians, whose distances would hide the noise."""
+    """Return three axes over time, without their medians if the sensor is still, because different medians would hide the noise."""
     values = triad.value * scale
     sample = values[:: max(len(values) // SAMPLES, 1)]
     median = np.median(sample, axis=0)

@@ -1,4 +1,4 @@
-"""The review as a Rerun recording: tabs of figures, series, tables and notes, with their blueprint inside."""
+"""The review as a Rerun recording: tabs of figures, series, tables and notes; the recording contains its blueprint."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from imuwb.analysis import Figure, Floats, Series, Table
     from imuwb.colors import Color
 
-ROWS = 65_536  #: of a chunk
-SERIES_WIDTH = 1.2  #: of a line over time
+ROWS = 65_536  #: rows of a chunk
+SERIES_WIDTH = 1.2  #: width of a line over time
 VIEWER_PORT = 9876
-VIEWER_PATIENCE = 2.0  #: s
+VIEWER_PATIENCE = 2.0  #: s; longest wait for a running viewer
 
 
 class RecordingReview:
@@ -84,7 +84,7 @@ class RecordingReview:
         return self._tabs[-1]
 
     def tab(self, name: str) -> None:
-        """Open a tab: everything that follows is shown on it."""
+        """Open a tab; all later calls show on this tab."""
         self._tabs.append(Tab.of(name))
 
     def figure(self, figure: Figure) -> None:
@@ -190,7 +190,7 @@ class RecordingReview:
 
 
 def _require_viewer(address: str) -> None:
-    """Raise ImuwbError unless a program listens at the address: the viewer's own library would wait without end."""
+    """Raise ImuwbError unless a program listens at the address; without this check the viewer's library would wait without end."""
     place = urlsplit(address)
     host, port = place.hostname or "127.0.0.1", place.port or VIEWER_PORT
     try:
@@ -206,5 +206,5 @@ def _show_nothing(what: Table | str) -> None:
 
 
 def _literal(cell: str) -> str:
-    """Return a cell whose signs are not taken for markup."""
+    """Return a cell in which no character is read as markup."""
     return cell if set(cell) <= {"-"} else cell.replace("|", "\\|").replace("*", "\\*").replace("_", "\\_")

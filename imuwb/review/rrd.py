@@ -1,4 +1,4 @@
-"""Whether a recording's file is complete, by its first and last bytes: the library that writes it reports no error of the disk."""
+"""Checks by first and last bytes whether a recording is complete: the library that writes it reports no errors of the disk."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import os
 from pathlib import Path
 
 MAGIC = b"RRF2"
-END = b"RRF2FOOT"  #: begins the footer; a number of 32 bits follows it, then the file ends
-BLOCK = 1 << 16  #: bytes; a full disk has no room for so many
+END = b"RRF2FOOT"  #: mark near the end of the file; only a number of 32 bits follows it
+BLOCK = 1 << 16  #: bytes; a full disk has no room for this number of bytes
 
 
 def is_whole(path: str | Path) -> bool:
@@ -20,7 +20,7 @@ def is_whole(path: str | Path) -> bool:
 
 
 def why_cut(path: str | Path) -> str:
-    """Return why a file was not written to its end: the cause also prevents the next bytes from being written."""
+    """Return why a file was not written to its end: try to write more bytes, and return the error of this attempt."""
     try:
         with Path(path).open("ab") as file:
             file.write(bytes(BLOCK))

@@ -12,13 +12,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-STEPS = 6  #: of a linear axis, about
-EDGE = 1e-9  #: share of an axis by which rounding may put a value outside
-AIR = 0.04  #: on both sides of the values, as a share of their range on a linear axis
-FLAT_AIR = 0.1  #: as a share of the value, where all values are equal
+STEPS = 6  #: approximate number of steps of a linear axis
+EDGE = 1e-9  #: share of an axis; rounding may put a value outside by this much
+AIR = 0.04  #: space on both sides of the values on a linear axis, as a share of their range
+FLAT_AIR = 0.1  #: the same space if all values are equal, as a share of the value
 THIRDS = 3  #: a logarithmic axis begins and ends at a third of a decade
-LOG_AIR = 0.2  #: thirds of a decade, at least
-SMALLEST = 1.0  #: decades of a logarithmic axis
+LOG_AIR = 0.2  #: least space on both sides of the values on a logarithmic axis, in thirds of a decade
+SMALLEST = 1.0  #: least length of a logarithmic axis, in decades
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,7 @@ class Scale:
 
     @staticmethod
     def around(kind: Literal["log", "linear"], parts: Iterable[object], limits: tuple[float, float] | None) -> Scale:
-        """Return an axis with the given limits; without limits, one that contains all values that it can show, with some air."""
+        """Return an axis with the given limits; without limits, an axis around all values that it can show."""
         if limits is not None:
             low, high = limits
             return Scale(kind, math.log10(low), math.log10(high)) if kind == "log" else Scale(kind, low, high)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 HEADINGS = (
     "stream", "kind", "rows", "rate", "duration", "start", "gaps", "units in file", "frame in file", "repairs",
 )  # fmt: skip
-HASH_LETTERS = 19  #: of "sha256:40323baac812..." that are shown
+HASH_LETTERS = 19  #: number of letters of "sha256:40323baac812..." that are shown
 
 
 def streams_table(summary: LogSummary) -> Table:

@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from imuwb.review.frame import Point
 
 EARTH_RADIUS = 6_371_000.0  #: m; a track is drawn on a plane, where a sphere is good enough
-POINTS = 10_000  #: at least, of a long track that is drawn; a line on a screen shows no more
-AIR = 0.15  #: around a track for the labels, as a share of its extent
-BELOW = 0.08  #: of the ruler below the track, as a share of the track's extent
-RULER_LABEL = 0.04  #: of the ruler's text below the ruler, as a share of the track's extent
+POINTS = 10_000  #: least number of points of a long track that are drawn; a line on a screen shows no more
+AIR = 0.15  #: space around a track for the labels, as a share of the extent of the track
+BELOW = 0.08  #: distance of the ruler below the track, as a share of the track's extent
+RULER_LABEL = 0.04  #: distance of the ruler's text below the ruler, as a share of the track's extent
 
 
 class Tracks:
@@ -40,10 +40,10 @@ class Tracks:
 
         Args:
             recording: where the track is logged.
-            name: of the track.
+            name: name of the track.
             position: (n, 3) latitude rad, longitude rad, height m.
-            color: of the track.
-            label: empty: the track has no label.
+            color: colour of the track.
+            label: text at the end of the track; empty: no label.
         """
         origin = self._origin = position[0] if self._origin is None else self._origin
         points = thinned(local_plane(position, origin))

@@ -1,6 +1,6 @@
-"""CSV with units in the column names, and numbers with all digits, so that reading gives back every bit.
+"""CSV with units in the column names, and numbers with all digits, so that a reader gets exactly the same numbers.
 
-Each table has a sidecar, which the reader takes too: the body frame, and the epoch that times count from.
+Each table has a sidecar, which the reader uses; it states the body frame, and the epoch that times count from.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ def write_csv(log: Log, path: Path, progress: Callable[[int, int], None] | None 
                 if progress is not None:
                     progress(done + min(start + ROWS, table.num_rows), rows)
         done += table.num_rows
-        # A speed has no origin of its own: it has the clock of the others.
+        # A speed has no origin of its own: its clock is that of the other streams.
         origins = [stream.origin.epoch for stream in kinds[kind] if not isinstance(stream, Scalars)]
         epoch = (*origins, *epochs, "log")[0]
         frame = 'frame = "FRD"\n' if kind == "imu" else ""

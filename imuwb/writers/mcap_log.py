@@ -1,6 +1,6 @@
 """MCAP with ROS 2 messages (cdr, zstd) that other tools open; whole chunks are written, not single messages.
 
-The messages of a stream differ in their numbers only, so that a chunk is one array of records. ROS bodies are
+The messages of a stream differ only in their numbers, so a chunk is one array of records. ROS bodies are
 forward-left-up (REP 145): y and z change sign, as they do when a log is read.
 Specification: https://mcap.dev/spec
 """
@@ -35,7 +35,7 @@ HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX, STA
     0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x07, 0x08, 0x0B, 0x0C, 0x0D, 0x0F,
 )  # fmt: skip
 OURS = "imuwb"  #: name of the metadata that imuwb writes
-ROWS = 12_000  #: of the fastest stream in a chunk, about 4 MB
+ROWS = 12_000  #: rows of the fastest stream in a chunk; such a chunk has about 4 MB
 LAST = 2**63 - 1  #: ns
 STAMPS_END = 2**31 * 10**9  #: ns; seconds of a stamp are an int32
 
@@ -71,7 +71,7 @@ def write_mcap(log: Log, path: Path, progress: Progress | None = None) -> None:
         fastest = max(streams, key=lambda topic: topic.time.size).time if streams else np.empty(0, np.int64)
         begins = [0] * len(streams)
         for start in range(0, fastest.size, ROWS):
-            # A chunk has so many rows of the fastest stream; the rows of the others up to the same time go with them.
+            # A chunk has ``ROWS`` rows of the fastest stream; the rows of the others up to the same time go with them.
             until = int(fastest[start + ROWS]) - 1 if start + ROWS < fastest.size else LAST
             parts: list[NDArray[np.void]] = []
             for place, topic in enumerate(streams):
@@ -88,7 +88,7 @@ def write_mcap(log: Log, path: Path, progress: Progress | None = None) -> None:
 
 
 def _write_heights(file: BinaryIO, log: Log, index: _Index) -> None:
-    """Write which streams have heights above mean sea level, as no message has a field for it."""
+    """Write which streams have heights above mean sea level, because no message has a field for this."""
     heights = {
         stream.name: f"heights are {MEAN_SEA_LEVEL}"
         for stream in (*log.gnss, *log.references)

@@ -172,7 +172,7 @@ def _gnss(gnss: GnssStream) -> Iterator[Topic]:
         rows = np.zeros(end - start, _FIX)
         rows["service"] = 1
         rows["status"] = UNKNOWN
-        if gnss.fix_type is not None:  # 0 and 1: no fix; from 4 on: with corrections
+        if gnss.fix_type is not None:  # 0 and 1: no fix; 4 and above: a fix with corrections
             kind = gnss.fix_type[start:end]
             rows["status"] = np.select([kind < 2, kind > 4, kind == 4], [-1, 2, 1], 0)  # noqa: PLR2004 - the fix types of MAVLink
         rows["position"] = gnss.position[start:end] * (180 / np.pi, 180 / np.pi, 1.0)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from imuwb.log import Floats, Reference
 
 SUFFIXES = (".tum", ".kml", ".csv", ".mcap")
-MOST_POINTS = 20_000  #: of a KML line
+MOST_POINTS = 20_000  #: largest number of points of a KML line
 EARTH_RADIUS = 6_378_137.0
 
 

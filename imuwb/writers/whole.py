@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all: each is written beside its place, then renamed."""
+"""Writes files whole or not at all: each file is written under another name in the same folder, then renamed."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ def partial(path: Path) -> Path:
 
 @contextmanager
 def whole_file(path: str | Path) -> Generator[Path]:
-    """Yield a path to write to; after the block the file stands at ``path``, or nowhere if there was an error.
+    """Yield a path to write to; after the block the file is at ``path``; after an error it is nowhere.
 
     Raises:
         ImuwbError: the file cannot be written.
     """
-    path = Path(path).resolve()  # a link stays a link, to the new file
+    path = Path(path).resolve()  # a link stays a link, and leads to the new file
     temporary = partial(path)
     try:
         yield temporary

@@ -42,10 +42,10 @@ class BenchSensor(Group):
     ] = None
 
     def specimen(self, seed: int) -> ImuErrorModel:
-        """Return one sensor of the kind, its turn-on biases drawn.
+        """Return one sensor of the kind, with random turn-on biases.
 
         Raises:
-            UsageError: none of preset and error model is given, or both.
+            UsageError: neither preset nor error model is given, or both are.
         """
         from imuwb.simulation import Tolerances, preset, specimen  # noqa: PLC0415 - help must not wait for numpy
         from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
@@ -60,14 +60,14 @@ class BenchSensor(Group):
 
 @dataclass(frozen=True)
 class BenchSamples(Samples):
-    """Samples at one temperature."""
+    """The samples of a log; all have one temperature."""
 
     temperature: Annotated[float | None, "temperature of the sensor (°C)", Form("CELSIUS")] = None
 
 
 @dataclass(frozen=True)
 class Bench(Group):
-    """Where the bench stands, and how well the IMU sits on it."""
+    """The place of the bench, and how exactly the IMU is mounted on it."""
 
     misplacement: Annotated[float, "rms of each of two tilts of the IMU on the bench (deg)", Form("DEG")] = 0.05
     latitude: Annotated[

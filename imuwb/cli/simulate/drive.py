@@ -36,7 +36,7 @@ class Drive(Group):
         """Return the route.
 
         Raises:
-            UsageError: none of preset and duration is given, or both; a route that is not possible.
+            UsageError: neither preset nor duration is given, or both are, or the route is not possible.
         """
         from imuwb.simulation import mixed_route, planned_route  # noqa: PLC0415 - help must not wait for numpy
 
@@ -104,7 +104,7 @@ class Wheels(Group):
         """Return the odometer, if there is one.
 
         Raises:
-            UsageError: errors of an odometer that is not there.
+            UsageError: the errors of an odometer are given, but no odometer.
         """
         from imuwb.simulation import Odometer  # noqa: PLC0415 - help must not wait for numpy
 

@@ -36,13 +36,13 @@ class Group:
 
 @dataclass(frozen=True)
 class Sensor(Group):
-    """The sensor that is simulated: a published one, or one's own."""
+    """The sensor that is simulated: a published sensor, or one with the user's error model."""
 
     preset: Annotated[str | None, "name of a published sensor; an unknown name lists them"] = None
     error_model: Annotated[Path | None, "error model of a sensor of your own", Form("MODEL.toml")] = None
 
     def model(self) -> ImuErrorModel:
-        """Return its error model."""
+        """Return the sensor's error model."""
         return model_of(self.preset, "--preset", self.error_model)
 
 
@@ -57,7 +57,7 @@ class Samples(Group):
 
 @dataclass(frozen=True)
 class Filtered(Samples):
-    """Samples whose noise may go through a low-pass."""
+    """Samples whose noise may be low-pass filtered."""
 
     bandwidth: Annotated[
         float | None, "cutoff of a Butterworth low-pass of second order for the noise (Hz)", POSITIVE, Form("HZ")
@@ -76,7 +76,7 @@ class Warm(Filtered):
     ] = None
 
     def celsius(self, duration: float) -> Temperature | float | None:
-        """Return the temperature over a log of so many seconds.
+        """Return the temperature over a log of a given length in seconds.
 
         Raises:
             UsageError: times that do not rise, or a temperature that no sensor has.
@@ -103,10 +103,10 @@ PANELS = {
 
 
 def model_of(name: str | None, option: str, error_model: Path | None) -> ImuErrorModel:
-    """Return the error model of a published sensor, or of one's own.
+    """Return the error model of a published sensor, or the user's error model.
 
     Raises:
-        UsageError: none of the two is given, or both.
+        UsageError: neither of the two is given, or both are.
     """
     from imuwb.simulation import preset  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
@@ -120,7 +120,7 @@ def model_of(name: str | None, option: str, error_model: Path | None) -> ImuErro
 
 
 def check_output(output: Path, *, force: bool) -> None:
-    """Refuse a log that could not be written, before the work."""
+    """Check before the work begins that a log can be written."""
     from imuwb.cli.places import check_place  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.writers import SUFFIXES  # noqa: PLC0415
 
@@ -131,7 +131,7 @@ def check_output(output: Path, *, force: bool) -> None:
 
 
 def check_folder(folder: Path, files: list[Path], *, force: bool) -> None:
-    """Refuse a folder that could not be filled, or that holds other logs, before the work."""
+    """Check before the work begins that a folder can be written, and that it contains no other logs."""
     from imuwb.cli.places import check_place  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.writers import SUFFIXES  # noqa: PLC0415
 

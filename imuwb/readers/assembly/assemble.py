@@ -1,4 +1,4 @@
-"""Makes a Log of a reader's batches: joins them, repairs their time, and counts every repair."""
+"""Makes a Log from a reader's batches: joins them, repairs their times, and counts every repair."""
 
 from __future__ import annotations
 
@@ -54,9 +54,9 @@ class Rows:
 def assemble(parts: Iterable[Batch | Remark], provenance: Provenance) -> Log:
     """Return the log of a reader's batches and remarks.
 
-    Rows with a value that is not finite are left out. Rows out of order by less than a second are sorted. Of rows with one time
-    the first is kept. After a clock that is set back by more, time goes on by one usual step. Each repair is counted in the
-    stream's ``origin``.
+    Rows with a value that is not finite are left out. Rows that are out of order by less than a second are sorted. Of rows
+    with the same time the first is kept. If a clock is set back by more than a second, the time after it goes on by one usual step.
+    Each repair is counted in the stream's ``origin``.
     """
     groups, repairs, notes = _grouped(parts)
     streams: list[Rows] = []
@@ -89,7 +89,7 @@ def _grouped(parts: Iterable[Batch | Remark]) -> tuple[dict[Key, list[Batch]], d
 
 
 def _pieces(batch: Batch) -> tuple[Batch, ...]:
-    """Return a batch, or, if an IMU's rows have a temperature, its motion and its temperature: some rows may lack the latter."""
+    """Return a batch, or two for an IMU with a temperature: motion and temperature, because some rows may lack the temperature."""
     if batch.kind not in _COLUMNS or not set(batch.columns) <= set(_COLUMNS[batch.kind]):
         message = f"{batch.stream}: a batch of kind {batch.kind} cannot have the columns {', '.join(batch.columns)}"
         raise ValueError(message)
@@ -100,7 +100,7 @@ def _pieces(batch: Batch) -> tuple[Batch, ...]:
 
 
 def _joined(batches: list[Batch], repairs: list[Repair]) -> Rows:
-    """Return batches as one, with time in order; their repairs follow those given."""
+    """Return batches as one, with the rows in the order of time; its repairs are those given, then those made here."""
     first = batches[0]
     time = np.concatenate([batch.time for batch in batches])
     columns = {name: np.concatenate([batch.columns[name] for batch in batches]) for name in first.columns}
@@ -116,7 +116,7 @@ def _joined(batches: list[Batch], repairs: list[Repair]) -> Rows:
 
 
 def _finite(kind: Kind, rows: int, columns: dict[str, Floats]) -> NDArray[np.bool_]:
-    """Return which rows are finite in all columns that must be known."""
+    """Return which rows are finite in all columns, except the columns that may be unknown."""
     finite = np.ones(rows, dtype=bool)
     for name, values in columns.items():
         known = np.isfinite(values)
@@ -126,7 +126,7 @@ def _finite(kind: Kind, rows: int, columns: dict[str, Floats]) -> NDArray[np.boo
 
 
 def _repair_notes(streams: list[Rows], unused: dict[str, list[Repair]]) -> Iterator[Note]:
-    """Yield the repairs of streams whose repairs no summary shows, and those of streams without rows."""
+    """Yield the repairs of streams whose repairs a summary does not show, and the repairs of streams without rows."""
     shown = {(r.stream, r.kind) for r in streams if r.kind in ("imu", "gnss")}
     hidden = [(r.stream, repair) for r in streams if (r.stream, r.kind) not in shown for repair in r.origin.repairs]
     for stream, repair in (*hidden, *((stream, repair) for stream, repairs in unused.items() for repair in repairs)):

@@ -23,7 +23,7 @@ MATCHED = 0.9  #: least share of the fixes that must have a row nearby
 
 
 def sibling(topic: str, names: Sequence[str]) -> str | None:
-    """Return the name that a topic belongs to: one that it begins with, the only one, or the one that shares most of its path."""
+    """Return the name that a topic belongs to: one that begins the topic, the only name, or one that shares most of the path."""
     above = [name for name in names if topic.startswith(f"{name}/")]
     if above or len(names) == 1:
         return max(above, key=len) if above else names[0]
@@ -36,7 +36,7 @@ def sibling(topic: str, names: Sequence[str]) -> str | None:
 
 
 def with_parts_joined(imus: tuple[ImuStream, ...]) -> tuple[tuple[ImuStream, ...], list[str]]:
-    """Return the IMUs; a gyro and an accelerometer whose topics differ by the sensor's name alone become one."""
+    """Return the IMUs; a gyro and an accelerometer whose topics differ only in the sensor's name become one IMU."""
     parts = {
         (_SENSOR.sub("*", imu.name), sensor): imu
         for imu in imus
@@ -69,12 +69,12 @@ def with_fix_rows(
     """Return receivers with the velocities or fix types of another stream joined to one of them, and a note about it.
 
     Each fix takes the row nearest in time, within half an interval of the fixes. If a few fixes have no such row, their value is
-    unknown; if many have none, the rows are left out.
+    unknown; if many fixes have no such row, all rows are left out.
 
     Args:
         streams: receivers.
         topic: name of the other stream.
-        time: (m,) ns, of its rows.
+        time: (m,) ns, times of its rows.
         columns: ``velocity`` and ``velocity_sigma`` (m, 3), or ``fix_type`` (m,).
     """
     quantity = "velocity" if "velocity" in columns else "fix type"

@@ -1,4 +1,4 @@
-"""Makes the time of rows strictly increase: damaged stamps, clocks set back, late rows and repeats."""
+"""Makes the time of rows strictly increase: repairs damaged stamps, clocks set back, late rows and repeated rows."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ LATE = Fault(Note("out_of_order", "rows out of order sorted by time"), "order")
 REPEATED = Fault(Note("repeated_time", "rows with the same time as the row before left out"))
 
 LATEST = 2**62  #: ns from the epoch, the year 2116; differences of such times fit into int64
-CLOCK_STEP = SECOND  #: ns; a row that is older than its predecessor by more shows a clock set back; by less, it is late
+CLOCK_STEP = SECOND  #: ns; a row that is older than its predecessor by more shows a clock set back; one that is older by less is late
 END_STEP = 86_400 * SECOND  #: ns; a first or last row that is further from the others may have a damaged stamp
-END_SPANS = 10  #: durations of all other rows, beyond which its stamp is damaged
-FEWEST = 12  #: rows; of fewer, no stamp can be called damaged
-MOST_STEPS = 10  #: times that a clock may be set back, in a log of any length
-ROWS_PER_STEP = 100  #: rows; a long log may be set back once in so many; rows that step back more often are in no order
+END_SPANS = 10  #: durations of all other rows; if such a row is further from them than this, its stamp is damaged
+FEWEST = 12  #: rows; with fewer rows, no first or last stamp is taken as damaged
+MOST_STEPS = 10  #: number of times that a clock may be set back in a log of any length
+ROWS_PER_STEP = 100  #: a clock may be set back once in so many rows; rows that step back more often are in no order
 
 
 def in_order(
@@ -64,7 +64,7 @@ def in_order(
 def taken(
     time: Nanoseconds, columns: dict[str, Floats], rows: NDArray[np.bool_] | NDArray[np.int64]
 ) -> tuple[Nanoseconds, dict[str, Floats]]:
-    """Return some rows of time and columns, by mask or by number."""
+    """Return some rows of time and columns, selected by a mask or by row numbers."""
     return time[rows], {name: values[rows] for name, values in columns.items()}
 
 
@@ -79,7 +79,7 @@ def _without(
 
 
 def _damaged_stamps(time: Nanoseconds) -> NDArray[np.bool_]:
-    """Return which rows are alone in time and outside the time of all others; inside it, a row is only late."""
+    """Return which rows are alone in time and outside the time span of all other rows; a row inside this span is only late."""
     alone = _alone(time)
     others = time[~alone]
     if not others.size:
@@ -88,7 +88,7 @@ def _damaged_stamps(time: Nanoseconds) -> NDArray[np.bool_]:
 
 
 def _alone(time: Nanoseconds) -> NDArray[np.bool_]:
-    """Return which rows step far from their predecessor while their successor steps back to it."""
+    """Return which rows are far in time from their predecessor, while their successor is near to that predecessor."""
     alone = np.zeros(time.size, dtype=bool)
     if time.size > 2:  # noqa: PLR2004 - both neighbours
         far = np.abs(np.diff(time)) > CLOCK_STEP
@@ -101,15 +101,15 @@ def _alone(time: Nanoseconds) -> NDArray[np.bool_]:
 
 
 def _continued(time: Nanoseconds) -> tuple[Nanoseconds, int]:
-    """Return time without the steps of a clock that was set back, and the number of these steps."""
+    """Return the times without the steps of a clock that was set back, and the number of these steps."""
     steps = np.diff(time)
     back = steps < -CLOCK_STEP
     if not back.any():
         return time, 0
     usual = int(np.median(steps[steps > 0])) if (steps > 0).any() else 1
     shift = np.where(back, usual - steps, 0)
-    late = np.flatnonzero(_alone(time))  # a late row steps back and forth again; the clock did not
+    late = np.flatnonzero(_alone(time))  # at a late row the time steps back, then forward again: the clock was not set
     shift[(late - 1).clip(0)] = shift[late.clip(max=shift.size - 1)] = 0
     if float(np.abs(shift.astype(np.float64)).sum()) + float(np.abs(time).max()) >= LATEST:
-        return time, 0  # no clock is set back so far
+        return time, 0  # no clock is set back by so much
     return time + np.concatenate([[0], np.cumsum(shift)]), int(np.count_nonzero(shift))

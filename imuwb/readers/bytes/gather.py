@@ -20,8 +20,8 @@ def gather(buffer: NDArray[np.uint8], at: NDArray[np.int64], kind: str, count: i
     Args:
         buffer: bytes.
         at: (n,) offsets; all numbers from each offset must lie within the buffer.
-        kind: numpy's name of their type with its byte order, such as ``<f8``.
-        count: how many follow each other from each offset; 0 for a single number.
+        kind: numpy's name of the numbers' type with its byte order, such as ``<f8``.
+        count: how many numbers are read from each offset on; 0 for a single number.
 
     Returns:
         (n,) or, with a ``count``, (n, count).
@@ -29,7 +29,7 @@ def gather(buffer: NDArray[np.uint8], at: NDArray[np.int64], kind: str, count: i
     dtype = np.dtype(kind)
     numbers = np.empty((at.size, max(count, 1)), dtype)
     if at.size:
-        # Bytes are copied as whole numbers of their size, from a view in which each byte begins one.
+        # Bytes are copied as whole numbers of their size, from a view in which a number begins at each byte.
         whole = f"u{dtype.itemsize}"
         view = np.ndarray((buffer.size - dtype.itemsize + 1,), whole, buffer, strides=(1,))
         if worth_compiling(numbers.nbytes):
@@ -49,11 +49,11 @@ def _copy(
 
 
 def alike(keys: NDArray[Any], rows: NDArray[np.int64]) -> Iterator[tuple[int, NDArray[np.int64]]]:
-    """Yield each key and the rows that have it; fast if all rows have the same.
+    """Yield each key and the rows that have it. This is fast if all rows have the same key.
 
     Args:
         keys: (n,) integers.
-        rows: (n,) that the keys belong to.
+        rows: (n,) the rows that the keys belong to.
     """
     if not keys.size:
         return

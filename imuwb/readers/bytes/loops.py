@@ -15,7 +15,7 @@ SMALL = 1 << 19  #: bytes; plain Python reads them in less time than the import 
 
 
 def worth_compiling(size: int) -> bool:
-    """Return whether work on so many bytes pays for the compiler, or the compiler is imported already."""
+    """Return whether work on so many bytes pays for the compiler, or whether the compiler is already imported."""
     return size > SMALL or "numba" in sys.modules
 
 

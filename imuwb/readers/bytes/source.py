@@ -1,4 +1,4 @@
-"""Opens a file, unpacks gzip, and reads first bytes, blocks, and the fingerprint."""
+"""Opens a file, unpacks gzip, reads the first bytes and blocks, and computes the fingerprint."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from io import BufferedReader
 
-HEAD = 1 << 16  #: bytes that a format is recognised by
+HEAD = 1 << 16  #: bytes from which a format is recognised
 PIECE = 1 << 16  #: bytes read at a time from a packed file
 BLOCK = 8 << 20  #: bytes read at a time from a file of records
-_UNPACKING = cast("type[Exception]", isal_zlib.error)  # the library's types call it a value
+_UNPACKING = cast("type[Exception]", isal_zlib.error)  # the library's type hints say that it is a value
 GZIP_WINDOW = 31  #: bits: the largest window, after gzip's own header
 GZIP_MAGIC = b"\x1f\x8b"
 
@@ -77,9 +77,9 @@ def open_unpacked(path: Path) -> BinaryIO:
 
 
 def packed_fault(path: Path) -> str:
-    """Return why the unpacked content of a gzip file may be wrong; empty if its checksum agrees or the file is only cut.
+    """Return why the unpacked content of a gzip file may be wrong; empty if its checksum is correct or the file is only cut.
 
-    A damaged stream still unpacks to something: numbers that look like the others, until they do not.
+    A damaged stream still unpacks to something. At first its numbers look like the others; later they do not.
     """
     with path.open("rb") as file:
         piece = file.read(PIECE)
@@ -128,7 +128,7 @@ def pieces(file: BinaryIO, faults: list[str]) -> Iterator[bytes]:
 
 
 def blocks(file: BinaryIO, faults: list[str]) -> Iterator[tuple[bytes, bool]]:
-    """Yield an unpacked file in blocks, each with whether it is the last, which may be empty."""
+    """Yield an unpacked file in blocks, each with whether it is the last block; the last block may be empty."""
     block = bytearray()
     for piece in pieces(file, faults):
         block += piece
@@ -139,12 +139,12 @@ def blocks(file: BinaryIO, faults: list[str]) -> Iterator[tuple[bytes, bool]]:
 
 
 def extended(file: BinaryIO, rest: bytes, whole: int, left: int) -> bytes | None:
-    """Return ``rest`` and the next block of a file, together at least one whole record; None at the file's end.
+    """Return ``rest`` and the next bytes of a file, which together have at least one whole record; None at the file's end.
 
     Args:
-        file: stands after ``rest``.
+        file: its position is after ``rest``.
         rest: the beginning of an incomplete record.
-        whole: size of that record, as far as known. A size beyond the file's end is damage: reading ends there.
+        whole: size of that record, as far as it is known. A size beyond the file's end is damage: reading ends there.
         left: bytes from the beginning of ``rest`` to the end of the file.
     """
     more = file.read(min(max(BLOCK, whole - len(rest)), left))
@@ -152,7 +152,7 @@ def extended(file: BinaryIO, rest: bytes, whole: int, left: int) -> bytes | None
 
 
 def head(path: Path) -> bytes:
-    """Return the first 64 KiB, unpacked; less of a gzip file that is cut."""
+    """Return the first 64 KiB, unpacked; a gzip file that is cut may give less."""
     first = b""
     with open_unpacked(path) as file:
         for piece in pieces(file, []):  # the reader meets the same faults, and notes them

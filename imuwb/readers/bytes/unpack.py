@@ -1,4 +1,4 @@
-"""Unpacks compressed pieces of logs, to no more than their stated size: a small file must not fill the memory."""
+"""Unpacks compressed pieces of logs, to at most their stated size, so that a small file cannot fill the memory."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def _unpacked(packed: memoryview, compression: str, size: int) -> bytes | memory
     if compression in ("", "none"):
         return packed
     if compression == "zstd":
-        # The library would allocate the size in the frame, however large.
+        # The library would allocate the size that the frame states, even if it is very large.
         if zstandard.frame_content_size(bytes(packed[:ZSTD_HEADER])) not in (-1, size):
             message = "its zstd frame and its header state different sizes"
             raise ValueError(message)
@@ -54,7 +54,7 @@ def _unpacked(packed: memoryview, compression: str, size: int) -> bytes | memory
 
 
 def unpack_front(packed: memoryview, compression: str, size: int) -> bytes:
-    """Return as much of a cut piece as unpacks, which may be nothing."""
+    """Return the part of a cut piece that can be unpacked; it may be empty."""
     if size > LARGEST:
         return b""
     try:

@@ -41,10 +41,10 @@ class Records:
 
     opcode: NDArray[np.uint8]
     header: NDArray[np.int64]  #: offset of the fields
-    connection: NDArray[np.int64]  #: offset of the connection's number; -1 without one
-    time: NDArray[np.int64]  #: offset of the time; -1 without one
+    connection: NDArray[np.int64]  #: offset of the connection's number; -1 for a record without it
+    time: NDArray[np.int64]  #: offset of the time; -1 for a record without it
     data: NDArray[np.int64]  #: offset
-    length: NDArray[np.int64]  #: of the data
+    length: NDArray[np.int64]  #: length of the data
     end: int  #: offset after the last whole record
 
 
@@ -122,8 +122,8 @@ class Bag:
         self.path = path
         self.schemas: dict[int, Schema] = {}
         self.channels: dict[int, Channel] = {}
-        self.notes: list[Note] = []  #: on what is wrong with the container
-        self.above_sea: set[str] = set()  #: a bag states this of no topic
+        self.notes: list[Note] = []  #: notes on the faults of the container
+        self.above_sea: set[str] = set()  #: always empty: a bag does not state whether heights are above mean sea level
 
     def messages(self) -> Iterator[Messages]:
         """Yield the messages of each chunk, or, in a bag without chunks, of each block."""
@@ -228,7 +228,7 @@ def _nothing(bytes_read: int, note: Note) -> _Piece:
 
 
 def _cut_end(rest: bytes, offset: int) -> _Piece:
-    """Return what is whole of a last record that is cut."""
+    """Return the whole part of a last record that is cut."""
     end = offset + len(rest)
     text = f"the file ends at byte {end} inside a record that begins at byte {offset}; everything before is used"
     header = int.from_bytes(rest[:4], "little")

@@ -1,4 +1,4 @@
-"""Decodes payloads to arrays of wanted fields: ROS by byte layout, protobuf and JSON by their decoders."""
+"""Decodes payloads to arrays of wanted fields. ROS is decoded by its byte layout, protobuf and JSON by their own decoders."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     #: the wanted fields, and the rows of their messages
     Piece = tuple[Mapping[str, NDArray[Any]], Rows]
 
-ARRAYS = ("covariance", *REFERENCE)  #: ends of the names of fields that are arrays
-FIRST = 16  #: messages of a channel without a definition that are tried for its fields
+ARRAYS = ("covariance", *REFERENCE)  #: the names of fields that are arrays end with one of these
+FIRST = 16  #: number of messages that are tried for the fields of a channel without a definition
 
 
 class CannotDecodeError(Exception):
@@ -46,7 +46,7 @@ def decoder_of(channel: Channel, schema: Schema | None) -> Decoder:
     """Return the decoder of a channel.
 
     Raises:
-        CannotDecodeError: there is none.
+        CannotDecodeError: the channel has no decoder.
     """
     encoding = channel.message_encoding
     if encoding == "cdr":

@@ -1,4 +1,4 @@
-"""The numbers of MCAP's records, texts and metadata in them, and the unpacked content of chunks."""
+"""Reads texts and metadata in the records of MCAP, and unpacks chunks."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ HEADER = 22  #: bytes of a message before its payload: channel u16, sequence u32
 
 
 def text(content: bytes, at: int) -> tuple[str, int]:
-    """Return a text that follows its length, and where it ends.
+    """Return a text that is stored after its length, and the offset of its end.
 
     Raises:
         ValueError: the text is longer than its record.
@@ -44,7 +44,7 @@ def metadata(content: bytes) -> tuple[str, dict[str, str]]:
 
 
 def above_sea_level(record: tuple[str, dict[str, str]]) -> set[str]:
-    """Return the topics whose heights are above mean sea level, as metadata of imuwb state."""
+    """Return the topics whose heights are above mean sea level, according to metadata that imuwb wrote."""
     name, entries = record
     return {topic for topic, text in entries.items() if MEAN_SEA_LEVEL in text} if name == OURS else set()
 
@@ -78,7 +78,7 @@ def _chunk_fields(chunk: memoryview) -> tuple[int, int, str, memoryview]:
 
 
 def unpacked_front(chunk: bytes) -> bytes:
-    """Return as much of a cut chunk as unpacks; its checksum cannot be tested."""
+    """Return the part of a cut chunk that can be unpacked; its checksum cannot be tested."""
     try:
         size, _, compression, packed = _chunk_fields(memoryview(chunk))
     except ValueError:

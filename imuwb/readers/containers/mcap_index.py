@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 def describe(path: Path) -> LogSummary | None:
     """Return the summary from the index; None without an index.
 
-    Times are those of recording, to the resolution of a chunk. Only the messages show gaps and repairs.
+    The times are those of the recorder; their resolution is a chunk. Only the messages show gaps and repairs.
     """
     with path.open("rb") as file:
         try:
@@ -39,7 +39,7 @@ def describe(path: Path) -> LogSummary | None:
             above = set[str]().union(*(_above_sea(file, index) for index in summary.metadata_indexes))
             streams = tuple(_streams(file, summary, above))
         except Exception:  # noqa: BLE001 - a damaged index may raise anything in the library
-            return None  # reading the messages shows what is wrong, and uses what is whole
+            return None  # the reader of the messages reports the damage, and uses the whole messages
     text = "from the file's index: times are those of recording; --scan also finds gaps and repairs"
     return LogSummary(str(path), "mcap", "", streams, (Note("from_index", text),))
 

@@ -36,7 +36,7 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     Raises:
         UnreadableLogError: the file has no whole message.
     """
-    from imuwb.readers.containers.mcap_records import Recording  # noqa: PLC0415 - a probe and an index need none of this
+    from imuwb.readers.containers.mcap_records import Recording  # noqa: PLC0415 - a probe and an index need no compiled code
     from imuwb.readers.containers.topics import streamed  # noqa: PLC0415
 
     return streamed(path, Recording(path), options)

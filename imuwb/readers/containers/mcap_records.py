@@ -1,7 +1,7 @@
 """The records, chunks and messages of an MCAP file, found without a Python step per message.
 
-A chunk (or, in a file without chunks, a block) is one buffer of bytes. A compiled walk over its records gives the offsets of all
-messages, from which a field of all messages is gathered at once. The next chunks are unpacked while one is decoded. The index
+A chunk (or, in a file without chunks, a block) is one buffer of bytes. A compiled loop over its records gives the offsets of all
+messages; a field of all messages is then gathered at once. The next chunks are unpacked while one is decoded. The index
 is not used, so files without one, or cut by a crash, are read in the same way.
 
 Specification: https://mcap.dev/spec
@@ -97,7 +97,7 @@ class _Piece:
     content: NDArray[np.int64]
     length: NDArray[np.int64]
     bytes_read: int  #: position of its end in the file
-    notes: tuple[Note, ...] = ()  #: on what is wrong with it
+    notes: tuple[Note, ...] = ()  #: notes on the faults of the piece
 
 
 class Recording:
@@ -108,8 +108,8 @@ class Recording:
         self.path = path
         self.schemas: dict[int, Schema] = {}
         self.channels: dict[int, Channel] = {}
-        self.notes: list[Note] = []  #: on what is wrong with the container
-        self.above_sea: set[str] = set()  #: topics with heights above mean sea level, as metadata of imuwb state
+        self.notes: list[Note] = []  #: notes on the faults of the container
+        self.above_sea: set[str] = set()  #: topics with heights above mean sea level, by metadata that imuwb wrote
         self.damaged = 0  #: messages left out because their time is impossible
 
     def messages(self) -> Iterator[Messages]:
@@ -187,10 +187,10 @@ class Recording:
 
 
 def _end_fault(file: BinaryIO, at: int, size: int) -> str:
-    """Return what is wrong after the messages, where index, footer and end mark must be; empty for a sound end."""
+    """Return what is wrong after the messages, where the index, the footer and the end mark must be; empty if nothing is wrong."""
     opcode = None
     while opcode != FOOTER:
-        file.seek(min(at, size))  # damage may state any length
+        file.seek(min(at, size))  # a damaged record may state any length
         prefix = file.read(PREFIX)
         if len(prefix) < PREFIX or prefix.startswith(MAGIC):
             return f"the index at the end of the file is cut or damaged at byte {at}; all messages are before it"
@@ -221,7 +221,7 @@ def _chunk(packed: memoryview, offset: int) -> _Piece:
 
 
 def _cut_end(rest: bytes, offset: int) -> _Piece:
-    """Return what is whole of a last record that is cut."""
+    """Return the whole part of a last record that is cut."""
     end = offset + len(rest)
     text = f"the file ends at byte {end} without its end mark"
     if not rest:

@@ -34,8 +34,8 @@ class Messages:
 
     buffer: NDArray[np.uint8]
     channel: NDArray[np.integer[Any]]  #: (n,)
-    log_time: NDArray[np.int64]  #: (n,) ns, of the recording
-    publish_time: NDArray[np.int64]  #: (n,) ns, of sending
+    log_time: NDArray[np.int64]  #: (n,) ns, when the message was recorded
+    publish_time: NDArray[np.int64]  #: (n,) ns, when the message was sent
     start: NDArray[np.int64]  #: (n,) offset of the payload in the buffer
     length: NDArray[np.int64]  #: (n,) bytes of the payload
     bytes_read: int  #: position in the file

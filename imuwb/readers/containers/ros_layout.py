@@ -37,15 +37,15 @@ _KNOWN = {
 #: encapsulation -> byte order and largest alignment: CDR, big and little endian, and plain XCDR2
 _ENCAPSULATIONS = {0: (">", 8), 1: ("<", 8), 6: (">", 4), 7: ("<", 4)}
 _FIELD = re.compile(r"^([\w/]+)(<=\d+)?(\[(<=)?(\d*)\])?\s+(\w+)\s*(.*)$")
-LARGEST_ARRAY = 64  #: messages in an array; larger ones have no stamp, rate or position that imuwb reads
+LARGEST_ARRAY = 64  #: messages in an array; larger arrays have no stamp, rate or position that imuwb reads
 DEEPEST = 16  #: levels of nested messages
-DIGITS = 6  #: of a fixed array's length; a longer one is damage
+DIGITS = 6  #: digits of the length of a fixed array; a number with more digits is damage
 LONGEST_PLAN = 4096  #: fields
 
 
 @dataclass(frozen=True, slots=True)
 class LayoutField:
-    """A number, or ``count`` numbers, after the step before."""
+    """A number, or ``count`` numbers, that follow the step before."""
 
     path: str
     kind: str  #: numpy type without byte order, such as "f8"
@@ -69,7 +69,7 @@ class UnknownLayoutError(Exception):
 
 
 def plan(name: str, definition: str) -> Plan:
-    """Return the plan of message ``name``, up to the first sequence of messages: later fields have no common offset.
+    """Return the plan of message ``name``, up to the first sequence of messages, because later fields have no common offset.
 
     Raises:
         UnknownLayoutError: a type is not defined, or the definition nests without end.
@@ -151,7 +151,7 @@ class Place:
     path: str
     kind: str  #: numpy's name of its type, with byte order
     count: int  #: 0 for a single number
-    offset: int  #: from the payload's start
+    offset: int  #: bytes from the payload's start
 
     @property
     def end(self) -> int:
@@ -164,7 +164,7 @@ class Group:
     """Messages whose fields have the same offsets."""
 
     rows: NDArray[np.int64]  #: numbers of the messages
-    places: tuple[Place, ...]  #: of the wanted fields
+    places: tuple[Place, ...]  #: places of the wanted fields
 
 
 def groups(
@@ -190,7 +190,7 @@ def _split(
     steps: Plan, wanted: Sequence[str], places: tuple[Place, ...], rows: NDArray[np.int64], at: int,
     order: str, align: int, buffer: NDArray[np.uint8], start: NDArray[np.int64], length: NDArray[np.int64], body: int,
 ) -> Iterator[Group]:  # fmt: skip
-    """Follow the plan; at a jump, split the messages by its length, and go on with each part."""
+    """Follow the plan; at a jump, split the messages by the length of the jump, and go on with each part."""
     for i, step in enumerate(steps):
         if len(places) == len(wanted):
             break

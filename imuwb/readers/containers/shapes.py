@@ -1,7 +1,7 @@
 """Recognises the quantities of a message by the names of its fields, in any encoding.
 
-``sensor_msgs/Imu``, a private protobuf and a JSON object all have ``angular_velocity.x``; a message that contains one has a prefix
-before it. A recipe states which fields make which column.
+``sensor_msgs/Imu``, a private protobuf and a JSON object all have ``angular_velocity.x``; if another message contains
+one of these, the name has a prefix. A recipe states which fields make which column.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ STAMPS = (
     ("timestamp.sec", "timestamp.nanosec"),
     ("timestamp.seconds", "timestamp.nanos"),
 )
-UNKNOWN = -2  #: status of a NavSatFix that is not known
+UNKNOWN = -2  #: status of a NavSatFix whose status is not known
 ABSENT = -1.0  #: first element of a covariance in ROS, if the message lacks the measurement
 LATEST = 9.2e9  #: s; later nanoseconds do not fit into int64
 
@@ -43,7 +43,7 @@ class Recipe:
     kind: Kind
     prefix: str  #: path of the measurement in the message; empty for the whole message
     stamp: tuple[str, str] | None  #: paths of seconds and nanoseconds
-    paths: tuple[str, ...]  #: of all fields that are needed
+    paths: tuple[str, ...]  #: paths of all fields that are needed
     columns: Callable[[Values, str, str], dict[str, NDArray[np.float64]]]  #: (values, prefix, frame) -> columns
 
 
@@ -89,7 +89,7 @@ def _stamp(known: set[str], prefix: str) -> tuple[str, str] | None:
 
 
 def _triad(values: Values, names: list[str], frame: str) -> NDArray[np.float64]:
-    """Return three columns as one (n, 3) array, FRD; numpy fills it by columns ten times faster than by rows."""
+    """Return three columns as one (n, 3) array, FRD; the array is filled by columns, ten times faster than by rows."""
     triad = np.empty((values[names[0]].size, 3))
     for axis, name in enumerate(names):
         if axis and frame == "FLU":
@@ -185,8 +185,8 @@ def _is_twist(schema: str) -> bool:
     return schema.endswith(("TwistStamped", "TwistWithCovarianceStamped"))
 
 
-#: kind -> test of schema and topic, if the fields are not enough: many messages have a temperature or a linear.x, and a twist may
-#: be a receiver's velocity or a vehicle's speed
+#: kind -> test of schema and topic, for kinds that the fields do not decide: many messages have a temperature or a linear.x, and
+#: a twist may be a receiver's velocity or a vehicle's speed
 _SCHEMAS: dict[Kind, Callable[[str, str], bool]] = {
     "temperature": lambda schema, _: schema.endswith("Temperature"),
     "fix": lambda schema, _: schema.endswith("FixType"),

@@ -24,10 +24,10 @@ if TYPE_CHECKING:
 
 format = "db3"  # noqa: A001 - the contract's name
 uses = ("time_source", "frame")
-ROWS = 4096  #: messages at a time
+ROWS = 4096  #: number of messages that are read at a time
 MAGIC = b"SQLite format 3\0"
 LARGEST = 64 << 20  #: bytes; larger messages, such as images, are not read
-EARLIEST, LATEST = 0, 2**62  #: ns, between which a time is possible
+EARLIEST, LATEST = 0, 2**62  #: ns; a time outside these limits is damage
 
 
 def probe(head: bytes) -> bool:
@@ -92,7 +92,7 @@ def _declare(database: sqlite3.Connection, channels: dict[int, Channel], schemas
 def _messages(database: sqlite3.Connection, size: int) -> Iterator[Messages]:
     try:
         total = max(int(database.execute("SELECT COUNT(*) FROM messages").fetchone()[0]), 1)
-    except sqlite3.Error:  # the end is cut: the number of rows is unknown
+    except sqlite3.Error:  # the end is cut, so the number of rows is unknown
         total = size
     cursor = database.execute(
         "SELECT topic_id, timestamp, CASE WHEN LENGTH(data) < ? THEN data END, LENGTH(data) FROM messages ORDER BY rowid",

@@ -27,12 +27,13 @@ if TYPE_CHECKING:
     from imuwb.readers.containers.shapes import Recipe
     from imuwb.readers.read_options import ReadOptions
 
-PATIENCE = 100  #: messages after which a channel without a known field is not looked at again
+PATIENCE = 100  #: number of messages; a channel without a known field in these is not examined again
 UNIX = 10**17  #: ns; a later stamp (after March 1973) counts from 1970
 NO_HEIGHT = Note("no_height", "fixes without a height: 0 is used")
 NO_STAMP = Note("no_stamp", "messages without a stamp of their own: the recorder's time is used")
 NO_FIT = Note("no_fit", "messages that do not fit their definition left out")
-_EFFECTS: dict[Note, Effect] = {NO_HEIGHT: "value", NO_STAMP: "time"}  #: of repairs that leave no message out
+#: effects of the repairs that leave no message out
+_EFFECTS: dict[Note, Effect] = {NO_HEIGHT: "value", NO_STAMP: "time"}
 #: kind -> units and frame of the messages; an IMU's frame is that of REP 145, unless the user states another
 _STORED: dict[Kind, tuple[str, str]] = {
     "imu": ("rad/s, m/s²", "FLU (REP 145)"), "gnss": ("deg, m", "ENU"), "velocity": ("m/s", "ENU"), "speed": ("m/s", "forward"),
@@ -45,7 +46,7 @@ class Container(Protocol):
 
     channels: dict[int, Channel]
     schemas: dict[int, Schema]
-    notes: list[Note]  #: on what is wrong with the part that is read
+    notes: list[Note]  #: notes on the faults of the part that is read
     above_sea: set[str]  #: topics whose heights are above mean sea level
 
     def messages(self) -> Iterator[Messages]:
@@ -74,8 +75,8 @@ def origin_of(kind: Kind, frame: str | None, *, above_sea: bool, unix: bool = Fa
     """Return units, frame and clock of a kind of messages.
 
     Args:
-        kind: of the stream.
-        frame: of an IMU, as the user states it, or None.
+        kind: kind of the stream.
+        frame: frame of an IMU, as the user states it, or None.
         above_sea: whether heights are above mean sea level.
         unix: whether times count from 1970.
     """
@@ -190,7 +191,7 @@ class _Topic:
     def _time(
         self, recipe: Recipe, values: Mapping[str, NDArray[Any]], messages: Messages, rows: NDArray[np.int64]
     ) -> NDArray[np.int64]:
-        """Return the time that the options ask for; the recorder's for a message without a stamp."""
+        """Return the times that the options ask for; a message without a stamp has the recorder's time."""
         if self.options.time_source == "publish":
             return messages.publish_time[rows]
         recorded = messages.log_time[rows]
@@ -206,7 +207,7 @@ class _Topic:
 
 
 def _in_order(pieces: Sequence[Piece]) -> Piece:
-    """Return pieces as one, in the file's order, which is the order of time; groups of a layout follow each other."""
+    """Return pieces as one, in the file's order, which is the order of time; the pieces come layout by layout."""
     rows = np.concatenate([piece_rows for _, piece_rows in pieces])
     order = np.argsort(rows, kind="stable")
     return {path: np.concatenate([values[path] for values, _ in pieces])[order] for path in pieces[0][0]}, rows[order]

@@ -21,18 +21,18 @@ EARLIEST = 946_684_800 * 10**9  #: ns of 2000-01-01; a flight controller that st
 class BootClock:
     """The runs of a clock between reboots, and the offset of each."""
 
-    start: NDArray[np.int64]  #: (k,) position in the file of each run's begin
+    start: NDArray[np.int64]  #: (k,) position in the file where each run begins
     offset: Nanoseconds  #: (k,) ns, to be added to the boot time
-    ahead: int  #: ns, of Unix time over the recorder's; 0 if unknown
+    ahead: int  #: ns by which Unix time is ahead of the recorder's; 0 if unknown
     known: bool  #: whether the log states the Unix time
 
     def with_recorder(self, ahead: int) -> BootClock:
-        """Return the clock if another clock of the file states that Unix time is ``ahead`` ns ahead of the recorder's."""
+        """Return the clock, corrected if another clock of the file states that Unix time is ``ahead`` ns ahead of the recorder's."""
         return self if self.known else BootClock(self.start, self.offset + ahead, ahead, known=True)
 
     @property
     def reboots(self) -> int:
-        """How often the clock restarted."""
+        """Number of restarts of the clock."""
         return self.start.size - 1
 
     def unix(self, place: NDArray[np.int64], boot: Nanoseconds) -> Nanoseconds:
@@ -64,7 +64,7 @@ def boot_clock(place: NDArray[np.int64], boot: Nanoseconds, recorded: Nanosecond
     for a, b in pairwise(runs):
         run = slice(int(a), int(b))
         differences = (unix[run] - boot[run])[stated[run]]
-        # A delayed message is recorded late; the median is that of the usual delay.
+        # A delayed message is recorded late; the median has the usual delay.
         offsets.append(int(np.median(differences if differences.size else recorded[run] - boot[run] + ahead)))
     start = place[runs[:-1]].copy()
     start[0] = 0

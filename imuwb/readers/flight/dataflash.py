@@ -34,7 +34,7 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     Raises:
         UnreadableLogError: the file has no whole record.
     """
-    from imuwb.readers.bytes import source  # noqa: PLC0415 - a probe needs none of this
+    from imuwb.readers.bytes import source  # noqa: PLC0415 - a probe needs no decoder
     from imuwb.readers.flight.dataflash_streams import streamed  # noqa: PLC0415
 
     del options  # the format states everything, and has one clock

@@ -1,7 +1,7 @@
 """The records of ArduPilot's binary logs, found without a Python step per record.
 
-Each record begins with two bytes and a number. FMT records state name, size and fields of each number. They may come late, so
-they are looked for first. A record is used only if another begins right after it, so damage is not read as numbers.
+Each record begins with two bytes and a number. FMT records state name, size and fields of each number. FMT records may come late in the
+file, so they are searched first. A record is used only if another begins right after it, so that damage is not read as numbers.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class RecordField:
     kind: str  #: numpy's name of its type
     count: int  #: 0 for a single number
     factor: float
-    offset: int  #: from the begin of the record
+    offset: int  #: bytes from the beginning of the record
 
 
 @dataclass(frozen=True, slots=True)

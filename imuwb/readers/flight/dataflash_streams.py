@@ -34,11 +34,11 @@ WANTED = {*IMUS, *RECEIVERS, *ACCURACIES, *SOLUTIONS, "POS", "ATT", "ISBH", "ISB
 HOTTEST = 300.0  #: °C; a temperature beyond is damage
 FULL_TURNS = 1000.0  #: rad; an angle beyond is damage
 FASTEST, STRONGEST = 200.0, 5000.0  #: rad/s and m/s²; a sample beyond is damage
-NEAR = 500_000_000  #: ns; a fix takes an accuracy that is nearer in time
+NEAR = 500_000_000  #: ns; a fix takes an accuracy whose time differs by less
 BATCH_SIZE = 32  #: samples in a record of a high-rate batch
 ACCEL = 0  #: kind of a high-rate batch; gyro is 1
 FIXED = 3  #: least status of a fix in three dimensions
-WEEKS = (1000, 5000)  #: GPS weeks of 1999 and 2075, between which a receiver knows the week
+WEEKS = (1000, 5000)  #: GPS weeks of 1999 and 2075; a receiver with a week outside does not know the week
 IMU_UNITS, POSITION_UNITS = "rad/s, m/s²", f"deg, m ({MEAN_SEA_LEVEL}), m/s"
 _HEAD = ("N", "type", "instance", "mul", "smp_cnt", "SampleUS", "smp_rate")
 _TRIADS = {"angular_rate": ("GyrX", "GyrY", "GyrZ"), "specific_force": ("AccX", "AccY", "AccZ")}
@@ -69,7 +69,7 @@ def _binary_tables(path: Path, notes: list[str]) -> Tables:
     known: dict[int, Any] = {}
     tail = b""
     with source.open_unpacked(path) as file:
-        for block, _ in source.blocks(file, []):  # the second reading notes what is wrong
+        for block, _ in source.blocks(file, []):  # the second reading adds the notes on faults
             data = tail + block
             known = {**formats(np.frombuffer(data, np.uint8)), **known}
             tail = data[-FMT_SIZE:]  # a record may lie across the edge of two blocks
@@ -99,7 +99,7 @@ def _text_tables(path: Path, notes: list[str]) -> TextTables:
 
 
 class _Streams:
-    """From tables to batches."""
+    """Makes batches from the tables of records."""
 
     def __init__(self, tables: _Tables, size: int) -> None:
         self._tables, self._size = tables, size
@@ -128,7 +128,7 @@ class _Streams:
             )
 
     def _table(self, name: str) -> Columns | None:
-        """Return a record's columns; None without such a record or its time."""
+        """Return the columns of a kind of record; None if the log has no such record, or none with a time."""
         table = self._tables.table(name)
         if table is None:
             return None

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 STATED = ("FMTU", "UNIT", "MULT")  #: records that are text
 LARGEST = 2.0**53  #: a larger time (µs) or instance is damage
-BATCH = 1 << 16  #: rows that are made an array at a time
+BATCH = 1 << 16  #: number of rows that become an array at a time
 
 
 class TextTables:
@@ -23,14 +23,14 @@ class TextTables:
     def __init__(self, wanted: Collection[str]) -> None:
         """Set the names of the records to keep."""
         self.records = 0
-        self.bad = 0  #: lines of a wanted record that are cut or have other text than numbers
+        self.bad = 0  #: lines of a wanted record that are cut, or have a text in place of a number
         self._wanted = wanted
         self._names: dict[str, tuple[str, ...]] = {}
         self._rows: dict[str, list[list[float]]] = defaultdict(list)
         self._arrays: dict[str, list[NDArray[np.float64]]] = defaultdict(list)
 
     def take(self, lines: Iterable[bytes], *, to_first_bad: bool = False) -> None:
-        """Keep the records of some lines, on request only up to the first bad line."""
+        """Keep the records of some lines; on request, stop at the first bad line."""
         for line in lines:
             name, _, rest = line.partition(b",")
             record = name.strip().decode("ascii", "replace")

@@ -64,10 +64,10 @@ LAYOUTS = {number: _layout(name, text) for number, (name, text) in _MESSAGES.ite
 def decoded(
     layout: MessageLayout, buffer: NDArray[np.uint8], payload: NDArray[np.int64], length: NDArray[np.int64]
 ) -> dict[str, NDArray[Any]]:
-    """Return a message's fields, (n,) each; zeros at the end of a payload are not sent, and are restored.
+    """Return a message's fields, (n,) each; zeros at the end of a payload, which are not sent, are restored.
 
     Args:
-        layout: of the message.
+        layout: layout of the message.
         buffer: bytes.
         payload: (n,) offsets of the payloads.
         length: (n,) their lengths.

@@ -1,7 +1,7 @@
 """MAVLink frames of a telemetry log, found and checked without a Python step per frame.
 
-A telemetry log is a series of frames of both protocol versions, each after eight bytes of the recorder's time. Bytes that are
-no frame, and frames with a wrong checksum, are skipped.
+A telemetry log is a series of frames of both protocol versions; before each frame are eight bytes with the recorder's time.
+Bytes that are no frame, and frames with a wrong checksum, are skipped.
 
 Specification: https://mavlink.io/en/guide/serialization.html
 """
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 STAMP = 8  #: bytes of the recorder's time, big-endian µs since 1970
 FIRST, SECOND_VERSION = 0xFE, 0xFD
 SIGNED = 0x01  #: incompatibility flag: 13 bytes of signature after the checksum
-MOST = 3  #: seeds of one number of a message, at most
+MOST = 3  #: largest number of seeds for one message number
 _TABLE = 1 << 16  #: no public message has a larger number
 
 
@@ -49,7 +49,7 @@ _SEEDS, _STEPS = _seeds(), _steps()
 class Frames:
     """The frames of a buffer whose checksum is correct, and counts of the rest."""
 
-    number: NDArray[np.int64]  #: (n,) of the message
+    number: NDArray[np.int64]  #: (n,) number of the message
     system: NDArray[np.int64]  #: (n,)
     component: NDArray[np.int64]  #: (n,)
     record: NDArray[np.int64]  #: (n,) offset of the recorder's time
@@ -94,7 +94,7 @@ def _holds(
 
 @compiled()
 def _begins(buffer: NDArray[np.uint8], record: int) -> bool:  # pragma: no cover - compiled
-    """Return whether a record may begin here; the end of the buffer counts as one."""
+    """Return whether a record may begin here; the end of the buffer counts as a beginning."""
     frame = record + STAMP
     return record == buffer.size or (frame < buffer.size and FIRST >= buffer[frame] >= SECOND_VERSION)
 

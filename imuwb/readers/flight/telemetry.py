@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 EARLIEST, LATEST = (
     946_684_800_000_000,
     4_102_444_800_000_000,
-)  #: µs of the years 2000 and 2100, between which a time is possible
+)  #: µs of the years 2000 and 2100; a time outside is damage
 MICRO = 1000  #: ns
 
 
@@ -61,7 +61,7 @@ class Telemetry:
     def __init__(self, path: Path) -> None:
         """Read the file."""
         self.frames = self.failed = self.unknown = self.skipped = self.impossible = self.bytes_read = 0
-        self.notes: list[str] = []  #: on the packed file
+        self.notes: list[str] = []  #: notes on the packed file
         self._pieces: dict[Key, _Pieces] = defaultdict(_Pieces)
         with source.open_unpacked(path) as file:
             rest, offset = b"", 0
@@ -72,7 +72,7 @@ class Telemetry:
                 rest, offset = data[end:], offset + end
 
     def rows(self) -> dict[Key, Rows]:
-        """Return the rows of each message; they are handed over, and can be asked for once."""
+        """Return the rows of each message; the rows are not kept, so this can be called once."""
         return {key: self._pieces.pop(key).joined() for key in sorted(self._pieces)}
 
     @property

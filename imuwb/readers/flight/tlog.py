@@ -31,6 +31,6 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     Raises:
         UnreadableLogError: the file has no frame whose checksum is correct.
     """
-    from imuwb.readers.flight.tlog_streams import streamed  # noqa: PLC0415 - a probe needs none of this
+    from imuwb.readers.flight.tlog_streams import streamed  # noqa: PLC0415 - a probe needs no streams
 
     return streamed(path, options)

@@ -33,8 +33,8 @@ SCALED, RAW, FLOATS = (26, 116, 129), (27,), (105, 107)
 IMUS = (*SCALED, *RAW, *FLOATS)
 CLOCKS = (SYSTEM_TIME, ATTITUDE, SOLUTION, *SCALED)  #: messages with ms since power-up
 UNKNOWN = 65535  #: speed or course that is not known
-FROZEN = 0.5  #: share of fixes with the time of the fix before, above which this time is frozen
-APART = 60_000_000_000  #: ns between a fix's own time and its arrival, beyond which its own time is wrong
+FROZEN = 0.5  #: share of fixes; if more fixes repeat the time of the fix before, this time is frozen
+APART = 60_000_000_000  #: ns; if a fix's own time differs by more from its arrival, its own time is wrong
 LSB = "its smallest steps are 1 mG (9.8e-3 m/s²) and 1 mrad/s (206 deg/h), so quantization limits a noise model of it"
 ABOVE_SEA = f" ({MEAN_SEA_LEVEL})"
 
@@ -61,7 +61,7 @@ def streamed(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
 
 
 class _Streams:
-    """From messages to batches."""
+    """Makes batches from the messages."""
 
     def __init__(self, log: Telemetry, *, own_time: bool) -> None:
         self._bytes_read, self._own_time = log.bytes_read, own_time
@@ -74,7 +74,7 @@ class _Streams:
         self._one_system = len(systems) == 1
 
     def all(self) -> Iterator[Batch | Remark]:
-        """Yield all streams, then notes: on the rows, the clocks, and the fixes' times."""
+        """Yield all streams, then notes on the rows, the clocks, and the times of the fixes."""
         remarks: list[Remark] = []
         for key, rows in self._rows.items():
             for part in self._stream(key, rows):
@@ -180,7 +180,7 @@ class _Streams:
 def _fix_time(
     name: str, clock: BootClock, place: NDArray[np.int64], arrived: Nanoseconds, values: Values
 ) -> tuple[Nanoseconds, list[Remark]]:
-    """Return a receiver's own time, since power-up or since 1970; that of arrival for a time that cannot be."""
+    """Return a receiver's own time, since power-up or since 1970; the time of arrival where this time is impossible."""
     own = values["time_usec"].astype(np.int64) * MICRO
     time = np.where(values["time_usec"] > EARLIEST, own, clock.unix(place, own))
     wrong = np.abs(time - arrived) > APART

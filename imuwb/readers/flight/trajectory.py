@@ -43,7 +43,7 @@ def velocities(speed: Floats, course: Floats, down: Floats | float = np.nan) -> 
 
 
 def position_sigmas(horizontal: Floats, vertical: Floats) -> Floats:
-    """Return sigmas of positions, (n, 3) m, NED; the horizontal one counts for north and for east."""
+    """Return sigmas of positions, (n, 3) m, NED; the horizontal sigma is used for north and for east."""
     return np.stack([horizontal, horizontal, vertical], axis=1)
 
 
@@ -53,7 +53,7 @@ def isotropic(sigma: Floats) -> Floats:
 
 
 def usable(position: Floats) -> NDArray[np.bool_]:
-    """Return which rows, (n, 3) rad and m, are positions: a receiver without a fix states 0/0."""
+    """Return which rows, (n, 3) rad and m, are positions; a receiver without a fix states latitude 0 and longitude 0."""
     latitude, longitude, height = position.T
     possible = (np.abs(latitude) <= np.pi / 2) & (np.abs(longitude) <= np.pi) & (np.abs(height) < HIGHEST)
     return possible & ((latitude != 0) | (longitude != 0))
@@ -62,7 +62,7 @@ def usable(position: Floats) -> NDArray[np.bool_]:
 def located(
     name: str, kind: Kind, time: Nanoseconds, columns: Mapping[str, Floats], origin: Origin, bytes_read: int
 ) -> Iterator[Batch | Remark]:
-    """Yield the rows that have a position, and how many have none."""
+    """Yield the rows that have a position, and the number of rows that have none."""
     rows = usable(columns["position"])
     lost, text = int(np.count_nonzero(~rows)), "rows without a position (0/0: no fix yet) left out"
     if lost and not rows.any():
@@ -74,14 +74,14 @@ def located(
 
 
 def interpolated(time: Nanoseconds, at: Nanoseconds, values: Floats) -> Floats:
-    """Return values, (m, k) at rising times ``at``, at other times, (n, k), linear in between."""
+    """Return values at other times, (n, k), by linear interpolation of values, (m, k), at rising times ``at``."""
     return np.stack([np.interp(time, at, column) for column in values.T], axis=1)
 
 
 def attitudes(time: Nanoseconds, at: Nanoseconds, angles: Floats) -> Floats:
-    """Return roll, pitch and heading, (m, 3) rad at times ``at`` in any order, at other times, (n, 3).
+    """Return roll, pitch and heading at other times, (n, 3) rad, from those, (m, 3), at times ``at`` in any order.
 
-    They are linear in between, also across the step from 360 to 0 degrees.
+    The interpolation is linear, also across the step from 360 to 0 degrees.
     """
     order = np.argsort(at, kind="stable")
     return interpolated(time, at[order], np.unwrap(angles[order].astype(np.float64), axis=0))

@@ -27,7 +27,7 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     Raises:
         UnreadableLogError: the file has no whole message of data.
     """
-    from imuwb.readers.flight.ulog_streams import streamed  # noqa: PLC0415 - a probe needs none of this
+    from imuwb.readers.flight.ulog_streams import streamed  # noqa: PLC0415 - a probe needs no decoder
 
     del options  # the format states everything, and has one clock
     return streamed(path)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 HEADER = 16  #: bytes: magic, version, time
 FLAGS = ord("B")
-APPENDED = 0x01  #: in the first incompatible flag: data was appended after an end that may be cut
+APPENDED = 0x01  #: bit in the first byte of incompatible flags: data was appended after an end that may be cut
 KNOWN = b"AFIMPQLCDSORBX"  #: types of messages; another byte is damage
 _PRIMITIVES = {
     "int8_t": "|i1", "uint8_t": "|u1", "int16_t": "<i2", "uint16_t": "<u2", "int32_t": "<i4", "uint32_t": "<u4",
@@ -33,8 +33,8 @@ _PRIMITIVES = {
 _FIELD = re.compile(r"([\w/]+?)(?:\[(\d{1,4})\])? +(\w+)$")
 DEEPEST, LONGEST = 8, 4096  #: levels of nested messages, and fields of a topic, at most
 CHAIN = 8  #: messages that must follow each other after damage
-LONG = 1024  #: bytes; a longer message after damage is more likely garbage that points at a sound one
-LARGEST = 4096  #: bytes; a longer message at the end of the file is damage, not cut
+LONG = 1024  #: bytes; a longer message after damage is probably garbage whose length leads by chance to a sound message
+LARGEST = 4096  #: bytes; a longer message at the end of the file is damaged, not cut
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +49,7 @@ class TopicField:
 
 @dataclass(slots=True)
 class ULogFile:
-    """Topics by name and instance, column by column; the file is taken at once."""
+    """Topics by name and instance, column by column; the whole file is taken at once."""
 
     formats: dict[str, str] = field(default_factory=dict[str, str])
     dropouts: list[int] = field(default_factory=list[int])  #: ms each
@@ -144,8 +144,8 @@ def _walk(
 ) -> tuple[int, int]:  # pragma: no cover - compiled
     """Fill the table (if it has room) with the whole messages; return their number and the bytes between messages.
 
-    Garbage soon has a plausible length, and a false message hides up to 64 KiB of sound ones. So after damage, a chain of
-    messages is needed.
+    Garbage often has a plausible length, and a false message hides up to 64 KiB of sound messages. So after damage, several
+    messages must follow each other.
     """
     count, at, skipped, sure = 0, 0, 0, True
     while at + 3 <= buffer.size:
@@ -173,7 +173,7 @@ def _walk(
 
 @compiled()
 def _ends_well(buffer: NDArray[np.uint8], after: int, known: NDArray[np.bool_]) -> bool:  # pragma: no cover - compiled
-    """Return whether a message begins here that the end of the file cuts."""
+    """Return whether a message that the end of the file cuts begins here."""
     size = int(buffer[after]) | int(buffer[after + 1]) << 8
     return size > 0 and bool(known[buffer[after + 2]]) and after + 3 + size > buffer.size and size < LARGEST
 
@@ -206,7 +206,7 @@ def layout(name: str, formats: dict[str, str]) -> tuple[tuple[TopicField, ...], 
 def _flatten(
     name: str, formats: dict[str, str], prefix: str, at: int, fields: list[TopicField], depth: int
 ) -> int | None:
-    """Append the fields of a message; return where it ends, None if that is unknown."""
+    """Append the fields of a message; return the offset of its end, or None if the end is unknown."""
     if name not in formats or depth > DEEPEST:
         return None
     for text in formats[name].split(";"):

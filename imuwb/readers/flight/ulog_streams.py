@@ -38,7 +38,7 @@ LONGEST_STEP = 1e6  #: µs between the samples in a sensor's own buffer; a large
 INVALID = 2**31 - 1  #: relative stamp of a sample that is not valid
 MICRO = 1000  #: ns
 IMU_UNITS = "rad/s, m/s²"
-ABOVE_SEA = f" ({MEAN_SEA_LEVEL})"  #: heights of PX4's own solution, and of its oldest receivers
+ABOVE_SEA = f" ({MEAN_SEA_LEVEL})"  #: for the heights of PX4's own solution, and of receivers in its oldest logs
 
 
 def streamed(path: Path) -> Iterator[Batch | Remark]:
@@ -76,7 +76,7 @@ def _bytes(path: Path, notes: list[str]) -> NDArray[np.uint8]:
 
 
 class _Streams:
-    """From topics to batches."""
+    """Makes batches from the topics."""
 
     def __init__(self, log: ULogFile, size: int) -> None:
         self._log, self._size = log, size
@@ -116,7 +116,7 @@ class _Streams:
         return dict(self._topics(name)).get(name)
 
     def _boot(self, columns: Columns) -> Nanoseconds:
-        """Return the time since power-up: that of the samples if it is logged, else that of the messages."""
+        """Return the time since power-up: the time of the samples if it is logged, else the time of the messages."""
         stamp = columns["timestamp"]
         sampled = columns.get("timestamp_sample")
         if sampled is not None and sampled.any():
@@ -172,7 +172,7 @@ class _Streams:
             if force is None:
                 continue
             relative = columns.get("accelerometer_timestamp_relative", np.zeros(boot.size, np.int32))
-            valid = np.abs(relative.astype(float)) < INVALID  # a damaged definition may make any numbers of them
+            valid = np.abs(relative.astype(float)) < INVALID  # with a damaged definition these may be any numbers
             time = boot + np.where(valid, relative, 0).astype(np.int64) * MICRO
             yield self._imu_batch(name, time[valid], "specific_force", force[valid].astype(float))
 
@@ -243,7 +243,7 @@ def _nanoseconds(microseconds: NDArray[Any]) -> Nanoseconds:
 
 
 def _wide(values: NDArray[Any]) -> NDArray[Any]:
-    """Return single precision as double; damage makes signalling nans, of which the processor warns."""
+    """Return single precision as double; damaged numbers may be signalling nans, for which numpy warns."""
     with np.errstate(invalid="ignore"):
         return values.astype(np.float64) if values.dtype == np.float32 else values
 
@@ -266,7 +266,7 @@ def _unrolled(boot: Nanoseconds, columns: Columns, quantity: str) -> tuple[Nanos
 
 
 def _receiver_position(columns: Columns) -> tuple[Floats, str] | None:
-    """Return a receiver's positions, and a text on their heights if none above the ellipsoid is logged; None without any."""
+    """Return a receiver's positions, and a text on their heights if none above the ellipsoid are logged; None without positions."""
     above_sea = "" if {"altitude_ellipsoid_m", "alt_ellipsoid"} & columns.keys() else ABOVE_SEA
     if {"latitude_deg", "longitude_deg"} <= columns.keys():
         height = columns.get("altitude_ellipsoid_m", columns.get("altitude_msl_m"))

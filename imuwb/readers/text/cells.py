@@ -35,7 +35,8 @@ def blocks(
 ) -> Iterator[tuple[pa.RecordBatch, int]]:
     """Yield the used columns in blocks, each with the bytes read; the time column has its own type.
 
-    The parser stops at a cell that is not a number. From there a slower way goes on, which finds and counts such cells.
+    The parser stops at a cell that is not a number. From there on cells are read as text: this is slower, but
+    finds and counts such cells.
     """
     kinds = {c.name: time_kind if c.quantity == "time" else pa.float64() for c in used}
     names = [f"unused {i}" for i in range(len(layout.first))]
@@ -107,7 +108,7 @@ def _converted(cells: pa.Array[Any], kind: pa.DataType, faults: Counter[str]) ->
     faults[CELLS] += sum(bool(text) and number is None for text, number in zip(texts, numbers, strict=True))
     try:
         return pa.array(numbers, pa.string()).cast(kind)
-    except pa.ArrowInvalid:  # more digits than a decimal has room for
+    except pa.ArrowInvalid:  # the cell has more digits than a decimal can hold
         return pa.array([None if text is None else float(text) for text in numbers], pa.float64())
 
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 WEEK_END = 604_801  #: s; no time of a GPS week is later, not even with a leap second
 LATEST_WEEK = 10_000  #: GPS week of the year 2171
 LATEST = 2**63 - 1025  #: ns, the largest double below the end of int64
-OUR_DAYS = (5e8, 3e9)  #: s since 1970, 1985 to 2065: a time in between counts from 1970
+OUR_DAYS = (5e8, 3e9)  #: s since 1970 (years 1985 and 2065); a time in between counts from 1970
 DIGITS = {"s": 9, "ms": 6, "us": 3, "ns": 0}  #: decimals of each unit, down to 1 ns
 _ISO = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d")
 _ZONE = re.compile(r"(Z|[+-]\d\d(:?\d\d)?)$")
@@ -43,13 +43,13 @@ _ZONE = re.compile(r"(Z|[+-]\d\d(:?\d\d)?)$")
 class Clock:
     """How the time of a row is found."""
 
-    column: Column | None  #: None: from the rate
+    column: Column | None  #: None: the time comes from the rate
     kind: pa.DataType  #: type of the parsed column
     epoch: Epoch
     rate: float = 0.0  #: Hz
     notes: tuple[Note, ...] = ()
     week: Column | None = None  #: GPS week; the column is then the time of week
-    ahead: int = 0  #: s, of GPS time over UTC in the whole log
+    ahead: int = 0  #: s by which GPS time is ahead of UTC in the whole log
 
     def time(self, block: pa.RecordBatch, first_row: int) -> Times:
         """Return the time (ns) of the rows that have one, and which rows these are."""
@@ -68,7 +68,7 @@ class Clock:
 
 
 def _nanoseconds(stamps: pa.Array[Any], measure: Unit | None) -> Times:
-    """Return times in ns, and which of them int64 can hold; undefined for null."""
+    """Return times in ns, and which of them int64 can hold; the time of a null cell is undefined."""
     if pa.types.is_timestamp(stamps.type):
         return cells.memory(stamps, "<i8")[:, 0], np.ones(len(stamps), dtype=bool)
     if pa.types.is_decimal(stamps.type):
@@ -150,7 +150,7 @@ def _ahead_of_utc(column: Column, seconds: float, notes: list[Note]) -> int:
 
 
 def _unit_by_size(path: Path, column: Column, value: float) -> str:
-    """Return the unit in which a number is a time of our days since 1970."""
+    """Return the unit in which a number is a time since 1970 between the limits of ``OUR_DAYS``."""
     for name in DIGITS:
         if OUR_DAYS[0] < value * unit(name).factor < OUR_DAYS[1]:
             return name

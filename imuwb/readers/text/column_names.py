@@ -56,7 +56,7 @@ class Column:
     """One column that is used."""
 
     index: int
-    name: str  #: in the file
+    name: str  #: name in the file
     quantity: str  #: a key of DIMENSIONS
     axis: int  #: 0, 1, 2 for x, y, z; 0 for a quantity without axes
     unit: Unit | None  #: None: unknown
@@ -77,7 +77,7 @@ def columns(names: tuple[str, ...], units: Mapping[str, str]) -> tuple[Column, .
     """Return the columns with a known quantity.
 
     Args:
-        names: of all columns, in order.
+        names: names of all columns, in order.
         units: {quantity: unit}; they override the units in the names.
 
     Raises:
@@ -85,7 +85,7 @@ def columns(names: tuple[str, ...], units: Mapping[str, str]) -> tuple[Column, .
     """
     known = [column for i, name in enumerate(names) if (column := _column(i, name, units)) is not None]
     first: dict[tuple[str, int], Column] = {}
-    # With a GPS week, the time of week comes before any other time.
+    # With a GPS week, the time of week is preferred to any other time.
     weeks = any(column.quantity == "week" for column in known)
     for column in sorted(known, key=lambda c: weeks and c.quantity == "time" and not _OF_WEEK.search(c.name.lower())):
         other = first.setdefault((column.quantity, column.axis), column)

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from imuwb.readers.read_options import ReadOptions
     from imuwb.readers.text.lines import Layout
 
-#: dimension -> unit of a column that states none; an IMU's unit must be stated, because several are common
+#: dimension -> unit of a column without a stated unit; an IMU's unit must be stated, because several are common
 _USUAL = {"temperature": "°C", "angle": "deg", "length": "m", "speed": "m/s"}
-STILL = 0.1  #: relative difference between the specific force at rest and one gravity
+STILL = 0.1  #: largest relative difference between the specific force at rest and standard gravity
 WRONG = 2.0  #: factor between the specific force and one gravity, beyond which the stated unit is doubtful
 DAMAGED = 1e9  #: a larger number is damage, whatever its unit
 
@@ -92,11 +92,11 @@ def check_gravity(path: Path, force: Floats, used: tuple[Column, ...]) -> bool:
 
 
 def _is_small(cell: str) -> bool:
-    return is_number(cell) and abs(float(cell)) < DAMAGED  # nan is not
+    return is_number(cell) and abs(float(cell)) < DAMAGED  # nan is not below it
 
 
 def _likely(norm: float) -> str | None:
-    """Return the unit in which a specific force is about one gravity; None if there is none."""
+    """Return the unit in which a specific force is about one gravity; None if no unit fits."""
     for name in ("m/s²", "g", "mg"):
         if abs(norm * UNITS[name].factor / STANDARD_GRAVITY - 1) < STILL:
             return name

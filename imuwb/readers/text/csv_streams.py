@@ -26,11 +26,11 @@ _TRIPLES = {"velocity": "velocity_", "position_sigma": "sigma_", "velocity_sigma
 
 
 def streams_of(values: Mapping[Column, Floats], frame: str) -> Iterator[Stream]:
-    """Yield the streams of the columns; slower ones beside an IMU have rows of their own.
+    """Yield the streams of the columns; slower streams beside an IMU have separate rows.
 
     Args:
         values: cells of each column, in its unit.
-        frame: of the IMU, ``FRD`` or ``FLU``.
+        frame: frame of the IMU, ``FRD`` or ``FLU``.
     """
     si = {(c.quantity, c.axis): _si(v, c.unit) for c, v in values.items() if c.unit is not None}
     signs = np.array([1.0, -1.0, -1.0]) if frame == "FLU" else np.ones(3)
@@ -51,7 +51,7 @@ def streams_of(values: Mapping[Column, Floats], frame: str) -> Iterator[Stream]:
 
 
 def _position_stream(si: Values, rows: NDArray[np.bool_] | None) -> Stream:
-    """Return a receiver's fixes, or, if there is an attitude, a reference: receivers have none."""
+    """Return a receiver's fixes, or a reference if there is an attitude, because receivers have no attitude."""
     latitude, longitude = si["latitude", 0], si["longitude", 0]
     columns = {"position": np.stack([latitude, longitude, si.get(("height", 0), np.zeros_like(latitude))], axis=1)}
     for field, prefix in _TRIPLES.items():

@@ -41,8 +41,8 @@ uses = ("rate", "columns", "units", "frame", "epoch")
 UNTIMED = Note("no_time", "rows without a usable time left out")
 INCOMPLETE = Note("incomplete", "rows without a number in every used column")
 PRINTABLE = 0.99  #: least share of printable bytes in text
-JUMP = 3600 * SECOND  #: ns; a longer step forward shows the damage of a packed file
-MOST_UNUSABLE = 0.5  #: share of rows; with more unusable rows, the file is not a log of these columns
+JUMP = 3600 * SECOND  #: ns; in a damaged packed file, a longer step forward shows where the damage begins
+MOST_UNUSABLE = 0.5  #: share of rows; if more rows are unusable, the file is not a log with these columns
 
 
 def probe(head: bytes) -> bool:
@@ -87,7 +87,7 @@ class _Rows:
     ) -> None:
         self._path, self._layout, self._used, self._clock, self._options = path, layout, used, clock, options
         self._faults = Counter[str]()
-        self._rows = self._unusable = 0  # rows with a time; those of them that lack a sample of the IMU
+        self._rows = self._unusable = 0  # rows with a time, and the rows among them that have no sample of the IMU
 
     def batches(self) -> Iterator[Batch | Remark]:
         """Yield the streams of each piece of the file, then its faults."""
@@ -108,7 +108,7 @@ class _Rows:
         yield from self._repairs()
 
     def _pieces(self) -> Iterator[Piece]:
-        """Yield the rows that have a time; those of a damaged file up to a jump in time."""
+        """Yield the rows that have a time; the rows of a damaged file only up to a jump in time."""
         first_row, before = 0, None
         for block, bytes_read in blocks(self._path, self._layout, self._used, self._clock.kind, self._faults):
             time, timed = self._clock.time(block, first_row)

@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 BLOCK = 1 << 20
-#: every byte that is not ASCII as a question mark: no number has one, and the parser fails on them
+#: replaces every byte that is not ASCII by a question mark: no number has such a byte, and the parser fails on it
 _ASCII = bytes(range(128)) + b"?" * 128
-ROWS_COMPARED = 100  #: rows that a last line without its end is compared with
-DELIMITER_ROWS = 50  #: last rows of the file's head that the delimiter is found in
+ROWS_COMPARED = 100  #: number of rows with which a last line without its end is compared
+DELIMITER_ROWS = 50  #: number of last rows of the file's head in which the delimiter is found
 COMMENT = (b"#", b"%", b"//")
 
 
@@ -29,7 +29,7 @@ class Layout:
 
     delimiter: str  #: " " means any run of blanks
     skip: int  #: lines before the first row of numbers
-    names: tuple[str, ...]  #: of the header; empty without a header
+    names: tuple[str, ...]  #: names in the header; empty without a header
     first: tuple[str, ...]  #: the cells of the first whole row of numbers
     cut_first: bool  #: the file begins in the middle of a line, which is skipped
     fault: str = ""  #: why the content of the packed file may be wrong; empty for a sound file
@@ -78,7 +78,7 @@ def _is_numeric(cells: list[str]) -> bool:
 
 
 def _delimiter(rows: list[str]) -> str:
-    """Return the separator that is in all rows, else the most frequent one; blanks where it is rarer than the rows."""
+    """Return the separator that is in all rows, else the most frequent one; blanks if there are fewer separators than rows."""
     counts = {mark: [row.count(mark) for row in rows] for mark in ",;\t"}
     best = max(counts, key=lambda mark: (min(counts[mark]) > 0, sum(counts[mark])))
     return best if sum(counts[best]) >= len(rows) else " "
@@ -92,8 +92,8 @@ def _cells(row: str, delimiter: str) -> list[str]:
 class Rows(io.RawIOBase):
     """The rows of numbers of a text file, as bytes that end with a whole line.
 
-    Runs of blanks become commas, comments are left out, and so is a cut last line. Of a packed file whose checksum is wrong,
-    everything from the first odd line on is left out. ``faults`` has a note on each fault.
+    Runs of blanks become commas, comments and a cut last line are left out. If the checksum of a packed file is wrong,
+    everything from the first damaged line on is left out. ``faults`` has a note on each fault.
     """
 
     def __init__(self, path: Path, layout: Layout) -> None:
@@ -107,13 +107,13 @@ class Rows(io.RawIOBase):
         self._tail = b""
         self._out = b""
         self._skip = layout.skip
-        # For a damaged file, the note on the first odd line replaces that on the end of unpacking.
+        # For a damaged file, the note on the first damaged line replaces the note on the end of the unpacked data.
         self._pieces = source.pieces(self._file, [] if layout.fault else self.faults)
         self._good = 0  # rows so far of a damaged file
         self._least: tuple[int, int] | None = None  # fewest cells and shortest last cell of the last whole rows
 
     def readable(self) -> bool:
-        """Return True: the parser asks."""
+        """Return True; the parser calls this."""
         return True
 
     def is_empty(self) -> bool:
@@ -179,7 +179,7 @@ class Rows(io.RawIOBase):
         return data[:cut]
 
     def _is_cut(self, line: bytes) -> bool:
-        """Return whether a line without its end lacks cells, or its last cell is shorter than those of all rows before."""
+        """Return whether a line without its end has too few cells, or a last cell that is shorter than in all rows before."""
         if not line.strip() or self._least is None:
             return False
         cells = line.split() if self._layout.delimiter == " " else line.strip().split(self._delimiter)
@@ -194,7 +194,7 @@ class Rows(io.RawIOBase):
             self._least = (min(map(len, rows)), min(len(row[-1].strip()) for row in rows))
 
     def _trusted(self, data: bytes) -> bytes:
-        """Return the rows before the first that shows the damage; nothing after it is read."""
+        """Return the rows before the first row that shows the damage; nothing after these is read."""
         lines = data.splitlines(keepends=True)
         good = trusted(lines, self._layout.first, self._delimiter)
         self._good += good

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from imuwb.readers.read_options import ReadOptions
 
-    Row = tuple[int, list[float]]  #: ns, and the numbers after the time
+    Row = tuple[int, list[float]]  #: time (ns), and the numbers after the time
 
 format = "rtklib"  # noqa: A001 - the contract's name
 uses: tuple[str, ...] = ()
@@ -96,7 +96,7 @@ def _tables(path: Path, notes: list[str], faults: Counter[str]) -> Iterator[tupl
 
 
 def _lines(pieces: Iterator[bytes], faults: Counter[str]) -> Iterator[bytes]:
-    """Yield lines; a last one without its end is cut if it has fewer cells than the others, or a shorter last cell."""
+    """Yield lines; a last line without its end is taken as cut if it has fewer cells than the others, or a shorter last cell."""
     rest, least = b"", list[tuple[int, int]]()
     for piece in pieces:
         *whole, rest = (rest + piece).split(b"\n")
@@ -110,7 +110,7 @@ def _lines(pieces: Iterator[bytes], faults: Counter[str]) -> Iterator[bytes]:
 
 
 def _size(line: bytes) -> tuple[int, int]:
-    """Return the number of cells, and the length of the last one."""
+    """Return the number of cells, and the length of the last cell."""
     cells = line.split()
     return len(cells), len(cells[-1])
 

@@ -1,4 +1,4 @@
-"""``LOG.toml`` beside a text log states what the log does not."""
+"""Reads the sidecar ``LOG.toml`` beside a text log; it states what the log itself does not."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _KEYS = {
 
 
 def with_sidecar(path: Path, options: ReadOptions) -> tuple[ReadOptions, Note | None]:
-    """Return the options, completed by the log's sidecar, and a note of what the sidecar states.
+    """Return the options, completed by the log's sidecar, and a note on what the sidecar states.
 
     An option that is set overrides the sidecar.
 

@@ -1,4 +1,4 @@
-"""How far the text of a damaged packed file can be used: up to the first line that does not look like the others."""
+"""Finds how much of the text of a damaged packed file can be used: the lines before the first that does not look like the others."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(nan|inf)(init
 
 
 def is_number(text: str) -> bool:
-    """Return whether a cell is a number; nan and inf are."""
+    """Return whether a cell is a number; nan and inf count as numbers."""
     return bool(_NUMBER.fullmatch(text.strip().strip('"')))
 
 
 def trusted(lines: Sequence[bytes], first: Sequence[str], delimiter: bytes) -> int:
-    """Return how many lines look like the first row, before one that does not.
+    """Return how many lines look like the first row, before the first line that does not.
 
     Args:
-        lines: with their line ends.
+        lines: the lines, with their line ends.
         first: the cells of a sound row.
-        delimiter: between cells.
+        delimiter: the text between cells.
     """
     kinds = [(is_number(cell), _shape(cell)) for cell in first]
     for i, line in enumerate(lines):
@@ -35,7 +35,7 @@ def trusted(lines: Sequence[bytes], first: Sequence[str], delimiter: bytes) -> i
 
 
 def _looks_like(cell: str, kind: tuple[bool, str]) -> bool:
-    """Return whether a cell is empty, or a number or a text with digits in the places of the first row's cell."""
+    """Return whether a cell is empty or like the first row's cell: also a number, or a text with digits in the same places."""
     number, shape = kind
     if not cell:
         return True
