@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import os
 import sys
@@ -10,11 +11,13 @@ from pathlib import Path
 
 from imuwb.errors import ImuwbError
 
+OBJECTS = 50_000  #: new objects after which Python looks for garbage; imports make many that stay
 INTERRUPTED = 130  #: exit code that shells expect from a program that Ctrl-C ended
 
 
 def main() -> None:
     """Run the command line. Every error is a message on stderr and an exit code, never a traceback."""
+    gc.set_threshold(OBJECTS)
     warnings.showwarning = _print_warning
     _prepare_streams()
     try:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from scipy import fft, special
 
 from imuwb.stochastic.elementary import Elementary
 from imuwb.stochastic.gauss_markov import GaussMarkov
@@ -44,8 +43,10 @@ class FlickerNoise(Elementary):
 
         The sum over all aliases of sin²(pi f dt)/(pi f dt)² · 1/f is Hurwitz' zeta of order 3.
         """
+        from scipy.special import zeta  # noqa: PLC0415 - scipy is slow to import
+
         x = np.clip(f * dt, 1e-300, 0.5)
-        folded = special.zeta(3.0, x) + special.zeta(3.0, 1.0 - x)
+        folded = zeta(3.0, x) + zeta(3.0, 1.0 - x)
         return self.B**2 * dt / (2 * np.pi**3) * np.sin(np.pi * x) ** 2 * folded
 
     def approximate(self, band: tuple[float, float], states: int, dt: float) -> FlickerApproximation:
@@ -66,7 +67,9 @@ class FlickerNoise(Elementary):
         del dt
         if n < 2 or self.B == 0:  # noqa: PLR2004 - one sample has no increment
             return np.zeros(n)
-        half = fft.next_fast_len(n, real=True)
+        from scipy.fft import next_fast_len  # noqa: PLC0415 - scipy is slow to import
+
+        half = next_fast_len(n, real=True)
         steps = _circulant(_flicker_increments(half + 1), rng)[: n - 1]
         return np.concatenate([[0.0], np.cumsum(steps)]) * self.B
 
@@ -78,22 +81,26 @@ def _flicker_increments(lags: int) -> Floats:
     increments are its second differences: weights 1 -4 6 -4 1. At large lags the differences cancel in
     floating point; there the series of even derivatives is used.
     """
+    from scipy.special import xlogy  # noqa: PLC0415 - scipy is slow to import
+
     k = np.arange(lags, dtype=np.float64)
     near, far = k[:SERIES], k[SERIES:]
     shifted = near + np.arange(-2, 3)[:, None]
-    differences = np.array([1, -4, 6, -4, 1]) @ special.xlogy(shifted**2, np.abs(shifted))
+    differences = np.array([1, -4, 6, -4, 1]) @ xlogy(shifted**2, np.abs(shifted))
     series = -2 / far**2 - 2 / far**4 - 3 / far**6
     return np.concatenate([differences, series]) / (2 * np.pi)
 
 
 def _circulant(covariance: Floats, rng: np.random.Generator) -> Floats:
     """Return a stationary Gaussian series that has exactly this autocovariance up to its last lag."""
+    from scipy.fft import hfft, irfft  # noqa: PLC0415 - scipy is slow to import
+
     half = covariance.size - 1
     # The covariance is real and even: its transform is real, and contains the eigenvalues of the circulant.
-    power = np.maximum(fft.hfft(covariance, 2 * half)[: half + 1], 0.0)
+    power = np.maximum(hfft(covariance, 2 * half)[: half + 1], 0.0)
     noise = rng.standard_normal((2, half + 1))
     noise[:, [0, half]] *= [[np.sqrt(2.0)], [0.0]]
-    return fft.irfft((noise[0] + 1j * noise[1]) * np.sqrt(power * half), 2 * half)
+    return irfft((noise[0] + 1j * noise[1]) * np.sqrt(power * half), 2 * half)
 
 
 def _gauss_markov_bank(level: float, band: tuple[float, float], states: int) -> FlickerApproximation:
