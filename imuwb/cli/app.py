@@ -10,9 +10,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from imuwb import registry
 from imuwb.analysis import offers
-from imuwb.cli.analysis_command import command_function
 from imuwb.cli.options import PANELS
 from imuwb.cli.parameters import expanded
 from imuwb.errors import UsageError
@@ -49,19 +47,26 @@ def build(arguments: list[str]) -> typer.Typer:
     if name in COMMANDS:
         _add_core(app, name)
         return app
+    _add_analyses(app, name)
+    return app
+
+
+def _add_analyses(app: typer.Typer, name: str) -> None:
+    """Add the analysis of that name or file; or, if the name is that of no analysis, list all commands."""
+    from imuwb import registry  # noqa: PLC0415 - commands of the core do without the installed metadata
+
     if name.endswith(".py"):
         _add(app, name, cast("Analysis", registry.load_file(Path(name))), name)
-        return app
+        return
     points = registry.installed(registry.ANALYSES)
     if name in points and (analysis := registry.load(points[name])) is not None:
         _add(app, name, cast("Analysis", analysis), points[name].value)
-        return app
+        return
     loaded = {name: analysis for name, point in points.items() if (analysis := registry.load(point)) is not None}
     listed = COMMANDS | {name: (ANALYSES, registry.summary_of(analysis)) for name, analysis in loaded.items()}
     # typer shows the panels in the order in which their first commands are added.
-    for name, (panel, line) in sorted(listed.items(), key=lambda item: (LOGS, ANALYSES, RESULTS).index(item[1][0])):
-        app.command(name, help=line, rich_help_panel=panel)(_nothing)
-    return app
+    for command, (panel, line) in sorted(listed.items(), key=lambda item: (LOGS, ANALYSES, RESULTS).index(item[1][0])):
+        app.command(command, help=line, rich_help_panel=panel)(_nothing)
 
 
 def _add_core(app: typer.Typer, name: str) -> None:
@@ -122,6 +127,8 @@ def _add_command(app: typer.Typer, name: str, full: str, analysis: Analysis, ori
     if not is_dataclass(analysis.Parameters):
         message = f"{origin}: Parameters must be a dataclass; it is {analysis.Parameters!r}"
         raise UsageError(message)
+    from imuwb.cli.analysis_command import command_function  # noqa: PLC0415 - for analyses only
+
     function = command_function(full, analysis)
     text = paragraphs(analysis.__doc__ or full)
     app.command(name, help=text, short_help=text.splitlines()[0], rich_help_panel=ANALYSES)(function)
