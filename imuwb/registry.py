@@ -85,7 +85,7 @@ def load_file(path: str | Path) -> ModuleType:
     name = f"imuwb_file_plugin_{path.stem}"
     specification = importlib.util.spec_from_file_location(name, path)
     if specification is None or specification.loader is None:
-        message = f"{path}: this is no Python file; the name of a plugin must end in .py"
+        message = f"{path}: this is not a Python file; the name of a plugin must end in .py"
         raise UsageError(message)
     module = importlib.util.module_from_spec(specification)
     # Dataclasses look up their module by its name while it is imported.

@@ -75,7 +75,7 @@ def _with_one_imu(log: Log, name: str) -> Log:
     parts = {part: imu for imu in log.imus for part in (imu.name, *imu.name.split("+"))}
     pairs = [(name[:at], name[at + 1 :]) for at, letter in enumerate(name) if letter == "+"]
     if any(first and first == second for first, second in pairs):
-        message = f"--imu {name} names the same IMU twice; its own name alone takes both its sensors"
+        message = f"--imu {name} names the same IMU twice; the name alone selects both sensors"
         raise UsageError(message)
     for first, second in pairs:
         if first in parts and second in parts:
@@ -145,7 +145,7 @@ def _date(text: str, epoch: str) -> int:
         )
         raise UsageError(message) from None
     if epoch != "unix":
-        message = f"{text!r} is a date, but the log's {epoch} clock knows no date; write seconds from the log's start"
+        message = f"{text!r} is a date, but the log's {epoch} clock has no date; write seconds from the log's start"
         raise UsageError(message)
     return unix_nanoseconds(when)
 

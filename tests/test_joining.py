@@ -28,7 +28,7 @@ def receiver(epoch="unix", start=0):
     position = np.tile([0.8, 0.2, 100.0], (10, 1))
     time = start + TIME
     return log_of(
-        name="fixes.pos", notes=("GPS time made UTC",), gnss=(GnssStream("gnss", time, position, origin=Origin(epoch=epoch)),),
+        name="fixes.pos", notes=("GPS time converted to UTC",), gnss=(GnssStream("gnss", time, position, origin=Origin(epoch=epoch)),),
         references=(Reference("truth", time, position, origin=Origin(epoch=epoch)),),
         speeds=(Scalars("wheel", time, np.ones(10)),),
     )  # fmt: skip
@@ -48,7 +48,7 @@ def test_a_note_names_the_file_and_its_notes_are_kept():
     log = joined(log_of(imu_of(), notes=("own note",)), receiver())
     assert log.notes[0] == "own note"
     assert "fixes.pos (sha256:fixes.pos)" in log.notes[1]
-    assert log.notes[2:] == ("GPS time made UTC",)
+    assert log.notes[2:] == ("GPS time converted to UTC",)
 
 
 @pytest.mark.parametrize(("imu", "other"), [("log", "unix"), ("boot", "unix"), ("unix", "log")])
@@ -127,5 +127,5 @@ def test_a_receiver_of_another_time_is_noted(start, apart):
 
 
 def test_a_note_of_both_is_kept_once():
-    log = joined(log_of(imu_of(), notes=("GPS time made UTC",)), receiver())
-    assert log.notes.count("GPS time made UTC") == 1
+    log = joined(log_of(imu_of(), notes=("GPS time converted to UTC",)), receiver())
+    assert log.notes.count("GPS time converted to UTC") == 1

@@ -64,9 +64,7 @@ def export(
     rate: Annotated[float, typer.Option(help="Rate of the sensor's samples, for tools that need it (Hz).")] = 100.0,
     horizon: Annotated[
         float,
-        typer.Option(
-            help="Time over which a random walk stands for a bias instability, for tools that have random walks only (s)."
-        ),
+        typer.Option(help="For tools without bias instability: the time over which a random walk replaces it (s)."),
     ] = 60.0,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="The file to write. Default: stdout.", metavar="FILE")
@@ -102,7 +100,7 @@ def check(
     factor: Annotated[float, typer.Option(help="Factor by which the limits are multiplied.")] = 1.0,
     json: Annotated[bool, typer.Option("--json", help="Print JSON on stdout.")] = False,
 ) -> None:
-    """Check an error model against a data sheet or another sensor. Exit code 1: a limit is exceeded, or may be."""
+    """Check an error model against a data sheet or another sensor. Exit code 1: a limit is exceeded, or may be exceeded."""
     from imuwb.cli.terminal import shower  # noqa: PLC0415 - help must not wait
     from imuwb.review.document import plain  # noqa: PLC0415
     from imuwb.review.models import verdicts_table  # noqa: PLC0415

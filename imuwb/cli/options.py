@@ -43,7 +43,7 @@ class Part:
         Form("NAME|A+B"),
     ] = None
     start: Annotated[
-        str | None, "Begin of the part: seconds from the log's start, or a date and time (ISO 8601).", Form("TIME")
+        str | None, "Start of the part: seconds from the log's start, or a date and time (ISO 8601).", Form("TIME")
     ] = None
     end: Annotated[
         str | None, "End of the part: seconds from the log's start, or a date and time (ISO 8601).", Form("TIME")

@@ -81,7 +81,7 @@ def check_places(files: Sequence[Path], logs: Sequence[Path], *, force: bool) ->
     taken = {log.resolve() for log in logs}
     for file in files:
         if file.resolve() in taken:
-            message = f"{file} is a log that is read, or another output; give each output a name of its own"
+            message = f"{file} is a log that is read, or another output; give each output a different name"
             raise UsageError(message)
         taken.add(file.resolve())
         check_place(file, force=force)

@@ -44,7 +44,9 @@ def corrected_log(log: Log, model: ImuErrorModel) -> tuple[Log, tuple[Note, ...]
     if (before.name, before.parameters) == _step(model):
         return log, (Note("corrected", before.note),)
     text = f"{before.name}:{before.parameters}"
-    return log, (Note("corrected before", f"not corrected by the model: the samples went through {text}"),)
+    return log, (
+        Note("corrected before", f"not corrected by the model, because the samples were already corrected: {text}"),
+    )
 
 
 def correct(log: Log, model: ImuErrorModel, step: tuple[str, str] | None = None) -> tuple[Log, Note]:

@@ -43,7 +43,7 @@ def clock_faults(name: str, time: Floats, *, inertial: bool) -> Iterator[Fault]:
     for at in jumps:
         length = float(time[at] - time[at - 1])
         what = f"clock jumps by {_length_text(length)}: {at} rows before, {time.size - at} after"
-        consequence = "two clocks in one stream: keep one side, with --start or --end"
+        consequence = "two clocks in one stream: keep the rows before or after the jump, with --end or --start"
         yield Fault(name, "clock jump", what, "fault", 1, float(time[at - 1]), length, consequence)
     for part in np.split(time, jumps):
         if part.size > 1:

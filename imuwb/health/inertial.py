@@ -83,7 +83,7 @@ def _stuck(channel: Channel) -> Iterator[Fault]:
     long = spans > max(STUCK, LONGER * usual)
     if long.any():
         at = int(np.argmax(spans))
-        yield Fault(channel.where, "stuck", "the same value for seconds: stuck", "fault", int(long.sum()),
+        yield Fault(channel.where, "stuck", "stuck: the value does not change for seconds", "fault", int(long.sum()),
                     float(time[first[at]]), float(spans[at]), "leave these spans out")  # fmt: skip
 
 
@@ -103,7 +103,7 @@ def _saturated(channel: Channel) -> Iterator[Fault]:
         leap = float(np.abs(values[edges[(edges >= 0) & (edges < values.size)]] - end).max(initial=0.0))
         if first.size >= SEVERAL or leap > LEAP * channel.step:
             yield Fault(channel.where, "saturated", f"saturated at {value_text(channel.axis, end)}", "fault", int(length.sum()),
-                        float(channel.time[first[0]]), consequence="larger values are lost; attitude and velocity after them are off")  # fmt: skip
+                        float(channel.time[first[0]]), consequence="larger values are lost; attitude and velocity are wrong from there on")  # fmt: skip
 
 
 def _struck(channel: Channel, lone: Lone, segments: Sequence[Segment]) -> Iterator[Fault]:
@@ -114,7 +114,7 @@ def _struck(channel: Channel, lone: Lone, segments: Sequence[Segment]) -> Iterat
         if not segment.moving:
             still |= (at >= segment.start) & (at <= segment.end)
     if still.any():
-        what = f"lone samples off by up to {value_text(channel.axis, float(lone.off[still].max()))}"
+        what = f"lone samples that differ from their neighbours by up to {value_text(channel.axis, float(lone.off[still].max()))}"
         yield Fault(channel.where, "lone samples", what, "warning", int(still.sum()), float(at[still][0]),
                     consequence="each one disturbs the results at every averaging time")  # fmt: skip
 

@@ -38,7 +38,7 @@ def implausible(log: Log, imu: ImuStream, segments: Sequence[Segment]) -> Iterat
     if rate is not None and float(np.abs(rate).max()) > BIAS:
         worst = float(rate[int(np.argmax(np.abs(rate)))])
         yield Fault(f"{imu.name} gyros", "rate", f"turns by {np.degrees(worst):.3g} deg/s while still", "warning", 1,
-                    longest.start, longest.length, "a bias to be taken off, or the IMU turns evenly")  # fmt: skip
+                    longest.start, longest.length, "subtract this bias, unless the IMU turns at a constant rate")  # fmt: skip
     force = _mean(log, imu.specific_force, longest)
     size = STANDARD_GRAVITY if force is None else float(np.linalg.norm(force))
     off = size / STANDARD_GRAVITY - 1

@@ -21,7 +21,7 @@ FEWEST = 3  #: least number of fixes that can be compared
 FAST = 30.0  #: m/s; a spike exceeds the speeds before and after it by more
 JUMP, TIMES = 20.0, 3.0  #: m/s, and times the speed: positions may change with up to the sum of both
 HELD = 0.02  #: share of fixes; if more fixes repeat the position before, this is a fault
-GATED = "a filter must gate them"
+GATED = "a filter must reject them (innovation gate)"
 
 
 def receiver_faults(log: Log, gnss: GnssStream) -> Iterator[Fault]:
@@ -34,13 +34,19 @@ def receiver_faults(log: Log, gnss: GnssStream) -> Iterator[Fault]:
     held = (np.diff(gnss.position, axis=0) == 0).all(axis=1)
     if held.mean() > HELD:
         yield Fault(gnss.name, "held rows", "rows that repeat the position before", "warning", int(held.sum()),
-                    float(time[int(np.argmax(held)) + 1]), consequence="the receiver is slower than its rows: each fix is to be used once")  # fmt: skip
+                    float(time[int(np.argmax(held)) + 1]), consequence="the receiver is slower than its rows: use each fix once")  # fmt: skip
     yield from _spikes(gnss, time)
     yield from _jumps(gnss, time, held)
     for what, sigma in (("position", gnss.position_sigma), ("velocity", gnss.velocity_sigma)):
         if sigma is None and getattr(gnss, what) is not None:
             text = f"the receiver reports no sigma of its {what}"
-            yield Fault(gnss.name, f"no {what} sigma", text, "note", consequence="a filter needs one: give it")
+            yield Fault(
+                gnss.name,
+                f"no {what} sigma",
+                text,
+                "note",
+                consequence="a filter needs one: state it in the filter's settings",
+            )
 
 
 def _fix_types(name: str, fix_type: NDArray[np.int64], time: Floats) -> Iterator[Fault]:
@@ -51,7 +57,7 @@ def _fix_types(name: str, fix_type: NDArray[np.int64], time: Floats) -> Iterator
         last = min(first[longest] + length[longest], time.size - 1)
         start = float(time[first[longest]])
         yield Fault(name, "no 3D fix", "fixes of less than three dimensions", "warning", int(poor.sum()), start,
-                    float(time[last]) - start, "do not navigate by them")  # fmt: skip
+                    float(time[last]) - start, "do not use them for navigation")  # fmt: skip
     changes = np.flatnonzero(np.diff(fix_type) != 0)
     if changes.size:
         yield Fault(name, "fix changes", "the type of the fix changes", "note", int(changes.size), float(time[changes[0] + 1]),

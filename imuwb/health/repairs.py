@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 MUCH = 0.01  #: share of a stream; if more of it was repaired, the severity is higher
 #: effect -> severity of few repairs, severity of many, consequence
 _MEANING: dict[Effect, tuple[Severity, Severity, str]] = {
-    "lost": ("warning", "fault", "the rows that were left out are missing: results span the holes"),
+    "lost": ("warning", "fault", "the rows that were left out are missing: results span the gaps"),
     "time": ("warning", "warning", "these times are not the sensor's own: do not trust intervals, rates and delays near one step"),
     "order": ("note", "warning", "nothing is lost; a program that reads the file row by row must sort the rows too"),
     "value": ("warning", "fault", "the sensor did not measure these values"),

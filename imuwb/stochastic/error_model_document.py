@@ -116,7 +116,7 @@ def parsed(text: str, where: str) -> tuple[str, dict[str, AxisModel], dict[str, 
         raise UsageError(message) from error
     schema = document.pop("schema", SCHEMA)
     if schema != SCHEMA:
-        message = f"{where}: the schema is {schema}; this imuwb reads schema {SCHEMA}; update imuwb"
+        message = f"{where}: the schema number is {schema}; this imuwb reads schema {SCHEMA}; update imuwb"
         raise UsageError(message)
     name = str(document.pop("name", "unnamed"))
     provenance = {k: str(v) for k, v in _table(document.pop("provenance", {}), f"{where}, provenance").items()}
@@ -202,7 +202,7 @@ def _sum(axis: str, content: object, where: str, intervals: dict[str, tuple[floa
             _refuse(
                 f"{where}[{i}]",
                 odd,
-                f"left out: {name} has {', '.join(wanted)}" if odd in row else f"there: {name} needs {odd}",
+                f"left out: {name} has {', '.join(wanted)}" if odd in row else f"given: {name} needs {odd}",
             )
         values: dict[str, Any] = {}
         for parameter in wanted:

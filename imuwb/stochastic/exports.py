@@ -61,7 +61,7 @@ class Sensor:
         """
         known = [v for v in values if v]
         if not known:
-            message = f"the model has no {what} of the {self.name}, which this tool must have; 0 would be wrong; add the term to the model"
+            message = f"the model has no {what} for the {self.name}; this tool needs it; 0 would be wrong; add the term to the model"
             raise MissingDataError(message)
         if len(known) < len(values):
             notes.append(f"{self.name} {what}: {len(values) - len(known)} of 3 axes have none")
@@ -87,13 +87,13 @@ def _walk_or_stated(sensor: Sensor, notes: list[str], horizon: float) -> float:
     if any(sensor.walk):
         if any(sensor.sigma):
             notes.append(
-                f"{sensor.name}: a Gauss-Markov bias is written as the walk that it is at first, sigma √(2/Tc), which grows too large after Tc"
+                f"{sensor.name}: a Gauss-Markov bias is written as a random walk with K = sigma √(2/Tc); after Tc this walk is too large"
             )
         return sensor.largest("K (random walk)", sensor.walk, notes)
     if any(sensor.flicker):
         b = sensor.largest("B (bias instability)", sensor.flicker, notes)
         notes.append(
-            f"{sensor.name}: no random walk was identified; the value is the walk whose Allan deviation reaches the flat level of B at "
+            f"{sensor.name}: no random walk was identified; K is chosen so that the Allan deviation of the walk reaches the flat level of B at "
             f"{horizon:g} s (--horizon), √3 · 0.664 B / √horizon"
         )
         return math.sqrt(3 / horizon) * FLAT * b
@@ -112,7 +112,7 @@ def _bias(sensor: Sensor, notes: list[str]) -> tuple[list[float], float]:
         return [s for s in sensor.sigma if s], longest
     if all(sensor.flicker):
         notes.append(
-            f"{sensor.name}: sigma is 1.076 B, of the Gauss-Markov process whose Allan peak is the flat level; set the correlation time to your horizon"
+            f"{sensor.name}: sigma is 1.076 B: the Allan deviation of this Gauss-Markov process peaks at the flat level of B; set the correlation time to your horizon"
         )
         return [FLAT / PEAK * b for b in sensor.flicker if b], math.nan
     message = f"the model lacks a Gauss-Markov process or a bias instability on an axis of the {sensor.name}; KF-GINS needs one on all three; 0 would be wrong"
@@ -211,7 +211,7 @@ def px4(model: ImuErrorModel, rate: float, horizon: float) -> str:
     del rate
     notes = [
         f"N/√dt and K/√dt are written, with the filter's step dt of {PX4_STEP:g} s (EKF2_PREDICT_US): the filter squares a parameter and multiplies it by its step squared",
-        "values from a bench are lower bounds: a vehicle vibrates, and the noise of gyros and accelerometers also limits how fast biases are learned",
+        "values from a bench are lower bounds, because a vehicle vibrates; the noise of gyros and accelerometers also limits how fast biases are learned",
     ]
     sensors = {name: Sensor.of(model, name) for name in SENSORS}
     rows: list[str] = []

@@ -128,7 +128,7 @@ class Sum(Addable):
         parts: list[StateSpace] = []
         for term in self.terms:
             if not isinstance(term, FiniteOrder):
-                message = f"{term} is of no finite order; use its approximation"
+                message = f"{term} has no state space of finite order; use its approximation (approximate)"
                 raise TypeError(message)
             parts.append(term.discretize(dt))
         return state_space.joined(tuple(parts))

@@ -55,12 +55,12 @@ def write_mcap(log: Log, path: Path, progress: Progress | None = None) -> None:
     """Write all streams of a log as ROS 2 messages, in chunks in the order of time.
 
     Raises:
-        MissingDataError: times after 2038, which the stamps of ROS 2 do not reach.
+        MissingDataError: times after 2038, which a ROS 2 stamp cannot hold.
     """
     streams = topics(log)
     late = next((topic.name for topic in streams if topic.time.size and topic.time[-1] >= STAMPS_END), None)
     if late is not None:
-        message = f"{path}: {late} has times after 2038, which the stamps of ROS 2 do not reach; write .csv"
+        message = f"{path}: {late} has times after 2038, which a ROS 2 stamp cannot hold; write .csv"
         raise MissingDataError(message)
     with whole_file(path) as temporary, temporary.open("wb") as file:
         file.write(MAGIC + _record(HEADER, _text("ros2") + _text("imuwb")))

@@ -77,7 +77,7 @@ def test_text_in_a_number_column_costs_its_row(imuwb, csv_log, rows):
     done = imuwb("info", csv_log(lines), "--json")
     assert done.code == 0
     assert json.loads(done.out)["streams"][0]["count"] == 399
-    assert repairs(done)["cells that are not numbers, taken as missing"] == 1
+    assert repairs(done)["cells that are not numbers are taken as missing"] == 1
 
 
 @pytest.mark.slow

@@ -55,7 +55,7 @@ def test_outputs_differ_from_each_other_and_from_the_logs(tmp_path):
     first, second, log = (tmp_path / name for name in ("a.json", "b.json", "log.csv"))
     check_places([first, second], [log], force=False)
     for files in ([first, first], [log], [first, tmp_path / "." / "a.json"]):
-        with pytest.raises(UsageError, match="name of its own"):
+        with pytest.raises(UsageError, match="a different name"):
             check_places(files, [log], force=True)
 
 

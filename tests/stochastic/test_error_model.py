@@ -54,7 +54,7 @@ def test_people_may_write_units():
     ("text", "named"),
     [
         ("x = [", "TOML"),
-        ("schema = 7", "schema is 7"),
+        ("schema = 7", "schema number is 7"),
         ("[gyro_w]", "gyro_w"),
         ("[gyro_x]\nnoise = 3", "noise"),
         ('[[gyro_x.processes]]\nprocess = "pink"', "pink"),

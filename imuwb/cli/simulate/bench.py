@@ -35,7 +35,7 @@ class BenchSensor(Group):
 
     preset: Annotated[
         str | None,
-        "name of a published sensor; scale factors, cross-couplings and g-sensitivities are drawn within the tolerances of an MPU-6050",
+        "name of a published sensor; scale factors, cross-couplings and g-sensitivities are random, within the tolerances of an MPU-6050",
     ] = None
     error_model: Annotated[
         Path | None, "error model of a sensor of your own; its terms are the truth", Form("MODEL.toml")
@@ -107,8 +107,8 @@ class Table(Group):
     rates: Annotated[
         tuple[float, ...], "rates of the table, each turned both ways (deg/s)", Form("R,R,...", "10,50,100")
     ]
-    axis: Annotated[str, "axes that are turned, a log for each"] = "xyz"
-    seconds: Annotated[float, "duration of each rate (s)", POSITIVE] = 30.0
+    axis: Annotated[str, "axes that are turned; one log for each axis"] = "xyz"
+    seconds: Annotated[float, "duration at each rate (s)", POSITIVE] = 30.0
 
 
 def six_position(

@@ -52,7 +52,9 @@ class Drive(Group):
 class Vehicle(Warm):
     """The IMU of the car."""
 
-    sensor: Annotated[str | None, "name of a published sensor; an unknown name lists them"] = None
+    sensor: Annotated[str | None, "name of a published sensor; with an unknown name, the error lists all sensors"] = (
+        None
+    )
     error_model: Annotated[Path | None, "error model of a sensor of your own", Form("MODEL.toml")] = None
     vibration: Annotated[
         float,

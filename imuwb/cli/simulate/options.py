@@ -38,7 +38,9 @@ class Group:
 class Sensor(Group):
     """The sensor that is simulated: a published sensor, or one with the user's error model."""
 
-    preset: Annotated[str | None, "name of a published sensor; an unknown name lists them"] = None
+    preset: Annotated[str | None, "name of a published sensor; with an unknown name, the error lists all sensors"] = (
+        None
+    )
     error_model: Annotated[Path | None, "error model of a sensor of your own", Form("MODEL.toml")] = None
 
     def model(self) -> ImuErrorModel:

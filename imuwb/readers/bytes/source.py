@@ -121,9 +121,9 @@ def pieces(file: BinaryIO, faults: list[str]) -> Iterator[bytes]:
         if "Not a gzipped file" in str(error):
             faults.append(Note("packed_more", "bytes after the end of the packed file are not used"))
         else:
-            faults.append(damaged(str(error), "its content is used as far as it unpacks, but some of it may be wrong"))
+            faults.append(damaged(str(error), "the part that can be unpacked is used, but some of it may be wrong"))
     except (OSError, EOFError, zlib.error) as error:
-        text = f"the packed file is cut or damaged ({error}): it is used as far as it unpacks"
+        text = f"the packed file is cut or damaged ({error}): the part that can be unpacked is used"
         faults.append(Note("packed_cut", text))
 
 

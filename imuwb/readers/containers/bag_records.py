@@ -218,7 +218,7 @@ def _chunk(packed: memoryview, header: bytes, offset: int) -> _Piece:
         return _nothing(end, Note("chunk_left_out", f"chunk at byte {offset} left out: {error}"))
     records = walk(buffer)
     rest = buffer.size - records.end
-    text = f"chunk at byte {offset}: its last {rest} bytes are no record"
+    text = f"chunk at byte {offset}: its last {rest} bytes do not form a record"
     return _Piece(buffer, records, end, (Note("chunk_end", text),) if rest else ())
 
 
@@ -230,7 +230,9 @@ def _nothing(bytes_read: int, note: Note) -> _Piece:
 def _cut_end(rest: bytes, offset: int) -> _Piece:
     """Return the whole part of a last record that is cut."""
     end = offset + len(rest)
-    text = f"the file ends at byte {end} inside a record that begins at byte {offset}; everything before is used"
+    text = (
+        f"the file ends at byte {end} inside a record that begins at byte {offset}; all data before this point are used"
+    )
     header = int.from_bytes(rest[:4], "little")
     unpacked = b""
     if len(rest) > 8 + header and _fields(rest[4 : 4 + header]).get("op") == bytes([CHUNK]):

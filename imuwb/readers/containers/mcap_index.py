@@ -40,7 +40,7 @@ def describe(path: Path) -> LogSummary | None:
             streams = tuple(_streams(file, summary, above))
         except Exception:  # noqa: BLE001 - a damaged index may raise anything in the library
             return None  # the reader of the messages reports the damage, and uses the whole messages
-    text = "from the file's index: times are those of recording; --scan also finds gaps and repairs"
+    text = "from the file's index: the times are when messages were recorded; --scan also finds gaps and repairs"
     return LogSummary(str(path), "mcap", "", streams, (Note("from_index", text),))
 
 

@@ -216,7 +216,7 @@ def _chunk(packed: memoryview, offset: int) -> _Piece:
         return _nothing(end, Note("chunk_left_out", f"chunk at byte {offset} left out: {error}"))
     opcode, content, length, end_of_records = walk(records)
     rest = records.size - end_of_records
-    text = f"chunk at byte {offset}: its last {rest} bytes are no record"
+    text = f"chunk at byte {offset}: its last {rest} bytes do not form a record"
     return _Piece(records, opcode, content, length, end, (Note("chunk_end", text),) if rest else ())
 
 
@@ -225,9 +225,9 @@ def _cut_end(rest: bytes, offset: int) -> _Piece:
     end = offset + len(rest)
     text = f"the file ends at byte {end} without its end mark"
     if not rest:
-        text += ": it was cut, or is still being written; everything before is used"
+        text += ": it was cut, or is still being written; all data before this point are used"
         return _nothing(end, Note("no_end_mark", text))
-    note = Note("cut", f"{text}, inside a record that begins at byte {offset}; everything before is used")
+    note = Note("cut", f"{text}, inside a record that begins at byte {offset}; all data before this point are used")
     is_chunk = rest[0] == CHUNK and len(rest) > PREFIX + CHUNK_HEADER
     buffer = np.frombuffer(unpacked_front(rest[PREFIX:]) if is_chunk else b"", np.uint8)
     opcode, content, length, _ = walk(buffer)

@@ -52,7 +52,7 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
             for messages in _messages(database, path.stat().st_size):
                 yield from topics.batches(messages)
     except (sqlite3.Error, OverflowError, UnicodeDecodeError) as error:
-        fault = f"the database is cut or damaged ({error}); everything before is used"
+        fault = f"the database is cut or damaged ({error}); all data before this point are used"
     if not topics.count:
         message = f"{path}: no message can be read: {fault or 'the recording is empty'}"
         raise UnreadableLogError(message)

@@ -124,7 +124,9 @@ class _Streams:
             yield Remark(Note("no_date", "times count from power-up: no fix states the date"))
         else:
             yield Remark(
-                Note("utc_by_receiver", "times since power-up made UTC by the receiver's week and time of week")
+                Note(
+                    "utc_by_receiver", "times since power-up converted to UTC with the receiver's week and time of week"
+                )
             )
 
     def _table(self, name: str) -> Columns | None:

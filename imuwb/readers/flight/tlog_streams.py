@@ -35,7 +35,7 @@ CLOCKS = (SYSTEM_TIME, ATTITUDE, SOLUTION, *SCALED)  #: messages with ms since p
 UNKNOWN = 65535  #: speed or course that is not known
 FROZEN = 0.5  #: share of fixes; if more fixes repeat the time of the fix before, this time is frozen
 APART = 60_000_000_000  #: ns; if a fix's own time differs by more from its arrival, its own time is wrong
-LSB = "its smallest steps are 1 mG (9.8e-3 m/s²) and 1 mrad/s (206 deg/h), so quantization limits a noise model of it"
+LSB = "its smallest steps are 1 mG (9.8e-3 m/s²) and 1 mrad/s (206 deg/h), so quantization limits the noise model of this IMU"
 ABOVE_SEA = f" ({MEAN_SEA_LEVEL})"
 
 
@@ -51,7 +51,7 @@ def streamed(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
         raise UnreadableLogError(message)
     if log.skipped and not log.has_rows:
         message = (
-            f"{path}: the file is cut: of its {log.frames} MAVLink frames none is of an IMU, a receiver or a clock, and "
+            f"{path}: the file is cut: none of its {log.frames} MAVLink frames is from an IMU, a receiver or a clock, and "
             f"{log.skipped} bytes belong to no frame"
         )
         raise UnreadableLogError(message)
@@ -85,12 +85,12 @@ class _Streams:
         yield from remarks
         for (system, component), clock in self._clocks.items():
             if clock.reboots:
-                text = f"system {system}, component {component}: {clock.reboots} reboots: its clock restarts"
+                text = f"system {system}, component {component}: {clock.reboots} reboots; the clock restarts at each"
                 yield Remark(Note("reboots", f"{text}, and time goes on by the recorder's clock"))
         if any(clock.known for clock in self._clocks.values()):
-            yield Remark(Note("utc_by_message", "boot times made Unix time by SYSTEM_TIME"))
+            yield Remark(Note("utc_by_message", "boot times converted to Unix time with SYSTEM_TIME"))
         else:
-            text = "boot times made Unix time by the recorder's clock: no message states the date"
+            text = "boot times converted to Unix time with the recorder's clock: no message states the date"
             yield Remark(Note("utc_by_recorder", text))
 
     def _stream(self, key: Key, rows: Rows) -> Iterator[Batch | Remark]:

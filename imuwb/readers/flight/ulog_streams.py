@@ -97,7 +97,7 @@ class _Streams:
         if self._offset is None:
             yield Remark(Note("no_date", "times count from power-up: no fix states the date"))
         else:
-            yield Remark(Note("utc_by_receiver", "times since power-up made UTC by the receiver"))
+            yield Remark(Note("utc_by_receiver", "times since power-up converted to UTC with the receiver's time"))
 
     def _topics(self, name: str) -> list[tuple[str, Columns]]:
         """Return a topic's instances; if there are several, their names have a number."""

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 BLOCK = 4 << 20
 LINES = Note("cell_count", "lines without the usual number of cells left out")
-CELLS = Note("not_a_number", "cells that are not numbers, taken as missing")
+CELLS = Note("not_a_number", "cells that are not numbers are taken as missing")
 
 
 def blocks(

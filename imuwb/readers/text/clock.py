@@ -114,7 +114,7 @@ def _week_clock(layout: Layout, used: tuple[Column, ...], column: Column, first:
     measure = column.unit or unit("s" if value < WEEK_END else "ms")
     kind = pa.decimal128(28, 9) if measure.name == "s" and "e" not in first.lower() else pa.float64()
     ahead = leap_seconds(int(float(number)), int(value * measure.factor * 1000))
-    note = Note("gps_time", f"GPS week and time of week made UTC by {ahead} leap seconds")
+    note = Note("gps_time", f"GPS week and time of week converted to UTC with {ahead} leap seconds")
     return Clock(replace(column, unit=measure), kind, "unix", notes=(note,), week=week, ahead=ahead)
 
 
@@ -140,7 +140,9 @@ def _ahead_of_utc(column: Column, seconds: float, notes: list[Note]) -> int:
     scale = scale_of(column)
     if scale == "GPS":
         ahead = ahead_of_utc(datetime.fromtimestamp(seconds, UTC))
-        text = f"time column {column.name!r} is GPS time, as its name states; made UTC by {ahead} leap seconds"
+        text = (
+            f"time column {column.name!r} is GPS time, as its name states; converted to UTC with {ahead} leap seconds"
+        )
         notes.append(Note("gps_time", text))
         return ahead
     if scale is None:

@@ -63,7 +63,7 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
         raise UnreadableLogError(message)
     yield from (Remark(fault, "gnss", count) for fault, count in faults.items())
     if scale == "GPST":
-        yield Remark(Note("gps_time", "GPS time made UTC by the leap seconds of its date"))
+        yield Remark(Note("gps_time", "GPS time converted to UTC with the leap seconds of its date"))
 
 
 def _tables(path: Path, notes: list[str], faults: Counter[str]) -> Iterator[tuple[list[Row], list[str], str, int]]:
