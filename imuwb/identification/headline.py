@@ -247,7 +247,7 @@ class _Part:
 
     def wavelet(self) -> WaveletFit:
         if self.band < 0.5 / self.dt:
-            message = f"a filter has changed what lies above {self.band:.3g} Hz, which the shortest wavelets see"
+            message = f"a filter has changed the spectrum above {self.band:.3g} Hz; the shortest wavelets use that part"
             raise ValueError(message)
         return fit_wavelet_variance(wavelet_variance(self.values, self.dt), self.lines, level=self.level)
 

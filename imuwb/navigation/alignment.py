@@ -153,7 +153,7 @@ def _first_fast(measurement: Measurement, velocities: _Velocities, enough: float
     if not fast.any():
         message = (
             f"the receiver is never faster than {enough:g} m/s for two fixes (its median speed is {np.median(speed):.2f} m/s): "
-            "the heading cannot be observed, and a drift without a heading means nothing; use a log of a drive"
+            "the heading cannot be observed, and without a heading the drift cannot be computed; use a log in which the vehicle drives"
         )
         raise MissingDataError(message)
     fast &= time > after

@@ -123,7 +123,7 @@ def _usable(gnss: GnssStream, notes: list[Note]) -> NDArray[np.bool_]:
         good &= ~flat
     repeated = _repeated(gnss)
     if (repeated & good).any():
-        text = f"{gnss.name}: {int((repeated & good).sum())} fixes repeat the fix before in motion and are not used"
+        text = f"{gnss.name}: {int((repeated & good).sum())} fixes repeat the previous fix although the receiver moves; they are not used"
         notes.append(Note("repeated-fixes", text))
     return good & ~repeated
 
@@ -164,7 +164,8 @@ def _values(gnss: GnssStream, rows: Integers, model: FilterModel, notes: list[No
     value[:, :3] = gnss.position[rows]
     sigma[:, :3] = _sigmas(gnss.position_sigma, rows, settings.position_sigma, settings.sigma_scale, LEAST_SIGMA[0])
     if gnss.position_sigma is None:
-        text = f"{gnss.name} reports no sigmas of positions: {settings.position_sigma} m are used"
+        flat, up = settings.position_sigma
+        text = f"{gnss.name} reports no sigmas of positions; the defaults {flat:g} m (horizontal) and {up:g} m (vertical) are used"
         notes.append(Note("default-position-sigmas", text))
     if gnss.velocity is None:
         notes.append(Note("no-velocities", f"{gnss.name} has no velocities: only positions correct the filter"))
@@ -178,7 +179,8 @@ def _values(gnss: GnssStream, rows: Integers, model: FilterModel, notes: list[No
         notes.append(Note("impossible-velocities", text))
     sigma[wild, 3:] = value[wild, 3:] = 0.0
     if gnss.velocity_sigma is None:
-        text = f"{gnss.name} reports no sigmas of velocities: {settings.velocity_sigma} m/s are used"
+        flat, up = settings.velocity_sigma
+        text = f"{gnss.name} reports no sigmas of velocities; the defaults {flat:g} m/s (horizontal) and {up:g} m/s (vertical) are used"
         notes.append(Note("default-velocity-sigmas", text))
     return value, sigma**2
 

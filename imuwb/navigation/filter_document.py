@@ -70,7 +70,7 @@ def _document(path: str | Path) -> dict[str, Any]:
         message = f"{path}: the file is not TOML: {error}"
         raise UsageError(message) from error
     if document.pop("schema", SCHEMA) != SCHEMA or "filter" not in document:
-        message = f"{path}: this is no filter of schema {SCHEMA}; --save-filter writes one, and --error-model takes error models"
+        message = f"{path}: the file is not a filter of schema {SCHEMA}; --save-filter writes such a file; give an error model with --error-model"
         raise UsageError(message)
     return document
 

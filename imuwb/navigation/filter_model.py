@@ -167,7 +167,7 @@ class FilterModel:
     def _empty_tables(self, regimes: int, orders: list[int]) -> AxisTables:
         first = NAVIGATION + np.concatenate([[0], np.cumsum(orders)]).astype(np.int64)
         if first[6] > MOST_STATES:
-            message = f"{self.name}: {first[6]} states; a filter has at most {MOST_STATES}: take processes out of the error model"
+            message = f"{self.name}: {first[6]} states; a filter has at most {MOST_STATES}: remove processes from the error model"
             raise ValueError(message)
         count, spans, most = sum(orders), self.settings.every + 1, max(*orders, 1)
         shape = regimes, spans, 6, most, most

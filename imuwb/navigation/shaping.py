@@ -139,7 +139,7 @@ def _spaces(term: Process, dt: float, reading: Reading) -> Iterator[tuple[str, S
     elif isinstance(term, FiniteOrder):
         yield str(getattr(term, "name", type(term).__name__)).replace("_", " "), term.discretize(dt)
     else:
-        message = f"{term} has no states; a filter can carry processes of finite order only"
+        message = f"{term} has no states; a filter can represent only processes of finite order"
         raise TypeError(message)
 
 

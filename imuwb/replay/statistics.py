@@ -215,8 +215,8 @@ def verdict(summary: Summary) -> Note:
     last = summary.consistency[-1]
     if last.lower <= last.nees_per_dof <= last.upper:
         text = (
-            f"{summary.model}: sigma can be trusted after {last.elapsed:g} s (NEES/2 is {last.nees_per_dof:.2f}; for a right "
-            f"sigma it is {last.lower:.2f} to {last.upper:.2f})"
+            f"{summary.model}: sigma can be trusted after {last.elapsed:g} s (NEES/2 is {last.nees_per_dof:.2f}; if sigma is "
+            f"right, it is {last.lower:.2f} to {last.upper:.2f})"
         )
         return Note("sigma-right", text)
     if last.nees_per_dof > last.upper:

@@ -116,8 +116,8 @@ def test_a_receiver_without_velocity_or_sigmas_says_so(town, measurement):
     found = taken(town, measurement, replace(MODEL, settings=settings), position_sigma=None, velocity_sigma=None)
     assert np.sqrt(found.events.variance[5]) == pytest.approx([2, 2, 7, 0.2, 0.2, 0.4])
     assert ids(found.notes) == ("default-position-sigmas", "default-velocity-sigmas")
-    assert "(2.0, 7.0) m " in found.notes[0]
-    assert "(0.2, 0.4) m/s " in found.notes[1]
+    assert "2 m (horizontal) and 7 m " in found.notes[0]
+    assert "0.2 m/s (horizontal) and 0.4 m/s " in found.notes[1]
 
 
 def test_sigmas_are_scaled_and_never_too_small(town, measurement):

@@ -31,8 +31,8 @@ def test_a_filter_is_read_as_it_is_written(tmp_path):
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        (lambda t: t.replace("schema = 1", "schema = 9"), "no filter of schema 1"),
-        (lambda t: t.replace('filter = "15AV"', 'filter_name = "15AV"'), "no filter of schema 1"),
+        (lambda t: t.replace("schema = 1", "schema = 9"), "filter of schema 1"),
+        (lambda t: t.replace('filter = "15AV"', 'filter_name = "15AV"'), "filter of schema 1"),
         (lambda t: t.replace("every = 10", "every = 0"), r"settings, every is 0"),
         (lambda t: t.replace("every = 10", 'every = "ten"'), "settings, every is 'ten'"),
         (lambda t: t.replace("gate = 40.0", "gate = nan"), "settings, gate"),

@@ -105,7 +105,7 @@ def test_a_model_is_taken_off_once(save):
     samples = triad(np.ones((4, 3)), 10)
     model = save(**AXES)
     once, _ = correction.condition(log(samples, samples), model)
-    with pytest.raises(UsageError, match=r"model.toml: its terms are taken off already; give it once"):
+    with pytest.raises(UsageError, match=r"model.toml: its terms are already removed; give it once"):
         correction.condition(once, model)
 
 

@@ -61,7 +61,7 @@ def test_cutoff_and_width_are_the_same_filter(make_log, noise):
 
 @pytest.mark.parametrize("width", [4.0, 2.0])
 def test_edges_and_a_width_contradict_each_other(width):
-    with pytest.raises(ValueError, match=f"width is {width} Hz; it goes with fc"):
+    with pytest.raises(ValueError, match=f"width is {width} Hz; .* only with fc"):
         kaiser.Parameters(**BANDS, width=width)
 
 

@@ -117,8 +117,8 @@ def test_the_band_is_that_of_the_deepest_level(make_log, noise):
     assert found.band == applied.axes["gyro_z"].band == pytest.approx(100 / 2**4)
     nothing, _ = condition(make_log(noise), levels="0")
     assert nothing.conditioning[0].band is None
-    assert "nothing is taken away" in nothing.conditioning[0].note
-    assert "nothing is taken away" not in found.conditioning[0].note
+    assert "nothing is removed" in nothing.conditioning[0].note
+    assert "nothing is removed" not in found.conditioning[0].note
 
 
 def test_the_quietest_fiftieth_of_the_seconds_is_the_sensors_noise(make_log, monkeypatch):

@@ -29,7 +29,7 @@ def averaging_factors(times: str | Sequence[float], n: int, dt: float) -> NDArra
     """
     largest = n // 2
     if largest < 1:
-        message = f"{n} samples have no Allan variance, which takes at least 2"
+        message = f"{n} samples are too few for an Allan variance; it needs at least 2"
         raise ValueError(message)
     if not isinstance(times, str):
         return _listed(times, largest, dt)

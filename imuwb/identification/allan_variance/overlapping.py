@@ -130,7 +130,7 @@ def _phases(values: Floats, dt: float, breaks: Sequence[int]) -> list[Floats]:
         raise ValueError(message)
     phases = [phase for phase in phases if phase.size > 2]  # noqa: PLR2004 - two samples
     if not phases:
-        message = f"{values.size} samples, no two without a gap between them; the Allan variance takes at least 2"
+        message = f"{values.size} samples, of which no two follow each other without a gap; the Allan variance needs at least 2 samples without a gap"
         raise ValueError(message)
     return phases
 

@@ -47,7 +47,7 @@ def without_attitudes(means: Means, gravity: float, level: float, *, raw: bool =
         ValueError: too few positions, or positions that do not determine the parameters.
     """
     if len(means.value) < FEWEST:
-        message = f"{len(means.value)} positions; nine parameters without known attitudes need {FEWEST} or more"
+        message = f"{len(means.value)} positions; without known attitudes there are nine parameters, which need {FEWEST} positions or more"
         raise ValueError(message)
     matrix, bias = _start(means.value, gravity, raw=raw)
     design, y, fit = np.empty(0), np.empty(0), None
@@ -64,7 +64,7 @@ def without_attitudes(means: Means, gravity: float, level: float, *, raw: bool =
         if change < CLOSE:
             break
     else:
-        message = "no parameters give one gravity in every position; check that the sensor is still in each and that the unit is right"
+        message = "no parameters give the magnitude of gravity in every position; check that the sensor is still in each and that the unit is right"
         raise ValueError(message)
     force: Floats = np.asarray(np.linalg.solve(matrix, (means.value - bias).T).T, dtype=np.float64)
     return _result(means, fit, matrix, bias, force, gravity, level)

@@ -69,7 +69,7 @@ def matched(mean: Floats, rates: Sequence[float], name: str, *, raw: bool) -> St
     wanted = wanted[wanted > 0]
     fits = [fit for levels in _level_sets(wanted) if (fit := _fit(steps, levels, raw=raw)) is not None]
     if not fits:
-        message = f"{name}: the steps of gyro {'xyz'[axis]} are not the given rates, in both directions or one, with stops or without"
+        message = f"{name}: the steps of gyro {'xyz'[axis]} do not match the given rates; tried: one or both directions, with and without a stop"
         raise ValueError(message)
     _, rate = min(fits, key=lambda fit: fit[0])
     return Staircase(axis, rate)

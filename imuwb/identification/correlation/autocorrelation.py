@@ -51,8 +51,8 @@ class GaussMarkovFit:
 
     def __str__(self) -> str:
         """Return sigma, Tc, and whether the process alone explains the record."""
-        verdict = "tenable" if self.tenable else "not tenable"
-        return f"Gauss-Markov sigma {self.sigma}, Tc {self.Tc}: {verdict} alone (p = {self.probability:.2g})"
+        verdict = "explains" if self.tenable else "does not explain"
+        return f"Gauss-Markov sigma {self.sigma}, Tc {self.Tc}: this process alone {verdict} the record (p = {self.probability:.2g})"
 
     __repr__ = __str__
 
@@ -94,9 +94,7 @@ def autocorrelation(values: Floats, dt: float, longest: float | None = None, *, 
     """
     n = values.size
     if n < FEWEST_SAMPLES or np.ptp(values) == 0:
-        message = (
-            f"{n} samples{' that are all equal' if n else ''}: no autocorrelation; it takes {FEWEST_SAMPLES} that vary"
-        )
+        message = f"{n} samples{' that are all equal' if n else ''}: no autocorrelation; it needs at least {FEWEST_SAMPLES} that vary"
         raise ValueError(message)
     centered = values - values.mean()
     most = min(max(round((n * dt / 10 if longest is None else longest) / dt), 1), n - 1)

@@ -52,7 +52,7 @@ def burg(values: Floats, orders: int, breaks: Sequence[int] = ()) -> Burg:
     """
     edges = np.array([0, *sorted(breaks), values.size], dtype=np.int64)
     if np.diff(edges).max() <= orders:
-        message = f"the longest part without gaps has {np.diff(edges).max()} samples; order {orders} takes at least {orders + 1}"
+        message = f"the longest part without gaps has {np.diff(edges).max()} samples; order {orders} needs at least {orders + 1}"
         raise ValueError(message)
     mean = float(values.mean())
     forward = values - mean

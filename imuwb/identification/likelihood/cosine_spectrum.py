@@ -108,7 +108,7 @@ def cosine_spectrum(values: Floats, dt: float, lines: Sequence[tuple[float, floa
     """
     n = values.size
     if n < FEWEST:
-        message = f"{n} samples are too few for a likelihood; it takes {FEWEST}"
+        message = f"{n} samples are too few for a likelihood; it needs at least {FEWEST}"
         raise ValueError(message)
     level, slope = _straight_line(values)
     rest = np.empty(n)

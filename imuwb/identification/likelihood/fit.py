@@ -117,7 +117,7 @@ def fit_cosine_spectrum(
     """
     problem = LikelihoodProblem.of(spectrum, [make(1.0) for make in TERMS.values()]).below(highest)
     if problem.power.size < FEWEST_BINS:
-        message = f"{problem.power.size} bins of the spectrum lie below {highest:.3g} Hz; a likelihood fit takes {FEWEST_BINS}"
+        message = f"{problem.power.size} bins of the spectrum lie below {highest:.3g} Hz; a likelihood fit needs at least {FEWEST_BINS}"
         raise ValueError(message)
     return fit_problem(problem, level)
 

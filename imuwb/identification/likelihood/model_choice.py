@@ -118,7 +118,7 @@ def choose_model(
         KeyError: an unknown letter.
     """
     if values.size < 2 * FEWEST:
-        message = f"{values.size} samples are too few to compare sums; the comparison takes {2 * FEWEST}"
+        message = f"{values.size} samples are too few to compare sums; the comparison needs at least {2 * FEWEST}"
         raise ValueError(message)
     half = values.size // 2
     first, second = (

@@ -87,7 +87,7 @@ def fitted_noise(
     if weights is not None:
         suits = weights.shape == (n,) and (weights >= 0).all() and weights.any()
         if noise.kind not in ("white", "local") or not suits:
-            message = "weights need white noise, one weight for each sample, none below 0; other noise is weighted by its covariance"
+            message = "weights need white noise, one weight for each sample, each 0 or more; for other noise, give its covariance instead"
             raise ValueError(message)
         return NoiseFit(noise, white(n, weights), nothing)
     if noise.kind in ("white", "local"):

@@ -215,7 +215,7 @@ def least_squares_spectrum(adjusted: Adjusted, *, highest: float | None = None, 
     """
     top = 0.5 / adjusted.interval if highest is None else highest
     if not top * float(adjusted.time[-1]) >= 1:
-        message = f"highest is {top:g} Hz; the record of {adjusted.time[-1]:g} s must hold at least one cycle of it: use a higher one"
+        message = f"highest is {top:g} Hz; the record of {adjusted.time[-1]:g} s must contain at least one cycle of that frequency; use a higher frequency"
         raise ValueError(message)
     grid = grid_of(adjusted.time, adjusted.lattice, top, oversampling)
     known = equations(adjusted.time, adjusted.lattice, adjusted.noise.whitening, adjusted.basis, grid)

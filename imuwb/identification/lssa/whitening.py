@@ -182,6 +182,6 @@ def dense(covariance: Floats) -> Dense:
         message = f"the covariance is not positive definite: {error}; some combination of samples would have no noise"
         raise ValueError(message) from error
     if np.diagonal(factor).min() ** 2 < CONDITION * scale:
-        message = "the covariance is singular to rounding; some combination of samples would have no noise"
+        message = "the covariance is singular within rounding errors; some combination of samples would have no noise"
         raise ValueError(message)
     return Dense(factor)

@@ -68,7 +68,7 @@ def stationarity(values: Floats, dt: float, parts: int = 12) -> Stationarity:
     """
     size = values.size // parts if parts > 1 else 0
     if size < FEWEST:
-        message = f"{parts} parts of {size} samples; the test takes at least 2 parts of {FEWEST}"
+        message = f"{parts} parts of {size} samples; the test needs at least 2 parts of {FEWEST}"
         raise ValueError(message)
     if np.ptp(values) == 0:
         message = "the channel is constant, so its parts have no noise to compare"

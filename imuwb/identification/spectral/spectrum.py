@@ -144,7 +144,7 @@ def fit_spectrum(spectrum: PowerSpectrum, lines: Sequence[Line] = (), highest: f
     if kept.sum() < FEWEST_BANDS or not spectrum.density[kept].all():
         message = (
             f"{kept.sum()} bands of frequency are left, and {np.count_nonzero(spectrum.density[kept] == 0)} of them have a "
-            f"density of 0; a fit takes {FEWEST_BANDS} bands, none of 0: record for longer, or check the channel"
+            f"density of 0; a fit needs at least {FEWEST_BANDS} bands, none of 0: record for longer, or check the channel"
         )
         raise ValueError(message)
     f = spectrum.frequency[kept]

@@ -132,7 +132,7 @@ def _law(
     where = f"identified at {len(sure)} of {len(points)} set-points"
     if varies and sure:
         some = [p for p in points if p.coefficients[letter].value is not None]
-        reason = f"{where}, and it depends on temperature: from all set-points with a value"
+        reason = f"{where}, and it depends on temperature; the function is fitted to all set-points with a value"
         return Law(_choice(some, letter, level, kind, varies=varies), None, reason)
     if common is not None and _is_sure(common):
         return Law(_constant(points, common, level), None, f"{where}: the value common to all set-points")

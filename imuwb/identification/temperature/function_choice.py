@@ -102,7 +102,7 @@ def choose_function(
     tenable = [c for c in candidates if c.fit_probability is None or c.fit_probability > CONTRADICTED]
     best = next((c for c in tenable if c.excess <= c.excess_sigma), None)
     if best is None:
-        reason = "no smooth function agrees with the set-points: straight lines between them"
+        reason = "no smooth function agrees with the set-points; straight lines between them are used"
         return taken("piecewise", reason, candidates)
     if best.kind in ("linear", "arrhenius"):  # both have two parameters
         best = min((c for c in tenable if c.kind in ("linear", "arrhenius")), key=lambda c: c.error)

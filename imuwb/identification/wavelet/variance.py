@@ -99,7 +99,7 @@ def wavelet_variance(values: Floats, dt: float) -> WaveletVariance:
         ValueError: fewer than 64 samples.
     """
     if values.size < FEWEST_SAMPLES:
-        message = f"{values.size} samples are too few for wavelet variances; they take {FEWEST_SAMPLES}"
+        message = f"{values.size} samples are too few for wavelet variances; they need at least {FEWEST_SAMPLES}"
         raise ValueError(message)
     smooth = values - values.mean()
     variances: list[float] = []
@@ -205,7 +205,7 @@ def fit_wavelet_variance(variances: WaveletVariance, lines: Sequence[Line] = (),
     levels = variances.scale.size
     if levels <= len(TERMS) + 1 or not variances.variance.all():
         message = (
-            f"{levels} scales{'' if variances.variance.all() else ', one with a variance of 0'}; a fit takes {len(TERMS) + 2} "
+            f"{levels} scales{'' if variances.variance.all() else ', one with a variance of 0'}; a fit needs at least {len(TERMS) + 2} "
             "scales, none of 0: record for longer, or check the channel"
         )
         raise ValueError(message)

@@ -1,7 +1,7 @@
 """Allan deviation: noise coefficients Q, N, B, K, R with intervals.
 
-Overlapping Allan deviation of all axes with intervals, one fit of the whole sum of processes, the free slope where each process
-dominates, and the estimates by likelihood and by wavelet variances for comparison.
+Overlapping Allan deviation of all axes with intervals, one fit of the whole sum of processes, and the slope of a free line where
+each process dominates. Likelihood and wavelet variances give estimates for comparison.
 """
 
 import lazy_loader

@@ -155,8 +155,8 @@ def _sums(estimates: Mapping[str, EstimatorComparison]) -> Table:
         "out of sample over the best",
     )
     caption = (
-        "Sums of processes, in the order of BIC. Out of sample is the deviance of each half of the record under the fit to the other half. "
-        "A difference of 10 is called clear."
+        "Sums of processes, in the order of BIC. Out of sample: each half of the record is tested with the fit to the other half "
+        "(deviance). A difference of 10 is called clear."
     )
     return Table("Sums of processes that explain the record", headings, tuple(rows), caption)
 

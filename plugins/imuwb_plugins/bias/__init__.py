@@ -1,4 +1,4 @@
-"""Bias removal: takes the mean off each axis, of the whole record or of its first seconds."""
+"""Bias removal: subtracts from each axis its mean over the whole record or its first seconds."""
 
 import lazy_loader
 

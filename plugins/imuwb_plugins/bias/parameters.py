@@ -18,7 +18,7 @@ class Parameters:
         float | None, "length of the beginning whose mean is taken (causal); without it, the whole record (s)", POSITIVE
     ] = None
     sensors: Annotated[
-        Literal["both", "gyro", "accel"], "sensors whose bias is taken off; an accelerometer's mean includes gravity"
+        Literal["both", "gyro", "accel"], "sensors whose bias is subtracted; an accelerometer's mean includes gravity"
     ] = "both"
 
     def __post_init__(self) -> None:

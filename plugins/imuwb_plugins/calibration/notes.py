@@ -111,8 +111,8 @@ def red_notes(sensor: str, means: Means) -> Iterator[Note]:
         axes = ", ".join(k for k, red in zip("xyz", means.red, strict=True) if red)
         yield Note(
             "red-noise",
-            f"{sensor} {axes}: noise within positions is not white; a mean is no better than that of a quarter of a position, "
-            "and the bias is that at the time of the positions",
+            f"{sensor} {axes}: noise within positions is not white; the mean over a position is no more certain than the "
+            "mean over a quarter of it, and the bias is valid only at the time of the record",
         )
 
 

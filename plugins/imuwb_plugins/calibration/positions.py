@@ -145,7 +145,7 @@ def _check_attitudes(path: Path, accel: Means, fit: PositionCalibration) -> None
         why = (
             f"accel {', '.join(inverted)} shows the opposite sign"
             if inverted
-            else f"{100 * left:.0f} % remain as residuals"
+            else f"{100 * left:.0f} % of the variation of the means is not explained"
         )
         message = (
             f"--attitudes {path}: the positions do not have these attitudes ({why}); the file must have one row for each "

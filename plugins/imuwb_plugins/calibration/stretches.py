@@ -67,8 +67,8 @@ def still_positions(logs: Sequence[Log], shortest: float) -> tuple[list[SteadySt
         here = [s for span in spans if (s := _stretch(log, imu, span, len(spans), with_gyro=with_gyro)) is not None]
         if not here:
             message = (
-                f"{log.provenance.path}: nothing in it stays still for {shortest:g} s; in a position neither accelerometer nor "
-                "gyro moves; --shortest takes shorter positions"
+                f"{log.provenance.path}: the sensor is never still for {shortest:g} s; in a position neither accelerometer nor "
+                "gyro moves; use --shortest for shorter positions"
             )
             raise MissingDataError(message)
         stretches.extend(here)
@@ -101,7 +101,7 @@ def steps_of(log: Log, shortest: float, raw: str) -> list[SteadyStretch]:
     if len(steps) < 2:  # noqa: PLR2004 - a line has two points
         message = (
             f"{log.provenance.path}: {len(steps)} step{'s' if len(steps) != 1 else ''} of {shortest:g} s or more; the log of a rate "
-            "table has several steady rates; --shortest takes shorter steps"
+            "table has several steady rates; use --shortest for shorter steps"
         )
         raise MissingDataError(message)
     return steps
@@ -113,7 +113,7 @@ def _check_turns(log: Log, gyro: Triad, raw: str) -> None:
     span = float(np.degrees(np.ptp(means, axis=0).max()))
     if not raw and span < STILL:
         message = (
-            f"{log.provenance.path}: it never turns: means of its gyros over a second differ by {span:.3g} deg/s at most; "
+            f"{log.provenance.path}: the sensor never turns: means of its gyros over a second differ by {span:.3g} deg/s at most; "
             "a rate table turns in both directions at known rates"
         )
         raise MissingDataError(message)
@@ -162,7 +162,7 @@ def _same_rate(logs: Sequence[Log], triads: Sequence[Triad], sensor: str) -> Non
         low, high = int(np.argmin(rates)), int(np.argmax(rates))
         message = (
             f"{sensor} rates differ: {rates[low]:.4g} Hz in {logs[low].provenance.path}, {rates[high]:.4g} Hz in "
-            f"{logs[high].provenance.path}; one calibration takes logs of one sampling rate"
+            f"{logs[high].provenance.path}; all logs of a calibration must have the same sampling rate"
         )
         raise UsageError(message)
 

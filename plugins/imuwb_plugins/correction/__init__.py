@@ -1,4 +1,4 @@
-"""Correction: takes an error model's bias, scale factors, cross-couplings and g-sensitivity off the samples."""
+"""Correction: removes an error model's bias, scale factors, cross-couplings and g-sensitivity from the samples."""
 
 import lazy_loader
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Applied:
-    """The terms that were taken off."""
+    """The terms that were removed."""
 
     model: str
     axes: Mapping[str, AxisModel]
@@ -35,17 +35,17 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, Applied]:
     """Return the log without the deterministic terms of the model in a file.
 
     Raises:
-        UsageError: no model there, one without such terms, or terms that cannot be taken off.
+        UsageError: no model there, one without such terms, or terms that cannot be removed.
         MissingDataError: the log has no IMU, or lacks the temperature or the force that the model needs.
     """
     path = parameters.model
     model = ImuErrorModel.read(path)
     if is_ideal(model):
-        message = f"correction: {path}: the model has no bias, scale factor, cross-coupling or g-sensitivity to take off; imuwb calibration estimates them"
+        message = f"correction: {path}: the model has no bias, scale factor, cross-coupling or g-sensitivity to remove; imuwb calibration estimates them"
         raise UsageError(message)
     step = ("correction", f"model={path}")
     if any((done.name, done.parameters) == step for done in log.conditioning):
-        message = f"correction: {path}: its terms are taken off already; give it once"
+        message = f"correction: {path}: its terms are already removed; give it once"
         raise UsageError(message)
     changed, note = correct(log, model, step)
     if changed is log:
@@ -66,7 +66,7 @@ def draw(applied: Applied, review: Review) -> None:
     if applied.celsius is not None:
         low, high = applied.celsius
         caption = f"… depends on temperature; the log's temperature is {low:.1f} to {high:.1f} °C."
-    review.table(Table(f"Terms of {applied.model} that were taken off", headings, rows, caption, wide=True))
+    review.table(Table(f"Terms of {applied.model} that were removed", headings, rows, caption, wide=True))
 
 
 def _row(axis: str, model: AxisModel) -> tuple[str, ...]:

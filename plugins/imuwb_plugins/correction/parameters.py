@@ -13,7 +13,7 @@ from imuwb.options import check
 class Parameters:
     """Options of ``--through correction:...``."""
 
-    model: Annotated[Path, "error model (TOML) whose deterministic terms are taken off"]
+    model: Annotated[Path, "error model (TOML) whose deterministic terms are removed"]
 
     def __post_init__(self) -> None:
         """Check the path."""

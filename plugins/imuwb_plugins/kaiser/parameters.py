@@ -31,7 +31,9 @@ class Parameters:
             message = "give either f_pass and f_stop, or fc (and width), in Hz"
             raise ValueError(message)
         if edges and self.width is not None:
-            message = f"width is {self.width} Hz; it goes with fc: f_pass and f_stop already state the transition"
+            message = (
+                f"width is {self.width} Hz; use it only with fc; with f_pass and f_stop the width is already known"
+            )
             raise ValueError(message)
 
     @property

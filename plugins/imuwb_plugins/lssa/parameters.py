@@ -91,5 +91,5 @@ class Parameters:
         for name in ("jumps", "forced", "exponentials"):
             values = getattr(self, name)
             if len(set(values)) < len(values):
-                message = f"{name} is {text_of(values)}; each value must be there once"
+                message = f"{name} is {text_of(values)}; give each value only once"
                 raise ValueError(message)

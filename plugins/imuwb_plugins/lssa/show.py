@@ -89,8 +89,8 @@ def _peaks(result: Result) -> Table:
     )  # fmt: skip
     rows = rows or ((*("—",) * (len(headings) - 1), f"no line at {100 * result.level:g} %"),)
     caption = (
-        f"Intervals at {100 * result.confidence:g} %. Probability by chance: that noise alone shows as much anywhere in a record. A "
-        "line is claimed if each half of the record shows it by itself. A drifting line is found in averaged spectra of segments."
+        f"Intervals at {100 * result.confidence:g} %. Probability by chance: probability that noise alone makes so strong a line "
+        "anywhere in the record. A line is claimed if each half of the record shows it by itself. A drifting line is found in averaged spectra of segments."
     )
     return Table(f"Lines of {result.imu}; noise: {result.noise}", headings, rows, caption, wide=True)
 
@@ -135,7 +135,7 @@ def _hypotheses(result: Result) -> Table:
         for test in spectrum.hypotheses
     )  # fmt: skip
     caption = (
-        f"Tests at {100 * result.level:g} %. C is that of b(k+1) = C b(k) + e (El-Diasty), the negative of alpha in "
+        f"Tests at {100 * result.level:g} %. C is the coefficient in b(k+1) = C b(k) + e (El-Diasty), the negative of alpha in "
         "x(n) = -alpha x(n-1) + w(n). The tests use the longest part without gaps, without steady lines, and whitened: the "
         "correlations of short lags (Ljung and Box), and the powers in octaves for slow drifts (Bartlett)."
     )

@@ -39,7 +39,7 @@ def draw(denoising: Denoising, review: Review) -> None:
     headings = (
         "axis",
         "levels",
-        "keeps all below",
+        "keeps all frequencies below",
         "motion must be slower than",
         "share of the raw standard deviation",
     )

@@ -47,7 +47,7 @@ def _coefficients(repeatability: Repeatability) -> Table:
             rows.append((axis, letter, *cells, coefficient_text(c.mean, unit), _probability(c, differs=differs)))
     caption = (
         "All logs: root mean square, weighted by duration; a log that does not show a term counts with its limit. The probability that "
-        "chance makes the logs differ as much is by chi-square of the squares against their mean."
+        "chance makes the logs differ as much comes from a chi-square test of the squared coefficients against their mean."
     )
     headings = ("axis", "term", *repeatability.names, "all logs", "probability")
     return Table("Repeatability", headings, tuple(rows), caption, wide=True)
@@ -64,8 +64,8 @@ def _turn_on(repeatability: Repeatability) -> Table:
         means = (f"{unit.from_si(m):.6g} {unit.name}" for m in t.means)
         rows.append((axis, *means, coefficient_text(t.sigma, unit)))
     caption = (
-        "Mean of each log, and the scatter of the means beyond the noise within the logs: sigma of the turn-on bias, which goes into the "
-        "error model; < is a limit. For the accelerometers, the IMU must not have been moved between the logs."
+        "Mean of each log, and the part of the scatter of the means that noise within the logs does not explain: sigma of the turn-on "
+        "bias, which goes into the error model; < is a limit. For the accelerometers, the IMU must not have been moved between the logs."
     )
     return Table("Turn-on bias", ("axis", *repeatability.names, "sigma of the turn-on bias"), tuple(rows), caption)
 

@@ -81,7 +81,7 @@ def _coefficients(result: Study) -> Table:
         "setting", "axis", "rate", "N random walk", "B bias instability", "sigma of a sample", "sigma² × interval"
     )  # fmt: skip
     caption = (
-        "N by likelihood, from the part of the spectrum where it is white. sigma² × interval is the value that a filter takes for Q "
+        "N by likelihood, from the part of the spectrum where it is white. sigma² × interval is the value that a filter uses as Q "
         "(Hassaballa, eq. 11): equal to N² for white samples, less if the bandwidth is below half the rate."
     )
     return Table("Coefficients by setting", headings, tuple(rows), caption)

@@ -24,7 +24,7 @@ class Parameters:
     ] = MODELS
     wavelet: Annotated[
         tuple[int, ...],
-        "Levels of denoising to compare, as 3..8 or 4,6: one more 18AVWD for each; by default only the paper's levels.",
+        "Levels of denoising to compare, such as 3..8 or 4,6; each level adds one 18AVWD filter; default: the paper's levels only.",
         Between(1, 12), Form("LEVELS", "3..8"),
     ] = ()  # fmt: skip
     durations: Annotated[

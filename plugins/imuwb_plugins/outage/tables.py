@@ -74,7 +74,12 @@ def choice(c: Choice) -> Table:
         f"{c.unseen_log_likelihood:.2f} and the median error {number_text(c.unseen_median_end)} m. The likelihood is large for "
         "small errors with a sigma that is right."
     )
-    headings = ("filter", "log-likelihood of an outage", "median error at the end", "chosen in blocks")
+    headings = (
+        "filter",
+        "log-likelihood of an outage",
+        "median error at the end",
+        "blocks for which it is the best in the other blocks",
+    )
     return Table(f"Choice of a filter for outages of {c.duration:g} s", headings, rows, caption, wide=True)
 
 
@@ -96,7 +101,7 @@ def consistency(own: DurationSummary) -> Table:
         for c in s.consistency
     )  # fmt: skip
     headings = (
-        "filter", "time without GNSS", "NEES/2", "NEES/2 for a right sigma", "outages within the 95 % ellipse", "error/sigma",
+        "filter", "time without GNSS", "NEES/2", "NEES/2 if sigma is right", "outages within the 95 % ellipse", "error/sigma",
         "NIS/dof of the whole run",
     )  # fmt: skip
     return Table(f"Consistency in outages of {own.duration:g} s", headings, rows)

@@ -91,7 +91,7 @@ def dependence_text(name: str, test: Dependence | None) -> str:
     if test is None:
         return f"{NAMES[name]}: there is no test"
     if test.p_value is None or test.depends is None:
-        return f"{NAMES[name]}: there is no evidence of it at any temperature, so no test"
+        return f"{NAMES[name]}: not identified at any temperature, so it is not tested"
     p = f"p = {test.p_value:.2g}" if test.p_value >= CLEAR else f"p < {CLEAR:g}"
     verdict = "depends on temperature" if test.depends else "may be the same at all temperatures"
     return f"{NAMES[name]} {verdict} ({p})"

@@ -56,8 +56,8 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
         notes.append(Note("reference", text))
     if len(logs) > 1 and all(over.biases.turn_on is None for over in axes.values()):
         text = (
-            "every temperature has one log, so a bias that changes at each turn-on is not separable from one that follows the "
-            "temperature; several logs at one temperature separate them"
+            "every temperature has one log, so a bias that changes at each turn-on cannot be separated from a bias that "
+            "depends on temperature; several logs at one temperature separate them"
         )
         notes.append(Note("turn-on", text))
     if not any(over.biases.hysteresis for over in axes.values()):

@@ -150,8 +150,8 @@ def functions(result: Result) -> Table:
     ]  # fmt: skip
     caption = (
         "Values in SI, T in °C. Cross-validation takes the simplest function that agrees with the set-points and predicts a left-out "
-        "set-point within a standard error of the best; without one, straight lines between the set-points. The error model is "
-        "linear between temperatures 5 °C apart at most, and constant outside."
+        "set-point within a standard error of the best; if there is no such function, straight lines between the set-points are "
+        "used. The error model is linear between temperatures 5 °C apart at most, and constant outside."
     )
     headings = ("axis", "quantity", "function", "formula or limit", "reason")
     return Table("Functions of temperature", headings, tuple(rows), caption, wide=True)

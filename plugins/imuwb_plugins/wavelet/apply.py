@@ -114,7 +114,7 @@ def _note(axes: dict[str, AxisChoice]) -> str:
     note = f"levels: {', '.join(f'{name} {axes[name].level}' for name in AXES if name in axes)}"
     if any(choice.level for choice in axes.values()):
         return note
-    return f"{note}: nothing is taken away, as the motion fills the band; give levels, or motion_band in Hz"
+    return f"{note}: nothing is removed, because the motion uses the whole band; give levels, or motion_band in Hz"
 
 
 def draw(applied: Applied, review: Review) -> None:
@@ -127,6 +127,6 @@ def draw(applied: Applied, review: Review) -> None:
     kind = "in a sliding window (causal)" if applied.causal else "of the whole record (not causal)"
     review.table(Table(
         f"Wavelet denoising, {applied.wavelet}, {applied.rule}, {kind}",
-        ("axis", "level", "keeps all below", "thresholds, finest level first"), tuple(rows),
+        ("axis", "level", "keeps all frequencies below", "thresholds, finest level first"), tuple(rows),
         "Level k keeps frequencies below the rate / 2^(k+1); details above them shrink by the threshold of their level.",
     ))  # fmt: skip

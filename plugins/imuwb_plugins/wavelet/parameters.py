@@ -31,7 +31,7 @@ class Parameters:
         Literal["sure", "universal", "bayes", "all", "none"],
         "rule of the threshold; all removes every detail, none removes nothing",
     ] = "sure"
-    shrinkage: Annotated[Literal["soft", "hard"], "whether details above the threshold shrink, or stay"] = "soft"
+    shrinkage: Annotated[Literal["soft", "hard"], "soft: details above the threshold shrink; hard: they stay"] = "soft"
     causal: Annotated[bool, "denoise in a sliding window of past samples, in place of the whole record"] = False
     hop: Annotated[int, "samples between two windows, with causal", Between(1)] = 8
 

@@ -145,13 +145,13 @@ def test_steps_are_matched_whatever_their_order_and_offset(rates, gain, offset):
 def test_counts_are_matched_by_their_order():
     found = matched(levels(BOTH, 7500.0, 32768.0), RATES.tolist(), "run", raw=True)
     np.testing.assert_allclose(found.rate, BOTH)
-    with pytest.raises(ValueError, match="not the given rates"):
+    with pytest.raises(ValueError, match="match the given rates"):
         matched(levels(BOTH, 7500.0, 32768.0), RATES.tolist(), "run", raw=False)
 
 
 @pytest.mark.parametrize("degrees", [[10.0, 50.0], [10.0, 50.0, 90.0], [10.0, 20.0, 50.0, 100.0], []])
 def test_other_rates_are_not_matched(degrees):
-    with pytest.raises(ValueError, match="run: the steps of gyro y are not the given rates"):
+    with pytest.raises(ValueError, match="run: the steps of gyro y do not match the given rates"):
         matched(levels(BOTH), np.radians(degrees).tolist(), "run", raw=False)
 
 
@@ -211,5 +211,5 @@ def test_steps_may_miss_the_line_by_a_hundredth_and_the_gain_one_by_a_factor_of_
     if allowed:
         assert matched(steps, RATES.tolist(), "run", raw=False).axis == 1
         return
-    with pytest.raises(ValueError, match="not the given rates"):
+    with pytest.raises(ValueError, match="match the given rates"):
         matched(steps, RATES.tolist(), "run", raw=False)

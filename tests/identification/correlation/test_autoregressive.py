@@ -155,7 +155,7 @@ def test_parts_of_one_process_give_its_model():
 
 
 def test_what_has_no_model_is_refused_with_the_reason():
-    with pytest.raises(ValueError, match="20 samples; order 20 takes at least 21"):
+    with pytest.raises(ValueError, match="20 samples; order 20 needs at least 21"):
         fit_autoregressive(np.arange(20.0), DT, 20)
     with pytest.raises(ValueError, match="constant"):
         fit_autoregressive(np.ones(100), DT, 3)

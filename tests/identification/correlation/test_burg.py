@@ -123,7 +123,7 @@ def test_does_not_write_into_the_record():
 
 
 def test_what_has_no_model_is_refused_with_the_reason():
-    with pytest.raises(ValueError, match="10 samples; order 10 takes at least 11"):
+    with pytest.raises(ValueError, match="10 samples; order 10 needs at least 11"):
         burg(np.arange(20.0), 10, [10])
     with pytest.raises(ValueError, match="constant"):
         burg(np.full(100, 2.0), 3)

@@ -143,5 +143,5 @@ def test_the_density_of_nothing_is_nothing(spectrum):
 
 
 def test_short_records_are_refused():
-    with pytest.raises(ValueError, match=f"it takes {FEWEST}"):
+    with pytest.raises(ValueError, match=f"at least {FEWEST}"):
         cosine_spectrum(np.zeros(FEWEST - 1), DT)
