@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from imuwb.cli import main
 from imuwb.log import SECOND, ImuStream, Log, Provenance, Triad
 
 
@@ -61,3 +62,21 @@ def shown():
             pass
 
     return Shown()
+
+
+@pytest.fixture
+def command(tmp_path, monkeypatch, capsys):
+    """Run ``imuwb`` in an empty folder; return its exit code, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "300")
+
+    def run(*arguments):
+        monkeypatch.setattr("sys.argv", ["imuwb", *map(str, arguments)])
+        code = 0
+        try:
+            main()
+        except SystemExit as leaving:
+            code = leaving.code or 0
+        return code, *capsys.readouterr()
+
+    return run

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from imuwb.cli import main
 from imuwb.notes import ids
 from imuwb.review.document import plain
 from imuwb_plugins import health
@@ -20,24 +19,6 @@ def damaged(make_log, gap):
     rng = np.random.default_rng(3)
     gyro = 0.01 * rng.standard_normal((6000, 3)) * [1, 0, 1]
     return make_log(gyro, 0.02 * rng.standard_normal((6000, 3)) - [0, 0, 9.8], keep=gap(6000, 2000, 2030))
-
-
-@pytest.fixture
-def command(tmp_path, monkeypatch, capsys):
-    """Run ``imuwb`` in an empty folder; return its exit code, stdout and stderr."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "300")
-
-    def run(*arguments):
-        monkeypatch.setattr("sys.argv", ["imuwb", *map(str, arguments)])
-        code = 0
-        try:
-            main()
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        return code, *capsys.readouterr()
-
-    return run
 
 
 def test_the_command_shows_the_verdict_and_leaves_a_recording(command, tmp_path):

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 MARKED = 6  #: faults whose place is marked in the figure
 STREAMS = 8  #: in the figure: as many as there are colours
-APART = 5.0  #: ratio of the rates of two streams, from which on their axis is logarithmic
+APART = 5.0  #: smallest ratio of the rates of two streams that makes their axis logarithmic
 ABOVE = {"log": 1.6, "linear": 1.12}  #: each mark over the one before
 
 

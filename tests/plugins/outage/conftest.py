@@ -2,7 +2,6 @@
 
 import pytest
 
-from imuwb.cli import main
 from imuwb.simulation import drive, mixed_route
 from imuwb.writers import write
 from imuwb_plugins import outage
@@ -40,21 +39,3 @@ def few(log, toml):
 @pytest.fixture(scope="session")
 def swept(log, toml):
     return outage.run([log], Parameters(error_model=toml, models="none,full", durations="5,10", settling=40.0))
-
-
-@pytest.fixture
-def command(tmp_path, monkeypatch, capsys):
-    """Run ``imuwb`` in an empty folder; return its exit code, stdout and stderr."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "300")
-
-    def run(*arguments):
-        monkeypatch.setattr("sys.argv", ["imuwb", *map(str, arguments)])
-        code = 0
-        try:
-            main()
-        except SystemExit as leaving:
-            code = leaving.code or 0
-        return code, *capsys.readouterr()
-
-    return run
