@@ -22,8 +22,9 @@ def joined(log: Log, other: Log) -> Log:
     """
     if not (other.gnss or other.references or other.speeds):
         streams = ", ".join(imu.name for imu in other.imus) or "; ".join(other.notes) or "no stream that imuwb reads"
-        message = f"{other.provenance.path}: there is no receiver, reference or speed to join; the file has {streams}"
-        raise MissingDataError(message)
+        raise MissingDataError(
+            f"{other.provenance.path}: there is no receiver, reference or speed to join; the file has {streams}"
+        )
     return replace(
         log,
         gnss=(*log.gnss, *other.gnss),

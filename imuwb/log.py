@@ -42,11 +42,11 @@ def _frozen(
     """Return values as a read-only array of a shape (None: any length); ``unknown`` allows nan."""
     array = np.ascontiguousarray(values, dtype=dtype).view()
     if array.ndim != len(shape) or any(n not in (None, m) for n, m in zip(shape, array.shape, strict=True)):
-        message = f"{name} has shape {array.shape}; it must be {shape}"
-        raise ValueError(message)
+        raise ValueError(f"{name} has shape {array.shape}; it must be {shape}")
     if dtype is np.float64 and not (np.isfinite(array) | (np.isnan(array) if unknown else False)).all():
-        message = f"{name} has {np.count_nonzero(~np.isfinite(array))} values that are not finite; remove their rows"
-        raise ValueError(message)
+        raise ValueError(
+            f"{name} has {np.count_nonzero(~np.isfinite(array))} values that are not finite; remove their rows"
+        )
     array.flags.writeable = False
     return array
 
@@ -56,8 +56,7 @@ def _frozen_time(time: object, name: str) -> Nanoseconds:
     steps = np.diff(array)
     if array.size > 1 and steps.min() <= 0:
         row = int(np.argmax(steps <= 0)) + 1
-        message = f"{name} time must increase; row {row} has {array[row]} ns after {array[row - 1]} ns"
-        raise ValueError(message)
+        raise ValueError(f"{name} time must increase; row {row} has {array[row]} ns after {array[row - 1]} ns")
     return array
 
 
@@ -296,8 +295,7 @@ class Log:
         if self.imus:
             return self.imus[0]
         others = ", ".join(stream.name for stream in (*self.gnss, *self.references)) or "no stream that imuwb reads"
-        message = f"{self.provenance.path}: the log has no IMU, which the analysis needs; it has {others}"
-        raise MissingDataError(message)
+        raise MissingDataError(f"{self.provenance.path}: the log has no IMU, which the analysis needs; it has {others}")
 
     def streams(self) -> tuple[ImuStream | GnssStream | Scalars | Reference, ...]:
         """Return all streams.
@@ -308,8 +306,7 @@ class Log:
         if streams := (*self.imus, *self.gnss, *self.speeds, *self.references):
             return streams
         why = "; ".join(self.notes) or "it contains nothing that imuwb reads"
-        message = f"{self.provenance.path}: the log has no usable stream: {why}"
-        raise MissingDataError(message)
+        raise MissingDataError(f"{self.provenance.path}: the log has no usable stream: {why}")
 
     @property
     def causal(self) -> bool:

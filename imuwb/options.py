@@ -111,8 +111,7 @@ def check(parameters: object) -> None:
         if option.between is not None:
             for number in _numbers(value):
                 if number not in option.between:
-                    message = f"{option.name} is {text_of(value)}; it must be {option.between}"
-                    raise ValueError(message)
+                    raise ValueError(f"{option.name} is {text_of(value)}; it must be {option.between}")
         object.__setattr__(parameters, option.name, value)
 
 
@@ -128,8 +127,7 @@ def read(option: Option, text: str) -> Any:  # noqa: ANN401 - of the option's ty
         except ValueError:
             continue
     example = f", such as {option.form.example}" if option.form is not None and option.form.example else ""
-    message = f"{option.name} is {text!r}; it must be {described(option.kind)}{example}"
-    raise ValueError(message)
+    raise ValueError(f"{option.name} is {text!r}; it must be {described(option.kind)}{example}")
 
 
 def _members(kind: Any) -> Iterator[Any]:  # noqa: ANN401 - a type

@@ -39,11 +39,10 @@ def installed(group: str) -> dict[str, EntryPoint]:
     for point in entry_points(group=group):
         other = points.setdefault(point.name, point)
         if other.value != point.value:
-            message = (
+            raise UsageError(
                 f"two plugins of {group} have the name {point.name!r}: {_origin(other)} and {_origin(point)}; "
                 "uninstall one of the packages"
             )
-            raise UsageError(message)
     return dict(sorted(points.items()))
 
 
@@ -80,24 +79,20 @@ def load_file(path: str | Path) -> ModuleType:
     """
     path = Path(path)
     if not path.is_file():
-        message = f"{path}: there is no such file; give the path of a plugin"
-        raise UsageError(message)
+        raise UsageError(f"{path}: there is no such file; give the path of a plugin")
     name = f"imuwb_file_plugin_{path.stem}"
     specification = importlib.util.spec_from_file_location(name, path)
     if specification is None or specification.loader is None:
-        message = f"{path}: this is not a Python file; the name of a plugin must end in .py"
-        raise UsageError(message)
+        raise UsageError(f"{path}: this is not a Python file; the name of a plugin must end in .py")
     module = importlib.util.module_from_spec(specification)
     # Dataclasses look up their module by its name while it is imported.
     sys.modules[name] = module
     try:
         specification.loader.exec_module(module)
     except SyntaxError as error:
-        message = f"{path}, line {error.lineno or '?'}: {error.msg}; the plugin must be valid Python"
-        raise UsageError(message) from error
+        raise UsageError(f"{path}, line {error.lineno or '?'}: {error.msg}; the plugin must be valid Python") from error
     except (Exception, SystemExit) as error:
-        message = f"{path}: the import of the plugin fails: {type(error).__name__}: {error}"
-        raise UsageError(message) from error
+        raise UsageError(f"{path}: the import of the plugin fails: {type(error).__name__}: {error}") from error
     return module
 
 

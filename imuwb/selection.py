@@ -42,8 +42,7 @@ def select(log: Log, imu: str | None = None, start: str | None = None, end: str 
     first = -FAR if start is None else _instant(start, zero, epoch)
     last = FAR if end is None else _instant(end, zero, epoch)
     if last <= first:
-        message = f"--end {end} must be after --start {start}"
-        raise UsageError(message)
+        raise UsageError(f"--end {end} must be after --start {start}")
     cut = replace(
         log,
         imus=tuple(x for x in (_cut_imu(x, first, last) for x in log.imus) if x.axes()),
@@ -62,8 +61,7 @@ def _check_not_empty(log: Log, cut: Log) -> None:
     if not samples and (log.imus or not others):
         rows = "IMU sample" if log.imus else "row"
         start, _, end = cut.provenance.selection.partition(" to ")
-        message = f"{log.provenance.path}: there is no {rows} between {start} and {end}"
-        raise MissingDataError(message)
+        raise MissingDataError(f"{log.provenance.path}: there is no {rows} between {start} and {end}")
 
 
 def _with_one_imu(log: Log, name: str) -> Log:
@@ -75,15 +73,13 @@ def _with_one_imu(log: Log, name: str) -> Log:
     parts = {part: imu for imu in log.imus for part in (imu.name, *imu.name.split("+"))}
     pairs = [(name[:at], name[at + 1 :]) for at, letter in enumerate(name) if letter == "+"]
     if any(first and first == second for first, second in pairs):
-        message = f"--imu {name} names the same IMU twice; the name alone selects both sensors"
-        raise UsageError(message)
+        raise UsageError(f"--imu {name} names the same IMU twice; the name alone selects both sensors")
     for first, second in pairs:
         if first in parts and second in parts:
             return _composed(log, name, (first, parts[first]), (second, parts[second]))
     names = ", ".join(imu.name for imu in log.imus) or "none"
     rule = f"; {RULE}" if pairs else ""
-    message = f"{log.provenance.path}: there is no IMU {name!r}; the log has: {names}{rule}"
-    raise MissingDataError(message)
+    raise MissingDataError(f"{log.provenance.path}: there is no IMU {name!r}; the log has: {names}{rule}")
 
 
 def _composed(log: Log, name: str, first: tuple[str, ImuStream], second: tuple[str, ImuStream]) -> Log:
@@ -114,11 +110,10 @@ def _no_composition(log: Log, name: str, parts: tuple[tuple[str, ImuStream], ...
 def _epoch(log: Log) -> str:
     epochs = {stream.origin.epoch for stream in (*log.imus, *log.gnss, *log.references)}
     if len(epochs) > 1:
-        message = (
+        raise UsageError(
             f"{log.provenance.path}: --start and --end need one clock, but the streams have several "
             f"({', '.join(sorted(epochs))}); omit both options"
         )
-        raise UsageError(message)
     return epochs.pop() if epochs else "log"
 
 
@@ -129,10 +124,9 @@ def _instant(text: str, zero: int, epoch: str) -> int:
     except ValueError:
         return _date(text, epoch)
     if not 0 <= seconds < LONGEST:
-        message = (
+        raise UsageError(
             f"{text!r} is not a time in a log; write 0 to {LONGEST:g} seconds from the log's start, or an ISO date"
         )
-        raise UsageError(message)
     return zero + round(seconds * SECOND)
 
 
@@ -140,13 +134,13 @@ def _date(text: str, epoch: str) -> int:
     try:
         when = datetime.fromisoformat(text)
     except ValueError:
-        message = (
+        raise UsageError(
             f"{text!r} is not a time; write seconds from the log's start, or an ISO date such as 2024-05-01T12:00:00"
-        )
-        raise UsageError(message) from None
+        ) from None
     if epoch != "unix":
-        message = f"{text!r} is a date, but the log's {epoch} clock has no date; write seconds from the log's start"
-        raise UsageError(message)
+        raise UsageError(
+            f"{text!r} is a date, but the log's {epoch} clock has no date; write seconds from the log's start"
+        )
     return unix_nanoseconds(when)
 
 

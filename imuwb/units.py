@@ -118,8 +118,7 @@ def unit(name: str) -> Unit:
     folded = text.lower()
     known = text if text in UNITS else _FOLDED.get(folded) or _ALIASES.get(folded)
     if known is None:
-        message = f"unknown unit {name!r}; write one of: {', '.join(UNITS)}"
-        raise UsageError(message)
+        raise UsageError(f"unknown unit {name!r}; write one of: {', '.join(UNITS)}")
     return UNITS[known]
 
 

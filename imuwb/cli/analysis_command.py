@@ -37,10 +37,9 @@ def command_function(name: str, analysis: Analysis) -> Callable[..., None]:
     options = [parameter for parameters in shared.values() for parameter in parameters]
     clash = {p.name for p in own} & {p.name for p in options}
     if clash:
-        message = (
+        raise UsageError(
             f"plugin {name}: every analysis has the options {', '.join(sorted(clash))}; rename the plugin's parameters"
         )
-        raise UsageError(message)
     logs = inspect.Parameter("logs", inspect.Parameter.KEYWORD_ONLY, annotation=Annotated[list[Path], LOG_ARGUMENT])
 
     def command(**values: Any) -> None:  # noqa: ANN401 - each option has its own type

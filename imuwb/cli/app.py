@@ -110,8 +110,7 @@ def _add(app: typer.Typer, name: str, analysis: Analysis, origin: str) -> None:
         _add_command(app, name, short, analysis, origin)
         return
     if not isinstance(methods, Mapping) or not methods:
-        message = f"{origin}: METHODS must be a mapping of names to analyses; it is {methods!r}"
-        raise UsageError(message)
+        raise UsageError(f"{origin}: METHODS must be a mapping of names to analyses; it is {methods!r}")
     group = typer.Typer(no_args_is_help=True, help=paragraphs(analysis.__doc__ or name))
     for method, module in cast("Mapping[str, Analysis]", methods).items():
         _add_command(group, method, f"{short} {method}", module, f"{origin}, {method}")
@@ -122,11 +121,11 @@ def _add_command(app: typer.Typer, name: str, full: str, analysis: Analysis, ori
     """Add one command; ``full`` is the name of the analysis with its method."""
     missing = [part for part in ("Parameters", "run", "draw") if not offers(analysis, part)]
     if missing:
-        message = f"{origin}: a plugin must have Parameters, run and draw; this plugin lacks {', '.join(missing)}"
-        raise UsageError(message)
+        raise UsageError(
+            f"{origin}: a plugin must have Parameters, run and draw; this plugin lacks {', '.join(missing)}"
+        )
     if not is_dataclass(analysis.Parameters):
-        message = f"{origin}: Parameters must be a dataclass; it is {analysis.Parameters!r}"
-        raise UsageError(message)
+        raise UsageError(f"{origin}: Parameters must be a dataclass; it is {analysis.Parameters!r}")
     from imuwb.cli.analysis_command import command_function  # noqa: PLC0415 - for analyses only
 
     function = command_function(full, analysis)

@@ -40,8 +40,7 @@ def convert(
     from imuwb.writers import SUFFIXES, places, write  # noqa: PLC0415
 
     if output.suffix not in SUFFIXES:
-        message = f"--output {output}: the name of the new log must end in {' or '.join(SUFFIXES)}"
-        raise UsageError(message)
+        raise UsageError(f"--output {output}: the name of the new log must end in {' or '.join(SUFFIXES)}")
     sources = [log, *([part.gnss] if part.gnss is not None else [])]
     check_places([output], sources, force=force)
     content = read_log(log, reading, part)

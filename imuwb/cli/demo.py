@@ -65,8 +65,7 @@ def marked(log: str) -> tuple[str, Analysis]:
     """
     if plugin := registry.marked(registry.ANALYSES, "DEMO", value=log):
         return plugin[0], cast("Analysis", plugin[1])
-    message = f"no installed analysis has DEMO = {log!r}; install imuwb with its plugins"
-    raise MissingDataError(message)
+    raise MissingDataError(f"no installed analysis has DEMO = {log!r}; install imuwb with its plugins")
 
 
 def samples() -> Path:
@@ -79,5 +78,4 @@ def samples() -> Path:
     for folder in (package / "samples", package.parent / "samples"):
         if all((folder / log).is_file() for log in LOGS.values()):
             return folder
-    message = f"the sample logs are missing in {package / 'samples'}; install imuwb again"
-    raise MissingDataError(message)
+    raise MissingDataError(f"the sample logs are missing in {package / 'samples'}; install imuwb again")

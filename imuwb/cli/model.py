@@ -51,8 +51,7 @@ def compare(
 ) -> None:
     """Compare two or more error models."""
     if len(models) < 2:  # noqa: PLR2004 - one has nothing to be compared with
-        message = f"{len(models)} model is given; compare needs two or more; for one model use imuwb model show"
-        raise UsageError(message)
+        raise UsageError(f"{len(models)} model is given; compare needs two or more; for one model use imuwb model show")
     _review(models, rate, hours, output, force=force)
 
 
@@ -109,8 +108,7 @@ def check(
     from imuwb.stochastic.model_check import limits  # noqa: PLC0415
 
     if not 0 < factor < math.inf:
-        message = f"--factor is {factor}; it must be above 0"
-        raise UsageError(message)
+        raise UsageError(f"--factor is {factor}; it must be above 0")
     verdicts = checked(ImuErrorModel.read(model), limits(against, factor))
     kept = all(v.outcome == "within" for v in verdicts)
     if json:
@@ -122,8 +120,7 @@ def check(
         shower(data=True)(verdicts_table(verdicts, model.name, against.name))
     if not kept:
         failed = [f"{v.limit.axis} {v.limit.letter} ({v.outcome})" for v in verdicts if v.outcome != "within"]
-        message = f"{model}: not within {against}: {', '.join(failed)}"
-        raise ImuwbError(message)
+        raise ImuwbError(f"{model}: not within {against}: {', '.join(failed)}")
 
 
 def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | None, *, force: bool) -> None:
@@ -134,12 +131,10 @@ def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | Non
     from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
 
     if not (0 < rate < math.inf and 0 < hours < math.inf and hours * 3600 * rate >= FEWEST):
-        message = f"--rate is {rate}, --hours {hours}; both must be above 0, and give at least {FEWEST} samples"
-        raise UsageError(message)
+        raise UsageError(f"--rate is {rate}, --hours {hours}; both must be above 0, and give at least {FEWEST} samples")
     place = output or paths[0].with_name(f"{paths[0].name.removesuffix('.toml')}.rrd")
     if place.suffix != ".rrd":
-        message = f"--output {place}: the suffix must be .rrd"
-        raise UsageError(message)
+        raise UsageError(f"--output {place}: the suffix must be .rrd")
     models: dict[str, ImuErrorModel] = {path.name: ImuErrorModel.read(path) for path in paths}
     if len(models) < len(paths):
         models = {str(path): ImuErrorModel.read(path) for path in paths}

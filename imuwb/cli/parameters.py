@@ -82,8 +82,7 @@ def make(kind: Any, values: Mapping[str, Any]) -> Any:  # noqa: ANN401 - the dat
         })  # fmt: skip
     except (ValueError, UsageError) as error:
         name, _, rest = str(error).partition(" ")
-        message = f"--{name.replace('_', '-')} {rest}" if name in options else str(error)
-        raise UsageError(message) from error
+        raise UsageError(f"--{name.replace('_', '-')} {rest}" if name in options else str(error)) from error
 
 
 def expanded(function: Callable[..., None], panels: Mapping[str, str] | None = None) -> Callable[..., None]:

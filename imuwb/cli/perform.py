@@ -91,8 +91,7 @@ def check_count(name: str, analysis: Analysis, paths: Sequence[Path]) -> None:
     fewest, most = cast("tuple[int, int | None]", getattr(analysis, "LOGS", (1, 1)))
     if len(paths) < fewest or (most is not None and len(paths) > most):
         count = str(fewest) if fewest == most else f"{fewest} to {most}" if most else f"{fewest} or more"
-        message = f"{name} takes {count} log{'s' if count != '1' else ''}; {len(paths)} are given"
-        raise UsageError(message)
+        raise UsageError(f"{name} takes {count} log{'s' if count != '1' else ''}; {len(paths)} are given")
 
 
 def draw_conditioning(log: Log, steps: list[tuple[Step, Any]], review: RecordingReview) -> None:
@@ -123,8 +122,7 @@ def errors_named(name: str, analysis: Analysis) -> Generator[None]:
         home = str(Path(getattr(analysis, "__file__", "") or "").parent)
         inside = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename.startswith(home)]
         where = f"{inside[-1].filename}, line {inside[-1].lineno}" if inside and home else "outside its own code"
-        message = (
+        raise ImuwbError(
             f"analysis {name} failed: {type(error).__name__}: {error} ({where}); "
             "set IMUWB_TRACEBACK=1 to see the whole traceback"
-        )
-        raise ImuwbError(message) from error
+        ) from error

@@ -58,8 +58,7 @@ def recording_place(output: Path | None, source: Path) -> Path:
     """
     recording = output or source.with_name(f"{stem(source)}.rrd")
     if recording.suffix != ".rrd":
-        message = f"--output {recording}: the name of a recording must end in .rrd"
-        raise UsageError(message)
+        raise UsageError(f"--output {recording}: the name of a recording must end in .rrd")
     return recording
 
 
@@ -81,8 +80,7 @@ def check_places(files: Sequence[Path], logs: Sequence[Path], *, force: bool) ->
     taken = {log.resolve() for log in logs}
     for file in files:
         if file.resolve() in taken:
-            message = f"{file} is a log that is read, or another output; give each output a different name"
-            raise UsageError(message)
+            raise UsageError(f"{file} is a log that is read, or another output; give each output a different name")
         taken.add(file.resolve())
         check_place(file, force=force)
 
@@ -90,13 +88,10 @@ def check_places(files: Sequence[Path], logs: Sequence[Path], *, force: bool) ->
 def check_place(file: Path, *, force: bool) -> None:
     """Check that a file can be written; errors as in ``check_places``."""
     if file.exists() and not force:
-        message = f"{file} exists; overwrite it with --force, or choose another name with --output"
-        raise UsageError(message)
+        raise UsageError(f"{file} exists; overwrite it with --force, or choose another name with --output")
     parent = file.parent
     if file.exists() and not file.is_file() and not file.is_dir():
-        message = f"{file}: cannot be written: it is a device or a pipe, not a file"
-        raise ImuwbError(message)
+        raise ImuwbError(f"{file}: cannot be written: it is a device or a pipe, not a file")
     if file.is_dir() or not parent.is_dir() or not os.access(parent, os.W_OK):
         why = "it is a folder" if file.is_dir() else f"the folder {parent} does not exist or cannot be written to"
-        message = f"{file}: cannot be written: {why}"
-        raise ImuwbError(message)
+        raise ImuwbError(f"{file}: cannot be written: {why}")

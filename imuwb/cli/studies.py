@@ -31,8 +31,7 @@ def grid(texts: Sequence[str]) -> list[dict[str, str]]:
     axes = [_axis(text) for text in texts]
     count = math.prod(len(values) for _, values in axes)
     if count > MOST_CASES:
-        message = f"--study: there are {count} combinations; give fewer values, for at most {MOST_CASES}"
-        raise UsageError(message)
+        raise UsageError(f"--study: there are {count} combinations; give fewer values, for at most {MOST_CASES}")
     names = [name for name, _ in axes]
     settings = [
         dict(zip(names, combination, strict=True)) for combination in itertools.product(*(values for _, values in axes))
@@ -48,8 +47,7 @@ def _axis(text: str) -> tuple[str, list[str]]:
     name = name.strip()
     if not mark or not values or ("." not in name and name not in _short_names()):
         short = ", ".join(f"{known}=..." for known in _short_names())
-        message = f"--study {text}: write NAME.key=1,2,3 or NAME.key=1..8, or use a short name: {short}"
-        raise UsageError(message)
+        raise UsageError(f"--study {text}: write NAME.key=1,2,3 or NAME.key=1..8, or use a short name: {short}")
     return name, _values(text, values)
 
 
@@ -59,11 +57,10 @@ def _values(text: str, values: str) -> list[str]:
     try:
         return [str(number) for number in whole_numbers(values, MOST_CASES)]
     except ValueError as error:
-        message = (
+        raise UsageError(
             f"--study {text}: a range must be two whole numbers, the smaller one first, such as 3..8, "
             f"and contain at most {MOST_CASES}"
-        )
-        raise UsageError(message) from error
+        ) from error
 
 
 def steps_of(setting: Mapping[str, str]) -> list[Step]:
@@ -86,8 +83,9 @@ def _short_names() -> dict[str, tuple[str, str, Mapping[str, str]]]:
     for name, conditioner in conditioners():
         for alias, (key, others) in getattr(conditioner, "STUDY", {}).items():
             if alias in short:
-                message = f"--study {alias}: the conditioners {short[alias][0]} and {name} both declare this name; remove one of them"
-                raise UsageError(message)
+                raise UsageError(
+                    f"--study {alias}: the conditioners {short[alias][0]} and {name} both declare this name; remove one of them"
+                )
             short[alias] = name, key, others
     return short
 

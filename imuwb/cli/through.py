@@ -39,8 +39,7 @@ class Step:
         try:
             return self.conditioner.condition(log, self.parameters)
         except ValueError as error:
-            message = f"{self.option} {self.name}: {error}"
-            raise UsageError(message) from error
+            raise UsageError(f"{self.option} {self.name}: {error}") from error
 
     def draw(self, applied: Any, review: Review) -> None:  # noqa: ANN401 - the conditioner's own
         """Show the change, if the conditioner can draw it."""
@@ -58,13 +57,11 @@ def step(text: str) -> Step:
     pairs = [part.partition("=") for part in rest.split(",")] if rest else []
     for key, mark, _ in pairs:
         if not mark:
-            message = f"--through {text}: {key!r} has no value; write {name}:key=value,key=value"
-            raise UsageError(message)
+            raise UsageError(f"--through {text}: {key!r} has no value; write {name}:key=value,key=value")
     keys = [key.strip() for key, _, _ in pairs]
     twice = {key for key in keys if keys.count(key) > 1}
     if twice:
-        message = f"--through {text}: {', '.join(sorted(twice))} is given twice; give each key once"
-        raise UsageError(message)
+        raise UsageError(f"--through {text}: {', '.join(sorted(twice))} is given twice; give each key once")
     return step_of(name.strip(), {key.strip(): value.strip() for key, _, value in pairs})
 
 
@@ -84,18 +81,15 @@ def step_of(name: str, values: Mapping[str, str], option: str = "--through") -> 
     options = {option.name: option for option in options_of(kind)}
     for key in values:
         if key not in options:
-            message = f"{option} {name}: there is no parameter {key!r}; there are {', '.join(options)}"
-            raise UsageError(message)
+            raise UsageError(f"{option} {name}: there is no parameter {key!r}; there are {', '.join(options)}")
     missing = [f.name for f in fields(kind) if f.name not in values and default_of(f) is inspect.Parameter.empty]
     if missing:
         mark = ":" if option == "--through" else "."
-        message = f"{option} {name}: {', '.join(missing)} must be given; write {name}{mark}{missing[0]}=..."
-        raise UsageError(message)
+        raise UsageError(f"{option} {name}: {', '.join(missing)} must be given; write {name}{mark}{missing[0]}=...")
     try:
         parameters = kind(**{key: _value(options[key], text) for key, text in values.items()})
     except ValueError as error:
-        message = f"{option} {name}: {error}"
-        raise UsageError(message) from error
+        raise UsageError(f"{option} {name}: {error}") from error
     return Step(name, conditioner, parameters, option)
 
 
@@ -107,12 +101,10 @@ def conditioner_of(name: str, option: str = "--through") -> Conditioner:
     """
     points = registry.installed(registry.CONDITIONERS)
     if name not in points:
-        message = f"{option} {name}: there is no such conditioner; there are {', '.join(points)}"
-        raise UsageError(message)
+        raise UsageError(f"{option} {name}: there is no such conditioner; there are {', '.join(points)}")
     conditioner = registry.load(points[name])
     if conditioner is None:
-        message = f"{option} {name}: the conditioner cannot be imported; see the warning"
-        raise UsageError(message)
+        raise UsageError(f"{option} {name}: the conditioner cannot be imported; see the warning")
     return cast("Conditioner", conditioner)
 
 

@@ -21,8 +21,7 @@ def view(recording: Annotated[Path, typer.Argument(help="Recording that imuwb wr
     command = [sys.executable, "-m", "rerun", str(recording), "--bind", "127.0.0.1"]
     done = subprocess.run(command, env=environment, check=False)  # noqa: S603 - our own interpreter, a checked file
     if done.returncode:
-        message = f"the viewer ended with exit code {done.returncode}; run it on a machine with a screen"
-        raise ImuwbError(message)
+        raise ImuwbError(f"the viewer ended with exit code {done.returncode}; run it on a machine with a screen")
 
 
 def check_recording(path: Path) -> None:
@@ -34,8 +33,10 @@ def check_recording(path: Path) -> None:
     with path.open("rb") as file:
         magic = file.read(len(MAGIC))
     if magic != MAGIC:
-        message = f"{path}: not a Rerun recording (the file begins with {magic!r}); imuwb writes recordings with --output FILE.rrd"
-        raise UnreadableLogError(message)
+        raise UnreadableLogError(
+            f"{path}: not a Rerun recording (the file begins with {magic!r}); imuwb writes recordings with --output FILE.rrd"
+        )
     if not is_whole(path):
-        message = f"{path}: the recording is cut or damaged: its end mark is missing; run the analysis again"
-        raise UnreadableLogError(message)
+        raise UnreadableLogError(
+            f"{path}: the recording is cut or damaged: its end mark is missing; run the analysis again"
+        )

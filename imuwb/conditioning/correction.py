@@ -75,13 +75,13 @@ def correct(log: Log, model: ImuErrorModel, step: tuple[str, str] | None = None)
             "uncorrected", f"not corrected: {where} has no temperature, and all terms of the model depend on it"
         )
     if "g-sensitivity" in terms and imu.angular_rate is not None and imu.specific_force is None:
-        message = f"{where} has no accelerometer, and the error model {model.name} has a g-sensitivity: the gyros cannot be corrected without the force"
-        raise MissingDataError(message)
+        raise MissingDataError(
+            f"{where} has no accelerometer, and the error model {model.name} has a g-sensitivity: the gyros cannot be corrected without the force"
+        )
     try:
         changed = replace(imu, angular_rate=_rate(imu, model), specific_force=_force(imu, model))
     except ValueError as error:
-        message = f"{where}: {error}"
-        raise UsageError(message) from error
+        raise UsageError(f"{where}: {error}") from error
     note = Note("corrected", f"corrected by the model's {_listed(tuple(terms))}{_at(imu) if curves else ''}")
     name, parameters = step or _step(model)
     made = Conditioning(name, parameters, causal=True, delay=0.0, note=note)

@@ -69,11 +69,10 @@ def design_kaiser(
         ValueError: bands that do not rise to at most the Nyquist frequency, or attenuations that are not positive.
     """
     if not 0 < f_pass < f_stop <= rate / 2 or not (0 < a_stop <= DEEPEST and 0 < a_pass < DEEPEST):
-        message = (
+        raise ValueError(
             f"f_pass {f_pass:g} Hz, f_stop {f_stop:g} Hz at a rate of {rate:g} Hz, a_stop {a_stop:g} dB, a_pass {a_pass:g} dB: "
             f"the rule is 0 < f_pass < f_stop <= {rate / 2:g} Hz (half the rate), and attenuations above 0 and at most {DEEPEST:g} dB"
         )
-        raise ValueError(message)
     ripple = 10 ** (a_pass / 20)
     delta = min((ripple - 1) / (ripple + 1), 10 ** (-a_stop / 20))
     attenuation = -20 * np.log10(delta)
@@ -87,8 +86,9 @@ def design_kaiser(
         if _keeps(taps, rate, (f_pass, f_stop), ripple, 10 ** (-a_stop / 20)):
             return KaiserFilter(taps, rate, cutoff, f_pass, f_stop, beta)
         size += max(2, size // 200 * 2)
-    message = f"the filter needs more than {LONGEST} taps; widen the transition from {f_pass:g} to {f_stop:g} Hz"
-    raise ValueError(message)
+    raise ValueError(
+        f"the filter needs more than {LONGEST} taps; widen the transition from {f_pass:g} to {f_stop:g} Hz"
+    )
 
 
 def _keeps(taps: Floats, rate: float, edges: tuple[float, float], ripple: float, stop: float) -> bool:

@@ -70,16 +70,17 @@ def design_lowpass(
         ValueError: a cutoff that is not between 0 and half the rate, or an order that is not 1 to 8.
     """
     if not 0 < cutoff < rate / 2:
-        message = f"the cutoff is {cutoff:g} Hz at a rate of {rate:g} Hz; it must be above 0 and below half the rate, {rate / 2:g} Hz"
-        raise ValueError(message)
+        raise ValueError(
+            f"the cutoff is {cutoff:g} Hz at a rate of {rate:g} Hz; it must be above 0 and below half the rate, {rate / 2:g} Hz"
+        )
     if not 1 <= order <= MOST_ORDER:
-        message = f"the order is {order}; it must be 1 to {MOST_ORDER}"
-        raise ValueError(message)
+        raise ValueError(f"the order is {order}; it must be 1 to {MOST_ORDER}")
     if kind == "moving-average":
         width = round(HALF_POWER * rate / cutoff)
         if width < 2:  # noqa: PLR2004 - one sample is no average
-            message = f"a moving average of {cutoff:g} Hz at a rate of {rate:g} Hz would have one sample; its cutoff must be at most {HALF_POWER * rate / 1.5:.3g} Hz"
-            raise ValueError(message)
+            raise ValueError(
+                f"a moving average of {cutoff:g} Hz at a rate of {rate:g} Hz would have one sample; its cutoff must be at most {HALF_POWER * rate / 1.5:.3g} Hz"
+            )
         return Lowpass(None, width, rate, HALF_POWER * rate / width, (width - 1) / 2 / rate, width - 1)
     sections = signal.butter(order, cutoff, fs=rate, output="sos")
     slowest = float(np.abs(signal.butter(order, cutoff, fs=rate, output="zpk")[1]).max())

@@ -55,8 +55,9 @@ def _imu(log: Log, imu: ImuStream, design: Callable[[str, float], Change]) -> Im
 def _triad(log: Log, name: str, triad: Triad, sensor: str, design: Callable[[str, float], Change]) -> Triad:
     clock = sampling(triad.time)
     if clock.rate is None:
-        message = f"{log.provenance.path}: {name} has {len(triad)} samples; a conditioner needs at least 2"
-        raise MissingDataError(message)
+        raise MissingDataError(
+            f"{log.provenance.path}: {name} has {len(triad)} samples; a conditioner needs at least 2"
+        )
     change = design(sensor, clock.rate)
     times, values = [], []
     for begin, end in pairwise([0, *clock.breaks, len(triad)]):
@@ -64,9 +65,8 @@ def _triad(log: Log, name: str, triad: Triad, sensor: str, design: Callable[[str
             times.append(triad.time[begin + change.first : end - change.last : change.step])
             values.append(change.apply(triad.value[begin:end]))
     if not times:
-        message = (
+        raise MissingDataError(
             f"{log.provenance.path}: {name}: no part between gaps has the {max(change.shortest, change.first + change.last + 1)} samples "
             "that this conditioner needs"
         )
-        raise MissingDataError(message)
     return Triad(np.concatenate(times), np.concatenate(values))

@@ -117,10 +117,9 @@ def denoise_causally(
     if level == 0:
         return Denoised(values, ())
     if not 1 <= hop <= WAVELETS * 2**level:
-        message = (
+        raise ValueError(
             f"hop is {hop} samples; it must be 1 to {WAVELETS * 2**level}, the length of a window at level {level}"
         )
-        raise ValueError(message)
     length = min(WAVELETS * 2**level, values.size)
     out = np.empty_like(values)
     out[:length] = values[:length]  # where a first window is too short for the level
@@ -149,12 +148,12 @@ def _denoised_windows(windows: Floats, level: int, wavelet: str, rule: Rule, shr
 def check(n: int, level: int, wavelet: str) -> None:
     """Raise ValueError unless a series of n samples has so many levels of a wavelet."""
     if wavelet not in pywt.wavelist(kind="discrete"):
-        message = f"there is no discrete wavelet {wavelet!r}; there are db1 ... db38, sym2 ... sym20, coif1 ... coif17, bior..., dmey, haar"
-        raise ValueError(message)
+        raise ValueError(
+            f"there is no discrete wavelet {wavelet!r}; there are db1 ... db38, sym2 ... sym20, coif1 ... coif17, bior..., dmey, haar"
+        )
     if level < 0 or n < _shortest(level, wavelet):
         most = pywt.dwt_max_level(n, wavelet)
-        message = f"the level is {level}; for {n} samples and {wavelet} it must be 0 to {most}"
-        raise ValueError(message)
+        raise ValueError(f"the level is {level}; for {n} samples and {wavelet} it must be 0 to {most}")
 
 
 def _shortest(level: int, wavelet: str) -> int:

@@ -247,8 +247,9 @@ class _Part:
 
     def wavelet(self) -> WaveletFit:
         if self.band < 0.5 / self.dt:
-            message = f"a filter has changed the spectrum above {self.band:.3g} Hz; the shortest wavelets use that part"
-            raise ValueError(message)
+            raise ValueError(
+                f"a filter has changed the spectrum above {self.band:.3g} Hz; the shortest wavelets use that part"
+            )
         return fit_wavelet_variance(wavelet_variance(self.values, self.dt), self.lines, level=self.level)
 
     def choice(self, spectrum: CosineSpectrum | None, highest: float | None) -> ModelChoice:

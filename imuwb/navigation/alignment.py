@@ -138,11 +138,10 @@ def _velocities(corrections: Corrections, usual: float) -> _Velocities:
 def _first_fast(measurement: Measurement, velocities: _Velocities, enough: float, after: float) -> int:
     """Return the first fix that is fast enough, and whose successor is fast enough too."""
     if not velocities.event.size:
-        message = (
+        raise MissingDataError(
             "no fix has a velocity, and no positions are near enough in time to give one: the heading at the start is "
             "unknown; use a receiver that reports velocities"
         )
-        raise MissingDataError(message)
     time, speed = velocities.time, velocities.speed
     inside = (time > measurement.time[0] + AROUND) & (time < measurement.time[-1] - AROUND)
     fast = (speed > np.maximum(enough, CLEAR * velocities.sigma)) & inside
@@ -151,15 +150,13 @@ def _first_fast(measurement: Measurement, velocities: _Velocities, enough: float
     agrees = np.append(step < HARDEST * np.diff(time) + CLEAR * velocities.sigma[1:], False)
     fast &= agrees & np.append(fast[1:], False)
     if not fast.any():
-        message = (
+        raise MissingDataError(
             f"the receiver is never faster than {enough:g} m/s for two fixes (its median speed is {np.median(speed):.2f} m/s): "
             "the heading cannot be observed, and without a heading the drift cannot be computed; use a log in which the vehicle drives"
         )
-        raise MissingDataError(message)
     fast &= time > after
     if not fast.any():
-        message = f"no fix after {after:.1f} s and within the IMU's time is faster than {enough:g} m/s"
-        raise MissingDataError(message)
+        raise MissingDataError(f"no fix after {after:.1f} s and within the IMU's time is faster than {enough:g} m/s")
     return int(np.argmax(fast))
 
 

@@ -105,11 +105,10 @@ def _usable_rows(log: Log, gnss: GnssStream, time: Floats, measurement: Measurem
     own = measurement.time
     rows = np.flatnonzero(_usable(gnss, notes) & (time > own[0]) & (time < own[-1]))
     if rows.size < FEW:
-        message = (
+        raise MissingDataError(
             f"{log.provenance.path}: {rows.size} usable fixes of {gnss.name} lie within the IMU's time "
             f"({own[0]:.1f} s to {own[-1]:.1f} s; the fixes: {time[0]:.1f} s to {time[-1]:.1f} s); a filter needs {FEW}"
         )
-        raise MissingDataError(message)
     return rows
 
 

@@ -173,11 +173,10 @@ def solve(
         first + 1, skip[0], skip[1], no_marks(), track,
     )  # fmt: skip
     if ended != kernel.FINE:
-        message = (
+        raise MissingDataError(
             f"{model.name}: at {corrections.time[event]:.1f} s {ENDED[ended]}: the model or its sigmas do not fit this log; "
             "imuwb model check shows what is unusual in an error model"
         )
-        raise MissingDataError(message)
     events = np.flatnonzero((corrections.fix >= 0) & (np.arange(corrections.fix.size) >= first))
     if without is not None:
         at = corrections.events.at[events]

@@ -40,22 +40,20 @@ def read_filter(path: str | Path) -> FilterModel:
     document = _document(path)
     model = document.pop("error_model", None)
     if not isinstance(model, dict):
-        message = f"{path}: the table error_model is missing; --save-filter writes a filter with one"
-        raise UsageError(message)
+        raise UsageError(f"{path}: the table error_model is missing; --save-filter writes a filter with one")
     parts = {part: _made(kind, document.pop(part, {}), f"{path}, {part}") for part, kind in PARTS.items()}
     reading = document.pop("reading", READINGS[0])
     if reading not in READINGS:
-        message = f"{path}: reading is {reading!r}; it must be one of {', '.join(READINGS)}"
-        raise UsageError(message)
+        raise UsageError(f"{path}: reading is {reading!r}; it must be one of {', '.join(READINGS)}")
     scale = _numbers(document.pop("scale_factor", [0.0, 0.0]), 2, f"{path}, scale_factor")
     levels = document.pop("wavelet_levels", [])
     if levels and not (len(levels) == AXES and all(isinstance(n, int) and 0 <= n <= DEEPEST for n in levels)):
-        message = f"{path}: wavelet_levels is {levels!r}; it must be empty or six whole numbers from 0 to {DEEPEST}"
-        raise UsageError(message)
+        raise UsageError(
+            f"{path}: wavelet_levels is {levels!r}; it must be empty or six whole numbers from 0 to {DEEPEST}"
+        )
     name = str(document.pop("filter"))
     if document:
-        message = f"{path}: unknown {', '.join(document)}; remove it"
-        raise UsageError(message)
+        raise UsageError(f"{path}: unknown {', '.join(document)}; remove it")
     error_model = ImuErrorModel.from_toml(tomli_w.dumps(cast("dict[str, Any]", model)), f"{path}, error_model")
     return FilterModel(name, error_model, reading, (scale[0], scale[1]), tuple(levels), **parts)
 
@@ -64,27 +62,24 @@ def _document(path: str | Path) -> dict[str, Any]:
     try:
         document = tomllib.loads(Path(path).read_text("utf-8"))
     except (OSError, UnicodeDecodeError) as error:
-        message = f"{path}: the file cannot be read: {error}"
-        raise UsageError(message) from error
+        raise UsageError(f"{path}: the file cannot be read: {error}") from error
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        message = f"{path}: the file is not TOML: {error}"
-        raise UsageError(message) from error
+        raise UsageError(f"{path}: the file is not TOML: {error}") from error
     if document.pop("schema", SCHEMA) != SCHEMA or "filter" not in document:
-        message = f"{path}: the file is not a filter of schema {SCHEMA}; --save-filter writes such a file; give an error model with --error-model"
-        raise UsageError(message)
+        raise UsageError(
+            f"{path}: the file is not a filter of schema {SCHEMA}; --save-filter writes such a file; give an error model with --error-model"
+        )
     return document
 
 
 def _made(kind: type[Any], table: object, where: str) -> Any:  # noqa: ANN401 - one of three
     """Return a part of a filter from a table of the document."""
     if not isinstance(table, dict):
-        message = f"{where} is {table!r}; it must be a table"
-        raise UsageError(message)
+        raise UsageError(f"{where} is {table!r}; it must be a table")
     content = cast("dict[str, object]", table)
     known = {f.name: f.default for f in fields(kind)}
     if unknown := [name for name in content if name not in known]:
-        message = f"{where}: unknown {', '.join(unknown)}; it may have {', '.join(known)}"
-        raise UsageError(message)
+        raise UsageError(f"{where}: unknown {', '.join(unknown)}; it may have {', '.join(known)}")
     return kind(**{name: _value(value, known[name], f"{where}, {name}") for name, value in content.items()})
 
 
@@ -94,8 +89,7 @@ def _value(value: object, default: object, where: str) -> object:
         return _numbers(value, len(cast("tuple[float, ...]", default)), where)
     if isinstance(default, int):
         if not isinstance(value, int) or isinstance(value, bool) or value < 1:
-            message = f"{where} is {value!r}; it must be a whole number above 0"
-            raise UsageError(message)
+            raise UsageError(f"{where} is {value!r}; it must be a whole number above 0")
         return value
     return _numbers([value], 1, where)[0]
 
@@ -105,6 +99,5 @@ def _numbers(value: object, count: int, where: str) -> tuple[float, ...]:
     if len(content) != count or not all(
         isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x) for x in content
     ):
-        message = f"{where} is {value!r}; it must be {count} finite number{'s' if count > 1 else ''}"
-        raise UsageError(message)
+        raise UsageError(f"{where} is {value!r}; it must be {count} finite number{'s' if count > 1 else ''}")
     return tuple(float(cast("float", x)) for x in content)

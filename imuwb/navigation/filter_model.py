@@ -112,13 +112,11 @@ class FilterModel:
         for axis in AXES:
             model = self.error_model.axes.get(axis)
             if model is None:
-                message = f"{self.name}: the error model {self.error_model.name!r} has no axis {axis}; add it"
-                raise ValueError(message)
+                raise ValueError(f"{self.name}: the error model {self.error_model.name!r} has no axis {axis}; add it")
             try:
                 shapings.append(shaping(model.at(celsius), dt, self.reading))
             except ValueError as error:
-                message = f"{self.name}, {axis}: {error}"
-                raise ValueError(message) from error
+                raise ValueError(f"{self.name}, {axis}: {error}") from error
         return tuple(shapings)
 
     def states(self, dt: float) -> tuple[str, ...]:
@@ -167,8 +165,9 @@ class FilterModel:
     def _empty_tables(self, regimes: int, orders: list[int]) -> AxisTables:
         first = NAVIGATION + np.concatenate([[0], np.cumsum(orders)]).astype(np.int64)
         if first[6] > MOST_STATES:
-            message = f"{self.name}: {first[6]} states; a filter has at most {MOST_STATES}: remove processes from the error model"
-            raise ValueError(message)
+            raise ValueError(
+                f"{self.name}: {first[6]} states; a filter has at most {MOST_STATES}: remove processes from the error model"
+            )
         count, spans, most = sum(orders), self.settings.every + 1, max(*orders, 1)
         shape = regimes, spans, 6, most, most
         return AxisTables(

@@ -122,11 +122,10 @@ def denoised(measurement: Measurement, levels: tuple[int, ...]) -> Measurement:
 def _triads(log: Log, imu: ImuStream) -> tuple[Triad, Triad]:
     gyro, accel = imu.angular_rate, imu.specific_force
     if gyro is None or accel is None or min(len(gyro), len(accel)) < LEAST:
-        message = (
+        raise MissingDataError(
             f"{log.provenance.path}: {imu.name} has fewer than {LEAST} samples of gyros or accelerometers; navigation "
             f"needs at least {LEAST} of each; choose another IMU with --imu"
         )
-        raise MissingDataError(message)
     return gyro, accel
 
 

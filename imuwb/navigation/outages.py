@@ -75,8 +75,7 @@ def drift(
     marks = marks_of(solution, events, duration)
     time, corrections, track = solution.measurement.time, solution.corrections, solution.track
     if marks.size and marks.max() > time.size:
-        message = f"an outage of {duration:g} s ends after the log; choose a shorter or an earlier one"
-        raise ValueError(message)
+        raise ValueError(f"an outage of {duration:g} s ends after the log; choose a shorter or an earlier one")
     count, length = marks.shape
     states, covariances = np.zeros((count, length, 10)), np.zeros((count, length, NAVIGATION, NAVIGATION))
     sound = np.zeros(count, dtype=bool)

@@ -139,8 +139,7 @@ def _spaces(term: Process, dt: float, reading: Reading) -> Iterator[tuple[str, S
     elif isinstance(term, FiniteOrder):
         yield str(getattr(term, "name", type(term).__name__)).replace("_", " "), term.discretize(dt)
     else:
-        message = f"{term} has no states; a filter can represent only processes of finite order"
-        raise TypeError(message)
+        raise TypeError(f"{term} has no states; a filter can represent only processes of finite order")
 
 
 def lattice(process: Autoregressive) -> StateSpace:

@@ -47,8 +47,7 @@ def smoothed(solution: Solution) -> Smoothed:
     """
     track, before = solution.track, solution.track.before
     if not before.state.shape[0]:
-        message = "the solution does not have what a smoother needs; use solve(..., smooth=True)"
-        raise ValueError(message)
+        raise ValueError("the solution does not have what a smoother needs; use solve(..., smooth=True)")
     # An event that the run did not use has no state.
     order = [e for e in range(solution.alignment.event, solution.corrections.time.size) if track.state[e].any()]
     n = track.covariance.shape[1]

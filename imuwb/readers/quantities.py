@@ -37,11 +37,11 @@ def units_by_quantity(texts: Mapping[str, str]) -> dict[str, str]:
     for quantity, text in texts.items():
         for name in GROUPS.get(quantity, (quantity,)):
             if name not in DIMENSIONS:
-                message = f"units: there is no quantity {quantity!r}; write one of: {', '.join((*DIMENSIONS, *GROUPS))}"
-                raise UsageError(message)
+                raise UsageError(
+                    f"units: there is no quantity {quantity!r}; write one of: {', '.join((*DIMENSIONS, *GROUPS))}"
+                )
             if unit(text).dimension != DIMENSIONS[name]:
-                message = f"units: {text!r} is not a unit of {dimension_text(name)}, which {quantity} needs"
-                raise UsageError(message)
+                raise UsageError(f"units: {text!r} is not a unit of {dimension_text(name)}, which {quantity} needs")
             units[name] = text
     return units
 

@@ -45,10 +45,12 @@ def reader_of(path: str | Path) -> Reader:
         if reader is not None and reader.probe(head):
             return reader
     if not head:
-        message = f"{path}: a gzip file whose first bytes cannot be unpacked; it is cut or damaged: copy it again"
-        raise UnreadableLogError(message)
-    message = f"{path}: no known log format begins with {head[:8]!r}; the known formats are {', '.join(points)}"
-    raise UnreadableLogError(message)
+        raise UnreadableLogError(
+            f"{path}: a gzip file whose first bytes cannot be unpacked; it is cut or damaged: copy it again"
+        )
+    raise UnreadableLogError(
+        f"{path}: no known log format begins with {head[:8]!r}; the known formats are {', '.join(points)}"
+    )
 
 
 def stream(path: str | Path, options: ReadOptions | None = None) -> Iterator[Batch | Remark]:

@@ -79,13 +79,11 @@ def model_named(
         ValueError: an AR process that is not stable.
     """
     if name not in NAMES:
-        message = f"there is no filter {name!r}; choose among {', '.join(NAMES)}"
-        raise UsageError(message)
+        raise UsageError(f"there is no filter {name!r}; choose among {', '.join(NAMES)}")
     source = base.error_model
     missing = [axis for axis in AXES if axis not in source.axes]
     if missing:
-        message = f"the error model {source.name!r} has no axis {', '.join(missing)}; add it"
-        raise UsageError(message)
+        raise UsageError(f"the error model {source.name!r} has no axis {', '.join(missing)}; add it")
     if turn_on is None and name == "full":
         turn_on = TURN_ON
     axes = {axis: _axis(name, axis, source.axes[axis], reading, interval, static) for axis in AXES}

@@ -62,17 +62,17 @@ def estimate_mounting(log: Log, receiver: str | None, level: float) -> Mounting:
     """
     gnss = receiver_of(log, receiver) if log.gnss else None
     if gnss is None or gnss.velocity is None:
-        message = f"{log.provenance.path}: a receiver with velocities is needed to estimate the mounting; give the angles with --mounting"
-        raise MissingDataError(message)
+        raise MissingDataError(
+            f"{log.provenance.path}: a receiver with velocities is needed to estimate the mounting; give the angles with --mounting"
+        )
     measurement = measurement_of(log, log.imu(), Installation())
     level_rotation = _level(log, gnss, measurement)
     true, measured = _accelerations(log, gnss, measurement, level_rotation)
     if true.size < LEAST or np.sqrt((np.abs(true) ** 2).mean()) < LEAST_ACCELERATION:
-        message = (
+        raise MissingDataError(
             f"{log.provenance.path}: the accelerations are too small to estimate the mounting: {LEAST} seconds with "
             f"{LEAST_ACCELERATION:g} m/s² (rms) are needed; give the angles with --mounting"
         )
-        raise MissingDataError(message)
     centred = measured - measured.mean()
     turn = np.vdot(true, centred) / np.vdot(true, true).real
     rest = np.abs(centred - turn * true)
@@ -91,8 +91,9 @@ def _level(log: Log, gnss: GnssStream, measurement: Measurement) -> Floats:
     for begin, end in standstills(measurement, log, gnss):
         rows |= (measurement.time > begin) & (measurement.time <= end)
     if rows.sum() * measurement.interval < STILL:
-        message = f"{log.provenance.path}: {STILL:g} s of standstill are needed to estimate the mounting; give the angles with --mounting"
-        raise MissingDataError(message)
+        raise MissingDataError(
+            f"{log.provenance.path}: {STILL:g} s of standstill are needed to estimate the mounting; give the angles with --mounting"
+        )
     force = measurement.samples.velocity[rows].sum(axis=0) / measurement.samples.interval[rows].sum()
     roll = float(np.arctan2(-force[1], -force[2]))
     pitch = float(np.arctan2(force[0], np.hypot(force[1], force[2])))

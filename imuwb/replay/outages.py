@@ -74,11 +74,10 @@ def check_outages(prepared: Prepared, model: FilterModel, outages: Sequence[Outa
     """
     first, last = prepared.start_time, float(prepared.measurement.time[-1])
     if not outages:
-        message = (
+        raise MissingDataError(
             f"no outage is possible: the filter starts at {first:.1f} s and settles for {model.settings.settling:g} s, and the "
             f"log ends at {last:.1f} s; choose shorter outages or a shorter --settling"
         )
-        raise MissingDataError(message)
     time = prepared.fix_time
     usual = float(np.median(np.diff(time)))
     fixes: set[tuple[float, float]] = set()
@@ -86,20 +85,18 @@ def check_outages(prepared: Prepared, model: FilterModel, outages: Sequence[Outa
         before = float(time[np.searchsorted(time, outage.start + ROUNDING, side="right") - 1])
         where = f"the outage of {outage.duration:g} s at {outage.start:g} s"
         if outage.start < first + LEAST_SETTLING:
-            message = f"{where} begins before the filter has settled; it must begin at {first + LEAST_SETTLING:.1f} s or later"
-            raise UsageError(message)
+            raise UsageError(
+                f"{where} begins before the filter has settled; it must begin at {first + LEAST_SETTLING:.1f} s or later"
+            )
         if outage.start + outage.duration > last - prepared.measurement.interval:
-            message = f"{where} ends after the log; it must end before {last:.1f} s"
-            raise UsageError(message)
+            raise UsageError(f"{where} ends after the log; it must end before {last:.1f} s")
         if outage.start - before > OWN_SHARE * usual:
-            message = (
+            raise UsageError(
                 f"{where} begins in a gap of the fixes; the last fix is at {before:.1f} s; begin there, or use --at own for the "
                 "outages of the log itself"
             )
-            raise UsageError(message)
         if (before, outage.duration) in fixes:
-            message = f"{where} and another one begin after the same fix, at {before:.1f} s; remove one of them"
-            raise UsageError(message)
+            raise UsageError(f"{where} and another one begin after the same fix, at {before:.1f} s; remove one of them")
         fixes.add((before, outage.duration))
 
 

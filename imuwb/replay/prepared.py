@@ -70,11 +70,10 @@ def prepare(
         UsageError: no receiver of that name; deterministic terms that are too large.
     """
     if not log.gnss:
-        message = (
+        raise MissingDataError(
             f"{log.provenance.path}: the log has no GNSS receiver, and an outage replay needs fixes; name a file of fixes "
             "with --gnss"
         )
-        raise MissingDataError(message)
     gnss = receiver_of(log, receiver)
     several = ()
     if len(log.gnss) > 1 and receiver is None:
@@ -100,8 +99,7 @@ def receiver_of(log: Log, name: str | None) -> GnssStream:
     """
     named = [g for g in log.gnss if name in (None, g.name)]
     if not named:
-        message = f"the log has no receiver {name!r}; choose among {', '.join(g.name for g in log.gnss)}"
-        raise UsageError(message)
+        raise UsageError(f"the log has no receiver {name!r}; choose among {', '.join(g.name for g in log.gnss)}")
     return max(named, key=lambda g: (g.velocity is not None, g.position_sigma is not None, len(g)))
 
 

@@ -85,11 +85,12 @@ def reference_track(log: Log, solution: Solution, wanted: str = "best") -> Refer
         return _smoothed(solution)
     if wanted == "own":
         return own_track(solution)
-    message = {
-        "truth": "the log has no reference trajectory with velocities; choose another --reference",
-        "fixed": "no receiver of the log has RTK-fixed positions with velocities; choose another --reference",
-    }[wanted]
-    raise ValueError(message)
+    raise ValueError(
+        {
+            "truth": "the log has no reference trajectory with velocities; choose another --reference",
+            "fixed": "no receiver of the log has RTK-fixed positions with velocities; choose another --reference",
+        }[wanted]
+    )
 
 
 def own_track(solution: Solution) -> ReferenceTrack:

@@ -105,8 +105,7 @@ def replay(
         unscored.extend(_unscored(duration, int((~good).sum()), int(gap.sum()), track.name))
         scored[duration] = good & ~gap
     if not any(rows.any() for rows in scored.values()):
-        message = f"{prepared.log.provenance.path}: no outage can be scored: {'; '.join(unscored)}"
-        raise MissingDataError(message)
+        raise MissingDataError(f"{prepared.log.provenance.path}: no outage can be scored: {'; '.join(unscored)}")
     return Replay(prepared, track, runs, scored, (*prepared.notes, *early, *unscored))
 
 

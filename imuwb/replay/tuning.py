@@ -104,11 +104,10 @@ def _parts(prepared: Prepared, model: FilterModel) -> tuple[list[Outage], list[O
     early = [o for o in alone if o.start + o.duration <= split]
     late = [o for o in alone if o.start >= split]
     if min(len(early), len(late)) < LEAST:
-        message = (
+        raise ValueError(
             f"tuning needs {LEAST} outages of {DURATION:g} s that do not overlap in each half of the log; there are "
             f"{len(early)} and {len(late)}; use a longer log"
         )
-        raise ValueError(message)
     return early, late, float(split)
 
 

@@ -91,8 +91,7 @@ def _values(model: ImuErrorModel, axis: str, at: Floats, dt: float, curve: str) 
     try:
         return getattr(model.axes[axis].processes, curve)(at, dt)
     except ValueError as error:  # an autoregressive process of another step
-        message = f"{axis}: {error}; give the rate of the model with --rate"
-        raise ImuwbError(message) from error
+        raise ImuwbError(f"{axis}: {error}; give the rate of the model with --rate") from error
 
 
 def _rows(models: Mapping[str, ImuErrorModel]) -> Iterator[tuple[str, str, AxisModel]]:

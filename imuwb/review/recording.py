@@ -67,8 +67,9 @@ class RecordingReview:
                 sinks.append(rr.GrpcSink(live))
             self._stream.set_sinks(*sinks)
         except OSError as error:
-            message = f"{output}: cannot be written: {error.strerror}; choose another place with --output"
-            raise ImuwbError(message) from error
+            raise ImuwbError(
+                f"{output}: cannot be written: {error.strerror}; choose another place with --output"
+            ) from error
         self._tabs: list[Tab] = []
         self._timeline: str | None = None
         self.notes: list[str] = []
@@ -181,8 +182,7 @@ class RecordingReview:
 
     def _fail(self, reason: str | None) -> NoReturn:
         self.discard()
-        message = f"{self.output}: cannot be written: {reason}"
-        raise ImuwbError(message)
+        raise ImuwbError(f"{self.output}: cannot be written: {reason}")
 
     def _disconnect(self) -> None:
         with suppress(RuntimeError):  # the thread that writes has ended
@@ -196,8 +196,9 @@ def _require_viewer(address: str) -> None:
     try:
         socket.create_connection((host, port), timeout=VIEWER_PATIENCE).close()
     except OSError as error:
-        message = f"--live: no viewer listens at {host}:{port}; start one with: rerun --bind 127.0.0.1"
-        raise ImuwbError(message) from error
+        raise ImuwbError(
+            f"--live: no viewer listens at {host}:{port}; start one with: rerun --bind 127.0.0.1"
+        ) from error
 
 
 def _show_nothing(what: Table | str) -> None:

@@ -69,19 +69,20 @@ class Bench:
 def check_size(seconds: float, each: int, rate: float) -> None:
     """Raise UsageError unless a record of ``each`` stretches, all of the given seconds, has a possible size."""
     if not 0 < seconds * rate < LONGEST or round(seconds * rate) < FEWEST:
-        message = f"{seconds:g} s at {rate} Hz in each position are {seconds * rate:.3g} samples; there must be {FEWEST} or more"
-        raise UsageError(message)
+        raise UsageError(
+            f"{seconds:g} s at {rate} Hz in each position are {seconds * rate:.3g} samples; there must be {FEWEST} or more"
+        )
     samples = seconds * rate * each
     if not 1 <= rate <= 1e5 or not 2 <= samples <= LONGEST:  # noqa: PLR2004 - a rate needs two samples
-        message = f"{samples:.0f} samples at {rate} Hz; there must be 2 to {LONGEST}, at 1 Hz to 100 kHz"
-        raise UsageError(message)
+        raise UsageError(f"{samples:.0f} samples at {rate} Hz; there must be 2 to {LONGEST}, at 1 Hz to 100 kHz")
 
 
 def check_misplacement(misplacement: float) -> None:
     """Raise UsageError unless the tilts of the sensor on the bench (rms, rad) are small."""
     if not 0 <= misplacement <= MOST_TILT:
-        message = f"the misplacement is {np.degrees(misplacement):g}°; it must be 0 to {np.degrees(MOST_TILT):.0f}°"
-        raise UsageError(message)
+        raise UsageError(
+            f"the misplacement is {np.degrees(misplacement):g}°; it must be 0 to {np.degrees(MOST_TILT):.0f}°"
+        )
 
 
 def noted(model: ImuErrorModel, text: str) -> ImuErrorModel:

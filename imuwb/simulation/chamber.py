@@ -31,17 +31,16 @@ def set_points(first: float, last: float, step: float) -> tuple[float, ...]:
     for celsius in (first, last):
         temperature(celsius)  # raises an error if it is out of range
     if not math.isfinite(step) or step * (last - first) < 0 or (step == 0 and first != last):
-        message = f"set-points from {first:g} to {last:g} °C in steps of {step:g} °C: the step must lead from the first to the last"
-        raise UsageError(message)
+        raise UsageError(
+            f"set-points from {first:g} to {last:g} °C in steps of {step:g} °C: the step must lead from the first to the last"
+        )
     count = 1 if first == last else math.floor((last - first) / step + CLOSE) + 1
     if count > MOST:
-        message = (
+        raise UsageError(
             f"{count} set-points from {first:g} to {last:g} °C in steps of {step:g} °C; there must be at most {MOST}"
         )
-        raise UsageError(message)
     if abs(step) * FINE < 1 and count > 1:
-        message = f"the step is {step:g} °C; it must be {1 / FINE:g} °C or more"
-        raise UsageError(message)
+        raise UsageError(f"the step is {step:g} °C; it must be {1 / FINE:g} °C or more")
     return tuple(round(first + k * step, 9) for k in range(count))
 
 

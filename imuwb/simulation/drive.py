@@ -86,11 +86,13 @@ def drive(
 
 def _check(route: Route, rate: float, truth_rate: float) -> None:
     if not LOWEST_RATE <= rate <= HIGHEST_RATE or not route.duration * rate <= LONGEST:
-        message = f"the rate of the drive is {rate} Hz; it must be {LOWEST_RATE:g} to {HIGHEST_RATE:g} Hz, and give at most {LONGEST} samples"
-        raise UsageError(message)
+        raise UsageError(
+            f"the rate of the drive is {rate} Hz; it must be {LOWEST_RATE:g} to {HIGHEST_RATE:g} Hz, and give at most {LONGEST} samples"
+        )
     if not 0 < truth_rate <= rate:
-        message = f"the rate of the truth is {truth_rate} Hz; it must be above 0, and at most the IMU's {rate:g} Hz"
-        raise UsageError(message)
+        raise UsageError(
+            f"the rate of the truth is {truth_rate} Hz; it must be above 0, and at most the IMU's {rate:g} Hz"
+        )
 
 
 def _truth(route: Route, time: Nanoseconds, rate: float, truth_rate: float) -> Reference:

@@ -105,8 +105,9 @@ def mixed_route(duration: float, route_seed: int = 0) -> Route:
         UsageError: a duration out of its range.
     """
     if not SHORTEST <= duration <= LONGEST:
-        message = f"the duration of the drive is {duration} s; it must be {SHORTEST:g} to {LONGEST:g} s ({STANDING:g} s of them standing)"
-        raise UsageError(message)
+        raise UsageError(
+            f"the duration of the drive is {duration} s; it must be {SHORTEST:g} to {LONGEST:g} s ({STANDING:g} s of them standing)"
+        )
     rng = np.random.default_rng(route_seed)
     legs, left = [Leg(STANDING, 0.0)], duration - STANDING
     longest = min(LONGEST_ZONE, left / 4)
@@ -121,8 +122,7 @@ def mixed_route(duration: float, route_seed: int = 0) -> Route:
 
 def _plan(preset: str) -> _Plan:
     if preset not in PLANS:
-        message = f"there is no route {preset!r}; there are: {', '.join(PLANS)}"
-        raise UsageError(message)
+        raise UsageError(f"there is no route {preset!r}; there are: {', '.join(PLANS)}")
     return PLANS[preset]
 
 

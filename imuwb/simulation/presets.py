@@ -21,7 +21,6 @@ def preset(name: str) -> ImuErrorModel:
         UsageError: no such preset; the message lists all.
     """
     if name not in preset_names():
-        message = f"there is no preset {name!r}; there are: {', '.join(preset_names())}"
-        raise UsageError(message)
+        raise UsageError(f"there is no preset {name!r}; there are: {', '.join(preset_names())}")
     text = files("imuwb.simulation").joinpath("preset_data", f"{name}.toml").read_text("utf-8")
     return ImuErrorModel.from_toml(text, f"preset {name}")

@@ -71,11 +71,11 @@ def rate_table(
     """
     steps = sorted({abs(float(r)) for r in rates})
     if not steps or len(steps) > MOST_RATES or not all(0 < r <= FASTEST for r in steps):
-        message = f"rates are {', '.join(f'{np.degrees(r):g}' for r in steps) or 'none'} deg/s; there must be 1 to {MOST_RATES}, above 0 and at most {np.degrees(FASTEST):g}"
-        raise UsageError(message)
+        raise UsageError(
+            f"rates are {', '.join(f'{np.degrees(r):g}' for r in steps) or 'none'} deg/s; there must be 1 to {MOST_RATES}, above 0 and at most {np.degrees(FASTEST):g}"
+        )
     if not axes or set(axes) - set("xyz") or len(set(axes)) < len(axes):
-        message = f"axis is {axes!r}; it must be x, y or z, or several of them"
-        raise UsageError(message)
+        raise UsageError(f"axis is {axes!r}; it must be x, y or z, or several of them")
     check_misplacement(misplacement)
     check_size(seconds, (2 * len(steps) + 3) * len(axes), rate)
     rng = np.random.default_rng([seed, len(axes)])

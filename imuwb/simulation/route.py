@@ -117,8 +117,7 @@ class Route:
 
     def _moving(self, t: Floats) -> _Moving:
         if t.size and not t.max() <= self.duration:
-            message = f"the time is {t.max()} s; it must not be after the end of the route, {self.duration} s"
-            raise ValueError(message)
+            raise ValueError(f"the time is {t.max()} s; it must not be after the end of the route, {self.duration} s")
         t = np.maximum(t, 0.0)
         (speed, turned), (speeding, turning) = self.profile.manoeuvres(t).T, self.profile.manoeuvres(t, 1).T
         driven = self._driven(t)[:, 0]

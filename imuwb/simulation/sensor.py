@@ -69,8 +69,7 @@ class Sensor:
             if progress is not None:
                 progress(i + 1, len(AXES))
         if not np.isfinite(values).all():
-            message = f"{self.model.name}: its terms are so large that the samples overflow"
-            raise UsageError(message)
+            raise UsageError(f"{self.model.name}: its terms are so large that the samples overflow")
         rows = slice(None, None, max(1, round(rate)))  # one each second
         thermometer = Scalars("/imu/temperature", time[rows], self.celsius.at(seconds[rows]))
         return ImuStream(
@@ -100,10 +99,9 @@ class Sensor:
         if cutoff is None:
             return noise
         if not 1e-6 * rate < cutoff < rate / 2:
-            message = (
+            raise UsageError(
                 f"the bandwidth is {cutoff} Hz; it must be between a millionth and half of the rate ({rate / 2} Hz)"
             )
-            raise UsageError(message)
         sections = signal.butter(2, cutoff, fs=rate, output="sos")
         settled = signal.sosfilt_zi(sections) * noise[0]
         return signal.sosfilt(sections, noise, zi=settled)[0]
@@ -111,8 +109,7 @@ class Sensor:
 
 def _quantized(values: Floats, model: AxisModel, axis: str) -> Floats:
     if not model.lsb:
-        message = f"--quantize: the error model states no lsb for {axis}; add it, or leave --quantize out"
-        raise UsageError(message)
+        raise UsageError(f"--quantize: the error model states no lsb for {axis}; add it, or leave --quantize out")
     steps = np.rint(values / model.lsb)
     if model.range:
         most = np.floor(model.range / model.lsb)

@@ -71,8 +71,9 @@ def six_position(
         UsageError: a setting out of its range.
     """
     if positions != len(FACES) and not FEWEST <= positions <= MOST:
-        message = f"{positions} positions are given; there must be 6 (the faces of a cube), or {FEWEST} to {MOST} (spread over all directions)"
-        raise UsageError(message)
+        raise UsageError(
+            f"{positions} positions are given; there must be 6 (the faces of a cube), or {FEWEST} to {MOST} (spread over all directions)"
+        )
     check_misplacement(misplacement)
     check_size(seconds, positions, rate)
     still, turn = round(seconds * rate), round(TURN * rate)

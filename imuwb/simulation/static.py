@@ -49,8 +49,9 @@ def static(
     """
     samples = duration * rate
     if not 1e-3 <= rate <= 1e6 or not 2 <= samples <= LONGEST:  # noqa: PLR2004 - a rate needs two samples
-        message = f"{duration} s at {rate} Hz are {samples} samples; there must be 2 to {LONGEST} samples, at 0.001 Hz to 1 MHz"
-        raise UsageError(message)
+        raise UsageError(
+            f"{duration} s at {rate} Hz are {samples} samples; there must be 2 to {LONGEST} samples, at 0.001 Hz to 1 MHz"
+        )
     sensor = Sensor(model, temperature(celsius), quantize, bandwidth)
     n = round(samples)
     still = np.broadcast_to(np.zeros(3), (n, 3)), np.broadcast_to(np.array([0.0, 0.0, -STANDARD_GRAVITY]), (n, 3))

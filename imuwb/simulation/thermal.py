@@ -36,17 +36,16 @@ class Temperature:
         """Check the corners and the time constant."""
         seconds, celsius = [t for t, _ in self.corners], [c for _, c in self.corners]
         if not seconds or not all(map(math.isfinite, seconds)) or any(b <= a for a, b in pairwise(seconds)):
-            message = (
+            raise UsageError(
                 f"the times of a temperature's corners are {seconds} s; there must be at least one, and they must rise"
             )
-            raise UsageError(message)
         for c in (*celsius, *(c + self.rise for c in celsius)):
             if not ABSOLUTE_ZERO < c < HOTTEST:
-                message = f"the temperature is {c} °C; it must be above {ABSOLUTE_ZERO} and below {HOTTEST:g} °C"
-                raise UsageError(message)
+                raise UsageError(
+                    f"the temperature is {c} °C; it must be above {ABSOLUTE_ZERO} and below {HOTTEST:g} °C"
+                )
         if not (math.isfinite(self.time_constant) and self.time_constant > 0):
-            message = f"the time constant of a temperature is {self.time_constant} s; it must be above 0"
-            raise UsageError(message)
+            raise UsageError(f"the time constant of a temperature is {self.time_constant} s; it must be above 0")
 
     @staticmethod
     def ramp(start: float, end: float, duration: float) -> Temperature:

@@ -61,8 +61,7 @@ def thermal_noise(model: AxisModel, celsius: Floats, dt: float, rng: np.random.G
             total += _autoregressive(model, place, celsius, dt, rng)
             continue
         if type(term) not in RULES:
-            message = f"{term} has no rule for a changing temperature"
-            raise ValueError(message)
+            raise ValueError(f"{term} has no rule for a changing temperature")
         total += RULES[type(term)](_parameters(model, place, celsius), dt, rng)
     return total
 

@@ -36,8 +36,9 @@ def vibration(count: int, rate: float, strength: float, rng: np.random.Generator
         UsageError: a strength out of its range, or a rate too low to show the engine.
     """
     if not 0 <= strength <= STRONGEST or rate < LOWEST_RATE:
-        message = f"the vibration is {strength} m/s² at {rate} Hz; it must be 0 to {STRONGEST:g} m/s², at {LOWEST_RATE:g} Hz or more"
-        raise UsageError(message)
+        raise UsageError(
+            f"the vibration is {strength} m/s² at {rate} Hz; it must be 0 to {STRONGEST:g} m/s², at {LOWEST_RATE:g} Hz or more"
+        )
     sections = signal.butter(4, (BAND[0], min(BAND[1], 0.45 * rate)), "bandpass", fs=rate, output="sos")
     broad = signal.sosfilt(sections, rng.standard_normal((count, 6)), axis=0)
     broad *= np.sqrt(1 - ENGINE_SHARE) / broad.std(axis=0)

@@ -40,13 +40,11 @@ class Autoregressive(Elementary):
         poles = np.roots([1.0, *self.alpha])
         worst = max(np.abs(poles), default=0.0)
         if worst >= 1 - ROUNDING:
-            message = f"this AR set is not stable: it has a pole of magnitude {worst:.6g}; it must be below 1"
-            raise ValueError(message)
+            raise ValueError(f"this AR set is not stable: it has a pole of magnitude {worst:.6g}; it must be below 1")
 
     def _at(self, dt: float) -> None:
         if abs(dt - self.dt) > 1e-6 * self.dt:
-            message = f"this AR model is valid at its own step of {self.dt} s only, not at {dt} s; resample it"
-            raise ValueError(message)
+            raise ValueError(f"this AR model is valid at its own step of {self.dt} s only, not at {dt} s; resample it")
 
     def _stationary(self) -> StateSpace:
         from scipy.linalg import solve_discrete_lyapunov  # noqa: PLC0415 - slow to import, seldom needed

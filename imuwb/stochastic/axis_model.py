@@ -50,14 +50,12 @@ class AxisModel:
         for name in ("bandwidth", "group_delay", "lsb", "range"):
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and value > 0):
-                message = f"{name} is {value}; it must be positive"
-                raise ValueError(message)
+                raise ValueError(f"{name} is {value}; it must be positive")
         shapes = {tuple((type(t), len(getattr(t, "alpha", ()))) for t in s.terms) for _, s in self.thermal}
         for points in (self.thermal, self.thermal_bias, self.thermal_scale_factor):
             celsius = [t for t, _ in points]
             if len(shapes) > 1 or any(b <= a for a, b in pairwise(celsius)):
-                message = f"the set-points are {celsius} °C; they must rise, and have the same processes"
-                raise ValueError(message)
+                raise ValueError(f"the set-points are {celsius} °C; they must rise, and have the same processes")
 
     def at(self, celsius: float | None) -> Sum:
         """Return the processes at a temperature.

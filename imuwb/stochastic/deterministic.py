@@ -111,5 +111,6 @@ def _solved(model: ImuErrorModel, first: int, measured: Floats, celsius: Floats 
         close = CLOSE * max(largest, float(np.abs(true).max(initial=0.0)))
         if not np.abs(true - before).max(initial=0.0) > close:
             return [true[:, i] for i in range(3)]
-    message = f"{model.name}: its scale factors and cross-couplings are so large that no motion fits the measurement; check the model"
-    raise ValueError(message)
+    raise ValueError(
+        f"{model.name}: its scale factors and cross-couplings are so large that no motion fits the measurement; check the model"
+    )

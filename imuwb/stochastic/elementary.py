@@ -40,5 +40,4 @@ class Elementary(Addable):
 
 def _check(name: str, value: float) -> None:
     if not np.isfinite(value) or value < 0 or (value == 0 and name in POSITIVE):
-        message = f"{name} is {value}; it must be {'positive' if name in POSITIVE else '0 or more'}"
-        raise ValueError(message)
+        raise ValueError(f"{name} is {value}; it must be {'positive' if name in POSITIVE else '0 or more'}")

@@ -33,8 +33,9 @@ class ImuErrorModel:
         """Check the names of the axes."""
         for axis in self.axes:
             if axis not in AXES:
-                message = f"error model {self.name!r} has an axis {axis!r}; an axis must be one of {', '.join(AXES)}"
-                raise ValueError(message)
+                raise ValueError(
+                    f"error model {self.name!r} has an axis {axis!r}; an axis must be one of {', '.join(AXES)}"
+                )
 
     def to_toml(self) -> str:
         """Return the model as text."""
@@ -59,8 +60,7 @@ class ImuErrorModel:
         try:
             text = Path(path).read_text("utf-8")
         except (OSError, UnicodeDecodeError) as error:
-            message = f"{path}: cannot be read as an error model: {error}"
-            raise UsageError(message) from error
+            raise UsageError(f"{path}: cannot be read as an error model: {error}") from error
         return ImuErrorModel.from_toml(text, str(path))
 
     def __str__(self) -> str:

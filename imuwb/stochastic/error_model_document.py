@@ -112,21 +112,19 @@ def parsed(text: str, where: str) -> tuple[str, dict[str, AxisModel], dict[str, 
     try:
         document: dict[str, object] = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        message = f"{where}: not TOML: {error}"
-        raise UsageError(message) from error
+        raise UsageError(f"{where}: not TOML: {error}") from error
     schema = document.pop("schema", SCHEMA)
     if schema != SCHEMA:
-        message = f"{where}: the schema number is {schema}; this imuwb reads schema {SCHEMA}; update imuwb"
-        raise UsageError(message)
+        raise UsageError(f"{where}: the schema number is {schema}; this imuwb reads schema {SCHEMA}; update imuwb")
     name = str(document.pop("name", "unnamed"))
     provenance = {k: str(v) for k, v in _table(document.pop("provenance", {}), f"{where}, provenance").items()}
     for axis in document:
         if axis not in AXES:
-            message = f"{where}: unknown key {axis!r}; a model has name, provenance and the axes {', '.join(AXES)}"
-            raise UsageError(message)
+            raise UsageError(
+                f"{where}: unknown key {axis!r}; a model has name, provenance and the axes {', '.join(AXES)}"
+            )
     if not document:
-        message = f"{where}: it has no axis; an error model has at least one of {', '.join(AXES)}"
-        raise UsageError(message)
+        raise UsageError(f"{where}: it has no axis; an error model has at least one of {', '.join(AXES)}")
     axes = {
         axis: _axis(axis, _table(content, f"{where}, {axis}"), f"{where}, {axis}") for axis, content in document.items()
     }
@@ -272,10 +270,8 @@ def _made(kind: Any, where: str, **values: object) -> Any:  # noqa: ANN401 - wha
     try:
         return kind(**values)
     except ValueError as error:
-        message = f"{where}: {error}"
-        raise UsageError(message) from error
+        raise UsageError(f"{where}: {error}") from error
 
 
 def _refuse(where: str, content: object, rule: str) -> None:
-    message = f"{where}: {content!r}; it must be {rule}"
-    raise UsageError(message)
+    raise UsageError(f"{where}: {content!r}; it must be {rule}")

@@ -61,8 +61,9 @@ class Sensor:
         """
         known = [v for v in values if v]
         if not known:
-            message = f"the model has no {what} for the {self.name}; this tool needs it; 0 would be wrong; add the term to the model"
-            raise MissingDataError(message)
+            raise MissingDataError(
+                f"the model has no {what} for the {self.name}; this tool needs it; 0 would be wrong; add the term to the model"
+            )
         if len(known) < len(values):
             notes.append(f"{self.name} {what}: {len(values) - len(known)} of 3 axes have none")
         if max(known) > UNEVEN * min(known):
@@ -115,8 +116,9 @@ def _bias(sensor: Sensor, notes: list[str]) -> tuple[list[float], float]:
             f"{sensor.name}: sigma is 1.076 B: the Allan deviation of this Gauss-Markov process peaks at the flat level of B; set the correlation time to your horizon"
         )
         return [FLAT / PEAK * b for b in sensor.flicker if b], math.nan
-    message = f"the model lacks a Gauss-Markov process or a bias instability on an axis of the {sensor.name}; KF-GINS needs one on all three; 0 would be wrong"
-    raise MissingDataError(message)
+    raise MissingDataError(
+        f"the model lacks a Gauss-Markov process or a bias instability on an axis of the {sensor.name}; KF-GINS needs one on all three; 0 would be wrong"
+    )
 
 
 def kalibr(model: ImuErrorModel, rate: float, horizon: float) -> str:
@@ -148,8 +150,9 @@ def ros(model: ImuErrorModel, rate: float, horizon: float) -> str:
         sensor.largest("N (white noise)", sensor.white, notes)
         diagonal = [(n or 0.0) ** 2 * rate for n in sensor.white]
         if not all(diagonal):
-            message = f"the model lacks N on an axis of the {name}; a covariance of 0 would mean: unknown; add the term to the model"
-            raise MissingDataError(message)
+            raise MissingDataError(
+                f"the model lacks N on an axis of the {name}; a covariance of 0 would mean: unknown; add the term to the model"
+            )
         matrix = [diagonal[i] if i == j else 0.0 for i in range(3) for j in range(3)]
         rows.append(f"{key}: [{', '.join(f'{v:.10g}' for v in matrix)}]")
     rows.append("orientation_covariance: [-1, 0, 0, 0, 0, 0, 0, 0, 0]  # no orientation")
@@ -167,8 +170,9 @@ def kf_gins(model: ImuErrorModel, rate: float, horizon: float) -> str:
     gyro, accel = (Sensor.of(model, name) for name in SENSORS)
     for sensor in (gyro, accel):
         if not all(sensor.white):
-            message = f"the model lacks N on an axis of the {sensor.name}; KF-GINS needs all three; 0 would be wrong; add the term to the model"
-            raise MissingDataError(message)
+            raise MissingDataError(
+                f"the model lacks N on an axis of the {sensor.name}; KF-GINS needs all three; 0 would be wrong; add the term to the model"
+            )
     (gyro_sigma, gyro_time), (accel_sigma, accel_time) = _bias(gyro, notes), _bias(accel, notes)
     known = [t for t in (gyro_time, accel_time) if not math.isnan(t)]
     time = max(known) if known else horizon
@@ -274,11 +278,9 @@ def export(model: ImuErrorModel, tool: str, *, rate: float = 100.0, horizon: flo
         MissingDataError: the model lacks a term that the tool must have.
     """
     if tool not in FORMATS:
-        message = f"--to {tool}: it must be one of {', '.join(FORMATS)}"
-        raise UsageError(message)
+        raise UsageError(f"--to {tool}: it must be one of {', '.join(FORMATS)}")
     if not (0 < rate < math.inf and 0 < horizon < math.inf):
-        message = f"the rate is {rate} Hz, the horizon {horizon} s; both must be positive"
-        raise UsageError(message)
+        raise UsageError(f"the rate is {rate} Hz, the horizon {horizon} s; both must be positive")
     return FORMATS[tool](model, rate, horizon)
 
 

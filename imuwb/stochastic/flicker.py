@@ -52,10 +52,9 @@ class FlickerNoise(Elementary):
     def approximate(self, band: tuple[float, float], states: int, dt: float) -> FlickerApproximation:
         """Return Gauss-Markov processes that a filter can carry in its place, valid within ``band`` (Hz) only."""
         if not 0 < band[0] < band[1] <= 0.5 / dt * (1 + 1e-9):
-            message = (
+            raise ValueError(
                 f"the band is {band} Hz; it must rise, from above 0 to at most the Nyquist frequency {0.5 / dt} Hz"
             )
-            raise ValueError(message)
         return _gauss_markov_bank(self.B**2 / (2 * np.pi), band, states)
 
     def sample(self, n: int, dt: float, rng: np.random.Generator) -> Floats:

@@ -60,8 +60,7 @@ def limits(path: str | Path, factor: float = 1.0) -> tuple[Limit, ...]:
     try:
         document: dict[str, Any] = tomllib.loads(Path(path).read_text("utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        message = f"{path}: cannot be read as limits: {error}"
-        raise UsageError(message) from error
+        raise UsageError(f"{path}: cannot be read as limits: {error}") from error
     if any(isinstance(document.get(axis), dict) and "processes" in document[axis] for axis in AXES):
         model = ImuErrorModel.read(path)
         uppers = [(axis, x, coefficient(a, x).upper) for axis, a in model.axes.items() for x in LETTERS]
@@ -70,31 +69,32 @@ def limits(path: str | Path, factor: float = 1.0) -> tuple[Limit, ...]:
     for name, table in document.items():
         axes = [axis for axis in AXES if axis == name or axis.startswith(f"{name}_")]
         if not axes or not isinstance(table, dict):
-            message = f'{path}: {name!r}; limits have tables gyro, accel or {", ".join(AXES)}, such as [gyro] N = "0.3 deg/√h"'
-            raise UsageError(message)
+            raise UsageError(
+                f'{path}: {name!r}; limits have tables gyro, accel or {", ".join(AXES)}, such as [gyro] N = "0.3 deg/√h"'
+            )
         for letter, text in cast("Mapping[str, object]", table).items():
             made += [Limit(axis, letter, _si(path, axis, letter, text) * factor) for axis in axes]
     if not made:
-        message = f'{path}: it has no limits; write limits such as [gyro] N = "0.3 deg/√h"'
-        raise UsageError(message)
+        raise UsageError(f'{path}: it has no limits; write limits such as [gyro] N = "0.3 deg/√h"')
     return tuple(made)
 
 
 def _si(path: str | Path, axis: str, letter: str, text: object) -> float:
     if letter not in LETTERS:
-        message = f"{path}: {letter!r}; a limit must be one of {', '.join(LETTERS)}"
-        raise UsageError(message)
+        raise UsageError(f"{path}: {letter!r}; a limit must be one of {', '.join(LETTERS)}")
     number, _, name = str(text).strip().partition(" ")
     si = coefficient_units(axis, letter)[0]
     try:
         given = unit(name)
         value = given.to_si(float(number))
     except (ValueError, ImuwbError) as error:
-        message = f'{path}: {letter} = {text!r}; it must be a number and its unit, such as "0.3 deg/√h"'
-        raise UsageError(message) from error
+        raise UsageError(
+            f'{path}: {letter} = {text!r}; it must be a number and its unit, such as "0.3 deg/√h"'
+        ) from error
     if not name or given.dimension != si.dimension or not 0 < value < math.inf:
-        message = f"{path}: {letter} = {text!r}; it must be positive, with a unit such as {coefficient_units(axis, letter)[1].name}"
-        raise UsageError(message)
+        raise UsageError(
+            f"{path}: {letter} = {text!r}; it must be positive, with a unit such as {coefficient_units(axis, letter)[1].name}"
+        )
     return value
 
 

@@ -104,8 +104,7 @@ class Sum(Addable):
         total = np.zeros_like(lag)
         for term in self.terms:
             if not isinstance(term, Stationary):
-                message = f"{term} is not stationary: it has no autocovariance"
-                raise TypeError(message)
+                raise TypeError(f"{term} is not stationary: it has no autocovariance")
             total += term.autocovariance(lag)
         return total
 
@@ -128,8 +127,7 @@ class Sum(Addable):
         parts: list[StateSpace] = []
         for term in self.terms:
             if not isinstance(term, FiniteOrder):
-                message = f"{term} has no state space of finite order; use its approximation (approximate)"
-                raise TypeError(message)
+                raise TypeError(f"{term} has no state space of finite order; use its approximation (approximate)")
             parts.append(term.discretize(dt))
         return state_space.joined(tuple(parts))
 
@@ -144,5 +142,4 @@ def _terms(value: object) -> tuple[Process, ...]:
         return value.terms
     if isinstance(value, Process):
         return (value,)
-    message = f"{value!r} is not a process; a sum takes processes only"
-    raise TypeError(message)
+    raise TypeError(f"{value!r} is not a process; a sum takes processes only")

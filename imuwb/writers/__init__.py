@@ -52,5 +52,4 @@ def write(log: Log, path: str | Path, progress: Progress | None = None) -> None:
 
         write_csv(log, path, progress)
     else:
-        message = f"{path}: the suffix is {path.suffix!r}; it must be {' or '.join(SUFFIXES)}"
-        raise UsageError(message)
+        raise UsageError(f"{path}: the suffix is {path.suffix!r}; it must be {' or '.join(SUFFIXES)}")

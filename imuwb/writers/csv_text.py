@@ -51,8 +51,9 @@ def write_csv(log: Log, path: Path, progress: Callable[[int, int], None] | None 
     several = {kind: [s.name for s in streams] for kind, streams in kinds.items() if len(streams) > 1}
     if several:
         what = "; ".join(f"{kind}: {', '.join(names)}" for kind, names in several.items())
-        message = f"{path}: a CSV table has one stream of a kind, and this log has more ({what}); choose an IMU with --imu, or write .mcap"
-        raise MissingDataError(message)
+        raise MissingDataError(
+            f"{path}: a CSV table has one stream of a kind, and this log has more ({what}); choose an IMU with --imu, or write .mcap"
+        )
     made = [
         *map(_table, log.imus), *map(_gnss_table, log.gnss), *map(_speed_table, log.speeds), *map(_reference_table, log.references),
     ]  # fmt: skip
@@ -117,8 +118,9 @@ def _table(imu: ImuStream) -> pa.Table:
     columns: dict[str, Any] = {"time_ns": time}
     for name, triad in there.items():
         if not np.array_equal(triad.time, time):
-            message = f"{imu.name}: gyro and accelerometer have different clocks, and a CSV table has one; write .mcap"
-            raise MissingDataError(message)
+            raise MissingDataError(
+                f"{imu.name}: gyro and accelerometer have different clocks, and a CSV table has one; write .mcap"
+            )
         for column, axis in enumerate("xyz"):
             columns[name.format(axis)] = np.ascontiguousarray(triad.value[:, column])
     if imu.temperature is not None:

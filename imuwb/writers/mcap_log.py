@@ -60,8 +60,7 @@ def write_mcap(log: Log, path: Path, progress: Progress | None = None) -> None:
     streams = topics(log)
     late = next((topic.name for topic in streams if topic.time.size and topic.time[-1] >= STAMPS_END), None)
     if late is not None:
-        message = f"{path}: {late} has times after 2038, which a ROS 2 stamp cannot hold; write .csv"
-        raise MissingDataError(message)
+        raise MissingDataError(f"{path}: {late} has times after 2038, which a ROS 2 stamp cannot hold; write .csv")
     with whole_file(path) as temporary, temporary.open("wb") as file:
         file.write(MAGIC + _record(HEADER, _text("ros2") + _text("imuwb")))
         declared = _declarations([(topic.name, topic.schema) for topic in streams])

@@ -23,8 +23,9 @@ def check_trajectory(path: str | Path) -> None:
     """Raise UsageError unless the suffix is a format of trajectories."""
     suffix = Path(path).suffix
     if suffix not in SUFFIXES:
-        message = f"{path}: the suffix is {suffix!r}; the suffix of a trajectory must be one of {', '.join(SUFFIXES)}"
-        raise UsageError(message)
+        raise UsageError(
+            f"{path}: the suffix is {suffix!r}; the suffix of a trajectory must be one of {', '.join(SUFFIXES)}"
+        )
 
 
 def write_trajectory(reference: Reference, quaternion: Floats, path: str | Path) -> None:

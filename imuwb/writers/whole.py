@@ -31,8 +31,7 @@ def whole_file(path: str | Path) -> Generator[Path]:
         yield temporary
         temporary.replace(path)
     except OSError as error:
-        message = f"{path}: cannot be written: {error.strerror or error}"
-        raise ImuwbError(message) from error
+        raise ImuwbError(f"{path}: cannot be written: {error.strerror or error}") from error
     finally:
         temporary.unlink(missing_ok=True)
 

@@ -38,8 +38,7 @@ def times(n):
         factors = averaging_factors(f"log:{number}", n, 1 / RATE)
         if factors.size == POINTS:
             return f"log:{number}", factors / RATE
-    message = f"no log:N gives {POINTS} averaging times of {n} samples"
-    raise ValueError(message)
+    raise ValueError(f"no log:N gives {POINTS} averaging times of {n} samples")
 
 
 def cold(samples):

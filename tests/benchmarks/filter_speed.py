@@ -119,8 +119,9 @@ def numpy_speed(model, prepared):
     apart = np.concatenate([errors(track.state[e, :10], state), track.axes[e] - axes]) / sigma
     spread = np.abs(track.covariance[e] - covariance) / np.outer(sigma, sigma)
     if not max(np.abs(apart).max(), spread.max()) < CLOSE:
-        message = f"{model.name}: the numpy filter has another result: {np.abs(apart).max():.1e}, {spread.max():.1e}"
-        raise AssertionError(message)
+        raise AssertionError(
+            f"{model.name}: the numpy filter has another result: {np.abs(apart).max():.1e}, {spread.max():.1e}"
+        )
     return (int(events.at[e]) + 1 - start.sample) / spent
 
 
@@ -130,8 +131,7 @@ def plain_copy(folder):
     path = folder / "imuwb" / "navigation" / "covariance.py"
     text, count = re.subn(r"order == [123]:", "order == -1:", path.read_text("utf-8"))
     if count != 3:
-        message = f"{path}: {count} unrolled loops, not 3"
-        raise AssertionError(message)
+        raise AssertionError(f"{path}: {count} unrolled loops, not 3")
     path.write_text(text, "utf-8")
 
 

@@ -53,8 +53,7 @@ def record(number, seed, n):
     fast = allan(x, 1 / RATE, POINTS, fast=True)
     exact = allan(x, 1 / RATE, fast.averaging_time)
     if not np.array_equal(fast.factor, exact.factor):
-        message = "the exact curve has other averaging times"
-        raise ValueError(message)
+        raise ValueError("the exact curve has other averaging times")
     apart = np.abs(fast.deviation - exact.deviation)
     half, edf = half_widths(exact, NAMES[number])
     true = np.sqrt(sum_of(NAMES[number]).allan_variance(exact.averaging_time, 1 / RATE))

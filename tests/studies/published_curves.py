@@ -74,8 +74,7 @@ def curve_of(rows):
     tau, variance = (np.array([float(row[name]) for row in rows]) for name in ("tau", "avar"))
     factor = np.rint(tau * rate).astype(np.int64)
     if np.abs(factor / (tau * rate) - 1).max() > MOST_OFF:
-        message = "an averaging time is not a multiple of the sampling interval"
-        raise ValueError(message)
+        raise ValueError("an averaging time is not a multiple of the sampling interval")
     deviation = np.sqrt(variance)
     edf = np.array([equivalent_degrees_of_freedom(int(m), n, 0) for m in factor])
     lower, upper = (deviation * np.sqrt(edf / stats.chi2.ppf(q, edf)) for q in ((1 + LEVEL) / 2, (1 - LEVEL) / 2))

@@ -54,8 +54,7 @@ class BenchSensor(Group):
             return specimen(preset(self.preset), seed, Tolerances())
         if self.error_model is not None and self.preset is None:
             return specimen(ImuErrorModel.read(self.error_model), seed, None)
-        message = "simulate needs one sensor: give either --preset NAME or --error-model MODEL.toml"
-        raise UsageError(message)
+        raise UsageError("simulate needs one sensor: give either --preset NAME or --error-model MODEL.toml")
 
 
 @dataclass(frozen=True)

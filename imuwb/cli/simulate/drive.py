@@ -44,8 +44,9 @@ class Drive(Group):
             return planned_route(self.preset, self.route_seed)
         if self.duration is not None and self.preset is None:
             return mixed_route(self.duration, self.route_seed)
-        message = "simulate drive needs one route: give either --preset turin-1 or turin-2, or --duration SECONDS"
-        raise UsageError(message)
+        raise UsageError(
+            "simulate drive needs one route: give either --preset turin-1 or turin-2, or --duration SECONDS"
+        )
 
 
 @dataclass(frozen=True)
@@ -113,8 +114,7 @@ class Wheels(Group):
         if self.odometer:
             return Odometer(scale_error=self.odometer_scale, step=self.odometer_step)
         if self.odometer_scale or self.odometer_step:
-            message = "--odometer-scale and --odometer-step need an odometer; give --odometer as well"
-            raise UsageError(message)
+            raise UsageError("--odometer-scale and --odometer-step need an odometer; give --odometer as well")
         return None
 
 

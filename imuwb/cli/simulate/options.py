@@ -92,8 +92,7 @@ class Warm(Filtered):
                 return Temperature.ramp(*self.temperature[0], max(duration, LEAST_RAMP))
             return Temperature(self.temperature)
         except UsageError as error:
-            message = f"--temperature: {error}"
-            raise UsageError(message) from error
+            raise UsageError(f"--temperature: {error}") from error
 
 
 #: group of options -> its panel of the help, by the name of its dataclass
@@ -117,8 +116,7 @@ def model_of(name: str | None, option: str, error_model: Path | None) -> ImuErro
         return preset(name)
     if error_model is not None and name is None:
         return ImuErrorModel.read(error_model)
-    message = f"simulate needs one sensor: give either {option} NAME or --error-model MODEL.toml"
-    raise UsageError(message)
+    raise UsageError(f"simulate needs one sensor: give either {option} NAME or --error-model MODEL.toml")
 
 
 def check_output(output: Path, *, force: bool) -> None:
@@ -127,8 +125,7 @@ def check_output(output: Path, *, force: bool) -> None:
     from imuwb.writers import SUFFIXES  # noqa: PLC0415
 
     if output.suffix not in SUFFIXES:
-        message = f"--output {output}: the suffix must be {' or '.join(SUFFIXES)}"
-        raise UsageError(message)
+        raise UsageError(f"--output {output}: the suffix must be {' or '.join(SUFFIXES)}")
     check_place(output, force=force)
 
 
@@ -138,16 +135,16 @@ def check_folder(folder: Path, files: list[Path], *, force: bool) -> None:
     from imuwb.writers import SUFFIXES  # noqa: PLC0415
 
     if folder.suffix in SUFFIXES:
-        message = f"--output {folder}: the logs are written into a folder; give a name without {folder.suffix}"
-        raise UsageError(message)
+        raise UsageError(f"--output {folder}: the logs are written into a folder; give a name without {folder.suffix}")
     if not folder.is_dir():
         check_place(folder, force=False)
         return
     held = sorted(set(folder.iterdir()) - set(files))
     if held or any(file.exists() for file in files):
         if not force:
-            message = f"--output {folder}: the folder is not empty; choose another one, or overwrite logs of these names with --force"
-            raise UsageError(message)
+            raise UsageError(
+                f"--output {folder}: the folder is not empty; choose another one, or overwrite logs of these names with --force"
+            )
         if held:
             typer.echo(f"note: {folder} has {len(held)} other files, such as {held[0].name}; they stay", err=True)
     for file in files:

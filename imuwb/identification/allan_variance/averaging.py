@@ -29,18 +29,16 @@ def averaging_factors(times: str | Sequence[float], n: int, dt: float) -> NDArra
     """
     largest = n // 2
     if largest < 1:
-        message = f"{n} samples are too few for an Allan variance; it needs at least 2"
-        raise ValueError(message)
+        raise ValueError(f"{n} samples are too few for an Allan variance; it needs at least 2")
     if not isinstance(times, str):
         return _listed(times, largest, dt)
     if times == "octave":
         return 2 ** np.arange(int(np.log2(largest)) + 1)
     if times == "all":
         if n * n / 4 > MOST_WORK:
-            message = (
+            raise ValueError(
                 f"all {largest} averaging times of {n} samples would take minutes to hours; write log:1000 instead"
             )
-            raise ValueError(message)
         return np.arange(1, largest + 1)
     kind, _, number = times.partition(":")
     if kind == "log" and number.isdecimal() and 1 < int(number) <= MOST_TIMES:
@@ -48,18 +46,17 @@ def averaging_factors(times: str | Sequence[float], n: int, dt: float) -> NDArra
     try:
         return _listed([float(part) for part in times.split(",")], largest, dt)
     except ValueError as error:
-        message = f"averaging times {times!r}: {error}; write octave, log:90, all, or seconds such as 0.1,1,10"
-        raise ValueError(message) from error
+        raise ValueError(
+            f"averaging times {times!r}: {error}; write octave, log:90, all, or seconds such as 0.1,1,10"
+        ) from error
 
 
 def _listed(times: Sequence[float], largest: int, dt: float) -> NDArray[np.int64]:
     seconds = np.asarray(times, dtype=np.float64)
     if not np.isfinite(seconds).all():
-        message = "an averaging time is not finite"
-        raise ValueError(message)
+        raise ValueError("an averaging time is not finite")
     factors = np.unique(np.rint(np.clip(seconds / dt, 0, 2**53)).astype(np.int64))
     inside = factors[(factors >= 1) & (factors <= largest)]
     if not inside.size:
-        message = f"no averaging time is between {dt:g} s (one sample) and {largest * dt:g} s (half the record)"
-        raise ValueError(message)
+        raise ValueError(f"no averaging time is between {dt:g} s (one sample) and {largest * dt:g} s (half the record)")
     return inside

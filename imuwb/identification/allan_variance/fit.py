@@ -134,10 +134,9 @@ def _octaves(factor: NDArray[np.int64], usable: NDArray[np.bool_], shortest: flo
     fewest = FEWEST_FILTERED if shortest else FEWEST
     if len(chosen) < fewest:
         where = f" above {shortest:.3g} s, where a filter no longer shows" if shortest else ""
-        message = (
+        raise ValueError(
             f"{len(chosen)} averaging times an octave apart{where}; a fit needs at least {fewest}: record for longer"
         )
-        raise ValueError(message)
     return np.array(chosen)
 
 

@@ -126,12 +126,14 @@ def _phases(values: Floats, dt: float, breaks: Sequence[int]) -> list[Floats]:
     phases = [_phase(values[a:b], center) for a, b in pairwise(edges) if b > a]
     # A sum of samples is finite only if all of them are.
     if not (dt > 0 and np.isfinite(dt) and all(np.isfinite(phase[-1]) for phase in phases)):
-        message = f"dt is {dt} and {np.count_nonzero(~np.isfinite(values))} samples are not finite; dt must be positive, all samples finite"
-        raise ValueError(message)
+        raise ValueError(
+            f"dt is {dt} and {np.count_nonzero(~np.isfinite(values))} samples are not finite; dt must be positive, all samples finite"
+        )
     phases = [phase for phase in phases if phase.size > 2]  # noqa: PLR2004 - two samples
     if not phases:
-        message = f"{values.size} samples, of which no two follow each other without a gap; the Allan variance needs at least 2 samples without a gap"
-        raise ValueError(message)
+        raise ValueError(
+            f"{values.size} samples, of which no two follow each other without a gap; the Allan variance needs at least 2 samples without a gap"
+        )
     return phases
 
 

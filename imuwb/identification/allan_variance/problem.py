@@ -60,8 +60,7 @@ class Problem:
         chosen, factor, tau = chosen[factor_fits], factor[factor_fits], tau[factor_fits]
         variance = curve.deviation[chosen] ** 2
         if not variance.all():
-            message = "the Allan variance is 0, so the channel is constant; check that the sensor is connected"
-            raise ValueError(message)
+            raise ValueError("the Allan variance is 0, so the channel is constant; check that the sensor is connected")
         units = [PROCESSES[letter](1.0) for letter in LETTERS]
         design = np.stack([unit.allan_variance(tau, curve.dt) for unit in units], axis=1)
         of_lines, by_lines = np.zeros((tau.size, tau.size)), np.zeros(tau.size)
@@ -125,8 +124,7 @@ class Problem:
             ValueError: no active term.
         """
         if not active:  # the solver crashes on a matrix without columns
-            message = "a fit needs at least one term"
-            raise ValueError(message)
+            raise ValueError("a fit needs at least one term")
         squared = np.zeros(5)
         held = np.zeros(5) if held is None else held
         variance = self.variance - self.design @ held

@@ -65,8 +65,7 @@ def deviation(
     span = 2 if kind == "total" else 3
     factor = factor[factor <= (phase.size - 1) // span]
     if not factor.size:
-        message = f"{values.size} samples have no {kind} deviation at these averaging times; take shorter times"
-        raise ValueError(message)
+        raise ValueError(f"{values.size} samples have no {kind} deviation at these averaging times; take shorter times")
     noise = plain.noise_type[np.isin(plain.factor, factor)]
     terms = np.maximum(phase.size - span * factor, 1)
     if kind == "total":

@@ -87,8 +87,7 @@ def _without_weak(problem: Problem, active: list[int], kept: set[int], level: fl
         squared, covariance = problem.solve(active)
         zero = [t for t in active if squared[t] == 0]
         if len(zero) == len(active):
-            message = "the periodic lines explain the whole curve; nothing is left for the noise processes"
-            raise ValueError(message)
+            raise ValueError("the periodic lines explain the whole curve; nothing is left for the noise processes")
         if zero:
             active = [t for t in active if t not in zero]
             continue

@@ -43,19 +43,17 @@ def faces(force: Floats, names: Sequence[str], *, raw: bool) -> list[tuple[int, 
         axis = int(np.argmax(np.abs(row)))
         others = np.delete(np.abs(row), axis)
         if np.abs(row[axis]) < 1 - LEANS or others.max() > LEANS:
-            message = (
+            raise ValueError(
                 f"{name}: no axis points up or down (of gravity, x, y and z show {', '.join(f'{x:+.2f}' for x in row)}); "
                 "six-position needs the six faces of a cube; multi-position takes any attitudes"
             )
-            raise ValueError(message)
         standing.append((axis, 1 if row[axis] > 0 else -1))
     missing = [face_name(face) for face in FACES if face not in standing]
     if missing:
-        message = (
+        raise ValueError(
             f"{len(standing)} position{'s' if len(standing) > 1 else ''}, and none with {', '.join(missing)}; "
             f"the positions are {_listed(standing, names)}"
         )
-        raise ValueError(message)
     return standing
 
 

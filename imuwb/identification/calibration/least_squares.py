@@ -79,8 +79,7 @@ def fit_linear(design: Floats, y: Floats, noise: RowNoise, pattern: Floats | Non
         ValueError: the rows do not determine the parameters.
     """
     if not is_determined(design):
-        message = f"{design.shape[1]} parameters are not determined by {len(design)} rows"
-        raise ValueError(message)
+        raise ValueError(f"{design.shape[1]} parameters are not determined by {len(design)} rows")
     variance = np.maximum(noise.variance, np.finfo(float).tiny * 1e20)
     rest = len(y) - design.shape[1]
     _, residual = _solved(design, y, variance)

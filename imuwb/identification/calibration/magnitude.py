@@ -47,25 +47,26 @@ def without_attitudes(means: Means, gravity: float, level: float, *, raw: bool =
         ValueError: too few positions, or positions that do not determine the parameters.
     """
     if len(means.value) < FEWEST:
-        message = f"{len(means.value)} positions; without known attitudes there are nine parameters, which need {FEWEST} positions or more"
-        raise ValueError(message)
+        raise ValueError(
+            f"{len(means.value)} positions; without known attitudes there are nine parameters, which need {FEWEST} positions or more"
+        )
     matrix, bias = _start(means.value, gravity, raw=raw)
     design, y, fit = np.empty(0), np.empty(0), None
     for _ in range(MOST_TURNS):
         design, y, variance = _linearised(means, matrix, bias, gravity)
         if not _spread(design):
-            message = (
+            raise ValueError(
                 "the positions point in too few directions to determine nine parameters; "
                 "turn the sensor so that each axis points up, down and obliquely"
             )
-            raise ValueError(message)
         fit = fit_linear(design, y, _noise(means, variance), np.ones(len(y)), always=False)
         matrix, bias, change = _moved(matrix, bias, fit.value, gravity)
         if change < CLOSE:
             break
     else:
-        message = "no parameters give the magnitude of gravity in every position; check that the sensor is still in each and that the unit is right"
-        raise ValueError(message)
+        raise ValueError(
+            "no parameters give the magnitude of gravity in every position; check that the sensor is still in each and that the unit is right"
+        )
     force: Floats = np.asarray(np.linalg.solve(matrix, (means.value - bias).T).T, dtype=np.float64)
     return _result(means, fit, matrix, bias, force, gravity, level)
 

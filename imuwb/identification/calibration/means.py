@@ -46,8 +46,7 @@ def means(stretches: Sequence[Floats]) -> Means:
         ValueError: no stretch, or a stretch that is too short.
     """
     if not stretches or min(len(s) for s in stretches) < FEWEST:
-        message = f"a stretch of {min((len(s) for s in stretches), default=0)} samples; its mean needs {FEWEST}"
-        raise ValueError(message)
+        raise ValueError(f"a stretch of {min((len(s) for s in stretches), default=0)} samples; its mean needs {FEWEST}")
     value = np.stack([s.mean(axis=0) for s in stretches])
     sizes = np.array([len(s) for s in stretches], dtype=np.float64)[:, None]
     slow, fast = (np.stack(part) for part in zip(*map(_scatter, stretches), strict=True))

@@ -127,8 +127,9 @@ def known_attitudes(
     designs = [_design(force, axis, full_range) for axis in range(3)]
     linear = [d[:, :4] for d in designs]
     if not is_determined(linear[0]):
-        message = "the positions do not determine the parameters; each axis needs to point up, down and horizontally"
-        raise ValueError(message)
+        raise ValueError(
+            "the positions do not determine the parameters; each axis needs to point up, down and horizontally"
+        )
     bent = full_range is not None and all(_bends(d) for d in designs)
     used = designs if bent else linear
     positions, columns = len(force), used[0].shape[1]

@@ -103,8 +103,9 @@ def _fit(run: RateRun, axis: int, conditions: TableConditions) -> LinearFit:
         columns.append(run.rate * np.abs(run.rate) / (conditions.full_range or 1.0))
     design = np.stack(columns, axis=1)
     if not is_determined(design):
-        message = f"{run.name}: {np.unique(run.rate).size} different rates do not separate bias and scale factor; turn the table both ways"
-        raise ValueError(message)
+        raise ValueError(
+            f"{run.name}: {np.unique(run.rate).size} different rates do not separate bias and scale factor; turn the table both ways"
+        )
     earth = _earth_across(run, conditions) if axis != run.axis else np.zeros_like(run.rate)
     variance = run.means.variance[:, axis]
     count = run.rate.size

@@ -41,11 +41,10 @@ def turned_axis(mean: Floats, name: str) -> int:
     axis = int(np.argmax(span))
     other = int(np.argsort(span)[1])
     if span[other] > TURNS * span[axis]:
-        message = (
+        raise ValueError(
             f"{name}: gyro {'xyz'[axis]} and gyro {'xyz'[other]} both turn (their steps span {span[axis]:.3g} and {span[other]:.3g}); "
             "mount one axis of the sensor along the axis of the table"
         )
-        raise ValueError(message)
     return axis
 
 
@@ -69,8 +68,9 @@ def matched(mean: Floats, rates: Sequence[float], name: str, *, raw: bool) -> St
     wanted = wanted[wanted > 0]
     fits = [fit for levels in _level_sets(wanted) if (fit := _fit(steps, levels, raw=raw)) is not None]
     if not fits:
-        message = f"{name}: the steps of gyro {'xyz'[axis]} do not match the given rates; tried: one or both directions, with and without a stop"
-        raise ValueError(message)
+        raise ValueError(
+            f"{name}: the steps of gyro {'xyz'[axis]} do not match the given rates; tried: one or both directions, with and without a stop"
+        )
     _, rate = min(fits, key=lambda fit: fit[0])
     return Staircase(axis, rate)
 

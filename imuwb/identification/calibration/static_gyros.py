@@ -46,8 +46,9 @@ def static_gyros(
     positions = len(force)
     design = np.concatenate([np.ones((positions, 1)), up], axis=1)
     if not is_determined(design):
-        message = f"{positions} positions do not determine bias and g-sensitivity of the gyros; at least four different attitudes do"
-        raise ValueError(message)
+        raise ValueError(
+            f"{positions} positions do not determine bias and g-sensitivity of the gyros; at least four different attitudes do"
+        )
     vertical = 0.0 if latitude is None else EARTH_RATE * float(np.sin(latitude))
     across = EARTH_RATE * (MIDDLE if latitude is None else float(np.cos(latitude)))
     headings = across**2 / 2 * np.clip(1 - up**2, 0.0, 1.0)

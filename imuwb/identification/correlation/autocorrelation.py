@@ -94,8 +94,9 @@ def autocorrelation(values: Floats, dt: float, longest: float | None = None, *, 
     """
     n = values.size
     if n < FEWEST_SAMPLES or np.ptp(values) == 0:
-        message = f"{n} samples{' that are all equal' if n else ''}: no autocorrelation; it needs at least {FEWEST_SAMPLES} that vary"
-        raise ValueError(message)
+        raise ValueError(
+            f"{n} samples{' that are all equal' if n else ''}: no autocorrelation; it needs at least {FEWEST_SAMPLES} that vary"
+        )
     centered = values - values.mean()
     most = min(max(round((n * dt / 10 if longest is None else longest) / dt), 1), n - 1)
     size = fft.next_fast_len(n + most, real=True)

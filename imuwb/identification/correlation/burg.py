@@ -52,14 +52,14 @@ def burg(values: Floats, orders: int, breaks: Sequence[int] = ()) -> Burg:
     """
     edges = np.array([0, *sorted(breaks), values.size], dtype=np.int64)
     if np.diff(edges).max() <= orders:
-        message = f"the longest part without gaps has {np.diff(edges).max()} samples; order {orders} needs at least {orders + 1}"
-        raise ValueError(message)
+        raise ValueError(
+            f"the longest part without gaps has {np.diff(edges).max()} samples; order {orders} needs at least {orders + 1}"
+        )
     mean = float(values.mean())
     forward = values - mean
     power = float(np.einsum("i,i", forward, forward)) / values.size
     if power == 0:
-        message = "the channel is constant, so it has no autoregressive model"
-        raise ValueError(message)
+        raise ValueError("the channel is constant, so it has no autoregressive model")
     backward = forward.copy()
     alpha, variance = [np.empty(0)], [power]
     reflection = 0.0

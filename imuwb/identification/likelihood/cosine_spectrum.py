@@ -108,8 +108,7 @@ def cosine_spectrum(values: Floats, dt: float, lines: Sequence[tuple[float, floa
     """
     n = values.size
     if n < FEWEST:
-        message = f"{n} samples are too few for a likelihood; it needs at least {FEWEST}"
-        raise ValueError(message)
+        raise ValueError(f"{n} samples are too few for a likelihood; it needs at least {FEWEST}")
     level, slope = _straight_line(values)
     rest = np.empty(n)
     _without_line(values, level, slope, rest)

@@ -97,8 +97,7 @@ def fit_likelihood(values: Floats, dt: float, lines: Sequence[Line] = (), *, lev
         ValueError: fewer than 256 samples, or a constant channel.
     """
     if np.ptp(values) == 0:
-        message = "the channel is constant, so it has no noise to fit; check that the sensor is connected"
-        raise ValueError(message)
+        raise ValueError("the channel is constant, so it has no noise to fit; check that the sensor is connected")
     return fit_cosine_spectrum(spectrum_without(values, dt, lines), level=level)
 
 
@@ -117,8 +116,9 @@ def fit_cosine_spectrum(
     """
     problem = LikelihoodProblem.of(spectrum, [make(1.0) for make in TERMS.values()]).below(highest)
     if problem.power.size < FEWEST_BINS:
-        message = f"{problem.power.size} bins of the spectrum lie below {highest:.3g} Hz; a likelihood fit needs at least {FEWEST_BINS}"
-        raise ValueError(message)
+        raise ValueError(
+            f"{problem.power.size} bins of the spectrum lie below {highest:.3g} Hz; a likelihood fit needs at least {FEWEST_BINS}"
+        )
     return fit_problem(problem, level)
 
 

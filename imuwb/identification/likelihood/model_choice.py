@@ -118,8 +118,9 @@ def choose_model(
         KeyError: an unknown letter.
     """
     if values.size < 2 * FEWEST:
-        message = f"{values.size} samples are too few to compare sums; the comparison needs at least {2 * FEWEST}"
-        raise ValueError(message)
+        raise ValueError(
+            f"{values.size} samples are too few to compare sums; the comparison needs at least {2 * FEWEST}"
+        )
     half = values.size // 2
     first, second = (
         _Record(spectrum_without(part, dt, lines), highest) for part in (values[:half], values[half : 2 * half])

@@ -32,15 +32,12 @@ class Constituents:
     def __post_init__(self) -> None:
         """Check the values."""
         if self.trend not in TRENDS:
-            message = f"trend is {self.trend!r}; it must be one of {', '.join(TRENDS)}"
-            raise ValueError(message)
+            raise ValueError(f"trend is {self.trend!r}; it must be one of {', '.join(TRENDS)}")
         for name, unit, values in (("forced", "Hz", self.forced), ("exponentials", "s", self.exponentials)):
             if not all(0 < x < math.inf for x in values):
-                message = f"{name} is {', '.join(f'{x:g}' for x in values)} {unit}; each must be above 0"
-                raise ValueError(message)
+                raise ValueError(f"{name} is {', '.join(f'{x:g}' for x in values)} {unit}; each must be above 0")
         if not all(math.isfinite(x) for x in self.jumps):
-            message = f"jumps is {', '.join(f'{x:g}' for x in self.jumps)} s; each must be a finite time"
-            raise ValueError(message)
+            raise ValueError(f"jumps is {', '.join(f'{x:g}' for x in self.jumps)} s; each must be a finite time")
 
     @property
     def names(self) -> tuple[str, ...]:

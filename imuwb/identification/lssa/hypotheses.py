@@ -85,12 +85,10 @@ def is_autoregressive(values: Floats, order: int, level: float = 0.99) -> Hypoth
 
 def _tested(name: str, order: int, rows: Floats, alpha: Floats, level: float, n: int) -> Hypothesis:
     if rows.size < 8 * (LAGS + order):
-        message = f"{rows.size} samples; a test of {LAGS} lags needs at least {8 * (LAGS + order)}"
-        raise ValueError(message)
+        raise ValueError(f"{rows.size} samples; a test of {LAGS} lags needs at least {8 * (LAGS + order)}")
     rows = rows - rows.mean()
     if not rows.any():
-        message = "the series is constant, or its steps are: there is no noise to test"
-        raise ValueError(message)
+        raise ValueError("the series is constant, or its steps are: there is no noise to test")
     correlations = _correlations(rows, order)
     frequency, power, octaves = _octaves(rows)
     p_value = min(1.0, 2 * min(correlations.probability, octaves.probability))

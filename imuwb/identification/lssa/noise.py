@@ -47,14 +47,11 @@ class Noise:
     def __post_init__(self) -> None:
         """Check the parameters."""
         if self.kind == "autoregressive" and not 1 <= self.order <= MOST_ORDERS:
-            message = f"the order of the autoregressive noise is {self.order}; it must be 1 to {MOST_ORDERS}"
-            raise ValueError(message)
+            raise ValueError(f"the order of the autoregressive noise is {self.order}; it must be 1 to {MOST_ORDERS}")
         if self.correlation_time is not None and not 0 < self.correlation_time < math.inf:
-            message = f"the correlation time is {self.correlation_time} s; it must be above 0"
-            raise ValueError(message)
+            raise ValueError(f"the correlation time is {self.correlation_time} s; it must be above 0")
         if self.kind == "covariance" and self.covariance is None:
-            message = "noise of kind covariance needs a covariance"
-            raise ValueError(message)
+            raise ValueError("noise of kind covariance needs a covariance")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -87,8 +84,9 @@ def fitted_noise(
     if weights is not None:
         suits = weights.shape == (n,) and (weights >= 0).all() and weights.any()
         if noise.kind not in ("white", "local") or not suits:
-            message = "weights need white noise, one weight for each sample, each 0 or more; for other noise, give its covariance instead"
-            raise ValueError(message)
+            raise ValueError(
+                "weights need white noise, one weight for each sample, each 0 or more; for other noise, give its covariance instead"
+            )
         return NoiseFit(noise, white(n, weights), nothing)
     if noise.kind in ("white", "local"):
         return NoiseFit(noise, white(n), nothing)
@@ -96,10 +94,9 @@ def fitted_noise(
         return NoiseFit(noise, random_walk(time), nothing)
     if noise.covariance is not None:
         if len(noise.covariance) != n:
-            message = (
+            raise ValueError(
                 f"a covariance of {len(noise.covariance)} samples for a series of {n} samples; the sizes must be equal"
             )
-            raise ValueError(message)
         return NoiseFit(noise, dense(noise.covariance), nothing)
     if noise.kind == "gauss-markov" and noise.correlation_time is not None:
         return NoiseFit(noise, gauss_markov(time, noise.correlation_time), nothing, noise.correlation_time)
@@ -124,8 +121,7 @@ def _estimated(time: Floats, lattice: Lattice | None, residual: Floats, noise: N
     if noise.kind == "gauss-markov":
         return _gauss_markov(time, residual, noise)
     if lattice is None:
-        message = "autoregressive noise needs evenly spaced samples; Gauss-Markov and local noise do not"
-        raise ValueError(message)
+        raise ValueError("autoregressive noise needs evenly spaced samples; Gauss-Markov and local noise do not")
     steps = np.diff(lattice.index)
     if noise.order == 1 and (steps > 1).any():
         return _first_order(residual, steps, noise)

@@ -166,15 +166,13 @@ def adjust(
 
 def _check_series(time: Floats, values: Floats) -> None:
     if time.shape != values.shape or time.ndim != 1 or time.size < FEWEST or not np.isfinite(values).all():
-        message = (
+        raise ValueError(
             f"times {time.shape} and values {values.shape}; they must be of one length, at least {FEWEST}, and finite"
         )
-        raise ValueError(message)
     steps = np.diff(time)
     if not steps.min() > 0:
         at = int(np.argmin(steps > 0))
-        message = f"times must rise: {time[at + 1]:.9g} s follows {time[at]:.9g} s (sample {at + 1})"
-        raise ValueError(message)
+        raise ValueError(f"times must rise: {time[at + 1]:.9g} s follows {time[at]:.9g} s (sample {at + 1})")
 
 
 def _without_constituents(
@@ -189,10 +187,9 @@ def _without_constituents(
     rows = fit.whitening.rows(np.column_stack([columns, values]))
     basis, triangle = _orthonormal(rows[:, :-1], names)
     if rows.shape[0] - basis.shape[1] < FEWEST:
-        message = (
+        raise ValueError(
             f"{fit.whitening.count} samples and {basis.shape[1]} constituents; at least {FEWEST} samples must remain"
         )
-        raise ValueError(message)
     share = basis.T @ rows[:, -1]
     residual = rows[:, -1] - basis @ share
     residual -= basis @ (basis.T @ residual)  # a second time, for large offsets
@@ -215,8 +212,9 @@ def least_squares_spectrum(adjusted: Adjusted, *, highest: float | None = None, 
     """
     top = 0.5 / adjusted.interval if highest is None else highest
     if not top * float(adjusted.time[-1]) >= 1:
-        message = f"highest is {top:g} Hz; the record of {adjusted.time[-1]:g} s must contain at least one cycle of that frequency; use a higher frequency"
-        raise ValueError(message)
+        raise ValueError(
+            f"highest is {top:g} Hz; the record of {adjusted.time[-1]:g} s must contain at least one cycle of that frequency; use a higher frequency"
+        )
     grid = grid_of(adjusted.time, adjusted.lattice, top, oversampling)
     known = equations(adjusted.time, adjusted.lattice, adjusted.noise.whitening, adjusted.basis, grid)
     return _spectrum(adjusted, grid, known, oversampling)
@@ -240,11 +238,10 @@ def _orthonormal(columns: Floats, names: tuple[str, ...]) -> tuple[Floats, Float
         # what the columns before leave of this column, which has length 1
         share = linalg.lstsq(products[:k, :k], products[:k, k], check_finite=False)[0] if k else np.empty(0)
         if not length[k] or products[k, k] - products[:k, k] @ share < RANK**2:
-            message = (
+            raise ValueError(
                 f"the {names[k]} is not separable from {', '.join(names[:k]) or 'noise'}: "
                 "leave it out (a jump must lie within the record, a line apart from other lines)"
             )
-            raise ValueError(message)
     basis, triangle = columns, np.eye(length.size)
     for _ in range(2):  # the second time for rounding errors (Yamamoto and others 2015)
         upper = linalg.cholesky(basis.T @ basis)

@@ -154,11 +154,10 @@ def recursion(index: NDArray[np.int64], interval: float, alpha: Floats) -> Recur
     kept = np.arange(p, index.size)
     kept = kept[index[p:] - index[: index.size - p] == p]
     if 2 * kept.size < index.size:
-        message = (
+        raise ValueError(
             f"AR({p}) needs {p} consecutive samples before each sample: gaps leave {kept.size} of {index.size} rows; "
             "use AR(1) or Gauss-Markov noise, which allow gaps"
         )
-        raise ValueError(message)
     return Recursion(alpha, interval, kept)
 
 
@@ -170,18 +169,20 @@ def dense(covariance: Floats) -> Dense:
     """
     n = len(covariance)
     if covariance.shape != (n, n) or n > MOST_DENSE:
-        message = f"the covariance is {' x '.join(map(str, covariance.shape))}; it must be square, with at most {MOST_DENSE} rows"
-        raise ValueError(message)
+        raise ValueError(
+            f"the covariance is {' x '.join(map(str, covariance.shape))}; it must be square, with at most {MOST_DENSE} rows"
+        )
     scale = float(np.abs(np.diagonal(covariance)).max())
     if not np.isfinite(covariance).all() or not np.abs(covariance - covariance.T).max() <= 1e-9 * scale:
-        message = "the covariance must be symmetric and finite"
-        raise ValueError(message)
+        raise ValueError("the covariance must be symmetric and finite")
     try:
         factor = np.asarray(linalg.cholesky(covariance, lower=True, check_finite=False))
     except linalg.LinAlgError as error:
-        message = f"the covariance is not positive definite: {error}; some combination of samples would have no noise"
-        raise ValueError(message) from error
+        raise ValueError(
+            f"the covariance is not positive definite: {error}; some combination of samples would have no noise"
+        ) from error
     if np.diagonal(factor).min() ** 2 < CONDITION * scale:
-        message = "the covariance is singular within rounding errors; some combination of samples would have no noise"
-        raise ValueError(message)
+        raise ValueError(
+            "the covariance is singular within rounding errors; some combination of samples would have no noise"
+        )
     return Dense(factor)

@@ -68,11 +68,9 @@ def stationarity(values: Floats, dt: float, parts: int = 12) -> Stationarity:
     """
     size = values.size // parts if parts > 1 else 0
     if size < FEWEST:
-        message = f"{parts} parts of {size} samples; the test needs at least 2 parts of {FEWEST}"
-        raise ValueError(message)
+        raise ValueError(f"{parts} parts of {size} samples; the test needs at least 2 parts of {FEWEST}")
     if np.ptp(values) == 0:
-        message = "the channel is constant, so its parts have no noise to compare"
-        raise ValueError(message)
+        raise ValueError("the channel is constant, so its parts have no noise to compare")
     curves = [allan(values[i * size : (i + 1) * size], dt, "octave", fast=True) for i in range(parts)]
     deviation = np.array([curve.deviation for curve in curves])
     # All parts get one noise type, because each part's own guess would depend on its value.
@@ -81,8 +79,7 @@ def stationarity(values: Floats, dt: float, parts: int = 12) -> Stationarity:
     freedom[:, short] = np.minimum(freedom[:, short], _freedom(values, dt, curves[0].factor[short], size))
     sure = (freedom[0] >= FEWEST_DEGREES) & (deviation > 0).all(axis=0)
     if not sure.any():
-        message = "the parts are too short for any averaging time, or constant; take fewer parts"
-        raise ValueError(message)
+        raise ValueError("the parts are too short for any averaging time, or constant; take fewer parts")
     variance, nu = deviation[:, sure] ** 2, freedom[:, sure]
     pooled = (nu * variance).sum(axis=0) / nu.sum(axis=0)
     statistic = nu.sum(axis=0) * np.log(pooled) - (nu * np.log(variance)).sum(axis=0)

@@ -109,10 +109,9 @@ def power_spectrum(values: Floats, dt: float, segment: int = LONGEST, *, level: 
     n = values.size
     size = min(segment, n)
     if size < 64:  # noqa: PLR2004 - fewer samples give no useful spectrum
-        message = (
+        raise ValueError(
             f"the segment has {size} samples; a spectrum needs at least 64: record for longer, or take longer segments"
         )
-        raise ValueError(message)
     total, count = welch(values, dt, size)
     edges = np.unique(np.rint(np.geomspace(FIRST, total.size - 1, max(round(np.log((total.size - 1) / FIRST) / np.log(WIDTH)), 1) + 1)).astype(np.int64))  # fmt: skip
     width = np.diff(edges).astype(np.float64)
@@ -142,11 +141,10 @@ def fit_spectrum(spectrum: PowerSpectrum, lines: Sequence[Line] = (), highest: f
             spectrum.frequency / edge > line.frequency + reach
         )
     if kept.sum() < FEWEST_BANDS or not spectrum.density[kept].all():
-        message = (
+        raise ValueError(
             f"{kept.sum()} bands of frequency are left, and {np.count_nonzero(spectrum.density[kept] == 0)} of them have a "
             f"density of 0; a fit needs at least {FEWEST_BANDS} bands, none of 0: record for longer, or check the channel"
         )
-        raise ValueError(message)
     f = spectrum.frequency[kept]
     none = np.zeros(0)
     problem = LikelihoodProblem(

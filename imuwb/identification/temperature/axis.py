@@ -82,8 +82,7 @@ def over_temperature(
         ValueError: fewer than two set-points, or too few for the given kind.
     """
     if len(points) < 2:  # noqa: PLR2004 - a dependence needs two temperatures
-        message = f"{len(points)} set-points; a dependence on temperature needs at least two"
-        raise ValueError(message)
+        raise ValueError(f"{len(points)} set-points; a dependence on temperature needs at least two")
     points, common = settled(points, level)
     tests = {letter: depends(points, letter, common.get(letter), size=size) for letter in LETTERS}
     varying = [letter for letter in SLOW if _varies(tests[letter])]

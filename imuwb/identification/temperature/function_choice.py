@@ -114,11 +114,9 @@ def _given(
 ) -> FunctionChoice:
     least = 2 if kind in ("piecewise", "spline") else parameters_of(kind, celsius.size)
     if celsius.size < least:
-        message = f"a function of kind {kind} needs {least} set-points; there are {celsius.size}"
-        raise ValueError(message)
+        raise ValueError(f"a function of kind {kind} needs {least} set-points; there are {celsius.size}")
     if kind == "arrhenius" and not logarithmic:
-        message = f"a function of kind {kind} needs a positive coefficient"
-        raise ValueError(message)
+        raise ValueError(f"a function of kind {kind} needs a positive coefficient")
     return FunctionChoice(fitted(kind, celsius, estimate, sigma, logarithmic=logarithmic), (), "given")
 
 

@@ -136,8 +136,7 @@ def _problem(
     kinds = [make(1.0) for make in TERMS.values()]
     parts = [LikelihoodProblem.of(spectrum, kinds).below(band) for spectrum in spectra]
     if min(part.power.size for part in parts) < FEWEST_BINS:
-        message = f"too few frequencies lie below {band:.3g} Hz, above which a filter changed the spectrum"
-        raise ValueError(message)
+        raise ValueError(f"too few frequencies lie below {band:.3g} Hz, above which a filter changed the spectrum")
     if trends is None:
         return parts[0]
     return joined([

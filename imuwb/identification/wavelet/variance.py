@@ -99,8 +99,9 @@ def wavelet_variance(values: Floats, dt: float) -> WaveletVariance:
         ValueError: fewer than 64 samples.
     """
     if values.size < FEWEST_SAMPLES:
-        message = f"{values.size} samples are too few for wavelet variances; they need at least {FEWEST_SAMPLES}"
-        raise ValueError(message)
+        raise ValueError(
+            f"{values.size} samples are too few for wavelet variances; they need at least {FEWEST_SAMPLES}"
+        )
     smooth = values - values.mean()
     variances: list[float] = []
     terms: list[int] = []
@@ -204,11 +205,10 @@ def fit_wavelet_variance(variances: WaveletVariance, lines: Sequence[Line] = (),
     """
     levels = variances.scale.size
     if levels <= len(TERMS) + 1 or not variances.variance.all():
-        message = (
+        raise ValueError(
             f"{levels} scales{'' if variances.variance.all() else ', one with a variance of 0'}; a fit needs at least {len(TERMS) + 2} "
             "scales, none of 0: record for longer, or check the channel"
         )
-        raise ValueError(message)
     whole = _Scales.of(variances, lines)
     fits = [whole.fit()]
     # A sensor's own filter changes the shortest scales. They are left out until the sum explains the rest, if that helps enough.

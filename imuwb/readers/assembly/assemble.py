@@ -91,8 +91,9 @@ def _grouped(parts: Iterable[Batch | Remark]) -> tuple[dict[Key, list[Batch]], d
 def _pieces(batch: Batch) -> tuple[Batch, ...]:
     """Return a batch, or two for an IMU with a temperature: motion and temperature, because some rows may lack the temperature."""
     if batch.kind not in _COLUMNS or not set(batch.columns) <= set(_COLUMNS[batch.kind]):
-        message = f"{batch.stream}: a batch of kind {batch.kind} cannot have the columns {', '.join(batch.columns)}"
-        raise ValueError(message)
+        raise ValueError(
+            f"{batch.stream}: a batch of kind {batch.kind} cannot have the columns {', '.join(batch.columns)}"
+        )
     if batch.kind != "imu" or "temperature" not in batch.columns or len(batch.columns) == 1:
         return (batch,)
     motion = {name: values for name, values in batch.columns.items() if name != "temperature"}

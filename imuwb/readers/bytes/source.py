@@ -31,11 +31,9 @@ def check(path: str | Path) -> None:
     try:
         fault = _fault(path)
     except OSError as error:
-        message = f"{path}: the file cannot be opened: {error.strerror}"
-        raise UnreadableLogError(message) from error
+        raise UnreadableLogError(f"{path}: the file cannot be opened: {error.strerror}") from error
     if fault:
-        message = f"{path}: {fault}"
-        raise UnreadableLogError(message)
+        raise UnreadableLogError(f"{path}: {fault}")
 
 
 def _fault(path: Path) -> str:
@@ -69,8 +67,7 @@ def open_unpacked(path: Path) -> BinaryIO:
     try:
         file = path.open("rb")
     except OSError as error:
-        message = f"{path}: the file cannot be opened: {error.strerror}"
-        raise UnreadableLogError(message) from error
+        raise UnreadableLogError(f"{path}: the file cannot be opened: {error.strerror}") from error
     magic = file.read(2)
     file.seek(0)
     return cast("BinaryIO", _Unpacked(file)) if magic == GZIP_MAGIC else file

@@ -23,16 +23,13 @@ def unpack(packed: memoryview, compression: str, size: int) -> bytes | memoryvie
         ValueError: the piece cannot be used; the message states why.
     """
     if size > LARGEST:
-        message = f"its stated size of {size} bytes is above the limit of {LARGEST}"
-        raise ValueError(message)
+        raise ValueError(f"its stated size of {size} bytes is above the limit of {LARGEST}")
     try:
         unpacked = _unpacked(packed, compression, size)
     except (zstandard.ZstdError, RuntimeError, EOFError, OSError) as error:
-        message = f"{compression} cannot unpack it ({error})"
-        raise ValueError(message) from error
+        raise ValueError(f"{compression} cannot unpack it ({error})") from error
     if len(unpacked) != size:
-        message = f"it unpacks to {len(unpacked)} bytes, but {size} are stated"
-        raise ValueError(message)
+        raise ValueError(f"it unpacks to {len(unpacked)} bytes, but {size} are stated")
     return unpacked
 
 
@@ -42,15 +39,13 @@ def _unpacked(packed: memoryview, compression: str, size: int) -> bytes | memory
     if compression == "zstd":
         # The library would allocate the size that the frame states, even if it is very large.
         if zstandard.frame_content_size(bytes(packed[:ZSTD_HEADER])) not in (-1, size):
-            message = "its zstd frame and its header state different sizes"
-            raise ValueError(message)
+            raise ValueError("its zstd frame and its header state different sizes")
         return zstandard.ZstdDecompressor().decompress(packed, max_output_size=size)
     if compression == "lz4":
         return lz4.frame.LZ4FrameDecompressor().decompress(packed, max_length=size + 1)
     if compression == "bz2":
         return bz2.BZ2Decompressor().decompress(packed, max_length=size + 1)
-    message = f"its compression {compression!r} is not supported; zstd, lz4, bz2 and none are"
-    raise ValueError(message)
+    raise ValueError(f"its compression {compression!r} is not supported; zstd, lz4, bz2 and none are")
 
 
 def unpack_front(packed: memoryview, compression: str, size: int) -> bytes:

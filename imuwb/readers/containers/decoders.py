@@ -57,21 +57,18 @@ def decoder_of(channel: Channel, schema: Schema | None) -> Decoder:
         return _ObjectDecoder(json.loads)
     if encoding == "protobuf":
         return _ObjectDecoder(_protobuf(schema))
-    message = f"message encoding {encoding!r} is not supported; cdr, ros1, protobuf and json are"
-    raise CannotDecodeError(message)
+    raise CannotDecodeError(f"message encoding {encoding!r} is not supported; cdr, ros1, protobuf and json are")
 
 
 class _RosDecoder:
     def __init__(self, schema: Schema | None, wire: Literal["cdr", "ros1"]) -> None:
         if schema is None or schema.encoding not in ("ros2msg", "ros1msg"):
-            message = (
+            raise CannotDecodeError(
                 f"schema encoding {schema.encoding if schema else 'none'!r} is not supported; ros1msg and ros2msg are"
             )
-            raise CannotDecodeError(message)
         definition = schema.data.decode("utf-8", "replace")
         if any(line.strip() == "---" for line in definition.splitlines()):
-            message = "these are events of a service, not measurements"
-            raise CannotDecodeError(message)
+            raise CannotDecodeError("these are events of a service, not measurements")
         try:
             self._plan = ros_layout.plan(schema.name, definition)
         except ros_layout.UnknownLayoutError as error:
@@ -155,18 +152,15 @@ def _protobuf(schema: Schema | None) -> Callable[[bytes], object]:
     from mcap_protobuf.decoder import DecoderFactory  # noqa: PLC0415
 
     if schema is None:
-        message = "its protobuf schema is missing"
-        raise CannotDecodeError(message)
+        raise CannotDecodeError("its protobuf schema is missing")
     try:
         decoder = DecoderFactory().decoder_for(
             "protobuf", McapSchema(id=1, data=schema.data, encoding=schema.encoding, name=schema.name)
         )
     except Exception as error:
-        message = f"its protobuf schema is damaged ({type(error).__name__}: {error})"
-        raise CannotDecodeError(message) from error
+        raise CannotDecodeError(f"its protobuf schema is damaged ({type(error).__name__}: {error})") from error
     if decoder is None:
-        message = f"its schema {schema.name} is not protobuf"
-        raise CannotDecodeError(message)
+        raise CannotDecodeError(f"its schema {schema.name} is not protobuf")
     return decoder
 
 

@@ -23,8 +23,7 @@ def text(content: bytes, at: int) -> tuple[str, int]:
     """
     size = struct.unpack_from("<I", content, at)[0]
     if at + 4 + size > len(content):
-        message = f"a text of {size} bytes is longer than its record"
-        raise ValueError(message)
+        raise ValueError(f"a text of {size} bytes is longer than its record")
     return content[at + 4 : at + 4 + size].decode("utf-8", "replace"), at + 4 + size
 
 
@@ -61,8 +60,7 @@ def unpacked_chunk(chunk: memoryview) -> bytes | memoryview:
     size, crc, compression, packed = _chunk_fields(chunk)
     records = unpack(packed, compression, size)
     if crc and isal_zlib.crc32(records) != crc:
-        message = "its checksum is wrong"
-        raise ValueError(message)
+        raise ValueError("its checksum is wrong")
     return records
 
 
@@ -72,8 +70,7 @@ def _chunk_fields(chunk: memoryview) -> tuple[int, int, str, memoryview]:
         compression, at = text(bytes(chunk[:64]), 28)
         packed = struct.unpack_from("<Q", chunk, at)[0]
     except struct.error as error:
-        message = f"its header is damaged ({error})"
-        raise ValueError(message) from error
+        raise ValueError(f"its header is damaged ({error})") from error
     return size, crc, compression, chunk[at + 8 : at + 8 + packed]
 
 

@@ -81,10 +81,9 @@ def _first(file: BinaryIO, chunk: ChunkIndex, number: int) -> bytes:
         at = content + int.from_bytes(records[at + 1 : content], "little")
         if opcode == MESSAGE and int.from_bytes(records[content : content + 2], "little") == number:
             return bytes(records[content + HEADER : at])
-    message = (
+    raise ValueError(
         f"the index states a message of channel {number} in the chunk at byte {chunk.chunk_start_offset}; there is none"
     )
-    raise ValueError(message)
 
 
 def _alone(payload: bytes) -> Messages:

@@ -98,16 +98,14 @@ def _short(name: str) -> str:
 def _flatten(texts: dict[str, str], name: str, prefix: str, steps: list[LayoutField | Jump], depth: int) -> bool:
     """Append the fields of a message; return False if later fields have no common offset."""
     if depth > DEEPEST or len(steps) > LONGEST_PLAN:
-        message = f"{name} has too many levels or too many fields"
-        raise UnknownLayoutError(message)
+        raise UnknownLayoutError(f"{name} has too many levels or too many fields")
     for line in texts[name].splitlines():
         match = _FIELD.match(line.split("#", 1)[0].strip())
         if match is None or match[7].startswith("="):  # blank, or a constant
             continue
         kind, array, bounded, number, path = match[1], match[3], match[4], match[5], prefix + match[6]
         if len(number or "") > DIGITS:
-            message = f"an array in {name} has {number[:DIGITS]}... elements, which is too many"
-            raise UnknownLayoutError(message)
+            raise UnknownLayoutError(f"an array in {name} has {number[:DIGITS]}... elements, which is too many")
         fixed = int(number) if array and number and not bounded else None
         if kind in _PRIMITIVES and not (array and fixed is None):
             steps.append(LayoutField(path, _PRIMITIVES[kind], fixed or 0))
@@ -140,8 +138,7 @@ def _resolve(texts: dict[str, str], kind: str, parent: str) -> str:
     for name in (_short(kind), f"{package}/{kind}", "std_msgs/Header" if kind == "Header" else "", *ends):
         if name in texts:
             return name
-    message = f"type {kind!r}, used in {parent}, is not defined"
-    raise UnknownLayoutError(message)
+    raise UnknownLayoutError(f"type {kind!r}, used in {parent}, is not defined")
 
 
 @dataclass(frozen=True, slots=True)

@@ -54,8 +54,7 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     except (sqlite3.Error, OverflowError, UnicodeDecodeError) as error:
         fault = f"the database is cut or damaged ({error}); all data before this point are used"
     if not topics.count:
-        message = f"{path}: no message can be read: {fault or 'the recording is empty'}"
-        raise UnreadableLogError(message)
+        raise UnreadableLogError(f"{path}: no message can be read: {fault or 'the recording is empty'}")
     missing = _missing(path)
     if missing and not fault:
         fault = f"the database lacks its last {missing} bytes: it was cut, and rows may be missing"

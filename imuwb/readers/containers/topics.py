@@ -65,8 +65,7 @@ def streamed(path: Path, container: Container, options: ReadOptions) -> Iterator
         yield from topics.batches(messages)
     if not topics.count:
         why = "; ".join(container.notes) or "the recording is empty"
-        message = f"{path}: no message can be read: {why}"
-        raise UnreadableLogError(message)
+        raise UnreadableLogError(f"{path}: no message can be read: {why}")
     yield from map(Remark, container.notes)
     yield from topics.remarks()
 

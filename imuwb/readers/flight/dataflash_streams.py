@@ -59,8 +59,9 @@ def streamed(path: Path, *, binary: bool) -> Iterator[Batch | Remark]:
     notes: list[str] = []
     tables = _binary_tables(path, notes) if binary else _text_tables(path, notes)
     if not tables.records:
-        message = f"{path}: no record has one of the formats that the file describes; it is cut or damaged"
-        raise UnreadableLogError(message)
+        raise UnreadableLogError(
+            f"{path}: no record has one of the formats that the file describes; it is cut or damaged"
+        )
     yield from (Remark(note) for note in notes)
     yield from _Streams(tables, path.stat().st_size).all()
 

@@ -47,14 +47,14 @@ def streamed(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     """
     log = Telemetry(path)
     if not log.frames:
-        message = f"{path}: no MAVLink frame has a correct checksum, and {log.skipped} bytes belong to no frame"
-        raise UnreadableLogError(message)
+        raise UnreadableLogError(
+            f"{path}: no MAVLink frame has a correct checksum, and {log.skipped} bytes belong to no frame"
+        )
     if log.skipped and not log.has_rows:
-        message = (
+        raise UnreadableLogError(
             f"{path}: the file is cut: none of its {log.frames} MAVLink frames is from an IMU, a receiver or a clock, and "
             f"{log.skipped} bytes belong to no frame"
         )
-        raise UnreadableLogError(message)
     yield from (Remark(note) for note in log.notes)
     yield from _Streams(log, own_time=options.time_source == "header").all()
     yield from (Remark(note) for note in log.faults())

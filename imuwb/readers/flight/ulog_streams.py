@@ -51,8 +51,7 @@ def streamed(path: Path) -> Iterator[Batch | Remark]:
     log = ULogFile()
     log.take(_bytes(path, notes), WANTED)
     if not log.data:
-        message = f"{path}: this PX4 log has no whole message of data; it is cut or damaged"
-        raise UnreadableLogError(message)
+        raise UnreadableLogError(f"{path}: this PX4 log has no whole message of data; it is cut or damaged")
     yield from (Remark(note) for note in notes)
     yield from _Streams(log, path.stat().st_size).all()
     yield from map(Remark, _faults(log))

@@ -90,16 +90,16 @@ def clock_of(path: Path, layout: Layout, used: tuple[Column, ...], options: Read
     column = next((column for column in used if column.quantity == "time"), None)
     if column is None:
         if not options.rate:
-            message = f"{path}: there is no time column among {', '.join(c.name for c in used)}; state --rate HZ"
-            raise UsageError(message)
+            raise UsageError(
+                f"{path}: there is no time column among {', '.join(c.name for c in used)}; state --rate HZ"
+            )
         return Clock(None, pa.null(), options.epoch or "log", options.rate)
     notes = (Note("rate_unused", "--rate not used: the file has a time column"),) if options.rate else ()
     first = layout.first[column.index].strip().strip('"')
     if _ISO.match(first):
         return Clock(column, pa.timestamp("ns", "UTC" if _ZONE.search(first) else None), "unix", notes=notes)
     if not is_number(first):
-        message = f"{path}: time column {column.name!r} has {first!r}; it must be a number or an ISO date"
-        raise UsageError(message)
+        raise UsageError(f"{path}: time column {column.name!r} has {first!r}; it must be a number or an ISO date")
     clock = _week_clock(layout, used, column, first) or _number_clock(path, column, first, options)
     return replace(clock, notes=(*notes, *clock.notes))
 
@@ -156,8 +156,7 @@ def _unit_by_size(path: Path, column: Column, value: float) -> str:
     for name in DIGITS:
         if OUR_DAYS[0] < value * unit(name).factor < OUR_DAYS[1]:
             return name
-    message = (
+    raise UsageError(
         f"{path}: the unit of time column {column.name!r} is unknown (its first number is {value:g}); "
         "state it: --units time=s (or ms, us, ns)"
     )
-    raise UsageError(message)

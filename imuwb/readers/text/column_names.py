@@ -90,8 +90,9 @@ def columns(names: tuple[str, ...], units: Mapping[str, str]) -> tuple[Column, .
     for column in sorted(known, key=lambda c: weeks and c.quantity == "time" and not _OF_WEEK.search(c.name.lower())):
         other = first.setdefault((column.quantity, column.axis), column)
         if other is not column and column.quantity != "time":
-            message = f"columns {other.name!r} and {column.name!r} are both {column.quantity}; name the columns with --columns"
-            raise UsageError(message)
+            raise UsageError(
+                f"columns {other.name!r} and {column.name!r} are both {column.quantity}; name the columns with --columns"
+            )
     return tuple(first.values())
 
 

@@ -35,17 +35,15 @@ def used_columns(path: Path, layout: Layout, options: ReadOptions) -> tuple[Colu
     """
     names = options.columns or layout.names
     if not names:
-        message = (
+        raise UsageError(
             f"{path}: there is no header line; name the {len(layout.first)} columns, for example "
             "--columns gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z (- for a column that is not used)"
         )
-        raise UsageError(message)
     if len(names) != len(layout.first):
-        message = (
+        raise UsageError(
             f"{path}: there are {len(names)} column names ({', '.join(names)}), but the rows have {len(layout.first)} cells; "
             "name each column with --columns"
         )
-        raise UsageError(message)
     known = columns(names, units_by_quantity(options.units))
     return tuple(_with_unit(path, column, known, layout) for column in known)
 
@@ -64,8 +62,7 @@ def _with_unit(path: Path, column: Column, known: tuple[Column, ...], layout: La
         norm = float(np.linalg.norm([float(cell) for cell in cells])) if all(map(_is_small, cells)) else 0.0
         hint = f"its first row has |f| = {norm:.4g}, so likely {_likely(norm) or 'g or m/s²'}"
     names = ", ".join(other.name for other in group)
-    message = f"{path}: the unit of {names} is unknown ({hint}); state it: --units {column.quantity}=UNIT"
-    raise UsageError(message)
+    raise UsageError(f"{path}: the unit of {names} is unknown ({hint}); state it: --units {column.quantity}=UNIT")
 
 
 def check_gravity(path: Path, force: Floats, used: tuple[Column, ...]) -> bool:
@@ -83,11 +80,10 @@ def check_gravity(path: Path, force: Floats, used: tuple[Column, ...]) -> bool:
         return True
     likely = _likely(norm / stated.factor)
     if likely is not None:
-        message = (
+        raise UnreadableLogError(
             f"{path}: accel is stated in {stated.name}, but |f| is {norm / stated.factor:.4g}; an accelerometer at rest "
             f"measures one gravity, so the unit is likely {likely}: --units accel={likely}"
         )
-        raise UnreadableLogError(message)
     return True
 
 

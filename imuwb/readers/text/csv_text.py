@@ -149,10 +149,9 @@ class _Rows:
             return
         faults[INCOMPLETE] += self._unusable
         counts = ", ".join(f"{count} {fault}" for fault, count in faults.items() if count) or "no row"
-        message = (
+        raise UnreadableLogError(
             f"{self._path}: too few rows can be used ({counts}); check that this is a log of numbers, and its columns"
         )
-        raise UnreadableLogError(message)
 
     def _repairs(self) -> Iterator[Remark]:
         name = "imu" if any(column.quantity in ("gyro", "accel") for column in self._used) else "gnss"

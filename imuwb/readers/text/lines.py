@@ -51,18 +51,16 @@ def layout(path: Path) -> Layout:
     texts = [line.decode("utf-8", "replace").strip("\r") for line in lines]
     rows = [i for i, text in enumerate(texts) if text.strip() and not text.encode().lstrip().startswith(COMMENT)]
     if not rows:
-        message = f"{path}: the first {len(lines)} lines are all comments; a log needs rows of numbers"
-        raise UnreadableLogError(message)
+        raise UnreadableLogError(f"{path}: the first {len(lines)} lines are all comments; a log needs rows of numbers")
     delimiter = _delimiter([texts[i] for i in rows[-DELIMITER_ROWS:]])
     cells = {i: _cells(texts[i], delimiter) for i in rows}
     usual = max(set(sizes := [len(cells[i]) for i in rows]), key=sizes.count)
     numeric = [i for i in rows if _is_numeric(cells[i])]
     if not numeric or usual < 2:  # noqa: PLR2004 - a log has at least two columns
-        message = (
+        raise UnreadableLogError(
             f"{path}: this text has no rows of numbers (its first line is {texts[rows[0]][:60]!r}); "
             "a log has numbers separated by commas, semicolons, tabs or blanks"
         )
-        raise UnreadableLogError(message)
     header = [i for i in rows if i < numeric[0] and len(cells[i]) == usual]
     cut_first = not header and len(cells[numeric[0]]) < usual
     first = next((i for i in numeric if len(cells[i]) == usual), numeric[0])

@@ -59,8 +59,7 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
         fixes += len(rows)
     yield from (Remark(note) for note in notes)
     if not fixes:
-        message = f"{path}: this RTKLIB file has no solution; check the log of its processing"
-        raise UnreadableLogError(message)
+        raise UnreadableLogError(f"{path}: this RTKLIB file has no solution; check the log of its processing")
     yield from (Remark(fault, "gnss", count) for fault, count in faults.items())
     if scale == "GPST":
         yield Remark(Note("gps_time", "GPS time converted to UTC with the leap seconds of its date"))
@@ -141,8 +140,7 @@ def _time(first: bytes, second: bytes, scale: str) -> int:
     elif scale == "JST":
         when -= timedelta(hours=9)
     if when.year not in YEARS:
-        message = f"year {when.year}"
-        raise ValueError(message)
+        raise ValueError(f"year {when.year}")
     return unix_nanoseconds(when) + nanoseconds
 
 

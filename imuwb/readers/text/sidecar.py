@@ -51,23 +51,19 @@ def _completed(sidecar: Path, options: ReadOptions, stated: dict[str, Any]) -> R
             epoch=options.epoch or stated.get("epoch"),
         )
     except UsageError as error:
-        message = f"{sidecar}: {error}"
-        raise UsageError(message) from error
+        raise UsageError(f"{sidecar}: {error}") from error
 
 
 def _checked(sidecar: Path) -> dict[str, Any]:
     try:
         stated = tomllib.loads(sidecar.read_text("utf-8"))
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        message = f"{sidecar}: the log's sidecar is not valid TOML: {error}"
-        raise UsageError(message) from error
+        raise UsageError(f"{sidecar}: the log's sidecar is not valid TOML: {error}") from error
     for key, value in stated.items():
         if key not in _KEYS:
-            message = f"{sidecar}: unknown key {key!r}; a sidecar may have {', '.join(_KEYS)}"
-            raise UsageError(message)
+            raise UsageError(f"{sidecar}: unknown key {key!r}; a sidecar may have {', '.join(_KEYS)}")
         if not _has_type(key, value):
-            message = f"{sidecar}: {key} is {value!r}; it must be {_KEYS[key]}"
-            raise UsageError(message)
+            raise UsageError(f"{sidecar}: {key} is {value!r}; it must be {_KEYS[key]}")
     return stated
 
 

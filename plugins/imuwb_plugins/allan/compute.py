@@ -69,13 +69,11 @@ def _check(log: Log, axes: Mapping[str, Axis]) -> None:
     path, imu = log.provenance.path, log.imu()
     samples = min(axis.time.size for axis in axes.values())
     if samples < FEWEST:
-        message = (
+        raise MissingDataError(
             f"{path}: {imu.name} has {samples} samples; an Allan deviation takes at least {FEWEST}: record for longer"
         )
-        raise MissingDataError(message)
     if all(np.ptp(axis.values) == 0 for axis in axes.values()):
-        message = f"{path}: every channel of {imu.name} is constant, so there is no noise to analyse"
-        raise MissingDataError(message)
+        raise MissingDataError(f"{path}: every channel of {imu.name} is constant, so there is no noise to analyse")
 
 
 def _stillness(log: Log, axes: Mapping[str, Axis]) -> Stillness | None:
@@ -97,8 +95,7 @@ def _axis(axis: Axis, parameters: Parameters, band: float) -> AllanAxis:
             lines=parameters.lines, estimators=parameters.estimators, choose=parameters.choose, band=band,
         )  # fmt: skip
     except ValueError as error:
-        message = f"{axis.name}: {error}"
-        raise UsageError(message) from error
+        raise UsageError(f"{axis.name}: {error}") from error
     gapped = any(note.id == "gaps" for note in noise.notes)
     result = replace(_fitted(axis.name, noise), other=None if gapped else _other(axis, parameters))
     if not parameters.estimators or gapped:

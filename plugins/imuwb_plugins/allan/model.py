@@ -25,8 +25,7 @@ def error_model(result: Result) -> ImuErrorModel:
     headline = result.model == "headline"
     axes = {axis: _model(r, headline=headline) for axis, r in result.axes.items() if r.processes is not None}
     if not axes:
-        message = f"{result.imu}: no axis could be fitted, so there is no error model to save"
-        raise MissingDataError(message)
+        raise MissingDataError(f"{result.imu}: no axis could be fitted, so there is no error model to save")
     how = (
         "likelihood where a record allows it, else Allan variance"
         if headline and any(r.estimates for r in result.axes.values())

@@ -50,11 +50,9 @@ class Parameters:
         if isinstance(times, str) and times not in ("octave", "all"):
             kind, _, number = times.partition(":")
             if not (kind == "log" and number.isdecimal() and 1 < int(number) <= MOST_TIMES):
-                message = (
+                raise ValueError(
                     f"averaging_times is {times!r}; it must be octave, log:N (N up to {MOST_TIMES}), all, or positive seconds: "
                     "write log:90 or 0.1,1,10"
                 )
-                raise ValueError(message)
         if not times:
-            message = "averaging_times is empty; it must be octave, log:N, all, or positive seconds"
-            raise ValueError(message)
+            raise ValueError("averaging_times is empty; it must be octave, log:N, all, or positive seconds")

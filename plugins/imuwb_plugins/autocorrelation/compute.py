@@ -45,8 +45,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     results = for_each(axes, lambda axis: _axis(axis, parameters))
     if all(r.why_none for r in results.values()):
         why = next(iter(results.values())).why_none
-        message = f"{log.provenance.path}: {imu.name}: no axis has an autocorrelation: {why}"
-        raise MissingDataError(message)
+        raise MissingDataError(f"{log.provenance.path}: {imu.name}: no axis has an autocorrelation: {why}")
     intervals = {sensor: 1 / rate for sensor, rate in rates(axes).items()}
     notes = (*gap_notes(axes, "the autocorrelation"), *_notes(results, parameters.denoise))
     return Result(imu.name, parameters.level, parameters.denoise, intervals, results, notes)

@@ -43,8 +43,9 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     imu = log.imu()
     results = for_each(axes_of(imu), lambda axis: _axis(axis, parameters))
     if all(r.why_none for r in results.values()):
-        message = f"{log.provenance.path}: {imu.name}: no axis has a model: {next(iter(results.values())).why_none}"
-        raise MissingDataError(message)
+        raise MissingDataError(
+            f"{log.provenance.path}: {imu.name}: no axis has a model: {next(iter(results.values())).why_none}"
+        )
     notes = tuple(Note("no-model", f"{axis}: {r.why_none}") for axis, r in results.items() if r.why_none)
     return Result(imu.name, source_of(log), parameters.level, CONVENTION, bool(log.conditioning), results, notes)
 
@@ -79,8 +80,9 @@ def _model(fit: AutoregressiveFit, parameters: Parameters) -> tuple[Autoregressi
         return model, None
     factor = 1 / (parameters.resample * fit.dt)
     if round(factor) < 1 or abs(factor / round(factor) - 1) > ROUNDING:
-        message = f"resample is {parameters.resample:g} Hz; it must be the log's rate, {1 / fit.dt:.6g} Hz, divided by a whole number"
-        raise UsageError(message)
+        raise UsageError(
+            f"resample is {parameters.resample:g} Hz; it must be the log's rate, {1 / fit.dt:.6g} Hz, divided by a whole number"
+        )
     return model.resampled(round(factor)), None
 
 
@@ -112,7 +114,6 @@ def error_model(result: Result) -> ImuErrorModel:
     """
     axes = {axis: AxisModel(Sum((r.model,))) for axis, r in result.axes.items() if r.model is not None}
     if not axes:
-        message = f"{result.imu}: no axis has a stable model, so there is no error model to save"
-        raise MissingDataError(message)
+        raise MissingDataError(f"{result.imu}: no axis has a stable model, so there is no error model to save")
     provenance = {"log": result.source, "analysis": f"imuwb {__version__} autoregressive"}
     return ImuErrorModel(result.imu, axes, provenance)

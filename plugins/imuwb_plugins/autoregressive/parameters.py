@@ -23,5 +23,4 @@ class Parameters:
         """Check the values."""
         check(self)
         if self.order is not None and self.order > self.orders:
-            message = f"order is {self.order}; it must be 1 to orders, {self.orders}: raise orders"
-            raise ValueError(message)
+            raise ValueError(f"order is {self.order}; it must be 1 to orders, {self.orders}: raise orders")

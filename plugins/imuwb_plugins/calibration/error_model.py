@@ -73,11 +73,10 @@ def _terms(c: AxisCalibration, full_range: float | None) -> dict[str, Any]:
 def _shifted(axis: str, before: AxisModel, after: AxisModel, celsius: float | None) -> tuple[AxisModel, str]:
     """Return the model whose curves of temperature are shifted to the calibrated values, and a note."""
     if celsius is None:
-        message = (
+        raise UsageError(
             f"--into: {axis} has a bias or scale factor by temperature, and these logs have no temperature; "
             "use logs with a temperature, or a model without curves of temperature"
         )
-        raise UsageError(message)
 
     def shifted(points: tuple[tuple[float, float], ...], value: float) -> tuple[tuple[float, float], ...]:
         at = float(np.interp(celsius, [t for t, _ in points], [v for _, v in points])) if points else 0.0
@@ -126,8 +125,7 @@ def check_gain(axes: Mapping[str, AxisCalibration], raw: str) -> None:
     """Raise UsageError if the gain of a log in SI shows that its unit is wrong."""
     for axis, c in axes.items():
         if not raw and c.scale_factor is not None and not 1 / LARGEST_GAIN < 1 + c.scale_factor.value < LARGEST_GAIN:
-            message = (
+            raise UsageError(
                 f"{axis} shows {1 + c.scale_factor.value:.4g} times its input, so the log is not in the stated unit; "
                 "give --units, or --raw count for a log in counts or volts"
             )
-            raise UsageError(message)

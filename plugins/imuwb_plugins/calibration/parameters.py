@@ -77,8 +77,7 @@ class MultiPosition(Positions):
         check(self)
         if self.attitudes is None and (self.misplacement is not None or self.range is not None):
             name = "misplacement" if self.misplacement is not None else "range"
-            message = f"{name} is given without attitudes; it must be used with attitudes: add --attitudes FILE"
-            raise ValueError(message)
+            raise ValueError(f"{name} is given without attitudes; it must be used with attitudes: add --attitudes FILE")
 
 
 @dataclass(frozen=True)
@@ -113,6 +112,5 @@ class RateTable:
         """Check the values; the rates become magnitudes, rising, each once."""
         check(self)
         if not all(self.rates):
-            message = f"rates is {text_of(self.rates)}; each magnitude must be above 0 deg/s"
-            raise ValueError(message)
+            raise ValueError(f"rates is {text_of(self.rates)}; each magnitude must be above 0 deg/s")
         object.__setattr__(self, "rates", tuple(sorted({abs(rate) for rate in self.rates})))

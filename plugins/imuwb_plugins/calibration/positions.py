@@ -49,8 +49,7 @@ def run(logs: Sequence[Log], p: SixPosition | MultiPosition) -> PositionResult:
     try:
         fit, faces = _fit(p, stretches, accel, gravity[0], full_range)
     except ValueError as error:
-        message = f"{p.METHOD}: {error}"
-        raise MissingDataError(message) from error
+        raise MissingDataError(f"{p.METHOD}: {error}") from error
     axes = {f"accel_{k}": axis for k, axis in zip("xyz", fit.axes, strict=True)}
     check_gain(axes, p.raw)
     gyro, gyro_residual, gyro_notes = _gyros(stretches, fit, gravity[0], p, axes)
@@ -125,13 +124,13 @@ def _directions_of_up(path: Path, count: int) -> Floats:
         at = [names.index(name) for name in ("roll_deg", "pitch_deg")]
         roll, pitch = np.radians(np.array([[float(row[k]) for k in at] for row in rows[1:]]).reshape(-1, 2)).T
     except (OSError, UnicodeDecodeError, ValueError, IndexError) as error:
-        message = (
+        raise UsageError(
             f"--attitudes {path}: it must be CSV with columns roll_deg and pitch_deg, a number in each row: {error}"
-        )
-        raise UsageError(message) from error
+        ) from error
     if roll.size != count or not np.isfinite(roll).all() or not np.isfinite(pitch).all():
-        message = f"--attitudes {path}: {roll.size} attitudes for {count} still positions; there must be one for each, in order"
-        raise UsageError(message)
+        raise UsageError(
+            f"--attitudes {path}: {roll.size} attitudes for {count} still positions; there must be one for each, in order"
+        )
     return np.stack([np.sin(pitch), -np.sin(roll) * np.cos(pitch), -np.cos(roll) * np.cos(pitch)], axis=1)
 
 
@@ -147,11 +146,10 @@ def _check_attitudes(path: Path, accel: Means, fit: PositionCalibration) -> None
             if inverted
             else f"{100 * left:.0f} % of the variation of the means is not explained"
         )
-        message = (
+        raise UsageError(
             f"--attitudes {path}: the positions do not have these attitudes ({why}); the file must have one row for each "
             "position, in order, with roll and pitch of the forward-right-down frame: 0, 0 is level, z down"
         )
-        raise UsageError(message)
 
 
 def _gyros(

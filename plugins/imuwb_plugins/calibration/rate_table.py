@@ -83,14 +83,14 @@ def _turned(log: Log, p: RateTable, base: ImuErrorModel | None) -> TurnedLog:
     check_clipping(stretches, "gyro")
     means = calibration.means([s.gyro for s in stretches if s.gyro is not None])
     if not p.rates:
-        message = f"{path}: its steps are {_levels(means.value, p.raw)}; give the rates of the table: --rates 10,50,100 (deg/s)"
-        raise UsageError(message)
+        raise UsageError(
+            f"{path}: its steps are {_levels(means.value, p.raw)}; give the rates of the table: --rates 10,50,100 (deg/s)"
+        )
     try:
         staircase = calibration.matched(means.value, np.radians(p.rates).tolist(), path, raw=bool(p.raw))
     except ValueError as error:
         given = ", ".join(f"{rate:g}" for rate in p.rates)
-        message = f"{error}; found: {_levels(means.value, p.raw)}; given: {given} deg/s"
-        raise UsageError(message) from error
+        raise UsageError(f"{error}; found: {_levels(means.value, p.raw)}; given: {given} deg/s") from error
     force = _force(stretches, base)
     value = means.value
     if force is not None and base is not None:

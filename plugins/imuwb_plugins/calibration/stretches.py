@@ -50,11 +50,10 @@ def still_positions(logs: Sequence[Log], shortest: float) -> tuple[list[SteadySt
     imus = [log.imu() for log in logs]
     for log, imu in zip(logs, imus, strict=True):
         if imu.specific_force is None or len(imu.specific_force) < FEWEST:
-            message = (
+            raise MissingDataError(
                 f"{log.provenance.path}: {imu.name} has no accelerometer; still positions calibrate accelerometers, "
                 "and gyros alone need a rate table"
             )
-            raise MissingDataError(message)
     with_gyro = all(imu.angular_rate is not None and len(imu.angular_rate) >= FEWEST for imu in imus)
     lacking = not with_gyro and any(imu.angular_rate is not None for imu in imus)
     notes = [Note("no-gyro", "not every log has gyro samples: gyros are left out")] if lacking else []
@@ -66,11 +65,10 @@ def still_positions(logs: Sequence[Log], shortest: float) -> tuple[list[SteadySt
         spans = _still_spans(log, imu, shortest, with_gyro=with_gyro)
         here = [s for span in spans if (s := _stretch(log, imu, span, len(spans), with_gyro=with_gyro)) is not None]
         if not here:
-            message = (
+            raise MissingDataError(
                 f"{log.provenance.path}: the sensor is never still for {shortest:g} s; in a position neither accelerometer nor "
                 "gyro moves; use --shortest for shorter positions"
             )
-            raise MissingDataError(message)
         stretches.extend(here)
     return stretches, notes
 
@@ -89,8 +87,9 @@ def steps_of(log: Log, shortest: float, raw: str) -> list[SteadyStretch]:
     imu = log.imu()
     gyro = imu.angular_rate
     if gyro is None or len(gyro) < FEWEST:
-        message = f"{log.provenance.path}: {imu.name} has no gyro; a rate table calibrates gyros, and accelerometers need positions"
-        raise MissingDataError(message)
+        raise MissingDataError(
+            f"{log.provenance.path}: {imu.name} has no gyro; a rate table calibrates gyros, and accelerometers need positions"
+        )
     _check_turns(log, gyro, raw)
     span = np.full(3, float(np.ptp(gyro.value, axis=0).max()))
     spans = _spans(log, gyro, shortest, span)
@@ -99,11 +98,10 @@ def steps_of(log: Log, shortest: float, raw: str) -> list[SteadyStretch]:
         if (s := _stretch(log, imu, one, len(spans), with_gyro=True, with_accel=imu.specific_force is not None)) is not None
     ]  # fmt: skip
     if len(steps) < 2:  # noqa: PLR2004 - a line has two points
-        message = (
+        raise MissingDataError(
             f"{log.provenance.path}: {len(steps)} step{'s' if len(steps) != 1 else ''} of {shortest:g} s or more; the log of a rate "
             "table has several steady rates; use --shortest for shorter steps"
         )
-        raise MissingDataError(message)
     return steps
 
 
@@ -112,11 +110,10 @@ def _check_turns(log: Log, gyro: Triad, raw: str) -> None:
     means = gyro.value[: len(gyro) // second * second].reshape(-1, second, 3).mean(axis=1)
     span = float(np.degrees(np.ptp(means, axis=0).max()))
     if not raw and span < STILL:
-        message = (
+        raise MissingDataError(
             f"{log.provenance.path}: the sensor never turns: means of its gyros over a second differ by {span:.3g} deg/s at most; "
             "a rate table turns in both directions at known rates"
         )
-        raise MissingDataError(message)
 
 
 def check_clipping(stretches: Sequence[SteadyStretch], sensor: str) -> None:
@@ -129,8 +126,9 @@ def check_clipping(stretches: Sequence[SteadyStretch], sensor: str) -> None:
         end = column[np.argmax(np.abs(column))]
         rest = int(bad.any(axis=1).sum()) - 1
         more = f", and {rest} more stretches are clipped" if rest else ""
-        message = f"{stretches[at].name}: {sensor} {'xyz'[axis]} is clipped at {end:.6g}{more}; set a larger range, or use a smaller input"
-        raise MissingDataError(message)
+        raise MissingDataError(
+            f"{stretches[at].name}: {sensor} {'xyz'[axis]} is clipped at {end:.6g}{more}; set a larger range, or use a smaller input"
+        )
 
 
 def check_still(stretches: Sequence[SteadyStretch], mean: Floats, variance: Floats) -> None:
@@ -139,11 +137,10 @@ def check_still(stretches: Sequence[SteadyStretch], mean: Floats, variance: Floa
     worst = int(np.argmax(variance.max(axis=1)))
     sigma = float(variance[worst].max()) ** 0.5
     if sigma > MOVES * span:
-        message = (
+        raise MissingDataError(
             f"{stretches[worst].name}: it is not still: by the scatter of its quarters the mean is uncertain by {sigma:.3g}; "
             f"the means of all positions span {span:.3g}"
         )
-        raise MissingDataError(message)
 
 
 def temperature_of(stretches: Sequence[SteadyStretch]) -> tuple[float | None, list[Note]]:
@@ -160,11 +157,10 @@ def _same_rate(logs: Sequence[Log], triads: Sequence[Triad], sensor: str) -> Non
     rates = [sampling(t.time).rate or 0.0 for t in triads]
     if max(rates) > (1 + SAME_RATE) * min(rates):
         low, high = int(np.argmin(rates)), int(np.argmax(rates))
-        message = (
+        raise UsageError(
             f"{sensor} rates differ: {rates[low]:.4g} Hz in {logs[low].provenance.path}, {rates[high]:.4g} Hz in "
             f"{logs[high].provenance.path}; all logs of a calibration must have the same sampling rate"
         )
-        raise UsageError(message)
 
 
 def _still_spans(log: Log, imu: ImuStream, shortest: float, *, with_gyro: bool) -> list[tuple[float, float]]:

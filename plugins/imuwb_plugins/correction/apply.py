@@ -41,16 +41,15 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, Applied]:
     path = parameters.model
     model = ImuErrorModel.read(path)
     if is_ideal(model):
-        message = f"correction: {path}: the model has no bias, scale factor, cross-coupling or g-sensitivity to remove; imuwb calibration estimates them"
-        raise UsageError(message)
+        raise UsageError(
+            f"correction: {path}: the model has no bias, scale factor, cross-coupling or g-sensitivity to remove; imuwb calibration estimates them"
+        )
     step = ("correction", f"model={path}")
     if any((done.name, done.parameters) == step for done in log.conditioning):
-        message = f"correction: {path}: its terms are already removed; give it once"
-        raise UsageError(message)
+        raise UsageError(f"correction: {path}: its terms are already removed; give it once")
     changed, note = correct(log, model, step)
     if changed is log:
-        message = f"correction: {path}: {note}"
-        raise MissingDataError(message)
+        raise MissingDataError(f"correction: {path}: {note}")
     temperature = log.imu().temperature
     span = None
     if is_thermal(model) and temperature is not None:

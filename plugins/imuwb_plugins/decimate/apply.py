@@ -46,8 +46,9 @@ def _anti_alias(rate: float, factor: int) -> KaiserFilter:
     try:
         return design_kaiser(rate, PASS * rate / factor, STOP * rate / factor)
     except ValueError as error:
-        message = f"factor is {factor}; the anti-alias filter would be too long; decimate in several steps"
-        raise ValueError(message) from error
+        raise ValueError(
+            f"factor is {factor}; the anti-alias filter would be too long; decimate in several steps"
+        ) from error
 
 
 def _factor(rate: float, parameters: Parameters) -> int:
@@ -56,6 +57,5 @@ def _factor(rate: float, parameters: Parameters) -> int:
     wanted = parameters.rate or 0.0
     factor = round(rate / wanted)
     if factor < 1 or abs(rate / wanted / factor - 1) > ROUNDING:
-        message = f"rate is {wanted:g} Hz; it must be the log's rate of {rate:g} Hz divided by a whole number"
-        raise ValueError(message)
+        raise ValueError(f"rate is {wanted:g} Hz; it must be the log's rate of {rate:g} Hz divided by a whole number")
     return factor

@@ -24,5 +24,4 @@ class Parameters:
         """Check the values, and that one of rate and factor is given."""
         check(self)
         if (self.rate is None) == (self.factor is None):
-            message = "give either rate (Hz) or factor (a whole number)"
-            raise ValueError(message)
+            raise ValueError("give either rate (Hz) or factor (a whole number)")

@@ -28,13 +28,11 @@ class Parameters:
         check(self)
         edges = self.f_pass is not None and self.f_stop is not None
         if edges == (self.fc is not None) or (self.f_pass is None) != (self.f_stop is None):
-            message = "give either f_pass and f_stop, or fc (and width), in Hz"
-            raise ValueError(message)
+            raise ValueError("give either f_pass and f_stop, or fc (and width), in Hz")
         if edges and self.width is not None:
-            message = (
+            raise ValueError(
                 f"width is {self.width} Hz; use it only with fc; with f_pass and f_stop the width is already known"
             )
-            raise ValueError(message)
 
     @property
     def bands(self) -> tuple[float, float]:

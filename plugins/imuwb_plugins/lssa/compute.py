@@ -39,8 +39,9 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     _check_forced(log, axes, constituents)
     results = for_each(axes, lambda axis: axis_result(axis, parameters, constituents, noise, log.zero or 0, log.band))
     if all(r.why_none for r in results.values()):
-        message = f"{log.provenance.path}: {imu.name}: no axis has a spectrum: {next(iter(results.values())).why_none}"
-        raise MissingDataError(message)
+        raise MissingDataError(
+            f"{log.provenance.path}: {imu.name}: no axis has a spectrum: {next(iter(results.values())).why_none}"
+        )
     notes = [Note("no-spectrum", f"{name}: {r.why_none}") for name, r in results.items() if r.why_none]
     notes += _band_notes(results, parameters)
     return Result(
@@ -58,11 +59,11 @@ def _covariance(option: NoiseOption) -> Floats:
     try:
         covariance = np.asarray(np.load(option.file, allow_pickle=False)).astype(float, casting="same_kind")
     except (OSError, EOFError, ValueError, TypeError) as error:
-        message = f"--noise {option}: it cannot be read; the file must be one array of numbers (.npy): {error}"
-        raise UsageError(message) from error
+        raise UsageError(
+            f"--noise {option}: it cannot be read; the file must be one array of numbers (.npy): {error}"
+        ) from error
     if covariance.ndim != 2:  # noqa: PLR2004 - rows and columns
-        message = f"--noise {option}: an array of shape {covariance.shape}; a covariance must be square, n x n"
-        raise UsageError(message)
+        raise UsageError(f"--noise {option}: an array of shape {covariance.shape}; a covariance must be square, n x n")
     return covariance
 
 
@@ -72,11 +73,10 @@ def _check_forced(log: Log, axes: dict[str, Axis], constituents: Constituents) -
         span = float(axis.time[-1] - axis.time[0]) / SECOND
         for frequency in constituents.forced:
             if frequency * span < 1:
-                message = (
+                raise MissingDataError(
                     f"{log.provenance.path}: --forced {frequency:g}: its period is {1 / frequency:g} s, but {axis.sensor} has "
                     f"{span:g} s; the record must hold at least one period; use --trend quadratic for a slower drift"
                 )
-                raise MissingDataError(message)
 
 
 def _band_notes(results: dict[str, LssaAxis], parameters: Parameters) -> list[Note]:

@@ -91,5 +91,4 @@ class Parameters:
         for name in ("jumps", "forced", "exponentials"):
             values = getattr(self, name)
             if len(set(values)) < len(values):
-                message = f"{name} is {text_of(values)}; give each value only once"
-                raise ValueError(message)
+                raise ValueError(f"{name} is {text_of(values)}; give each value only once")

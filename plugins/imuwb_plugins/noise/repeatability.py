@@ -81,13 +81,15 @@ def compare(logs: Sequence[Log], findings: Sequence[Sequence[Finding]], level: f
     """
     hashes = [log.provenance.hash for log in logs]
     if len(set(hashes)) < len(hashes):
-        message = f"{', '.join(log.provenance.path for log in logs)}: one log is given twice; give each log once"
-        raise UsageError(message)
+        raise UsageError(
+            f"{', '.join(log.provenance.path for log in logs)}: one log is given twice; give each log once"
+        )
     headlines = [{f.axis: f.coefficients for f in own if f.headline} for own in findings]
     common = [axis for axis in headlines[0] if all(axis in h for h in headlines)]
     if not common:
-        message = f"{', '.join(log.provenance.path for log in logs)}: no axis is in all logs, so nothing can be compared; give logs of one sensor"
-        raise MissingDataError(message)
+        raise MissingDataError(
+            f"{', '.join(log.provenance.path for log in logs)}: no axis is in all logs, so nothing can be compared; give logs of one sensor"
+        )
     coefficients = {
         axis: {
             letter: _compared(axis, letter, [h[axis][letter] for h in headlines], _durations(logs, axis), level)

@@ -88,11 +88,10 @@ def _case(case: Case, level: float) -> CaseResult:
     results = {name: r for name, r in for_each(axes, lambda axis: _axis(axis, level)).items() if r is not None}
     if not results:
         setting = ", ".join(f"{k}={v}" for k, v in case.settings.items())
-        message = (
+        raise MissingDataError(
             f"{case.log.provenance.path}, {setting}: fewer than {FEWEST} samples are left, or all channels are constant; "
             "leave this setting out"
         )
-        raise MissingDataError(message)
     rate = rates(axes)
     return CaseResult(dict(case.settings), rate, results, _ratio(case.settings, rate), _slowest(case.settings, rate))
 

@@ -59,13 +59,11 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
             raise MissingDataError(str(error)) from error
         models.append(replace(better, name="tuned"))
     if base.aids.speed and not log.speeds:
-        message = f"{log.provenance.path}: the log has no speed, which --speed needs; leave --speed out"
-        raise MissingDataError(message)
+        raise MissingDataError(f"{log.provenance.path}: the log has no speed, which --speed needs; leave --speed out")
     try:
         replayed = replay(prepared, models, _outages(prepared, base, parameters), reference=parameters.reference)
     except ValueError as error:
-        message = f"{log.provenance.path}: {error}"
-        raise MissingDataError(message) from error
+        raise MissingDataError(f"{log.provenance.path}: {error}") from error
     return _result(replayed, parameters, clocks, mounting, tuned)
 
 
@@ -106,8 +104,7 @@ def _base(parameters: Parameters) -> FilterModel:
             base = replace(base, error_model=ImuErrorModel.read(parameters.error_model))
         return base
     if parameters.error_model is None:
-        message = "outage needs --error-model MODEL.toml; imuwb noise writes one from a static record"
-        raise UsageError(message)
+        raise UsageError("outage needs --error-model MODEL.toml; imuwb noise writes one from a static record")
     gyro, accel = parameters.scale_factor
     return FilterModel(
         "base", ImuErrorModel.read(parameters.error_model), scale_factor=(gyro / 100, accel / 100),

@@ -109,24 +109,20 @@ class Parameters:
         check(self)
         unknown = [name for name in self.models if name not in MODELS]
         if unknown or not self.models or len(set(self.models)) < len(self.models):
-            message = f"models is {text_of(self.models)!r}; it must have one or more of {','.join(MODELS)}, each once"
-            raise ValueError(message)
+            raise ValueError(
+                f"models is {text_of(self.models)!r}; it must have one or more of {','.join(MODELS)}, each once"
+            )
         if not self.durations:
-            message = "durations is empty; it must have one or more durations, such as 30,60"
-            raise ValueError(message)
+            raise ValueError("durations is empty; it must have one or more durations, such as 30,60")
         for _, duration in () if self.at == "own" else self.at:
             if duration not in DURATION:
-                message = f"at: an outage lasts {duration:g} s; it must last {DURATION}"
-                raise ValueError(message)
+                raise ValueError(f"at: an outage lasts {duration:g} s; it must last {DURATION}")
         if unknown := [name for name in self.degrade if name not in ("noise", "jump", "every")]:
-            message = f"degrade has {unknown[0]}; it must be noise=M,jump=M,every=S"
-            raise ValueError(message)
+            raise ValueError(f"degrade has {unknown[0]}; it must be noise=M,jump=M,every=S")
         if self.degrade.get("every", EVERY.least) not in EVERY:
-            message = f"degrade: every is {self.degrade['every']:g} s; it must be {EVERY}"
-            raise ValueError(message)
+            raise ValueError(f"degrade: every is {self.degrade['every']:g} s; it must be {EVERY}")
         for value, between, unit in (
             () if self.turn_on == "auto" else zip(self.turn_on, TURN_ON, ("deg/s", "m/s²"), strict=True)
         ):
             if value not in between:
-                message = f"turn_on is {value:g} {unit}; it must be {between}"
-                raise ValueError(message)
+                raise ValueError(f"turn_on is {value:g} {unit}; it must be {between}")

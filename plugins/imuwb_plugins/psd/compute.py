@@ -44,8 +44,9 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     axes = axes_of(imu)
     results = for_each(axes, lambda axis: _axis(axis, parameters, log.band))
     if all(r.why_none for r in results.values()):
-        message = f"{log.provenance.path}: {imu.name}: no axis has a spectrum: {next(iter(results.values())).why_none}"
-        raise MissingDataError(message)
+        raise MissingDataError(
+            f"{log.provenance.path}: {imu.name}: no axis has a spectrum: {next(iter(results.values())).why_none}"
+        )
     missing = (Note("no-spectrum", f"{name}: {r.why_none}") for name, r in results.items() if r.why_none)
     sizes = {axis.sensor: min(parameters.segment, axis.longest.size) for axis in axes.values()}
     notes = (*gap_notes(axes, "the spectrum"), *missing)

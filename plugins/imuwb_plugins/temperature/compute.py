@@ -45,8 +45,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     axes, axis_notes = _axes(names, groups, parameters)
     notes += axis_notes
     if not axes:
-        message = f"{logs[0].provenance.path}: no axis has noise at two temperatures: {'; '.join(notes)}"
-        raise MissingDataError(message)
+        raise MissingDataError(f"{logs[0].provenance.path}: no axis has noise at two temperatures: {'; '.join(notes)}")
     lowest, highest = (end(p.celsius for over in axes.values() for p in over.points) for end in (min, max))
     reference = min(max(parameters.reference, lowest), highest)
     if reference != parameters.reference:
@@ -97,14 +96,12 @@ def _require_two(logs: Sequence[Log], groups: Sequence[list[LogPart]], any_stret
     where = logs[0].provenance.path + (f" and {len(logs) - 1} more" if len(logs) > 1 else "")
     if not groups:
         why = f"no temperature has {FEWEST} samples" if any_stretch else "no stretch has one temperature"
-        message = f"{where}: {why}; use wider bins with --bins, or longer logs"
-        raise MissingDataError(message)
+        raise MissingDataError(f"{where}: {why}; use wider bins with --bins, or longer logs")
     celsius = groups[0][0].stretch.celsius
-    message = (
+    raise MissingDataError(
         f"{where}: one temperature only ({celsius:.1f} °C), which shows no dependence on temperature; give logs of other "
         "temperatures, or --celsius if the thermometer is stuck; for the noise alone, use imuwb noise"
     )
-    raise MissingDataError(message)
 
 
 def _axes(
@@ -177,5 +174,4 @@ def _over(points: Sequence[SetPoint], parameters: Parameters) -> AxisTemperature
     try:
         return over_temperature(points, level=parameters.level, size=parameters.size, kind=kind)
     except ValueError as error:
-        message = f"--function {parameters.function}: {error}"
-        raise UsageError(message) from error
+        raise UsageError(f"--function {parameters.function}: {error}") from error

@@ -25,16 +25,16 @@ def check_together(logs: Sequence[Log], parameters: Parameters) -> list[Note]:
     """
     given = parameters.celsius
     if given and len(given) != len(logs):
-        message = f"--celsius has {len(given)} temperatures for {len(logs)} logs; give one for each, in their order"
-        raise UsageError(message)
+        raise UsageError(
+            f"--celsius has {len(given)} temperatures for {len(logs)} logs; give one for each, in their order"
+        )
     paths = {log.provenance.hash: log.provenance.path for log in logs}
     if len(paths) < len(logs):
         twice = [log.provenance.path for log in logs if paths[log.provenance.hash] != log.provenance.path]
         same = twice[0] if twice else logs[0].provenance.path
-        message = (
+        raise UsageError(
             f"{same} is the same as another of the logs; the same noise twice gives no more information: give it once"
         )
-        raise UsageError(message)
     _check_rates(logs)
     names = sorted({log.imu().name for log in logs})
     if len(names) > 1:
@@ -50,11 +50,10 @@ def _check_rates(logs: Sequence[Log]) -> None:
             rate, path = 1 / axis.clock.interval, log.provenance.path
             known, first_path = first.setdefault(axis.sensor, (rate, path))
             if abs(rate / known - 1) > SAME_RATE:
-                message = (
+                raise UsageError(
                     f"{axis.sensor}: {known:.6g} Hz in {first_path}, {rate:.6g} Hz in {path}; AR(1) and sigma are valid at one rate "
                     f"only: bring the logs to one rate with --through decimate:rate={min(rate, known):.4g}"
                 )
-                raise UsageError(message)
 
 
 def check_thermometers(logs: Sequence[Log], parameters: Parameters) -> list[Note]:
@@ -68,11 +67,10 @@ def check_thermometers(logs: Sequence[Log], parameters: Parameters) -> list[Note
     readings = [(log, t) for log in logs if (t := log.imu().temperature) is not None and len(t)]
     dead = [log for log, t in readings if not t.value.any()]
     if readings and len(dead) == len(readings):
-        message = (
+        raise MissingDataError(
             f"{logs[0].provenance.path}: its temperature is 0 °C throughout{', as in all logs' if len(logs) > 1 else ''}, as of a "
             "disconnected thermometer; give the temperatures: --celsius with one number for each log"
         )
-        raise MissingDataError(message)
     return [
         Note(
             "thermometer-zero",

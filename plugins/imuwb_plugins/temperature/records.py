@@ -89,10 +89,9 @@ def parts_of(
         stretch = Stretch(begin, end, given, 0.0, given, None)
         return "set-point", (LogPart(number, log, axes, stretch, None),), notes
     if imu.temperature is None or not len(imu.temperature):
-        message = (
+        raise MissingDataError(
             f"{path}: {imu.name} has no temperature; give it: --celsius with one number for each log, such as -30,0,30"
         )
-        raise MissingDataError(message)
     time, celsius = log.seconds(imu.temperature.time), imu.temperature.value
     rate = 1 / next(iter(axes.values())).clock.interval
     cut, parts = stretches(time, celsius, rate, None if parameters.cut == "auto" else parameters.cut, parameters.bins)
@@ -106,11 +105,10 @@ def _check_stillness(log: Log, axes: dict[str, Axis]) -> list[Note]:
     if still is None:
         return []
     if still.moving:
-        message = (
+        raise MissingDataError(
             f"{log.provenance.path}: the sensor moves in most parts of the log; noise needs a still sensor. Its longest quiet part: "
             f"--start {np.ceil(still.quiet_start):.0f} --end {np.floor(still.quiet_end):.0f}"
         )
-        raise MissingDataError(message)
     if not still.disturbances:
         return []
     worst = max(still.disturbances, key=lambda d: d.largest)

@@ -43,10 +43,9 @@ def _first_orders(case: Case, number: int, parameters: Parameters) -> dict[str, 
     """Return AR(1) of each axis at each temperature of a case."""
     given = parameters.celsius
     if given and number >= len(given):
-        message = (
+        raise UsageError(
             f"--celsius has {len(given)} temperatures for {number + 1} logs or more; give one for each, in their order"
         )
-        raise UsageError(message)
     _, parts, _ = parts_of(number, case.log, given[number] if given else None, parameters)
     axes: dict[str, ByTemperature] = {}
     for part in parts:
@@ -57,8 +56,7 @@ def _first_orders(case: Case, number: int, parameters: Parameters) -> dict[str, 
             try:
                 first = first_order([record], axis.clock.interval)
             except ValueError as error:
-                message = f"{case.log.provenance.path}, {name}: {error}"
-                raise MissingDataError(message) from error
+                raise MissingDataError(f"{case.log.provenance.path}, {name}: {error}") from error
             axes.setdefault(name, []).append((part.stretch.nominal, first))
     return axes
 

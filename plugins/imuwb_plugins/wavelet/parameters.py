@@ -39,5 +39,6 @@ class Parameters:
         """Check the values."""
         check(self)
         if self.levels != "auto" and len(self.levels) not in (1, AXES):
-            message = f"levels is {'/'.join(map(str, self.levels))}; give auto, one number, or six such as 7/7/7/7/6/6"
-            raise ValueError(message)
+            raise ValueError(
+                f"levels is {'/'.join(map(str, self.levels))}; give auto, one number, or six such as 7/7/7/7/6/6"
+            )
