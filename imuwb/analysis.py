@@ -47,23 +47,20 @@ It is registered under ``imuwb.conditioners``.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol
 
-from imuwb.colors import PALE
+import numpy as np
+from numpy.typing import NDArray
 
+from imuwb.colors import PALE, Color
+from imuwb.log import Log
+from imuwb.statistics import Coefficient
+
+Floats = NDArray[np.float64]
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    import numpy as np
     import rerun as rr
-    from numpy.typing import NDArray
-
-    from imuwb.colors import Color
-    from imuwb.log import Log
-    from imuwb.statistics import Coefficient
-
-    Floats = NDArray[np.float64]
 
 
 class DataclassInstance(Protocol):

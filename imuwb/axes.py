@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
+from imuwb.log import Floats, ImuStream, Nanoseconds
 from imuwb.notes import Note
 from imuwb.progress import tracked
 from imuwb.sampling import Sampling, longest_part, sampling
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-    from imuwb.log import Floats, ImuStream, Nanoseconds
-
-    Outcome = TypeVar("Outcome")
+Outcome = TypeVar("Outcome")
 
 THREADS = 2
 

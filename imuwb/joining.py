@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from imuwb.errors import MissingDataError
+from imuwb.log import Log
 from imuwb.notes import Note
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from imuwb.log import Log
 
 
 def joined(log: Log, other: Log) -> Log:

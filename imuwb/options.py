@@ -19,13 +19,10 @@ from __future__ import annotations
 import math
 import types
 import typing
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, cast
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
+from typing import Annotated, Any, Literal, TypeAlias, cast
 
 MOST = 10_000  #: largest number of whole numbers in a range
 

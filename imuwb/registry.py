@@ -12,12 +12,9 @@ import warnings
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import ModuleType
 
 from imuwb.errors import UsageError
-
-if TYPE_CHECKING:
-    from types import ModuleType
 
 READERS = "imuwb.readers"
 ANALYSES = "imuwb.analyses"

@@ -6,17 +6,13 @@ then be wrong by tens of per cent, and so would gaps that are found as steps lon
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.units import SECOND
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from numpy.typing import NDArray
 
 SPAN = 100  #: steps; over this number of steps rounding averages out
 GAP = 1.5  #: intervals; a longer step misses at least one sample

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from imuwb.log import Epoch, Kind, Log, Nanoseconds, Repair
 from imuwb.sampling import sampling
 from imuwb.texts import rows_text
 from imuwb.units import SECOND
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from imuwb.log import Epoch, Kind, Log, Nanoseconds, Repair
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from imuwb.statistics.estimate import Coefficient, Estimate
-    from imuwb.units import Unit
+from imuwb.statistics.estimate import Coefficient, Estimate
+from imuwb.units import Unit
 
 HOURS = 2  #: shortest time, in hours, that is written in hours
 LARGE = 100  #: smallest number that is written without decimals

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import Annotated, Any, cast
 
-from imuwb.analysis import offers
+from imuwb.analysis import Analysis, offers
 from imuwb.cli.options import LOG_ARGUMENT, PANELS, Conditions, Outputs, Part, Request
 from imuwb.cli.parameters import make, parameters_of
 from imuwb.errors import UsageError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from imuwb.analysis import Analysis
 
 #: a shared option -> the part that an analysis must offer for it
 NEEDED = {"save_model": "error_model", "study": "study"}

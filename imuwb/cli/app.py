@@ -6,17 +6,14 @@ from collections.abc import Mapping
 from dataclasses import is_dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import Annotated, cast
 
 import typer
 
-from imuwb.analysis import offers
+from imuwb.analysis import Analysis, offers
 from imuwb.cli.options import PANELS
 from imuwb.cli.parameters import expanded
 from imuwb.errors import UsageError
-
-if TYPE_CHECKING:
-    from imuwb.analysis import Analysis
 
 LOGS, ANALYSES, RESULTS = "Logs", "Analyses", "Results"
 #: command of the core -> its panel and its line in the list of commands, in the order of that list. Each command is in the

@@ -6,10 +6,7 @@ COMP_WORDS and COMP_CWORD, zsh, fish and PowerShell pass _TYPER_COMPLETE_ARGS (`
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
+from collections.abc import Mapping
 
 ASKED = "_IMUWB_COMPLETE"  #: name of the variable that is in the environment when a shell asks
 

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path  # noqa: TC003 - the command line reads the annotations as the program runs
-from typing import TYPE_CHECKING, Annotated
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated
 
 import typer
 
 from imuwb.cli.options import LOG_ARGUMENT, Force, Part, output_option
 from imuwb.errors import UsageError
-from imuwb.readers.read_options import ReadOptions  # noqa: TC001 - the command line reads the annotations as the program runs
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from imuwb.log import Log
+from imuwb.log import Log
+from imuwb.readers.read_options import ReadOptions
 
 
 def convert(

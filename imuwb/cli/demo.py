@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import Annotated, cast
 
 import typer
 
 from imuwb import registry
+from imuwb.analysis import Analysis
 from imuwb.cli.options import Conditions, Force, Outputs, Part, Request, output_option
 from imuwb.errors import MissingDataError
-
-if TYPE_CHECKING:
-    from imuwb.analysis import Analysis
 
 LOGS = {"still": "static.mcap", "drive": "drive.mcap"}  #: value of an analysis's DEMO -> its sample log
 

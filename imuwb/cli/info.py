@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path  # noqa: TC003 - the command line reads the annotations as the program runs
-from typing import TYPE_CHECKING, Annotated
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
 
 import typer
 
 from imuwb import registry
+from imuwb.analysis import Table
 from imuwb.cli.options import LOG_ARGUMENT
-from imuwb.readers.read_options import ReadOptions  # noqa: TC001 - the command line reads the annotations as the program runs
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from imuwb.analysis import Table
-    from imuwb.log import Log
+from imuwb.log import Log
+from imuwb.readers.read_options import ReadOptions
 
 LARGE = 256 << 20  #: bytes; a larger log is summarized from its index, if it has one
 

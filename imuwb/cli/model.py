@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from imuwb.analysis import Table
 from imuwb.errors import ImuwbError, UsageError
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.analysis import Table
-    from imuwb.stochastic import ImuErrorModel
+from imuwb.stochastic import ImuErrorModel
 
 FEWEST = 100  #: samples for which curves are drawn
 

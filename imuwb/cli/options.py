@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from pathlib import Path  # noqa: TC003 - the command line reads the annotations as the program runs
-from typing import TYPE_CHECKING, Annotated, Any
+from pathlib import Path
+from typing import Annotated, Any
 
 import typer
 
 from imuwb.options import Form
-
-if TYPE_CHECKING:
-    from imuwb.readers import ReadOptions
+from imuwb.readers import ReadOptions
 
 #: group of options -> its panel of ``--help``, by the name of its dataclass
 PANELS = {

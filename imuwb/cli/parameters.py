@@ -5,22 +5,18 @@ from __future__ import annotations
 import inspect
 import types
 import typing
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
+from typing import Annotated, Any, Literal, cast
 
 import typer
 from typer.models import OptionInfo
 
 from imuwb.errors import UsageError
-from imuwb.options import options_of, read, text_of
+from imuwb.options import Option, options_of, read, text_of
 from imuwb.units import UNITS
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-    from imuwb.options import Option
 
 #: Types that typer reads itself. ``imuwb.options`` reads all others from their texts.
 NATIVE = (bool, int, float, str, Path, list[str], list[Path])

@@ -4,32 +4,28 @@ from __future__ import annotations
 
 import os
 import traceback
+from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import typer
 
 from imuwb import __version__
+from imuwb.analysis import Analysis
+from imuwb.cli.options import Request
 from imuwb.cli.places import Places, check_places
 from imuwb.cli.reading import read_log
 from imuwb.cli.studies import cases, grid
 from imuwb.cli.terminal import progress, shower
-from imuwb.cli.through import conditioned, step
+from imuwb.cli.through import Step, conditioned, step
 from imuwb.errors import ImuwbError, UsageError
+from imuwb.log import Log
 from imuwb.progress import watched
 from imuwb.review.document import document
 from imuwb.review.overview import overview
 from imuwb.review.recording import RecordingReview
 from imuwb.writers import write_text
-
-if TYPE_CHECKING:
-    from collections.abc import Generator, Sequence
-
-    from imuwb.analysis import Analysis
-    from imuwb.cli.options import Request
-    from imuwb.cli.through import Step
-    from imuwb.log import Log
 
 VIEWER = "rerun+http://127.0.0.1:9876/proxy"
 

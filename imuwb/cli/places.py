@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
-from imuwb.analysis import offers
+from imuwb.analysis import Analysis, offers
+from imuwb.cli.options import Outputs
 from imuwb.errors import ImuwbError, UsageError
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.analysis import Analysis
-    from imuwb.cli.options import Outputs
 
 SUFFIXES = (".rrd", ".gz", ".csv", ".txt", ".mcap", ".pos", ".bin", ".tlog", ".ulg", ".log")
 

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from imuwb import joining, readers, selection
+from imuwb.cli.options import Part
 from imuwb.cli.terminal import progress
+from imuwb.log import Log
 from imuwb.readers.read_options import ReadOptions
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from imuwb.cli.options import Part
-    from imuwb.log import Log
 
 
 def read_log(path: Path, reading: ReadOptions, part: Part | None = None) -> Log:

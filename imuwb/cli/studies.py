@@ -4,19 +4,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping, Sequence
 
 from imuwb.analysis import Case
-from imuwb.cli.through import conditioner_of, conditioners, step_of
+from imuwb.cli.through import Step, conditioner_of, conditioners, step_of
 from imuwb.errors import UsageError
+from imuwb.log import Log
 from imuwb.options import whole_numbers
 from imuwb.progress import tracked
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from imuwb.cli.through import Step
-    from imuwb.log import Log
 
 MOST_CASES = 200
 OPTION = "--study"

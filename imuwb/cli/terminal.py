@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table as RichTable
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Generator
-
-    from imuwb.analysis import Table
+from imuwb.analysis import Table
 
 WIDE = 200  #: columns of an output that is no terminal
 

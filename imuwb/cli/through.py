@@ -4,21 +4,16 @@ from __future__ import annotations
 
 import inspect
 import typing
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from imuwb import registry
-from imuwb.analysis import offers
+from imuwb.analysis import Conditioner, Review, offers
 from imuwb.cli.parameters import default_of
 from imuwb.errors import UsageError
-from imuwb.options import options_of, read
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from imuwb.analysis import Conditioner, Review
-    from imuwb.log import Log
-    from imuwb.options import Option
+from imuwb.log import Log
+from imuwb.options import Option, options_of, read
 
 
 @dataclass(frozen=True, slots=True)

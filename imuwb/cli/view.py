@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from pathlib import Path  # noqa: TC003 - the command line reads the annotations as the program runs
+from pathlib import Path
 from typing import Annotated
 
 import typer

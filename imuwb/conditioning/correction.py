@@ -7,18 +7,13 @@ time. Samples before the first measured value are corrected with that first valu
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.log import Conditioning, Triad
+from imuwb.log import Conditioning, Floats, ImuStream, Log, Nanoseconds, Triad
 from imuwb.notes import Note, ids
-from imuwb.stochastic import corrected, is_ideal
-
-if TYPE_CHECKING:
-    from imuwb.log import Floats, ImuStream, Log, Nanoseconds
-    from imuwb.stochastic import ImuErrorModel
+from imuwb.stochastic import ImuErrorModel, corrected, is_ideal
 
 #: field of an axis model -> its term; a curve counts where the temperature is known
 _PLAIN = {

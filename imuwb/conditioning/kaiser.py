@@ -7,17 +7,14 @@ This module uses Kaiser's own formulas.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import signal
 
 from imuwb.conditioning.streams import Change
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 LONGEST = 400_001  #: largest number of taps
 LOBES = 8  #: number of lobes of the response on each side of the transition, in which the gain is checked

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.errors import MissingDataError
-from imuwb.log import Triad
+from imuwb.log import Floats, ImuStream, Log, Triad
 from imuwb.sampling import sampling
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from imuwb.log import Floats, ImuStream, Log
 
 
 @dataclass(frozen=True, slots=True)

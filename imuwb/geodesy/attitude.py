@@ -5,14 +5,10 @@ A quaternion is (w, x, y, z) and turns body vectors into the navigation frame, a
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 
 def rotation_of_euler(euler: Floats) -> Floats:

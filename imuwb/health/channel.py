@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from imuwb.log import Floats, ImuStream, Log
 from imuwb.sampling import Sampling, sampling
 from imuwb.units import coefficient_units
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats, ImuStream, Log
 
 LOOKED_AT = 200_000  #: number of samples that show the properties that do not change during a log
 ROUNDING = 1e-9  #: share of the largest value; a smaller difference is due to rounding

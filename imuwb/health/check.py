@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,15 +11,11 @@ from imuwb.health.channel import channels
 from imuwb.health.clocks import clock_faults
 from imuwb.health.fault import RANK, Fault
 from imuwb.health.lone import lone_samples
+from imuwb.health.motion import Segment
 from imuwb.health.plausibility import implausible
 from imuwb.health.receivers import receiver_faults
 from imuwb.health.repairs import repair_faults
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from imuwb.health.motion import Segment
-    from imuwb.log import Floats, ImuStream, Log, Nanoseconds, Repair
+from imuwb.log import Floats, ImuStream, Log, Nanoseconds, Repair
 
 WINDOWS = 400  #: number of windows of a log in which the rate of a stream is counted
 FEWEST = 20  #: least number of rows in a window

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.health.fault import Fault, runs
-from imuwb.sampling import sampling
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats
-    from imuwb.sampling import Sampling
+from imuwb.log import Floats
+from imuwb.sampling import Sampling, sampling
 
 JITTER = 0.2  #: share of the interval; a larger scatter of the stamps is a fault
 DROPPED = 1.5  #: times the usual step; a window with longer steps shows a drop of the rate

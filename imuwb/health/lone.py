@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from imuwb.health.channel import LOOKED_AT
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.health.channel import Channel
-    from imuwb.log import Floats
+from imuwb.health.channel import LOOKED_AT, Channel
+from imuwb.log import Floats
 
 STRUCK = 40.0  #: times the usual change; a lone sample differs by more from both neighbours
 STEPS = 5.0  #: steps (LSB) of the sensor; a lone sample differs by at least as much from both neighbours

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from imuwb.identification import stillness
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from imuwb.health.channel import Channel
-    from imuwb.health.lone import Lone
-    from imuwb.identification import Stillness
+from imuwb.health.channel import Channel
+from imuwb.health.lone import Lone
+from imuwb.identification import Stillness, stillness
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from imuwb.health.fault import Fault
+from imuwb.health.motion import Segment
+from imuwb.log import Floats, ImuStream, Log, Triad
 from imuwb.units import STANDARD_GRAVITY
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from imuwb.health.motion import Segment
-    from imuwb.log import Floats, ImuStream, Log, Triad
 
 GRAVITY = 0.02  #: share of standard gravity; a still accelerometer may differ from gravity by this
 WRONG = 0.1  #: share of standard gravity; no bias explains a larger difference

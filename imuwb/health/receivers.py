@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.geodesy import radii_of_curvature
 from imuwb.health.fault import Fault, runs
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats, GnssStream, Log
+from imuwb.log import Floats, GnssStream, Log
 
 FIXED_3D = 3
 FEWEST = 3  #: least number of fixes that can be compared

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator
 
-from imuwb.health.fault import Fault
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from imuwb.health.fault import Severity
-    from imuwb.log import Effect, Repair
+from imuwb.health.fault import Fault, Severity
+from imuwb.log import Effect, Repair
 
 MUCH = 0.01  #: share of a stream; if more of it was repaired, the severity is higher
 #: effect -> severity of few repairs, severity of many, consequence

@@ -9,43 +9,31 @@ whether the coefficients can be trusted. A comparison of sums shows whether a Ga
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING, Literal, TypeVar
+from typing import Literal, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from imuwb.identification.allan_variance.fit import fit_allan
-from imuwb.identification.allan_variance.overlapping import allan
+from imuwb.identification.allan_variance.fit import AllanFit, fit_allan
+from imuwb.identification.allan_variance.overlapping import AllanDeviation, Uncertainty, allan
 from imuwb.identification.correlation.burg import burg
-from imuwb.identification.likelihood.fit import fit_cosine_spectrum, spectrum_without
-from imuwb.identification.likelihood.model_choice import choose_model
-from imuwb.identification.record.stationarity import stationarity
-from imuwb.identification.spectral.lines import find_lines
-from imuwb.identification.wavelet.variance import fit_wavelet_variance, wavelet_variance
+from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
+from imuwb.identification.likelihood.fit import LikelihoodFit, fit_cosine_spectrum, spectrum_without
+from imuwb.identification.likelihood.model_choice import ModelChoice, choose_model
+from imuwb.identification.record.stationarity import Stationarity, stationarity
+from imuwb.identification.spectral.lines import Line, find_lines
+from imuwb.identification.wavelet.variance import WaveletFit, fit_wavelet_variance, wavelet_variance
 from imuwb.notes import Note
 from imuwb.sampling import longest_part
-from imuwb.statistics import UNKNOWN
+from imuwb.statistics import UNKNOWN, Coefficient
 from imuwb.stochastic import Autoregressive, GaussMarkov, Sum
 from imuwb.texts import coefficients_text, seconds_text
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
-    from numpy.typing import NDArray
-
-    from imuwb.identification.allan_variance.fit import AllanFit
-    from imuwb.identification.allan_variance.overlapping import AllanDeviation, Uncertainty
-    from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
-    from imuwb.identification.likelihood.fit import LikelihoodFit
-    from imuwb.identification.likelihood.model_choice import ModelChoice
-    from imuwb.identification.record.stationarity import Stationarity
-    from imuwb.identification.spectral.lines import Line
-    from imuwb.identification.wavelet.variance import WaveletFit
-    from imuwb.statistics import Coefficient
-
-    Floats = NDArray[np.float64]
-    Computed = TypeVar("Computed")
+Floats = NDArray[np.float64]
+Computed = TypeVar("Computed")
 
 AR_ORDERS = (1, 3)  #: autoregressive models that are compared (Quinchia; El-Diasty)
 SETTLED = 20.0  #: averaging time, in units of 1/band, above which a filter removes less than 1/250 of white noise

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from imuwb.statistics import Estimate
+from imuwb.statistics import Estimate
 
 SHARE = 0.6  #: share of the variance or density, above which a term dominates
 

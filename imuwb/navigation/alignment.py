@@ -6,22 +6,18 @@ Source: Groves, 5.6.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.errors import MissingDataError
 from imuwb.geodesy.attitude import rotation_of_euler
 from imuwb.geodesy.earth import gravity, ned_scale
+from imuwb.log import Floats
+from imuwb.navigation.corrections import Corrections
+from imuwb.navigation.filter_model import FilterModel, Settings
+from imuwb.navigation.measurement import Measurement
 from imuwb.notes import Note
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats
-    from imuwb.navigation.corrections import Corrections
-    from imuwb.navigation.filter_model import FilterModel, Settings
-    from imuwb.navigation.measurement import Measurement
 
 AROUND = 1.0  #: s before and after the alignment over which specific force and angular rate are averaged
 NEAR = 5.0  #: s; positions at most this far apart give a velocity

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.errors import MissingDataError
-from imuwb.log import SECOND
+from imuwb.log import SECOND, Floats, GnssStream, Log
+from imuwb.navigation.filter_model import FilterModel
+from imuwb.navigation.measurement import Measurement
 from imuwb.navigation.tables import FIX, SPEED, STILL, STRAIGHT, Events
 from imuwb.notes import Note
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats, GnssStream, Log
-    from imuwb.navigation.filter_model import FilterModel
-    from imuwb.navigation.measurement import Measurement
-
-    Integers = NDArray[np.int64]
+Integers = NDArray[np.int64]
 
 FEW = 5  #: fewest fixes that a filter needs
 LEAST_FIX = 3  #: fix type of a position in three dimensions

@@ -18,24 +18,18 @@ all offsets, and works on four columns at once.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.compiled import compiled
 from imuwb.geodesy.earth import EQUATORIAL_RADIUS
 from imuwb.navigation.strapdown import CORIOLIS, EARTH, GRAVITY, MEASURED, PUSHED, SIZE, SPAN, TURNED
-from imuwb.navigation.workspace import MOST_STATES, STRIDE
+from imuwb.navigation.tables import AxisTables
+from imuwb.navigation.workspace import MOST_STATES, STRIDE, Workspace
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.navigation.tables import AxisTables
-    from imuwb.navigation.workspace import Workspace
-
-    Floats = NDArray[np.float64]
-    Integers = NDArray[np.int64]
-    Whole = int | np.int64
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Whole = int | np.int64
 
 NAVIGATION = 9  #: error states of position, velocity and attitude
 _LANES = 4  #: columns that the compiler works on at once

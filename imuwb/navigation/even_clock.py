@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats
+from imuwb.log import Floats
 
 FIRST = 32  #: first samples, over which the median interval alone gives the clock
 EVEN = 0.6  #: intervals; a stamp that differs by less from an even clock lies on it

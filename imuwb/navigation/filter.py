@@ -3,29 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.errors import MissingDataError
 from imuwb.geodesy.attitude import euler_of_quaternion
 from imuwb.geodesy.earth import EARTH_RATE
+from imuwb.log import Floats
 from imuwb.navigation import kernel
+from imuwb.navigation.alignment import Alignment
+from imuwb.navigation.corrections import Corrections
 from imuwb.navigation.covariance import NAVIGATION, flat
+from imuwb.navigation.filter_model import FilterModel
 from imuwb.navigation.initial import axis_start
+from imuwb.navigation.measurement import Measurement
 from imuwb.navigation.strapdown import QUATERNION, SIZE, VELOCITY, navigation_state
-from imuwb.navigation.tables import FIX, Marks, Prior, Rules, Track
+from imuwb.navigation.tables import FIX, AxisTables, Marks, Prior, Rules, Track
 from imuwb.navigation.workspace import workspace
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats
-    from imuwb.navigation.alignment import Alignment
-    from imuwb.navigation.corrections import Corrections
-    from imuwb.navigation.filter_model import FilterModel
-    from imuwb.navigation.measurement import Measurement
-    from imuwb.navigation.tables import AxisTables
 
 ENDED = {
     kernel.NOT_FINITE: "a state or a variance is not a finite number",

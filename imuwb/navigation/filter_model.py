@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.log import AXES
+from imuwb.log import AXES, Floats
 from imuwb.navigation.covariance import NAVIGATION
 from imuwb.navigation.shaping import Reading, Shaping, shaping
 from imuwb.navigation.tables import AxisTables
 from imuwb.navigation.workspace import MOST_STATES
-
-if TYPE_CHECKING:
-    from imuwb.log import Floats
-    from imuwb.stochastic import ImuErrorModel
+from imuwb.stochastic import ImuErrorModel
 
 NAVIGATION_STATES = (
     *(f"position {axis}, m" for axis in ("north", "east", "down")),

@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from imuwb.navigation.shaping import over
+from imuwb.navigation.shaping import Shaping, over
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.navigation.shaping import Shaping
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

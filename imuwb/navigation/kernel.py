@@ -11,26 +11,20 @@ Arrays are copied in loops, and all counters have one type; otherwise numba comp
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.compiled import compiled
 from imuwb.navigation.covariance import NAVIGATION, propagate
 from imuwb.navigation.strapdown import MEASURED, SIZE, step
-from imuwb.navigation.tables import FIX
+from imuwb.navigation.tables import FIX, AxisTables, Events, Marks, Rules, Samples, Track
 from imuwb.navigation.update import update
-from imuwb.navigation.workspace import STRIDE
+from imuwb.navigation.workspace import STRIDE, Workspace
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.navigation.tables import AxisTables, Events, Marks, Rules, Samples, Track
-    from imuwb.navigation.workspace import Workspace
-
-    Floats = NDArray[np.float64]
-    Integers = NDArray[np.int64]
-    Whole = int | np.int64
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Whole = int | np.int64
 
 FINE, NOT_FINITE, NOT_POSITIVE = 0, 1, 2  #: how a run ended
 _U = np.uint64

@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.conditioning import denoise
 from imuwb.errors import MissingDataError
 from imuwb.geodesy.attitude import rotation_of_euler
-from imuwb.log import SECOND
+from imuwb.log import SECOND, Floats, ImuStream, Log, Triad
 from imuwb.navigation.even_clock import even_clock
+from imuwb.navigation.filter_model import Installation
 from imuwb.navigation.tables import Samples
 from imuwb.notes import Note
 from imuwb.sampling import longest_part
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats, ImuStream, Log, Triad
-    from imuwb.navigation.filter_model import Installation
-
-    Integers = NDArray[np.int64]
+Integers = NDArray[np.int64]
 
 LEAST = 100  #: samples that navigation needs
 LONGEST_GAP = 10.0  #: s; a longer gap is not bridged: the longest part without such gaps is used

@@ -5,22 +5,17 @@ from __future__ import annotations
 import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from imuwb.log import Floats
 from imuwb.navigation import kernel
 from imuwb.navigation.covariance import NAVIGATION, flat
-from imuwb.navigation.filter import empty_track
+from imuwb.navigation.filter import Solution, empty_track
 from imuwb.navigation.tables import Marks
 from imuwb.navigation.workspace import workspace
 from imuwb.progress import tracked
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats
-    from imuwb.navigation.filter import Solution
 
 EACH = 1.0  #: s between two marks
 ALL = np.iinfo(np.int64).max  #: a sample number after the last sample of any log

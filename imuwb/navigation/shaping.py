@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from imuwb.stochastic import (
@@ -13,20 +15,14 @@ from imuwb.stochastic import (
     FiniteOrder,
     FlickerNoise,
     GaussMarkov,
+    Process,
     Quantization,
     StateSpace,
     Sum,
     WhiteNoise,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
-
-    from imuwb.stochastic import Process
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 #: How Quinchia's formulas are read. "corrected": white noise of density N², and exp(-dt/Tc); "as printed": word for word.
 Reading = Literal["corrected", "as printed"]

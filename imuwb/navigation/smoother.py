@@ -10,19 +10,16 @@ where c is the correction by event k+1. Its covariance is P+_k + G_k (P^s_(k+1) 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from imuwb.geodesy.attitude import euler_of_rotation, rotation_of_quaternion
 from imuwb.geodesy.earth import ned_scale
+from imuwb.log import Floats
 from imuwb.navigation.covariance import NAVIGATION
+from imuwb.navigation.filter import Solution
 from imuwb.navigation.strapdown import QUATERNION, VELOCITY
-
-if TYPE_CHECKING:
-    from imuwb.log import Floats
-    from imuwb.navigation.filter import Solution
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from imuwb.log import SECOND
-
-if TYPE_CHECKING:
-    from imuwb.log import Floats, GnssStream, Log
-    from imuwb.navigation.measurement import Measurement
+from imuwb.log import SECOND, Floats, GnssStream, Log
+from imuwb.navigation.measurement import Measurement
 
 SLOW = 0.5  #: m/s; below this speed a receiver may stand still
 QUIET = 4.0  #: ratio of the scatter of a still second, at most, to that of the quietest tenth of all seconds

@@ -15,9 +15,9 @@ of it is a checkpoint:
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.compiled import compiled
 from imuwb.geodesy.attitude import quaternion_of_rotation, rotation_of_euler
@@ -32,10 +32,7 @@ from imuwb.geodesy.earth import (
     gravity,
 )
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 LATITUDE, LONGITUDE, HEIGHT, VELOCITY, QUATERNION = 0, 1, 2, 3, 6
 PAST_ANGLE, PAST_VELOCITY, PAST_STEP = 10, 13, 16

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+import numpy as np
+from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
-    Integers = NDArray[np.int64]
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 FIX, SPEED, STRAIGHT, STILL = 0, 1, 2, 3  #: kinds of event: GNSS fix, forward speed, no slip, standstill
 MOST_ROWS = 6  #: largest number of measurements of an event

@@ -3,25 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.compiled import compiled
 from imuwb.geodesy.earth import ECCENTRICITY_SQUARED, EQUATORIAL_RADIUS
 from imuwb.navigation.covariance import NAVIGATION
 from imuwb.navigation.strapdown import HEIGHT, LATITUDE, LONGITUDE, QUATERNION, RATE, VELOCITY
-from imuwb.navigation.tables import FIX, MOST_ROWS, SPEED, STILL
-from imuwb.navigation.workspace import STRIDE
+from imuwb.navigation.tables import FIX, MOST_ROWS, SPEED, STILL, AxisTables, Events, Rules, Samples
+from imuwb.navigation.workspace import STRIDE, Weighing
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.navigation.tables import AxisTables, Events, Rules, Samples
-    from imuwb.navigation.workspace import Weighing
-
-    Floats = NDArray[np.float64]
-    Whole = int | np.int64
+Floats = NDArray[np.float64]
+Whole = int | np.int64
 
 
 @compiled(arrays=False)

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from pathlib import Path
+from typing import Protocol
 
-from imuwb.log import Origin
+import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-    from pathlib import Path
-
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from imuwb.log import Effect, Kind
-    from imuwb.readers.read_options import ReadOptions
+from imuwb.log import Effect, Kind, Origin
+from imuwb.readers.read_options import ReadOptions
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime, timedelta
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.units import SECOND, UNIX_EPOCH
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 GPS_EPOCH = datetime(1980, 1, 6, tzinfo=UTC)
 WEEK = 604_800  # s

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
 
 from imuwb.errors import UsageError
 from imuwb.units import unit
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 #: quantity -> the dimension of its units
 DIMENSIONS = {

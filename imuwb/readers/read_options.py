@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping  # noqa: TC003 - the fields' types are looked up when the program runs
+from collections.abc import (
+    Collection,
+    Mapping,
+)
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from imuwb.errors import UsageError
 from imuwb.options import Between, Form, check
 from imuwb.readers.quantities import units_by_quantity
-from imuwb.units import Epoch  # noqa: TC001 - the fields' types are looked up when the program runs
-
-if TYPE_CHECKING:
-    from collections.abc import Collection
+from imuwb.units import Epoch
 
 TimeSource = Literal["header", "log", "publish"]
 

@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 from imuwb import registry
 from imuwb.errors import UnreadableLogError
-from imuwb.log import Provenance
+from imuwb.log import Log, Provenance
 from imuwb.notes import Note
 from imuwb.readers.assembly.assemble import assemble
-from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.batch import Batch, Reader, Remark
 from imuwb.readers.bytes import source
 from imuwb.readers.read_options import ReadOptions
 from imuwb.summary import LogSummary, summarize
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from imuwb.log import Log
-    from imuwb.readers.batch import Reader
-
-    Progress = Callable[[int, int], None]
+Progress = Callable[[int, int], None]
 
 #: Readers are asked in the order of their names, with these exceptions: MCAP is first; telemetry and text are last, after the
 #: formats with a magic number. Only the readers that are asked are imported.

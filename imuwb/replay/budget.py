@@ -7,23 +7,17 @@ accelerometer's bias, for example, cancel until the vehicle turns.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from imuwb.log import AXES
+from imuwb.log import AXES, Floats
 from imuwb.navigation.covariance import NAVIGATION
+from imuwb.navigation.filter import Solution
 from imuwb.navigation.outages import drift, seconds_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats
-    from imuwb.navigation.filter import Solution
-    from imuwb.navigation.tables import AxisTables
+from imuwb.navigation.tables import AxisTables
 
 COMMON = "in common"  #: the correlations of the sources at the start
 SENSORS = ("gyro", "accelerometer")

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from imuwb.log import Floats
-    from imuwb.replay.scores import Scores
+from imuwb.log import Floats
+from imuwb.replay.scores import Scores
 
 FOLDS = 5  #: blocks of the cross-validation
 AT = (5, 10, 20, 30, 60)  #: s since the start of an outage; the errors at these times count

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import optimize
 
+from imuwb.log import Floats, Log
+from imuwb.navigation.filter_model import FilterModel
 from imuwb.replay.prepared import prepare, run
 from imuwb.replay.scaled import scaled
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats, Log
-    from imuwb.navigation.filter_model import FilterModel
 
 #: The unknowns are: delay of positions, s; delay of velocities minus that of positions, s; rate; log of the noise's factor.
 DELAYS = np.arange(-0.5, 0.51, 0.1)  #: s, of the first grid

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.geodesy.earth import displaced
-from imuwb.log import SECOND
-
-if TYPE_CHECKING:
-    from imuwb.log import GnssStream
+from imuwb.log import SECOND, GnssStream
 
 LASTS = 5.0  #: s, duration of a jump
 

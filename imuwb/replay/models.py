@@ -13,15 +13,17 @@ Where the error model has a turn-on bias (``Constant``), all filters but ``none`
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.conditioning import denoise
 from imuwb.errors import UsageError
 from imuwb.identification.correlation.burg import burg
-from imuwb.log import AXES
+from imuwb.log import AXES, Floats
+from imuwb.navigation.filter_model import FilterModel
+from imuwb.navigation.shaping import Reading
 from imuwb.stochastic import (
     Autoregressive,
     AxisModel,
@@ -29,18 +31,11 @@ from imuwb.stochastic import (
     FlickerNoise,
     GaussMarkov,
     ImuErrorModel,
+    Process,
     RandomWalk,
     Sum,
     WhiteNoise,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from imuwb.log import Floats
-    from imuwb.navigation.filter_model import FilterModel
-    from imuwb.navigation.shaping import Reading
-    from imuwb.stochastic import Process
 
 NAMES = ("none", "15AV", "18AV", "18AVWD", "15AR", "27AR", "full")
 FLOOR = float(np.sqrt(2 * np.log(2) / np.pi))  #: ratio of flicker noise's flat Allan deviation to B

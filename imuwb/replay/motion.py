@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.replay.replay import Replay
+from imuwb.replay.replay import Replay
 
 SLOW = 1.0  #: m/s; a slower vehicle counts as standing and has no course
 STOPPED = 0.3  #: share of an outage; a vehicle that stands for longer makes it a "stop"

@@ -3,27 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.errors import MissingDataError
 from imuwb.geodesy.attitude import euler_of_rotation, rotation_of_euler
-from imuwb.log import SECOND
+from imuwb.log import SECOND, Floats, GnssStream, Log
 from imuwb.navigation.filter_model import Installation
-from imuwb.navigation.measurement import measurement_of
+from imuwb.navigation.measurement import Measurement, measurement_of
 from imuwb.navigation.standstill import standstills
 from imuwb.replay.prepared import receiver_of
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats, GnssStream, Log
-    from imuwb.navigation.measurement import Measurement
-
-    Complex = NDArray[np.complex128]
+Complex = NDArray[np.complex128]
 
 STILL = 5.0  #: s of standstills that roll and pitch need
 SLOW = 2.0  #: m/s; at a lower speed the course is unknown

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.errors import MissingDataError, UsageError
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from imuwb.navigation.filter import Solution
-    from imuwb.navigation.filter_model import FilterModel
-    from imuwb.replay.prepared import Prepared
+from imuwb.navigation.filter import Solution
+from imuwb.navigation.filter_model import FilterModel
+from imuwb.replay.prepared import Prepared
 
 #: s, and usual intervals between fixes; a span without good fixes that is longer than both is an outage of the log itself
 OWN, OWN_SHARE = 3.0, 2.5

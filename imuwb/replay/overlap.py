@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from imuwb.log import Floats
+from imuwb.log import Floats
 
 ROUNDING = 1e-6  #: s; outages that overlap by less do not overlap
 

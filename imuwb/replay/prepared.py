@@ -3,26 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from imuwb.conditioning import corrected_log
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.navigation.alignment import align
-from imuwb.navigation.corrections import corrections_of
-from imuwb.navigation.filter import solve
-from imuwb.navigation.measurement import denoised, measurement_of
+from imuwb.log import Floats, GnssStream, Log
+from imuwb.navigation.alignment import Alignment, align
+from imuwb.navigation.corrections import Corrections, corrections_of
+from imuwb.navigation.filter import Solution, solve
+from imuwb.navigation.filter_model import FilterModel
+from imuwb.navigation.measurement import Measurement, denoised, measurement_of
 from imuwb.navigation.standstill import standstills
 from imuwb.notes import Note
-from imuwb.replay.degraded import degraded
-
-if TYPE_CHECKING:
-    from imuwb.log import Floats, GnssStream, Log
-    from imuwb.navigation.alignment import Alignment
-    from imuwb.navigation.corrections import Corrections
-    from imuwb.navigation.filter import Solution
-    from imuwb.navigation.filter_model import FilterModel
-    from imuwb.navigation.measurement import Measurement
-    from imuwb.replay.degraded import Degradation
+from imuwb.replay.degraded import Degradation, degraded
 
 
 @dataclass(frozen=True, eq=False, slots=True)

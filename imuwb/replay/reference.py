@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from imuwb.geodesy.attitude import rotation_of_euler
 from imuwb.geodesy.earth import ned_scale
-from imuwb.log import SECOND
+from imuwb.log import SECOND, Floats, GnssStream, Log, Reference
+from imuwb.navigation.filter import Solution
 from imuwb.navigation.smoother import smoothed
-
-if TYPE_CHECKING:
-    from imuwb.log import Floats, GnssStream, Log, Reference
-    from imuwb.navigation.filter import Solution
 
 FIXED = 6  #: fix type: carrier phases with integer ambiguities
 GAP = 3.0  #: s; longer gaps of the reference are not interpolated

@@ -2,31 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.errors import MissingDataError
-from imuwb.navigation.outages import drift
+from imuwb.navigation.filter import Solution
+from imuwb.navigation.filter_model import FilterModel
+from imuwb.navigation.outages import Drift, drift
 from imuwb.notes import Note
 from imuwb.progress import tracked
-from imuwb.replay.outages import SPACING, check_outages, events_of, with_gap
-from imuwb.replay.prepared import run
-from imuwb.replay.reference import needs_smoothing, own_track, reference_track
+from imuwb.replay.outages import SPACING, Outage, check_outages, events_of, with_gap
+from imuwb.replay.prepared import Prepared, run
+from imuwb.replay.reference import ReferenceTrack, needs_smoothing, own_track, reference_track
 from imuwb.replay.scores import Scores, scores
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from imuwb.navigation.filter import Solution
-    from imuwb.navigation.filter_model import FilterModel
-    from imuwb.navigation.outages import Drift
-    from imuwb.replay.outages import Outage
-    from imuwb.replay.prepared import Prepared
-    from imuwb.replay.reference import ReferenceTrack
 
 BEST = ("tuned", "full", "18AV", "15AV")  #: the filters whose run is a reference, in order of preference
 

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from imuwb.stochastic import AxisModel, Constant, ImuErrorModel, Quantization, Sum, WhiteNoise
-
-if TYPE_CHECKING:
-    from imuwb.stochastic import Process
+from imuwb.stochastic import AxisModel, Constant, ImuErrorModel, Process, Quantization, Sum, WhiteNoise
 
 AMPLITUDES = (
     "N",

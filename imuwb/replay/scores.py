@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.geodesy.attitude import euler_of_quaternion
 from imuwb.geodesy.earth import ned_scale
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats
-    from imuwb.navigation.outages import Drift
-    from imuwb.replay.reference import ReferenceTrack
+from imuwb.log import Floats
+from imuwb.navigation.outages import Drift
+from imuwb.replay.reference import ReferenceTrack
 
 HORIZONS = (5.0, 10.0, 30.0, 60.0)  #: s since the start of an outage, at which results are listed
 LEAST = 0.01  #: least ratio of an eigenvalue of a difference of covariances to the trace of the larger covariance

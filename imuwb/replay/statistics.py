@@ -8,20 +8,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from imuwb.log import Floats
 from imuwb.notes import Note
 from imuwb.replay.overlap import block_length, effective_count
+from imuwb.replay.scores import Scores
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import chi_square_quantile
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats
-    from imuwb.replay.scores import Scores
 
 DRAWS = 1000  #: number of bootstrap samples
 EXACT = 12  #: blocks; up to this number the sign test tries all combinations of signs

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.geodesy.attitude import rotation_of_euler, rotation_of_quaternion
-from imuwb.log import SECOND
+from imuwb.log import SECOND, Floats
 from imuwb.navigation.strapdown import QUATERNION, VELOCITY, mechanize, navigation_state
-
-if TYPE_CHECKING:
-    from imuwb.log import Floats
-    from imuwb.replay.prepared import Prepared
+from imuwb.replay.prepared import Prepared
 
 WINDOW = 2.0  #: s, between two true states
 MEAN = 30.0  #: s, over which the errors are averaged against white noise

@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import optimize
 
+from imuwb.log import Floats
+from imuwb.navigation.filter_model import FilterModel
 from imuwb.navigation.outages import drift
 from imuwb.replay.choice import log_likelihood
 from imuwb.replay.outages import Outage, events_of, sweep, with_gap
 from imuwb.replay.overlap import without_overlap
-from imuwb.replay.prepared import run
-from imuwb.replay.reference import needs_smoothing, reference_track
+from imuwb.replay.prepared import Prepared, run
+from imuwb.replay.reference import ReferenceTrack, needs_smoothing, reference_track
 from imuwb.replay.scaled import scaled
-from imuwb.replay.scores import scores
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.log import Floats
-    from imuwb.navigation.filter_model import FilterModel
-    from imuwb.replay.prepared import Prepared
-    from imuwb.replay.reference import ReferenceTrack
-    from imuwb.replay.scores import Scores
+from imuwb.replay.scores import Scores, scores
 
 DURATION = 30.0  #: s, of the outages
 SHARE = 0.5  #: share of the log to which the noise is fitted

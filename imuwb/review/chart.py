@@ -7,16 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from imuwb.analysis import Curve, Figure
 from imuwb.colors import FRAME, GRID, INK, SUBGRID
 from imuwb.review import drawing
-from imuwb.review.frame import HEIGHT, WIDTH, Frame
+from imuwb.review.frame import HEIGHT, WIDTH, Frame, Point
 
 if TYPE_CHECKING:
     import rerun as rr
     import rerun.blueprint as rrb
-
-    from imuwb.analysis import Curve, Figure
-    from imuwb.review.frame import Point
 
 # Lengths are in the view's own units, in which the frame is 1200 wide.
 MARGIN_X, MARGIN_Y = (90.0, 25.0), (60.0, 90.0)  #: space for titles and labels: left and right, above and below

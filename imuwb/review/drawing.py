@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import rerun as rr
 import rerun.blueprint as rrb
 
 from imuwb.colors import BACKGROUND
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.review.frame import Point
+from imuwb.review.frame import Point
 
 
 def entity_name(text: str) -> str:

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.log import SECOND
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 SPANS = 2000
 GAP_STEPS = 10  #: a longer step than this many median steps is a gap

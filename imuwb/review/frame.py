@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, TypeAlias
+from collections.abc import Iterable
+from typing import TypeAlias
 
+from imuwb.analysis import Figure
 from imuwb.review.scale import Scale
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from imuwb.analysis import Figure
 
 Point: TypeAlias = tuple[float, float]
 

@@ -2,27 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from imuwb.analysis import Curve, Figure, Table
-from imuwb.colors import AXIS_COLORS, color_at
+from imuwb.analysis import Curve, Figure, Review, Table
+from imuwb.colors import AXIS_COLORS, Color, color_at
 from imuwb.errors import ImuwbError
-from imuwb.log import AXES
+from imuwb.log import AXES, Floats
+from imuwb.stochastic import AxisModel, ImuErrorModel
 from imuwb.stochastic.description import LETTERS, deterministic_texts, process_text
-from imuwb.stochastic.model_check import coefficient
+from imuwb.stochastic.model_check import Verdict, coefficient
 from imuwb.texts import coefficient_text
 from imuwb.units import UNITS, coefficient_units
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from imuwb.analysis import Review
-    from imuwb.colors import Color
-    from imuwb.log import Floats
-    from imuwb.stochastic import AxisModel, ImuErrorModel
-    from imuwb.stochastic.model_check import Verdict
 
 POINTS = 200  #: number of points of each curve
 #: sensor -> title, unit of the Allan deviation, unit of the density and its factor to SI

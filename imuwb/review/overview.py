@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 
-from imuwb.analysis import Series
+from imuwb.analysis import Review, Series
 from imuwb.colors import AXIS_COLORS, PALE, TRACK_COLORS
+from imuwb.log import ImuStream, Log, Triad
 from imuwb.review.tables import streams_of_many, streams_table
 from imuwb.summary import summarize
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.analysis import Review
-    from imuwb.log import ImuStream, Log, Triad
 
 MANY = 3  #: up to this number of logs, each is shown over time
 SAMPLES = 100_000  #: least number of samples that the median and the spread of an axis are estimated from

@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 import socket
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import NoReturn
 from urllib.parse import urlsplit
 
 import rerun as rr
 import rerun.blueprint as rrb
 
+from imuwb.analysis import Figure, Floats, Series, Table
+from imuwb.colors import Color
 from imuwb.errors import ImuwbError
 from imuwb.review import chart
 from imuwb.review.envelope import envelope
 from imuwb.review.rrd import is_whole, why_cut
 from imuwb.review.tab import Tab
 from imuwb.writers.whole import partial
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from imuwb.analysis import Figure, Floats, Series, Table
-    from imuwb.colors import Color
 
 ROWS = 65_536  #: rows of a chunk
 SERIES_WIDTH = 1.2  #: width of a line over time

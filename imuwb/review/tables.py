@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING
 
 from imuwb.analysis import Table
 from imuwb.log import SECOND
+from imuwb.summary import LogSummary, StreamSummary
 from imuwb.texts import seconds_text
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.summary import LogSummary, StreamSummary
 
 HEADINGS = (
     "stream", "kind", "rows", "rate", "duration", "start", "gaps", "units in file", "frame in file", "repairs",

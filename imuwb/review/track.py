@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from imuwb.colors import INK
+from imuwb.analysis import Floats
+from imuwb.colors import INK, Color
 from imuwb.review import drawing
-
-if TYPE_CHECKING:
-    from imuwb.analysis import Floats
-    from imuwb.colors import Color
-    from imuwb.review.frame import Point
+from imuwb.review.frame import Point
 
 EARTH_RADIUS = 6_371_000.0  #: m; a track is drawn on a plane, where a sphere is good enough
 POINTS = 10_000  #: least number of points of a long track that are drawn; a line on a screen shows no more

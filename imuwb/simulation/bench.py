@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.errors import UsageError
 from imuwb.geodesy.earth import EARTH_RATE
-from imuwb.log import AXES, Log, Provenance, Scalars, Triad
+from imuwb.log import AXES, Floats, ImuStream, Log, Provenance, Scalars, Triad
 from imuwb.simulation.sensor import LONGEST, Sensor, stamps
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-    from imuwb.log import Floats, ImuStream
-    from imuwb.stochastic import ImuErrorModel
+from imuwb.stochastic import ImuErrorModel
 
 FEWEST = 16  #: samples in one position
 MOST_TILT = 0.2  #: rad

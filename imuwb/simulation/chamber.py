@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
 from imuwb.errors import UsageError
+from imuwb.log import Log
 from imuwb.simulation.static import static
 from imuwb.simulation.thermal import ABSOLUTE_ZERO, temperature
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-
-    from imuwb.log import Log
-    from imuwb.stochastic import ImuErrorModel
+from imuwb.stochastic import ImuErrorModel
 
 MOST = 200  #: set-points
 CLOSE = 1e-9  #: share of a step by which the last set-point may miss the end

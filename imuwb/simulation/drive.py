@@ -7,25 +7,18 @@ so that its product with dt is the increment of the step that ends there; the er
 from __future__ import annotations
 
 import hashlib
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import numpy as np
 
 from imuwb.errors import UsageError
-from imuwb.log import AXES, Log, Origin, Provenance, Reference
-from imuwb.simulation.receiver import Receiver
+from imuwb.log import AXES, Log, Nanoseconds, Origin, Provenance, Reference
+from imuwb.simulation.receiver import Odometer, Receiver
+from imuwb.simulation.route import Route
 from imuwb.simulation.sensor import LONGEST, Sensor, stamps
-from imuwb.simulation.thermal import recipe_of, temperature
+from imuwb.simulation.thermal import Temperature, recipe_of, temperature
 from imuwb.simulation.vibration import vibration as shaking
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from imuwb.log import Nanoseconds
-    from imuwb.simulation.receiver import Odometer
-    from imuwb.simulation.route import Route
-    from imuwb.simulation.thermal import Temperature
-    from imuwb.stochastic import ImuErrorModel
+from imuwb.stochastic import ImuErrorModel
 
 LOWEST_RATE, HIGHEST_RATE = 20.0, 10_000.0  #: Hz; at lower rates four nodes in a sample do not follow the motion
 RECEIVER = Receiver()

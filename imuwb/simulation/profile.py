@@ -6,19 +6,14 @@ control points, and their slopes within those of the control polygon. Knots half
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.interpolate import BSpline
 
-from imuwb.simulation.legs import SLOWING_DOWN, SPEEDING_UP
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.log import Floats
-    from imuwb.simulation.legs import Leg, Pin
+from imuwb.log import Floats
+from imuwb.simulation.legs import SLOWING_DOWN, SPEEDING_UP, Leg, Pin
 
 DEGREE = 5
 MARGIN = 3  #: control points outside each end that a value at the end depends on

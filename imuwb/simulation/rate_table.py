@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.errors import UsageError
+from imuwb.log import Floats, Log
 from imuwb.simulation.bench import Bench, Site, check_misplacement, check_size, noted
 from imuwb.simulation.sensor import Sensor
 from imuwb.simulation.six_position import SITE, tilted
-from imuwb.simulation.thermal import recipe_of, temperature
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from imuwb.log import Floats, Log
-    from imuwb.simulation.thermal import Temperature
-    from imuwb.stochastic import ImuErrorModel
+from imuwb.simulation.thermal import Temperature, recipe_of, temperature
+from imuwb.stochastic import ImuErrorModel
 
 ACCELERATION = 100 * np.pi / 180  #: rad/s², from step to step
 FASTEST = 2e4 * np.pi / 180  #: rad/s

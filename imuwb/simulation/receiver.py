@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.errors import UsageError
 from imuwb.geodesy.attitude import rotation_of_euler
 from imuwb.geodesy.earth import displaced
-from imuwb.log import GnssStream, Origin, Scalars
-from imuwb.simulation.route import earth_rate
+from imuwb.log import Floats, GnssStream, Origin, Scalars
+from imuwb.simulation.route import Route, earth_rate
 from imuwb.simulation.sensor import stamps
-
-if TYPE_CHECKING:
-    from imuwb.log import Floats
-    from imuwb.simulation.route import Route
 
 FIX_3D = 3
 HIGHEST_RATE = 1000.0  #: Hz

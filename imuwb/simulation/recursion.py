@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from imuwb.compiled import compiled
-
-if TYPE_CHECKING:
-    from imuwb.log import Floats
+from imuwb.log import Floats
 
 
 @compiled()

@@ -6,17 +6,15 @@ The body axes are those of the car: it moves along its x axis. The position is t
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from imuwb.geodesy.attitude import rotation_of_euler
 from imuwb.geodesy.earth import EARTH_RATE, gravity, radii_of_curvature
-
-if TYPE_CHECKING:
-    from imuwb.log import Floats
-    from imuwb.simulation.profile import Profile
+from imuwb.log import Floats
+from imuwb.simulation.profile import Profile
 
 TURIN = (np.radians(45.06), np.radians(7.66), 240.0)  #: rad, rad, m
 CELL = 0.1  #: s; a cubic over a cell misses a car's position by a micrometre

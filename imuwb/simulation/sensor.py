@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import signal
 
 from imuwb.errors import UsageError
-from imuwb.log import AXES, SECOND, ImuStream, Origin, Scalars, Triad
+from imuwb.log import AXES, SECOND, Floats, ImuStream, Nanoseconds, Origin, Scalars, Triad
+from imuwb.simulation.thermal import Temperature
 from imuwb.simulation.thermal_noise import thermal_noise
-from imuwb.stochastic import shown
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from imuwb.log import Floats, Nanoseconds
-    from imuwb.simulation.thermal import Temperature
-    from imuwb.stochastic import AxisModel, ImuErrorModel
+from imuwb.stochastic import AxisModel, ImuErrorModel, shown
 
 START = 1_704_067_200 * SECOND  #: 2024-01-01T00:00:00Z, so that the same seed gives the same bytes
 LONGEST = 2**31  #: samples

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from imuwb.errors import UsageError
+from imuwb.log import Floats, Log
 from imuwb.simulation.bench import Bench, Site, check_misplacement, check_size, noted
 from imuwb.simulation.sensor import Sensor
-from imuwb.simulation.thermal import recipe_of, temperature
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from imuwb.log import Floats, Log
-    from imuwb.simulation.thermal import Temperature
-    from imuwb.stochastic import ImuErrorModel
+from imuwb.simulation.thermal import Temperature, recipe_of, temperature
+from imuwb.stochastic import ImuErrorModel
 
 FACES = ("up_x", "down_x", "up_y", "down_y", "up_z", "down_z")
 FEWEST, MOST = 9, 100  #: positions spread over all directions

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import hashlib
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import numpy as np
 
 from imuwb.errors import UsageError
 from imuwb.log import AXES, Log, Provenance
 from imuwb.simulation.sensor import LONGEST, Sensor, stamps
-from imuwb.simulation.thermal import recipe_of, temperature
+from imuwb.simulation.thermal import Temperature, recipe_of, temperature
+from imuwb.stochastic import ImuErrorModel
 from imuwb.units import STANDARD_GRAVITY
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from imuwb.simulation.thermal import Temperature
-    from imuwb.stochastic import ImuErrorModel
 
 
 def static(

@@ -5,14 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.errors import UsageError
-
-if TYPE_CHECKING:
-    from imuwb.log import Floats
+from imuwb.log import Floats
 
 ABSOLUTE_ZERO, HOTTEST = -273.15, 1000.0  #: °C
 ROOM_TEMPERATURE = 25.0  #: °C

@@ -7,14 +7,17 @@ state continues, so the output never jumps. The variance at any time is that of 
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy import signal
 
+from imuwb.log import Floats
 from imuwb.stochastic import (
     Autoregressive,
+    AxisModel,
     Constant,
     FlickerNoise,
     GaussMarkov,
@@ -25,13 +28,7 @@ from imuwb.stochastic import (
     WhiteNoise,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-    from imuwb.log import Floats
-    from imuwb.stochastic import AxisModel
-
-    Parameters = Mapping[str, Floats]  #: parameter of a process -> (n,) its value at each sample
+Parameters = Mapping[str, Floats]  #: parameter of a process -> (n,) its value at each sample
 
 PIECE = 0.25  #: °C, over which an AR set is constant
 SMALL = 1e-3  #: dt/Tc, below which a difference of tanh cancels

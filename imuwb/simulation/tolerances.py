@@ -4,15 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.log import AXES
-from imuwb.stochastic import Constant, ImuErrorModel, Sum
-
-if TYPE_CHECKING:
-    from imuwb.stochastic import AxisModel
+from imuwb.stochastic import AxisModel, Constant, ImuErrorModel, Sum
 
 _DRAWS = 0x7201E  #: keeps these draws apart from those of noise with the same seed
 

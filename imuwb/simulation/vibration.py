@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from scipy import signal
 
 from imuwb.errors import UsageError
-
-if TYPE_CHECKING:
-    from imuwb.log import Floats
+from imuwb.log import Floats
 
 BAND = (5.0, 50.0)  #: Hz, of the road
 ENGINE = 27.0  #: Hz, at which a four-cylinder engine fires when it idles

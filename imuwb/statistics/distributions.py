@@ -5,13 +5,11 @@ They come from ``scipy.special``. ``scipy.stats`` wraps the same functions, but 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy import special
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
 
 
 def normal_quantile(probability: float) -> float:

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
+from imuwb.log import Floats
 from imuwb.stochastic import state_space
 from imuwb.stochastic.elementary import Elementary
 from imuwb.stochastic.state_space import StateSpace
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats
-
 
 ROUNDING = 1e-9  #: margin of a pole's magnitude: rounding may put a pole at 1 just below 1
 

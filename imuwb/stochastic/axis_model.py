@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 
 from imuwb.stochastic.sums import Sum, short_text
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 Thermal: TypeAlias = tuple[tuple[float, float], ...]  #: (°C, value), rising
 

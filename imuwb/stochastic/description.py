@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
+from imuwb.stochastic.axis_model import AxisModel
+from imuwb.stochastic.sums import Process
 from imuwb.units import UNITS, Unit, coefficient_units
-
-if TYPE_CHECKING:
-    from imuwb.stochastic.axis_model import AxisModel
-    from imuwb.stochastic.sums import Process
 
 #: parameter of a process -> its unit; those that are not here are letters of coefficients, or have the unit of the samples
 _PLAIN = {"Tc": "s", "dt": "s", "frequency": "Hz"}

@@ -7,17 +7,11 @@ With s the scale factor, s2 its non-linear part, c the cross-couplings and G the
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from imuwb.log import AXES
-from imuwb.stochastic.axis_model import AxisModel
-
-if TYPE_CHECKING:
-    from imuwb.log import Floats
-    from imuwb.stochastic.axis_model import Thermal
-    from imuwb.stochastic.error_model import ImuErrorModel
+from imuwb.log import AXES, Floats
+from imuwb.stochastic.axis_model import AxisModel, Thermal
+from imuwb.stochastic.error_model import ImuErrorModel
 
 GYROS = 3  #: axes before the first accelerometer
 CLOSE = 1e-14  #: share of the largest value, measured or true; a smaller change ends the iteration

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from imuwb.errors import UsageError
 from imuwb.log import AXES
+from imuwb.stochastic.axis_model import AxisModel
 from imuwb.stochastic.description import axis_text
 from imuwb.stochastic.error_model_document import parsed, written
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from imuwb.stochastic.axis_model import AxisModel
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,8 +6,9 @@ A parameter is a number in SI, a text with its unit (``"2.42 deg/√h"``), or a 
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import tomli_w
 
@@ -19,12 +20,7 @@ from imuwb.stochastic.flicker import FlickerNoise
 from imuwb.stochastic.gauss_markov import GaussMarkov
 from imuwb.stochastic.processes import Constant, Quantization, RandomWalk, RateRamp, Sinusoid, WhiteNoise
 from imuwb.stochastic.sums import Sum
-from imuwb.units import UNITS, coefficient_units, si_unit, unit
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from imuwb.units import Unit
+from imuwb.units import UNITS, Unit, coefficient_units, si_unit, unit
 
 SCHEMA = 1
 _KINDS = (WhiteNoise, Quantization, FlickerNoise, RandomWalk, RateRamp, GaussMarkov, Autoregressive, Sinusoid, Constant)

@@ -8,20 +8,17 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import partial
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from imuwb.errors import MissingDataError, UsageError
+from imuwb.stochastic.axis_model import AxisModel
+from imuwb.stochastic.error_model import ImuErrorModel
 from imuwb.stochastic.flicker import FlickerNoise
 from imuwb.stochastic.gauss_markov import GaussMarkov
 from imuwb.stochastic.processes import Constant, RandomWalk, WhiteNoise
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from imuwb.stochastic.axis_model import AxisModel
-    from imuwb.stochastic.error_model import ImuErrorModel
 
 SENSORS = ("gyro", "accel")
 UNEVEN = 1.5  #: ratio of the largest axis to the smallest, above which a comment states it

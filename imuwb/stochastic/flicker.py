@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
+from imuwb.log import Floats
 from imuwb.stochastic.elementary import Elementary
 from imuwb.stochastic.gauss_markov import GaussMarkov
 from imuwb.stochastic.sums import Sum
-
-if TYPE_CHECKING:
-    from imuwb.log import Floats
 
 SERIES = 64  #: lag from which the increments' autocovariance is computed as a series
 

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import math
 import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from imuwb.errors import ImuwbError, UsageError
 from imuwb.log import AXES
 from imuwb.statistics import UNKNOWN, Coefficient
+from imuwb.stochastic.axis_model import AxisModel
 from imuwb.stochastic.description import LETTERS
 from imuwb.stochastic.error_model import ImuErrorModel
 from imuwb.units import coefficient_units, unit
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from imuwb.stochastic.axis_model import AxisModel
 
 
 @dataclass(frozen=True, slots=True)

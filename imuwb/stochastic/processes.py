@@ -10,16 +10,14 @@ they become IEEE's formulas.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
+from imuwb.log import Floats
 from imuwb.stochastic import state_space
 from imuwb.stochastic.elementary import Elementary
 from imuwb.stochastic.state_space import StateSpace
-
-if TYPE_CHECKING:
-    from imuwb.log import Floats
 
 
 @dataclass(frozen=True, slots=True)

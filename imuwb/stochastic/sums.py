@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
+from imuwb.log import Floats
 from imuwb.stochastic import state_space
-
-if TYPE_CHECKING:
-    from imuwb.log import Floats
-    from imuwb.stochastic.state_space import StateSpace
+from imuwb.stochastic.state_space import StateSpace
 
 
 @runtime_checkable

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from imuwb.errors import UsageError
+from imuwb.log import Log
 from imuwb.writers.whole import whole_file, write_text
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from imuwb.log import Log
-
-    Progress = Callable[[int, int], None]
+Progress = Callable[[int, int], None]
 
 __all__ = ["SUFFIXES", "places", "whole_file", "write", "write_text"]
 

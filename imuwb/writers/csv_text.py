@@ -5,21 +5,17 @@ Each table has a sidecar, which the reader uses; it states the body frame, and t
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
 from pyarrow import csv
 
 from imuwb.errors import MissingDataError
-from imuwb.log import Scalars
+from imuwb.log import GnssStream, ImuStream, Log, Reference, Scalars
 from imuwb.writers.whole import whole_file, write_text
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from imuwb.log import GnssStream, ImuStream, Log, Reference
 
 ROWS = 1 << 16
 _WAYS = ("north", "east", "down")

@@ -9,26 +9,21 @@ from __future__ import annotations
 
 import struct
 import zlib
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, BinaryIO
+from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 import zstandard
+from numpy.typing import NDArray
 
 from imuwb.errors import MissingDataError
-from imuwb.log import MEAN_SEA_LEVEL
+from imuwb.log import MEAN_SEA_LEVEL, Log
 from imuwb.writers.ros_messages import definition, stamped, topics
 from imuwb.writers.whole import whole_file
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from imuwb.log import Log
-
-    Progress = Callable[[int, int], None]
+Progress = Callable[[int, int], None]
 
 MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX, STATISTICS, METADATA, METADATA_INDEX, DATA_END = (

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+from imuwb.log import GnssStream, ImuStream, Log, Nanoseconds, Reference, Scalars
 
-    from numpy.typing import NDArray
-
-    from imuwb.log import GnssStream, ImuStream, Log, Nanoseconds, Reference, Scalars
-
-    Fill = Callable[[int, int], NDArray[np.void]]
+Fill = Callable[[int, int], NDArray[np.void]]
 
 FRAME_ID = "imu_link"
 FRD_TO_FLU = np.array([1.0, -1.0, -1.0])

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.errors import UsageError
-from imuwb.log import SECOND, Log, Provenance
+from imuwb.log import SECOND, Floats, Log, Provenance, Reference
 from imuwb.writers.whole import whole_file, write_text
-
-if TYPE_CHECKING:
-    from imuwb.log import Floats, Reference
 
 SUFFIXES = (".tum", ".kml", ".csv", ".mcap")
 MOST_POINTS = 20_000  #: largest number of points of a KML line

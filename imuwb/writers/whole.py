@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from imuwb.errors import ImuwbError
-
-if TYPE_CHECKING:
-    from collections.abc import Generator
 
 
 def partial(path: Path) -> Path:

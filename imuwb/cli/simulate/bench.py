@@ -5,22 +5,19 @@ from __future__ import annotations
 import csv
 import io
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import typer
 
 from imuwb.cli.simulate.options import Group, Samples, check_folder
 from imuwb.errors import UsageError
+from imuwb.log import Log
 from imuwb.options import POSITIVE, Between, Form
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from imuwb.log import Log
-    from imuwb.simulation import Site
-    from imuwb.stochastic import ImuErrorModel
+from imuwb.simulation import Site
+from imuwb.stochastic import ImuErrorModel
 
 TRUTH, ATTITUDES = "truth.toml", "attitudes.txt"
 

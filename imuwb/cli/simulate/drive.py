@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path  # noqa: TC003 - the command line reads annotations when it runs
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from pathlib import Path
+from typing import Annotated, TypeAlias
 
 import typer
 
 from imuwb.cli.simulate.options import Force, Group, Output, Warm, check_output, model_of, save
 from imuwb.errors import UsageError
 from imuwb.options import NOT_NEGATIVE, POSITIVE, Form
-
-if TYPE_CHECKING:
-    from imuwb.simulation import Odometer, Receiver, Route
-    from imuwb.stochastic import ImuErrorModel
+from imuwb.simulation import Odometer, Receiver, Route
+from imuwb.stochastic import ImuErrorModel
 
 Triple: TypeAlias = tuple[float, float, float]
 

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from imuwb.errors import UsageError
+from imuwb.log import Log
 from imuwb.options import NOT_NEGATIVE, POSITIVE, Form, check
-
-if TYPE_CHECKING:
-    from imuwb.log import Log
-    from imuwb.simulation import Temperature
-    from imuwb.stochastic import ImuErrorModel
+from imuwb.simulation import Temperature
+from imuwb.stochastic import ImuErrorModel
 
 LEAST_RAMP = 1.0  #: s
 

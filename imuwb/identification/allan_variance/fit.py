@@ -12,31 +12,27 @@ A term that does not stay is not zero: it has an upper limit.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import optimize
 
+from imuwb.identification.allan_variance.overlapping import AllanDeviation
 from imuwb.identification.allan_variance.problem import LETTERS, PROCESSES, Problem
 from imuwb.identification.allan_variance.regions import regions
 from imuwb.identification.allan_variance.term_selection import ACCEPTED, first_time, select
 from imuwb.identification.coefficient import READ_OUT, interval
+from imuwb.identification.region import Region
+from imuwb.identification.spectral.lines import Line
 from imuwb.statistics import Coefficient, Estimate
 from imuwb.statistics.distributions import chi_square_tail, normal_quantile
 from imuwb.stochastic import Sinusoid, Sum
 from imuwb.texts import coefficients_text, number_text
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from imuwb.identification.allan_variance.overlapping import AllanDeviation
-    from imuwb.identification.region import Region
-    from imuwb.identification.spectral.lines import Line
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 FEWEST = 3  #: least number of averaging times of a fit
 FEWEST_FILTERED = 5  #: least number for a fit that leaves out the averaging times which a filter changes

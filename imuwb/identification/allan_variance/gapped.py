@@ -7,16 +7,12 @@ if samples are missing at random. So this excess is subtracted. To fill gaps, or
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.compiled import compiled
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 FEWEST = 2  #: least number of samples in an incomplete block; its variance needs them
 FULLNESS = 0.8  #: least share of samples in a block, over that share in the whole record; emptier blocks are left out

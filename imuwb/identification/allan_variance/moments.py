@@ -13,19 +13,15 @@ the plain sum of its samples. For white noise at m = 1 the degrees of freedom ar
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import special
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 #: exponents alpha of the rate's density f^alpha, in the order of all tables here
 EXPONENTS = (2, 0, -1, -2)  # quantization Q, white N, flicker B, random walk K

@@ -6,14 +6,10 @@ autocorrelation"; NIST SP 1065, 5.5.3.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.compiled import compiled
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 FEWEST = 30  #: least number of averaged points that the method needs
 MOST = 1 << 11  #: points that are used; the autocorrelation then scatters by 0.022, and the noise types are 0.25 apart

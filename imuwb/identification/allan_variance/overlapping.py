@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.compiled import compiled
 from imuwb.identification.allan_variance import noise_type
@@ -17,12 +19,7 @@ from imuwb.identification.allan_variance.moments import equivalent_degrees_of_fr
 from imuwb.statistics.distributions import chi_square_limits, normal_limit
 from imuwb.texts import number_text
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 Uncertainty = Literal["edf", "printed"]
 BLOCK = 2048  #: points; a block of the sum stays in the fastest cache while all factors use it

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import linalg, optimize
 
 from imuwb.identification.allan_variance.moments import Moments, equivalent_degrees_of_freedom, moments
+from imuwb.identification.allan_variance.overlapping import AllanDeviation
+from imuwb.identification.spectral.lines import Line
 from imuwb.statistics.distributions import chi_square_tail, pearson3_quantile
 from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, WhiteNoise
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from imuwb.identification.allan_variance.overlapping import AllanDeviation
-    from imuwb.identification.spectral.lines import Line
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 PROCESSES = {"Q": Quantization, "N": WhiteNoise, "B": FlickerNoise, "K": RandomWalk, "R": RateRamp}
 LETTERS = tuple(PROCESSES)

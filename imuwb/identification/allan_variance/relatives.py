@@ -6,22 +6,19 @@ more degrees of freedom at the longest averaging times. All integrate samples of
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.compiled import compiled
 from imuwb.identification.allan_variance.averaging import averaging_factors
 from imuwb.identification.allan_variance.overlapping import AllanDeviation, allan, integrated
 from imuwb.statistics.distributions import chi_square_limits
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 Kind = Literal["allan", "modified", "hadamard", "total"]
 QUANTIZED = 2  #: alpha of quantization noise

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
+from imuwb.identification.allan_variance.problem import Problem
 from imuwb.statistics.distributions import chi_square_tail
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.identification.allan_variance.problem import Problem
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 ACCEPTED = 1e-3  #: probability that chance makes so large a misfit; below it the sum does not explain the curve
 MUCH = 15.0  #: reduction of chi-square that justifies leaving out one point, or taking a term back

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
+from numpy.typing import NDArray
 
 SHARE = 0.2  #: share of a stretch's samples; a clipped axis has a larger share at its largest or smallest value
 FINE = 8  #: least number of different values in a stretch; with fewer, a sensor is too coarse to be judged

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import optimize, special
 
 from imuwb.identification.calibration.axis_calibration import student_estimate
+from imuwb.statistics import Estimate
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.statistics import Estimate
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 CHANCE = 0.2  #: probability of the residuals below which an extra error is estimated; a smaller limit costs coverage
 WEAK = 1e-7  #: ratio of smallest to largest singular value, below which a design with columns of length 1 is singular

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft, optimize
 
 from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum, cosine_spectrum
@@ -14,10 +14,7 @@ from imuwb.statistics.distributions import chi_square_tail, normal_limit
 from imuwb.stochastic import GaussMarkov
 from imuwb.texts import number_text
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 TENABLE = 0.01  #: probability of the misfit, below which a first-order process does not explain the record
 GROUP = 2**0.5  #: ratio of the last frequency to the first in a group that is tested as one

@@ -6,11 +6,12 @@ of order 1 is -1 for a random walk and 0 for white noise. Other libraries, such 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft, linalg
 
 from imuwb.compiled import compiled
@@ -19,12 +20,7 @@ from imuwb.notes import Note
 from imuwb.statistics.distributions import chi_square_tail, normal_limit
 from imuwb.stochastic import Autoregressive
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 WHITE_LAGS = 20  #: lags of the innovations' autocorrelation that are tested, beyond those that the fit makes small
 BLOCK = 1024  #: samples; a block stays in the fastest cache while all lags use it

@@ -6,19 +6,15 @@ block, the forward and backward errors of an order and the sums for the next ord
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.compiled import compiled
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 BLOCK = 1024  #: samples; a block stays in the fastest cache
 

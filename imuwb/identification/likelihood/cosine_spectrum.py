@@ -9,23 +9,17 @@ covariance is known in closed form. So a likelihood of the whole record costs on
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft, special
 
 from imuwb.compiled import compiled
-from imuwb.stochastic import FlickerNoise, GaussMarkov, Quantization
+from imuwb.stochastic import FlickerNoise, GaussMarkov, Process, Quantization
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from imuwb.stochastic import Process
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 LOW = 32  #: lowest coefficients, which have a joint covariance
 WIDTH = 1.04  #: ratio of the last frequency to the first in a bin

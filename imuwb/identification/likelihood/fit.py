@@ -7,31 +7,23 @@ is 0 has an upper limit and no value. A term whose interval begins at 0 may be a
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.identification.allan_variance.problem import scaled_inverse
 from imuwb.identification.coefficient import READ_OUT, interval
-from imuwb.identification.likelihood.cosine_spectrum import cosine_spectrum
-from imuwb.identification.likelihood.problem import LikelihoodProblem
+from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum, cosine_spectrum
+from imuwb.identification.likelihood.problem import LikelihoodProblem, Solution
+from imuwb.identification.spectral.lines import Line
 from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import chi_square_quantile, chi_square_tail, normal_limit, normal_quantile
-from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, Sum, WhiteNoise
+from imuwb.stochastic import FlickerNoise, Process, Quantization, RandomWalk, RateRamp, Sum, WhiteNoise
 from imuwb.texts import coefficients_text, number_text
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Sequence
-
-    from numpy.typing import NDArray
-
-    from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
-    from imuwb.identification.likelihood.problem import Solution
-    from imuwb.identification.spectral.lines import Line
-    from imuwb.stochastic import Process
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 TERMS: dict[str, Callable[[float], Process]] = {
     "Q": Quantization, "N": WhiteNoise, "B": FlickerNoise, "K": RandomWalk,

@@ -6,27 +6,19 @@ grid and then refined. An autoregressive model is compared with Burg's coefficie
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from imuwb.identification.likelihood.cosine_spectrum import FEWEST
+from imuwb.identification.likelihood.cosine_spectrum import FEWEST, CosineSpectrum
 from imuwb.identification.likelihood.fit import TERMS, spectrum_without
-from imuwb.identification.likelihood.problem import CLOSE, LikelihoodProblem
-from imuwb.stochastic import GaussMarkov, Sum
+from imuwb.identification.likelihood.problem import CLOSE, LikelihoodProblem, Solution
+from imuwb.identification.spectral.lines import Line
+from imuwb.stochastic import Autoregressive, GaussMarkov, Process, Sum
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
-    from imuwb.identification.likelihood.problem import Solution
-    from imuwb.identification.spectral.lines import Line
-    from imuwb.stochastic import Autoregressive, Process
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 #: Letters of ``TERMS``; M is a Gauss-Markov term. Sums with Q are compared where a record shows quantization.
 SUMS = ("N", "NB", "NK", "NBK", "NM", "NMK", "NMM", "QN", "QNB", "QNK", "QNBK", "QNM", "QNMK", "QNMM")

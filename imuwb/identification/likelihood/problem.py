@@ -8,23 +8,18 @@ count as scatter).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import optimize
 
+from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
 from imuwb.identification.likelihood.score import LEAST_SHARE, add_bins, add_low
+from imuwb.stochastic import Process
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
-    from imuwb.stochastic import Process
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 ROUNDS = 60
 CLOSE = 1e-4  #: change of the deviance at which scoring ends

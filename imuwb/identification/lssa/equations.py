@@ -8,22 +8,16 @@ strengths times exp(i omega t) at certain instants.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import linalg
 
-from imuwb.identification.lssa.trigonometric import sums
-from imuwb.identification.lssa.whitening import Chain, Dense, Recursion
+from imuwb.identification.lssa.trigonometric import Grid, Lattice, sums
+from imuwb.identification.lssa.whitening import Chain, Dense, Recursion, Whitening
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.identification.lssa.trigonometric import Grid, Lattice
-    from imuwb.identification.lssa.whitening import Whitening
-
-    Floats = NDArray[np.float64]
-    Complexes = NDArray[np.complex128]
+Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
 
 #: share of a line's determinant without constituents; if the constituents leave less, they already include the line
 SEPARATE = 1e-10

@@ -8,18 +8,15 @@ short correlations, the second slow drifts. The p value is twice the smaller of 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 
 from imuwb.identification.correlation.burg import burg
 from imuwb.statistics.distributions import chi_square_tail, normal_limit
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 LAGS = 20  #: number of lags in the test of correlations
 FIRST_OCTAVE = 4  #: frequencies in the lowest octave

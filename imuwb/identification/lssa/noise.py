@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import linalg, optimize
 
 from imuwb.identification.correlation.burg import burg
-from imuwb.identification.lssa.whitening import Chain, dense, first_order, gauss_markov, random_walk, recursion, white
+from imuwb.identification.lssa.trigonometric import Lattice
+from imuwb.identification.lssa.whitening import (
+    Chain,
+    Whitening,
+    dense,
+    first_order,
+    gauss_markov,
+    random_walk,
+    recursion,
+    white,
+)
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from imuwb.identification.lssa.trigonometric import Lattice
-    from imuwb.identification.lssa.whitening import Whitening
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 NoiseKind = Literal["local", "white", "autoregressive", "gauss-markov", "random-walk", "covariance"]
 TURNS = 3  #: alternating estimates of noise and constituents

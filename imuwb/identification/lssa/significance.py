@@ -13,17 +13,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import optimize, special
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from imuwb.identification.lssa.spectrum import Spectrum
 
-    from imuwb.identification.lssa.spectrum import Spectrum
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 NEIGHBOURS = 50  #: Fourier frequencies on each side of a frequency, at most, from which local noise is estimated
 LEAST_NEIGHBOURS = 4  #: on both sides together

@@ -7,25 +7,18 @@ El-Diasty, eq. 5 to 13.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import linalg
 
-from imuwb.identification.lssa.equations import equations, right_sides
-from imuwb.identification.lssa.noise import Noise, fitted_noise
-from imuwb.identification.lssa.trigonometric import ROUNDED, grid_of, lattice_of
+from imuwb.identification.lssa.constituents import Constituents
+from imuwb.identification.lssa.equations import Equations, equations, right_sides
+from imuwb.identification.lssa.noise import Noise, NoiseFit, fitted_noise
+from imuwb.identification.lssa.trigonometric import ROUNDED, Grid, Lattice, grid_of, lattice_of
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.identification.lssa.constituents import Constituents
-    from imuwb.identification.lssa.equations import Equations
-    from imuwb.identification.lssa.noise import NoiseFit
-    from imuwb.identification.lssa.trigonometric import Grid, Lattice
-
-    Floats = NDArray[np.float64]
-    Complexes = NDArray[np.complex128]
+Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
 
 FEWEST = 16  #: least number of rows minus number of constituents
 RANK = 1e-6  #: share of a column's length that must remain when the columns before it are projected out

@@ -7,16 +7,13 @@ points does (Barnett, Magland, af Klinteberg 2019).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
-    Complexes = NDArray[np.complex128]
+Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
 
 ACCURACY = 1e-11  #: accuracy of the uneven transform, relative to the sum of all strengths
 STRAY = 6e-6  #: intervals, by which a time stamp may miss the lattice: rounding to nanoseconds at 5 kHz

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 
-from imuwb.identification.lssa.trigonometric import Grid, summit, sums
+from imuwb.identification.lssa.spectrum import Adjusted
+from imuwb.identification.lssa.trigonometric import Grid, Lattice, summit, sums
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.identification.lssa.spectrum import Adjusted
-    from imuwb.identification.lssa.trigonometric import Lattice
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 MIRRORED = 0.5  #: share of a line's power at another frequency, from which both frequencies show the same line
 FAR = 8.0  #: usual sampling rates, up to which mirrors are searched

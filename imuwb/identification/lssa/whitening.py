@@ -9,15 +9,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import linalg
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 MOST_DENSE = 20_000  #: largest number of samples with a given covariance
 CONDITION = 1e-12  #: share of the largest variance; a covariance with a smaller pivot is singular

@@ -7,19 +7,16 @@ part is about a scaled chi-square, so Bartlett's test of equal variances applies
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.identification.allan_variance.overlapping import allan
 from imuwb.identification.spectral.welch import independent, welch
 from imuwb.statistics.distributions import chi_square_tail
 from imuwb.texts import number_text, seconds_text
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 FEWEST_DEGREES = 15.0  #: least degrees of freedom of a part's Allan variance
 FEWEST = 64  #: least number of samples in a part

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import ndimage
 
 from imuwb.identification.spectral.welch import independent, welch
@@ -13,10 +13,7 @@ from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import chi_square_quantile, normal_limit
 from imuwb.stochastic import Sinusoid
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 LONGEST_SEGMENT = 1 << 16
 FLOOR_BINS = 101  #: number of bins of the running median, which is the noise floor

@@ -6,31 +6,24 @@ K²/(2 pi f)², which are two-sided.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import special
 
 from imuwb.identification.likelihood.fit import ACCEPTED, GROUP, TERMS, explained, profiled
 from imuwb.identification.likelihood.problem import LikelihoodProblem
 from imuwb.identification.region import SHARE, Region
+from imuwb.identification.spectral.lines import Line
 from imuwb.identification.spectral.welch import independent, welch
-from imuwb.statistics import Estimate
+from imuwb.statistics import Coefficient, Estimate
 from imuwb.statistics.distributions import chi_square_limits, chi_square_tail, normal_limit
-from imuwb.stochastic import Sum
+from imuwb.stochastic import Process, Sum
 from imuwb.texts import coefficients_text, number_text
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from imuwb.identification.spectral.lines import Line
-    from imuwb.statistics import Coefficient
-    from imuwb.stochastic import Process
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 LONGEST = 1 << 20  #: samples of a segment (Quinchia, 5.4)
 WIDTH = 1.08  #: ratio of the last frequency to the first in an averaged band

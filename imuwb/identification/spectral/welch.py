@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 
 from imuwb.compiled import compiled
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 #: Sum of the correlations of a segment's power with those of both neighbours; Hann windows that overlap by half.
 NEIGHBOURS = 2 * (1 / 6) ** 2

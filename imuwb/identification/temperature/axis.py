@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.identification.temperature.bias import Biases, biases
 from imuwb.identification.temperature.dependence import Dependence, by_chi_square, depends, heterogeneity
 from imuwb.identification.temperature.function_choice import FunctionChoice, choose_function
-from imuwb.identification.temperature.functions import TemperatureFunction
+from imuwb.identification.temperature.functions import FunctionKind, TemperatureFunction
 from imuwb.identification.temperature.pooled import pooled, settled
 from imuwb.identification.temperature.set_point import LETTERS, SetPoint, log_sigma
 from imuwb.identification.temperature.slow_processes import SLOW, size_of, slow_processes
+from imuwb.statistics import Coefficient
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from numpy.typing import NDArray
-
-    from imuwb.identification.temperature.functions import FunctionKind
-    from imuwb.statistics import Coefficient
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -7,24 +7,18 @@ its upper limit. The turn-on bias is estimated only from several logs at one tem
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import linalg
 
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit
-from imuwb.stochastic import FlickerNoise, RandomWalk, WhiteNoise
+from imuwb.stochastic import FlickerNoise, RandomWalk, Sum, WhiteNoise
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from imuwb.stochastic import Sum
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

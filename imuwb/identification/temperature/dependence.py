@@ -8,24 +8,19 @@ statistic is then simulated from such chi-squares, with a fixed seed; for N, wit
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.identification.coefficient import READ_OUT, interval
 from imuwb.identification.likelihood.fit import TERMS
+from imuwb.identification.temperature.set_point import SetPoint
 from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import chi_square_quantile, chi_square_tail
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from imuwb.identification.temperature.set_point import SetPoint
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 ROUNDS = 12  #: largest number of rounds of the search for the common value
 FAINT = 1e-4  #: standard errors; a smaller square is 0

@@ -6,11 +6,15 @@ function does.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.identification.temperature.functions import (
     KINDS,
+    FunctionKind,
     TemperatureFunction,
     fitted,
     left_out,
@@ -19,15 +23,7 @@ from imuwb.identification.temperature.functions import (
 )
 from imuwb.statistics.distributions import chi_square_tail
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from imuwb.identification.temperature.functions import FunctionKind
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 FEWEST = 4  #: set-points for a cross-validation
 CONTRADICTED = 1e-3  #: probability of the fit's chi-square, below which the set-points contradict a function

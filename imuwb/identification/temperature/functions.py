@@ -8,17 +8,15 @@ one set-point out.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from imuwb.statistics.distributions import normal_limit
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 FunctionKind = Literal["constant", "linear", "arrhenius", "quadratic", "cubic", "piecewise", "spline"]
 KELVIN = 273.15

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.identification.likelihood.fit import TERMS
+from imuwb.identification.temperature.axis import AxisTemperatures
+from imuwb.identification.temperature.functions import TemperatureFunction
 from imuwb.stochastic import AxisModel, Sum
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.identification.temperature.axis import AxisTemperatures
-    from imuwb.identification.temperature.functions import TemperatureFunction
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 STEP = 5.0  #: °C, largest distance between set-points of a model, which is linear between them
 

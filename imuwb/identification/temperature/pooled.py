@@ -6,26 +6,20 @@ are maximised together, by Fisher scoring, with N eliminated.
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import optimize
 
 from imuwb.identification.coefficient import READ_OUT, interval
 from imuwb.identification.likelihood.fit import TERMS, fit_problem
-from imuwb.identification.temperature.set_point import LETTERS
+from imuwb.identification.temperature.set_point import LETTERS, SetPoint
 from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import normal_quantile
 
-if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
-
-    from numpy.typing import NDArray
-
-    from imuwb.identification.temperature.set_point import SetPoint
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 ROUNDS, CLOSE = 60, 1e-3  #: largest number of rounds of the scoring, and the change of the deviance at which it ends
 LEAST_STEP = 1e-3  #: share of a step, below which the scoring ends

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.identification.record.suitable import unsuitable
 from imuwb.identification.temperature.thermal_trend import trend_of, without_trend
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 FEWEST = 1024  #: samples of a record at one temperature
 

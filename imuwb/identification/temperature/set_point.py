@@ -6,13 +6,15 @@ method with Bartlett's standard error. The slope is that of a free line fitted t
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from imuwb.identification.allan_variance.overlapping import allan
+from imuwb.identification.allan_variance.overlapping import AllanDeviation, allan
 from imuwb.identification.coefficient import interval
+from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
 from imuwb.identification.likelihood.fit import (
     ACCEPTED,
     FEWEST_BINS,
@@ -22,29 +24,18 @@ from imuwb.identification.likelihood.fit import (
     spectrum_without,
 )
 from imuwb.identification.likelihood.problem import LikelihoodProblem
-from imuwb.identification.spectral.lines import find_lines
+from imuwb.identification.region import Region
+from imuwb.identification.spectral.lines import Line, find_lines
 from imuwb.identification.temperature.bias import RecordMean
-from imuwb.identification.temperature.first_order import first_order_of
-from imuwb.identification.temperature.record import residuals
+from imuwb.identification.temperature.first_order import FirstOrder, first_order_of
+from imuwb.identification.temperature.record import Record, residuals
 from imuwb.identification.temperature.thermal_trend import joined, lowest, restricted
 from imuwb.identification.temperature.white_slope import white_slope
 from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import normal_limit
 from imuwb.stochastic import RateRamp
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from imuwb.identification.allan_variance.overlapping import AllanDeviation
-    from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
-    from imuwb.identification.region import Region
-    from imuwb.identification.spectral.lines import Line
-    from imuwb.identification.temperature.first_order import FirstOrder
-    from imuwb.identification.temperature.record import Record
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 LETTERS = tuple(TERMS)
 

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
 
 from imuwb.identification.likelihood.fit import TERMS
+from imuwb.statistics import Coefficient
 from imuwb.stochastic import Sum
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from imuwb.statistics import Coefficient
 
 SLOW = ("B", "K")
 

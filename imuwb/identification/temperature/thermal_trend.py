@@ -7,23 +7,17 @@ the lost coefficients do not count as evidence against them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import linalg
 
-from imuwb.identification.likelihood.cosine_spectrum import LOW, cosine_spectrum
+from imuwb.identification.likelihood.cosine_spectrum import LOW, CosineSpectrum, cosine_spectrum
+from imuwb.identification.likelihood.problem import LikelihoodProblem
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
-    from imuwb.identification.likelihood.problem import LikelihoodProblem
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 MOVED = 0.2  #: °C; a stretch whose smoothed temperature spans less has no thermal trend
 KNOTS = 40  #: means of a stretch, between which the smoothed thermometer is linear

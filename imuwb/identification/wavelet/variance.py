@@ -7,31 +7,25 @@ the Allan fit.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft, linalg, optimize, special
 
 from imuwb.compiled import compiled
 from imuwb.identification.allan_variance.problem import scaled_inverse
 from imuwb.identification.coefficient import READ_OUT, interval
 from imuwb.identification.likelihood.fit import ACCEPTED, TERMS
+from imuwb.identification.spectral.lines import Line
 from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import chi_square_tail, normal_quantile
-from imuwb.stochastic import Sum
+from imuwb.stochastic import Process, Sum
 from imuwb.texts import coefficients_text, number_text
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from imuwb.identification.spectral.lines import Line
-    from imuwb.stochastic import Process
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 _R3 = 3**0.5
 #: taps of the maximal-overlap transform, scaled to a gain of 1 at frequency 0

@@ -3,27 +3,32 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from imuwb.log import GnssStream, ImuStream, Log, Provenance, Reference, Repair, Scalars, Triad
+from imuwb.log import (
+    Floats,
+    GnssStream,
+    ImuStream,
+    Kind,
+    Log,
+    Nanoseconds,
+    Origin,
+    Provenance,
+    Reference,
+    Repair,
+    Scalars,
+    Triad,
+)
 from imuwb.notes import Note
 from imuwb.readers.assembly.siblings import sibling, with_fix_rows, with_parts_joined
 from imuwb.readers.assembly.time_order import Fault, in_order, taken
-from imuwb.readers.batch import Batch
+from imuwb.readers.batch import Batch, Remark
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats, Kind, Nanoseconds, Origin
-    from imuwb.readers.batch import Remark
-
-    #: stream, kind, names of the columns
-    Key = tuple[str, Kind, tuple[str, ...]]
+Key = tuple[str, Kind, tuple[str, ...]]
 
 #: kind -> the columns it may have
 _COLUMNS = {

@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from imuwb.log import GnssStream, ImuStream
+from imuwb.log import Floats, GnssStream, ImuStream, Nanoseconds
 from imuwb.notes import Note
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats, Nanoseconds
 
 _SENSOR = re.compile(r"(?<=/)(gyro|accel)(?=/|$)")
 MATCHED = 0.9  #: least share of the fixes that must have a row nearby

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from imuwb.log import Effect, Floats, Nanoseconds
 from imuwb.notes import Note
 from imuwb.units import SECOND
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.log import Effect, Floats, Nanoseconds
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.readers.bytes.loops import compiled_loop, worth_compiling
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
 
 
 def gather(buffer: NDArray[np.uint8], at: NDArray[np.int64], kind: str, count: int = 0) -> NDArray[Any]:

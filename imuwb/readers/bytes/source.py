@@ -5,17 +5,15 @@ from __future__ import annotations
 import gzip
 import hashlib
 import zlib
+from collections.abc import Iterator
+from io import BufferedReader
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO, cast
+from typing import BinaryIO, cast
 
 from isal import isal_zlib
 
 from imuwb.errors import UnreadableLogError
 from imuwb.notes import Note
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from io import BufferedReader
 
 HEAD = 1 << 16  #: bytes from which a format is recognised
 PIECE = 1 << 16  #: bytes read at a time from a packed file

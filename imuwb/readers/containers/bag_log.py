@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
+from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.containers.magic import BAG
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from imuwb.readers.batch import Batch, Remark
-    from imuwb.readers.read_options import ReadOptions
+from imuwb.readers.read_options import ReadOptions
 
 format = "bag"  # noqa: A001 - the contract's name
 uses = ("time_source", "frame")

@@ -9,10 +9,12 @@ Specification: http://wiki.ros.org/Bags/Format/2.0
 from __future__ import annotations
 
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.compiled import compiled
 from imuwb.notes import Note
@@ -23,12 +25,6 @@ from imuwb.readers.bytes.unpack import unpack, unpack_front
 from imuwb.readers.containers.magic import BAG as MAGIC
 from imuwb.readers.containers.messages import Channel, Messages, Schema
 from imuwb.units import SECOND
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from numpy.typing import NDArray
 
 MESSAGE, CHUNK, CONNECTION = 0x02, 0x05, 0x07
 AHEAD = 2  #: chunks that are unpacked while another is decoded

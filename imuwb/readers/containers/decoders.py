@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any, Literal, Protocol, cast
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, Literal, Protocol, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.readers.bytes.gather import gather
 from imuwb.readers.containers import ros_layout
+from imuwb.readers.containers.messages import Channel, Messages, Schema
 from imuwb.readers.containers.shapes import REFERENCE
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
-
-    from numpy.typing import NDArray
-
-    from imuwb.readers.containers.messages import Channel, Messages, Schema
-
-    Rows = NDArray[np.int64]
-    #: the wanted fields, and the rows of their messages
-    Piece = tuple[Mapping[str, NDArray[Any]], Rows]
+Rows = NDArray[np.int64]
+Piece = tuple[Mapping[str, NDArray[Any]], Rows]
 
 ARRAYS = ("covariance", *REFERENCE)  #: the names of fields that are arrays end with one of these
 FIRST = 16  #: number of messages that are tried for the fields of a channel without a definition

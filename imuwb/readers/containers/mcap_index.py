@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
@@ -18,9 +20,6 @@ from imuwb.summary import LogSummary, StreamSummary
 from imuwb.units import SECOND
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
     from mcap.records import ChunkIndex, MetadataIndex
     from mcap.summary import Summary
 

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
+from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.containers.magic import MCAP
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from imuwb.readers.batch import Batch, Remark
-    from imuwb.readers.read_options import ReadOptions
-    from imuwb.summary import LogSummary
+from imuwb.readers.read_options import ReadOptions
+from imuwb.summary import LogSummary
 
 format = "mcap"  # noqa: A001 - the contract's name
 uses = ("time_source", "frame")

@@ -10,10 +10,13 @@ Specification: https://mcap.dev/spec
 from __future__ import annotations
 
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, BinaryIO
+from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.notes import Note
 from imuwb.readers.bytes.ahead import ahead
@@ -38,12 +41,6 @@ from imuwb.readers.containers.mcap_chunk import (
     unpacked_front,
 )
 from imuwb.readers.containers.messages import Channel, Messages, Schema
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from numpy.typing import NDArray
 
 LATEST = np.uint64(2**62)  #: ns; a later time (after 2116) is damage
 LOG_TIME, PUBLISH_TIME = 6, 14  #: offsets in a message

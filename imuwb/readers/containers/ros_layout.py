@@ -8,17 +8,14 @@ operations. No code is made or run from a log's definitions.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.readers.bytes.gather import alike, gather
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from numpy.typing import NDArray
 
 Wire = Literal["cdr", "ros1"]
 

@@ -7,21 +7,16 @@ one of these, the name has a prefix. A recipe states which fields make which col
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from imuwb.log import SECOND
+from imuwb.log import SECOND, Kind
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping
-
-    from numpy.typing import NDArray
-
-    from imuwb.log import Kind
-
-    Values = Mapping[str, NDArray[np.float64]]
+Values = Mapping[str, NDArray[np.float64]]
 
 STAMPS = (
     ("header.stamp.sec", "header.stamp.nanosec"),

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import sqlite3
+from collections.abc import Iterator
 from contextlib import closing
-from typing import TYPE_CHECKING
+from pathlib import Path
 from urllib.parse import quote
 
 import numpy as np
@@ -15,12 +16,7 @@ from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.containers import ros_types
 from imuwb.readers.containers.messages import Channel, Messages, Schema
 from imuwb.readers.containers.topics import Topics
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from imuwb.readers.read_options import ReadOptions
+from imuwb.readers.read_options import ReadOptions
 
 format = "db3"  # noqa: A001 - the contract's name
 uses = ("time_source", "frame")

@@ -3,29 +3,23 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from typing import TYPE_CHECKING, Any, Protocol
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.errors import UnreadableLogError
-from imuwb.log import MEAN_SEA_LEVEL, Origin
+from imuwb.log import MEAN_SEA_LEVEL, Effect, Kind, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes.gather import alike
 from imuwb.readers.containers import shapes
-from imuwb.readers.containers.decoders import CannotDecodeError, Decoder, decoder_of
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping, Sequence
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from imuwb.log import Effect, Kind
-    from imuwb.readers.containers.decoders import Piece
-    from imuwb.readers.containers.messages import Channel, Messages, Schema
-    from imuwb.readers.containers.shapes import Recipe
-    from imuwb.readers.read_options import ReadOptions
+from imuwb.readers.containers.decoders import CannotDecodeError, Decoder, Piece, decoder_of
+from imuwb.readers.containers.messages import Channel, Messages, Schema
+from imuwb.readers.containers.shapes import Recipe
+from imuwb.readers.read_options import ReadOptions
 
 PATIENCE = 100  #: number of messages; a channel without a known field in these is not examined again
 UNIX = 10**17  #: ns; a later stamp (after March 1973) counts from 1970

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.log import Nanoseconds
+from imuwb.log import Nanoseconds
 
 BACK = 5_000_000_000  #: ns; a larger step back is a reboot, a smaller one a late message
 EARLIEST = 946_684_800 * 10**9  #: ns of 2000-01-01; a flight controller that states an earlier date does not know it

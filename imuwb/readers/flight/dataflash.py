@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from imuwb.readers.batch import Batch, Remark
-    from imuwb.readers.read_options import ReadOptions
+from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.read_options import ReadOptions
 
 format = "dataflash"  # noqa: A001 - the contract's name
 uses: tuple[str, ...] = ()

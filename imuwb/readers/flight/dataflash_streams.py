@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.errors import UnreadableLogError
-from imuwb.log import MEAN_SEA_LEVEL, Origin
+from imuwb.log import MEAN_SEA_LEVEL, Epoch, Floats, Nanoseconds, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes import source
@@ -18,15 +21,7 @@ from imuwb.readers.flight.dataflash_units import si_factors
 from imuwb.readers.gps_time import unix_of_gps
 from imuwb.units import SECOND
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from imuwb.log import Epoch, Floats, Nanoseconds
-
-    Columns = Mapping[str, NDArray[Any]]
+Columns = Mapping[str, NDArray[Any]]
 
 IMUS, RECEIVERS, ACCURACIES = ("IMU", "IMU2", "IMU3"), ("GPS", "GPS2"), ("GPA", "GPA2")
 SOLUTIONS = ("XKF1", "NKF1", "EKF1")

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING, Any
+from collections.abc import Collection, Iterable
+from typing import Any
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable
-
-    from numpy.typing import NDArray
+from numpy.typing import NDArray
 
 STATED = ("FMTU", "UNIT", "MULT")  #: records that are text
 LARGEST = 2.0**53  #: a larger time (µs) or instance is damage

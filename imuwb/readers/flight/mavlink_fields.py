@@ -6,14 +6,12 @@ Definitions: https://mavlink.io/en/messages/common.html; fields are ordered by t
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.readers.bytes.gather import gather
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 _COUNTS = "xacc:i2 yacc:i2 zacc:i2 xgyro:i2 ygyro:i2 zgyro:i2 xmag:i2 ymag:i2 zmag:i2"
 _SCALED, _RAW = f"time_boot_ms:u4 {_COUNTS} temperature:i2", f"time_usec:u8 {_COUNTS}"

@@ -9,15 +9,12 @@ Specification: https://mavlink.io/en/guide/serialization.html
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.compiled import compiled
 from imuwb.readers.flight.mavlink_seeds import SEEDS
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 STAMP = 8  #: bytes of the recorder's time, big-endian µs since 1970
 FIRST, SECOND_VERSION = 0xFE, 0xFD

@@ -3,30 +3,24 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from imuwb.log import Nanoseconds
 from imuwb.notes import Note
 from imuwb.readers.bytes import source
 from imuwb.readers.bytes.gather import gather
 from imuwb.readers.flight.mavlink_fields import LAYOUTS, decoded
 from imuwb.readers.flight.mavlink_frames import scan
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from imuwb.log import Nanoseconds
-
-    Values = Mapping[str, NDArray[Any]]
-    #: system, component, number of the message
-    Key = tuple[int, int, int]
-    #: position in the file, recorder's time (ns), fields
-    Rows = tuple[NDArray[np.int64], Nanoseconds, dict[str, NDArray[Any]]]
+Values = Mapping[str, NDArray[Any]]
+Key = tuple[int, int, int]
+Rows = tuple[NDArray[np.int64], Nanoseconds, dict[str, NDArray[Any]]]
 
 EARLIEST, LATEST = (
     946_684_800_000_000,

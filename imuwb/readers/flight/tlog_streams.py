@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.errors import UnreadableLogError
-from imuwb.log import MEAN_SEA_LEVEL, Origin
+from imuwb.log import MEAN_SEA_LEVEL, Floats, Nanoseconds, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.flight import trajectory
 from imuwb.readers.flight.boot_clock import BootClock, boot_clock
 from imuwb.readers.flight.mavlink_fields import LAYOUTS
-from imuwb.readers.flight.telemetry import EARLIEST, LATEST, MICRO, Telemetry
+from imuwb.readers.flight.telemetry import EARLIEST, LATEST, MICRO, Key, Rows, Telemetry, Values
+from imuwb.readers.read_options import ReadOptions
 from imuwb.units import STANDARD_GRAVITY
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats, Nanoseconds
-    from imuwb.readers.flight.telemetry import Key, Rows, Values
-    from imuwb.readers.read_options import ReadOptions
 
 MILLI = 1_000_000  #: ns
 SYSTEM_TIME, ATTITUDE, SOLUTION = 2, 30, 33

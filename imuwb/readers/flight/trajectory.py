@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from imuwb.log import Floats, Kind, Nanoseconds, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats, Kind, Nanoseconds, Origin
-
 
 HIGHEST = 1e5  #: m; a height beyond is damage
 FASTEST = 2e4  #: m/s; a velocity beyond is damage

@@ -8,19 +8,16 @@ from __future__ import annotations
 import re
 import struct
 from collections import defaultdict
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.compiled import compiled
 from imuwb.readers.bytes.gather import alike, gather
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
 
 HEADER = 16  #: bytes: magic, version, time
 FLAGS = ord("B")

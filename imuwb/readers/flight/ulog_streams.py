@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.errors import UnreadableLogError
 from imuwb.geodesy import displaced
-from imuwb.log import MEAN_SEA_LEVEL, Origin
+from imuwb.log import MEAN_SEA_LEVEL, Epoch, Floats, Nanoseconds, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes import source
@@ -16,15 +19,7 @@ from imuwb.readers.flight import trajectory
 from imuwb.readers.flight.boot_clock import EARLIEST
 from imuwb.readers.flight.ulog_records import ULogFile
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from imuwb.log import Epoch, Floats, Nanoseconds
-
-    Columns = Mapping[str, NDArray[Any]]
+Columns = Mapping[str, NDArray[Any]]
 
 COMBINED, INCREMENTS = "sensor_combined", "vehicle_imu"
 RECEIVERS = ("sensor_gps", "vehicle_gps_position")

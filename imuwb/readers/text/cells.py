@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Iterator, Mapping
 from datetime import datetime
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
+from numpy.typing import NDArray
 from pyarrow import csv
 
+from imuwb.log import Floats
 from imuwb.notes import Note
 from imuwb.readers.text import lines
+from imuwb.readers.text.column_names import Column
+from imuwb.readers.text.lines import Layout
 from imuwb.readers.text.trust import is_number
 from imuwb.units import unix_nanoseconds
-
-if TYPE_CHECKING:
-    from collections import Counter
-    from collections.abc import Iterator, Mapping
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats
-    from imuwb.readers.text.column_names import Column
-    from imuwb.readers.text.lines import Layout
 
 BLOCK = 4 << 20
 LINES = Note("cell_count", "lines without the usual number of cells left out")

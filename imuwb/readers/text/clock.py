@@ -5,30 +5,24 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Any, cast
+from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 import pyarrow as pa
+from numpy.typing import NDArray
 
 from imuwb.errors import UsageError
 from imuwb.notes import Note
 from imuwb.readers.gps_time import ahead_of_utc, leap_seconds, unix_of_gps
+from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text import cells
-from imuwb.readers.text.column_names import scale_of
+from imuwb.readers.text.column_names import Column, scale_of
+from imuwb.readers.text.lines import Layout
 from imuwb.readers.text.trust import is_number
-from imuwb.units import SECOND, Epoch, unit
+from imuwb.units import SECOND, Epoch, Unit, unit
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from imuwb.readers.read_options import ReadOptions
-    from imuwb.readers.text.column_names import Column
-    from imuwb.readers.text.lines import Layout
-    from imuwb.units import Unit
-
-    Times = tuple[NDArray[np.int64], NDArray[np.bool_]]
+Times = tuple[NDArray[np.int64], NDArray[np.bool_]]
 
 WEEK_END = 604_801  #: s; no time of a GPS week is later, not even with a leap second
 LATEST_WEEK = 10_000  #: GPS week of the year 2171

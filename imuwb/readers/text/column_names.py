@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from imuwb.errors import ImuwbError, UsageError
 from imuwb.readers.quantities import DIMENSIONS
 from imuwb.units import Unit, unit
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 _AXIS = r"[_ .\[]*([xyz])\]?"
 #: quantity -> pattern of its column names, in lower case and without the unit

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 
 from imuwb.errors import UnreadableLogError, UsageError
+from imuwb.log import Floats
 from imuwb.readers.quantities import DIMENSIONS, units_by_quantity
+from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text.column_names import Column, columns
+from imuwb.readers.text.lines import Layout
 from imuwb.readers.text.trust import is_number
 from imuwb.units import STANDARD_GRAVITY, UNITS, unit
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from imuwb.log import Floats
-    from imuwb.readers.read_options import ReadOptions
-    from imuwb.readers.text.lines import Layout
 
 #: dimension -> unit of a column without a stated unit; an IMU's unit must be stated, because several are common
 _USUAL = {"temperature": "°C", "angle": "deg", "length": "m", "speed": "m/s"}

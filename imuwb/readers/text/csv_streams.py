@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+from imuwb.log import Floats, Kind
+from imuwb.readers.text.column_names import Column
+from imuwb.units import Unit
 
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats, Kind
-    from imuwb.readers.text.column_names import Column
-    from imuwb.units import Unit
-
-    #: kind, columns, and the rows that have them (None: all)
-    Stream = tuple[Kind, dict[str, Floats], NDArray[np.bool_] | None]
-    #: (quantity, axis) -> values in SI
-    Values = Mapping[tuple[str, int], Floats]
+Stream = tuple[Kind, dict[str, Floats], NDArray[np.bool_] | None]
+Values = Mapping[tuple[str, int], Floats]
 
 _WAYS = ("north", "east", "down")
 #: column of a receiver -> beginning of the names of its quantities

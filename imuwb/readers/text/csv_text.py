@@ -3,38 +3,29 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.errors import UnreadableLogError
-from imuwb.log import MEAN_SEA_LEVEL, Origin
+from imuwb.log import MEAN_SEA_LEVEL, Floats, Kind, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes.source import damaged
+from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text import lines
 from imuwb.readers.text.cells import CELLS, LINES, blocks, floats
-from imuwb.readers.text.clock import clock_of
-from imuwb.readers.text.column_names import above_sea, columns
+from imuwb.readers.text.clock import Clock, clock_of
+from imuwb.readers.text.column_names import Column, above_sea, columns
 from imuwb.readers.text.csv_columns import check_gravity, used_columns
 from imuwb.readers.text.csv_streams import streams_of
+from imuwb.readers.text.lines import Layout
 from imuwb.readers.text.sidecar import with_sidecar
 from imuwb.units import SECOND
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats, Kind
-    from imuwb.readers.read_options import ReadOptions
-    from imuwb.readers.text.clock import Clock
-    from imuwb.readers.text.column_names import Column
-    from imuwb.readers.text.lines import Layout
-
-    #: time (ns), {column: cells}, bytes of the file that are read
-    Piece = tuple[NDArray[np.int64], dict[Column, Floats], int]
+Piece = tuple[NDArray[np.int64], dict[Column, Floats], int]
 
 format = "csv"  # noqa: A001 - the contract's name
 uses = ("rate", "columns", "units", "frame", "epoch")

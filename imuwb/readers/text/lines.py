@@ -5,15 +5,12 @@ from __future__ import annotations
 import io
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from imuwb.errors import UnreadableLogError
 from imuwb.notes import Note
 from imuwb.readers.bytes import source
 from imuwb.readers.text.trust import is_number, trusted
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 BLOCK = 1 << 20
 #: replaces every byte that is not ASCII by a question mark: no number has such a byte, and the parser fails on it

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 
@@ -15,15 +16,10 @@ from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes import source
 from imuwb.readers.gps_time import GPS_EPOCH, WEEK, ahead_of_utc
+from imuwb.readers.read_options import ReadOptions
 from imuwb.units import SECOND, unix_nanoseconds
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from imuwb.readers.read_options import ReadOptions
-
-    Row = tuple[int, list[float]]  #: time (ns), and the numbers after the time
+Row = tuple[int, list[float]]  #: time (ns), and the numbers after the time
 
 format = "rtklib"  # noqa: A001 - the contract's name
 uses: tuple[str, ...] = ()

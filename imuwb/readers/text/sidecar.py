@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, cast
+from pathlib import Path
+from typing import Any, cast
 
 from imuwb.errors import UsageError
 from imuwb.notes import Note
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from imuwb.readers.read_options import ReadOptions
+from imuwb.readers.read_options import ReadOptions
 
 #: key -> the rule for its value
 _KEYS = {

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.analysis import LineResult
-from imuwb.axes import axes_of, for_each, rates
+from imuwb.axes import Axis, axes_of, for_each, rates
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.identification import deviation, identify, stillness
+from imuwb.identification import NoiseIdentification, Stillness, deviation, identify, stillness
 from imuwb.identification.record.suitable import unsuitable
-from imuwb.log import source_of
-from imuwb.statistics import UNKNOWN
+from imuwb.log import Floats, Log, source_of
+from imuwb.statistics import UNKNOWN, Coefficient
 from imuwb.stochastic import Sinusoid, Sum
 from imuwb.units import coefficient_units
 from imuwb_plugins.allan.notes import notes_of
+from imuwb_plugins.allan.parameters import Parameters
 from imuwb_plugins.allan.result import (
     AllanAxis,
     EstimatorComparison,
@@ -26,15 +27,6 @@ from imuwb_plugins.allan.result import (
     ReadOut,
     Result,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from imuwb.axes import Axis
-    from imuwb.identification import NoiseIdentification, Stillness
-    from imuwb.log import Floats, Log
-    from imuwb.statistics import Coefficient
-    from imuwb_plugins.allan.parameters import Parameters
 
 FEWEST = 100  #: samples; fewer have no useful curve
 POINTS = 200  #: averaging times of the model's curves in the figure

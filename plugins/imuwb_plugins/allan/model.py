@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
 
 from imuwb import __version__
 from imuwb.errors import MissingDataError
+from imuwb.statistics import Coefficient
 from imuwb.stochastic import AxisModel, ImuErrorModel, Sum
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from imuwb.statistics import Coefficient
-    from imuwb_plugins.allan.result import AllanAxis, Result
+from imuwb_plugins.allan.result import AllanAxis, Result
 
 
 def error_model(result: Result) -> ImuErrorModel:

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
 
+from imuwb.axes import Axis
+from imuwb.identification import Stillness
+from imuwb.log import Log
 from imuwb.notes import Note
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from imuwb.axes import Axis
-    from imuwb.identification import Stillness
-    from imuwb.log import Log
-    from imuwb.sampling import Sampling
-    from imuwb_plugins.allan.result import AllanAxis
+from imuwb.sampling import Sampling
+from imuwb_plugins.allan.result import AllanAxis
 
 FAST = Note(
     "fast",

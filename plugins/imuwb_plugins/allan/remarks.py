@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
 from imuwb.analysis import Finding
 from imuwb.notes import Note
-from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, Sinusoid, WhiteNoise
+from imuwb.statistics import Coefficient
+from imuwb.stochastic import FlickerNoise, Process, Quantization, RandomWalk, RateRamp, Sinusoid, WhiteNoise
 from imuwb.texts import number_text, seconds_text
 from imuwb_plugins.allan.notes import UNEXPLAINED
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from imuwb.statistics import Coefficient
-    from imuwb.stochastic import Process
-    from imuwb_plugins.allan.result import AllanAxis, EstimatorComparison, Result
+from imuwb_plugins.allan.result import AllanAxis, EstimatorComparison, Result
 
 _NAMES: dict[type, str] = {
     Quantization: "quantization", WhiteNoise: "white noise", FlickerNoise: "bias instability", RandomWalk: "random walk",

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
+from imuwb.analysis import LineResult
+from imuwb.identification import Disturbance, ModelChoice, Region, Stationarity
+from imuwb.notes import Note
+from imuwb.statistics import Coefficient, Estimate
+from imuwb.stochastic import Sum
 from imuwb.texts import coefficients_text
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from imuwb.analysis import LineResult
-    from imuwb.identification import Disturbance, ModelChoice, Region, Stationarity
-    from imuwb.notes import Note
-    from imuwb.statistics import Coefficient, Estimate
-    from imuwb.stochastic import Sum
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from imuwb.analysis import Curve, Figure, Mark
-from imuwb.colors import AXIS_COLORS
-from imuwb.units import UNITS
+from imuwb.analysis import Curve, Figure, Mark, Review
+from imuwb.colors import AXIS_COLORS, Color
+from imuwb.identification import Stationarity
+from imuwb.units import UNITS, Unit
 from imuwb_plugins.allan import tables
-
-if TYPE_CHECKING:
-    from imuwb.analysis import Review
-    from imuwb.colors import Color
-    from imuwb.identification import Stationarity
-    from imuwb.units import Unit
-    from imuwb_plugins.allan.result import AllanAxis, Result
+from imuwb_plugins.allan.result import AllanAxis, Result
 
 _SENSORS = {"gyro": ("Gyroscopes", UNITS["deg/h"]), "accel": ("Accelerometers", UNITS["m/s²"])}
 DARKEST = 0.25  #: share of the axis's colour in the curve of the first part

@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
 
 from imuwb.analysis import Table
-from imuwb.statistics import Estimate
-from imuwb.stochastic import GaussMarkov
+from imuwb.identification import ModelCandidate
+from imuwb.statistics import Coefficient, Estimate
+from imuwb.stochastic import GaussMarkov, Sum
 from imuwb.texts import coefficient_text, converted_text, interval_text, number_text
 from imuwb.units import coefficient_units
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from imuwb.identification import ModelCandidate
-    from imuwb.statistics import Coefficient
-    from imuwb.stochastic import Sum
-    from imuwb_plugins.allan.result import AllanAxis, EstimatorComparison, Result
+from imuwb_plugins.allan.result import AllanAxis, EstimatorComparison, Result
 
 LETTERS = "QNBKR"
 CANDIDATES = 4  #: sums in the table

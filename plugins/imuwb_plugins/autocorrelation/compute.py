@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from imuwb.analysis import Finding
-from imuwb.axes import axes_of, for_each, gap_notes, rates
+from imuwb.axes import Axis, axes_of, for_each, gap_notes, rates
 from imuwb.conditioning import denoise
 from imuwb.errors import MissingDataError
-from imuwb.identification import autocorrelation
+from imuwb.identification import GaussMarkovFit, autocorrelation
 from imuwb.identification.record.suitable import unsuitable
+from imuwb.log import Floats, Log
 from imuwb.notes import Note
 from imuwb.units import coefficient_units
+from imuwb_plugins.autocorrelation.parameters import Parameters
 from imuwb_plugins.autocorrelation.result import (
     NO_VERDICT,
     CorrelationAxis,
@@ -21,14 +23,6 @@ from imuwb_plugins.autocorrelation.result import (
     GaussMarkovResult,
     Result,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from imuwb.axes import Axis
-    from imuwb.identification import GaussMarkovFit
-    from imuwb.log import Floats, Log
-    from imuwb_plugins.autocorrelation.parameters import Parameters
 
 FEWEST = 256  #: samples
 

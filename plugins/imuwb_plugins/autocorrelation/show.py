@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from imuwb.analysis import Curve, Figure, Table
+from imuwb.analysis import Curve, Figure, Review, Table
 from imuwb.colors import AXIS_COLORS, PALE
 from imuwb.statistics import Estimate
 from imuwb.texts import converted_text
 from imuwb.units import UNITS, coefficient_units
-
-if TYPE_CHECKING:
-    from imuwb.analysis import Review
-    from imuwb_plugins.autocorrelation.result import CorrelationAxis, CorrelationCurve, GaussMarkovResult, Result
+from imuwb_plugins.autocorrelation.result import CorrelationAxis, CorrelationCurve, GaussMarkovResult, Result
 
 _SENSORS = {"gyro": "Gyroscopes", "accel": "Accelerometers"}
 

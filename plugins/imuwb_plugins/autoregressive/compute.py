@@ -2,30 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from imuwb import __version__
 from imuwb.analysis import Finding
-from imuwb.axes import axes_of, for_each
+from imuwb.axes import Axis, axes_of, for_each
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.identification import fit_autoregressive
+from imuwb.identification import AutoregressiveFit, fit_autoregressive
 from imuwb.identification.record.suitable import unsuitable
-from imuwb.log import source_of
+from imuwb.log import Log, source_of
 from imuwb.notes import Note
-from imuwb.stochastic import AxisModel, ImuErrorModel, Sum
+from imuwb.stochastic import Autoregressive, AxisModel, ImuErrorModel, Sum
 from imuwb.units import coefficient_units
+from imuwb_plugins.autoregressive.parameters import Parameters
 from imuwb_plugins.autoregressive.result import AutoregressiveAxis, Result
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from imuwb.axes import Axis
-    from imuwb.identification import AutoregressiveFit
-    from imuwb.log import Log
-    from imuwb.stochastic import Autoregressive
-    from imuwb_plugins.autoregressive.parameters import Parameters
 
 CONVENTION = "x(n) = -sum alpha_k x(n-k) + beta0 w(n); libraries that print phi mean -alpha"
 FEWEST = 128  #: samples

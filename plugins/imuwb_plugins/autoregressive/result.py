@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from imuwb.identification.correlation.autoregressive import Order, Whiteness
-    from imuwb.stochastic import Autoregressive
+from imuwb.identification.correlation.autoregressive import Order, Whiteness
+from imuwb.stochastic import Autoregressive
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from imuwb.analysis import Curve, Figure, Table
+from imuwb.analysis import Curve, Figure, Review, Table
 from imuwb.colors import AXIS_COLORS, PALE
+from imuwb.identification.correlation.autoregressive import Order
 from imuwb.units import coefficient_units
-
-if TYPE_CHECKING:
-    from imuwb.analysis import Review
-    from imuwb.identification.correlation.autoregressive import Order
-    from imuwb_plugins.autoregressive.result import AutoregressiveAxis, Result
+from imuwb_plugins.autoregressive.result import AutoregressiveAxis, Result
 
 _SENSORS = {"gyro": "Gyroscopes", "accel": "Accelerometers"}
 SHOWN = (1, 2, 3)  #: orders in the table, beside the chosen one

@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import Curve, Figure
+from imuwb.analysis import Curve, Figure, Review
 from imuwb.colors import BLUE
 from imuwb.conditioning import Change, Lowpass, condition_streams, design_lowpass
-from imuwb.log import Conditioning
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from imuwb.analysis import Review
-    from imuwb.log import Floats, Log
-    from imuwb_plugins.bandwidth.parameters import Parameters
+from imuwb.log import Conditioning, Floats, Log
+from imuwb_plugins.bandwidth.parameters import Parameters
 
 LOWEST = 1e-4  #: share of the rate at which the curve of the magnitude begins
 POINTS = 1000

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.log import SECOND, Conditioning, Triad
-
-if TYPE_CHECKING:
-    from imuwb.log import Floats, ImuStream, Log
-    from imuwb_plugins.bias.parameters import Parameters
+from imuwb.log import SECOND, Conditioning, Floats, ImuStream, Log, Triad
+from imuwb_plugins.bias.parameters import Parameters
 
 
 def condition(log: Log, parameters: Parameters) -> tuple[Log, dict[str, list[float]]]:

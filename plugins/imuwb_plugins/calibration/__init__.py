@@ -5,17 +5,14 @@ Each method is a command: six-position (the faces of a cube), multi-position (an
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
+from imuwb.analysis import Review
+from imuwb.log import Log
+from imuwb.stochastic import ImuErrorModel
 from imuwb_plugins.calibration.parameters import MultiPosition, RateTable, SixPosition
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.analysis import Review
-    from imuwb.log import Log
-    from imuwb.stochastic import ImuErrorModel
 
 __all__ = ["METHODS"]
 

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 
+from imuwb.identification.calibration import RateRun
+from imuwb.log import Floats
 from imuwb.stochastic import ImuErrorModel, corrected
 from imuwb_plugins.calibration.result import Trace
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.identification.calibration import RateRun
-    from imuwb.log import Floats
-    from imuwb_plugins.calibration.stretches import SteadyStretch
+from imuwb_plugins.calibration.stretches import SteadyStretch
 
 POSITION_POINTS = 400  #: most samples of a position
 STEP_POINTS = 200  #: most samples of a step

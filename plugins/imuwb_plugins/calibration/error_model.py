@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from imuwb.errors import UsageError
+from imuwb.identification.calibration import AxisCalibration
+from imuwb.statistics import Estimate
 from imuwb.stochastic import AxisModel, ImuErrorModel
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from imuwb.identification.calibration import AxisCalibration
-    from imuwb.statistics import Estimate
 
 LARGEST_GAIN = 2.0  #: largest plausible gain of a log in SI; the smallest is its inverse
 

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from imuwb.identification.calibration import Means, PositionCalibration, RateRun, RateTableCalibration
 from imuwb.notes import Note
 from imuwb.units import STANDARD_GRAVITY
-from imuwb_plugins.calibration.parameters import SixPosition
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from imuwb.identification.calibration import Means, PositionCalibration, RateRun, RateTableCalibration
-    from imuwb_plugins.calibration.parameters import Positions, RateTable
+from imuwb_plugins.calibration.parameters import Positions, RateTable, SixPosition
 
 UNLIKELY = 0.01  #: probability of the residuals, below which noise does not explain them
 RARE = 1e-6  #: smaller probabilities are not printed

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
 
 import numpy as np
 
 from imuwb.analysis import Curve, Figure, Table
 from imuwb.colors import BLUE, INK, RED
+from imuwb.log import Floats
+from imuwb.statistics import Estimate
 from imuwb.texts import estimate_text
 from imuwb.units import STANDARD_GRAVITY
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from imuwb.log import Floats
-    from imuwb.statistics import Estimate
-    from imuwb_plugins.calibration.result import Terms, Trace
+from imuwb_plugins.calibration.result import Terms, Trace
 
 DEGREE = math.pi / 180
 #: unit of a parameter -> factor and name of its display unit

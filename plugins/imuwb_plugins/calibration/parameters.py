@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path  # noqa: TC003 - the command line reads the annotations as the program runs
+from pathlib import Path
 from typing import Annotated, ClassVar, TypeAlias
 
 from imuwb.options import POSITIVE, Between, Form, Level, check, text_of

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from imuwb.analysis import Curve, Figure, Table
+from imuwb.analysis import Curve, Figure, Review, Table
 from imuwb.colors import AXIS_COLORS, INK
 from imuwb.texts import decimals, seconds_text
 from imuwb_plugins.calibration.notes import probability_text
 from imuwb_plugins.calibration.parameter_table import SENSORS, display, parameter_table, parameter_text, trace_figure
-
-if TYPE_CHECKING:
-    from imuwb.analysis import Review
-    from imuwb_plugins.calibration.result import PositionResult
+from imuwb_plugins.calibration.result import PositionResult
 
 APART = 0.12  #: distance, in positions, by which the points of the three axes are shifted sideways
 

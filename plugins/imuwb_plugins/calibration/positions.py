@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import csv
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.geodesy.earth import gravity as normal_gravity
 from imuwb.identification import calibration
-from imuwb.log import source_of
+from imuwb.identification.calibration import AxisCalibration, Means, PositionCalibration, PrintedCalibration
+from imuwb.log import Floats, Log, source_of
 from imuwb.notes import Note
 from imuwb.stochastic import ImuErrorModel
 from imuwb.units import STANDARD_GRAVITY
@@ -19,15 +21,13 @@ from imuwb_plugins.calibration.error_model import check_gain, completed_model, p
 from imuwb_plugins.calibration.notes import gyro_note, position_notes, red_notes
 from imuwb_plugins.calibration.parameters import MultiPosition, SixPosition
 from imuwb_plugins.calibration.result import Position, PositionResult
-from imuwb_plugins.calibration.stretches import check_clipping, check_still, still_positions, temperature_of
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    from imuwb.identification.calibration import AxisCalibration, Means, PositionCalibration, PrintedCalibration
-    from imuwb.log import Floats, Log
-    from imuwb_plugins.calibration.stretches import SteadyStretch
+from imuwb_plugins.calibration.stretches import (
+    SteadyStretch,
+    check_clipping,
+    check_still,
+    still_positions,
+    temperature_of,
+)
 
 RANGES = (2, 4, 8, 16, 32, 64, 128)  #: g, usual full ranges
 STRANGE = 0.2  #: share of the means' variation left in the residuals, above which the attitudes are wrong

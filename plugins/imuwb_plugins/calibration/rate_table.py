@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification import calibration
 from imuwb.identification.calibration import RateRun, TableConditions
-from imuwb.log import AXES, source_of
+from imuwb.log import AXES, Floats, Log, source_of
 from imuwb.stochastic import ImuErrorModel, corrected
 from imuwb_plugins.calibration.corrected_samples import table_trace
 from imuwb_plugins.calibration.error_model import check_gain, completed_model, parameters_of
 from imuwb_plugins.calibration.notes import table_notes
+from imuwb_plugins.calibration.parameters import RateTable
 from imuwb_plugins.calibration.result import Step, TableResult, TableRun
 from imuwb_plugins.calibration.stretches import SteadyStretch, check_clipping, steps_of, temperature_of
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.log import Floats, Log
-    from imuwb_plugins.calibration.parameters import RateTable
 
 RANGES = (250, 300, 500, 1000, 2000, 4000, 8000, 20000)  #: deg/s, usual full ranges
 VERTICAL = 0.7  #: share of the specific force along an axis, from which the axis is vertical

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import Curve, Figure, Table
+from imuwb.analysis import Curve, Figure, Review, Table
 from imuwb.colors import AXIS_COLORS, INK
 from imuwb.texts import decimals, seconds_text
 from imuwb_plugins.calibration.parameter_table import display, parameter_table, parameter_text, trace_figure
-
-if TYPE_CHECKING:
-    from imuwb.analysis import Review
-    from imuwb_plugins.calibration.result import TableResult, TableRun
+from imuwb_plugins.calibration.result import TableResult, TableRun
 
 ASIDE = 0.015  #: share of the span of rates by which the points of different runs are shifted sideways
 

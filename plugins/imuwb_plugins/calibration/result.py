@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+import numpy as np
+from numpy.typing import NDArray
 
-    from imuwb.identification.calibration import PrintedCalibration
-    from imuwb.statistics import Estimate
-    from imuwb.stochastic import ImuErrorModel
+from imuwb.identification.calibration import PrintedCalibration
+from imuwb.statistics import Estimate
+from imuwb.stochastic import ImuErrorModel
 
-    Floats = NDArray[np.float64]
-    Terms = dict[str, dict[str, Estimate]]  # axis -> name of the parameter -> parameter
+Floats = NDArray[np.float64]
+Terms = dict[str, dict[str, Estimate]]  # axis -> name of the parameter -> parameter
 
 
 @dataclass(frozen=True, eq=False, slots=True)

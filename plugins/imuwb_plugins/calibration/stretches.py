@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.calibration import clipped, shared, steady
+from imuwb.log import Floats, ImuStream, Log, Triad
 from imuwb.notes import Note
 from imuwb.sampling import sampling
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.log import Floats, ImuStream, Log, Triad
 
 FEWEST = 64  #: fewest samples of a stretch, for the scatter of its parts
 LEANS = 0.005  #: share of gravity by which a position held by hand may vary in half a second

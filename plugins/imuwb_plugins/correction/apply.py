@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import Table
+from imuwb.analysis import Review, Table
 from imuwb.conditioning import correct
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.log import AXES
+from imuwb.log import AXES, Log
 from imuwb.stochastic import AxisModel, ImuErrorModel, is_ideal, is_thermal
 from imuwb.units import STANDARD_GRAVITY, coefficient_units
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from imuwb.analysis import Review
-    from imuwb.log import Log
-    from imuwb_plugins.correction.parameters import Parameters
+from imuwb_plugins.correction.parameters import Parameters
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from imuwb.conditioning import Change, KaiserFilter, condition_streams, design_kaiser, fir_change
-from imuwb.log import Conditioning
-
-if TYPE_CHECKING:
-    from imuwb.log import Log
-    from imuwb_plugins.decimate.parameters import Parameters
+from imuwb.log import Conditioning, Log
+from imuwb_plugins.decimate.parameters import Parameters
 
 PASS, STOP = 0.4, 0.5  #: edges of the anti-alias filter, as shares of the new rate
 ROUNDING = 1e-3  #: share by which the ratio of the rates may miss a whole number

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 from imuwb.health import Health, check
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.log import Log
-    from imuwb_plugins.health.parameters import Parameters
+from imuwb.log import Log
+from imuwb_plugins.health.parameters import Parameters
 
 
 def run(logs: Sequence[Log], parameters: Parameters) -> Health:

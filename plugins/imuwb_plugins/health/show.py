@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from imuwb.analysis import Curve, Figure, Mark, Table
+from imuwb.analysis import Curve, Figure, Mark, Review, Table
 from imuwb.colors import BLUE, RED, color_at
+from imuwb.health import Fault, Health
 from imuwb.notes import Note
 from imuwb.texts import seconds_text
-
-if TYPE_CHECKING:
-    from imuwb.analysis import Review
-    from imuwb.health import Fault, Health
 
 MARKED = 6  #: faults whose place is marked in the figure
 STREAMS = 8  #: in the figure: as many as there are colours

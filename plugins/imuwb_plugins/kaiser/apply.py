@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import Curve, Figure
+from imuwb.analysis import Curve, Figure, Review
 from imuwb.colors import BLUE
 from imuwb.conditioning import Change, KaiserFilter, condition_streams, design_kaiser, fir_change
-from imuwb.log import Conditioning
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from imuwb.analysis import Review
-    from imuwb.log import Floats, Log
-    from imuwb_plugins.kaiser.parameters import Parameters
+from imuwb.log import Conditioning, Floats, Log
+from imuwb_plugins.kaiser.parameters import Parameters
 
 POINTS = 2001
 FLOOR = 1e-9  #: gain, below which the curve of the magnitude is level

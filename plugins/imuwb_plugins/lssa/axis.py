@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
+from imuwb.axes import Axis
 from imuwb.identification import power_spectrum
 from imuwb.identification.lssa import (
+    Constituents,
+    Extraction,
+    Hypothesis,
+    Noise,
+    Significance,
+    Spectrum,
     adjust,
     extract,
     hypothesis_text,
@@ -17,22 +23,15 @@ from imuwb.identification.lssa import (
     usable_band,
 )
 from imuwb.identification.record.suitable import unsuitable
-from imuwb.log import SECOND
+from imuwb.log import SECOND, Floats
 from imuwb.sampling import longest_part
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit, student_limit
 from imuwb_plugins.lssa.lines import lines_of, without_lines
+from imuwb_plugins.lssa.parameters import Parameters
 from imuwb_plugins.lssa.result import HypothesisResult, LssaAxis
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from imuwb.axes import Axis
-    from imuwb.identification.lssa import Constituents, Extraction, Hypothesis, Noise, Significance, Spectrum
-    from imuwb.log import Floats
-    from imuwb_plugins.lssa.parameters import Parameters
-
-    Indices = NDArray[np.int64]
+Indices = NDArray[np.int64]
 
 FEWEST = 256  #: samples
 BINS = 1500  #: bins of frequency in the figures, equally wide on a logarithmic axis

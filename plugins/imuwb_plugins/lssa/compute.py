@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 
 from imuwb.analysis import Finding
-from imuwb.axes import axes_of, for_each
+from imuwb.axes import Axis, axes_of, for_each
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.lssa import Constituents, Noise
-from imuwb.log import SECOND
+from imuwb.log import SECOND, Floats, Log
 from imuwb.notes import Note
 from imuwb_plugins.lssa.axis import axis_result
-from imuwb_plugins.lssa.result import Result
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.axes import Axis
-    from imuwb.log import Floats, Log
-    from imuwb_plugins.lssa.parameters import NoiseOption, Parameters
-    from imuwb_plugins.lssa.result import LssaAxis
+from imuwb_plugins.lssa.parameters import NoiseOption, Parameters
+from imuwb_plugins.lssa.result import LssaAxis, Result
 
 
 def run(logs: Sequence[Log], parameters: Parameters) -> Result:

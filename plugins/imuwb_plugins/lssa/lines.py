@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.identification.lssa import drifting_lines
+from imuwb.identification.lssa import DriftingLine, Peak, drifting_lines
+from imuwb.log import Floats
+from imuwb_plugins.lssa.parameters import Parameters
 from imuwb_plugins.lssa.result import PeakResult
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.identification.lssa import DriftingLine, Peak
-    from imuwb.log import Floats
-    from imuwb_plugins.lssa.parameters import Parameters
 
 HARMONIC = 0.01  #: share of a multiple by which a harmonic may differ from it
 

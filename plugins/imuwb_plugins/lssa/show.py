@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from imuwb.analysis import Curve, Figure, Mark, Table
+from imuwb.analysis import Curve, Figure, Mark, Review, Table
 from imuwb.colors import AXIS_COLORS, GREY, ORANGE
+from imuwb.identification.lssa import ChiSquare
 from imuwb.units import UNITS, coefficient_units
-
-if TYPE_CHECKING:
-    from imuwb.analysis import Review
-    from imuwb.identification.lssa import ChiSquare
-    from imuwb_plugins.lssa.result import LssaAxis, PeakResult, Result
+from imuwb_plugins.lssa.result import LssaAxis, PeakResult, Result
 
 DENSITY_UNITS = {"gyro": UNITS["deg/s"], "accel": UNITS["m/s²"]}
 _SENSORS = {"gyro": "gyroscopes", "accel": "accelerometers"}

@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
+from imuwb.analysis import Finding
 from imuwb.errors import MissingDataError
+from imuwb.log import Log
 from imuwb.notes import Note
 from imuwb.progress import tracked
 from imuwb_plugins import allan, autocorrelation, autoregressive, psd
 from imuwb_plugins.noise import summary
 from imuwb_plugins.noise.denoising import denoising
+from imuwb_plugins.noise.parameters import Parameters
 from imuwb_plugins.noise.repeatability import compare
 from imuwb_plugins.noise.result import TITLES, Result
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.analysis import Finding
-    from imuwb.log import Log
-    from imuwb_plugins.noise.parameters import Parameters
 
 ANALYSES: dict[str, Any] = {
     "allan": allan, "psd": psd, "autocorrelation": autocorrelation, "autoregressive": autoregressive

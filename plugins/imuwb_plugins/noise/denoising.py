@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
-from imuwb.axes import axes_of, rates
+from imuwb.axes import Axis, axes_of, rates
 from imuwb.conditioning import band_limit, denoise
 from imuwb.identification import allan, power_spectrum
 from imuwb.identification.record.suitable import unsuitable
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from imuwb.axes import Axis
-    from imuwb.log import Floats, Log
+from imuwb.log import Floats, Log
 
 SHALLOW = 3  #: levels of the second curve, as in Quinchia's figure 17
 SHOWN = ("gyro_z", "accel_z")

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
-from imuwb.stochastic import AxisModel, Constant, FlickerNoise, ImuErrorModel, Quantization, RandomWalk, Sum, WhiteNoise
+from imuwb.stochastic import (
+    AxisModel,
+    Constant,
+    FlickerNoise,
+    ImuErrorModel,
+    Process,
+    Quantization,
+    RandomWalk,
+    Sum,
+    WhiteNoise,
+)
 from imuwb_plugins import allan
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.stochastic import Process
-    from imuwb_plugins.noise.repeatability import Repeatability
-    from imuwb_plugins.noise.result import Result
+from imuwb_plugins.noise.repeatability import Repeatability
+from imuwb_plugins.noise.result import Result
 
 _TERMS = {"Q": Quantization, "N": WhiteNoise, "B": FlickerNoise, "K": RandomWalk}
 _ALLAN: Any = allan

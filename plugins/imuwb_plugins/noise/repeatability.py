@@ -5,14 +5,15 @@ Hassaballa, 5: three runs, figures 6 to 8.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from imuwb.analysis import Finding
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.coefficient import interval
-from imuwb.log import SECOND
+from imuwb.log import SECOND, Floats, Log
 from imuwb.statistics import UNKNOWN, Coefficient
 from imuwb.statistics.distributions import (
     chi_square_limits,
@@ -22,12 +23,6 @@ from imuwb.statistics.distributions import (
     normal_quantile,
 )
 from imuwb.units import coefficient_units
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from imuwb.analysis import Finding
-    from imuwb.log import Floats, Log
 
 DIFFERENT = 0.01  #: probability, over all coefficients, below which the logs differ
 FEWEST = 2  #: fewest logs with an interval or a limit of a coefficient, for a comparison

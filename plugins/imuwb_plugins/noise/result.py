@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from imuwb.notes import Note
+from imuwb.statistics import Coefficient
 from imuwb.texts import coefficients_text
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from imuwb.notes import Note
-    from imuwb.statistics import Coefficient
-    from imuwb_plugins.noise.denoising import Denoising
-    from imuwb_plugins.noise.repeatability import Repeatability
+from imuwb_plugins.noise.denoising import Denoising
+from imuwb_plugins.noise.repeatability import Repeatability
 
 #: tabs in their order: analysis -> title
 TITLES = {"allan": "Allan", "psd": "Spectrum", "autocorrelation": "Correlation", "autoregressive": "Autoregression"}

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from imuwb.axes import axes_of, for_each, rates
+from imuwb.analysis import Case
+from imuwb.axes import Axis, axes_of, for_each, rates
 from imuwb.errors import MissingDataError
 from imuwb.identification import allan, fit_likelihood
 from imuwb.identification.record.suitable import unsuitable
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
-    from imuwb.analysis import Case
-    from imuwb.axes import Axis
-    from imuwb.log import Floats
-    from imuwb.statistics import Coefficient
-    from imuwb_plugins.noise.parameters import Parameters
+from imuwb.log import Floats
+from imuwb.statistics import Coefficient
+from imuwb_plugins.noise.parameters import Parameters
 
 FEWEST = 256  #: samples
 TOLERANCE = 0.1  #: excess of N over the best, up to which a setting keeps the sensor's full capacity

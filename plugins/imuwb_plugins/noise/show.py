@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from imuwb.analysis import Review
 from imuwb_plugins.noise import show_denoising, show_repeatability, summary
 from imuwb_plugins.noise.compute import ANALYSES
-from imuwb_plugins.noise.result import TITLES
-
-if TYPE_CHECKING:
-    from imuwb.analysis import Review
-    from imuwb_plugins.noise.result import Result
+from imuwb_plugins.noise.result import TITLES, Result
 
 
 def draw(result: Result, review: Review) -> None:

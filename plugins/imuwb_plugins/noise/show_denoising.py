@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from imuwb.analysis import Curve, Figure, Table, Vertical
-from imuwb.colors import AXIS_COLORS, ORANGE, between
+from imuwb.analysis import Curve, Figure, Review, Table, Vertical
+from imuwb.colors import AXIS_COLORS, ORANGE, Color, between
 from imuwb.units import UNITS
-
-if TYPE_CHECKING:
-    from imuwb.analysis import Review
-    from imuwb.colors import Color
-    from imuwb_plugins.noise.denoising import Denoised, Denoising
+from imuwb_plugins.noise.denoising import Denoised, Denoising
 
 _SENSORS = {
     "gyro": ("Gyroscope", "deg/h", "(deg/s)²/Hz", (np.pi / 180) ** 2),

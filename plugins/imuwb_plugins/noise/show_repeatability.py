@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from imuwb.analysis import Curve, Figure, Table
+from imuwb.analysis import Curve, Figure, Review, Table
 from imuwb.colors import AXIS_COLORS
+from imuwb.log import Floats
 from imuwb.notes import Note
 from imuwb.texts import coefficient_text
 from imuwb.units import coefficient_units
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from imuwb.analysis import Review
-    from imuwb.log import Floats
-    from imuwb_plugins.noise.repeatability import Compared, Repeatability
+from imuwb_plugins.noise.repeatability import Compared, Repeatability
 
 LEAST = 0.1  #: share of a value at which a bar ends that would reach 0; a logarithmic axis has no 0
 ASIDE = 0.08  #: distance between the axes' bars at one log

@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from imuwb.analysis import Curve, Figure, Table, Vertical
+from imuwb.analysis import Curve, Figure, Review, Table, Vertical
 from imuwb.colors import BLUE, color_at
 from imuwb.texts import coefficient_text, quantity_text
 from imuwb.units import UNITS, coefficient_units
-from imuwb_plugins.noise.settings import TOLERANCE
-
-if TYPE_CHECKING:
-    from imuwb.analysis import Review
-    from imuwb_plugins.noise.settings import CaseResult, Rule, Study
+from imuwb_plugins.noise.settings import TOLERANCE, CaseResult, Rule, Study
 
 _SENSORS = {"gyro": ("Gyroscope", "deg/h"), "accel": ("Accelerometer", "m/s²")}
 

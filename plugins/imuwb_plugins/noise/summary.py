@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
 
-from imuwb.analysis import Table
+from imuwb.analysis import Finding, Review, Table
 from imuwb.texts import coefficient_text
 from imuwb.units import coefficient_units
 from imuwb_plugins.noise.result import NoiseAxis
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from imuwb.analysis import Finding, Review
 
 LETTERS = "QNBK"
 SUSPICIOUS = "SUSPICIOUS"  #: begin of a remark that puts the coefficients in doubt

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.conditioning import corrected_log
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.log import AXES
+from imuwb.log import AXES, Log
 from imuwb.navigation import Aids, FilterModel, Installation, Settings, read_filter
 from imuwb.replay import (
+    Clocks,
     Degradation,
+    Mounting,
     Outage,
+    Prepared,
+    Replay,
+    Tuned,
     estimate_clocks,
     estimate_mounting,
     model_named,
@@ -27,14 +32,8 @@ from imuwb.replay import (
 )
 from imuwb.stochastic import ImuErrorModel
 from imuwb_plugins.outage import filters, notes, summary, tracks
+from imuwb_plugins.outage.parameters import Parameters
 from imuwb_plugins.outage.result import Result
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.log import Log
-    from imuwb.replay import Clocks, Mounting, Prepared, Replay, Tuned
-    from imuwb_plugins.outage.parameters import Parameters
 
 
 def run(logs: Sequence[Log], parameters: Parameters) -> Result:

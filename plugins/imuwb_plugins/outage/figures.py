@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -23,11 +23,7 @@ from imuwb.colors import (
 )
 from imuwb.replay.budget import COMMON
 from imuwb.units import STANDARD_GRAVITY
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from imuwb_plugins.outage.result import DurationSummary, ErrorBudget, Result, SensorErrors
+from imuwb_plugins.outage.result import DurationSummary, ErrorBudget, Result, SensorErrors
 
 COLORS: dict[str, Color] = {
     "none": GREY, "15AV": BLUE, "18AV": GREEN, "18AVWD": RED, "15AR": ORANGE, "27AR": PURPLE, "full": TEAL, "tuned": YELLOW,

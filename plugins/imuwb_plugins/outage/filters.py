@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from imuwb.log import SECOND
-from imuwb.navigation import filter_text
+from imuwb.log import SECOND, Floats
+from imuwb.navigation import FilterModel, filter_text
 from imuwb.navigation.filter import axis_errors
-from imuwb.replay import HORIZONS, Outage, events_of, true_errors, without_overlap
+from imuwb.replay import HORIZONS, FilterRun, Outage, Replay, events_of, true_errors, without_overlap
 from imuwb.replay import budget as error_budget
 from imuwb.replay.budget import COMMON
 from imuwb_plugins.outage.result import ErrorBudget, FilterInfo, SensorErrors
-
-if TYPE_CHECKING:
-    from imuwb.log import Floats
-    from imuwb.navigation import FilterModel
-    from imuwb.replay import FilterRun, Replay
 
 BUDGETED = 30  #: outages
 SIGMAS = 3  #: sigmas between an estimate and its limits

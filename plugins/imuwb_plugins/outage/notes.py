@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import numpy as np
 
+from imuwb.navigation import Aids
 from imuwb.notes import Note
+from imuwb.replay import Clocks, Mounting, Replay, Tuned
+from imuwb.statistics import Estimate
 from imuwb.texts import number_text
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from imuwb.navigation import Aids
-    from imuwb.replay import Clocks, Mounting, Replay, Tuned
-    from imuwb.statistics import Estimate
-    from imuwb_plugins.outage.result import DurationSummary, FilterInfo
+from imuwb_plugins.outage.result import DurationSummary, FilterInfo
 
 #: A filter does not fit above this NIS over its degrees of freedom, or this share of refused fixes.
 MISFIT, REFUSED = 3.0, 0.1

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from imuwb.writers import write_text
 from imuwb.writers.trajectory import check_trajectory, write_trajectory
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from imuwb_plugins.outage.parameters import Parameters
-    from imuwb_plugins.outage.result import Result
+from imuwb_plugins.outage.parameters import Parameters
+from imuwb_plugins.outage.result import Result
 
 
 def outputs(parameters: Parameters) -> tuple[Path, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from pathlib import Path  # noqa: TC003 - the command line reads the annotations
+from pathlib import Path
 from typing import Annotated, Literal
 
 from imuwb.options import NOT_NEGATIVE, Between, Form, Level, check, text_of

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
+from imuwb.log import Floats, Reference
+from imuwb.notes import Note
+from imuwb.replay import Choice, Clocks, Consistency, DriftCurve, Mounting, Paired, Tuned
 from imuwb.statistics import Estimate
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from imuwb.log import Floats, Reference
-    from imuwb.notes import Note
-    from imuwb.replay import Choice, Clocks, Consistency, DriftCurve, Mounting, Paired, Tuned
 
 HELD = {"document": False}  #: for a field that is drawn or written, but not part of the JSON
 

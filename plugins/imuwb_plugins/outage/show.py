@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import rerun as rr
 
+from imuwb.analysis import Review
 from imuwb.colors import INK, SUBGRID
 from imuwb.notes import Note
 from imuwb.texts import number_text
 from imuwb_plugins.outage import figures, tables
 from imuwb_plugins.outage.figures import color_of
-
-if TYPE_CHECKING:
-    from imuwb.analysis import Review
-    from imuwb_plugins.outage.result import Result, Tracks
+from imuwb_plugins.outage.result import Result, Tracks
 
 FEW = 20  #: outages, up to which each is compared as in the paper
 

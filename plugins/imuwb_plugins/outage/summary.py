@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from itertools import permutations
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.replay import (
     HORIZONS,
+    DriftCurve,
+    FilterRun,
+    Replay,
+    Scores,
+    Summary,
     choose,
     compare,
     drift_curve,
@@ -16,6 +20,7 @@ from imuwb.replay import (
     summarize,
     without_overlap,
 )
+from imuwb.statistics import Estimate
 from imuwb_plugins.outage.filters import nis_per_dof
 from imuwb_plugins.outage.result import (
     DurationSummary,
@@ -25,10 +30,6 @@ from imuwb_plugins.outage.result import (
     OutageResult,
     PublishedGain,
 )
-
-if TYPE_CHECKING:
-    from imuwb.replay import DriftCurve, FilterRun, Replay, Scores, Summary
-    from imuwb.statistics import Estimate
 
 TESTED = "18AVWD"  #: the filter of the paper's claim
 LISTED = 20  #: outages in the table

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from imuwb.analysis import Table
+from imuwb.replay import Choice
 from imuwb.texts import interval_text, number_text, quantity_text
+from imuwb_plugins.outage.result import DurationSummary, ErrorBudget, OutageResult, Result
 from imuwb_plugins.outage.summary import TESTED
-
-if TYPE_CHECKING:
-    from imuwb.replay import Choice
-    from imuwb_plugins.outage.result import DurationSummary, ErrorBudget, OutageResult, Result
 
 
 def _yes(value: bool) -> str:  # noqa: FBT001 - a cell of a table

@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from imuwb.log import SECOND, Origin, Reference
-from imuwb.replay import without_overlap
+from imuwb.log import SECOND, Floats, Origin, Reference
+from imuwb.replay import Replay, without_overlap
 from imuwb_plugins.outage.result import OutageTrack, Tracks
 from imuwb_plugins.outage.summary import LISTED
-
-if TYPE_CHECKING:
-    from imuwb.log import Floats
-    from imuwb.replay import Replay
 
 DRAWN = 6  #: outages of each duration
 

@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.analysis import LineResult
-from imuwb.axes import axes_of, for_each, gap_notes, rates
+from imuwb.axes import Axis, axes_of, for_each, gap_notes, rates
 from imuwb.errors import MissingDataError
-from imuwb.identification import find_lines, fit_spectrum, power_spectrum
+from imuwb.identification import Line, PowerSpectrum, SpectralFit, find_lines, fit_spectrum, power_spectrum
 from imuwb.identification.record.suitable import unsuitable
+from imuwb.log import Log
 from imuwb.notes import Note
 from imuwb.statistics import UNKNOWN
 from imuwb.units import coefficient_units
+from imuwb_plugins.psd.parameters import Parameters
 from imuwb_plugins.psd.result import ModelDensities, Result, SpectrumAxis
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.axes import Axis
-    from imuwb.identification import Line, PowerSpectrum, SpectralFit
-    from imuwb.log import Log
-    from imuwb_plugins.psd.parameters import Parameters
 
 FEWEST = 256  #: samples
 HARMONIC = 0.01  #: relative error of a multiple of a line's frequency that counts as a harmonic

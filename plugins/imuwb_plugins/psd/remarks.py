@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import numpy as np
 
 from imuwb.analysis import Finding
 from imuwb.notes import Note
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from imuwb_plugins.psd.result import Result, SpectrumAxis
+from imuwb_plugins.psd.result import Result, SpectrumAxis
 
 NAMED = 3  #: lines that a remark names, the strongest
 

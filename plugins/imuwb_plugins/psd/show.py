@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from imuwb.analysis import Curve, Figure, Table, Vertical
+from imuwb.analysis import Curve, Figure, LineResult, Review, Table, Vertical
 from imuwb.colors import AXIS_COLORS
 from imuwb.statistics import Estimate
 from imuwb.texts import coefficient_text, converted_text
 from imuwb.units import coefficient_units
-
-if TYPE_CHECKING:
-    from imuwb.analysis import LineResult, Review
-    from imuwb_plugins.psd.result import Result, SpectrumAxis
+from imuwb_plugins.psd.result import Result, SpectrumAxis
 
 _SENSORS = {"gyro": ("Gyroscopes", "(deg/s)²/Hz", (np.pi / 180) ** 2), "accel": ("Accelerometers", "(m/s²)²/Hz", 1.0)}
 SAME = 0.02  #: relative difference of the frequencies of one line in several axes

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from imuwb.identification.temperature import AxisTemperatures, Dependence, Law, SetPoint
+from imuwb.statistics import Estimate
 from imuwb.units import coefficient_units
 from imuwb_plugins.temperature.result import DependenceResult, FunctionResult, TemperatureAxis, TemperatureResult
-
-if TYPE_CHECKING:
-    from imuwb.identification.temperature import AxisTemperatures, Dependence, Law, SetPoint
-    from imuwb.statistics import Estimate
 
 #: quantity -> its name in tables and verdicts
 NAMES = {"N": "N", "B": "B", "K": "K", "Q": "Q", "alpha": "AR(1)", "bias": "bias"}

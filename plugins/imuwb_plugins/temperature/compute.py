@@ -2,29 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from imuwb.axes import THREADS, axes_of, rates
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.identification.temperature import heterogeneity, log_sigma, over_temperature, set_point_of
-from imuwb.log import AXES, source_of
+from imuwb.identification.temperature import (
+    AxisTemperatures,
+    Record,
+    SetPoint,
+    heterogeneity,
+    log_sigma,
+    over_temperature,
+    set_point_of,
+)
+from imuwb.log import AXES, Log, source_of
 from imuwb.notes import Note
 from imuwb.progress import tracked
 from imuwb_plugins.temperature.axis_result import axis_result
 from imuwb_plugins.temperature.log_checks import check_thermometers, check_together
-from imuwb_plugins.temperature.records import FEWEST, grouped, parts_of
+from imuwb_plugins.temperature.parameters import Parameters
+from imuwb_plugins.temperature.records import FEWEST, LogPart, grouped, parts_of
 from imuwb_plugins.temperature.result import CONVENTION, Result
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.identification.temperature import AxisTemperatures, Record, SetPoint
-    from imuwb.log import Log
-    from imuwb_plugins.temperature.parameters import Parameters
-    from imuwb_plugins.temperature.records import LogPart
 
 DIFFERENT = 1e-3  #: probability by chance, below which N differs between logs
 NOTICEABLE = 0.02  #: relative difference of N between logs, from which a note reports it

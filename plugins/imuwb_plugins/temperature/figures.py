@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 
 from imuwb.analysis import Curve, Figure
-from imuwb.colors import AXIS_COLORS, BLUE, GREEN, ORANGE, RED, TEAL, YELLOW, between, color_at
-from imuwb.units import UNITS, coefficient_units
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.colors import Color
-    from imuwb.statistics import Coefficient, Estimate
-    from imuwb.units import Unit
-    from imuwb_plugins.temperature.result import Result, Study
+from imuwb.colors import AXIS_COLORS, BLUE, GREEN, ORANGE, RED, TEAL, YELLOW, Color, between, color_at
+from imuwb.statistics import Coefficient, Estimate
+from imuwb.units import UNITS, Unit, coefficient_units
+from imuwb_plugins.temperature.result import Result, Study
 
 CELSIUS = "temperature [°C]"
 COLD_TO_HOT = (BLUE, TEAL, GREEN, YELLOW, ORANGE, RED)

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 from imuwb.axes import axes_of
 from imuwb.errors import MissingDataError, UsageError
+from imuwb.log import Log
 from imuwb.notes import Note
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from imuwb.log import Log
-    from imuwb_plugins.temperature.parameters import Parameters
+from imuwb_plugins.temperature.parameters import Parameters
 
 SAME_RATE = 0.01  #: largest relative difference of sampling rates between logs
 

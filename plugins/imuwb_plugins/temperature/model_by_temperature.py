@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from imuwb import __version__
 from imuwb.identification.temperature import axis_model
 from imuwb.stochastic import ImuErrorModel
-
-if TYPE_CHECKING:
-    from imuwb_plugins.temperature.result import Result
+from imuwb_plugins.temperature.result import Result
 
 
 def error_model(result: Result) -> ImuErrorModel:

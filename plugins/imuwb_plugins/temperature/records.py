@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
-from imuwb.axes import axes_of
+from imuwb.axes import Axis, axes_of
 from imuwb.errors import MissingDataError
 from imuwb.identification import stillness
 from imuwb.identification.temperature import Record, Stretch, smooth_temperature, stretches
-from imuwb.log import SECOND
+from imuwb.log import SECOND, Floats, Log
 from imuwb.notes import Note
 from imuwb.sampling import longest_part
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from imuwb.axes import Axis
-    from imuwb.log import Floats, Log
-    from imuwb_plugins.temperature.parameters import Parameters
+from imuwb_plugins.temperature.parameters import Parameters
 
 Item = TypeVar("Item")
 TOGETHER = 1.0  #: °C; set-points that differ by no more have one temperature

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from imuwb.analysis import Case
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.temperature import FirstOrder, first_order
 from imuwb.log import AXES
+from imuwb_plugins.temperature.parameters import Parameters
 from imuwb_plugins.temperature.records import grouped, parts_of
 from imuwb_plugins.temperature.result import CONVENTION, Study, StudyCase
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from imuwb.analysis import Case
-    from imuwb_plugins.temperature.parameters import Parameters
-
-    ByTemperature = list[tuple[float, FirstOrder]]  # °C, AR(1)
+ByTemperature = list[tuple[float, FirstOrder]]  # °C, AR(1)
 
 
 def study(cases: Iterable[Case], parameters: Parameters) -> Study:

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from imuwb.analysis import Review
 from imuwb_plugins.temperature import figures, tables
-
-if TYPE_CHECKING:
-    from imuwb.analysis import Review
-    from imuwb_plugins.temperature.result import Result, Study
+from imuwb_plugins.temperature.result import Result, Study
 
 SENSORS = {"gyro": "Gyroscopes", "accel": "Accelerometers"}
 STUDIED = ("gyro_y", "accel_y")  #: the paper's axes; figures of all axes would crowd the tab

@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeAlias
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
 
 from imuwb.analysis import Table
-from imuwb.identification.temperature import KINDS
+from imuwb.identification.temperature import KINDS, FirstOrder
+from imuwb.statistics import Coefficient
 from imuwb.texts import coefficient_text, estimate_text, quantity_text
-from imuwb.units import coefficient_units
+from imuwb.units import Unit, coefficient_units
 from imuwb_plugins.temperature.axis_result import NAMES
+from imuwb_plugins.temperature.result import FunctionResult, Result, Study, TemperatureResult
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from imuwb.identification.temperature import FirstOrder
-    from imuwb.statistics import Coefficient
-    from imuwb.units import Unit
-    from imuwb_plugins.temperature.result import FunctionResult, Result, Study, TemperatureResult
-
-    Column: TypeAlias = tuple[
-        str, Callable[[TemperatureResult], str]
-    ]  # heading before the axis and unit after it, cell
+Column: TypeAlias = tuple[str, Callable[[TemperatureResult], str]]  # heading before the axis and unit after it, cell
 
 ORDER = ("N", "B", "K", "Q", "alpha", "bias")
 

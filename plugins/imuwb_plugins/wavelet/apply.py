@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from imuwb.analysis import Table
+from imuwb.analysis import Review, Table
 from imuwb.conditioning import (
     Change,
     Denoised,
@@ -18,13 +17,9 @@ from imuwb.conditioning import (
     level_of_band,
     measured_band,
 )
-from imuwb.log import AXES, Conditioning
+from imuwb.log import AXES, Conditioning, Floats, Log
 from imuwb.units import coefficient_units
-
-if TYPE_CHECKING:
-    from imuwb.analysis import Review
-    from imuwb.log import Floats, Log
-    from imuwb_plugins.wavelet.parameters import Parameters
+from imuwb_plugins.wavelet.parameters import Parameters
 
 QUIETEST = 0.02  #: share of a record's seconds whose scatter is the sensor's own
 LEAST_BLOCK = 8  #: samples of such a second, where the rate is low
