@@ -51,14 +51,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from imuwb.arrays import Floats, Integers
 from imuwb.colors import PALE, Color
 from imuwb.log import Log
 from imuwb.statistics import Coefficient
 
-Floats = NDArray[np.float64]
 if TYPE_CHECKING:
     import rerun as rr
 
@@ -148,7 +145,7 @@ class Series:
 
     title: str
     unit: str
-    time: NDArray[np.int64]  #: (n,) ns
+    time: Integers  #: (n,) ns
     values: Floats  #: (n, k)
     names: tuple[str, ...]
     colors: tuple[tuple[int, ...], ...] = ()  #: RGB or RGBA

@@ -10,7 +10,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from imuwb.log import Floats, ImuStream, Nanoseconds
+from imuwb.arrays import Floats
+from imuwb.log import ImuStream, Nanoseconds
 from imuwb.notes import Note
 from imuwb.progress import tracked
 from imuwb.sampling import Sampling, longest_part, sampling

@@ -20,13 +20,13 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from imuwb.arrays import Floats, Integers
 from imuwb.errors import MissingDataError
 from imuwb.sampling import sampling
 from imuwb.texts import rows_text
 from imuwb.units import SECOND, Epoch
 
-Floats: TypeAlias = NDArray[np.float64]
-Nanoseconds: TypeAlias = NDArray[np.int64]
+Nanoseconds: TypeAlias = Integers
 #: What the rows of a stream are. Readers also yield "velocity" and "fix" rows, which assembly joins to a receiver.
 Kind = Literal["imu", "gnss", "velocity", "fix", "speed", "temperature", "reference"]
 #: What a repair did to a stream: it left rows out, replaced times, changed the order of rows, or made values doubtful.
@@ -205,7 +205,7 @@ class GnssStream(_Timed):
     velocity: Floats | None = None  #: (n, 3) m/s, NED
     position_sigma: Floats | None = None  #: (n, 3) m, NED, stated by the receiver
     velocity_sigma: Floats | None = None  #: (n, 3) m/s, NED, stated by the receiver
-    fix_type: NDArray[np.int64] | None = None  #: (n,)
+    fix_type: Integers | None = None  #: (n,)
     origin: Origin = field(default_factory=Origin)
 
     def __post_init__(self) -> None:

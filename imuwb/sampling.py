@@ -10,8 +10,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Integers
 from imuwb.units import SECOND
 
 SPAN = 100  #: steps; over this number of steps rounding averages out
@@ -62,7 +62,7 @@ def longest_part(breaks: Iterable[int], last: int, first: int = 0) -> slice:
     return slice(int(edges[part]), int(edges[part + 1]))
 
 
-def sampling(time: NDArray[np.int64]) -> Sampling:
+def sampling(time: Integers) -> Sampling:
     """Return the clock of a stream.
 
     Args:
@@ -84,7 +84,7 @@ def sampling(time: NDArray[np.int64]) -> Sampling:
     return Sampling(mean / SECOND, gaps, tuple(int(i) for i in breaks), jitter)
 
 
-def _is_complete(time: NDArray[np.int64], longest: float, mean: float) -> bool:
+def _is_complete(time: Integers, longest: float, mean: float) -> bool:
     """Return whether all spans of a number of samples last equally long; a missing sample prolongs them by an interval."""
     span = min(SPAN, (time.size - 1) // 2) // 2 * 2  # even: short and long steps may alternate
     if not span or longest > UNEVEN * mean:
@@ -93,7 +93,7 @@ def _is_complete(time: NDArray[np.int64], longest: float, mean: float) -> bool:
     return float(sums.max() - sums.min()) < mean / 2
 
 
-def _interval(time: NDArray[np.int64], steps: NDArray[np.int64]) -> tuple[float, float]:
+def _interval(time: Integers, steps: Integers) -> tuple[float, float]:
     """Return the interval, and by how much rounding may prolong a step, in ns.
 
     The steps of an even but rounded clock differ, while sums of many of them hardly do. Missing samples scatter the sums too.

@@ -10,8 +10,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from imuwb.arrays import Floats
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.log import Conditioning, Floats, ImuStream, Log, Nanoseconds, Triad
+from imuwb.log import Conditioning, ImuStream, Log, Nanoseconds, Triad
 from imuwb.notes import Note, ids
 from imuwb.stochastic import ImuErrorModel, corrected, is_ideal
 

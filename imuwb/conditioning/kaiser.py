@@ -9,12 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import signal
 
+from imuwb.arrays import Complexes, Floats
 from imuwb.conditioning.streams import Change
-
-Floats = NDArray[np.float64]
 
 LONGEST = 400_001  #: largest number of taps
 LOBES = 8  #: number of lobes of the response on each side of the transition, in which the gain is checked
@@ -39,7 +37,7 @@ class KaiserFilter:
         """Return the group delay, s."""
         return (self.taps.size - 1) / 2 / self.rate
 
-    def response(self, frequency: Floats) -> NDArray[np.complex128]:
+    def response(self, frequency: Floats) -> Complexes:
         """Return the response of the causal filter at frequencies in Hz."""
         return signal.freqz(self.taps, worN=2 * np.pi * frequency / self.rate)[1]
 

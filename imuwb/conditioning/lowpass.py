@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import signal
 
-Floats = NDArray[np.float64]
+from imuwb.arrays import Complexes, Floats
 
 SETTLED = 1e-7  #: remaining share of the slowest mode; earlier output is left out
 HALF_POWER = 0.4429  #: argument at which sinc is 1/√2
@@ -45,7 +44,7 @@ class Lowpass:
         power = np.abs(self.response(frequency)) ** 2
         return float(frequency[np.argmax(power < 1 - LOST) - 1])
 
-    def response(self, frequency: Floats) -> NDArray[np.complex128]:
+    def response(self, frequency: Floats) -> Complexes:
         """Return the response at frequencies in Hz."""
         w = 2 * np.pi * frequency / self.rate
         if self.sections is None:

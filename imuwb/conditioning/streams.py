@@ -8,8 +8,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from imuwb.arrays import Floats
 from imuwb.errors import MissingDataError
-from imuwb.log import Floats, ImuStream, Log, Triad
+from imuwb.log import ImuStream, Log, Triad
 from imuwb.sampling import sampling
 
 

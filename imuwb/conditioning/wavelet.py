@@ -13,9 +13,8 @@ from typing import Literal
 
 import numpy as np
 import pywt
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from imuwb.arrays import Floats
 
 Rule = Literal["sure", "universal", "bayes", "all", "none"]
 Shrinkage = Literal["soft", "hard"]

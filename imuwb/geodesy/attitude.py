@@ -6,9 +6,8 @@ A quaternion is (w, x, y, z) and turns body vectors into the navigation frame, a
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from imuwb.arrays import Floats
 
 
 def rotation_of_euler(euler: Floats) -> Floats:

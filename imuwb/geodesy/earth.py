@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from imuwb.arrays import Floats
 
 EQUATORIAL_RADIUS = 6_378_137.0  #: m
 FLATTENING = 1 / 298.257223563

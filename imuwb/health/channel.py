@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from imuwb.log import Floats, ImuStream, Log
+from imuwb.arrays import Floats, Integers
+from imuwb.log import ImuStream, Log
 from imuwb.sampling import Sampling, sampling
 from imuwb.units import coefficient_units
 
@@ -27,7 +27,7 @@ class Channel:
     levels: Floats  #: (k,) the different values of the first samples, rising
 
     @property
-    def breaks(self) -> NDArray[np.int64]:
+    def breaks(self) -> Integers:
         """Return the rows before which samples are missing."""
         return np.array(self.clock.breaks, np.int64)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from imuwb.arrays import Floats
 from imuwb.health.channel import channels
 from imuwb.health.clocks import clock_faults
 from imuwb.health.fault import RANK, Fault
@@ -15,7 +16,7 @@ from imuwb.health.motion import Segment
 from imuwb.health.plausibility import implausible
 from imuwb.health.receivers import receiver_faults
 from imuwb.health.repairs import repair_faults
-from imuwb.log import Floats, ImuStream, Log, Nanoseconds, Repair
+from imuwb.log import ImuStream, Log, Nanoseconds, Repair
 
 WINDOWS = 400  #: number of windows of a log in which the rate of a stream is counted
 FEWEST = 20  #: least number of rows in a window

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats, Integers
 from imuwb.health.fault import Fault, runs
-from imuwb.log import Floats
 from imuwb.sampling import Sampling, sampling
 
 JITTER = 0.2  #: share of the interval; a larger scatter of the stamps is a fault
@@ -44,7 +43,7 @@ def clock_faults(name: str, time: Floats, *, inertial: bool) -> Iterator[Fault]:
             yield from _within(name, part, inertial=inertial)
 
 
-def _jumps(time: Floats) -> NDArray[np.int64]:
+def _jumps(time: Floats) -> Integers:
     """Return the rows before which a clock was set: its step is longer than a day, and far longer than the recorded time."""
     steps = np.diff(time)
     long = steps > DAY

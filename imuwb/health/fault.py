@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+
+from imuwb.arrays import Booleans, Integers
 
 Severity = Literal["note", "warning", "fault"]
 RANK: dict[Severity, int] = {"note": 0, "warning": 1, "fault": 2}
@@ -32,7 +33,7 @@ class Fault:
         return f"{self.severity}: {self.stream}: {self.what}{place}"
 
 
-def runs(inside: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def runs(inside: Booleans) -> tuple[Integers, Integers]:
     """Return the first row and the length of each run of True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]])))
     return edges[::2], edges[1::2] - edges[::2]

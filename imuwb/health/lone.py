@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats, Integers
 from imuwb.health.channel import LOOKED_AT, Channel
-from imuwb.log import Floats
 
 STRUCK = 40.0  #: times the usual change; a lone sample differs by more from both neighbours
 STEPS = 5.0  #: steps (LSB) of the sensor; a lone sample differs by at least as much from both neighbours
@@ -26,7 +25,7 @@ SMALLEST = 1e-6  #: share of the range of the values; the usual change is at lea
 class Lone:
     """The lone samples of a channel."""
 
-    rows: NDArray[np.int64]  #: (k,)
+    rows: Integers  #: (k,)
     off: Floats  #: (k,) difference from the nearer neighbour, rad/s or m/s²
 
     def without(self, values: Floats) -> Floats:
@@ -54,7 +53,7 @@ def lone_samples(channel: Channel) -> Lone:
     return Lone(rows + 1, off[rows]) if 0 < rows.size < max(FEW * values.size, LEAST) else nothing
 
 
-def _off(values: Floats, breaks: NDArray[np.int64]) -> Floats:
+def _off(values: Floats, breaks: Integers) -> Floats:
     """Return how far each sample is from its nearer neighbour, (n - 2,); the first and the last sample are left out.
 
     The smaller of the two differences counts, because a step differs from one neighbour only. The result is 0 where the two

@@ -6,9 +6,10 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from imuwb.arrays import Floats
 from imuwb.health.fault import Fault
 from imuwb.health.motion import Segment
-from imuwb.log import Floats, ImuStream, Log, Triad
+from imuwb.log import ImuStream, Log, Triad
 from imuwb.units import STANDARD_GRAVITY
 
 GRAVITY = 0.02  #: share of standard gravity; a still accelerometer may differ from gravity by this

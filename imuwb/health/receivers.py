@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.geodesy import radii_of_curvature
 from imuwb.health.fault import Fault, runs
-from imuwb.log import Floats, GnssStream, Log
+from imuwb.log import GnssStream, Log
 
 FIXED_3D = 3
 FEWEST = 3  #: least number of fixes that can be compared
@@ -44,7 +44,7 @@ def receiver_faults(log: Log, gnss: GnssStream) -> Iterator[Fault]:
             )
 
 
-def _fix_types(name: str, fix_type: NDArray[np.int64], time: Floats) -> Iterator[Fault]:
+def _fix_types(name: str, fix_type: Integers, time: Floats) -> Iterator[Fault]:
     poor = fix_type < FIXED_3D
     first, length = runs(poor)
     if first.size:
@@ -75,7 +75,7 @@ def _spikes(gnss: GnssStream, time: Floats) -> Iterator[Fault]:
         yield Fault(gnss.name, "velocity spikes", what, "fault", int(spikes.size), float(at[spikes[0]]), consequence=GATED)  # fmt: skip
 
 
-def _jumps(gnss: GnssStream, time: Floats, held: NDArray[np.bool_]) -> Iterator[Fault]:
+def _jumps(gnss: GnssStream, time: Floats, held: Booleans) -> Iterator[Fault]:
     """Yield steps of the position that are too fast for the velocity, or, if no velocity is known, for the usual pace."""
     moved = _displacements(gnss.position)
     distance = np.linalg.norm(moved, axis=1)

@@ -15,8 +15,8 @@ from itertools import combinations
 from typing import Literal, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats, Integers
 from imuwb.identification.allan_variance.fit import AllanFit, fit_allan
 from imuwb.identification.allan_variance.overlapping import AllanDeviation, Uncertainty, allan
 from imuwb.identification.correlation.burg import burg
@@ -32,7 +32,6 @@ from imuwb.statistics import UNKNOWN, Coefficient
 from imuwb.stochastic import Autoregressive, GaussMarkov, Sum
 from imuwb.texts import coefficients_text, seconds_text
 
-Floats = NDArray[np.float64]
 Computed = TypeVar("Computed")
 
 AR_ORDERS = (1, 3)  #: autoregressive models that are compared (Quinchia; El-Diasty)
@@ -129,7 +128,7 @@ def identify(
     values: Floats,
     dt: float,
     *,
-    time: NDArray[np.int64] | None = None,
+    time: Integers | None = None,
     breaks: Sequence[int] = (),
     averaging_times: str | Sequence[float] = "octave",
     uncertainty: Uncertainty = "edf",

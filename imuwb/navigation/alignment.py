@@ -8,12 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats, Integers
 from imuwb.errors import MissingDataError
 from imuwb.geodesy.attitude import rotation_of_euler
 from imuwb.geodesy.earth import gravity, ned_scale
-from imuwb.log import Floats
 from imuwb.navigation.corrections import Corrections
 from imuwb.navigation.filter_model import FilterModel, Settings
 from imuwb.navigation.measurement import Measurement
@@ -51,7 +50,7 @@ class Alignment:
 class _Velocities:
     """The fixes whose velocity is known, f of them."""
 
-    event: NDArray[np.int64]  #: (f,) among the corrections
+    event: Integers  #: (f,) among the corrections
     time: Floats  #: (f,) s from the log's start
     value: Floats  #: (f, 3) m/s, NED
     sigma: Floats  #: (f,) m/s, horizontal

@@ -8,14 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.errors import MissingDataError
-from imuwb.log import SECOND, Floats, GnssStream, Log
+from imuwb.log import SECOND, GnssStream, Log
 from imuwb.navigation.filter_model import FilterModel
 from imuwb.navigation.measurement import Measurement
 from imuwb.navigation.tables import FIX, SPEED, STILL, STRAIGHT, Events
 from imuwb.notes import Note
-
-Integers = NDArray[np.int64]
 
 FEW = 5  #: fewest fixes that a filter needs
 LEAST_FIX = 3  #: fix type of a position in three dimensions
@@ -108,7 +107,7 @@ def _usable_rows(log: Log, gnss: GnssStream, time: Floats, measurement: Measurem
     return rows
 
 
-def _usable(gnss: GnssStream, notes: list[Note]) -> NDArray[np.bool_]:
+def _usable(gnss: GnssStream, notes: list[Note]) -> Booleans:
     good = np.isfinite(gnss.position).all(axis=1) & (np.abs(gnss.position[:, 0]) < 0.4999 * np.pi)
     if gnss.fix_type is not None:
         flat = gnss.fix_type < LEAST_FIX
@@ -123,7 +122,7 @@ def _usable(gnss: GnssStream, notes: list[Note]) -> NDArray[np.bool_]:
     return good & ~repeated
 
 
-def _repeated(gnss: GnssStream) -> NDArray[np.bool_]:
+def _repeated(gnss: GnssStream) -> Booleans:
     """Return which fixes repeat the previous fix in motion; none without velocities: the receiver may stand still."""
     repeated = np.zeros(len(gnss), dtype=bool)
     if len(gnss) > 1 and gnss.velocity is not None:

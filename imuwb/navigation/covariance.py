@@ -19,16 +19,14 @@ all offsets, and works on four columns at once.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats, Integers
 from imuwb.compiled import compiled
 from imuwb.geodesy.earth import EQUATORIAL_RADIUS
 from imuwb.navigation.strapdown import CORIOLIS, EARTH, GRAVITY, MEASURED, PUSHED, SIZE, SPAN, TURNED
 from imuwb.navigation.tables import AxisTables
 from imuwb.navigation.workspace import MOST_STATES, STRIDE, Workspace
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 Whole = int | np.int64
 
 NAVIGATION = 9  #: error states of position, velocity and attitude

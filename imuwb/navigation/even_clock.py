@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from imuwb.log import Floats
+from imuwb.arrays import Floats, Integers
 
 FIRST = 32  #: first samples, over which the median interval alone gives the clock
 EVEN = 0.6  #: intervals; a stamp that differs by less from an even clock lies on it
 
 
-def even_clock(time: Floats) -> tuple[Floats, float, NDArray[np.int64]]:
+def even_clock(time: Floats) -> tuple[Floats, float, Integers]:
     """Return the stamps of an even clock, its interval, and the position of each sample among those stamps.
 
     Each sample takes the nearest stamp of the even clock, and no two samples take the same. Where the clock drifts too much
@@ -30,7 +29,7 @@ def even_clock(time: Floats) -> tuple[Floats, float, NDArray[np.int64]]:
     return np.interp(np.arange(index[-1] + 1), index, time), dt, index
 
 
-def _line(time: Floats) -> tuple[NDArray[np.int64], float, float]:
+def _line(time: Floats) -> tuple[Integers, float, float]:
     """Return the numbers of the samples, and start and interval of the straight line through their stamps."""
     count = min(time.size - 1, FIRST)
     dt = float(np.median(time[count:] - time[:-count])) / count  # many steps share the jitter, and gaps are few
@@ -45,7 +44,7 @@ def _line(time: Floats) -> tuple[NDArray[np.int64], float, float]:
         count = min(2 * count, time.size)
 
 
-def _rising(index: NDArray[np.int64]) -> NDArray[np.int64]:
+def _rising(index: Integers) -> Integers:
     """Return whole numbers that rise by at least one, none of them smaller than those given."""
     count = np.arange(index.size)
     return np.maximum.accumulate(index - count) + count

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats, Integers
 from imuwb.errors import MissingDataError
 from imuwb.geodesy.attitude import euler_of_quaternion
 from imuwb.geodesy.earth import EARTH_RATE
-from imuwb.log import Floats
 from imuwb.navigation import kernel
 from imuwb.navigation.alignment import Alignment
 from imuwb.navigation.corrections import Corrections
@@ -39,7 +38,7 @@ class Solution:
     tables: AxisTables
     rules: Rules
     track: Track  #: by event; the events before the alignment have no state
-    events: NDArray[np.int64]  #: (m,) the events that are fixes, from the alignment on
+    events: Integers  #: (m,) the events that are fixes, from the alignment on
 
     def __str__(self) -> str:
         """Return the filter, the time, the fixes and the innovations in a line."""

@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from imuwb.log import AXES, Floats
+from imuwb.arrays import Floats
+from imuwb.log import AXES
 from imuwb.navigation.covariance import NAVIGATION
 from imuwb.navigation.shaping import Reading, Shaping, shaping
 from imuwb.navigation.tables import AxisTables

@@ -13,8 +13,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats
 from imuwb.compiled import compiled
 from imuwb.navigation.covariance import NAVIGATION, propagate
 from imuwb.navigation.strapdown import MEASURED, SIZE, step
@@ -22,8 +22,6 @@ from imuwb.navigation.tables import FIX, AxisTables, Events, Marks, Rules, Sampl
 from imuwb.navigation.update import update
 from imuwb.navigation.workspace import STRIDE, Workspace
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 Whole = int | np.int64
 
 FINE, NOT_FINITE, NOT_POSITIVE = 0, 1, 2  #: how a run ended

@@ -5,19 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats, Integers
 from imuwb.conditioning import denoise
 from imuwb.errors import MissingDataError
 from imuwb.geodesy.attitude import rotation_of_euler
-from imuwb.log import SECOND, Floats, ImuStream, Log, Triad
+from imuwb.log import SECOND, ImuStream, Log, Triad
 from imuwb.navigation.even_clock import even_clock
 from imuwb.navigation.filter_model import Installation
 from imuwb.navigation.tables import Samples
 from imuwb.notes import Note
 from imuwb.sampling import longest_part
-
-Integers = NDArray[np.int64]
 
 LEAST = 100  #: samples that navigation needs
 LONGEST_GAP = 10.0  #: s; a longer gap is not bridged: the longest part without such gaps is used

@@ -7,9 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from imuwb.log import Floats
+from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.navigation import kernel
 from imuwb.navigation.covariance import NAVIGATION, flat
 from imuwb.navigation.filter import Solution, empty_track
@@ -25,14 +24,14 @@ ALL = np.iinfo(np.int64).max  #: a sample number after the last sample of any lo
 class Drift:
     """A filter's states in s outages, at L marks each."""
 
-    event: NDArray[np.int64]  #: (s,) the last fix before each outage, among the solution's events
+    event: Integers  #: (s,) the last fix before each outage, among the solution's events
     start: Floats  #: (s,) s from the log's start
     elapsed: Floats  #: (L,) s since the start of the outage
-    mark: NDArray[np.int64]  #: (s, L) number of samples up to the mark
+    mark: Integers  #: (s, L) number of samples up to the mark
     time: Floats  #: (s, L) s from the log's start
     state: Floats  #: (s, L, 10) latitude rad, longitude rad, height m, velocity NED m/s, quaternion
     covariance: Floats  #: (s, L, 9, 9) of position m, velocity m/s, attitude rad
-    sound: NDArray[np.bool_]  #: (s,) whether all states and variances are valid
+    sound: Booleans  #: (s,) whether all states and variances are valid
 
     def __str__(self) -> str:
         """Return number and duration of the outages in a line."""
@@ -41,7 +40,7 @@ class Drift:
     __repr__ = __str__
 
 
-def marks_of(solution: Solution, events: NDArray[np.int64], duration: float) -> NDArray[np.int64]:
+def marks_of(solution: Solution, events: Integers, duration: float) -> Integers:
     """Return the marks of outages, (s, L): the number of samples up to each second, and up to the end."""
     first = solution.corrections.events.at[events] + 1
     return first[:, None] + np.rint(seconds_of(duration) / solution.measurement.interval).astype(np.int64)
@@ -54,7 +53,7 @@ def seconds_of(duration: float) -> Floats:
 
 
 def drift(
-    solution: Solution, events: NDArray[np.int64], duration: float, *, with_covariance: bool = True
+    solution: Solution, events: Integers, duration: float, *, with_covariance: bool = True
 ) -> Drift:  # fmt: skip
     """Return a filter's drift in outages, which are run in parallel.
 
@@ -77,7 +76,7 @@ def drift(
     n = int(solution.tables.first[6])
     no_track = empty_track(0, n)
 
-    def work(part: NDArray[np.int64]) -> None:
+    def work(part: Integers) -> None:
         space = workspace(n)
         for k in part:
             e = int(events[k])

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
+from imuwb.arrays import Floats
 from imuwb.stochastic import (
     Autoregressive,
     FiniteOrder,
@@ -21,8 +21,6 @@ from imuwb.stochastic import (
     Sum,
     WhiteNoise,
 )
-
-Floats = NDArray[np.float64]
 
 #: How Quinchia's formulas are read. "corrected": white noise of density N², and exp(-dt/Tc); "as printed": word for word.
 Reading = Literal["corrected", "as printed"]

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+from imuwb.arrays import Floats
 from imuwb.geodesy.attitude import euler_of_rotation, rotation_of_quaternion
 from imuwb.geodesy.earth import ned_scale
-from imuwb.log import Floats
 from imuwb.navigation.covariance import NAVIGATION
 from imuwb.navigation.filter import Solution
 from imuwb.navigation.strapdown import QUATERNION, VELOCITY

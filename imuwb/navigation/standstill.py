@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from imuwb.log import SECOND, Floats, GnssStream, Log
+from imuwb.arrays import Floats
+from imuwb.log import SECOND, GnssStream, Log
 from imuwb.navigation.measurement import Measurement
 
 SLOW = 0.5  #: m/s; below this speed a receiver may stand still

@@ -17,8 +17,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats
 from imuwb.compiled import compiled
 from imuwb.geodesy.attitude import quaternion_of_rotation, rotation_of_euler
 from imuwb.geodesy.earth import (
@@ -31,8 +31,6 @@ from imuwb.geodesy.earth import (
     SOMIGLIANA,
     gravity,
 )
-
-Floats = NDArray[np.float64]
 
 LATITUDE, LONGITUDE, HEIGHT, VELOCITY, QUATERNION = 0, 1, 2, 3, 6
 PAST_ANGLE, PAST_VELOCITY, PAST_STEP = 10, 13, 16

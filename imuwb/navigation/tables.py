@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
+from imuwb.arrays import Booleans, Floats, Integers
 
 FIX, SPEED, STRAIGHT, STILL = 0, 1, 2, 3  #: kinds of event: GNSS fix, forward speed, no slip, standstill
 MOST_ROWS = 6  #: largest number of measurements of an event
@@ -89,5 +88,5 @@ class Track(NamedTuple):
     innovation: Floats  #: (E, 6) m and m/s, measured minus predicted; nan: not measured
     deviation: Floats  #: (E, 6) sigma of the innovation
     nis: Floats  #: (E, 2) normalised innovation squared of position and of velocity; nan: not measured
-    used: NDArray[np.bool_]  #: (E, 2) whether position and velocity passed the gate
+    used: Booleans  #: (E, 2) whether position and velocity passed the gate
     before: Prior  #: the states before the events, for a smoother; empty: not kept

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats
 from imuwb.compiled import compiled
 from imuwb.geodesy.earth import ECCENTRICITY_SQUARED, EQUATORIAL_RADIUS
 from imuwb.navigation.covariance import NAVIGATION
@@ -14,7 +14,6 @@ from imuwb.navigation.strapdown import HEIGHT, LATITUDE, LONGITUDE, QUATERNION, 
 from imuwb.navigation.tables import FIX, MOST_ROWS, SPEED, STILL, AxisTables, Events, Rules, Samples
 from imuwb.navigation.workspace import STRIDE, Weighing
 
-Floats = NDArray[np.float64]
 Whole = int | np.int64
 
 

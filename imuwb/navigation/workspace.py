@@ -5,13 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.navigation.strapdown import SIZE
 from imuwb.navigation.tables import MOST_ROWS
-
-Floats = NDArray[np.float64]
-
 
 MOST_STATES = 48  #: largest number of error states of a filter
 STRIDE = 48  #: numbers from one row to the next of a flat matrix; constant, so that the compiler knows all offsets
@@ -23,8 +20,8 @@ class Weighing(NamedTuple):
     innovation: Floats  #: (6,) m and m/s, measured minus predicted; nan: not measured
     deviation: Floats  #: (6,) sigma of the innovation
     nis: Floats  #: (2,) of position and velocity
-    used: NDArray[np.bool_]  #: (2,) whether position and velocity passed the gate
-    refused: NDArray[np.int64]  #: (2,) positions and velocities refused in a row
+    used: Booleans  #: (2,) whether position and velocity passed the gate
+    refused: Integers  #: (2,) positions and velocities refused in a row
     rows: Floats  #: (6, n) derivatives of the residuals with respect to the error states
     residual: Floats  #: (6,) predicted minus measured
     error: Floats  #: (n,) error that the event has estimated so far

@@ -7,9 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from imuwb.arrays import Floats, Integers
 from imuwb.log import Effect, Kind, Origin
 from imuwb.readers.read_options import ReadOptions
 
@@ -32,8 +30,8 @@ class Batch:
 
     stream: str
     kind: Kind
-    time: NDArray[np.int64]  #: (n,) ns, as in the file; imuwb later repairs the order and repeated times
-    columns: Mapping[str, NDArray[np.float64]]
+    time: Integers  #: (n,) ns, as in the file; imuwb later repairs the order and repeated times
+    columns: Mapping[str, Floats]
     origin: Origin = field(default_factory=Origin)
     bytes_read: int = 0  #: the reader's position in the file
 

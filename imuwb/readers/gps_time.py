@@ -5,8 +5,8 @@ from __future__ import annotations
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Integers
 from imuwb.units import SECOND, UNIX_EPOCH
 
 GPS_EPOCH = datetime(1980, 1, 6, tzinfo=UTC)
@@ -31,9 +31,7 @@ def leap_seconds(week: int, milliseconds: int) -> int:
     return ahead_of_utc(GPS_EPOCH + timedelta(seconds=week * WEEK, milliseconds=milliseconds))
 
 
-def unix_of_gps(
-    week: NDArray[np.int64], milliseconds: NDArray[np.int64], ahead: int | None = None
-) -> NDArray[np.int64]:
+def unix_of_gps(week: Integers, milliseconds: Integers, ahead: int | None = None) -> Integers:
     """Return GPS weeks and times of week (ms) as ns since 1970 UTC.
 
     Args:

@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from imuwb.log import AXES, Floats
+from imuwb.arrays import Floats, Integers
+from imuwb.log import AXES
 from imuwb.navigation.covariance import NAVIGATION
 from imuwb.navigation.filter import Solution
 from imuwb.navigation.outages import drift, seconds_of
@@ -33,7 +33,7 @@ class Budget:
     total: Floats  #: (L,) m²
 
 
-def budget(solution: Solution, events: NDArray[np.int64], duration: float) -> Budget:
+def budget(solution: Solution, events: Integers, duration: float) -> Budget:
     """Return the error budget of a filter in outages.
 
     Args:
@@ -59,12 +59,12 @@ def budget(solution: Solution, events: NDArray[np.int64], duration: float) -> Bu
     return Budget((*sources, COMMON), elapsed, np.vstack([variance, shared]), total)
 
 
-def _horizontal(solution: Solution, events: NDArray[np.int64], duration: float) -> Floats:
+def _horizontal(solution: Solution, events: Integers, duration: float) -> Floats:
     covariance = drift(solution, events, duration).covariance
     return (covariance[..., 0, 0] + covariance[..., 1, 1]).mean(axis=0)
 
 
-def _groups(solution: Solution) -> Iterator[tuple[str, NDArray[np.int64]]]:
+def _groups(solution: Solution) -> Iterator[tuple[str, Integers]]:
     """Yield the sources at the start of an outage, and their error states."""
     yield "position at the start", np.array([0, 1, 2])
     yield "velocity at the start", np.array([3, 4, 5])

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from imuwb.log import Floats
+from imuwb.arrays import Floats
 from imuwb.replay.scores import Scores
 
 FOLDS = 5  #: blocks of the cross-validation

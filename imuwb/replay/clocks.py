@@ -6,10 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import optimize
 
-from imuwb.log import Floats, Log
+from imuwb.arrays import Booleans, Floats
+from imuwb.log import Log
 from imuwb.navigation.filter_model import FilterModel
 from imuwb.replay.prepared import prepare, run
 from imuwb.replay.scaled import scaled
@@ -108,7 +108,7 @@ def _minimum(objective: Callable[[Floats], float], start: Floats, steps: Floats)
     return np.asarray(optimize.minimize(objective, start, method="Nelder-Mead", options=options).x, dtype=np.float64)
 
 
-def _clocks(model: FilterModel, free: NDArray[np.bool_], best: Floats, covariance: Floats, level: float) -> Clocks:
+def _clocks(model: FilterModel, free: Booleans, best: Floats, covariance: Floats, level: float) -> Clocks:
     """Return the estimates with their intervals."""
     variance = np.diagonal(covariance)
     value, sigma = np.zeros(4), np.zeros(4)

@@ -18,10 +18,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from imuwb.arrays import Floats
 from imuwb.conditioning import denoise
 from imuwb.errors import UsageError
 from imuwb.identification.correlation.burg import burg
-from imuwb.log import AXES, Floats
+from imuwb.log import AXES
 from imuwb.navigation.filter_model import FilterModel
 from imuwb.navigation.shaping import Reading
 from imuwb.stochastic import (

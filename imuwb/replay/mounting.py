@@ -5,19 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Complexes, Floats
 from imuwb.errors import MissingDataError
 from imuwb.geodesy.attitude import euler_of_rotation, rotation_of_euler
-from imuwb.log import SECOND, Floats, GnssStream, Log
+from imuwb.log import SECOND, GnssStream, Log
 from imuwb.navigation.filter_model import Installation
 from imuwb.navigation.measurement import Measurement, measurement_of
 from imuwb.navigation.standstill import standstills
 from imuwb.replay.prepared import receiver_of
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit
-
-Complex = NDArray[np.complex128]
 
 STILL = 5.0  #: s of standstills that roll and pitch need
 SLOW = 2.0  #: m/s; at a lower speed the course is unknown
@@ -96,7 +94,7 @@ def _level(log: Log, gnss: GnssStream, measurement: Measurement) -> Floats:
 
 def _accelerations(
     log: Log, gnss: GnssStream, measurement: Measurement, level_rotation: Floats
-) -> tuple[Complex, Complex]:
+) -> tuple[Complexes, Complexes]:
     """Return the accelerations from receiver and IMU, (k,) and (k,) m/s²: forward + i right, in windows of motion."""
     velocity = np.zeros((len(gnss), 3)) if gnss.velocity is None else gnss.velocity
     speed = np.hypot(velocity[:, 0], velocity[:, 1])

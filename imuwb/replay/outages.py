@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Booleans, Integers
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.navigation.filter import Solution
 from imuwb.navigation.filter_model import FilterModel
@@ -95,14 +95,14 @@ def check_outages(prepared: Prepared, model: FilterModel, outages: Sequence[Outa
         fixes.add((before, outage.duration))
 
 
-def events_of(solution: Solution, outages: Sequence[Outage]) -> NDArray[np.int64]:
+def events_of(solution: Solution, outages: Sequence[Outage]) -> Integers:
     """Return the last fix before each outage, (s,) among the solution's events."""
     time = solution.corrections.time[solution.events]
     at = np.searchsorted(time, np.array([outage.start for outage in outages]) + ROUNDING, side="right") - 1
     return solution.events[np.maximum(at, 0)]
 
 
-def with_gap(prepared: Prepared, outages: Sequence[Outage]) -> NDArray[np.bool_]:
+def with_gap(prepared: Prepared, outages: Sequence[Outage]) -> Booleans:
     """Return which outages lack samples of the IMU, (s,)."""
     lacking = np.zeros(len(outages), dtype=bool)
     for begin, end in prepared.measurement.bridged:

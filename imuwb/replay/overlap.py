@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from imuwb.log import Floats
+from imuwb.arrays import Floats, Integers
 
 ROUNDING = 1e-6  #: s; outages that overlap by less do not overlap
 
 
-def without_overlap(start: ArrayLike, duration: ArrayLike) -> NDArray[np.int64]:
+def without_overlap(start: ArrayLike, duration: ArrayLike) -> Integers:
     """Return the outages to keep so that no two of them overlap: each one that overlaps none of those kept before it.
 
     If the outages are in order of time and have one duration, no other choice keeps more.

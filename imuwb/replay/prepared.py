@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from imuwb.arrays import Floats
 from imuwb.conditioning import corrected_log
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.log import Floats, GnssStream, Log
+from imuwb.log import GnssStream, Log
 from imuwb.navigation.alignment import Alignment, align
 from imuwb.navigation.corrections import Corrections, corrections_of
 from imuwb.navigation.filter import Solution, solve

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
+from imuwb.arrays import Floats
 from imuwb.geodesy.attitude import rotation_of_euler
 from imuwb.geodesy.earth import ned_scale
-from imuwb.log import SECOND, Floats, GnssStream, Log, Reference
+from imuwb.log import SECOND, GnssStream, Log, Reference
 from imuwb.navigation.filter import Solution
 from imuwb.navigation.smoother import smoothed
 

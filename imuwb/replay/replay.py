@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Booleans
 from imuwb.errors import MissingDataError
 from imuwb.navigation.filter import Solution
 from imuwb.navigation.filter_model import FilterModel
@@ -46,7 +46,7 @@ class Replay:
     prepared: Prepared
     reference: ReferenceTrack
     runs: dict[str, FilterRun]
-    scored: dict[float, NDArray[np.bool_]]  #: duration -> (s,) whether an outage is scored
+    scored: dict[float, Booleans]  #: duration -> (s,) whether an outage is scored
     notes: tuple[str, ...]
 
     def __str__(self) -> str:
@@ -85,7 +85,7 @@ def replay(
         prepared.log, run(best, prepared, smooth=True) if smooth else solutions[best.name], reference
     )
     runs = {name: FilterRun(solution, {}) for name, solution in solutions.items()}
-    scored: dict[float, NDArray[np.bool_]] = {}
+    scored: dict[float, Booleans] = {}
     early = _early(prepared, models[0], outages)
     unscored: list[Note] = []
     durations = sorted({outage.duration for outage in outages})
@@ -100,9 +100,7 @@ def replay(
     return Replay(prepared, track, runs, scored, (*prepared.notes, *early, *unscored))
 
 
-def _score(
-    runs: dict[str, FilterRun], outages: Sequence[Outage], duration: float, track: ReferenceTrack
-) -> NDArray[np.bool_]:
+def _score(runs: dict[str, FilterRun], outages: Sequence[Outage], duration: float, track: ReferenceTrack) -> Booleans:
     """Add the outages of a duration to the runs; return for which of them every filter has scores."""
     good = np.ones(len(outages), dtype=bool)
     for filter_run in tracked(runs.values(), len(runs)):

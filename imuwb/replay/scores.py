@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.geodesy.attitude import euler_of_quaternion
 from imuwb.geodesy.earth import ned_scale
-from imuwb.log import Floats
 from imuwb.navigation.outages import Drift
 from imuwb.replay.reference import ReferenceTrack
 
@@ -47,7 +46,7 @@ class Scores:
         """Return the horizontal sigma, (s, L) m: the square root of the sum of both variances."""
         return np.sqrt(self.covariance[..., 0, 0] + self.covariance[..., 1, 1])
 
-    def of(self, rows: NDArray[np.bool_] | NDArray[np.int64], duration: float) -> Scores:
+    def of(self, rows: Booleans | Integers, duration: float) -> Scores:
         """Return some of the outages, up to a duration."""
         kept = self.elapsed <= duration + 1e-6
         return Scores(

@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
-from imuwb.log import Floats
+from imuwb.arrays import Floats, Integers
 from imuwb.notes import Note
 from imuwb.replay.overlap import block_length, effective_count
 from imuwb.replay.scores import Scores
@@ -81,7 +80,7 @@ class Paired:
     p_value: float  #: for the hypothesis of no difference, by random signs of blocks of neighbours
 
 
-def resampled(count: int, block: int) -> NDArray[np.int64]:
+def resampled(count: int, block: int) -> Integers:
     """Return the rows of a moving-block bootstrap, (DRAWS, count)."""
     rng = np.random.default_rng(SEED)
     first = rng.integers(0, max(count - block, 0) + 1, size=(DRAWS, -(-count // block)))
@@ -89,7 +88,7 @@ def resampled(count: int, block: int) -> NDArray[np.int64]:
     return rows[:, :count]
 
 
-def _rows(scores: Scores, duration: float) -> tuple[NDArray[np.int64], int, int]:
+def _rows(scores: Scores, duration: float) -> tuple[Integers, int, int]:
     """Return the rows of the bootstrap, none where outages are too few; the effective count; and the length of a block."""
     effective = effective_count(scores.start, duration)
     block = block_length(scores.start, duration)
@@ -97,7 +96,7 @@ def _rows(scores: Scores, duration: float) -> tuple[NDArray[np.int64], int, int]
     return (rows if effective >= FEWEST else rows[:0]), effective, block
 
 
-def quantile(values: Floats, share: float, rows: NDArray[np.int64], level: float) -> Estimate:
+def quantile(values: Floats, share: float, rows: Integers, level: float) -> Estimate:
     """Return a quantile with its bootstrap interval, m; no interval without rows."""
     value = float(np.quantile(values, share))
     if rows.shape[0] == 0:

@@ -6,8 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from imuwb.arrays import Floats
 from imuwb.geodesy.attitude import rotation_of_euler, rotation_of_quaternion
-from imuwb.log import SECOND, Floats
+from imuwb.log import SECOND
 from imuwb.navigation.strapdown import QUATERNION, VELOCITY, mechanize, navigation_state
 from imuwb.replay.prepared import Prepared
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import optimize
 
-from imuwb.log import Floats
+from imuwb.arrays import Floats
 from imuwb.navigation.filter_model import FilterModel
 from imuwb.navigation.outages import drift
 from imuwb.replay.choice import log_likelihood

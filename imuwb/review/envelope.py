@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats, Integers
 from imuwb.log import SECOND
 
 SPANS = 2000
@@ -12,9 +12,7 @@ GAP_STEPS = 10  #: a longer step than this many median steps is a gap
 SHORTEST_GAP = SECOND  #: ns
 
 
-def envelope(
-    time: NDArray[np.int64], values: NDArray[np.float64], spans: int = SPANS
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def envelope(time: Integers, values: Floats, spans: int = SPANS) -> tuple[Integers, Floats]:
     """Return a series that alternates between the smallest and the largest value of each span.
 
     A series of at most 2 x ``spans`` rows stays as it is. Spans have equal numbers of rows. A gap becomes a row of NaN, which is

@@ -7,9 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from imuwb.analysis import Curve, Figure, Review, Table
+from imuwb.arrays import Floats
 from imuwb.colors import AXIS_COLORS, Color, color_at
 from imuwb.errors import ImuwbError
-from imuwb.log import AXES, Floats
+from imuwb.log import AXES
 from imuwb.stochastic import AxisModel, ImuErrorModel
 from imuwb.stochastic.description import LETTERS, deterministic_texts, process_text
 from imuwb.stochastic.model_check import Verdict, coefficient

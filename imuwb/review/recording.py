@@ -12,7 +12,8 @@ from urllib.parse import urlsplit
 import rerun as rr
 import rerun.blueprint as rrb
 
-from imuwb.analysis import Figure, Floats, Series, Table
+from imuwb.analysis import Figure, Series, Table
+from imuwb.arrays import Floats
 from imuwb.colors import Color
 from imuwb.errors import ImuwbError
 from imuwb.review import chart

@@ -8,7 +8,7 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from imuwb.analysis import Floats
+from imuwb.arrays import Floats
 from imuwb.colors import INK, Color
 from imuwb.review import drawing
 from imuwb.review.frame import Point

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from imuwb.arrays import Floats
 from imuwb.errors import UsageError
 from imuwb.geodesy.earth import EARTH_RATE
-from imuwb.log import AXES, Floats, ImuStream, Log, Provenance, Scalars, Triad
+from imuwb.log import AXES, ImuStream, Log, Provenance, Scalars, Triad
 from imuwb.simulation.sensor import LONGEST, Sensor, stamps
 from imuwb.stochastic import ImuErrorModel
 

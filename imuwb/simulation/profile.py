@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import BSpline
 
-from imuwb.log import Floats
+from imuwb.arrays import Floats
 from imuwb.simulation.legs import SLOWING_DOWN, SPEEDING_UP, Leg, Pin
 
 DEGREE = 5

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from imuwb.arrays import Floats
 from imuwb.errors import UsageError
-from imuwb.log import Floats, Log
+from imuwb.log import Log
 from imuwb.simulation.bench import Bench, Site, check_misplacement, check_size, noted
 from imuwb.simulation.sensor import Sensor
 from imuwb.simulation.six_position import SITE, tilted

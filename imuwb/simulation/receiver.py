@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from imuwb.arrays import Floats
 from imuwb.errors import UsageError
 from imuwb.geodesy.attitude import rotation_of_euler
 from imuwb.geodesy.earth import displaced
-from imuwb.log import Floats, GnssStream, Origin, Scalars
+from imuwb.log import GnssStream, Origin, Scalars
 from imuwb.simulation.route import Route, earth_rate
 from imuwb.simulation.sensor import stamps
 

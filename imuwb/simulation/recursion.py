@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from imuwb.arrays import Floats
 from imuwb.compiled import compiled
-from imuwb.log import Floats
 
 
 @compiled()

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
+from imuwb.arrays import Floats
 from imuwb.geodesy.attitude import rotation_of_euler
 from imuwb.geodesy.earth import EARTH_RATE, gravity, radii_of_curvature
-from imuwb.log import Floats
 from imuwb.simulation.profile import Profile
 
 TURIN = (np.radians(45.06), np.radians(7.66), 240.0)  #: rad, rad, m

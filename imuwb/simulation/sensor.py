@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import signal
 
+from imuwb.arrays import Floats
 from imuwb.errors import UsageError
-from imuwb.log import AXES, SECOND, Floats, ImuStream, Nanoseconds, Origin, Scalars, Triad
+from imuwb.log import AXES, SECOND, ImuStream, Nanoseconds, Origin, Scalars, Triad
 from imuwb.simulation.thermal import Temperature
 from imuwb.simulation.thermal_noise import thermal_noise
 from imuwb.stochastic import AxisModel, ImuErrorModel, shown

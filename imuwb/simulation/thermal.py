@@ -8,8 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from imuwb.arrays import Floats
 from imuwb.errors import UsageError
-from imuwb.log import Floats
 
 ABSOLUTE_ZERO, HOTTEST = -273.15, 1000.0  #: °C
 ROOM_TEMPERATURE = 25.0  #: °C

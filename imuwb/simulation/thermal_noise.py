@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from scipy import signal
 
-from imuwb.log import Floats
+from imuwb.arrays import Floats
 from imuwb.stochastic import (
     Autoregressive,
     AxisModel,

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy import signal
 
+from imuwb.arrays import Floats
 from imuwb.errors import UsageError
-from imuwb.log import Floats
 
 BAND = (5.0, 50.0)  #: Hz, of the road
 ENGINE = 27.0  #: Hz, at which a four-cylinder engine fires when it idles

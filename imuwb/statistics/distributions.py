@@ -8,8 +8,10 @@ from __future__ import annotations
 from typing import Any, cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import special
+
+from imuwb.arrays import Floats
 
 
 def normal_quantile(probability: float) -> float:
@@ -53,4 +55,4 @@ def pearson3_quantile(probability: float, skewness: float) -> float:
     if skewness < 1e-6:  # noqa: PLR2004 - normal to nine digits
         return normal_quantile(probability)
     shape = 4 / skewness**2
-    return float((cast("NDArray[np.float64]", special.gammaincinv(shape, probability)) - shape) / shape**0.5)
+    return float((cast("Floats", special.gammaincinv(shape, probability)) - shape) / shape**0.5)

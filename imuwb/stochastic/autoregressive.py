@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from imuwb.log import Floats
+from imuwb.arrays import Floats, Integers
 from imuwb.stochastic import state_space
 from imuwb.stochastic.elementary import Elementary
 from imuwb.stochastic.state_space import StateSpace
@@ -103,7 +102,7 @@ class Autoregressive(Elementary):
         r = self.autocovariance(k * self.dt)
         lower, weighted = np.cumsum(r) - r[0], np.cumsum(k * r)
 
-        def variance_of_sum(size: NDArray[np.int64]) -> Floats:
+        def variance_of_sum(size: Integers) -> Floats:
             return size * r[0] + 2 * (size * lower[size - 1] - weighted[size - 1])
 
         return (4 * variance_of_sum(m) - variance_of_sum(2 * m)) / (2 * m.astype(np.float64) ** 2)

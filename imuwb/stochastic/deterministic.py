@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from imuwb.log import AXES, Floats
+from imuwb.arrays import Floats
+from imuwb.log import AXES
 from imuwb.stochastic.axis_model import AxisModel, Thermal
 from imuwb.stochastic.error_model import ImuErrorModel
 

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from imuwb.log import Floats
+from imuwb.arrays import Floats
 from imuwb.stochastic.elementary import Elementary
 from imuwb.stochastic.state_space import StateSpace
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from imuwb.arrays import Floats
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -15,11 +16,11 @@ class StateSpace:
     ``P0`` is the covariance of x at the start: the stationary one where there is one.
     """
 
-    A: NDArray[np.float64]  #: (p, p)
-    Q: NDArray[np.float64]  #: (p, p)
-    c: NDArray[np.float64]  #: (p,)
+    A: Floats  #: (p, p)
+    Q: Floats  #: (p, p)
+    c: Floats  #: (p,)
     R: float
-    P0: NDArray[np.float64]  #: (p, p)
+    P0: Floats  #: (p, p)
 
     @property
     def order(self) -> int:

@@ -7,7 +7,7 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from imuwb.log import Floats
+from imuwb.arrays import Floats
 from imuwb.stochastic import state_space
 from imuwb.stochastic.state_space import StateSpace
 

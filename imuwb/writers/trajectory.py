@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
+from imuwb.arrays import Floats
 from imuwb.errors import UsageError
-from imuwb.log import SECOND, Floats, Log, Provenance, Reference
+from imuwb.log import SECOND, Log, Provenance, Reference
 from imuwb.writers.whole import whole_file, write_text
 
 SUFFIXES = (".tum", ".kml", ".csv", ".mcap")

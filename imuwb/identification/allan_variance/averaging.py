@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+
+from imuwb.arrays import Integers
 
 MOST_TIMES = 10_000  #: largest N of log:N
 MOST_WORK = 10**11  #: largest number of second differences; so many take about a minute
 
 
-def averaging_factors(times: str | Sequence[float], n: int, dt: float) -> NDArray[np.int64]:
+def averaging_factors(times: str | Sequence[float], n: int, dt: float) -> Integers:
     """Return averaging factors m (tau = m dt) in rising order for n samples; each is at most n/2.
 
     Args:
@@ -47,7 +48,7 @@ def averaging_factors(times: str | Sequence[float], n: int, dt: float) -> NDArra
         ) from error
 
 
-def _listed(times: Sequence[float], largest: int, dt: float) -> NDArray[np.int64]:
+def _listed(times: Sequence[float], largest: int, dt: float) -> Integers:
     seconds = np.asarray(times, dtype=np.float64)
     if not np.isfinite(seconds).all():
         raise ValueError("an averaging time is not finite")

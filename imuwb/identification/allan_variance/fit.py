@@ -17,9 +17,9 @@ from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import optimize
 
+from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.identification.allan_variance.overlapping import AllanDeviation
 from imuwb.identification.allan_variance.problem import LETTERS, PROCESSES, Problem
 from imuwb.identification.allan_variance.regions import regions
@@ -31,8 +31,6 @@ from imuwb.statistics import Coefficient, Estimate
 from imuwb.statistics.distributions import chi_square_tail, normal_quantile
 from imuwb.stochastic import Sinusoid, Sum
 from imuwb.texts import coefficients_text, number_text
-
-Floats = NDArray[np.float64]
 
 FEWEST = 3  #: least number of averaging times of a fit
 FEWEST_FILTERED = 5  #: least number for a fit that leaves out the averaging times which a filter changes
@@ -121,7 +119,7 @@ def _correlation_time(flat: Region | None, longest: float) -> Estimate | None:
     return Estimate(flat.centre, flat.start, flat.end, unit="s")
 
 
-def _octaves(factor: NDArray[np.int64], usable: NDArray[np.bool_], shortest: float) -> NDArray[np.int64]:
+def _octaves(factor: Integers, usable: Booleans, shortest: float) -> Integers:
     """Return the indices of usable factors about an octave apart, among them the first."""
     chosen: list[int] = []
     for i in np.flatnonzero(usable):

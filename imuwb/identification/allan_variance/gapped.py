@@ -8,19 +8,15 @@ if samples are missing at random. So this excess is subtracted. To fill gaps, or
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats, Integers
 from imuwb.compiled import compiled
-
-Floats = NDArray[np.float64]
 
 FEWEST = 2  #: least number of samples in an incomplete block; its variance needs them
 FULLNESS = 0.8  #: least share of samples in a block, over that share in the whole record; emptier blocks are left out
 
 
-def bridged(
-    values: Floats, place: NDArray[np.int64], factors: NDArray[np.int64]
-) -> tuple[Floats, NDArray[np.int64], Floats]:
+def bridged(values: Floats, place: Integers, factors: Integers) -> tuple[Floats, Integers, Floats]:
     """Return the Allan variance at each factor (NaN where there is none), the number of differences, and the clear share.
 
     The clear share is the part of the mean square that is left without the excess. If it is small, the scatter of the

@@ -18,10 +18,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import special
 
-Floats = NDArray[np.float64]
+from imuwb.arrays import Floats, Integers
 
 #: exponents alpha of the rate's density f^alpha, in the order of all tables here
 EXPONENTS = (2, 0, -1, -2)  # quantization Q, white N, flicker B, random walk K
@@ -150,7 +149,7 @@ def _summed(m: int, n: int, exponent: int) -> float:
 class Moments:
     """Second moments of the Allan variances at k factors, for each pair of processes Q, N, B, K of size 1."""
 
-    factor: NDArray[np.int64]  #: (k,)
+    factor: Integers  #: (k,)
     squares: Floats  #: (k, k, 4, 4)
     linear: Floats  #: (k, k, 4) moments of the cross terms with a ramp
 

@@ -7,8 +7,8 @@ autocorrelation"; NIST SP 1065, 5.5.3.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats
 from imuwb.compiled import compiled
 
 FEWEST = 30  #: least number of averaged points that the method needs
@@ -16,7 +16,7 @@ MOST = 1 << 11  #: points that are used; the autocorrelation then scatters by 0.
 MOST_DIFFERENCES = 2
 
 
-def exponent(phase: NDArray[np.float64]) -> int | None:
+def exponent(phase: Floats) -> int | None:
     """Return alpha (2 quantization ... 0 white, -1 flicker, -2 random walk) of phase data at its own step.
 
     The result is None for fewer than 30 points, or for constant phase.
@@ -28,7 +28,7 @@ def exponent(phase: NDArray[np.float64]) -> int | None:
 
 
 @compiled()
-def _order(series: NDArray[np.float64]) -> float:  # pragma: no cover - compiled
+def _order(series: Floats) -> float:  # pragma: no cover - compiled
     """Return the order of fractional differencing; nan for a constant series. ``series`` is overwritten."""
     n = series.size
     for differences in range(MOST_DIFFERENCES + 1):

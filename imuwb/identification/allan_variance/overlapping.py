@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from imuwb.arrays import Floats, Integers
 from imuwb.compiled import compiled
 from imuwb.identification.allan_variance import noise_type
 from imuwb.identification.allan_variance.averaging import averaging_factors
@@ -18,8 +19,6 @@ from imuwb.identification.allan_variance.gapped import bridged
 from imuwb.identification.allan_variance.moments import equivalent_degrees_of_freedom
 from imuwb.statistics.distributions import chi_square_limits, normal_limit
 from imuwb.texts import number_text
-
-Floats = NDArray[np.float64]
 
 Uncertainty = Literal["edf", "printed"]
 BLOCK = 2048  #: points; a block of the sum stays in the fastest cache while all factors use it
@@ -37,14 +36,14 @@ class AllanDeviation:
     n: int  #: samples
     dt: float  #: s
     level: float  #: confidence level of the intervals
-    factor: NDArray[np.int64]  #: (k,) averaging factors m
+    factor: Integers  #: (k,) averaging factors m
     averaging_time: Floats  #: (k,) s
     deviation: Floats  #: (k,)
     lower: Floats  #: (k,)
     upper: Floats  #: (k,)
     degrees_of_freedom: Floats  #: (k,)
-    noise_type: NDArray[np.int64]  #: (k,) exponent of the power law: 2, 1, 0, -1, -2
-    terms: NDArray[np.int64]  #: (k,) second differences in the mean
+    noise_type: Integers  #: (k,) exponent of the power law: 2, 1, 0, -1, -2
+    terms: Integers  #: (k,) second differences in the mean
 
     def __str__(self) -> str:
         """Return the range of averaging times and the least deviation."""
@@ -67,7 +66,7 @@ def allan(
     level: float = 0.95,
     uncertainty: Uncertainty = "edf",
     breaks: Sequence[int] = (),
-    time: NDArray[np.int64] | None = None,
+    time: Integers | None = None,
     fast: bool = False,
 ) -> AllanDeviation:
     """Return the overlapping Allan deviation of a rate (or specific force) series.
@@ -134,7 +133,7 @@ def _phases(values: Floats, dt: float, breaks: Sequence[int]) -> list[Floats]:
     return phases
 
 
-def _variances(phases: Sequence[Floats], factor: NDArray[np.int64], *, fast: bool) -> tuple[Floats, NDArray[np.int64]]:
+def _variances(phases: Sequence[Floats], factor: Integers, *, fast: bool) -> tuple[Floats, Integers]:
     """Return the Allan variance at each factor, 0 where there is none, and the number of its second differences."""
     sums = thinned_sums_of_squares if fast else sums_of_squares
     # The fast mode overwrites the phases, so their terms are counted first.
@@ -147,9 +146,7 @@ def _variances(phases: Sequence[Floats], factor: NDArray[np.int64], *, fast: boo
     return variance, terms
 
 
-def _degrees_of_freedom(
-    factor: NDArray[np.int64], terms: NDArray[np.int64], kinds: NDArray[np.int64], thin: NDArray[np.int64]
-) -> Floats:
+def _degrees_of_freedom(factor: Integers, terms: Integers, kinds: Integers, thin: Integers) -> Floats:
     """Return the degrees of freedom of each variance: those of a thinned record without gaps that has as many terms."""
     n = terms + 2 * factor - 1
     return np.array(
@@ -170,15 +167,15 @@ def _interval(
     return np.maximum(deviation * (1 - half), 0.0), deviation * (1 + half)
 
 
-def _places(time: NDArray[np.int64], dt: float) -> NDArray[np.int64]:
+def _places(time: Integers, dt: float) -> Integers:
     """Return the index of each sample on an even grid; scattered stamps never exchange two samples or merge them."""
     steps = np.maximum(np.rint(np.diff(time) / (dt * 1e9)), 1).astype(np.int64)
     return np.concatenate([[0], np.cumsum(steps)])
 
 
 def _with_bridges(
-    values: Floats, place: NDArray[np.int64], factor: NDArray[np.int64], variance: Floats, terms: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], Floats, NDArray[np.int64], Floats]:
+    values: Floats, place: Integers, factor: Integers, variance: Floats, terms: Integers
+) -> tuple[Integers, Floats, Integers, Floats]:
     """Return factors, variances, terms and loss of degrees of freedom, bridged where gaps leave less than half the terms."""
     whole = int(place[-1]) + 2 - 2 * factor
     thin = terms < BRIDGE * whole
@@ -227,7 +224,7 @@ def _sum_of_squares(
 
 
 @compiled()
-def _sums(phase: Floats, factors: NDArray[np.int64], block: int, out: Floats) -> None:  # pragma: no cover - compiled
+def _sums(phase: Floats, factors: Integers, block: int, out: Floats) -> None:  # pragma: no cover - compiled
     """Add the squares of all factors block by block, so that each block is read from memory once."""
     n = phase.size
     for begin in range(0, n, block):
@@ -240,7 +237,7 @@ def _sums(phase: Floats, factors: NDArray[np.int64], block: int, out: Floats) ->
                 )
 
 
-def sums_of_squares(phase: Floats, factors: NDArray[np.int64]) -> Floats:
+def sums_of_squares(phase: Floats, factors: Integers) -> Floats:
     """Return sum (phase(k+2m) - 2 phase(k+m) + phase(k))² for every factor m; 0 where m is too long."""
     out = np.zeros(factors.size)
     _sums(phase, np.ascontiguousarray(factors, dtype=np.int64), BLOCK, out)
@@ -260,9 +257,7 @@ def _bends(piece: Floats, ramp: Floats, out: NDArray[np.float32]) -> float:  # p
 
 
 @compiled()
-def _single_sums(
-    phase: Floats, factors: NDArray[np.int64], block: int, out: Floats
-) -> None:  # pragma: no cover - compiled
+def _single_sums(phase: Floats, factors: Integers, block: int, out: Floats) -> None:  # pragma: no cover - compiled
     """Add the squares as ``_sums`` does, in single precision, which is twice as fast.
 
     A straight line does not change second differences, so the line of each block is taken off to keep digits. Where rounding
@@ -288,12 +283,12 @@ def _single_sums(
                 )
 
 
-def _strides(factors: NDArray[np.int64]) -> NDArray[np.int64]:
+def _strides(factors: Integers) -> Integers:
     """Return the powers of two that thin the phase to 16 to 32 points in each averaging time."""
     return 2 ** np.maximum(np.log2(factors / THINNEST).astype(np.int64), 0)
 
 
-def _thinned_terms(phases: Sequence[Floats], factors: NDArray[np.int64]) -> NDArray[np.int64]:
+def _thinned_terms(phases: Sequence[Floats], factors: Integers) -> Integers:
     strides = _strides(factors)
     return sum(
         (np.maximum((phase.size - 1 - 2 * factors) // strides + 1, 0) for phase in phases),
@@ -301,7 +296,7 @@ def _thinned_terms(phases: Sequence[Floats], factors: NDArray[np.int64]) -> NDAr
     )
 
 
-def thinned_sums_of_squares(phase: Floats, factors: NDArray[np.int64]) -> Floats:
+def thinned_sums_of_squares(phase: Floats, factors: Integers) -> Floats:
     """Return ``sums_of_squares`` of every ``_strides``-th second difference; ``phase`` is overwritten."""
     out = np.zeros(factors.size)
     strides = _strides(factors)
@@ -325,7 +320,7 @@ def _halved(phase: Floats) -> Floats:  # pragma: no cover - compiled
     return phase[: (phase.size + 1) // 2]
 
 
-def _noise_types(exponents: Sequence[int | None]) -> NDArray[np.int64]:
+def _noise_types(exponents: Sequence[int | None]) -> Integers:
     """Return the exponent at each factor; where too few points are left (None), the last exponent.
 
     In a sum of processes, the exponent falls as the averaging time grows, so a higher exponent comes from chance.

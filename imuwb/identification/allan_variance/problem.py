@@ -6,16 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg, optimize
 
+from imuwb.arrays import Floats, Integers
 from imuwb.identification.allan_variance.moments import Moments, equivalent_degrees_of_freedom, moments
 from imuwb.identification.allan_variance.overlapping import AllanDeviation
 from imuwb.identification.spectral.lines import Line
 from imuwb.statistics.distributions import chi_square_tail, pearson3_quantile
 from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, WhiteNoise
-
-Floats = NDArray[np.float64]
 
 PROCESSES = {"Q": Quantization, "N": WhiteNoise, "B": FlickerNoise, "K": RandomWalk, "R": RateRamp}
 LETTERS = tuple(PROCESSES)
@@ -23,7 +21,7 @@ ROUNDS = 6
 LEAST_EIGENVALUE = 1e-9  #: floor of the eigenvalues of a correlation matrix
 
 
-def _thinned_by_gaps(curve: AllanDeviation, chosen: NDArray[np.int64], n: int) -> Floats:
+def _thinned_by_gaps(curve: AllanDeviation, chosen: Integers, n: int) -> Floats:
     """Return by what factor (1 or more) gaps widen the scatter of each Allan variance, compared with n samples."""
     whole = [
         equivalent_degrees_of_freedom(int(m), n, int(a))
@@ -47,7 +45,7 @@ class Problem:
     moments: Moments
 
     @staticmethod
-    def of(curve: AllanDeviation, chosen: NDArray[np.int64], lines: Sequence[Line]) -> Problem:
+    def of(curve: AllanDeviation, chosen: Integers, lines: Sequence[Line]) -> Problem:
         """Return the problem of a curve's chosen points, with the part of the lines taken off."""
         factor, tau = curve.factor[chosen], curve.averaging_time[chosen]
         n = int(curve.terms[0]) + 2 * int(curve.factor[0]) - 1

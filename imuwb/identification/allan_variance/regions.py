@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats
 from imuwb.identification.allan_variance.problem import LETTERS, Problem, whitener
 from imuwb.identification.region import SHARE, Region
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit
-
-Floats = NDArray[np.float64]
 
 #: slope of the Allan deviation of each pure process
 NOMINAL = dict(zip(LETTERS, (-1.0, -0.5, 0.0, 0.5, 1.0), strict=True))

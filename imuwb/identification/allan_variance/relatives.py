@@ -11,14 +11,12 @@ from functools import lru_cache
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats, Integers
 from imuwb.compiled import compiled
 from imuwb.identification.allan_variance.averaging import averaging_factors
 from imuwb.identification.allan_variance.overlapping import AllanDeviation, allan, integrated
 from imuwb.statistics.distributions import chi_square_limits
-
-Floats = NDArray[np.float64]
 
 Kind = Literal["allan", "modified", "hadamard", "total"]
 QUANTIZED = 2  #: alpha of quantization noise
@@ -97,14 +95,14 @@ def _third(a: Floats, b: Floats, c: Floats, d: Floats) -> float:  # pragma: no c
     return total
 
 
-def _hadamard(phase: Floats, factors: NDArray[np.int64]) -> Floats:
+def _hadamard(phase: Floats, factors: Integers) -> Floats:
     n = phase.size
     return np.array(
         [_third(phase[: n - 3 * m], phase[m : n - 2 * m], phase[2 * m : n - m], phase[3 * m :]) for m in factors]
     )
 
 
-def _modified(phase: Floats, factors: NDArray[np.int64]) -> Floats:
+def _modified(phase: Floats, factors: Integers) -> Floats:
     # The sum of m successive second differences is a third difference of the phase's running sum.
     added = integrated(phase)
     n = added.size
@@ -113,7 +111,7 @@ def _modified(phase: Floats, factors: NDArray[np.int64]) -> Floats:
     )
 
 
-def _total(phase: Floats, factors: NDArray[np.int64]) -> Floats:
+def _total(phase: Floats, factors: Integers) -> Floats:
     """Return the sums of squared second differences at all inner points, with the phase mirrored at its ends."""
     n = phase.size
     out = np.zeros(factors.size)

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats
 from imuwb.identification.allan_variance.problem import Problem
 from imuwb.statistics.distributions import chi_square_tail
-
-Floats = NDArray[np.float64]
 
 ACCEPTED = 1e-3  #: probability that chance makes so large a misfit; below it the sum does not explain the curve
 MUCH = 15.0  #: reduction of chi-square that justifies leaving out one point, or taking a term back

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+
+from imuwb.arrays import Booleans, Floats
 
 SHARE = 0.2  #: share of a stretch's samples; a clipped axis has a larger share at its largest or smallest value
 FINE = 8  #: least number of different values in a stretch; with fewer, a sensor is too coarse to be judged
 
 
-def clipped(stretches: Sequence[NDArray[np.float64]]) -> NDArray[np.bool_]:
+def clipped(stretches: Sequence[Floats]) -> Booleans:
     """Return which axes of which stretches are clipped, (P, 3).
 
     An axis is clipped in a stretch if more than a fifth of the samples have one extreme value, and the stretch has fewer

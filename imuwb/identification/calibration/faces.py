@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from imuwb.arrays import Floats
 
 FACES = tuple((axis, sign) for axis in range(3) for sign in (1, -1))
 LEANS = 0.35  #: largest share of gravity that a horizontal axis may show: a tilt of about 20°

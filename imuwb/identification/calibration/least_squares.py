@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import optimize, special
 
+from imuwb.arrays import Floats, Integers
 from imuwb.identification.calibration.axis_calibration import student_estimate
 from imuwb.statistics import Estimate
-
-Floats = NDArray[np.float64]
 
 CHANCE = 0.2  #: probability of the residuals below which an extra error is estimated; a smaller limit costs coverage
 WEAK = 1e-7  #: ratio of smallest to largest singular value, below which a design with columns of length 1 is singular
@@ -54,7 +52,7 @@ class RowNoise:
     """The variances of n rows, and how well they are known."""
 
     variance: Floats  #: (n,)
-    source: NDArray[np.int64]  #: (n,) rows with the same number share one estimate of the variance
+    source: Integers  #: (n,) rows with the same number share one estimate of the variance
     freedom: Floats  #: (n,) degrees of freedom of that estimate
 
 

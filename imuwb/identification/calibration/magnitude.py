@@ -11,15 +11,13 @@ triangular A: three scale factors and three cross-couplings (x into y, x and y i
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats
 from imuwb.identification.calibration.axis_calibration import AxisCalibration
 from imuwb.identification.calibration.least_squares import LinearFit, RowNoise, fit_linear, is_determined
 from imuwb.identification.calibration.means import Means
 from imuwb.identification.calibration.positions import PositionCalibration
 from imuwb.statistics import Estimate
-
-Floats = NDArray[np.float64]
 
 FEWEST = 9  #: positions: one for each parameter
 CLOSE = 1e-12  #: relative change of the parameters at which the iteration ends

@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import special
 
-Floats = NDArray[np.float64]
+from imuwb.arrays import Floats
 
 PARTS = 4  #: number of parts of a stretch, and again of each part; the scatter of their means gives the error of the whole mean
 FEWEST = 4 * PARTS * PARTS  #: least number of samples in a stretch

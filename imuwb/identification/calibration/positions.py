@@ -10,15 +10,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats
 from imuwb.identification.calibration.axis_calibration import AxisCalibration, student_estimate
 from imuwb.identification.calibration.faces import faces
 from imuwb.identification.calibration.least_squares import LinearFit, RowNoise, fit_linear, is_determined
 from imuwb.identification.calibration.means import Means
 from imuwb.statistics import Estimate
-
-Floats = NDArray[np.float64]
 
 BENT = 0.05  #: least share of the non-linear column's length that remains when the other columns are projected out
 #: variance of the vertical part's shortening, over the fourth power of the tilt. The factor is 2 for a known tilt and a

@@ -6,17 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import special
 
+from imuwb.arrays import Floats
 from imuwb.geodesy.earth import EARTH_RATE
 from imuwb.identification.calibration.axis_calibration import AxisCalibration, student_estimate
 from imuwb.identification.calibration.least_squares import LinearFit, RowNoise, fit_linear, is_determined
 from imuwb.identification.calibration.means import Means
 from imuwb.identification.calibration.static_gyros import MIDDLE
 from imuwb.statistics import Estimate
-
-Floats = NDArray[np.float64]
 
 DISAGREEING = 0.05  #: probability of the scatter between runs, below which their common interval is widened
 

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from imuwb.arrays import Floats
 
 TURNS = 0.3  #: share of the turned axis's span; an axis with a larger span turns as well
 OFF = 0.01  #: share of the span of rates, by which a step may miss the line

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats
 from imuwb.geodesy.earth import EARTH_RATE
 from imuwb.identification.calibration.axis_calibration import AxisCalibration, student_estimate
 from imuwb.identification.calibration.least_squares import LinearFit, fit_linear, is_determined
 from imuwb.identification.calibration.means import Means
 from imuwb.identification.calibration.positions import noise_of
 from imuwb.statistics import Estimate
-
-Floats = NDArray[np.float64]
 
 MIDDLE = 0.5**0.5  #: sine and cosine of 45°, for a latitude that is not known
 

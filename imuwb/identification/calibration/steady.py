@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from imuwb.arrays import Floats
 
 BLOCK = 0.5  #: s, length of a block
 FEWEST = 8  #: least number of samples in a block

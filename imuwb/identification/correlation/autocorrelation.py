@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft, optimize
 
+from imuwb.arrays import Floats
 from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum, cosine_spectrum
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import chi_square_tail, normal_limit
 from imuwb.stochastic import GaussMarkov
 from imuwb.texts import number_text
-
-Floats = NDArray[np.float64]
 
 TENABLE = 0.01  #: probability of the misfit, below which a first-order process does not explain the record
 GROUP = 2**0.5  #: ratio of the last frequency to the first in a group that is tested as one

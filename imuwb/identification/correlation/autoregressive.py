@@ -11,16 +11,14 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft, linalg
 
+from imuwb.arrays import Booleans, Floats
 from imuwb.compiled import compiled
 from imuwb.identification.correlation.burg import burg
 from imuwb.notes import Note
 from imuwb.statistics.distributions import chi_square_tail, normal_limit
 from imuwb.stochastic import Autoregressive
-
-Floats = NDArray[np.float64]
 
 WHITE_LAGS = 20  #: lags of the innovations' autocorrelation that are tested, beyond those that the fit makes small
 BLOCK = 1024  #: samples; a block stays in the fastest cache while all lags use it
@@ -39,7 +37,7 @@ class Order:
     alpha_sigma: Floats  #: (p,) Bartlett's, valid for any series
     #: (p,) valid only if the series is autoregressive of this order: √((1 - alpha²)/n) for order 1
     alpha_sigma_if_ar: Floats
-    significant: NDArray[np.bool_]  #: (p,) whether alpha is significant at ``level``
+    significant: Booleans  #: (p,) whether alpha is significant at ``level``
     beta0: float  #: unit
     aicc: float
     bic: float

@@ -10,11 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats, Integers
 from imuwb.compiled import compiled
-
-Floats = NDArray[np.float64]
 
 BLOCK = 1024  #: samples; a block stays in the fastest cache
 
@@ -70,7 +68,7 @@ def burg(values: Floats, orders: int, breaks: Sequence[int] = ()) -> Burg:
 
 @compiled()
 def _sweep(
-    forward: Floats, backward: Floats, edges: NDArray[np.int64], order: int, reflection: float
+    forward: Floats, backward: Floats, edges: Integers, order: int, reflection: float
 ) -> tuple[float, float]:  # pragma: no cover - compiled
     """Update the errors to ``order`` in place, and return the sums for the next order.
 

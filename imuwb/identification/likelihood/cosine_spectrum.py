@@ -13,13 +13,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft, special
 
+from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.compiled import compiled
 from imuwb.stochastic import FlickerNoise, GaussMarkov, Process, Quantization
-
-Floats = NDArray[np.float64]
 
 LOW = 32  #: lowest coefficients, which have a joint covariance
 WIDTH = 1.04  #: ratio of the last frequency to the first in a bin
@@ -34,12 +32,12 @@ class CosineSpectrum:
     n: int  #: samples
     dt: float  #: s
     ramp: float  #: unit/s, taken off before the transform
-    index: NDArray[np.int64]  #: (l,) half periods of the lowest coefficients, from 1 on
+    index: Integers  #: (l,) half periods of the lowest coefficients, from 1 on
     low: Floats  #: (l,) coefficients, scaled so that their variance is the two-sided density
-    first: NDArray[np.int64]  #: (k,) first half period of each bin
-    last: NDArray[np.int64]  #: (k,) last half period of each bin
+    first: Integers  #: (k,) first half period of each bin
+    last: Integers  #: (k,) last half period of each bin
     power: Floats  #: (k,) mean square in a bin
-    count: NDArray[np.int64]  #: (k,) coefficients in a bin, without those near lines
+    count: Integers  #: (k,) coefficients in a bin, without those near lines
 
     @property
     def frequency(self) -> Floats:
@@ -143,8 +141,8 @@ def _without_line(values: Floats, level: float, slope: float, out: Floats) -> No
 
 @compiled()
 def _binned(
-    coefficients: Floats, edges: NDArray[np.int64], first: NDArray[np.int64], last: NDArray[np.int64]
-) -> tuple[Floats, NDArray[np.int64]]:  # pragma: no cover - compiled
+    coefficients: Floats, edges: Integers, first: Integers, last: Integers
+) -> tuple[Floats, Integers]:  # pragma: no cover - compiled
     """Return the sums of squares between edges and their counts, without the lines at first ... last."""
     sums, counts = np.zeros(edges.size - 1), np.zeros(edges.size - 1, np.int64)
     for i in range(edges.size - 1):
@@ -161,7 +159,7 @@ def _binned(
     return sums, counts
 
 
-def _edges(n: int) -> NDArray[np.int64]:
+def _edges(n: int) -> Integers:
     steps = np.geomspace(LOW + 1, n, max(round(np.log(n / (LOW + 1)) / np.log(WIDTH)), 1) + 1)
     return np.unique(np.rint(steps).astype(np.int64))
 
@@ -171,7 +169,7 @@ def _cin(x: Floats) -> Floats:
     return np.euler_gamma + np.log(x) - special.sici(x)[1]
 
 
-def _pairs(index: NDArray[np.int64]) -> tuple[Floats, Floats, NDArray[np.bool_], NDArray[np.bool_]]:
+def _pairs(index: Integers) -> tuple[Floats, Floats, Booleans, Booleans]:
     """Return pi i and pi j of all pairs, which pairs are equal, and which pairs the symmetry decouples."""
     a = np.pi * index.astype(np.float64)
     same = np.eye(index.size, dtype=bool)
@@ -179,7 +177,7 @@ def _pairs(index: NDArray[np.int64]) -> tuple[Floats, Floats, NDArray[np.bool_],
     return a[:, None] + 0 * a, a[None, :] + 0 * a[:, None], same, apart
 
 
-def _flicker(index: NDArray[np.int64], duration: float) -> Floats:
+def _flicker(index: Integers, duration: float) -> Floats:
     """Return the covariance under flicker of B = 1, from its generalised autocovariance -ln|t|/pi."""
     a, b, same, apart = _pairs(index)
     si = special.sici(a)[0]
@@ -188,7 +186,7 @@ def _flicker(index: NDArray[np.int64], duration: float) -> Floats:
     return 2 * duration / np.pi * np.where(same, diagonal, np.where(apart, 0.0, other))
 
 
-def _gauss_markov(index: NDArray[np.int64], duration: float, correlation_time: float) -> Floats:
+def _gauss_markov(index: Integers, duration: float, correlation_time: float) -> Floats:
     """Return the covariance under a Gauss-Markov process of sigma 1, from its autocovariance e^(-|t|/Tc)."""
     a, b, same, apart = _pairs(index)
     x = duration / correlation_time

@@ -11,8 +11,8 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats
 from imuwb.identification.allan_variance.problem import scaled_inverse
 from imuwb.identification.coefficient import READ_OUT, interval
 from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum, cosine_spectrum
@@ -22,8 +22,6 @@ from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import chi_square_quantile, chi_square_tail, normal_limit, normal_quantile
 from imuwb.stochastic import FlickerNoise, Process, Quantization, RandomWalk, RateRamp, Sum, WhiteNoise
 from imuwb.texts import coefficients_text, number_text
-
-Floats = NDArray[np.float64]
 
 TERMS: dict[str, Callable[[float], Process]] = {
     "Q": Quantization, "N": WhiteNoise, "B": FlickerNoise, "K": RandomWalk,

@@ -10,15 +10,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats
 from imuwb.identification.likelihood.cosine_spectrum import FEWEST, CosineSpectrum
 from imuwb.identification.likelihood.fit import TERMS, spectrum_without
 from imuwb.identification.likelihood.problem import CLOSE, LikelihoodProblem, Solution
 from imuwb.identification.spectral.lines import Line
 from imuwb.stochastic import Autoregressive, GaussMarkov, Process, Sum
-
-Floats = NDArray[np.float64]
 
 #: Letters of ``TERMS``; M is a Gauss-Markov term. Sums with Q are compared where a record shows quantization.
 SUMS = ("N", "NB", "NK", "NBK", "NM", "NMK", "NMM", "QN", "QNB", "QNK", "QNBK", "QNM", "QNMK", "QNMM")

@@ -12,14 +12,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import optimize
 
+from imuwb.arrays import Floats
 from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
 from imuwb.identification.likelihood.score import LEAST_SHARE, add_bins, add_low
 from imuwb.stochastic import Process
-
-Floats = NDArray[np.float64]
 
 ROUNDS = 60
 CLOSE = 1e-4  #: change of the deviance at which scoring ends

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats, Integers
 from imuwb.compiled import compiled
-
-Floats = NDArray[np.float64]
 
 LEAST_SHARE = 1e-14  #: floor of a density, as a share of the largest density
 
@@ -97,9 +95,7 @@ def add_low(
 
 
 @compiled()
-def _whitener(
-    squared: Floats, parts: Floats, chosen: NDArray[np.int64]
-) -> tuple[Floats, float]:  # pragma: no cover - compiled
+def _whitener(squared: Floats, parts: Floats, chosen: Integers) -> tuple[Floats, float]:  # pragma: no cover - compiled
     """Return a lower triangular W with W C W' = 1, and log |C|, which is infinite where C is not positive definite."""
     n = chosen.size
     lower, scale = np.zeros((n, n)), np.empty(n)
@@ -135,7 +131,7 @@ def _product(lower: Floats, vector: Floats) -> Floats:  # pragma: no cover - com
 def _add_shapes(
     white: Floats,
     parts: Floats,
-    chosen: NDArray[np.int64],
+    chosen: Integers,
     data: Floats,
     along: Floats,
     information: Floats,
@@ -188,9 +184,7 @@ def _inverse(lower: Floats) -> Floats:  # pragma: no cover - compiled
 
 
 @compiled(reorder=True)
-def _whitened(
-    white: Floats, part: Floats, chosen: NDArray[np.int64], out: Floats
-) -> None:  # pragma: no cover - compiled
+def _whitened(white: Floats, part: Floats, chosen: Integers, out: Floats) -> None:  # pragma: no cover - compiled
     """Write W part W' of the chosen rows; W is lower triangular."""
     n = chosen.size
     half = np.zeros((n, n))  # part W'

@@ -6,9 +6,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from imuwb.arrays import Floats
 
 TRENDS = ("none", "constant", "linear", "quadratic")
 

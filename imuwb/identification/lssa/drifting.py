@@ -12,14 +12,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from imuwb.arrays import Floats
 from imuwb.identification.lssa.peaks import Peak
 from imuwb.identification.spectral.lines import Line, find_lines
 from imuwb.statistics import Estimate
-
-Floats = NDArray[np.float64]
 
 HELD = 0.5  #: share of a line's power in one steady sinusoid, from which the line is steady
 NEAR = 2.0  #: resolutions of the segments' spectrum; a steady sinusoid closer than this is part of a drifting line

@@ -10,14 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 
+from imuwb.arrays import Complexes, Floats, Integers
 from imuwb.identification.lssa.trigonometric import Grid, Lattice, sums
 from imuwb.identification.lssa.whitening import Chain, Dense, Recursion, Whitening
-
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 
 #: share of a line's determinant without constituents; if the constituents leave less, they already include the line
 SEPARATE = 1e-10
@@ -123,7 +120,7 @@ def _between(time: Floats, lattice: Lattice | None, strength: Floats, grid: Grid
     return np.conj(np.fft.rfft(wrapped)[1 : grid.count + 1])
 
 
-def _steps(steps: Floats, whole: NDArray[np.int64] | None, strength: Floats, grid: Grid) -> Floats:
+def _steps(steps: Floats, whole: Integers | None, strength: Floats, grid: Grid) -> Floats:
     if whole is None:
         return sums(steps, None, strength[None], grid)[0].real
     # Few different lengths of steps occur.

@@ -10,13 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
+from imuwb.arrays import Floats
 from imuwb.identification.correlation.burg import burg
 from imuwb.statistics.distributions import chi_square_tail, normal_limit
-
-Floats = NDArray[np.float64]
 
 LAGS = 20  #: number of lags in the test of correlations
 FIRST_OCTAVE = 4  #: frequencies in the lowest octave

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg, optimize
 
+from imuwb.arrays import Floats, Integers
 from imuwb.identification.correlation.burg import burg
 from imuwb.identification.lssa.trigonometric import Lattice
 from imuwb.identification.lssa.whitening import (
@@ -23,8 +23,6 @@ from imuwb.identification.lssa.whitening import (
     recursion,
     white,
 )
-
-Floats = NDArray[np.float64]
 
 NoiseKind = Literal["local", "white", "autoregressive", "gauss-markov", "random-walk", "covariance"]
 TURNS = 3  #: alternating estimates of noise and constituents
@@ -134,7 +132,7 @@ def _estimated(time: Floats, lattice: Lattice | None, residual: Floats, noise: N
     return NoiseFit(noise, even, alpha)
 
 
-def _first_order(residual: Floats, steps: NDArray[np.int64], noise: Noise) -> NoiseFit:
+def _first_order(residual: Floats, steps: Integers, noise: Noise) -> NoiseFit:
     """Return AR(1) noise of a series with gaps, by likelihood."""
     best = _smallest(
         lambda a: _misfit(first_order(steps, a), residual), np.linspace(-0.98, 0.98, 15), (-0.999999, 0.999999)

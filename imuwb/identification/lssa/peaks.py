@@ -9,17 +9,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg, ndimage
 
+from imuwb.arrays import Floats
 from imuwb.identification.lssa.significance import Significance, correlation, record_probability, significance
 from imuwb.identification.lssa.spectrum import Adjusted, Spectrum
 from imuwb.identification.lssa.trigonometric import Grid, summit, sums
 from imuwb.identification.lssa.whitening import Recursion
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit
-
-Floats = NDArray[np.float64]
 
 MOST = 12  #: largest number of lines of one series
 ROUNDS = 8  #: largest number of searches of the residual

@@ -15,12 +15,10 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import optimize, special
 
+from imuwb.arrays import Floats, Integers
 from imuwb.identification.lssa.spectrum import Spectrum
-
-Floats = NDArray[np.float64]
 
 NEIGHBOURS = 50  #: Fourier frequencies on each side of a frequency, at most, from which local noise is estimated
 LEAST_NEIGHBOURS = 4  #: on both sides together
@@ -38,7 +36,7 @@ class Significance:
     one: float  #: exceedance that is significant at one frequency chosen beforehand
     record: float  #: exceedance that is significant anywhere in the record
     probability: float  #: 1 - the level of both limits
-    neighbours: NDArray[np.int64] | None  #: (m,) frequencies that give the level; None: the whole residual gives it
+    neighbours: Integers | None  #: (m,) frequencies that give the level; None: the whole residual gives it
 
     def reduction(self, spectrum: Spectrum, exceedance: float) -> Floats:
         """Return by how much a line must reduce the quadratic form for an exceedance, (m,); 0 where the level is not known."""
@@ -132,7 +130,7 @@ def _quadrature() -> tuple[Floats, Floats]:
     return np.polynomial.laguerre.laggauss(NODES)
 
 
-def _neighbours(reduction: Floats, oversampling: int) -> tuple[Floats, NDArray[np.int64]]:
+def _neighbours(reduction: Floats, oversampling: int) -> tuple[Floats, Integers]:
     """Return the mean of the Fourier frequencies around each frequency, and their number (0 near zero frequency)."""
     m, k = reduction.size, oversampling
     rows = -(-m // k)

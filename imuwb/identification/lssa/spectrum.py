@@ -9,16 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 
+from imuwb.arrays import Complexes, Floats
 from imuwb.identification.lssa.constituents import Constituents
 from imuwb.identification.lssa.equations import Equations, equations, right_sides
 from imuwb.identification.lssa.noise import Noise, NoiseFit, fitted_noise
 from imuwb.identification.lssa.trigonometric import ROUNDED, Grid, Lattice, grid_of, lattice_of
-
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 
 FEWEST = 16  #: least number of rows minus number of constituents
 RANK = 1e-6  #: share of a column's length that must remain when the columns before it are projected out

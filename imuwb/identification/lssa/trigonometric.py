@@ -9,11 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
+from imuwb.arrays import Complexes, Floats, Integers
 
 ACCURACY = 1e-11  #: accuracy of the uneven transform, relative to the sum of all strengths
 STRAY = 6e-6  #: intervals, by which a time stamp may miss the lattice: rounding to nanoseconds at 5 kHz
@@ -26,7 +24,7 @@ class Lattice:
     """Time stamps that are whole multiples of an interval."""
 
     interval: float  #: s
-    index: NDArray[np.int64]  #: (n,) the multiples, from 0
+    index: Integers  #: (n,) the multiples, from 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
+from imuwb.arrays import Floats
 from imuwb.identification.lssa.spectrum import Adjusted
 from imuwb.identification.lssa.trigonometric import Grid, Lattice, summit, sums
-
-Floats = NDArray[np.float64]
 
 MIRRORED = 0.5  #: share of a line's power at another frequency, from which both frequencies show the same line
 FAR = 8.0  #: usual sampling rates, up to which mirrors are searched

@@ -12,10 +12,9 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 
-Floats = NDArray[np.float64]
+from imuwb.arrays import Complexes, Floats, Integers
 
 MOST_DENSE = 20_000  #: largest number of samples with a given covariance
 CONDITION = 1e-12  #: share of the largest variance; a covariance with a smaller pivot is singular
@@ -59,7 +58,7 @@ class Recursion:
 
     alpha: Floats  #: (p,) alpha of Quinchia's eq. 9
     interval: float  #: s
-    kept: NDArray[np.int64]  #: samples whose p predecessors exist
+    kept: Integers  #: samples whose p predecessors exist
 
     def rows(self, columns: Floats) -> Floats:
         """Return the whitened rows of (n, k)."""
@@ -68,7 +67,7 @@ class Recursion:
             rows += alpha * columns[self.kept - k]
         return rows
 
-    def gain(self, frequency: Floats) -> NDArray[np.complex128]:
+    def gain(self, frequency: Floats) -> Complexes:
         """Return the gain of the rows at exp(i omega t)."""
         turn = np.exp(-2j * np.pi * np.outer(np.arange(1, self.alpha.size + 1), frequency * self.interval))
         return np.asarray(1 + self.alpha @ turn, dtype=np.complex128)
@@ -131,7 +130,7 @@ def gauss_markov(time: Floats, correlation_time: float) -> Chain:
     return Chain(np.exp(-passed), 1 / np.sqrt(-np.expm1(-2 * passed)))
 
 
-def first_order(steps: NDArray[np.int64], alpha: float) -> Chain:
+def first_order(steps: Integers, alpha: float) -> Chain:
     """Return the rows of AR(1), x(n) = -alpha x(n-1) + w(n), with or without gaps.
 
     Args:
@@ -142,7 +141,7 @@ def first_order(steps: NDArray[np.int64], alpha: float) -> Chain:
     return Chain(hold, 1 / np.sqrt(1 - hold**2))
 
 
-def recursion(index: NDArray[np.int64], interval: float, alpha: Floats) -> Recursion:
+def recursion(index: Integers, interval: float, alpha: Floats) -> Recursion:
     """Return the rows of AR(p) on a lattice.
 
     Raises:

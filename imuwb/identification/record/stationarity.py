@@ -9,14 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats, Integers
 from imuwb.identification.allan_variance.overlapping import allan
 from imuwb.identification.spectral.welch import independent, welch
 from imuwb.statistics.distributions import chi_square_tail
 from imuwb.texts import number_text, seconds_text
-
-Floats = NDArray[np.float64]
 
 FEWEST_DEGREES = 15.0  #: least degrees of freedom of a part's Allan variance
 FEWEST = 64  #: least number of samples in a part
@@ -93,7 +91,7 @@ def stationarity(values: Floats, dt: float, parts: int = 12) -> Stationarity:
     )  # fmt: skip
 
 
-def _freedom(values: Floats, dt: float, factors: NDArray[np.int64], part: int) -> Floats:
+def _freedom(values: Floats, dt: float, factors: Integers, part: int) -> Floats:
     """Return the degrees of freedom of a part's Allan variance, from the record's own spectrum.
 
     After a sensor's own filter, neighbouring samples are correlated, which a power law neglects. The degrees of freedom are

@@ -6,12 +6,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
+from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.compiled import compiled
-
-Floats = NDArray[np.float64]
 
 BLOCK = 1.0  #: s
 SCATTER = 3.0  #: ratio of a block's standard deviation to the median, above which the block is disturbed
@@ -96,9 +94,9 @@ def stillness(axes: Mapping[str, tuple[Floats, Floats]]) -> Stillness | None:
     return Stillness(disturbances, float(starts[first]), end, moving=moving, recorded=recorded)
 
 
-def _occupied(times: Iterable[Floats], begin: float, finish: float) -> NDArray[np.int64]:
+def _occupied(times: Iterable[Floats], begin: float, finish: float) -> Integers:
     """Return the indices of the whole blocks that contain a sample of any axis."""
-    occupied: list[NDArray[np.int64]] = []
+    occupied: list[Integers] = []
     for time in {id(time): time for time in times}.values():
         block = ((time - begin) / BLOCK).astype(np.int64)
         occupied.append(block[np.append(True, np.diff(block) > 0)])
@@ -106,7 +104,7 @@ def _occupied(times: Iterable[Floats], begin: float, finish: float) -> NDArray[n
     return blocks[blocks < int((finish - begin) / BLOCK)]
 
 
-def _scores(rows: NDArray[np.int64], values: Floats) -> tuple[Floats, bool]:
+def _scores(rows: Integers, values: Floats) -> tuple[Floats, bool]:
     """Return the disturbance of each block (disturbed above 1), and whether the axis moves most of the time.
 
     Args:
@@ -135,7 +133,7 @@ def _scores(rows: NDArray[np.int64], values: Floats) -> tuple[Floats, bool]:
 
 
 @compiled()
-def _block_sums(values: Floats, rows: NDArray[np.int64]) -> tuple[Floats, Floats]:  # pragma: no cover - compiled
+def _block_sums(values: Floats, rows: Integers) -> tuple[Floats, Floats]:  # pragma: no cover - compiled
     """Return the sums and the sums of squares between rows, of values less the first one (to keep digits)."""
     sums, squares = np.zeros(rows.size - 1), np.zeros(rows.size - 1)
     for block in range(rows.size - 1):
@@ -146,7 +144,7 @@ def _block_sums(values: Floats, rows: NDArray[np.int64]) -> tuple[Floats, Floats
     return sums, squares
 
 
-def _spans(inside: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def _spans(inside: Booleans) -> list[tuple[int, int]]:
     """Return (first, end) of each run of True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]])))
     return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
-Floats = NDArray[np.float64]
+from imuwb.arrays import Floats
 
 LARGEST = 1e12  #: rad/s or m/s²; no sensor gives more
 

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
+from imuwb.arrays import Floats, Integers
 from imuwb.identification.spectral.welch import independent, welch
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import chi_square_quantile, normal_limit
 from imuwb.stochastic import Sinusoid
-
-Floats = NDArray[np.float64]
 
 LONGEST_SEGMENT = 1 << 16
 FLOOR_BINS = 101  #: number of bins of the running median, which is the noise floor
@@ -69,7 +67,7 @@ def find_lines(values: Floats, dt: float, level: float = 0.95, false_alarm: floa
     return tuple(sorted(lines, key=lambda line: -line.amplitude.value)[:MOST])
 
 
-def _line(f: Floats, density: Floats, floor: Floats, bins: NDArray[np.int64], freedom: float, level: float) -> Line:
+def _line(f: Floats, density: Floats, floor: Floats, bins: Integers, freedom: float, level: float) -> Line:
     """Return the line in these bins and their neighbours: its power is the power above the floor."""
     wide = np.arange(max(bins[0] - 1, 1), min(bins[-1] + 2, f.size))
     step = f[1] - f[0]

@@ -10,9 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import special
 
+from imuwb.arrays import Floats
 from imuwb.identification.likelihood.fit import ACCEPTED, GROUP, TERMS, explained, profiled
 from imuwb.identification.likelihood.problem import LikelihoodProblem
 from imuwb.identification.region import SHARE, Region
@@ -22,8 +22,6 @@ from imuwb.statistics import Coefficient, Estimate
 from imuwb.statistics.distributions import chi_square_limits, chi_square_tail, normal_limit
 from imuwb.stochastic import Process, Sum
 from imuwb.texts import coefficients_text, number_text
-
-Floats = NDArray[np.float64]
 
 LONGEST = 1 << 20  #: samples of a segment (Quinchia, 5.4)
 WIDTH = 1.08  #: ratio of the last frequency to the first in an averaged band

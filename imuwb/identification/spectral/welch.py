@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
+from imuwb.arrays import Complexes, Floats
 from imuwb.compiled import compiled
-
-Floats = NDArray[np.float64]
 
 #: Sum of the correlations of a segment's power with those of both neighbours; Hann windows that overlap by half.
 NEIGHBOURS = 2 * (1 / 6) ** 2
@@ -53,7 +51,7 @@ def _tapered(values: Floats, window: Floats, out: Floats) -> None:  # pragma: no
 
 
 @compiled()
-def _add_power(transform: NDArray[np.complex128], total: Floats) -> None:  # pragma: no cover - compiled
+def _add_power(transform: Complexes, total: Floats) -> None:  # pragma: no cover - compiled
     for k in range(total.size):
         total[k] += transform[k].real ** 2 + transform[k].imag ** 2
 

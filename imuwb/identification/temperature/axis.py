@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from imuwb.identification.temperature.bias import Biases, biases
 from imuwb.identification.temperature.dependence import Dependence, by_chi_square, depends, heterogeneity
@@ -16,8 +15,6 @@ from imuwb.identification.temperature.pooled import pooled, settled
 from imuwb.identification.temperature.set_point import LETTERS, SetPoint, log_sigma
 from imuwb.identification.temperature.slow_processes import SLOW, size_of, slow_processes
 from imuwb.statistics import Coefficient
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -11,14 +11,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 
+from imuwb.arrays import Floats
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit
 from imuwb.stochastic import FlickerNoise, RandomWalk, Sum, WhiteNoise
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

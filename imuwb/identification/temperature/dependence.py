@@ -12,15 +12,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats
 from imuwb.identification.coefficient import READ_OUT, interval
 from imuwb.identification.likelihood.fit import TERMS
 from imuwb.identification.temperature.set_point import SetPoint
 from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import chi_square_quantile, chi_square_tail
-
-Floats = NDArray[np.float64]
 
 ROUNDS = 12  #: largest number of rounds of the search for the common value
 FAINT = 1e-4  #: standard errors; a smaller square is 0

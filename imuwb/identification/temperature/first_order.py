@@ -6,12 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats
 from imuwb.identification.correlation.autoregressive import fit_autoregressive
 from imuwb.identification.temperature.record import Record, residuals
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,9 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from imuwb.arrays import Floats
 from imuwb.identification.temperature.functions import (
     KINDS,
     FunctionKind,
@@ -22,8 +20,6 @@ from imuwb.identification.temperature.functions import (
     weights,
 )
 from imuwb.statistics.distributions import chi_square_tail
-
-Floats = NDArray[np.float64]
 
 FEWEST = 4  #: set-points for a cross-validation
 CONTRADICTED = 1e-3  #: probability of the fit's chi-square, below which the set-points contradict a function

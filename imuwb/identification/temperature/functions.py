@@ -11,12 +11,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from imuwb.arrays import Floats
 from imuwb.statistics.distributions import normal_limit
-
-Floats = NDArray[np.float64]
 
 FunctionKind = Literal["constant", "linear", "arrhenius", "quadratic", "cubic", "piecewise", "spline"]
 KELVIN = 273.15

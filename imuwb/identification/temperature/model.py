@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats
 from imuwb.identification.likelihood.fit import TERMS
 from imuwb.identification.temperature.axis import AxisTemperatures
 from imuwb.identification.temperature.functions import TemperatureFunction
 from imuwb.stochastic import AxisModel, Sum
-
-Floats = NDArray[np.float64]
 
 STEP = 5.0  #: °C, largest distance between set-points of a model, which is linear between them
 

@@ -10,16 +10,14 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import optimize
 
+from imuwb.arrays import Floats
 from imuwb.identification.coefficient import READ_OUT, interval
 from imuwb.identification.likelihood.fit import TERMS, fit_problem
 from imuwb.identification.temperature.set_point import LETTERS, SetPoint
 from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import normal_quantile
-
-Floats = NDArray[np.float64]
 
 ROUNDS, CLOSE = 60, 1e-3  #: largest number of rounds of the scoring, and the change of the deviance at which it ends
 LEAST_STEP = 1e-3  #: share of a step, below which the scoring ends

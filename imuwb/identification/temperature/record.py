@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from imuwb.arrays import Floats
 from imuwb.identification.record.suitable import unsuitable
 from imuwb.identification.temperature.thermal_trend import trend_of, without_trend
-
-Floats = NDArray[np.float64]
 
 FEWEST = 1024  #: samples of a record at one temperature
 

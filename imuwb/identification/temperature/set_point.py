@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats
 from imuwb.identification.allan_variance.overlapping import AllanDeviation, allan
 from imuwb.identification.coefficient import interval
 from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
@@ -34,8 +34,6 @@ from imuwb.identification.temperature.white_slope import white_slope
 from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import normal_limit
 from imuwb.stochastic import RateRamp
-
-Floats = NDArray[np.float64]
 
 LETTERS = tuple(TERMS)
 

@@ -9,9 +9,8 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from imuwb.arrays import Floats
 
 Cut = Literal["set-point", "plateaus", "bins"]
 STEADY = 2.0  #: °C; a log whose temperature spans no more is one set-point

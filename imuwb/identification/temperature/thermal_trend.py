@@ -11,13 +11,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 
+from imuwb.arrays import Floats
 from imuwb.identification.likelihood.cosine_spectrum import LOW, CosineSpectrum, cosine_spectrum
 from imuwb.identification.likelihood.problem import LikelihoodProblem
-
-Floats = NDArray[np.float64]
 
 MOVED = 0.2  #: °C; a stretch whose smoothed temperature spans less has no thermal trend
 KNOTS = 40  #: means of a stretch, between which the smoothed thermometer is linear

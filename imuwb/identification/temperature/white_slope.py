@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from imuwb.identification.allan_variance.moments import moments
 from imuwb.identification.allan_variance.overlapping import AllanDeviation
@@ -13,8 +12,6 @@ from imuwb.identification.allan_variance.regions import free_slope
 from imuwb.identification.region import SHARE, Region
 from imuwb.statistics import Coefficient
 from imuwb.stochastic import Sum
-
-Floats = NDArray[np.float64]
 
 MOST = 10  #: octaves; longer averaging times add little information
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft, linalg, optimize, special
 
+from imuwb.arrays import Floats, Integers
 from imuwb.compiled import compiled
 from imuwb.identification.allan_variance.problem import scaled_inverse
 from imuwb.identification.coefficient import READ_OUT, interval
@@ -24,8 +24,6 @@ from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import chi_square_tail, normal_quantile
 from imuwb.stochastic import Process, Sum
 from imuwb.texts import coefficients_text, number_text
-
-Floats = NDArray[np.float64]
 
 _R3 = 3**0.5
 #: taps of the maximal-overlap transform, scaled to a gain of 1 at frequency 0
@@ -49,7 +47,7 @@ class WaveletVariance:
     dt: float  #: s
     scale: Floats  #: (j,) s, 2^j dt for level j = 1, 2, ...
     variance: Floats  #: (j,)
-    terms: NDArray[np.int64]  #: (j,) number of coefficients before any are thinned out
+    terms: Integers  #: (j,) number of coefficients before any are thinned out
 
     def __str__(self) -> str:
         """Return the range of scales."""

@@ -7,10 +7,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Booleans, Floats
 from imuwb.log import (
-    Floats,
     GnssStream,
     ImuStream,
     Kind,
@@ -121,7 +120,7 @@ def _joined(batches: list[Batch], repairs: list[Repair]) -> Rows:
     return Rows(first.stream, first.kind, origin, time, columns)
 
 
-def _finite(kind: Kind, rows: int, columns: dict[str, Floats]) -> NDArray[np.bool_]:
+def _finite(kind: Kind, rows: int, columns: dict[str, Floats]) -> Booleans:
     """Return which rows are finite in all columns, except the columns that may be unknown."""
     finite = np.ones(rows, dtype=bool)
     for name, values in columns.items():

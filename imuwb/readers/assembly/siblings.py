@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from imuwb.log import Floats, GnssStream, ImuStream, Nanoseconds
+from imuwb.arrays import Booleans, Floats
+from imuwb.log import GnssStream, ImuStream, Nanoseconds
 from imuwb.notes import Note
 
 _SENSOR = re.compile(r"(?<=/)(gyro|accel)(?=/|$)")
@@ -94,7 +94,7 @@ def with_fix_rows(
     return tuple(whole if s is gnss else s for s in streams), note
 
 
-def _nearest(time: Nanoseconds, fixes: Nanoseconds) -> tuple[Nanoseconds, NDArray[np.bool_]]:
+def _nearest(time: Nanoseconds, fixes: Nanoseconds) -> tuple[Nanoseconds, Booleans]:
     """Return for each fix the row nearest in time, and whether it is within half an interval of the fixes."""
     after = np.searchsorted(time, fixes).clip(0, time.size - 1)
     before = (after - 1).clip(0)

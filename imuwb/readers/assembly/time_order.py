@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from imuwb.log import Effect, Floats, Nanoseconds
+from imuwb.arrays import Booleans, Floats, Integers
+from imuwb.log import Effect, Nanoseconds
 from imuwb.notes import Note
 from imuwb.units import SECOND
 
@@ -58,14 +58,14 @@ def in_order(
 
 
 def taken(
-    time: Nanoseconds, columns: dict[str, Floats], rows: NDArray[np.bool_] | NDArray[np.int64]
+    time: Nanoseconds, columns: dict[str, Floats], rows: Booleans | Integers
 ) -> tuple[Nanoseconds, dict[str, Floats]]:
     """Return some rows of time and columns, selected by a mask or by row numbers."""
     return time[rows], {name: values[rows] for name, values in columns.items()}
 
 
 def _without(
-    rows: NDArray[np.bool_], fault: Fault, time: Nanoseconds, columns: dict[str, Floats], counts: dict[Fault, int]
+    rows: Booleans, fault: Fault, time: Nanoseconds, columns: dict[str, Floats], counts: dict[Fault, int]
 ) -> tuple[Nanoseconds, dict[str, Floats]]:
     """Return time and columns without some rows, and count them."""
     if not rows.any():
@@ -74,7 +74,7 @@ def _without(
     return taken(time, columns, ~rows)
 
 
-def _damaged_stamps(time: Nanoseconds) -> NDArray[np.bool_]:
+def _damaged_stamps(time: Nanoseconds) -> Booleans:
     """Return which rows are alone in time and outside the time span of all other rows; a row inside this span is only late."""
     alone = _alone(time)
     others = time[~alone]
@@ -83,7 +83,7 @@ def _damaged_stamps(time: Nanoseconds) -> NDArray[np.bool_]:
     return alone & ((time < others.min()) | (time > others.max()))
 
 
-def _alone(time: Nanoseconds) -> NDArray[np.bool_]:
+def _alone(time: Nanoseconds) -> Booleans:
     """Return which rows are far in time from their predecessor, while their successor is near to that predecessor."""
     alone = np.zeros(time.size, dtype=bool)
     if time.size > 2:  # noqa: PLR2004 - both neighbours

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from imuwb.arrays import Bytes, Integers
 from imuwb.readers.bytes.loops import compiled_loop, worth_compiling
 
 
-def gather(buffer: NDArray[np.uint8], at: NDArray[np.int64], kind: str, count: int = 0) -> NDArray[Any]:
+def gather(buffer: Bytes, at: Integers, kind: str, count: int = 0) -> NDArray[Any]:
     """Return the numbers at some offsets of a buffer, aligned or not.
 
     Args:
@@ -36,16 +37,14 @@ def gather(buffer: NDArray[np.uint8], at: NDArray[np.int64], kind: str, count: i
     return numbers if count else numbers[:, 0]
 
 
-def _copy(
-    view: NDArray[Any], at: NDArray[np.int64], size: int, numbers: NDArray[Any]
-) -> None:  # pragma: no cover - compiled
+def _copy(view: NDArray[Any], at: Integers, size: int, numbers: NDArray[Any]) -> None:  # pragma: no cover - compiled
     """Copy, for each row, the numbers that are ``size`` bytes from each other from its offset on."""
     for i in range(at.size):
         for j in range(numbers.shape[1]):
             numbers[i, j] = view[at[i] + size * j]
 
 
-def alike(keys: NDArray[Any], rows: NDArray[np.int64]) -> Iterator[tuple[int, NDArray[np.int64]]]:
+def alike(keys: NDArray[Any], rows: Integers) -> Iterator[tuple[int, Integers]]:
     """Yield each key and the rows that have it. This is fast if all rows have the same key.
 
     Args:

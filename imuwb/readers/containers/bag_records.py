@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Bytes, Integers
 from imuwb.compiled import compiled
 from imuwb.notes import Note
 from imuwb.readers.bytes.ahead import ahead
@@ -35,22 +35,22 @@ _OP, _CONNECTION, _TIME = b"op=", b"conn=", b"time="
 class Records:
     """The records of a buffer: (n,) offsets and numbers."""
 
-    opcode: NDArray[np.uint8]
-    header: NDArray[np.int64]  #: offset of the fields
-    connection: NDArray[np.int64]  #: offset of the connection's number; -1 for a record without it
-    time: NDArray[np.int64]  #: offset of the time; -1 for a record without it
-    data: NDArray[np.int64]  #: offset
-    length: NDArray[np.int64]  #: length of the data
+    opcode: Bytes
+    header: Integers  #: offset of the fields
+    connection: Integers  #: offset of the connection's number; -1 for a record without it
+    time: Integers  #: offset of the time; -1 for a record without it
+    data: Integers  #: offset
+    length: Integers  #: length of the data
     end: int  #: offset after the last whole record
 
 
 @compiled()
-def _u32(buffer: NDArray[np.uint8], at: int) -> int:  # pragma: no cover - compiled
+def _u32(buffer: Bytes, at: int) -> int:  # pragma: no cover - compiled
     return int(buffer[at]) | int(buffer[at + 1]) << 8 | int(buffer[at + 2]) << 16 | int(buffer[at + 3]) << 24
 
 
 @compiled()
-def _is(buffer: NDArray[np.uint8], at: int, name: NDArray[np.uint8]) -> bool:  # pragma: no cover - compiled
+def _is(buffer: Bytes, at: int, name: Bytes) -> bool:  # pragma: no cover - compiled
     for k in range(name.size):  # noqa: SIM110 - no generators in compiled code
         if buffer[at + k] != name[k]:
             return False
@@ -58,9 +58,7 @@ def _is(buffer: NDArray[np.uint8], at: int, name: NDArray[np.uint8]) -> bool:  #
 
 
 @compiled()
-def _walk(
-    buffer: NDArray[np.uint8], names: tuple[NDArray[np.uint8], ...], tables: NDArray[np.int64]
-) -> tuple[int, int]:  # pragma: no cover - compiled
+def _walk(buffer: Bytes, names: tuple[Bytes, ...], tables: Integers) -> tuple[int, int]:  # pragma: no cover - compiled
     """Fill the table (if it has room) with the whole records; return their number, and where they end."""
     count, at, size = 0, 0, buffer.size
     while at + 8 <= size:
@@ -89,7 +87,7 @@ def _walk(
     return count, at
 
 
-def walk(buffer: NDArray[np.uint8]) -> Records:
+def walk(buffer: Bytes) -> Records:
     """Return the whole records of a buffer."""
     names = tuple(np.frombuffer(name, np.uint8) for name in (_OP, _CONNECTION, _TIME))
     count, end = _walk(buffer, names, np.empty((0, 0), np.int64))
@@ -104,7 +102,7 @@ def walk(buffer: NDArray[np.uint8]) -> Records:
 class _Piece:
     """A block of the file, or an unpacked chunk."""
 
-    buffer: NDArray[np.uint8]
+    buffer: Bytes
     records: Records
     bytes_read: int  #: position of its end in the file
     notes: tuple[Note, ...] = ()

@@ -9,13 +9,13 @@ from typing import Any, Literal, Protocol, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from imuwb.arrays import Bytes, Integers
 from imuwb.readers.bytes.gather import gather
 from imuwb.readers.containers import ros_layout
 from imuwb.readers.containers.messages import Channel, Messages, Schema
 from imuwb.readers.containers.shapes import REFERENCE
 
-Rows = NDArray[np.int64]
-Piece = tuple[Mapping[str, NDArray[Any]], Rows]
+Piece = tuple[Mapping[str, NDArray[Any]], Integers]
 
 ARRAYS = ("covariance", *REFERENCE)  #: the names of fields that are arrays end with one of these
 FIRST = 16  #: number of messages that are tried for the fields of a channel without a definition
@@ -28,11 +28,11 @@ class CannotDecodeError(Exception):
 class Decoder(Protocol):
     """Decodes the messages of one channel."""
 
-    def fields(self, messages: Messages, rows: Rows) -> list[str]:
+    def fields(self, messages: Messages, rows: Integers) -> list[str]:
         """Return the dotted paths of the messages' numbers, from the definition or from some of the rows."""
         ...
 
-    def decode(self, messages: Messages, rows: Rows, paths: tuple[str, ...]) -> Iterator[Piece]:
+    def decode(self, messages: Messages, rows: Integers, paths: tuple[str, ...]) -> Iterator[Piece]:
         """Yield the fields in pieces; a message that does not fit its definition is in no piece."""
         ...
 
@@ -70,21 +70,19 @@ class _RosDecoder:
             raise CannotDecodeError(str(error)) from error
         self._wire: Literal["cdr", "ros1"] = wire
 
-    def fields(self, messages: Messages, rows: Rows) -> list[str]:
+    def fields(self, messages: Messages, rows: Integers) -> list[str]:
         del messages, rows  # the definition states all fields
         fields = [step for step in self._plan if isinstance(step, ros_layout.LayoutField)]
         # An array is not a number: a "latitude" of two numbers is not a latitude.
         return [f.path for f in fields if not f.count or f.path.rpartition(".")[2].endswith(ARRAYS)]
 
-    def decode(self, messages: Messages, rows: Rows, paths: tuple[str, ...]) -> Iterator[Piece]:
+    def decode(self, messages: Messages, rows: Integers, paths: tuple[str, ...]) -> Iterator[Piece]:
         start, length = messages.start[rows], messages.length[rows]
         for group in ros_layout.groups(self._plan, paths, self._wire, messages.buffer, start, length):
             yield _gathered(messages.buffer, start[group.rows], group.places), rows[group.rows]
 
 
-def _gathered(
-    buffer: NDArray[np.uint8], at: NDArray[np.int64], places: tuple[ros_layout.Place, ...]
-) -> dict[str, NDArray[Any]]:
+def _gathered(buffer: Bytes, at: Integers, places: tuple[ros_layout.Place, ...]) -> dict[str, NDArray[Any]]:
     """Return fields; numbers that follow each other, such as x, y and z, are columns of one array."""
     fields: dict[str, NDArray[Any]] = {}
     first = 0
@@ -111,7 +109,7 @@ class _ObjectDecoder:
     def __init__(self, unpack: Callable[[bytes], object]) -> None:
         self._unpack = unpack
 
-    def fields(self, messages: Messages, rows: Rows) -> list[str]:
+    def fields(self, messages: Messages, rows: Integers) -> list[str]:
         for row in rows[:FIRST]:
             try:
                 return list(_paths(self._unpack(_payload(messages, row))))
@@ -119,7 +117,7 @@ class _ObjectDecoder:
                 continue
         return []
 
-    def decode(self, messages: Messages, rows: Rows, paths: tuple[str, ...]) -> Iterator[Piece]:
+    def decode(self, messages: Messages, rows: Integers, paths: tuple[str, ...]) -> Iterator[Piece]:
         table: list[list[float | list[float]]] = []
         decoded: list[int] = []
         for row in rows:

@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Bytes, Integers
 from imuwb.notes import Note
 from imuwb.readers.bytes.ahead import ahead
 from imuwb.readers.bytes.gather import gather
@@ -49,11 +49,11 @@ AHEAD = 2  #: pieces that are unpacked while another is decoded
 
 
 def _walk(
-    buffer: NDArray[np.uint8],
+    buffer: Bytes,
     start: int,
-    opcode: NDArray[np.uint8],
-    content: NDArray[np.int64],
-    length: NDArray[np.int64],
+    opcode: Bytes,
+    content: Integers,
+    length: Integers,
 ) -> tuple[int, int]:  # pragma: no cover - compiled
     """Fill the tables (if they have room) with the whole records from ``start``; return their number, and where they end."""
     count, at, size = 0, start, buffer.size
@@ -72,9 +72,7 @@ def _walk(
     return count, at
 
 
-def walk(
-    buffer: NDArray[np.uint8], start: int = 0
-) -> tuple[NDArray[np.uint8], NDArray[np.int64], NDArray[np.int64], int]:
+def walk(buffer: Bytes, start: int = 0) -> tuple[Bytes, Integers, Integers, int]:
     """Return opcode, start and length of the content of each whole record, and where the records end."""
     fill = compiled_loop(_walk) if worth_compiling(buffer.size) else _walk
     nothing = np.empty(0, np.uint8), np.empty(0, np.int64), np.empty(0, np.int64)
@@ -89,10 +87,10 @@ def walk(
 class _Piece:
     """A block of the file, or an unpacked chunk, and the offsets of its records."""
 
-    buffer: NDArray[np.uint8]
-    opcode: NDArray[np.uint8]
-    content: NDArray[np.int64]
-    length: NDArray[np.int64]
+    buffer: Bytes
+    opcode: Bytes
+    content: Integers
+    length: Integers
     bytes_read: int  #: position of its end in the file
     notes: tuple[Note, ...] = ()  #: notes on the faults of the piece
 

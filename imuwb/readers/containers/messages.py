@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from imuwb.arrays import Bytes, Integers
+
 
 @dataclass(frozen=True, slots=True)
 class Schema:
@@ -31,10 +33,10 @@ class Channel:
 class Messages:
     """The messages of all channels in one buffer."""
 
-    buffer: NDArray[np.uint8]
+    buffer: Bytes
     channel: NDArray[np.integer[Any]]  #: (n,)
-    log_time: NDArray[np.int64]  #: (n,) ns, when the message was recorded
-    publish_time: NDArray[np.int64]  #: (n,) ns, when the message was sent
-    start: NDArray[np.int64]  #: (n,) offset of the payload in the buffer
-    length: NDArray[np.int64]  #: (n,) bytes of the payload
+    log_time: Integers  #: (n,) ns, when the message was recorded
+    publish_time: Integers  #: (n,) ns, when the message was sent
+    start: Integers  #: (n,) offset of the payload in the buffer
+    length: Integers  #: (n,) bytes of the payload
     bytes_read: int  #: position in the file

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Bytes, Integers
 from imuwb.readers.bytes.gather import alike, gather
 
 Wire = Literal["cdr", "ros1"]
@@ -157,13 +157,13 @@ class Place:
 class Group:
     """Messages whose fields have the same offsets."""
 
-    rows: NDArray[np.int64]  #: numbers of the messages
+    rows: Integers  #: numbers of the messages
     places: tuple[Place, ...]  #: places of the wanted fields
 
 
 def groups(
-    steps: Plan, wanted: Sequence[str], wire: Wire, buffer: NDArray[np.uint8],
-    start: NDArray[np.int64], length: NDArray[np.int64],
+    steps: Plan, wanted: Sequence[str], wire: Wire, buffer: Bytes,
+    start: Integers, length: Integers,
 ) -> Iterator[Group]:  # fmt: skip
     """Yield the messages group by group; a message that is too short for its definition is in no group.
 
@@ -181,8 +181,8 @@ def groups(
 
 
 def _split(
-    steps: Plan, wanted: Sequence[str], places: tuple[Place, ...], rows: NDArray[np.int64], at: int,
-    order: str, align: int, buffer: NDArray[np.uint8], start: NDArray[np.int64], length: NDArray[np.int64], body: int,
+    steps: Plan, wanted: Sequence[str], places: tuple[Place, ...], rows: Integers, at: int,
+    order: str, align: int, buffer: Bytes, start: Integers, length: Integers, body: int,
 ) -> Iterator[Group]:  # fmt: skip
     """Follow the plan; at a jump, split the messages by the length of the jump, and go on with each part."""
     for i, step in enumerate(steps):

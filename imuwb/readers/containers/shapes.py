@@ -14,9 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from imuwb.arrays import Floats, Integers
 from imuwb.log import SECOND, Kind
 
-Values = Mapping[str, NDArray[np.float64]]
+Values = Mapping[str, Floats]
 
 STAMPS = (
     ("header.stamp.sec", "header.stamp.nanosec"),
@@ -39,7 +40,7 @@ class Recipe:
     prefix: str  #: path of the measurement in the message; empty for the whole message
     stamp: tuple[str, str] | None  #: paths of seconds and nanoseconds
     paths: tuple[str, ...]  #: paths of all fields that are needed
-    columns: Callable[[Values, str, str], dict[str, NDArray[np.float64]]]  #: (values, prefix, frame) -> columns
+    columns: Callable[[Values, str, str], dict[str, Floats]]  #: (values, prefix, frame) -> columns
 
 
 def recognise(paths: Collection[str], schema: str, topic: str) -> tuple[Recipe, ...]:
@@ -62,7 +63,7 @@ def recognise(paths: Collection[str], schema: str, topic: str) -> tuple[Recipe, 
     return tuple(recipes)
 
 
-def stamps(values: Mapping[str, NDArray[Any]], recipe: Recipe) -> NDArray[np.int64] | None:
+def stamps(values: Mapping[str, NDArray[Any]], recipe: Recipe) -> Integers | None:
     """Return the messages' own times (ns), 0 for a time that is not set or impossible; None for messages without a stamp."""
     if recipe.stamp is None:
         return None
@@ -83,7 +84,7 @@ def _stamp(known: set[str], prefix: str) -> tuple[str, str] | None:
     return None
 
 
-def _triad(values: Values, names: list[str], frame: str) -> NDArray[np.float64]:
+def _triad(values: Values, names: list[str], frame: str) -> Floats:
     """Return three columns as one (n, 3) array, FRD; the array is filled by columns, ten times faster than by rows."""
     triad = np.empty((values[names[0]].size, 3))
     for axis, name in enumerate(names):
@@ -94,8 +95,8 @@ def _triad(values: Values, names: list[str], frame: str) -> NDArray[np.float64]:
     return triad
 
 
-def _imu(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
-    columns: dict[str, NDArray[np.float64]] = {}
+def _imu(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
+    columns: dict[str, Floats] = {}
     for column, field in (("angular_rate", "angular_velocity"), ("specific_force", "linear_acceleration")):
         covariance = values.get(f"{prefix}{field}_covariance[0]")
         if covariance is not None and (covariance == ABSENT).all():
@@ -104,7 +105,7 @@ def _imu(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float6
     return columns
 
 
-def _gnss(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
+def _gnss(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
     del frame  # of an IMU only
     latitude = values[f"{prefix}latitude"]
     height = values.get(f"{prefix}altitude", np.zeros_like(latitude))
@@ -127,7 +128,7 @@ def _gnss(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float
     return columns
 
 
-def _velocity(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
+def _velocity(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
     del frame  # a receiver's velocity is east, north, up
     east, north, up = (values[f"{prefix}twist.linear.{axis}"] for axis in "xyz")
     columns = {"velocity": np.stack([north, east, -up], axis=1)}
@@ -138,17 +139,17 @@ def _velocity(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.f
     return columns
 
 
-def _speed(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
+def _speed(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
     del frame  # x is forward in all frames
     return {"speed": values[f"{prefix}twist.linear.x"]}
 
 
-def _fix_type(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
+def _fix_type(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
     del frame
     return {"fix_type": values[f"{prefix}fix_type"]}
 
 
-def _reference(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
+def _reference(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
     del frame  # a message of imuwb is in SI and NED
     columns = {
         name: values[prefix + field]
@@ -157,7 +158,7 @@ def _reference(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.
     return {name: column for name, column in columns.items() if np.isfinite(column).all()}
 
 
-def _temperature(values: Values, prefix: str, frame: str) -> dict[str, NDArray[np.float64]]:
+def _temperature(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
     del frame
     return {"temperature": values[f"{prefix}temperature"]}
 
@@ -189,7 +190,7 @@ _SCHEMAS: dict[Kind, Callable[[str, str], bool]] = {
     "speed": lambda schema, topic: schema.endswith("Odometry") or (_is_twist(schema) and not _is_receiver(topic)),
 }
 #: (key, kind, required fields, optional fields, recipe)
-_SHAPES: tuple[tuple[str, Kind, tuple[str, ...], tuple[str, ...], Callable[..., dict[str, NDArray[np.float64]]]], ...] = (
+_SHAPES: tuple[tuple[str, Kind, tuple[str, ...], tuple[str, ...], Callable[..., dict[str, Floats]]], ...] = (
     ("angular_velocity.x", "imu", _TRIADS, _COVARIANCES, _imu),
     ("latitude", "gnss", ("latitude", "longitude"), ("altitude", "position_covariance", "status.status", *_COURSE), _gnss),
     ("temperature", "temperature", ("temperature",), (), _temperature),

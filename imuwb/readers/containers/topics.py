@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from imuwb.arrays import Integers
 from imuwb.errors import UnreadableLogError
 from imuwb.log import MEAN_SEA_LEVEL, Effect, Kind, Origin
 from imuwb.notes import Note
@@ -99,7 +100,7 @@ class Topics:
     def batches(self, messages: Messages) -> Iterator[Batch]:
         """Yield the streams of the messages in one buffer."""
         self.count += messages.start.size
-        rows_of: dict[tuple[str, ...], list[NDArray[np.int64]]] = defaultdict(list)
+        rows_of: dict[tuple[str, ...], list[Integers]] = defaultdict(list)
         for number, rows in alike(messages.channel, np.arange(messages.start.size)):
             channel = self._channels.get(number)
             if channel is None:
@@ -143,7 +144,7 @@ class _Topic:
         except CannotDecodeError as error:
             self.why = str(error)
 
-    def batches(self, messages: Messages, rows: NDArray[np.int64]) -> Iterator[Batch]:
+    def batches(self, messages: Messages, rows: Integers) -> Iterator[Batch]:
         if self.decoder is not None and not self.recipes and self.messages < PATIENCE:
             self.recipes = shapes.recognise(self.decoder.fields(messages, rows), self.schema, self.name)
         self.messages += rows.size
@@ -167,9 +168,7 @@ class _Topic:
         for fault, count in self.faults.items():
             yield Remark(fault, self.name, count, _EFFECTS.get(fault, "lost"))
 
-    def _batch(
-        self, recipe: Recipe, values: Mapping[str, NDArray[Any]], messages: Messages, rows: NDArray[np.int64]
-    ) -> Batch:
+    def _batch(self, recipe: Recipe, values: Mapping[str, NDArray[Any]], messages: Messages, rows: Integers) -> Batch:
         numbers = {path: np.asarray(array, dtype=np.float64) for path, array in values.items()}
         columns = recipe.columns(numbers, recipe.prefix, self.options.frame or "FLU")
         if recipe.kind == "gnss" and f"{recipe.prefix}altitude" not in values:
@@ -181,9 +180,7 @@ class _Topic:
         origin = origin_of(recipe.kind, self.options.frame, above_sea=self.above_sea, unix=unix)
         return Batch(name, recipe.kind, time, columns, origin, messages.bytes_read)
 
-    def _time(
-        self, recipe: Recipe, values: Mapping[str, NDArray[Any]], messages: Messages, rows: NDArray[np.int64]
-    ) -> NDArray[np.int64]:
+    def _time(self, recipe: Recipe, values: Mapping[str, NDArray[Any]], messages: Messages, rows: Integers) -> Integers:
         """Return the times that the options ask for; a message without a stamp has the recorder's time."""
         if self.options.time_source == "publish":
             return messages.publish_time[rows]

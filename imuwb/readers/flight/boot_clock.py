@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Integers
 from imuwb.log import Nanoseconds
 
 BACK = 5_000_000_000  #: ns; a larger step back is a reboot, a smaller one a late message
@@ -18,7 +18,7 @@ EARLIEST = 946_684_800 * 10**9  #: ns of 2000-01-01; a flight controller that st
 class BootClock:
     """The runs of a clock between reboots, and the offset of each."""
 
-    start: NDArray[np.int64]  #: (k,) position in the file where each run begins
+    start: Integers  #: (k,) position in the file where each run begins
     offset: Nanoseconds  #: (k,) ns, to be added to the boot time
     ahead: int  #: ns by which Unix time is ahead of the recorder's; 0 if unknown
     known: bool  #: whether the log states the Unix time
@@ -32,7 +32,7 @@ class BootClock:
         """Number of restarts of the clock."""
         return self.start.size - 1
 
-    def unix(self, place: NDArray[np.int64], boot: Nanoseconds) -> Nanoseconds:
+    def unix(self, place: Integers, boot: Nanoseconds) -> Nanoseconds:
         """Return boot times of messages as Unix times (ns).
 
         Args:
@@ -42,7 +42,7 @@ class BootClock:
         return boot + self.offset[np.searchsorted(self.start, place, side="right").clip(1) - 1]
 
 
-def boot_clock(place: NDArray[np.int64], boot: Nanoseconds, recorded: Nanoseconds, unix: Nanoseconds) -> BootClock:
+def boot_clock(place: Integers, boot: Nanoseconds, recorded: Nanoseconds, unix: Nanoseconds) -> BootClock:
     """Return a boot clock's offsets to the recorder's clock, and to Unix time if messages state it.
 
     Args:

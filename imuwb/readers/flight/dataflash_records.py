@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from imuwb.arrays import Bytes, Integers
 from imuwb.compiled import compiled
 from imuwb.readers.bytes.gather import gather
 
@@ -51,7 +52,7 @@ class RecordFormat:
     fields: tuple[RecordField, ...]
 
 
-def formats(buffer: NDArray[np.uint8]) -> dict[int, RecordFormat]:
+def formats(buffer: Bytes) -> dict[int, RecordFormat]:
     """Return the formats that a buffer's FMT records describe, by number; the first one of a number counts."""
     known = {FMT: RecordFormat("FMT", FMT_SIZE, ())}
     data = buffer.tobytes()
@@ -82,11 +83,11 @@ def _format(body: bytes) -> RecordFormat | None:
 
 @compiled()
 def _walk(
-    buffer: NDArray[np.uint8],
+    buffer: Bytes,
     last: bool,  # noqa: FBT001 - compiled code is called by place
-    sizes: NDArray[np.int64],
-    number: NDArray[np.uint8],
-    start: NDArray[np.int64],
+    sizes: Integers,
+    number: Bytes,
+    start: Integers,
 ) -> tuple[int, int, int]:  # pragma: no cover - compiled
     """Fill the tables; return the number of records, where the search ended, and the bytes between records."""
     count, at, skipped, end = 0, 0, 0, buffer.size
@@ -119,7 +120,7 @@ class Tables:
     skipped: int = 0  #: bytes that belong to no record
     _pieces: dict[str, list[dict[str, NDArray[Any]]]] = field(default_factory=lambda: defaultdict(list))
 
-    def take(self, buffer: NDArray[np.uint8], *, last: bool) -> int:
+    def take(self, buffer: Bytes, *, last: bool) -> int:
         """Keep the records of a block; return where the next block begins."""
         sizes = np.zeros(256, np.int64)
         for number, described in self.formats.items():
@@ -144,7 +145,7 @@ class Tables:
         return {key: np.concatenate([piece[key] for piece in pieces]) for key in pieces[0]}
 
 
-def _columns(described: RecordFormat, buffer: NDArray[np.uint8], rows: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
+def _columns(described: RecordFormat, buffer: Bytes, rows: Integers) -> dict[str, NDArray[Any]]:
     columns: dict[str, NDArray[Any]] = {}
     for field_ in described.fields:
         values = gather(buffer, rows + field_.offset, field_.kind, field_.count)

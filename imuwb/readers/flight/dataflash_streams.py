@@ -9,8 +9,9 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from imuwb.arrays import Floats
 from imuwb.errors import UnreadableLogError
-from imuwb.log import MEAN_SEA_LEVEL, Epoch, Floats, Nanoseconds, Origin
+from imuwb.log import MEAN_SEA_LEVEL, Epoch, Nanoseconds, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes import source

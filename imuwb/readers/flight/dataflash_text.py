@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from imuwb.arrays import Floats
+
 STATED = ("FMTU", "UNIT", "MULT")  #: records that are text
 LARGEST = 2.0**53  #: a larger time (µs) or instance is damage
 BATCH = 1 << 16  #: number of rows that become an array at a time
@@ -24,7 +26,7 @@ class TextTables:
         self._wanted = wanted
         self._names: dict[str, tuple[str, ...]] = {}
         self._rows: dict[str, list[list[float]]] = defaultdict(list)
-        self._arrays: dict[str, list[NDArray[np.float64]]] = defaultdict(list)
+        self._arrays: dict[str, list[Floats]] = defaultdict(list)
 
     def take(self, lines: Iterable[bytes], *, to_first_bad: bool = False) -> None:
         """Keep the records of some lines; on request, stop at the first bad line."""

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from imuwb.arrays import Bytes, Integers
 from imuwb.readers.bytes.gather import gather
 
 _COUNTS = "xacc:i2 yacc:i2 zacc:i2 xgyro:i2 ygyro:i2 zgyro:i2 xmag:i2 ymag:i2 zmag:i2"
@@ -59,9 +60,7 @@ def _layout(name: str, text: str) -> MessageLayout:
 LAYOUTS = {number: _layout(name, text) for number, (name, text) in _MESSAGES.items()}
 
 
-def decoded(
-    layout: MessageLayout, buffer: NDArray[np.uint8], payload: NDArray[np.int64], length: NDArray[np.int64]
-) -> dict[str, NDArray[Any]]:
+def decoded(layout: MessageLayout, buffer: Bytes, payload: Integers, length: Integers) -> dict[str, NDArray[Any]]:
     """Return a message's fields, (n,) each; zeros at the end of a payload, which are not sent, are restored.
 
     Args:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from imuwb.arrays import Bytes, Integers
 from imuwb.compiled import compiled
 from imuwb.readers.flight.mavlink_seeds import SEEDS
 
@@ -46,12 +47,12 @@ _SEEDS, _STEPS = _seeds(), _steps()
 class Frames:
     """The frames of a buffer whose checksum is correct, and counts of the rest."""
 
-    number: NDArray[np.int64]  #: (n,) number of the message
-    system: NDArray[np.int64]  #: (n,)
-    component: NDArray[np.int64]  #: (n,)
-    record: NDArray[np.int64]  #: (n,) offset of the recorder's time
-    payload: NDArray[np.int64]  #: (n,) offset
-    length: NDArray[np.int64]  #: (n,) of the payload; trailing zeros are not sent
+    number: Integers  #: (n,) number of the message
+    system: Integers  #: (n,)
+    component: Integers  #: (n,)
+    record: Integers  #: (n,) offset of the recorder's time
+    payload: Integers  #: (n,) offset
+    length: Integers  #: (n,) of the payload; trailing zeros are not sent
     failed: int  #: frames whose checksum is wrong
     unknown: int  #: frames of messages in no public dialect: they cannot be checked, and are not used
     skipped: int  #: bytes that belong to no frame
@@ -59,7 +60,7 @@ class Frames:
 
 
 @compiled()
-def _span(buffer: NDArray[np.uint8], frame: int) -> tuple[int, int]:  # pragma: no cover - compiled
+def _span(buffer: Bytes, frame: int) -> tuple[int, int]:  # pragma: no cover - compiled
     """Return the ends of a frame's payload and of the frame."""
     end = frame + (6 if buffer[frame] == FIRST else 10) + int(buffer[frame + 1])
     signed = buffer[frame] == SECOND_VERSION and buffer[frame + 2] & SIGNED
@@ -67,7 +68,7 @@ def _span(buffer: NDArray[np.uint8], frame: int) -> tuple[int, int]:  # pragma: 
 
 
 @compiled()
-def _number(buffer: NDArray[np.uint8], frame: int) -> int:  # pragma: no cover - compiled
+def _number(buffer: Bytes, frame: int) -> int:  # pragma: no cover - compiled
     if buffer[frame] == FIRST:
         return int(buffer[frame + 5])
     return int(buffer[frame + 7]) | int(buffer[frame + 8]) << 8 | int(buffer[frame + 9]) << 16
@@ -75,7 +76,7 @@ def _number(buffer: NDArray[np.uint8], frame: int) -> int:  # pragma: no cover -
 
 @compiled()
 def _holds(
-    buffer: NDArray[np.uint8], frame: int, end: int, seeds: NDArray[np.int16], steps: NDArray[np.uint16]
+    buffer: Bytes, frame: int, end: int, seeds: NDArray[np.int16], steps: NDArray[np.uint16]
 ) -> bool:  # pragma: no cover - compiled
     """Return whether the checksum after a payload is correct for one of the message's seeds."""
     crc = np.uint16(0xFFFF)
@@ -90,7 +91,7 @@ def _holds(
 
 
 @compiled()
-def _begins(buffer: NDArray[np.uint8], record: int) -> bool:  # pragma: no cover - compiled
+def _begins(buffer: Bytes, record: int) -> bool:  # pragma: no cover - compiled
     """Return whether a record may begin here; the end of the buffer counts as a beginning."""
     frame = record + STAMP
     return record == buffer.size or (frame < buffer.size and FIRST >= buffer[frame] >= SECOND_VERSION)
@@ -98,12 +99,12 @@ def _begins(buffer: NDArray[np.uint8], record: int) -> bool:  # pragma: no cover
 
 @compiled()
 def _scan(
-    buffer: NDArray[np.uint8],
+    buffer: Bytes,
     last: bool,  # noqa: FBT001 - compiled code is called by place
     seeds: NDArray[np.int16],
     steps: NDArray[np.uint16],
-    frames: NDArray[np.int64],
-    counts: NDArray[np.int64],
+    frames: Integers,
+    counts: Integers,
 ) -> tuple[int, int]:  # pragma: no cover - compiled
     """Fill the table, (6, room); return the number of frames, and where the search ended."""
     n, at = 0, 0
@@ -143,9 +144,9 @@ def _scan(
     return n, at
 
 
-def scan(buffer: NDArray[np.uint8], *, last: bool) -> Frames:
+def scan(buffer: Bytes, *, last: bool) -> Frames:
     """Return the frames of a buffer; ``last`` means that no buffer follows."""
-    tables: list[NDArray[np.int64]] = []
+    tables: list[Integers] = []
     counts, end = np.zeros(3, np.int64), 0
     while True:
         table = np.empty((6, max((buffer.size - end) // 24, 1)), np.int64)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from imuwb.arrays import Integers
 from imuwb.log import Nanoseconds
 from imuwb.notes import Note
 from imuwb.readers.bytes import source
@@ -20,7 +21,7 @@ from imuwb.readers.flight.mavlink_frames import scan
 
 Values = Mapping[str, NDArray[Any]]
 Key = tuple[int, int, int]
-Rows = tuple[NDArray[np.int64], Nanoseconds, dict[str, NDArray[Any]]]
+Rows = tuple[Integers, Nanoseconds, dict[str, NDArray[Any]]]
 
 EARLIEST, LATEST = (
     946_684_800_000_000,
@@ -40,7 +41,7 @@ def has_frame(head: bytes) -> bool:
 class _Pieces:
     """The rows of one message of one component, block by block."""
 
-    place: list[NDArray[np.int64]] = field(default_factory=list[Any])
+    place: list[Integers] = field(default_factory=list[Any])
     recorded: list[Nanoseconds] = field(default_factory=list[Any])
     values: list[Values] = field(default_factory=list[Any])
 

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats, Integers
 from imuwb.errors import UnreadableLogError
-from imuwb.log import MEAN_SEA_LEVEL, Floats, Nanoseconds, Origin
+from imuwb.log import MEAN_SEA_LEVEL, Nanoseconds, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.flight import trajectory
@@ -103,7 +103,7 @@ class _Streams:
             time = self._time(clock, place, recorded, values)
             yield from self._solution(name, time, values, self._rows.get((system, component, ATTITUDE)), clock)
 
-    def _time(self, clock: BootClock, place: NDArray[np.int64], recorded: Nanoseconds, values: Values) -> Nanoseconds:
+    def _time(self, clock: BootClock, place: Integers, recorded: Nanoseconds, values: Values) -> Nanoseconds:
         """Return the messages' own time, or the recorder's if the options ask for it."""
         if not self._own_time:
             return recorded
@@ -171,7 +171,7 @@ class _Streams:
 
 
 def _fix_time(
-    name: str, clock: BootClock, place: NDArray[np.int64], arrived: Nanoseconds, values: Values
+    name: str, clock: BootClock, place: Integers, arrived: Nanoseconds, values: Values
 ) -> tuple[Nanoseconds, list[Remark]]:
     """Return a receiver's own time, since power-up or since 1970; the time of arrival where this time is impossible."""
     own = values["time_usec"].astype(np.int64) * MICRO
@@ -191,7 +191,7 @@ def _fix_time(
 
 def _clock(rows: Mapping[Key, Rows], part: tuple[int, int]) -> BootClock:
     """Return the clock of one component, from all its messages that state the time since power-up."""
-    parts: list[tuple[NDArray[np.int64], ...]] = []
+    parts: list[tuple[Integers, ...]] = []
     for number in (*CLOCKS, *RAW, *FLOATS):
         if (*part, number) not in rows:
             continue

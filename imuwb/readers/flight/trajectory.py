@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from imuwb.log import Floats, Kind, Nanoseconds, Origin
+from imuwb.arrays import Booleans, Floats
+from imuwb.log import Kind, Nanoseconds, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 
@@ -47,7 +48,7 @@ def isotropic(sigma: Floats) -> Floats:
     return np.stack([sigma] * 3, axis=1)
 
 
-def usable(position: Floats) -> NDArray[np.bool_]:
+def usable(position: Floats) -> Booleans:
     """Return which rows, (n, 3) rad and m, are positions; a receiver without a fix states latitude 0 and longitude 0."""
     latitude, longitude, height = position.T
     possible = (np.abs(latitude) <= np.pi / 2) & (np.abs(longitude) <= np.pi) & (np.abs(height) < HIGHEST)

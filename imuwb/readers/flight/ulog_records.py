@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from imuwb.arrays import Booleans, Bytes, Integers
 from imuwb.compiled import compiled
 from imuwb.readers.bytes.gather import alike, gather
 
@@ -57,7 +58,7 @@ class ULogFile:
     _topics: dict[int, tuple[str, int]] = field(default_factory=dict[int, tuple[str, int]])
     _columns: dict[tuple[str, int], list[dict[str, NDArray[Any]]]] = field(default_factory=lambda: defaultdict(list))
 
-    def take(self, buffer: NDArray[np.uint8], wanted: frozenset[str]) -> None:
+    def take(self, buffer: Bytes, wanted: frozenset[str]) -> None:
         """Keep the messages of wanted topics."""
         for start, end in segments(buffer):
             kind, at, size, skipped = walk(buffer[start:end])
@@ -90,9 +91,7 @@ class ULogFile:
         elif kind == ord("O") and len(content) >= 2:  # noqa: PLR2004 - u16
             self.dropouts.append(struct.unpack_from("<H", content)[0])
 
-    def _gather(
-        self, topic: tuple[str, int], buffer: NDArray[np.uint8], at: NDArray[np.int64], size: NDArray[np.int64]
-    ) -> None:
+    def _gather(self, topic: tuple[str, int], buffer: Bytes, at: Integers, size: Integers) -> None:
         fields, whole = layout(topic[0], self.formats)
         fits = size >= whole
         self.misfits += int(np.count_nonzero(~fits))
@@ -101,7 +100,7 @@ class ULogFile:
             self._columns[topic].append(columns)
 
 
-def segments(buffer: NDArray[np.uint8]) -> list[tuple[int, int]]:
+def segments(buffer: Bytes) -> list[tuple[int, int]]:
     """Return (start, end) of the file's parts: data may be appended after an end that is cut."""
     size, first = buffer.size, HEADER
     ends: list[int] = []
@@ -113,7 +112,7 @@ def segments(buffer: NDArray[np.uint8]) -> list[tuple[int, int]]:
 
 
 @compiled()
-def _end_of(buffer: NDArray[np.uint8], at: int, known: NDArray[np.bool_]) -> int:  # pragma: no cover - compiled
+def _end_of(buffer: Bytes, at: int, known: Booleans) -> int:  # pragma: no cover - compiled
     """Return where the message that begins here ends; -1 if no message begins here."""
     if at + 3 > buffer.size or not known[buffer[at + 2]]:
         return -1
@@ -122,9 +121,7 @@ def _end_of(buffer: NDArray[np.uint8], at: int, known: NDArray[np.bool_]) -> int
 
 
 @compiled()
-def _chained(
-    buffer: NDArray[np.uint8], at: int, links: int, known: NDArray[np.bool_]
-) -> bool:  # pragma: no cover - compiled
+def _chained(buffer: Bytes, at: int, links: int, known: Booleans) -> bool:  # pragma: no cover - compiled
     """Return whether some messages follow each other from here; the end of the file counts as a message."""
     for _ in range(links):
         if at + 3 > buffer.size:
@@ -136,9 +133,7 @@ def _chained(
 
 
 @compiled()
-def _walk(
-    buffer: NDArray[np.uint8], known: NDArray[np.bool_], tables: NDArray[np.int64]
-) -> tuple[int, int]:  # pragma: no cover - compiled
+def _walk(buffer: Bytes, known: Booleans, tables: Integers) -> tuple[int, int]:  # pragma: no cover - compiled
     """Fill the table (if it has room) with the whole messages; return their number and the bytes between messages.
 
     Garbage often has a plausible length, and a false message hides up to 64 KiB of sound messages. So after damage, several
@@ -169,15 +164,15 @@ def _walk(
 
 
 @compiled()
-def _ends_well(buffer: NDArray[np.uint8], after: int, known: NDArray[np.bool_]) -> bool:  # pragma: no cover - compiled
+def _ends_well(buffer: Bytes, after: int, known: Booleans) -> bool:  # pragma: no cover - compiled
     """Return whether a message that the end of the file cuts begins here."""
     size = int(buffer[after]) | int(buffer[after + 1]) << 8
     return size > 0 and bool(known[buffer[after + 2]]) and after + 3 + size > buffer.size and size < LARGEST
 
 
 def walk(
-    buffer: NDArray[np.uint8],
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], int]:
+    buffer: Bytes,
+) -> tuple[Integers, Integers, Integers, int]:
     """Return type, start and size of the content of each whole message, and the bytes that belong to no message."""
     known = np.zeros(256, np.bool_)
     known[list(KNOWN)] = True

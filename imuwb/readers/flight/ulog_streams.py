@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from imuwb.arrays import Bytes, Floats
 from imuwb.errors import UnreadableLogError
 from imuwb.geodesy import displaced
-from imuwb.log import MEAN_SEA_LEVEL, Epoch, Floats, Nanoseconds, Origin
+from imuwb.log import MEAN_SEA_LEVEL, Epoch, Nanoseconds, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes import source
@@ -62,7 +63,7 @@ def _faults(log: ULogFile) -> Iterator[Note]:
         yield Note("short_message", f"{log.misfits} messages that are shorter than their topic's definition, not used")
 
 
-def _bytes(path: Path, notes: list[str]) -> NDArray[np.uint8]:
+def _bytes(path: Path, notes: list[str]) -> Bytes:
     with source.open_unpacked(path) as file:
         if source.is_packed(file):
             return np.frombuffer(b"".join(source.pieces(file, notes)), np.uint8)

@@ -13,7 +13,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 from pyarrow import csv
 
-from imuwb.log import Floats
+from imuwb.arrays import Booleans, Floats
 from imuwb.notes import Note
 from imuwb.readers.text import lines
 from imuwb.readers.text.column_names import Column
@@ -120,7 +120,7 @@ def _instant(text: str) -> int | None:
 # Arrays are made from pyarrow's buffers: its own conversions import pandas, which takes a second.
 
 
-def known(cells: pa.Array[Any]) -> NDArray[np.bool_]:
+def known(cells: pa.Array[Any]) -> Booleans:
     """Return which cells are not null."""
     bits = cells.buffers()[0]
     if bits is None:

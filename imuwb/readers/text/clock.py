@@ -10,8 +10,8 @@ from typing import Any, cast
 
 import numpy as np
 import pyarrow as pa
-from numpy.typing import NDArray
 
+from imuwb.arrays import Booleans, Integers
 from imuwb.errors import UsageError
 from imuwb.notes import Note
 from imuwb.readers.gps_time import ahead_of_utc, leap_seconds, unix_of_gps
@@ -22,7 +22,7 @@ from imuwb.readers.text.lines import Layout
 from imuwb.readers.text.trust import is_number
 from imuwb.units import SECOND, Epoch, Unit, unit
 
-Times = tuple[NDArray[np.int64], NDArray[np.bool_]]
+Times = tuple[Integers, Booleans]
 
 WEEK_END = 604_801  #: s; no time of a GPS week is later, not even with a leap second
 LATEST_WEEK = 10_000  #: GPS week of the year 2171

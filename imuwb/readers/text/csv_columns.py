@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from imuwb.arrays import Floats
 from imuwb.errors import UnreadableLogError, UsageError
-from imuwb.log import Floats
 from imuwb.readers.quantities import DIMENSIONS, units_by_quantity
 from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text.column_names import Column, columns

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
-from imuwb.log import Floats, Kind
+from imuwb.arrays import Booleans, Floats
+from imuwb.log import Kind
 from imuwb.readers.text.column_names import Column
 from imuwb.units import Unit
 
-Stream = tuple[Kind, dict[str, Floats], NDArray[np.bool_] | None]
+Stream = tuple[Kind, dict[str, Floats], Booleans | None]
 Values = Mapping[tuple[str, int], Floats]
 
 _WAYS = ("north", "east", "down")
@@ -44,7 +44,7 @@ def streams_of(values: Mapping[Column, Floats], frame: str) -> Iterator[Stream]:
         yield "speed", {"speed": si["speed", 0]}, np.isfinite(si["speed", 0]) if imu else None
 
 
-def _position_stream(si: Values, rows: NDArray[np.bool_] | None) -> Stream:
+def _position_stream(si: Values, rows: Booleans | None) -> Stream:
     """Return a receiver's fixes, or a reference if there is an attitude, because receivers have no attitude."""
     latitude, longitude = si["latitude", 0], si["longitude", 0]
     columns = {"position": np.stack([latitude, longitude, si.get(("height", 0), np.zeros_like(latitude))], axis=1)}

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats, Integers
 from imuwb.errors import UnreadableLogError
-from imuwb.log import MEAN_SEA_LEVEL, Floats, Kind, Origin
+from imuwb.log import MEAN_SEA_LEVEL, Kind, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes.source import damaged
@@ -25,7 +25,7 @@ from imuwb.readers.text.lines import Layout
 from imuwb.readers.text.sidecar import with_sidecar
 from imuwb.units import SECOND
 
-Piece = tuple[NDArray[np.int64], dict[Column, Floats], int]
+Piece = tuple[Integers, dict[Column, Floats], int]
 
 format = "csv"  # noqa: A001 - the contract's name
 uses = ("rate", "columns", "units", "frame", "epoch")
@@ -154,7 +154,7 @@ class _Rows:
                 yield Remark(fault, name, count, "value" if fault == CELLS else "lost")
 
 
-def _rising(time: NDArray[np.int64], before: int | None) -> int:
+def _rising(time: Integers, before: int | None) -> int:
     """Return how many times follow the one before and each other without a step back or a jump."""
     steps = np.diff(time, prepend=time[:1] - 1 if before is None else before)
     odd = np.flatnonzero((steps <= 0) | (steps > JUMP))

@@ -8,11 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from imuwb.analysis import LineResult
+from imuwb.arrays import Floats
 from imuwb.axes import Axis, axes_of, for_each, rates
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification import NoiseIdentification, Stillness, deviation, identify, stillness
 from imuwb.identification.record.suitable import unsuitable
-from imuwb.log import Floats, Log, source_of
+from imuwb.log import Log, source_of
 from imuwb.statistics import UNKNOWN, Coefficient
 from imuwb.stochastic import Sinusoid, Sum
 from imuwb.units import coefficient_units

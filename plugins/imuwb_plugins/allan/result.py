@@ -5,17 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
 from imuwb.analysis import LineResult
+from imuwb.arrays import Floats, Integers
 from imuwb.identification import Disturbance, ModelChoice, Region, Stationarity
 from imuwb.notes import Note
 from imuwb.statistics import Coefficient, Estimate
 from imuwb.stochastic import Sum
 from imuwb.texts import coefficients_text
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +78,7 @@ class AllanAxis:
     lower: Floats
     upper: Floats
     degrees_of_freedom: Floats
-    noise_exponent: NDArray[np.int64]
+    noise_exponent: Integers
     fitted: Floats | None
     coefficients: Mapping[str, Coefficient]
     regions: tuple[Region, ...] = ()

@@ -7,12 +7,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from imuwb.analysis import Finding
+from imuwb.arrays import Floats
 from imuwb.axes import Axis, axes_of, for_each, gap_notes, rates
 from imuwb.conditioning import denoise
 from imuwb.errors import MissingDataError
 from imuwb.identification import GaussMarkovFit, autocorrelation
 from imuwb.identification.record.suitable import unsuitable
-from imuwb.log import Floats, Log
+from imuwb.log import Log
 from imuwb.notes import Note
 from imuwb.units import coefficient_units
 from imuwb_plugins.autocorrelation.parameters import Parameters

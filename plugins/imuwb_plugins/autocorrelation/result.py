@@ -4,12 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
+from imuwb.arrays import Floats
 from imuwb.notes import Note
-
-Floats = NDArray[np.float64]
 
 NO_VERDICT = Note("none", "no verdict")
 

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from imuwb.analysis import Curve, Figure, Review
+from imuwb.arrays import Floats
 from imuwb.colors import BLUE
 from imuwb.conditioning import Change, Lowpass, condition_streams, design_lowpass
-from imuwb.log import Conditioning, Floats, Log
+from imuwb.log import Conditioning, Log
 from imuwb_plugins.bandwidth.parameters import Parameters
 
 LOWEST = 1e-4  #: share of the rate at which the curve of the magnitude begins

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from imuwb.log import SECOND, Conditioning, Floats, ImuStream, Log, Triad
+from imuwb.arrays import Floats
+from imuwb.log import SECOND, Conditioning, ImuStream, Log, Triad
 from imuwb_plugins.bias.parameters import Parameters
 
 

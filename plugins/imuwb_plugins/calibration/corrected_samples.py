@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from imuwb.arrays import Floats
 from imuwb.identification.calibration import RateRun
-from imuwb.log import Floats
 from imuwb.stochastic import ImuErrorModel, corrected
 from imuwb_plugins.calibration.result import Trace
 from imuwb_plugins.calibration.stretches import SteadyStretch

@@ -8,8 +8,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from imuwb.analysis import Curve, Figure, Table
+from imuwb.arrays import Floats
 from imuwb.colors import BLUE, INK, RED
-from imuwb.log import Floats
 from imuwb.statistics import Estimate
 from imuwb.texts import estimate_text
 from imuwb.units import STANDARD_GRAVITY

@@ -8,11 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
+from imuwb.arrays import Floats
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.geodesy.earth import gravity as normal_gravity
 from imuwb.identification import calibration
 from imuwb.identification.calibration import AxisCalibration, Means, PositionCalibration, PrintedCalibration
-from imuwb.log import Floats, Log, source_of
+from imuwb.log import Log, source_of
 from imuwb.notes import Note
 from imuwb.stochastic import ImuErrorModel
 from imuwb.units import STANDARD_GRAVITY

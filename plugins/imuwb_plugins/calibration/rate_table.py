@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from imuwb.arrays import Floats
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification import calibration
 from imuwb.identification.calibration import RateRun, TableConditions
-from imuwb.log import AXES, Floats, Log, source_of
+from imuwb.log import AXES, Log, source_of
 from imuwb.stochastic import ImuErrorModel, corrected
 from imuwb_plugins.calibration.corrected_samples import table_trace
 from imuwb_plugins.calibration.error_model import check_gain, completed_model, parameters_of

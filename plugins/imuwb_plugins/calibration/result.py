@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
+from imuwb.arrays import Floats
 from imuwb.identification.calibration import PrintedCalibration
 from imuwb.statistics import Estimate
 from imuwb.stochastic import ImuErrorModel
 
-Floats = NDArray[np.float64]
 Terms = dict[str, dict[str, Estimate]]  # axis -> name of the parameter -> parameter
 
 

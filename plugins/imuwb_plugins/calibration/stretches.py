@@ -9,9 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
+from imuwb.arrays import Floats
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.calibration import clipped, shared, steady
-from imuwb.log import Floats, ImuStream, Log, Triad
+from imuwb.log import ImuStream, Log, Triad
 from imuwb.notes import Note
 from imuwb.sampling import sampling
 

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from imuwb.analysis import Curve, Figure, Review
+from imuwb.arrays import Floats
 from imuwb.colors import BLUE
 from imuwb.conditioning import Change, KaiserFilter, condition_streams, design_kaiser, fir_change
-from imuwb.log import Conditioning, Floats, Log
+from imuwb.log import Conditioning, Log
 from imuwb_plugins.kaiser.parameters import Parameters
 
 POINTS = 2001

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from imuwb.arrays import Floats, Integers
 from imuwb.axes import Axis
 from imuwb.identification import power_spectrum
 from imuwb.identification.lssa import (
@@ -23,15 +23,13 @@ from imuwb.identification.lssa import (
     usable_band,
 )
 from imuwb.identification.record.suitable import unsuitable
-from imuwb.log import SECOND, Floats
+from imuwb.log import SECOND
 from imuwb.sampling import longest_part
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit, student_limit
 from imuwb_plugins.lssa.lines import lines_of, without_lines
 from imuwb_plugins.lssa.parameters import Parameters
 from imuwb_plugins.lssa.result import HypothesisResult, LssaAxis
-
-Indices = NDArray[np.int64]
 
 FEWEST = 256  #: samples
 BINS = 1500  #: bins of frequency in the figures, equally wide on a logarithmic axis
@@ -103,7 +101,7 @@ def _fourier(axis: Axis) -> tuple[Floats, Floats]:
     return spectrum.frequency, spectrum.density
 
 
-def _highest_of_bins(extraction: Extraction) -> Indices:
+def _highest_of_bins(extraction: Extraction) -> Integers:
     """Return the index of the highest exceedance in each bin of frequencies."""
     frequency, exceedance = extraction.spectrum.frequency, extraction.significance.exceedance
     edges = np.geomspace(frequency[0], frequency[-1], BINS + 1)
@@ -113,7 +111,7 @@ def _highest_of_bins(extraction: Extraction) -> Indices:
 
 
 def _scaled(
-    spectrum: Spectrum, significance: Significance, scale: str, shown: Indices
+    spectrum: Spectrum, significance: Significance, scale: str, shown: Integers
 ) -> tuple[Floats, Floats, Floats]:
     """Return the thinned spectrum and both limits in a scale; a limit is the mean over the frequencies of its bin."""
     if scale == "density":

@@ -7,10 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from imuwb.analysis import Finding
+from imuwb.arrays import Floats
 from imuwb.axes import Axis, axes_of, for_each
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.lssa import Constituents, Noise
-from imuwb.log import SECOND, Floats, Log
+from imuwb.log import SECOND, Log
 from imuwb.notes import Note
 from imuwb_plugins.lssa.axis import axis_result
 from imuwb_plugins.lssa.parameters import NoiseOption, Parameters

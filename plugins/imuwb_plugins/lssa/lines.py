@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from imuwb.arrays import Floats
 from imuwb.identification.lssa import DriftingLine, Peak, drifting_lines
-from imuwb.log import Floats
 from imuwb_plugins.lssa.parameters import Parameters
 from imuwb_plugins.lssa.result import PeakResult
 

@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
+from imuwb.arrays import Floats
 from imuwb.axes import Axis, axes_of, rates
 from imuwb.conditioning import band_limit, denoise
 from imuwb.identification import allan, power_spectrum
 from imuwb.identification.record.suitable import unsuitable
-from imuwb.log import Floats, Log
+from imuwb.log import Log
 
 SHALLOW = 3  #: levels of the second curve, as in Quinchia's figure 17
 SHOWN = ("gyro_z", "accel_z")

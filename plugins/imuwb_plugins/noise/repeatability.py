@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from imuwb.analysis import Finding
+from imuwb.arrays import Floats
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.coefficient import interval
-from imuwb.log import SECOND, Floats, Log
+from imuwb.log import SECOND, Log
 from imuwb.statistics import UNKNOWN, Coefficient
 from imuwb.statistics.distributions import (
     chi_square_limits,

@@ -6,11 +6,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from imuwb.analysis import Case
+from imuwb.arrays import Floats
 from imuwb.axes import Axis, axes_of, for_each, rates
 from imuwb.errors import MissingDataError
 from imuwb.identification import allan, fit_likelihood
 from imuwb.identification.record.suitable import unsuitable
-from imuwb.log import Floats
 from imuwb.statistics import Coefficient
 from imuwb_plugins.noise.parameters import Parameters
 

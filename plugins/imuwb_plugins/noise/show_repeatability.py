@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from imuwb.analysis import Curve, Figure, Review, Table
+from imuwb.arrays import Floats
 from imuwb.colors import AXIS_COLORS
-from imuwb.log import Floats
 from imuwb.notes import Note
 from imuwb.texts import coefficient_text
 from imuwb.units import coefficient_units

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from imuwb.log import SECOND, Floats
+from imuwb.arrays import Floats
+from imuwb.log import SECOND
 from imuwb.navigation import FilterModel, filter_text
 from imuwb.navigation.filter import axis_errors
 from imuwb.replay import HORIZONS, FilterRun, Outage, Replay, events_of, true_errors, without_overlap

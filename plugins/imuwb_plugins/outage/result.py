@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
-from imuwb.log import Floats, Reference
+from imuwb.arrays import Floats, Integers
+from imuwb.log import Reference
 from imuwb.notes import Note
 from imuwb.replay import Choice, Clocks, Consistency, DriftCurve, Mounting, Paired, Tuned
 from imuwb.statistics import Estimate
@@ -139,9 +137,9 @@ class SensorErrors:
 
     filter: str
     epoch: str  #: of time
-    time: NDArray[np.int64]  #: (m,) ns
+    time: Integers  #: (m,) ns
     estimates: Floats  #: (m, 6, 3) rad/s and m/s²: estimate, three sigma below, three sigma above
-    true_time: NDArray[np.int64] | None  #: (k,) ns
+    true_time: Integers | None  #: (k,) ns
     true: Floats | None  #: (k, 6) rad/s and m/s², means over half a minute
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from imuwb.log import SECOND, Floats, Origin, Reference
+from imuwb.arrays import Floats
+from imuwb.log import SECOND, Origin, Reference
 from imuwb.replay import Replay, without_overlap
 from imuwb_plugins.outage.result import OutageTrack, Tracks
 from imuwb_plugins.outage.summary import LISTED

@@ -5,16 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
 from imuwb.analysis import LineResult
+from imuwb.arrays import Floats
 from imuwb.identification import Region
 from imuwb.statistics import Coefficient
 from imuwb.stochastic import Sum
 from imuwb.texts import coefficients_text
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

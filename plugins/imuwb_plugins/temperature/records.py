@@ -8,11 +8,12 @@ from typing import TypeVar
 
 import numpy as np
 
+from imuwb.arrays import Floats
 from imuwb.axes import Axis, axes_of
 from imuwb.errors import MissingDataError
 from imuwb.identification import stillness
 from imuwb.identification.temperature import Record, Stretch, smooth_temperature, stretches
-from imuwb.log import SECOND, Floats, Log
+from imuwb.log import SECOND, Log
 from imuwb.notes import Note
 from imuwb.sampling import longest_part
 from imuwb_plugins.temperature.parameters import Parameters

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
+from imuwb.arrays import Floats
 from imuwb.identification.temperature import AxisTemperatures, Dependence, FirstOrder, FunctionCandidate, Hysteresis
 from imuwb.statistics import Coefficient, Estimate
-
-Floats = NDArray[np.float64]
 
 CONVENTION = "AR(1): x(n) = -alpha x(n-1) + beta0 w(n); the paper's b(k+1) = C b(k) + e has C = -alpha"
 

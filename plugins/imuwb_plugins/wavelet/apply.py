@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from imuwb.analysis import Review, Table
+from imuwb.arrays import Floats
 from imuwb.conditioning import (
     Change,
     Denoised,
@@ -17,7 +18,7 @@ from imuwb.conditioning import (
     level_of_band,
     measured_band,
 )
-from imuwb.log import AXES, Conditioning, Floats, Log
+from imuwb.log import AXES, Conditioning, Log
 from imuwb.units import coefficient_units
 from imuwb_plugins.wavelet.parameters import Parameters
 
