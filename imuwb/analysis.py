@@ -51,13 +51,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol
 
-from imuwb.arrays import Floats, Integers
 from imuwb.colors import PALE, Color
-from imuwb.log import Log
-from imuwb.statistics import Coefficient
 
 if TYPE_CHECKING:
     import rerun as rr
+
+    from imuwb.arrays import Floats, Integers
+    from imuwb.log import Log
+    from imuwb.statistics import Coefficient
 
 
 class DataclassInstance(Protocol):

@@ -9,9 +9,7 @@ from typing import Annotated
 
 import typer
 
-from imuwb.analysis import Table
 from imuwb.errors import ImuwbError, UsageError
-from imuwb.stochastic import ImuErrorModel
 
 FEWEST = 100  #: samples for which curves are drawn
 
@@ -21,7 +19,7 @@ _Model = Annotated[Path, typer.Argument(help="The error model.", metavar="MODEL.
 _Output = Annotated[
     Path | None,
     typer.Option(
-        "--output", "-o", help="The recording to write. Default: the model's name with .rrd.", metavar="FILE.rrd"
+        "--output", "-o", help="Draw the Allan deviation and the spectrum in this recording.", metavar="FILE.rrd"
     ),
 ]
 _Rate = Annotated[float, typer.Option(help="Rate of the samples for which the curves are drawn (Hz).")]
@@ -33,7 +31,7 @@ _Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exis
 def show(
     model: _Model, *, rate: _Rate = 100.0, hours: _Hours = 10.0, output: _Output = None, force: _Force = False
 ) -> None:
-    """Show the terms of an error model, its Allan deviation and its spectrum."""
+    """Show the terms of an error model; with -o also its Allan deviation and its spectrum."""
     _review([model], rate, hours, output, force=force)
 
 
@@ -46,7 +44,7 @@ def compare(
     output: _Output = None,
     force: _Force = False,
 ) -> None:
-    """Compare two or more error models."""
+    """Compare the terms of error models; with -o also their Allan deviations and spectra."""
     if len(models) < 2:  # noqa: PLR2004 - one has nothing to be compared with
         raise UsageError(f"{len(models)} model is given; compare needs two or more; for one model use imuwb model show")
     _review(models, rate, hours, output, force=force)
@@ -121,28 +119,29 @@ def check(
 
 
 def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | None, *, force: bool) -> None:
+    """Print the terms; draw them only if a recording is wanted."""
     from imuwb.cli.places import check_places  # noqa: PLC0415 - help must not wait
     from imuwb.cli.terminal import shower  # noqa: PLC0415
-    from imuwb.review.models import draw_models  # noqa: PLC0415
-    from imuwb.review.recording import RecordingReview  # noqa: PLC0415
+    from imuwb.review.models import draw_models, tables_of  # noqa: PLC0415
     from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
 
     if not (0 < rate < math.inf and 0 < hours < math.inf and hours * 3600 * rate >= FEWEST):
         raise UsageError(f"--rate is {rate}, --hours {hours}; both must be above 0, and give at least {FEWEST} samples")
-    place = output or paths[0].with_name(f"{paths[0].name.removesuffix('.toml')}.rrd")
-    if place.suffix != ".rrd":
-        raise UsageError(f"--output {place}: the suffix must be .rrd")
-    models: dict[str, ImuErrorModel] = {path.name: ImuErrorModel.read(path) for path in paths}
+    if output is not None and output.suffix != ".rrd":
+        raise UsageError(f"--output {output}: the suffix must be .rrd")
+    check_places([output] if output else [], paths, force=force)
+    models = {path.name: ImuErrorModel.read(path) for path in paths}
     if len(models) < len(paths):
         models = {str(path): ImuErrorModel.read(path) for path in paths}
-    check_places([place], paths, force=force)
+    show = shower(data=True)
+    for table in tables_of(models):
+        show(table)
+    if output is None:
+        return
 
-    show_table = shower(data=True)
+    from imuwb.review.recording import RecordingReview  # noqa: PLC0415 - the viewer's library is slow to import
 
-    def only_tables(what: Table | str) -> None:
-        show_table(what)
-
-    review = RecordingReview(place, show=only_tables)
+    review = RecordingReview(output)
     try:
         review.tab("Model" if len(models) == 1 else "Models")
         draw_models(models, rate, hours * 3600, review)
@@ -150,4 +149,4 @@ def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | Non
     except BaseException:
         review.discard()
         raise
-    typer.echo(f"wrote {place}", err=True)
+    typer.echo(f"wrote {output}", err=True)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from imuwb.options import Form
-from imuwb.readers import ReadOptions
+
+if TYPE_CHECKING:
+    from imuwb.readers import ReadOptions
 
 #: group of options -> its panel of ``--help``, by the name of its dataclass
 PANELS = {

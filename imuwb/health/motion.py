@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from imuwb import identification
 from imuwb.health.channel import Channel
 from imuwb.health.lone import Lone
-from imuwb.identification import Stillness, stillness
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,11 +32,11 @@ def segments(channels: Mapping[str, Channel], lone: Mapping[str, Lone]) -> tuple
         lone: the lone samples of each channel; they are not taken as motion.
     """
     axes = {axis: (channel.time, lone[axis].without(channel.values)) for axis, channel in channels.items()}
-    record = stillness(axes) if axes else None
+    record = identification.stillness(axes) if axes else None
     return () if record is None else tuple(_segments(record))
 
 
-def _segments(record: Stillness) -> Iterator[Segment]:
+def _segments(record: identification.Stillness) -> Iterator[Segment]:
     """Yield the spans between the disturbances, and the disturbances, of each recorded part."""
     for begin, end in record.recorded:
         at = begin

@@ -25,6 +25,11 @@ _SENSORS = {
 }
 
 
+def tables_of(models: Mapping[str, ImuErrorModel]) -> list[Table]:
+    """Return the terms of the models as tables."""
+    return [table for table in (_coefficients(models), _others(models)) if table.rows]
+
+
 def draw_models(models: Mapping[str, ImuErrorModel], rate: float, duration: float, review: Review) -> None:
     """Show the Allan deviation and the spectrum of each axis, and the terms."""
     for sensor in _SENSORS:
@@ -32,10 +37,8 @@ def draw_models(models: Mapping[str, ImuErrorModel], rate: float, duration: floa
         if axes:
             review.figure(_allan(models, axes, sensor, rate, duration))
             review.figure(_spectrum(models, axes, sensor, rate, duration))
-    review.table(_coefficients(models))
-    others = _others(models)
-    if others.rows:
-        review.table(others)
+    for table in tables_of(models):
+        review.table(table)
 
 
 def _allan(

@@ -34,13 +34,23 @@ def entities(path):
 
 
 def test_a_model_is_shown(imuwb, flicker, tmp_path):
-    done = imuwb("model", "show", flicker)
+    done = imuwb("model", "show", flicker, "-o", "flicker.rrd")
     assert done.code == 0, done.err
     assert "2.42" in done.out
     assert "deg/√h" in done.out
     found = entities(tmp_path / "flicker.rrd")
     for i in range(4):
         assert f"/model/figure_{i}/grid" in found
+
+
+def test_nothing_is_written_unless_it_is_asked_for(imuwb, flicker, other, tmp_path):
+    before = sorted(tmp_path.iterdir())
+    for _ in range(2):
+        assert imuwb("model", "show", flicker).code == 0
+        done = imuwb("model", "compare", flicker, other)
+        assert done.code == 0, done.err
+    assert "2.42" in done.out
+    assert sorted(tmp_path.iterdir()) == before
 
 
 def test_the_curves_are_those_of_the_processes():
@@ -99,7 +109,7 @@ def test_what_is_no_model_is_refused(imuwb, tmp_path):
 def test_existing_files_are_kept_without_force(imuwb, gm, tmp_path):
     (tmp_path / "gm.rrd").write_bytes(b"mine")
     (tmp_path / "imu.yaml").write_bytes(b"mine")
-    assert imuwb("model", "show", gm).code == 2
+    assert imuwb("model", "show", gm, "-o", "gm.rrd").code == 2
     assert imuwb("model", "export", gm, "--to", "kalibr", "-o", "imu.yaml").code == 2
     assert imuwb("model", "show", gm, "-o", gm).code == 2
     assert (tmp_path / "gm.rrd").read_bytes() == (tmp_path / "imu.yaml").read_bytes() == b"mine"

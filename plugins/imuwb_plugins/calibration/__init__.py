@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from importlib import import_module
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from imuwb.analysis import Review
-from imuwb.log import Log
-from imuwb.stochastic import ImuErrorModel
 from imuwb_plugins.calibration.parameters import MultiPosition, RateTable, SixPosition
+
+if TYPE_CHECKING:  # help must not wait for numpy
+    from imuwb.analysis import Review
+    from imuwb.log import Log
+    from imuwb.stochastic import ImuErrorModel
 
 __all__ = ["METHODS"]
 
