@@ -1,7 +1,5 @@
 """The axes of an IMU as evenly sampled series: the input of most analyses."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The colours of every figure, series, table and track, toned for dark and light backgrounds (after Tableau's ten)."""
 
-from __future__ import annotations
-
 from typing import TypeAlias
 
 Color: TypeAlias = tuple[int, int, int]

@@ -9,8 +9,6 @@ Two private parts of numba are used, so pyproject sets an upper bound for numba:
   references of arrays that it only reads.
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable
 from functools import cache

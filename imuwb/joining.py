@@ -1,7 +1,5 @@
 """Joins two files to one log, for example an IMU's and a receiver's."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 

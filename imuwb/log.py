@@ -11,8 +11,6 @@ Conventions of the whole of imuwb:
 All values are frozen and their arrays read-only, so no analysis changes what a reader made.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias

@@ -1,7 +1,5 @@
 """Notes: sentences that a reader of a result must know, each with an id for programs and tests."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Self
 

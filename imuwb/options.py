@@ -14,8 +14,6 @@ These texts stand for values: numbers; the words of a ``Literal``; ``1,2,3`` for
 ``from_text(text)``, which raises ValueError, ``__str__``, which returns that text, and ``FORMS``, which describes the text.
 """
 
-from __future__ import annotations
-
 import math
 import types
 import typing

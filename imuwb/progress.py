@@ -1,7 +1,5 @@
 """Reports to a function how much of a long work is done; without a function the work is the same."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar

@@ -4,8 +4,6 @@ The plugins of imuwb are registered like those of any other package. A plugin th
 Two plugins of the same name are an error that names both.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import sys
 import warnings

@@ -4,8 +4,6 @@ Stamps may be rounded (to milliseconds, for example), late, or missing. The medi
 then be wrong by tens of per cent, and so would gaps that are found as steps longer than the median.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 

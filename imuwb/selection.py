@@ -1,7 +1,5 @@
 """Keeps one IMU of a log, or the part between two times."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from datetime import datetime
 from typing import TypeVar

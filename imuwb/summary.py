@@ -1,7 +1,5 @@
 """What a log contains, stream by stream; ``imuwb info`` prints it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

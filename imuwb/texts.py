@@ -1,7 +1,5 @@
 """Numbers, times and estimates as texts for people. A quantity always has its unit."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 

@@ -1,7 +1,5 @@
 """The command line: a command for each analysis, an option for each parameter."""
 
-from __future__ import annotations
-
 import gc
 import io
 import os

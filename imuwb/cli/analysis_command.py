@@ -1,7 +1,5 @@
 """The command of an analysis: its own parameters, then the options that all analyses share."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable
 from pathlib import Path

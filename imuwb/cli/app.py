@@ -1,7 +1,5 @@
 """Builds the command line from the commands of the core and the installed analyses."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import is_dataclass
 from importlib import import_module

@@ -4,8 +4,6 @@ A shell asks by running the program without arguments. The environment then cont
 COMP_WORDS and COMP_CWORD, zsh, fish and PowerShell pass _TYPER_COMPLETE_ARGS (``typer._completion_classes``).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 ASKED = "_IMUWB_COMPLETE"  #: name of the variable that is in the environment when a shell asks

@@ -1,7 +1,5 @@
 """imuwb convert: writes a log in another format."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated

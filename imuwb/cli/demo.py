@@ -1,7 +1,5 @@
 """imuwb demo: the two main jobs on the sample logs."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, cast
 

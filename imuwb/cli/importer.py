@@ -4,8 +4,6 @@ The viewer runs ``rerun-importer-imuwb FILE --application-id A --recording-id R`
 stdout. Exit code 66 declines a file; this must be quick.
 """
 
-from __future__ import annotations
-
 import shutil
 import sys
 import tempfile

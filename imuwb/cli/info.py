@@ -1,7 +1,5 @@
 """imuwb info: shows the streams of a log."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated

@@ -1,7 +1,5 @@
 """imuwb model: show, compare, export and check error models."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """From dataclasses of options to the command line: an option for each field, a panel of the help for each dataclass."""
 
-from __future__ import annotations
-
 import inspect
 import types
 import typing

@@ -1,7 +1,5 @@
 """Runs one analysis, from the paths of the logs to the recording."""
 
-from __future__ import annotations
-
 import os
 import traceback
 from collections.abc import Generator, Sequence

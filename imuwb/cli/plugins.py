@@ -1,7 +1,5 @@
 """imuwb plugins: lists what is installed."""
 
-from __future__ import annotations
-
 from dataclasses import fields
 from typing import Any, cast
 

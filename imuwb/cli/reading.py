@@ -1,7 +1,5 @@
 """Reads the log of a command, and cuts it to the part that the user wants."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from imuwb import joining, readers, selection

@@ -1,7 +1,5 @@
 """Studies on the command line: ``--study NAME.key=1,2,3`` repeats an analysis for each value of a conditioner's parameter."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Tables, notes and progress in the terminal."""
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Callable, Generator

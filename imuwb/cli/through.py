@@ -1,7 +1,5 @@
 """Conditioners on the command line: ``--through NAME:key=value,...``."""
 
-from __future__ import annotations
-
 import inspect
 import typing
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """imuwb view: opens a recording in the Rerun viewer."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -4,8 +4,6 @@ The correction is causal: each sample is corrected with the last temperature and
 time. Samples before the first measured value are corrected with that first value, because a filter would wait for it.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

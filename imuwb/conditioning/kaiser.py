@@ -4,8 +4,6 @@ The printed eq. 17 has A_pass in delta_stop, where A_stop is correct, and the pr
 This module uses Kaiser's own formulas.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

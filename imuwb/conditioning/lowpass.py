@@ -1,7 +1,5 @@
 """The low-pass within a sensor: Butterworth, or a moving average (of 15 samples in the 3DM-GX3-25)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """From arrays to streams: a conditioner's change, applied to each triad between its gaps."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise

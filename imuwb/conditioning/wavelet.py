@@ -5,8 +5,6 @@ the threshold with the least expected error; the common libraries do not have it
 median of the details' magnitudes.
 """
 
-from __future__ import annotations
-
 import warnings
 from dataclasses import dataclass
 from typing import Literal

@@ -3,8 +3,6 @@
 A quaternion is (w, x, y, z) and turns body vectors into the navigation frame, as C_b_n does.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.arrays import Floats

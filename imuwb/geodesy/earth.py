@@ -1,7 +1,5 @@
 """The WGS 84 ellipsoid (NIMA TR8350.2; Groves, 2.4)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.arrays import Floats

@@ -1,7 +1,5 @@
 """One axis of an IMU as the checks need it: its clock in seconds, and the steps of its values."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

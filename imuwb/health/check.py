@@ -1,7 +1,5 @@
 """All faults of a log, and a verdict for each stream."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Faults of a stream's clock: jumps, gaps, drops of the rate, jitter."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A fault of a stream, or a remark on it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

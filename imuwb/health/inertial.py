@@ -1,7 +1,5 @@
 """Faults of the axes of an IMU: constant, stuck, saturated, struck or coarse samples, and periodic lines."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Finds lone samples. A lone sample differs from both neighbours by far more than usual, and by more than a few steps of the sensor."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

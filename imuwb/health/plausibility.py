@@ -1,7 +1,5 @@
 """Finds values that a still IMU cannot measure: a wrong gravity, a large rate, a temperature that never changes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Faults of a GNSS receiver's fixes: held rows, changes of the fix type, jumps and spikes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The repairs by the reader as faults, with their consequences."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 
 from imuwb.health.fault import Fault, Severity

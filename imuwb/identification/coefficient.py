@@ -1,7 +1,5 @@
 """The averaging times at which noise coefficients are read, and the interval of a coefficient whose square is estimated."""
 
-from __future__ import annotations
-
 from imuwb.statistics.distributions import chi_square_limits, normal_limit
 
 FEWEST_DEGREES = 3.0  #: degrees of freedom of a square, below which an interval begins at 0

@@ -1,7 +1,5 @@
 """Where one process dominates a curve, and the slope of a free line there."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from imuwb.statistics import Estimate

@@ -3,8 +3,6 @@
 Source: Groves, 5.6.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The events that correct a filter, in order of time: fixes, speeds, and constraints on the vehicle's motion."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 

@@ -16,8 +16,6 @@ A covariance is a flat array of rows of ``STRIDE`` numbers, and the loops count 
 all offsets, and works on four columns at once.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.arrays import Floats, Integers

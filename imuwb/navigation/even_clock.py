@@ -1,7 +1,5 @@
 """The even clock that a sensor samples with, from stamps with jitter and gaps."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.arrays import Floats, Integers

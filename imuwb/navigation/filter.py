@@ -1,7 +1,5 @@
 """The filter over a whole log: from measurement, corrections and alignment to a solution with checkpoints."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A filter as a TOML document: its error model, its settings, and the installation of the sensors."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from dataclasses import asdict, fields

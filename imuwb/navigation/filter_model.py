@@ -1,7 +1,5 @@
 """The model of a filter: an error model, the states that represent it, and the filter's settings."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The prior of an axis's states when the filter starts, and its relation to the mean error over a standstill."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

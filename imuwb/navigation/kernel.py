@@ -8,8 +8,6 @@ without these fixes.
 Arrays are copied in loops, and all counters have one type; otherwise numba compiles the same code several times.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

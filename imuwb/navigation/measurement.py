@@ -1,7 +1,5 @@
 """An IMU's samples in the form that a filter needs: even steps without gaps, in the vehicle's axes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

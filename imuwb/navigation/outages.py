@@ -1,7 +1,5 @@
 """Outages: branches from a solution's checkpoints, without the fixes that follow."""
 
-from __future__ import annotations
-
 import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Shaping filters: the states that represent the sum of processes on one sensor axis."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal

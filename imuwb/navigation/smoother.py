@@ -7,8 +7,6 @@ The filter feeds its errors back, so the estimated error after an event is zero.
 where c is the correction by event k+1. Its covariance is P+_k + G_k (P^s_(k+1) - P-_(k+1)) G_k^T.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

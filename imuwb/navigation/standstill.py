@@ -1,7 +1,5 @@
 """When an IMU stands still."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.arrays import Floats

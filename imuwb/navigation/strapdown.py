@@ -12,8 +12,6 @@ of it is a checkpoint:
     PUSHED (3) m/s: integral of the specific force in NED; MEASURED (6) rad and m/s: integrals of the sensors' output.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

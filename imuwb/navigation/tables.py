@@ -1,7 +1,5 @@
 """The inputs and outputs of the filter's compiled loops: tuples of arrays."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

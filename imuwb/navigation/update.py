@@ -1,7 +1,5 @@
 """The update of a filter by one event: residuals, gate, and feedback of the estimated errors."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Scratch memory of the filter's compiled loops: made once for each thread."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a reader yields: pieces of streams in SI units and FRD axes, in the file's order."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """GPS time, which has no leap seconds, as UTC."""
 
-from __future__ import annotations
-
 from datetime import UTC, datetime, timedelta
 
 import numpy as np

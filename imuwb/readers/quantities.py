@@ -1,7 +1,5 @@
 """The quantities of a text log, and what their units measure."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from imuwb.errors import UsageError

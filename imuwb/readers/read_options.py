@@ -1,7 +1,5 @@
 """Options for what a file does not state itself, such as its rate, units and frame."""
 
-from __future__ import annotations
-
 from collections.abc import (
     Collection,
     Mapping,

@@ -1,7 +1,5 @@
 """Reads a file of any known format as a Log, a stream of pieces, or a summary."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields, replace

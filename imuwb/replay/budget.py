@@ -5,8 +5,6 @@ correlations of the sources at the start are one more source, "in common". Its v
 accelerometer's bias, for example, cancel until the vehicle turns.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """The choice of a filter: made on some outages, judged on the others."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

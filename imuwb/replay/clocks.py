@@ -1,7 +1,5 @@
 """The delay of a receiver and the rate of the IMU's clock, by the likelihood of a filter's innovations."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Fixes made worse on purpose: added noise, and jumps that last for a while, as multipath causes them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -11,8 +11,6 @@
 Where the error model has a turn-on bias (``Constant``), all filters but ``none`` have six more states for it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The kind of motion of the vehicle in an outage, from the reference."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

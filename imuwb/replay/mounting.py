@@ -1,7 +1,5 @@
 """The mounting of an IMU in a vehicle: roll and pitch from gravity in standstills, heading from accelerations and turns."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

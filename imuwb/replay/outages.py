@@ -1,7 +1,5 @@
 """The outages of a replay: a sweep, those of the log itself, or given ones; and the check that they are possible."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

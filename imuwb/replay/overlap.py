@@ -1,7 +1,5 @@
 """Which of many outages overlap."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

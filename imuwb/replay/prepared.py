@@ -1,7 +1,5 @@
 """The preparation of a log for filters."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from imuwb.arrays import Floats

@@ -1,7 +1,5 @@
 """The reference against which drift is measured: truth, RTK-fixed positions, or a filter's run over all fixes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

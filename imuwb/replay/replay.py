@@ -1,7 +1,5 @@
 """The replay of outages: filters over a log, and their drift without fixes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

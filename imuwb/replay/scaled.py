@@ -1,7 +1,5 @@
 """An error model with its noise scaled: the noise in a vehicle is larger than that of a static record."""
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 from typing import Any
 

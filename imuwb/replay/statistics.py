@@ -4,8 +4,6 @@ A log of a quarter of an hour has room for about fifteen outages of a minute tha
 The intervals therefore come from blocks of neighbours, which are drawn together (moving-block bootstrap, Künsch 1989).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import product
 

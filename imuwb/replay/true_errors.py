@@ -1,7 +1,5 @@
 """The true errors of the sensors, from a log with the true motion."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

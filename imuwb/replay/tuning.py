@@ -1,7 +1,5 @@
 """The noise of a filter, fitted to outages in the first part of a log and judged on those in the rest."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Results as JSON: SI units, no NaN, provenance with every result."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping, Sequence

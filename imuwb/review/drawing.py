@@ -1,7 +1,5 @@
 """Logs the lines, points and labels of 2D views."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import rerun as rr

@@ -1,7 +1,5 @@
 """A long series as the extremes of short spans: no peak is lost, and the series is drawn fast."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.arrays import Floats, Integers

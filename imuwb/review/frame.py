@@ -1,7 +1,5 @@
 """The frame of a figure: where a point lies in the view, and which parts of curves are inside."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from typing import TypeAlias

@@ -1,7 +1,5 @@
 """Figures and tables of error models."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The first tab of every recording; it shows the content of the logs."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

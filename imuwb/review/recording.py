@@ -1,7 +1,5 @@
 """The review as a Rerun recording: tabs of figures, series, tables and notes; the recording contains its blueprint."""
 
-from __future__ import annotations
-
 import socket
 from collections.abc import Callable
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """Checks by first and last bytes whether a recording is complete: the library that writes it reports no errors of the disk."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

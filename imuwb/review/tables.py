@@ -1,7 +1,5 @@
 """Tables of a log's streams."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from datetime import UTC, datetime
 

@@ -1,7 +1,5 @@
 """The trajectories of a tab: in local east and north, and on a map."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The record of a calibration bench: one motion without a break, so that slow noise continues, cut into logs."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """A climate chamber: a still IMU, recorded at one temperature after another."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 

@@ -4,8 +4,6 @@ An IMU sample stamped t_k is the average of the true angular rate omega_ib^b and
 so that its product with dt is the increment of the step that ends there; the errors of the sensor are added.
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """The legs of a drive, drawn at random as people drive in a town, on a country road or on a highway."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

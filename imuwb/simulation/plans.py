@@ -1,7 +1,5 @@
 """Routes: two after Quinchia's drives in Turin, with outages of the published lengths and speeds, and mixed ones."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from itertools import cycle

@@ -1,7 +1,5 @@
 """Published sensors: error models with the figures of the three papers."""
 
-from __future__ import annotations
-
 from importlib.resources import files
 
 from imuwb.errors import UsageError

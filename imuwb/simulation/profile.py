@@ -4,8 +4,6 @@ All are quintic B-splines over even knots. They have four continuous derivatives
 control points, and their slopes within those of the control polygon. Knots half a second apart leave no motion at 5 Hz.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """An IMU on a rate table: a staircase of rates, counter-clockwise and clockwise, one log for each axis."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The other sensors of a car: a GNSS receiver and an odometer."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

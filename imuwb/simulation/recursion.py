@@ -1,7 +1,5 @@
 """A first-order recursion whose factor changes from step to step."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.arrays import Floats

@@ -1,7 +1,5 @@
 """The output of an error model's sensors for a motion: deterministic terms, noise, bandwidth, quantization."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """An IMU in positions at rest: on the six faces of a cube, or in many directions."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

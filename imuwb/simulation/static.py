@@ -1,7 +1,5 @@
 """A still IMU on a bench."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable
 

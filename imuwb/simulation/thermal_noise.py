@@ -5,8 +5,6 @@ before they are added up. A correlation time, a frequency or the coefficients of
 state continues, so the output never jumps. The variance at any time is that of the temperature at that time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import fields
 from typing import Any

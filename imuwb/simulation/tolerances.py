@@ -1,7 +1,5 @@
 """One specimen of a sensor: its turn-on biases and its errors within the tolerances of a data sheet, drawn once."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Vibration by an engine and a road: its mean is zero, and it is no part of the true trajectory."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy import signal
 

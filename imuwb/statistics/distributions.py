@@ -3,8 +3,6 @@
 They come from ``scipy.special``. ``scipy.stats`` wraps the same functions, but its import takes a second.
 """
 
-from __future__ import annotations
-
 from typing import Any, cast
 
 import numpy as np

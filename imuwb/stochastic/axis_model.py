@@ -1,7 +1,5 @@
 """The error model of one sensor axis: a sum of processes and deterministic terms."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace

@@ -1,7 +1,5 @@
 """Error models in words, in the units of data sheets."""
 
-from __future__ import annotations
-
 from dataclasses import fields
 from typing import Any, cast
 

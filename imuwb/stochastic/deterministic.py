@@ -5,8 +5,6 @@ With s the scale factor, s2 its non-linear part, c the cross-couplings and G the
     measured = (1 + s + s2 |true|/range) true + c . others + G . force + b
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.arrays import Floats

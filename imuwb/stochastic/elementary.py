@@ -1,7 +1,5 @@
 """What the processes have in common: frozen parameters, their checks, and a text form."""
 
-from __future__ import annotations
-
 from dataclasses import fields
 from typing import Any, ClassVar, cast
 

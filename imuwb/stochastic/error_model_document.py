@@ -3,8 +3,6 @@
 A parameter is a number in SI, a text with its unit (``"2.42 deg/√h"``), or a table with its interval.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping
 from dataclasses import fields

@@ -1,7 +1,5 @@
 """Flicker noise (bias instability), and the Gauss-Markov processes that a filter carries in its place."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """Gauss-Markov processes of first order."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """An error model compared with a data sheet, or with another sensor."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from collections.abc import Mapping

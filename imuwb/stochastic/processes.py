@@ -7,8 +7,6 @@ sensor puts it out. Allan variance and density are those of the samples, with al
 they become IEEE's formulas.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """The state-space form of finite-order processes, which a filter needs."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

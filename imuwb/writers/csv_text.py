@@ -3,8 +3,6 @@
 Each table has a sidecar, which the reader uses; it states the body frame, and the epoch that times count from.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

@@ -5,8 +5,6 @@ forward-left-up (REP 145): y and z change sign, as they do when a log is read.
 Specification: https://mcap.dev/spec
 """
 
-from __future__ import annotations
-
 import struct
 import zlib
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """A log's streams as ROS 2 messages: their definitions, and rows of bytes in the layout of CDR."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any

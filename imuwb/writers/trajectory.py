@@ -1,7 +1,5 @@
 """Trajectories for other tools: TUM (evo), KML (Google Earth and other maps), CSV and MCAP."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

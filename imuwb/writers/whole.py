@@ -1,7 +1,5 @@
 """Writes files whole or not at all: each file is written under another name in the same folder, then renamed."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Generator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Simulate logs of sensors whose errors are known."""
 
-from __future__ import annotations
-
 import typer
 
 from imuwb.cli.parameters import expanded

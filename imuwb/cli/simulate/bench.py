@@ -1,7 +1,5 @@
 """imuwb simulate six-position and rate-table: what a calibration bench would record, and the truth."""
 
-from __future__ import annotations
-
 import csv
 import io
 import math

@@ -1,7 +1,5 @@
 """imuwb simulate chamber: a still IMU at one temperature after another."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated

@@ -1,7 +1,5 @@
 """imuwb simulate drive: a car with an IMU and GNSS, and the truth."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, TypeAlias

@@ -1,7 +1,5 @@
 """What the commands of ``imuwb simulate`` share: their options, the sensor, and where logs go."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated

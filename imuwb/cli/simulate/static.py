@@ -1,7 +1,5 @@
 """imuwb simulate static: a still IMU on a bench."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """The averaging times of a curve: octaves, evenly spaced on a log axis, all, or a list."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

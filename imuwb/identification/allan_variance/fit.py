@@ -10,8 +10,6 @@ probability (1 - level)/2 of a false alarm.
 A term that does not stay is not zero: it has an upper limit.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import cast

@@ -5,8 +5,6 @@ the samples within the block: the classical law of sampling without replacement 
 if samples are missing at random. So this excess is subtracted. To fill gaps, or to keep the excess, would bias every averaging time.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.arrays import Floats, Integers

@@ -4,8 +4,6 @@ W. J. Riley and C. A. Greenhall (2004), "Power law noise identification using th
 autocorrelation"; NIST SP 1065, 5.5.3.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.arrays import Floats

@@ -1,7 +1,5 @@
 """Overlapping Allan deviation (IEEE 952 annex C; El-Diasty, 2.1; Quinchia, eq. 12 to 15; Hassaballa, 4.2)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The averaging times that one term dominates, and the slope of a free line there."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.arrays import Floats

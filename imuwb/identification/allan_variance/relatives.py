@@ -4,8 +4,6 @@ The modified deviation separates quantization from white noise. The Hadamard dev
 more degrees of freedom at the longest averaging times. All integrate samples of a rate.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import Literal

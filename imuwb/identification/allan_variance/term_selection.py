@@ -1,7 +1,5 @@
 """Which terms a curve shows, and the averaging time from which their sum explains it."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.arrays import Floats

@@ -1,7 +1,5 @@
 """The deterministic errors of one sensor axis, as a calibration estimates them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from imuwb.statistics import Estimate

@@ -1,7 +1,5 @@
 """A test of whether an axis is at the end of its range."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Which axis points up in each position of a cube, found from the means of the accelerometers."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Least squares with two sources of error: the known noise of each row, and an extra error estimated from the residuals."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

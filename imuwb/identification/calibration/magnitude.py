@@ -8,8 +8,6 @@ triangular A: three scale factors and three cross-couplings (x into y, x and y i
 |A⁻¹ (measured - b)| = g.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.arrays import Floats

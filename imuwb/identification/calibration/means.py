@@ -1,7 +1,5 @@
 """Means of steady stretches, and their variances where the noise is not white."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

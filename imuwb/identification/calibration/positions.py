@@ -4,8 +4,6 @@ A position that is not exactly at its stated attitude tilts gravity into the hor
 estimated from the residuals and widens the intervals of the cross-couplings. The vertical axis is shortened by their square.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

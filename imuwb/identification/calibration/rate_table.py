@@ -1,7 +1,5 @@
 """Gyros on a rate table: bias, scale factor, its non-linear part, and cross-couplings (Hassaballa, 3.1)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

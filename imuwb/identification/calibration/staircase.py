@@ -1,7 +1,5 @@
 """The staircase of a rate table: which given rate each step of the gyro's output belongs to."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Gyros from still positions: bias and g-sensitivity. Scale factors need a rate table."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.arrays import Floats

@@ -1,7 +1,5 @@
 """Steady stretches of a record: positions of an accelerometer, steps of a staircase of rates."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Autocorrelation of a record, and whether a first-order Gauss-Markov process explains it (Quinchia, 4.1 and 5.2)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

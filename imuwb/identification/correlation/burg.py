@@ -4,8 +4,6 @@ J. P. Burg (1975), with the sign of Quinchia, eq. 9: x(n) = -sum alpha_k x(n-k) 
 block, the forward and backward errors of an order and the sums for the next order.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -7,8 +7,6 @@ Fourier series, need no match of the record's two ends. Flicker and Gauss-Markov
 covariance is known in closed form. So a likelihood of the whole record costs one transform.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ the record, and its errors are near the Cramer-Rao bound. The value of a term is
 is 0 has an upper limit and no value. A term whose interval begins at 0 may be absent.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 

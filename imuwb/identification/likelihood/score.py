@@ -1,7 +1,5 @@
 """Deviance, Fisher information and scoring target of a sum of processes; compiled, because a search takes thousands."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.arrays import Floats, Integers

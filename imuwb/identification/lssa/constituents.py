@@ -1,7 +1,5 @@
 """Known constituents of a series, which are estimated together with every line (Pagiatakis 1999)."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

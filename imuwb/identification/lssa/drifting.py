@@ -7,8 +7,6 @@ a line is found in the averaged spectrum of segments (Welch), above the noise ar
 no phase.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

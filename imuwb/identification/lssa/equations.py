@@ -5,8 +5,6 @@ equations of a frequency need E'W'r, E'W'Q, and the sums over rows of |row of WE
 strengths times exp(i omega t) at certain instants.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -5,8 +5,6 @@ If the structure is right, whitened samples are independent. The first test look
 short correlations, the second slow drifts. The p value is twice the smaller of both probabilities.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The structure of a series' noise, and its estimated parameters."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field

@@ -4,8 +4,6 @@ A line is A cos(2 pi f t + phi) with t from the first sample. The residual is se
 record as a whole.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -9,8 +9,6 @@ record counts how often the exceedance of noise crosses a limit between neighbou
 spectral window (S. O. Rice 1944, on a grid).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 

@@ -4,8 +4,6 @@ If the time stamps lie on a lattice, with or without gaps, a fast Fourier transf
 points does (Barnett, Magland, af Klinteberg 2019).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The band of frequencies that the samples can show: limited by the record's length and by the spacing of the samples."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

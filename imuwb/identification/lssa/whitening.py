@@ -6,8 +6,6 @@
 * ``Dense``: any covariance.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import TypeAlias
 

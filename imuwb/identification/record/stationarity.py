@@ -4,8 +4,6 @@ L. Galleani and P. Tavella (2009), "The dynamic Allan variance", show the parts;
 part is about a scaled chi-square, so Bartlett's test of equal variances applies at each averaging time much shorter than a part.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

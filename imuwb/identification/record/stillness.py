@@ -1,7 +1,5 @@
 """Finds motion and shocks in a record that should be still, and its longest quiet part."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 

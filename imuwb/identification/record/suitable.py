@@ -1,7 +1,5 @@
 """The test that a series passes before any noise analysis."""
 
-from __future__ import annotations
-
 from imuwb.arrays import Floats
 
 LARGEST = 1e12  #: rad/s or m/s²; no sensor gives more

@@ -1,7 +1,5 @@
 """Periodic lines in a noisy record: peaks of an averaged spectrum above the local noise floor."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

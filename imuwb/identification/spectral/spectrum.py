@@ -4,8 +4,6 @@ Quinchia, 4.3 and 5.4; IEEE 1293, annex I. A Welch estimate is one-sided: twice 
 K²/(2 pi f)², which are two-sided.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

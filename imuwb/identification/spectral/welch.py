@@ -1,7 +1,5 @@
 """The averaged periodogram (Welch 1967), which the spectrum and the search for lines share."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy import fft
 

@@ -1,7 +1,5 @@
 """One sensor axis over temperature: its set-points, the tests of dependence, and the functions of temperature."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ by the variance of their differences, which grows with the time between them. A 
 its upper limit. The turn-on bias is estimated only from several logs at one temperature.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

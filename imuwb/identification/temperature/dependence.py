@@ -6,8 +6,6 @@ a coefficient (B, and above all K), the square scatters as a chi-square with few
 statistic is then simulated from such chi-squares, with a fixed seed; for N, with thousands of degrees, it is chi-square.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

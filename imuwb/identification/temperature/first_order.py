@@ -1,7 +1,5 @@
 """The first-order autoregressive coefficient at one temperature (El-Diasty, tables 2 to 5)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ The choice is the simplest function that agrees with the set-points and predicts
 function does.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

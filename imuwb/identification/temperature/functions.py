@@ -5,8 +5,6 @@ follows from the variances of the estimates. The error of the function itself be
 one set-point out.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

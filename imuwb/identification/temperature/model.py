@@ -1,7 +1,5 @@
 """The error model of one axis over temperature."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.arrays import Floats

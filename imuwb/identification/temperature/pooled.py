@@ -4,8 +4,6 @@ A single record determines a square badly, and a square cannot be negative: a me
 are maximised together, by Fisher scoring, with N eliminated.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """A record at one temperature, and its residuals without drift."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from imuwb.arrays import Floats

@@ -4,8 +4,6 @@ The coefficients are likelihood estimates (``likelihood.fit``) from all records 
 method with Bartlett's standard error. The slope is that of a free line fitted to the Allan curve where random walk dominates.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

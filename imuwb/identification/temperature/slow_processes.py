@@ -1,7 +1,5 @@
 """The slow processes that count in the comparison of means."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from imuwb.identification.likelihood.fit import TERMS

@@ -1,7 +1,5 @@
 """The stretches of a log with one temperature each: the whole log, its plateaus, or the bins of a ramp."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ of the lowest cosine coefficients (restricted likelihood). So a thermal drift do
 the lost coefficients do not count as evidence against them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

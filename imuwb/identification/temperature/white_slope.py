@@ -1,7 +1,5 @@
 """The slope of the Allan curve where white noise dominates: fitted freely, next to the nominal -1/2 (El-Diasty, 4.1)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

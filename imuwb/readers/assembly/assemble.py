@@ -1,7 +1,5 @@
 """Makes a Log from a reader's batches: joins them, repairs their times, and counts every repair."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace

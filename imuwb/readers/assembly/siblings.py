@@ -1,7 +1,5 @@
 """Joins streams that belong together: a temperature and its IMU, a gyro and its accelerometer, a velocity and its receiver."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Makes the time of rows strictly increase: repairs damaged stamps, clocks set back, late rows and repeated rows."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Prepares the next items of an iterator while the last one is used."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor

@@ -1,7 +1,5 @@
 """Numbers of all messages at once, from any offsets in a buffer of bytes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Decides whether a loop over bytes is worth the import of the compiler, which costs half a second."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from functools import cache

@@ -1,7 +1,5 @@
 """Opens a file, unpacks gzip, reads the first bytes and blocks, and computes the fingerprint."""
 
-from __future__ import annotations
-
 import gzip
 import hashlib
 import zlib

@@ -1,7 +1,5 @@
 """Unpacks compressed pieces of logs, to at most their stated size, so that a small file cannot fill the memory."""
 
-from __future__ import annotations
-
 import bz2
 
 import lz4.frame

@@ -6,8 +6,6 @@ read in the same way.
 Specification: http://wiki.ros.org/Bags/Format/2.0
 """
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Decodes payloads to arrays of wanted fields. ROS is decoded by its byte layout, protobuf and JSON by their own decoders."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Literal, Protocol, cast

@@ -1,7 +1,5 @@
 """Reads texts and metadata in the records of MCAP, and unpacks chunks."""
 
-from __future__ import annotations
-
 import struct
 
 from isal import isal_zlib

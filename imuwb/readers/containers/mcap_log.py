@@ -1,7 +1,5 @@
 """MCAP logs: IMU, GNSS, temperature and speed messages of any topic, recognised by the names of their fields."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

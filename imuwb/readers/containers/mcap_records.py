@@ -7,8 +7,6 @@ is not used, so files without one, or cut by a crash, are read in the same way.
 Specification: https://mcap.dev/spec
 """
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass

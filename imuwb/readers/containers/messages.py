@@ -1,7 +1,5 @@
 """Channels, schemas, and messages in a buffer: what MCAP, bag and db3 have in common."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

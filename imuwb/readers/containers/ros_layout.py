@@ -5,8 +5,6 @@ Messages of one channel with equal lengths have all fields at the same offsets, 
 operations. No code is made or run from a log's definitions.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

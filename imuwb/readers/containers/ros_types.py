@@ -3,8 +3,6 @@
 The fields are those of common_interfaces (sensor_msgs, geometry_msgs, nav_msgs, std_msgs).
 """
 
-from __future__ import annotations
-
 _HEADER = "std_msgs/Header header"
 _PARTS = {
     "std_msgs/Header": "builtin_interfaces/Time stamp\nstring frame_id",

@@ -4,8 +4,6 @@
 one of these, the name has a prefix. A recipe states which fields make which column.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass

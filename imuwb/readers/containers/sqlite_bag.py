@@ -1,7 +1,5 @@
 """ROS 2 recordings in SQLite (.db3): IMU, GNSS, temperature and speed messages, recognised by the names of their fields."""
 
-from __future__ import annotations
-
 import sqlite3
 from collections.abc import Iterator
 from contextlib import closing

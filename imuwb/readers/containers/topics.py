@@ -1,7 +1,5 @@
 """From the messages of a container's channels to batches of streams, by the names of the messages' fields."""
 
-from __future__ import annotations
-
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path

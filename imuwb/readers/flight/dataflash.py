@@ -1,7 +1,5 @@
 """ArduPilot's logs, binary (.bin) and as text (.log): IMUs, receivers, high-rate batches, and the navigation solution."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from pathlib import Path

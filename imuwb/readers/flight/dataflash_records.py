@@ -4,8 +4,6 @@ Each record begins with two bytes and a number. FMT records state name, size and
 file, so they are searched first. A record is used only if another begins right after it, so that damage is not read as numbers.
 """
 
-from __future__ import annotations
-
 import re
 from collections import defaultdict
 from collections.abc import Collection

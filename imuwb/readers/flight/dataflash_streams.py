@@ -1,7 +1,5 @@
 """The streams of a DataFlash log, from the tables of its records."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Protocol

@@ -1,7 +1,5 @@
 """ArduPilot's logs as text: a line for each record, with scaled fields."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Collection, Iterable
 from typing import Any

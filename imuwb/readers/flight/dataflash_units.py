@@ -1,7 +1,5 @@
 """The units that a DataFlash log states for the fields of its records."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, Protocol
 

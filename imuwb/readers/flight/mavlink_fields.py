@@ -3,8 +3,6 @@
 Definitions: https://mavlink.io/en/messages/common.html; fields are ordered by their size, and followed by extensions.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -6,8 +6,6 @@ Bytes that are no frame, and frames with a wrong checksum, are skipped.
 Specification: https://mavlink.io/en/guide/serialization.html
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -6,8 +6,6 @@ compares the table with pymavlink's.
 Specification: https://mavlink.io/en/guide/serialization.html#crc_extra
 """
 
-from __future__ import annotations
-
 SEEDS: dict[int, int | tuple[int, ...]] = {
     0: 50, 1: 124, 2: 137, 4: 237, 5: 217, 6: 104, 7: 119, 11: 89, 20: 214, 21: 159, 22: 220, 23: 168, 24: 24,
     25: 23, 26: 170, 27: 144, 28: 67, 29: 115, 30: 39, 31: 246, 32: 185, 33: 104, 34: 237, 35: 244, 36: 222,

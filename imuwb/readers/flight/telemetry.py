@@ -1,7 +1,5 @@
 """The messages of a telemetry log by system, component and number, and what is wrong with its frames."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field

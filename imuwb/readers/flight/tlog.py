@@ -1,7 +1,5 @@
 """MAVLink telemetry logs (.tlog): IMUs, receivers and the navigation solution of all systems."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The streams of a telemetry log, on Unix time."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Positions, velocities and attitudes of flight controllers and their receivers, as the columns of streams."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """PX4's logs (.ulg): IMUs, their raw samples if they were logged, receivers, and the navigation solution."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 Specification: https://docs.px4.io/main/en/dev_log/ulog_file_format
 """
 
-from __future__ import annotations
-
 import re
 import struct
 from collections import defaultdict

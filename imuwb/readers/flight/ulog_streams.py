@@ -1,7 +1,5 @@
 """The streams of a PX4 log, from the topics of its messages."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any

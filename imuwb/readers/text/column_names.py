@@ -1,7 +1,5 @@
 """The quantity and the unit that a text file's column name states: ``gyro_x_deg_s``, ``ax [g]``, ``wx(rad/s)``."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass

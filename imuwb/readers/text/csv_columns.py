@@ -1,7 +1,5 @@
 """The columns of a text log that are used, each with its unit."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The streams that the columns of a text log make up, in SI and FRD."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Text logs: separated numbers, with units in the header, on the command line, or in a sidecar."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path

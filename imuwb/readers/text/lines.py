@@ -1,7 +1,5 @@
 """Text as bytes for a parser: unpacked, without comments, without a cut last line."""
 
-from __future__ import annotations
-
 import io
 import re
 from dataclasses import dataclass

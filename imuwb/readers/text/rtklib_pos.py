@@ -1,7 +1,5 @@
 """RTKLIB solution files (.pos): latitude, longitude, height, sigmas and velocity of one receiver."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Reads the sidecar ``LOG.toml`` beside a text log; it states what the log itself does not."""
 
-from __future__ import annotations
-
 import tomllib
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Finds how much of the text of a damaged packed file can be used: the lines before the first that does not look like the others."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 

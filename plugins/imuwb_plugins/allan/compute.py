@@ -1,7 +1,5 @@
 """From a log to Allan deviations and the noise of each axis."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 

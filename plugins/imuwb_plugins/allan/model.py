@@ -1,7 +1,5 @@
 """The error model of an Allan analysis."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

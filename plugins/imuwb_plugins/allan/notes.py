@@ -1,7 +1,5 @@
 """Notes of the Allan analysis: what a reader of the curves must know."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 

@@ -1,7 +1,5 @@
 """Remarks on the noise of an axis, one line each, for a person to act on."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 
 import numpy as np

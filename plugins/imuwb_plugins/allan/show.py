@@ -1,7 +1,5 @@
 """Figures and tables of the Allan analysis."""
 
-from __future__ import annotations
-
 from imuwb.analysis import Curve, Figure, Mark, Review
 from imuwb.colors import AXIS_COLORS, Color
 from imuwb.identification import Stationarity

@@ -1,7 +1,5 @@
 """Tables of the Allan analysis."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 
 from imuwb.analysis import Table

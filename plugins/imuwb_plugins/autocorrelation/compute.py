@@ -1,7 +1,5 @@
 """From a log to autocorrelations."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Result of the autocorrelation."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 from imuwb.arrays import Floats

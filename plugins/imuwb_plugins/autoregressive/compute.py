@@ -1,7 +1,5 @@
 """From a log to autoregressive models."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Result of the autoregressive analysis."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from imuwb.identification.correlation.autoregressive import Order, Whiteness

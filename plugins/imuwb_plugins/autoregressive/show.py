@@ -1,7 +1,5 @@
 """Figures and tables of the autoregressive models."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.analysis import Curve, Figure, Review, Table

@@ -1,7 +1,5 @@
 """The low-pass applied to a log."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 

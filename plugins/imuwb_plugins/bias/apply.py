@@ -1,7 +1,5 @@
 """The removal of the mean from each axis of a log."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

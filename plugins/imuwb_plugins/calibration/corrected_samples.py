@@ -1,7 +1,5 @@
 """Samples before and after the correction by the calibrated model, thinned for figures."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

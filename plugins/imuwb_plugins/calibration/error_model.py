@@ -1,7 +1,5 @@
 """From calibrated parameters to an error model: a new one, or one that already has the noise."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any

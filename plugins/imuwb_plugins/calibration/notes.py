@@ -1,7 +1,5 @@
 """Notes on the results of a calibration."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The table of calibrated parameters, their display units, and the figure of corrected samples."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 

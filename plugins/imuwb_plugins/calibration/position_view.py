@@ -1,7 +1,5 @@
 """Tables and figures of still positions."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.analysis import Curve, Figure, Review, Table

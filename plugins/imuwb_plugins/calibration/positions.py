@@ -1,7 +1,5 @@
 """From logs with still positions to the calibration of their sensors, by six-position or multi-position."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Sequence
 from pathlib import Path

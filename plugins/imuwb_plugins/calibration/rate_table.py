@@ -1,7 +1,5 @@
 """From runs of a rate table to the calibration of the gyros."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

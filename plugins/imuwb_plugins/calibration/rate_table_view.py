@@ -1,7 +1,5 @@
 """Tables and figures of a rate table."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

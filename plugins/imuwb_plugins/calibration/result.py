@@ -1,7 +1,5 @@
 """The results of a calibration."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 from imuwb.arrays import Floats

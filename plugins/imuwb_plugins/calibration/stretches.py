@@ -1,7 +1,5 @@
 """From logs to the stretches in which the sensor does not move, or turns at a constant rate."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """The conditioner around ``imuwb.conditioning.correct``."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

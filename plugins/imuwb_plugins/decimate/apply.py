@@ -1,7 +1,5 @@
 """A log at a lower rate."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from imuwb.conditioning import Change, KaiserFilter, condition_streams, design_kaiser, fir_change

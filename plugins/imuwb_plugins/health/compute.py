@@ -1,7 +1,5 @@
 """The health of a log."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from imuwb.health import Health, check

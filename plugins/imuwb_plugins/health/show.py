@@ -1,7 +1,5 @@
 """Tables and figures of a log's health."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.analysis import Curve, Figure, Mark, Review, Table

@@ -1,7 +1,5 @@
 """The least-squares spectrum of one axis, with its lines, constituents and tests of the noise."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.arrays import Floats, Integers

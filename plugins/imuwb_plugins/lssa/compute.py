@@ -1,7 +1,5 @@
 """From a log to the least-squares spectra of its axes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The lines of one axis: steady and drifting, with names."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The result of a least-squares spectrum."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from imuwb.arrays import Floats

@@ -1,7 +1,5 @@
 """All noise analyses of one log, or the comparison of several logs."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The effect of wavelet denoising: Allan deviation and spectrum before and after (Quinchia, 5.6 and figure 17)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """The error model of one log, or of several logs of one sensor."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

@@ -3,8 +3,6 @@
 Hassaballa, 5: three runs, figures 6 to 8.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

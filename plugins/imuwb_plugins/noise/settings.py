@@ -1,7 +1,5 @@
 """A study: the same noise after conditioners of many settings, such as rates and bandwidths (Hassaballa, 5.1 and table 2)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Tabs of the noise analysis."""
 
-from __future__ import annotations
-
 from imuwb.analysis import Review
 from imuwb_plugins.noise import show_denoising, show_repeatability, summary
 from imuwb_plugins.noise.compute import ANALYSES

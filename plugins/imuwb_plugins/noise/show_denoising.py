@@ -1,7 +1,5 @@
 """Figures and the table of wavelet denoising."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.analysis import Curve, Figure, Review, Table, Vertical

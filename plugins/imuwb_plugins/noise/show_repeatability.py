@@ -1,7 +1,5 @@
 """Tables and figures of several logs of one sensor."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

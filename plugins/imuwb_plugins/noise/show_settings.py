@@ -1,7 +1,5 @@
 """Figures and tables of a study of settings."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.analysis import Curve, Figure, Review, Table, Vertical

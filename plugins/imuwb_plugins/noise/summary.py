@@ -1,7 +1,5 @@
 """All findings of one log side by side, and a verdict for each axis."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from imuwb.analysis import Finding, Review, Table

@@ -1,7 +1,5 @@
 """From a log to the result of an outage replay."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

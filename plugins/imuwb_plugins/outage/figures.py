@@ -1,7 +1,5 @@
 """The figures of an outage replay."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The filters of a replay: states, innovations, error budget and estimates of the sensors' errors."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.arrays import Floats

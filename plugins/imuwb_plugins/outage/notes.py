@@ -1,7 +1,5 @@
 """The notes of an outage replay: what does not fit, how it was done, and what was estimated."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The files of an outage replay: the last filter's run, and the filter."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from imuwb.writers import write_text

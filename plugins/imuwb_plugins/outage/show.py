@@ -1,7 +1,5 @@
 """The recording of an outage replay: drift first, then consistency, errors, budget, biases, tracks, outages and filters."""
 
-from __future__ import annotations
-
 import rerun as rr
 
 from imuwb.analysis import Review

@@ -1,7 +1,5 @@
 """The outages of a replay one by one, and their statistics."""
 
-from __future__ import annotations
-
 from itertools import permutations
 
 import numpy as np

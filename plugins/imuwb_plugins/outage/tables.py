@@ -1,7 +1,5 @@
 """The tables of an outage replay."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.analysis import Table

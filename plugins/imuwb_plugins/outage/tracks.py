@@ -1,7 +1,5 @@
 """The tracks of the filters: in some outages, and over the whole log."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from imuwb.arrays import Floats

@@ -1,7 +1,5 @@
 """From a log to densities and fitted sums."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Remarks on the spectrum of an axis."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """From one axis over temperature to its result."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

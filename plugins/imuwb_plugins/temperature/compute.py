@@ -1,7 +1,5 @@
 """From logs to noise and bias over temperature."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 

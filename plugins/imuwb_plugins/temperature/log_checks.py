@@ -1,7 +1,5 @@
 """Whether logs suit an analysis over temperature: rates, duplicates, names and thermometers."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from imuwb.axes import axes_of

@@ -1,7 +1,5 @@
 """From the result to an error model by temperature."""
 
-from __future__ import annotations
-
 from imuwb import __version__
 from imuwb.identification.temperature import axis_model
 from imuwb.stochastic import ImuErrorModel

@@ -1,7 +1,5 @@
 """From logs to the records of each axis at each temperature."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TypeVar

@@ -1,7 +1,5 @@
 """The result of noise over temperature."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 from imuwb.arrays import Floats

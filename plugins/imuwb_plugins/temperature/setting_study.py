@@ -1,7 +1,5 @@
 """AR(1) by temperature in each setting of a study, such as a filter's cut-off (El-Diasty, tables 3 to 5)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The recording of noise over temperature, and of a study of settings."""
 
-from __future__ import annotations
-
 from imuwb.analysis import Review
 from imuwb_plugins.temperature import figures, tables
 from imuwb_plugins.temperature.result import Result, Study

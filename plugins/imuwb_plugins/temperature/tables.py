@@ -1,7 +1,5 @@
 """Tables of noise over temperature, among them those of El-Diasty."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import TypeAlias
 

@@ -1,7 +1,5 @@
 """Wavelet denoising of the axes of a log."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Options of the wavelet denoising."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
