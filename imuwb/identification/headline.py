@@ -109,7 +109,7 @@ class NoiseIdentification:
             return Sum((*self.likelihood.identified.terms, *lines))
         return Sum() if self.allan is None else self.allan.processes
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the headline in a few lines."""
         rows = [
             f"noise of {self.n} samples at {1 / self.dt:.6g} Hz ({seconds_text(self.n * self.dt)}), by {self.headline}:",
@@ -120,8 +120,6 @@ class NoiseIdentification:
         rows += [f"  {line}" for line in self.lines]
         rows += [f"  {part}" for part in (self.stationarity, self.choice, *self.notes) if part is not None]
         return "\n".join(rows)
-
-    __repr__ = __str__
 
 
 def identify(

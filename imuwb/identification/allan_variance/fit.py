@@ -63,14 +63,12 @@ class AllanFit:
         """Return the fitted sum's Allan deviation."""
         return np.sqrt(self.processes.allan_variance(averaging_time, dt))
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the coefficients and how well they explain the curve."""
         return (
             f"Allan fit from {number_text(self.shortest)} s (p = {self.probability:.2g}): "
             f"{coefficients_text(self.coefficients)}; {100 * self.level:g} % intervals and limits"
         )
-
-    __repr__ = __str__
 
 
 def fit_allan(curve: AllanDeviation, lines: Sequence[Line] = (), shortest: float = 0.0) -> AllanFit:

@@ -43,7 +43,7 @@ class AllanDeviation:
     noise_type: Integers  #: (k,) exponent of the power law: 2, 1, 0, -1, -2
     terms: Integers  #: (k,) second differences in the mean
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the range of averaging times and the least deviation."""
         least = int(np.argmin(self.deviation))
         return (
@@ -52,8 +52,6 @@ class AllanDeviation:
             f"{self.deviation[least]:.4g} [{self.lower[least]:.4g}, {self.upper[least]:.4g}] at "
             f"{number_text(float(self.averaging_time[least]))} s, {100 * self.level:g} % intervals"
         )
-
-    __repr__ = __str__
 
 
 def allan(

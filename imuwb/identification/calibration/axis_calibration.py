@@ -20,7 +20,7 @@ class AxisCalibration:
     cross_coupling: tuple[Estimate | None, Estimate | None] = (None, None)
     g_sensitivity: tuple[Estimate, Estimate, Estimate] | None = None  #: G, rad/s per m/s²; gyros only
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the terms that were determined, in one line."""
         terms = {
             "bias": self.bias, "scale factor": self.scale_factor, "non-linear": self.scale_factor_nonlinear,
@@ -31,8 +31,6 @@ class AxisCalibration:
             for name, term in terms.items()
             if term is not None and term != (None, None)
         )
-
-    __repr__ = __str__
 
 
 def student_estimate(value: float, variance: float, freedom: float, level: float) -> Estimate:

@@ -34,11 +34,9 @@ class PositionCalibration:
     freedom: float  #: number of rows minus number of parameters
     probability: float  #: probability that noise alone makes residuals as large as these
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return one line for each axis."""
         return "\n".join(f"accel {k}: {axis}" for k, axis in zip("xyz", self.axes, strict=True))
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, slots=True)

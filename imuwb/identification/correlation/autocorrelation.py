@@ -42,12 +42,10 @@ class GaussMarkovFit:
         """Return whether the record does not show Tc: its interval spans more than a factor of 100."""
         return self.Tc.upper > VAGUE * self.Tc.lower
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return sigma, Tc, and whether the process alone explains the record."""
         verdict = "explains" if self.tenable else "does not explain"
         return f"Gauss-Markov sigma {self.sigma}, Tc {self.Tc}: this process alone {verdict} the record (p = {self.probability:.2g})"
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
@@ -62,13 +60,11 @@ class Autocorrelation:
     falls_to: float | None  #: s, lag at which the correlation first falls to 1/e, which papers read as Tc
     gauss_markov: GaussMarkovFit | None  #: None: the record is too short for a fit
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the lags, where the correlation falls to 1/e, and the Gauss-Markov process."""
         falls = "stays above 1/e" if self.falls_to is None else f"falls to 1/e at {number_text(self.falls_to)} s"
         fit = "" if self.gauss_markov is None else f"; {self.gauss_markov}"
         return f"autocorrelation to a lag of {number_text(float(self.lag[-1]))} s: {falls}{fit}"
-
-    __repr__ = __str__
 
 
 def autocorrelation(values: Floats, dt: float, longest: float | None = None, *, level: float = 0.95) -> Autocorrelation:

@@ -53,12 +53,10 @@ class Order:
         ratio = self.beta0 / first.beta0
         return replace(self, beta0_ratio=ratio, aicc_excess=self.aicc - first.aicc, bic_excess=self.bic - first.bic)
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the coefficients with their standard errors."""
         alphas = ", ".join(f"{a:.6g} ± {s:.1g}" for a, s in zip(self.alpha, self.alpha_sigma, strict=True))
         return f"AR({self.order}): alpha {alphas}; beta0 {self.beta0:.6g}{'' if self.stable else '; NOT stable'}"
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -94,7 +92,7 @@ class AutoregressiveFit:
         model = self.orders[order - 1]
         return Autoregressive(tuple(model.alpha), model.beta0, self.dt)
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the chosen model, the orders that are tenable, and the reading of order 1."""
         tenable = ", ".join(str(w.order) for w in self.whiteness if w.white) or "no order"
         return (
@@ -102,8 +100,6 @@ class AutoregressiveFit:
             f"{self.orders[self.chosen - 1]}; white innovations: {tenable} of {', '.join(str(w.order) for w in self.whiteness)}; "
             f"order 1: {self.reading}"
         )
-
-    __repr__ = __str__
 
 
 def fit_autoregressive(

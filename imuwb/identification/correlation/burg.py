@@ -24,11 +24,9 @@ class Burg:
     alpha: tuple[Floats, ...]  #: coefficients, (k,) for order k
     variance: Floats  #: (p + 1,) variance of the innovations, beta0²
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the number of models."""
         return f"Burg's models of orders 0 to {len(self.alpha) - 1}, from {self.n} samples"
-
-    __repr__ = __str__
 
 
 def burg(values: Floats, orders: int, breaks: Sequence[int] = ()) -> Burg:

@@ -42,14 +42,12 @@ class CosineSpectrum:
         """Return the centre of each bin (Hz)."""
         return np.sqrt(self.first * self.last.astype(np.float64)) / (2 * self.n * self.dt)
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the number of coefficients and bins."""
         return (
             f"cosine spectrum of {self.n} samples at {1 / self.dt:.6g} Hz: {self.low.size} lowest coefficients, "
             f"{self.power.size} bins"
         )
-
-    __repr__ = __str__
 
     def density(self, process: Process) -> Floats:
         """Return a process's two-sided density averaged over each bin, (k,)."""

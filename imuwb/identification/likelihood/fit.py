@@ -57,14 +57,12 @@ class LikelihoodFit:
         ramp = [term for term in self.processes.terms if isinstance(term, RateRamp)]
         return Sum((*(TERMS[x](self.coefficients[x].value or 0.0) for x in sure), *ramp))
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the coefficients and how well they explain the spectrum."""
         return (
             f"likelihood fit up to {number_text(self.highest)} Hz (p = {self.probability:.2g}): "
             f"{coefficients_text(self.coefficients)}; {100 * self.level:g} % intervals and limits"
         )
-
-    __repr__ = __str__
 
 
 def spectrum_without(values: Floats, dt: float, lines: Sequence[Line] = ()) -> CosineSpectrum:

@@ -54,11 +54,9 @@ class ModelCandidate:
             out_of_sample_excess=(self.out_of_sample or 0.0) - (best.out_of_sample or 0.0) if known else None,
         )
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the sum, its parameters and its BIC over the best sum's."""
         return f"{self.name} ({self.processes}), BIC {self.bic_excess:+.1f}"
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
@@ -74,12 +72,10 @@ class ModelChoice:
         """Return the sum with the least BIC."""
         return self.candidates[0]
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the best sum and the next ones."""
         others = "; ".join(f"{c.name} {c.bic_excess:+.1f}" for c in self.candidates[1:4])
         return f"{'clearly ' if self.clear else ''}best sum: {self.best.name} ({self.best.processes}); BIC of the next: {others}"
-
-    __repr__ = __str__
 
 
 def choose_model(

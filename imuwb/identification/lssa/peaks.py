@@ -56,11 +56,9 @@ class Extraction:
     left_significance: Significance  #: significance of the spectrum without the lines
     residual: Floats  #: (rows,) whitened, without the lines
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return one line for each periodic line."""
         return "\n".join([f"{len(self.peaks)} lines", *map(str, self.peaks)])
-
-    __repr__ = __str__
 
 
 @dataclass(slots=True)

@@ -36,13 +36,11 @@ class Adjusted:
     coefficients: Floats  #: (k,) coefficients of the constituents
     sigma: Floats  #: (k,) standard errors of the coefficients
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the size of the series, its noise and its constituents, in one line."""
         sizes = zip(self.names, self.coefficients, self.sigma, strict=True)
         known = "".join(f", {name} {value:.4g} ± {sigma:.1g}" for name, value, sigma in sizes)
         return f"{self.time.size} samples over {self.time[-1]:.6g} s, {self.noise.noise.kind} noise{known}"
-
-    __repr__ = __str__
 
     @property
     def rest(self) -> float:
@@ -66,12 +64,10 @@ class Spectrum:
     reduction: Floats  #: (m,) reduction of the quadratic form of the residual by a line
     complex_amplitude: Complexes  #: (m,) a - ib of a cos(omega t) + b sin(omega t), with t from the first sample
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the range of frequencies and the series, in one line."""
         first, last = self.grid.step, self.grid.step * self.grid.count
         return f"least-squares spectrum at {self.grid.count} frequencies, {first:.4g} to {last:.6g} Hz: {self.adjusted}"
-
-    __repr__ = __str__
 
     @property
     def frequency(self) -> Floats:

@@ -36,7 +36,7 @@ class Stationarity:
     worst_time: float  #: s, averaging time at which it differs most
     worst_ratio: float  #: ratio of its deviation to that of all parts, at that time
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the verdict, and the part that differs most if the record is not stationary."""
         if self.stationary:
             return f"stationary: {self.start.size} parts of {seconds_text(self.length)} are alike (p = {self.smallest:.2g})"
@@ -44,8 +44,6 @@ class Stationarity:
             f"not stationary (p = {self.smallest:.2g}): the part from {seconds_text(float(self.start[self.worst_part]))} has "
             f"{self.worst_ratio:.2g} times the usual Allan deviation at {number_text(self.worst_time)} s"
         )
-
-    __repr__ = __str__
 
 
 def stationarity(values: Floats, dt: float, parts: int = 12) -> Stationarity:

@@ -44,15 +44,13 @@ class PowerSpectrum:
     degrees_of_freedom: Floats  #: (k,)
     sides: int = 1
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the range of frequencies and the segments."""
         return (
             f"one-sided spectrum of {self.n} samples at {1 / self.dt:.6g} Hz: {self.frequency.size} bands from "
             f"{number_text(float(self.frequency[0]))} to {number_text(float(self.frequency[-1]))} Hz, segments of "
             f"{self.segment} samples, {100 * self.level:g} % intervals"
         )
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
@@ -71,14 +69,12 @@ class SpectralFit:
         """Return the fitted sum's one-sided density."""
         return 2 * self.processes.power_spectral_density(frequency, dt)
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the coefficients and how well they explain the spectrum."""
         return (
             f"spectral fit up to {number_text(self.highest)} Hz (p = {self.probability:.2g}): "
             f"{coefficients_text(self.coefficients)}; {100 * self.level:g} % intervals and limits"
         )
-
-    __repr__ = __str__
 
 
 def power_spectrum(values: Floats, dt: float, segment: int = LONGEST, *, level: float = 0.95) -> PowerSpectrum:

@@ -28,13 +28,11 @@ class Law:
         """Return the function; None if there is none."""
         return None if self.choice is None else self.choice.function
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the function or the limit, in one line."""
         if self.choice is not None:
             return str(self.choice.function)
         return "not identified" if self.limit is None else f"< {self.limit:.4g}"
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -47,12 +45,10 @@ class AxisTemperatures:
     laws: dict[str, Law]  #: laws of N, B, K, Q, alpha, bias
     biases: Biases
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return one line for each set-point and each law."""
         laws = (f"{name}: {law}" for name, law in self.laws.items())
         return "\n".join([*map(str, self.points), *laws])
-
-    __repr__ = __str__
 
 
 def over_temperature(

@@ -54,11 +54,9 @@ class Biases:
     hysteresis: tuple[Hysteresis, ...]
     turn_on: float | None  #: standard deviation between logs at one temperature, without noise; None: not known
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return one line for each temperature."""
         return "\n".join(f"{b.temperature:.4g} °C: {b.estimate}" for b in self.at)
-
-    __repr__ = __str__
 
     def heterogeneity(self) -> float | None:
         """Return the chi-square statistic of the test that all biases are equal; None if there is no test.

@@ -38,13 +38,11 @@ class Dependence:
     depends: bool | None  #: None if there is no statistic
     common: Coefficient | None = None  #: value common to all temperatures; None for other quantities
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the verdict, in one line."""
         if self.p_value is None:
             return self.distribution
         return f"{'depends on temperature' if self.depends else 'the same at all temperatures'}, p = {self.p_value:.2g}"
-
-    __repr__ = __str__
 
 
 def heterogeneity(values: Floats, sigmas: Floats, size: float = 0.05) -> Dependence | None:

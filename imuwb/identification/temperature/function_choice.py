@@ -43,11 +43,9 @@ class FunctionChoice:
     candidates: tuple[FunctionCandidate, ...]
     reason: str
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the function and the reason, in one line."""
         return f"{self.function} ({self.reason})"
-
-    __repr__ = __str__
 
 
 def choose_function(

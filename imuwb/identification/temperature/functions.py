@@ -65,11 +65,9 @@ class TemperatureFunction:
     logarithmic: bool
     excess: float  #: variance of the function's own error between set-points
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the formula."""
         return f"{self.kind}: {self.text}"
-
-    __repr__ = __str__
 
     def at(self, celsius: Floats, level: float = 0.95) -> tuple[Floats, Floats, Floats]:
         """Return values, and lower and upper ends of intervals that contain the sensor's value, (m,) each."""

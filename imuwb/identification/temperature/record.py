@@ -20,11 +20,9 @@ class Record:
     rising: bool | None = None  #: whether the temperature came from below; None: not known
     log: int = 0  #: number of its log; records of one log share a turn-on bias
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return size and temperature, in one line."""
         return f"{self.values.size} samples at {self.celsius:.4g} °C"
-
-    __repr__ = __str__
 
 
 def residuals(record: Record) -> tuple[Floats, Floats]:

@@ -54,12 +54,10 @@ class SetPoint:
     lines: tuple[Line, ...]  #: sinusoids that the fit leaves out
     absent: tuple[str, ...] = ()  #: coefficients that are known to be absent
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the temperature and the coefficients, in one line."""
         sizes = ", ".join(f"{letter} {c}" for letter, c in self.coefficients.items())
         return f"{self.celsius:.4g} °C, {self.samples} samples: {sizes}, {self.ar1}"
-
-    __repr__ = __str__
 
     @property
     def ramped(self) -> bool:

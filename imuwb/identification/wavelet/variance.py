@@ -49,14 +49,12 @@ class WaveletVariance:
     variance: Floats  #: (j,)
     terms: Integers  #: (j,) number of coefficients before any are thinned out
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the range of scales."""
         return (
             f"wavelet variances of {self.n} samples at {1 / self.dt:.6g} Hz: {self.scale.size} scales from "
             f"{number_text(float(self.scale[0]))} to {number_text(float(self.scale[-1]))} s"
         )
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
@@ -70,14 +68,12 @@ class WaveletFit:
     misfit: float  #: chi-square over its degrees of freedom, from this scale up
     probability: float  #: probability that chance makes so large a misfit
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the coefficients and how well they explain the variances."""
         return (
             f"wavelet-variance fit from {number_text(self.shortest)} s (p = {self.probability:.2g}): "
             f"{coefficients_text(self.coefficients)}; {100 * self.level:g} % intervals and limits"
         )
-
-    __repr__ = __str__
 
 
 def wavelet_variance(values: Floats, dt: float) -> WaveletVariance:

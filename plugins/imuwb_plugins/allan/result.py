@@ -91,11 +91,9 @@ class AllanAxis:
     estimates: EstimatorComparison | None = None
     model_curves: ModelCurves | None = field(default=None, metadata={"document": False})
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the coefficients, or why there are none."""
         return self.why_no_fit or coefficients_text(self.coefficients)
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
@@ -114,10 +112,8 @@ class Result:
     notes: tuple[str, ...]
     model: str  #: coefficients that the error model takes: "allan" or "headline"
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the coefficients of each axis."""
         return "\n".join(
             [f"{self.imu}, {self.duration:.0f} s, Allan fit:", *(f"  {a}: {r}" for a, r in self.axes.items())]
         )
-
-    __repr__ = __str__

@@ -50,11 +50,9 @@ class CorrelationAxis:
     denoised: CorrelationCurve | None = None
     why_none: str | None = None
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the verdict, or why there is none."""
         return self.why_none or self.verdict
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
@@ -68,8 +66,6 @@ class Result:
     axes: dict[str, CorrelationAxis]
     notes: tuple[str, ...]
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the verdict of each axis."""
         return "\n".join([f"autocorrelation of {self.imu}:", *(f"  {a}: {r}" for a, r in self.axes.items())])
-
-    __repr__ = __str__

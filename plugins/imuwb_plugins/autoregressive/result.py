@@ -20,11 +20,9 @@ class AutoregressiveAxis:
     unit: str
     why_none: str | None
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the chosen model, or why there is none."""
         return f"{self.orders[self.chosen - 1]}; {self.reading}" if self.chosen else str(self.why_none)
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
@@ -39,8 +37,6 @@ class Result:
     axes: dict[str, AutoregressiveAxis]
     notes: tuple[str, ...]
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the chosen model of each axis."""
         return "\n".join([f"autoregressive models of {self.imu}:", *(f"  {a}: {r}" for a, r in self.axes.items())])
-
-    __repr__ = __str__

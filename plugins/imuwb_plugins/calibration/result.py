@@ -53,11 +53,9 @@ class PositionResult:
     model: ImuErrorModel = field(metadata={"document": False})
     traces: tuple[Trace, ...] = field(metadata={"document": False})
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the parameters, one line for each axis."""
         return _lines(f"{self.imu}: {len(self.positions)} positions", self.parameters)
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,11 +97,9 @@ class TableResult:
     model: ImuErrorModel = field(metadata={"document": False})
     traces: tuple[Trace, ...] = field(metadata={"document": False})
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the parameters, one line for each axis."""
         return _lines(f"{self.imu}: {len(self.runs)} runs of a rate table", self.parameters)
-
-    __repr__ = __str__
 
 
 def _lines(title: str, parameters: Terms) -> str:

@@ -73,12 +73,10 @@ class LssaAxis:
     mirror: float | None  #: Hz
     why_none: str | None  #: why the axis has no spectrum; None: it has one
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the claimed lines, or why the axis has no spectrum, in one line."""
         lines = [f"{p.name}, amplitude {p.amplitude:.3g}" for p in self.peaks if p.claimed]
         return self.why_none or "; ".join(lines) or "no line"
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -93,8 +91,6 @@ class Result:
     axes: dict[str, LssaAxis]
     notes: tuple[str, ...]
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return one line for each axis."""
         return "\n".join([self.imu, *(f"  {name}: {axis}" for name, axis in self.axes.items())])
-
-    __repr__ = __str__

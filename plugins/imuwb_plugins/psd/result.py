@@ -43,11 +43,9 @@ class SpectrumAxis:
     resonances: tuple[float, ...] = ()  #: Hz, broad peaks above the fitted band
     model_densities: ModelDensities | None = field(default=None, metadata={"document": False})
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the coefficients, or why there are none."""
         return self.why_none or coefficients_text(self.coefficients)
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
@@ -61,8 +59,6 @@ class Result:
     axes: dict[str, SpectrumAxis]
     notes: tuple[str, ...]
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the coefficients of each axis."""
         return "\n".join([f"{self.imu}, by power spectral density:", *(f"  {a}: {r}" for a, r in self.axes.items())])
-
-    __repr__ = __str__

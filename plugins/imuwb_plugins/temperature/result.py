@@ -28,12 +28,10 @@ class TemperatureResult:
     allan_deviation: Floats
     white_deviation: Floats  #: Allan deviation of N alone; empty if N is not identified
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the coefficients, in one line."""
         sizes = ", ".join(f"{letter} {c}" for letter, c in self.coefficients.items())
         return f"{self.temperature:.4g} °C: {sizes}"
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -89,14 +87,12 @@ class Result:
     axes: dict[str, TemperatureAxis]
     notes: tuple[str, ...]
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the verdicts on N, one line for each axis."""
         rows = (
             f"  {name}: {len(a.by_temperature)} temperatures; {a.dependence.text['N']}" for name, a in self.axes.items()
         )
         return "\n".join([self.imu, *rows])
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True)
