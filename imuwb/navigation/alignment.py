@@ -7,17 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from imuwb.arrays import Floats, Integers
+from imuwb.arrays import Floats
 from imuwb.errors import MissingDataError
 from imuwb.geodesy.attitude import rotation_of_euler
 from imuwb.geodesy.earth import gravity, ned_scale
 from imuwb.navigation.corrections import Corrections
 from imuwb.navigation.filter_model import FilterModel, Settings
+from imuwb.navigation.fix_velocities import FixVelocities, fix_velocities
 from imuwb.navigation.measurement import Measurement
 from imuwb.notes import Note
 
 AROUND = 1.0  #: s before and after the alignment over which specific force and angular rate are averaged
-NEAR = 5.0  #: s; positions at most this far apart give a velocity
 CLEAR = 3.0  #: a speed above this many of its sigmas counts as motion
 HARDEST = 8.0  #: m/s², the largest acceleration of a vehicle
 SECONDS_STILL = 5.0  #: s; a shorter standstill does not give the gyros' bias
@@ -44,21 +44,6 @@ class Alignment:
     __repr__ = __str__
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Velocities:
-    """The fixes whose velocity is known, f of them."""
-
-    event: Integers  #: (f,) among the corrections
-    time: Floats  #: (f,) s from the log's start
-    value: Floats  #: (f, 3) m/s, NED
-    sigma: Floats  #: (f,) m/s, horizontal
-
-    @property
-    def speed(self) -> Floats:
-        """Return the horizontal speed, (f,) m/s."""
-        return np.hypot(self.value[:, 0], self.value[:, 1])
-
-
 def align(
     measurement: Measurement, corrections: Corrections, stills: Floats, model: FilterModel, after: float = -np.inf
 ) -> Alignment:
@@ -75,7 +60,7 @@ def align(
         MissingDataError: no fix has a velocity, or none is fast enough.
     """
     settings, lever = model.settings, np.array(model.installation.lever_arm)
-    velocities = _velocities(corrections, settings.velocity_sigma[0])
+    velocities = fix_velocities(corrections, settings)
     first = _first_fast(measurement, velocities, settings.start_speed, after)
     event, time = int(velocities.event[first]), float(velocities.time[first])
     acceleration = _acceleration(velocities, time)
@@ -103,32 +88,7 @@ def align(
     return Alignment(event, sample, position, velocity, euler, covariance, bias, standstill, note)
 
 
-def _velocities(corrections: Corrections, usual: float) -> _Velocities:
-    """Return the fixes with a velocity; if no fix has one, compute it from the positions before and after each fix.
-
-    If the velocity of a fix is a separate event, the event of its position has a copy of the velocity.
-
-    Args:
-        corrections: the log's fixes.
-        usual: m/s, sigma of a velocity that has no sigma of its own.
-    """
-    events = corrections.events
-    fixes = np.flatnonzero(corrections.fix >= 0)
-    known = (events.variance[fixes, 3] > 0) | (events.value[fixes, 3:] != 0).any(axis=1)
-    if known.any():
-        fixes = fixes[known]
-        sigma = np.sqrt(events.variance[fixes, 3:5].max(axis=1))
-        return _Velocities(fixes, corrections.time[fixes], events.value[fixes, 3:], np.where(sigma > 0, sigma, usual))
-    before, middle, after = fixes[:-2], fixes[1:-1], fixes[2:]
-    span = corrections.time[after] - corrections.time[before]
-    moved = events.value[after, :3] - events.value[before, :3]
-    ned = moved * ned_scale(events.value[middle, 0], events.value[middle, 2])
-    sigma = np.sqrt(2 * events.variance[middle, :2].max(axis=1)) / span
-    near = span < NEAR
-    return _Velocities(middle[near], corrections.time[middle[near]], (ned / span[:, None])[near], sigma[near])
-
-
-def _first_fast(measurement: Measurement, velocities: _Velocities, enough: float, after: float) -> int:
+def _first_fast(measurement: Measurement, velocities: FixVelocities, enough: float, after: float) -> int:
     """Return the first fix that is fast enough, and whose successor is fast enough too."""
     if not velocities.event.size:
         raise MissingDataError(
@@ -137,10 +97,10 @@ def _first_fast(measurement: Measurement, velocities: _Velocities, enough: float
         )
     time, speed = velocities.time, velocities.speed
     inside = (time > measurement.time[0] + AROUND) & (time < measurement.time[-1] - AROUND)
-    fast = (speed > np.maximum(enough, CLEAR * velocities.sigma)) & inside
+    fast = (speed > np.maximum(enough, CLEAR * velocities.spread)) & inside
     # A single fast fix may be a spike: the velocity of the next fix must agree with it.
     step = np.hypot(*np.diff(velocities.value[:, :2], axis=0).T)
-    agrees = np.append(step < HARDEST * np.diff(time) + CLEAR * velocities.sigma[1:], False)
+    agrees = np.append(step < HARDEST * np.diff(time) + CLEAR * velocities.spread[1:], False)
     fast &= agrees & np.append(fast[1:], False)
     if not fast.any():
         raise MissingDataError(
@@ -153,7 +113,7 @@ def _first_fast(measurement: Measurement, velocities: _Velocities, enough: float
     return int(np.argmax(fast))
 
 
-def _acceleration(velocities: _Velocities, time: float) -> Floats:
+def _acceleration(velocities: FixVelocities, time: float) -> Floats:
     """Return the receiver's acceleration around a time, (3,) m/s² NED: the slope of a straight line."""
     near = np.abs(velocities.time - time) <= 2 * AROUND
     at, values = velocities.time[near], velocities.value[near]

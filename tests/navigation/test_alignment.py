@@ -12,6 +12,7 @@ from imuwb.log import GnssStream
 from imuwb.navigation.alignment import align
 from imuwb.navigation.corrections import Corrections, corrections_of
 from imuwb.navigation.filter_model import FilterModel, Installation, Settings
+from imuwb.navigation.fix_velocities import CLIMB, JERK, fix_velocities, velocities_of_positions
 from imuwb.navigation.measurement import Measurement, measurement_of
 from imuwb.navigation.standstill import standstills
 from imuwb.navigation.tables import FIX, Events, Samples
@@ -238,7 +239,7 @@ def test_sigmas_of_the_alignment():
     heading = np.hypot(np.radians(3.0), sigma / SPEED)
     assert np.sqrt(np.diagonal(covariance)) == pytest.approx([*[sigma] * 6, tilt, tilt, heading])
     usual = aligned(flat(sigma=sigma, velocity_sigma=False))
-    assert np.sqrt(np.diagonal(usual.covariance)[3:6]) == pytest.approx([0.15] * 3)
+    assert np.sqrt(np.diagonal(usual.covariance)[3:5]) == pytest.approx([0.15, 0.15])
 
 
 @pytest.mark.parametrize(
@@ -266,21 +267,43 @@ def test_a_start_has_a_second_of_samples_around_it():
     assert made.corrections.time[aligned(made, after=0.0).event] == 2.0
 
 
-def positions_only(step):
+def positions_only(step, sigma=1.0):
     """Return a drive ahead with 15 m/s whose fixes have no velocities."""
-    made = flat(step=step, count=int(19 / step))
+    made = flat(step=step, count=round(19 / step))
     time = made.corrections.time
     made.value[:, 3:] = 0.0
     made.value[:, :3] = PLACE + 15.0 * (time - 10)[:, None] * FORWARD / drives.scale(PLACE)
-    variance = np.tile([1.0, 1.0, 1.0, 0, 0, 0], (time.size, 1))
+    variance = np.tile([sigma**2] * 3 + [0] * 3, (time.size, 1))
     events = made.corrections.events._replace(variance=variance)
     return SimpleNamespace(measurement=made.measurement, corrections=replace(made.corrections, events=events))
 
 
-def test_positions_give_a_velocity_with_its_sigma():
-    start = aligned(positions_only(1.0))
+@pytest.mark.parametrize(
+    ("step", "sigma", "span"), [(1.0, 1.0, 2.0), (0.5, 1.0, 3.0), (0.1, 2.5, 4.0), (0.1, 0.01, 0.6)]
+)
+def test_positions_give_a_velocity_over_a_baseline_that_their_sigma_justifies(step, sigma, span):
+    """Of all even numbers of steps, the span is next to the one with the least error of positions and jerk together."""
+    start = aligned(positions_only(step, sigma))
     assert start.velocity[:2] == pytest.approx(15.0 * FORWARD[:2], abs=1e-3)
-    assert np.sqrt(start.covariance[3, 3]) == pytest.approx(np.sqrt(2) / 2.0)  # two positions, two seconds apart
+    expected = np.hypot(np.sqrt(2) * sigma / span, JERK * span**2 / 24)
+    assert np.sqrt(start.covariance[3, 3]) == pytest.approx(expected, rel=1e-6)
+    others = 2 * step * np.arange(1, 1 + int(2.4 / step))
+    assert expected < 1.1 * np.hypot(np.sqrt(2) * sigma / others, JERK * others**2 / 24).min()
+
+
+def test_an_acceleration_and_uneven_fixes_leave_the_velocity_right():
+    """A parabola through three positions has the true slope whatever the times between them."""
+    made = positions_only(0.1)
+    rows = np.sort(np.random.default_rng(0).choice(np.arange(180), 90, replace=False))
+    time = made.corrections.time[rows]
+    ned = (12.0 * (time - 10) + (time - 10) ** 2)[:, None] * FORWARD
+    value = np.zeros((rows.size, 6))
+    value[:, :3] = PLACE + ned / drives.scale(PLACE)
+    events = Events(*(x[rows] for x in made.corrections.events))._replace(value=value)
+    found = velocities_of_positions(Corrections(events, time, np.arange(rows.size)), np.arange(rows.size))
+    expected = (12.0 + 2 * (found.time - 10))[:, None] * FORWARD
+    assert found.time.size > 60
+    assert found.value == pytest.approx(expected, abs=2e-3)
 
 
 @pytest.mark.parametrize(("step", "known"), [(2.4, True), (2.6, False)])
@@ -326,3 +349,29 @@ def test_a_log_shorter_than_a_second_has_no_standstill():
     measurement = scattered(np.ones(40))
     short = replace(measurement, time=measurement.time[:50], samples=Samples(*(x[:50] for x in measurement.samples)))
     assert standstills(short, SimpleNamespace(zero=0), None).shape == (0, 2)
+
+
+def test_a_velocity_down_that_is_not_reported_comes_from_the_positions(town, measurement):
+    gnss = town.gnss[0]
+    flat_only = np.where([True, True, False], gnss.velocity, np.nan)
+    whole = align(measurement, taken(town, measurement), NO_STILLS, MODEL)
+    start = align(measurement, taken(town, measurement, velocity=flat_only), NO_STILLS, MODEL)
+    assert start.event == whole.event
+    assert start.velocity[:2] == pytest.approx(whole.velocity[:2], abs=1e-12)
+    sigma = np.sqrt(start.covariance[5, 5])
+    assert np.sqrt(whole.covariance[5, 5]) < sigma
+    assert abs(start.velocity[2] - whole.velocity[2]) < 4 * sigma
+
+
+def test_a_velocity_down_that_nothing_gives_is_zero_with_a_wide_sigma():
+    made = flat(step=1.0)
+    variance = made.corrections.events.variance.copy()
+    variance[:, 5] = 0.0
+    variance[:, :3] = 1.0
+    apart = flat(step=1.0, count=20)
+    rows = np.arange(0, 19, 6)
+    events = Events(*(x[rows] for x in apart.corrections.events._replace(variance=variance)))
+    corrections = Corrections(events, apart.corrections.time[rows], np.arange(rows.size))
+    found = fix_velocities(corrections, Settings())
+    assert found.value[:, 2].tolist() == [0.0] * rows.size
+    assert found.sigma[:, 2].tolist() == [CLIMB] * rows.size
