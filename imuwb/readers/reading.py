@@ -1,5 +1,6 @@
 """Reads a file of any known format as a Log, a stream of pieces, or a summary."""
 
+import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields, replace
@@ -82,7 +83,7 @@ def read(path: str | Path, options: ReadOptions | None = None, progress: Progres
     with ThreadPoolExecutor(1) as pool:
         fingerprint = pool.submit(source.fingerprint, path)
         parts = _reporting(_parts(reader, path, options or ReadOptions()), size, progress)
-        log = assemble(parts, Provenance(str(path), reader.format, "", size))
+        log = assemble(parts, Provenance(_text(path), reader.format, "", size))
         return replace(log, provenance=replace(log.provenance, hash=fingerprint.result()))
 
 
@@ -98,6 +99,11 @@ def describe(path: str | Path, options: ReadOptions | None = None) -> LogSummary
     from_index = getattr(reader_of(path), "describe", None)
     summary = cast("LogSummary | None", from_index(Path(path))) if from_index is not None else None
     return summary if summary is not None else summarize(read(path, options))
+
+
+def _text(path: str | Path) -> str:
+    """Return a path as text that documents can hold: bytes of a name that are no UTF-8 are replaced."""
+    return os.fsencode(path).decode("utf-8", "replace")
 
 
 def _reporting(parts: Iterator[Batch | Remark], size: int, progress: Progress | None) -> Iterator[Batch | Remark]:

@@ -98,7 +98,7 @@ def _axis(
     if name == "full":
         return model
     points = tuple((t, _of(name, axis, s, reading, interval, static)) for t, s in model.thermal)
-    return replace(model, processes=_of(name, axis, model.processes, reading, interval, static), thermal=points)
+    return model.with_processes(_of(name, axis, model.processes, reading, interval, static), points)
 
 
 def _of(

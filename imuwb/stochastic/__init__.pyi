@@ -1,5 +1,6 @@
 from .autoregressive import Autoregressive as Autoregressive
 from .axis_model import AxisModel as AxisModel
+from .axis_model import of_either_sign as of_either_sign
 from .deterministic import corrected as corrected
 from .deterministic import is_ideal as is_ideal
 from .deterministic import is_thermal as is_thermal

@@ -1,5 +1,7 @@
 """The error model of one sensor axis: a sum of processes and deterministic terms."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
@@ -8,8 +10,10 @@ from typing import Any, TypeAlias, cast
 
 import numpy as np
 
+from imuwb.stochastic.elementary import LARGEST
 from imuwb.stochastic.sums import Sum, short_text
 
+LIMITED = ("Q", "N", "B", "K", "R", "sigma", "beta0", "amplitude")  #: parameters that may have a limit
 Thermal: TypeAlias = tuple[tuple[float, float], ...]  #: (°C, value), rising
 
 
@@ -20,7 +24,8 @@ class AxisModel:
     Between two set-points everything is linear in temperature; below the first and above the last it is constant.
 
     Raises:
-        ValueError: a term out of its range, or set-points that do not rise or differ in their processes.
+        ValueError: a term out of its range, a value outside of its interval, a limit that is not positive, or set-points that
+            do not rise or differ in their processes.
     """
 
     processes: Sum = field(default_factory=Sum)
@@ -42,7 +47,9 @@ class AxisModel:
     range: float | None = None  #: largest output
 
     def __post_init__(self) -> None:
-        """Check the ranges and the set-points."""
+        """Check the ranges, the intervals and the set-points."""
+        self._check_terms()
+        self._check_intervals()
         for name in ("bandwidth", "group_delay", "lsb", "range"):
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and value > 0):
@@ -52,6 +59,53 @@ class AxisModel:
             celsius = [t for t, _ in points]
             if len(shapes) > 1 or any(b <= a for a, b in pairwise(celsius)):
                 raise ValueError(f"the set-points are {celsius} °C; they must rise, and have the same processes")
+
+    def _check_terms(self) -> None:
+        terms = {"bias": (self.bias,), "scale_factor": (self.scale_factor,)}
+        terms |= {"scale_factor_nonlinear": (self.scale_factor_nonlinear,)}
+        terms |= {"cross_coupling": self.cross_coupling, "g_sensitivity": self.g_sensitivity}
+        terms |= {name: sum(getattr(self, name), ()) for name in ("thermal_bias", "thermal_scale_factor")}
+        for name, values in terms.items():
+            for value in values:
+                if not abs(value) < LARGEST:
+                    raise ValueError(f"{name} has the value {value}; it must be a number below {LARGEST:g}")
+
+    def _check_intervals(self) -> None:
+        for key, (lower, upper) in self.intervals.items():
+            place, _, name = key.partition(".")
+            known = place.isdecimal() and int(place) < len(self.processes.terms)
+            value = getattr(self.processes.terms[int(place)], name, None) if known else None
+            if not isinstance(value, float):
+                raise ValueError(  # noqa: TRY004 - the key is wrong, not the type
+                    f"there is an interval of {key!r}, but no such parameter; write 0.N for N of the first process"
+                )
+            if not -LARGEST < lower <= value <= upper < LARGEST:
+                raise ValueError(
+                    f"{name} of process {place} is {value}; it must be in its interval, {lower} to {upper}"
+                )
+        for name, limit in self.limits.items():
+            if name not in LIMITED or not 0 < limit < LARGEST:
+                raise ValueError(
+                    f"the limit of {name} is {limit}; it must be above 0, and belong to one of {', '.join(LIMITED)}"
+                )
+
+    def with_processes(self, processes: Sum, thermal: tuple[tuple[float, Sum], ...] = ()) -> AxisModel:
+        """Return the axis with other processes. A process that stays keeps its intervals.
+
+        Args:
+            processes: the new processes.
+            thermal: (°C, the new processes at that temperature).
+        """
+        before = self.processes.terms
+        kept = {
+            f"{i}.{name}": ends
+            for i, term in enumerate(processes.terms)
+            if term in before
+            for key, ends in self.intervals.items()
+            for place, _, name in (key.partition("."),)
+            if int(place) == before.index(term)
+        }
+        return replace(self, processes=processes, thermal=thermal, intervals=kept)
 
     def at(self, celsius: float | None) -> Sum:
         """Return the processes at a temperature.
@@ -72,6 +126,14 @@ class AxisModel:
         other = [f.name for f in fields(self) if f.name not in ("processes", "intervals", "limits", "thermal")]
         stated = [f"{name}={short_text(value)}" for name in other if np.any(value := getattr(self, name) or 0.0)]
         return "; ".join([str(self.processes), *stated])
+
+
+def of_either_sign(value: float, lower: float, upper: float) -> tuple[float, float]:
+    """Return the interval of a value from the interval of its magnitude, or that of its magnitude from its own.
+
+    Estimators give the size of a rate ramp with the interval of that size; an error model has the ramp with its sign.
+    """
+    return (lower, upper) if value >= 0 else (-upper, -lower)
 
 
 def _between(a: Any, b: Any, share: float) -> Any:  # noqa: ANN401 - whatever process it is given

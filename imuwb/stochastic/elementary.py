@@ -3,12 +3,11 @@
 from dataclasses import fields
 from typing import Any, ClassVar, cast
 
-import numpy as np
-
 from imuwb.stochastic.sums import Addable, short_text
 
 POSITIVE = ("Tc", "frequency", "dt")  #: parameters that must be above 0; the others must not be negative
 SIGNED = ("R",)  #: parameters of either sign
+LARGEST = 1e100  #: SI; the square of a parameter must still be a finite number
 
 
 class Elementary(Addable):
@@ -37,5 +36,6 @@ class Elementary(Addable):
 
 
 def _check(name: str, value: float) -> None:
-    if not np.isfinite(value) or value < 0 or (value == 0 and name in POSITIVE):
-        raise ValueError(f"{name} is {value}; it must be {'positive' if name in POSITIVE else '0 or more'}")
+    if not 0 <= value < LARGEST or (value == 0 and name in POSITIVE):
+        rule = "positive" if name in POSITIVE else "0 or more"
+        raise ValueError(f"{name} is {value}; it must be {rule if value < LARGEST else f'below {LARGEST:g}'}")

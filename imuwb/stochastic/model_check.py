@@ -10,7 +10,7 @@ from typing import Any, cast
 from imuwb.errors import ImuwbError, UsageError
 from imuwb.log import AXES
 from imuwb.statistics import UNKNOWN, Coefficient
-from imuwb.stochastic.axis_model import AxisModel
+from imuwb.stochastic.axis_model import AxisModel, of_either_sign
 from imuwb.stochastic.description import LETTERS
 from imuwb.stochastic.error_model import ImuErrorModel
 from imuwb.units import coefficient_units, unit
@@ -38,9 +38,9 @@ def coefficient(model: AxisModel, letter: str) -> Coefficient:
     """Return a coefficient of a model with its interval; or its limit, where the record does not show it."""
     for i, term in enumerate(model.processes.terms):
         if hasattr(term, letter):
-            value = abs(cast("float", getattr(term, letter)))
-            lower, upper = model.intervals.get(f"{i}.{letter}", (value, value))
-            return Coefficient(value, lower, upper)
+            value = cast("float", getattr(term, letter))
+            ends = model.intervals.get(f"{i}.{letter}", (value, value))
+            return Coefficient(abs(value), *of_either_sign(value, *ends))
     return Coefficient(None, None, model.limits.get(letter, math.inf))
 
 

@@ -32,6 +32,6 @@ def whole_file(path: str | Path) -> Generator[Path]:
 
 
 def write_text(path: str | Path, text: str) -> None:
-    """Write a text file, whole or not at all."""
+    """Write a text file, whole or not at all; a character that UTF-8 does not have, such as a part of a file's name, is replaced."""
     with whole_file(path) as temporary:
-        temporary.write_text(text, "utf-8")
+        temporary.write_text(text, "utf-8", "replace")

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from imuwb import __version__
 from imuwb.errors import MissingDataError
 from imuwb.statistics import Coefficient
-from imuwb.stochastic import AxisModel, ImuErrorModel, Sum
+from imuwb.stochastic import AxisModel, ImuErrorModel, Sum, of_either_sign
 from imuwb_plugins.allan.result import AllanAxis, Result
 
 
@@ -40,10 +40,10 @@ def _model(axis: AllanAxis, *, headline: bool) -> AxisModel:
 def _axis_model(processes: Sum, coefficients: Mapping[str, Coefficient]) -> AxisModel:
     sure = {letter: c for letter, c in coefficients.items() if c.value is not None and c.lower}
     intervals = {
-        f"{i}.{letter}": (c.lower or 0.0, c.upper or 0.0)
+        f"{i}.{letter}": of_either_sign(getattr(term, letter), c.lower or 0.0, c.upper)
         for i, term in enumerate(processes.terms)
         for letter, c in sure.items()
         if hasattr(term, letter)
     }
-    limits = {x: c.upper for x, c in coefficients.items() if x not in sure and math.isfinite(c.upper)}
+    limits = {x: c.upper for x, c in coefficients.items() if x not in sure and 0 < c.upper < math.inf}
     return AxisModel(processes, intervals, limits)

@@ -50,7 +50,7 @@ def _axis(axis: str, repeatability: Repeatability) -> AxisModel:
         if mean.value is not None and mean.lower:
             intervals[f"{len(terms)}.{letter}"] = mean.lower, mean.upper
             terms.append(_TERMS[letter](mean.value))
-        elif math.isfinite(mean.upper):
+        elif 0 < mean.upper < math.inf:
             limits[letter] = mean.upper
     turn_on = repeatability.turn_on[axis].sigma
     if turn_on.value is not None and turn_on.lower is not None:
