@@ -3,6 +3,8 @@
 from imuwb.simulation.bench import Site
 from imuwb.simulation.chamber import chamber, set_points
 from imuwb.simulation.drive import drive
+from imuwb.simulation.gnss_errors import GnssErrors
+from imuwb.simulation.motion_noise import MotionNoise
 from imuwb.simulation.plans import PlannedOutage, mixed_route, planned_outages, planned_route
 from imuwb.simulation.presets import preset, preset_names
 from imuwb.simulation.rate_table import RateTable, rate_table
@@ -14,6 +16,8 @@ from imuwb.simulation.thermal import Temperature
 from imuwb.simulation.tolerances import Tolerances, specimen
 
 __all__ = [
+    "GnssErrors",
+    "MotionNoise",
     "Odometer",
     "PlannedOutage",
     "Positions",

@@ -11,7 +11,8 @@ import numpy as np
 
 from imuwb.errors import UsageError
 from imuwb.log import AXES, Log, Nanoseconds, Origin, Provenance, Reference
-from imuwb.simulation.receiver import Odometer, Receiver
+from imuwb.simulation.motion_noise import MotionNoise
+from imuwb.simulation.receiver import WHITE, Odometer, Receiver
 from imuwb.simulation.route import Route
 from imuwb.simulation.sensor import LONGEST, Sensor, stamps
 from imuwb.simulation.thermal import Temperature, recipe_of, temperature
@@ -20,6 +21,7 @@ from imuwb.stochastic import ImuErrorModel
 
 LOWEST_RATE, HIGHEST_RATE = 20.0, 10_000.0  #: Hz; at lower rates four nodes in a sample do not follow the motion
 RECEIVER = Receiver()
+STANDING = 0.1  #: m/s; below this speed the vehicle stands
 
 
 def drive(
@@ -35,6 +37,7 @@ def drive(
     quantize: bool = False,
     bandwidth: float | None = None,
     vibration: float = 0.0,
+    motion_noise: MotionNoise | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Log:
     """Return the log of a drive: IMU, GNSS, an odometer if there is one, and the truth at samples of the IMU.
@@ -51,6 +54,7 @@ def drive(
         quantize: round to each axis's ``lsb``, and clip to its ``range``.
         bandwidth: Hz, of the noise; None: the bandwidth that the axis states, if any.
         vibration: m/s² rms of each accelerometer axis.
+        motion_noise: white noise and random walks that the sensors have in motion only, or always.
         progress: called with (axes done, axes).
 
     Raises:
@@ -60,15 +64,20 @@ def drive(
     sensor = Sensor(model, temperature(celsius), quantize, bandwidth)
     n = round(route.duration * rate)
     time = stamps(n, rate)
-    *axes, of_receiver, of_vibration = np.random.SeedSequence(seed).spawn(len(AXES) + 2)
+    *axes, of_receiver, of_vibration, of_noise = np.random.SeedSequence(seed).spawn(len(AXES) + 3)
     rates, forces = route.averages(n, rate)
     if vibration:
         shaken = shaking(n, rate, vibration, np.random.default_rng(of_vibration))
         rates, forces = rates + shaken[0], forces + shaken[1]
+    added = None
+    if motion_noise is not None:
+        moving = route.speed((np.arange(float(n)) - 0.5) / rate) > STANDING
+        added = motion_noise.sample(moving, 1 / rate, np.random.default_rng(of_noise))
     recipe = f"{model.to_toml()}|{seed}|{rate}|{receiver}|{odometer}|{truth_rate}|{recipe_of(celsius)}|{quantize}|{bandwidth}|{vibration}"
+    recipe += "".join(f"|{part}" for part in (motion_noise, receiver.errors) if part not in (None, WHITE))
     return Log(
         Provenance(f"drive {route.name} of {model.name}", "simulation", _digest(recipe, route), 0),
-        imus=(sensor.measure(time, rate, (rates, forces), axes, progress),),
+        imus=(sensor.measure(time, rate, (rates, forces), axes, progress, added),),
         gnss=(receiver.fixes(route, np.random.default_rng(of_receiver)),),
         speeds=() if odometer is None else (odometer.speeds(route),),
         references=(_truth(route, time, rate, truth_rate),),

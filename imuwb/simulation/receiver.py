@@ -1,7 +1,7 @@
 """The other sensors of a car: a GNSS receiver and an odometer."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -10,17 +10,19 @@ from imuwb.errors import UsageError
 from imuwb.geodesy.attitude import rotation_of_euler
 from imuwb.geodesy.earth import displaced
 from imuwb.log import GnssStream, Origin, Scalars
+from imuwb.simulation.gnss_errors import GnssErrors
 from imuwb.simulation.route import Route, earth_rate
 from imuwb.simulation.sensor import stamps
 
 FIX_3D = 3
 HIGHEST_RATE = 1000.0  #: Hz
 LONGEST_ARM, LONGEST_LATENCY = 1000.0, 60.0  #: m, s
+WHITE = GnssErrors()  #: no error but the white noise
 
 
 @dataclass(frozen=True, slots=True)
 class Receiver:
-    """A GNSS receiver; its noise is white, and the sigmas in its fixes are the true ones.
+    """A GNSS receiver. Without ``errors``, its noise is white, and the sigmas in its fixes are the true ones.
 
     Raises:
         UsageError: a value out of its range.
@@ -31,6 +33,7 @@ class Receiver:
     velocity_sigma: tuple[float, float, float] = (0.1, 0.1, 0.15)  #: m/s, NED
     latency: float = 0.0  #: s; a fix stamped t shows the antenna at t - latency
     lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)  #: m, FRD, from the IMU to the antenna
+    errors: GnssErrors = field(default=WHITE, repr=False)  #: errors beyond the white noise
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -44,16 +47,20 @@ class Receiver:
     def fixes(self, route: Route, rng: np.random.Generator) -> GnssStream:
         """Return the fixes of a whole route; the first one is at its start."""
         count = _count(route, self.rate)
-        position, velocity = antenna(route, np.arange(count) / self.rate - self.latency, self.lever_arm)
         noise = rng.standard_normal((2, count, 3))
-        sigmas = np.array([self.position_sigma, self.velocity_sigma])
+        delay = self.latency if not self.errors.jitter else self.errors.delays(count, self.latency, rng)
+        position, velocity = antenna(route, np.arange(count) / self.rate - delay, self.lever_arm)
+        error = noise * np.array([self.position_sigma, self.velocity_sigma])[:, None]
+        if self.errors != WHITE:
+            error += self.errors.sample(count, self.rate, rng)
+        claimed = self.errors.claimed(self.position_sigma, self.velocity_sigma)
         return GnssStream(
             "/gnss/fix",
             stamps(count, self.rate),
-            displaced(position, noise[0] * sigmas[0]),
-            velocity + noise[1] * sigmas[1],
-            np.tile(sigmas[0], (count, 1)),
-            np.tile(sigmas[1], (count, 1)),
+            displaced(position, error[0]),
+            velocity + error[1],
+            np.tile(claimed[0], (count, 1)),
+            np.tile(claimed[1], (count, 1)),
             np.full(count, FIX_3D),
             Origin("SI", "NED", "unix"),
         )

@@ -39,6 +39,7 @@ class Sensor:
         motion: tuple[Floats, Floats],
         streams: Sequence[np.random.SeedSequence],
         progress: Callable[[int, int], None] | None = None,
+        added: tuple[Floats, Floats] | None = None,
     ) -> ImuStream:
         """Return the output of the sensor.
 
@@ -48,6 +49,7 @@ class Sensor:
             motion: (n, 3) rad/s and (n, 3) m/s², the true averages over each sample's interval, FRD.
             streams: a seed for each axis.
             progress: called with (axes done, axes).
+            added: (n, 3) rad/s and (n, 3) m/s², errors in addition to those of the model.
 
         Raises:
             UsageError: a bandwidth out of its range, an axis that states no ``lsb``, an AR set for another rate.
@@ -58,7 +60,8 @@ class Sensor:
         celsius = self.celsius.at(seconds) if constant is None else np.array(constant)
         shows = shown(self.model, motion, celsius)
         for i, (axis, stream) in enumerate(zip(AXES, streams, strict=True)):
-            values[i // 3, :, i % 3] = self._axis(axis, shows, celsius, rate, np.random.default_rng(stream))
+            more = None if added is None else added[i // 3][:, i % 3]
+            values[i // 3, :, i % 3] = self._axis(axis, shows, celsius, rate, np.random.default_rng(stream), more)
             if progress is not None:
                 progress(i + 1, len(AXES))
         if not np.isfinite(values).all():
@@ -70,11 +73,19 @@ class Sensor:
         )
 
     def _axis(
-        self, axis: str, motion: tuple[Floats, Floats], celsius: Floats, rate: float, rng: np.random.Generator
+        self,
+        axis: str,
+        motion: tuple[Floats, Floats],
+        celsius: Floats,
+        rate: float,
+        rng: np.random.Generator,
+        added: Floats | None,
     ) -> Floats:
         place = AXES.index(axis)
         model = self.model.axes.get(axis)
         true = motion[place // 3][:, place % 3]
+        if added is not None:
+            true = true + added
         if model is None:
             return true
         values = true + self._noise(model, celsius, true.size, rate, rng)
