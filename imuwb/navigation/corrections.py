@@ -125,7 +125,7 @@ def _repeated(gnss: GnssStream) -> Booleans:
     repeated = np.zeros(len(gnss), dtype=bool)
     if len(gnss) > 1 and gnss.velocity is not None:
         repeated[1:] = (np.diff(gnss.position, axis=0) == 0).all(axis=1)
-        repeated[1:] &= (np.diff(gnss.velocity, axis=0) == 0).all(axis=1)
+        repeated[1:] &= (np.diff(np.nan_to_num(gnss.velocity), axis=0) == 0).all(axis=1)
         repeated &= np.nan_to_num(np.abs(gnss.velocity)).max(axis=1) > MOVING
     return repeated
 
@@ -164,7 +164,12 @@ def _values(gnss: GnssStream, rows: Integers, model: FilterModel, notes: list[No
         return value, sigma**2
     value[:, 3:] = np.nan_to_num(gnss.velocity[rows])
     sigma[:, 3:] = _sigmas(gnss.velocity_sigma, rows, settings.velocity_sigma, settings.sigma_scale, LEAST_SIGMA[1])
-    sigma[:, 3:][~np.isfinite(gnss.velocity[rows])] = 0.0
+    known = np.isfinite(gnss.velocity[rows])
+    sigma[:, 3:][~known] = 0.0
+    lacking = int((known[:, :2].all(axis=1) & ~known[:, 2]).sum())
+    if lacking:
+        text = f"{gnss.name} reports no velocity down for {lacking} of {rows.size} fixes; their north and east correct the filter"
+        notes.append(Note("no-velocity-down", text))
     wild = (np.abs(value[:, 3:]) > IMPOSSIBLE).any(axis=1)
     if wild.any():
         text = f"{gnss.name}: {int(wild.sum())} velocities above {IMPOSSIBLE:g} m/s are not used"

@@ -41,10 +41,10 @@ class Solution:
     def __str__(self) -> str:
         """Return the filter, the time, the fixes and the innovations in a line."""
         nis = self.fix_nis
-        mean = f"{np.nanmean(nis) / 3:.2f}" if np.isfinite(nis).any() else "unknown"
+        mean = f"{np.nanmean(nis / self.fix_dof):.2f}" if np.isfinite(nis).any() else "unknown"
         return (
             f"Solution of {self.model.name}: {self.events.size} fixes, {self.time[0]:.1f} s to {self.time[-1]:.1f} s, "
-            f"NIS/3 {mean}, {self.refused} positions and velocities refused"
+            f"NIS/dof {mean}, {self.refused} positions and velocities refused"
         )
 
     __repr__ = __str__
@@ -88,6 +88,14 @@ class Solution:
         """
         after = np.arange(self.corrections.time.size) > self.alignment.event
         return self.track.nis[after & (self.corrections.events.kind == FIX)]
+
+    @property
+    def fix_dof(self) -> Floats:
+        """Return the degrees of freedom of each NIS of ``fix_nis``, (k, 2): the measured parts; nan where there is none."""
+        after = np.arange(self.corrections.time.size) > self.alignment.event
+        measured = np.isfinite(self.track.innovation[after & (self.corrections.events.kind == FIX)])
+        parts = np.stack([measured[:, :3].sum(axis=1), measured[:, 3:].sum(axis=1)], axis=1)
+        return np.where(parts > 0, parts, np.nan)
 
     @property
     def refused(self) -> int:

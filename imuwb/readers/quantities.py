@@ -9,7 +9,7 @@ from imuwb.units import unit
 DIMENSIONS = {
     "gyro": "angular_rate", "accel": "specific_force", "time": "time", "temperature": "temperature",
     "latitude": "angle", "longitude": "angle", "height": "length",
-    "velocity_north": "speed", "velocity_east": "speed", "velocity_down": "speed",
+    "velocity_north": "speed", "velocity_east": "speed", "velocity_down": "speed", "velocity_up": "speed",
     "sigma_north": "length", "sigma_east": "length", "sigma_down": "length",
     "sigma_velocity_north": "speed", "sigma_velocity_east": "speed", "sigma_velocity_down": "speed",
     "fix_type": "dimensionless", "speed": "speed", "roll": "angle", "pitch": "angle", "heading": "angle",
@@ -18,7 +18,7 @@ DIMENSIONS = {
 #: The unit of one of these names is the unit of several quantities.
 GROUPS = {
     "position": ("latitude", "longitude"),
-    "velocity": ("velocity_north", "velocity_east", "velocity_down"),
+    "velocity": ("velocity_north", "velocity_east", "velocity_down", "velocity_up"),
 }
 
 

@@ -125,10 +125,13 @@ def _fixed(log: Log, gnss: GnssStream, solution: Solution) -> ReferenceTrack:
     """Return the fixed positions of an antenna, moved to the IMU by the filter's attitude."""
     time = (gnss.time - (log.zero or 0)) / SECOND - solution.model.installation.gnss_delay
     velocity = np.zeros((time.size, 3)) if gnss.velocity is None else gnss.velocity
-    kept = np.isfinite(velocity).all(axis=1) & (time >= solution.time[0]) & (time <= solution.time[-1])
+    kept = np.isfinite(velocity[:, :2]).all(axis=1) & (time >= solution.time[0]) & (time <= solution.time[-1])
     if gnss.fix_type is not None:
         kept &= gnss.fix_type == FIXED
-    time, position, velocity = time[kept], gnss.position[kept], velocity[kept]
+    time, position, velocity = time[kept], gnss.position[kept], velocity[kept].copy()
+    lacking = np.isnan(velocity[:, 2])
+    if lacking.any() and time.size > 1:
+        velocity[lacking, 2] = -np.gradient(position[:, 2], time)[lacking]
     euler = np.stack([np.interp(time, solution.time, np.unwrap(solution.euler[:, i])) for i in range(3)], axis=1)
     arm = rotation_of_euler(euler) @ np.array(solution.model.installation.lever_arm)
     position = position - arm / ned_scale(position[:, 0], position[:, 2])

@@ -86,8 +86,18 @@ def test_wild_and_missing_velocities_leave_the_position(town, measurement):
     assert used[found.fix == 60].tolist() == [[True] * 3 + [False] * 3]
     assert used[found.fix == 70].tolist() == [[True] * 5 + [False]]
     assert np.isfinite(found.events.value).all()
-    assert ids(found.notes) == ("impossible-velocities",)
-    assert "/gnss/fix: 1 velocities above 350 m/s" in found.notes[0]
+    assert ids(found.notes) == ("no-velocity-down", "impossible-velocities")
+    assert " for 1 of " in found.notes[0]
+    assert "/gnss/fix: 1 velocities above 350 m/s" in found.notes[1]
+
+
+def test_a_repeated_fix_is_known_without_its_velocity_down(town, measurement):
+    position, velocity = array(town, "position"), array(town, "velocity")
+    velocity[:, 2] = np.nan
+    position[100], velocity[100] = position[99], velocity[99]
+    found = taken(town, measurement, position=position, velocity=velocity)
+    assert 100 not in found.fix
+    assert ids(found.notes) == ("repeated-fixes", "no-velocity-down")
 
 
 @pytest.mark.parametrize(("speed", "used"), [(349.0, True), (351.0, False)])

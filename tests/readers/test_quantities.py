@@ -6,7 +6,8 @@ from imuwb.readers.quantities import units_by_quantity
 
 def test_units_of_a_position_go_to_both_angles():
     assert units_by_quantity({"position": "deg"}) == {"latitude": "deg", "longitude": "deg"}
-    assert set(units_by_quantity({"velocity": "cm/s"})) == {"velocity_north", "velocity_east", "velocity_down"}
+    parts = {f"velocity_{way}" for way in ("north", "east", "down", "up")}
+    assert set(units_by_quantity({"velocity": "cm/s"})) == parts
 
 
 def test_an_unknown_quantity_lists_the_known():

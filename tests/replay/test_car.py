@@ -64,6 +64,8 @@ def test_without_the_velocity_down_the_rest_is_used(car, model):
     whole, part = prepare(car, model), prepare(with_receiver(car, velocity=flat), model)
     assert part.alignment.event == whole.alignment.event
     assert part.alignment.velocity[:2] == pytest.approx(whole.alignment.velocity[:2], abs=1e-6)
-    velocity = np.isfinite(run(model, part).track.innovation[part.alignment.event + 1 :, 3:])
+    solution = run(model, part)
+    assert np.nanmin(solution.fix_dof[:, 1]) == np.nanmax(solution.fix_dof[:, 1]) == 2
+    velocity = np.isfinite(solution.track.innovation[part.alignment.event + 1 :, 3:])
     assert velocity[:, :2].all()
     assert not velocity[:, 2].any()

@@ -122,6 +122,17 @@ def test_floating_points_are_no_reference():
     assert np.isnan(position).any(axis=1).tolist() == [False, True, False]
 
 
+def test_fixed_points_without_a_velocity_down_take_it_from_the_heights():
+    log = log_of(fix=6)
+    flat = np.where([True, True, False], log.gnss[0].velocity, np.nan)
+    log = replace(log, gnss=(replace(log.gnss[0], velocity=flat),))
+    against = reference_track(log, solution())
+    t = np.array([10.03, 30.55])
+    assert against.kind == "fixed"
+    assert np.abs(metres(against.at(t)[0], circle(t)[0])).max() < 1e-3
+    assert against.velocity[:, 2] == pytest.approx(-0.3, abs=1e-6)
+
+
 def test_fixed_points_bring_their_sigma():
     log = log_of(fix=6)
     known = np.tile([0.01, np.nan, 0.03], (len(log.gnss[0]), 1))

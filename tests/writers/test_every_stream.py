@@ -114,6 +114,14 @@ def test_a_receiver_with_all_it_tells_also_what_it_does_not_know(back):
     same_gnss(found, gnss_of())
 
 
+@pytest.mark.parametrize("suffix", [".csv", ".mcap"])
+def test_a_receiver_that_never_tells_the_velocity_down(back, suffix):
+    gnss = gnss_of()
+    velocity = np.where([True, True, False], gnss.velocity, NAN)
+    (found,) = back(log_of(gnss=(replace(gnss, velocity=velocity),)), suffix).gnss
+    np.testing.assert_array_equal(found.velocity, velocity)
+
+
 @pytest.mark.parametrize("name", ["velocity", "velocity_sigma", "position_sigma"])
 def test_what_a_receiver_never_tells_stays_untold(back, name):
     without = {"velocity": None, "velocity_sigma": None} if name == "velocity" else {name: None}

@@ -114,11 +114,10 @@ def _gnss(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
         square = covariance[:, [4, 0, 8]]
         columns["position_sigma"] = np.sqrt(np.where(square > 0, square, np.nan))
     track, speed, climb = (values.get(f"{prefix}{name}") for name in _COURSE)
-    if (
-        track is not None and speed is not None and climb is not None
-    ):  # gps_common/GPSFix; the track is in degrees from north
+    if track is not None and speed is not None:  # gps_common/GPSFix; the track is in degrees from north
         course = np.radians(track)
-        columns["velocity"] = np.stack([speed * np.cos(course), speed * np.sin(course), -climb], axis=1)
+        down = np.full_like(speed, np.nan) if climb is None else -climb
+        columns["velocity"] = np.stack([speed * np.cos(course), speed * np.sin(course), down], axis=1)
     status = values.get(f"{prefix}status.status")
     # -1 none, 0 fix, 1 with satellite, 2 with ground augmentation
     if status is not None and (status != UNKNOWN).any():

@@ -23,6 +23,7 @@ _NAMES: dict[str, str] = {
     "velocity_north": r"vn|v_?north|(?:gnss[_ .])?velocity[_ .]north",
     "velocity_east": r"ve|v_?east|(?:gnss[_ .])?velocity[_ .]east",
     "velocity_down": r"vd|v_?down|(?:gnss[_ .])?velocity[_ .]down",
+    "velocity_up": r"vu|v_?up|(?:gnss[_ .])?velocity[_ .]up",
     "sigma_north": r"(?:position[_ ])?(?:sigma|std|sd)[_ .]?n(?:orth)?",
     "sigma_east": r"(?:position[_ ])?(?:sigma|std|sd)[_ .]?e(?:ast)?",
     "sigma_down": r"(?:position[_ ])?(?:sigma|std|sd)[_ .]?d(?:own)?",

@@ -47,16 +47,29 @@ def _position_stream(si: Values, rows: Booleans | None) -> Stream:
     latitude, longitude = si["latitude", 0], si["longitude", 0]
     columns = {"position": np.stack([latitude, longitude, si.get(("height", 0), np.zeros_like(latitude))], axis=1)}
     for field, prefix in _TRIPLES.items():
-        triple = _stacked(si, [(f"{prefix}{way}", 0) for way in _WAYS])
+        triple = _north_east_down(si, prefix)
         if triple is not None:
             columns[field] = triple
     attitude = _stacked(si, [("roll", 0), ("pitch", 0), ("heading", 0)])
     if attitude is not None:
         columns = {name: columns[name] for name in ("position", "velocity") if name in columns} | {"attitude": attitude}
+        if not {("velocity_down", 0), ("velocity_up", 0)} & si.keys():
+            columns.pop("velocity", None)  # a reference has all three parts of a velocity, or none
         return "reference", {name: x for name, x in columns.items() if np.isfinite(x).any()}, rows
     if ("fix_type", 0) in si:
         columns["fix_type"] = si["fix_type", 0]
     return "gnss", columns, rows
+
+
+def _north_east_down(si: Values, prefix: str) -> Floats | None:
+    """Return three quantities as (n, 3); None if north or east is missing; the part down is nan if it is missing."""
+    north, east, down = (si.get((f"{prefix}{way}", 0)) for way in _WAYS)
+    if north is None or east is None:
+        return None
+    if down is None:
+        up = si.get((f"{prefix}up", 0))
+        down = np.full_like(north, np.nan) if up is None else -up
+    return np.stack([north, east, down], axis=1)
 
 
 def _stacked(si: Values, keys: list[tuple[str, int]]) -> Floats | None:

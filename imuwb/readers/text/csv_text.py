@@ -66,6 +66,11 @@ def _layout_notes(layout: Layout, used: tuple[Column, ...]) -> Iterator[Note]:
         if named and named[0].unit is not None and column.unit is not None and named[0].unit != column.unit:
             text = f"column {column.name!r} read in {column.unit.name}, as stated, not in {named[0].unit.name}"
             yield Note("unit_overridden", text)
+    known = {column.quantity for column in used}
+    vertical = known & {"velocity_down", "velocity_up"}
+    if {"roll", "pitch", "heading", "velocity_north", "velocity_east"} <= known and not vertical:
+        text = "the velocities are left out: a reference has a velocity north, east and down, and there is none down"
+        yield Note("velocity_left_out", text)
 
 
 class _Rows:

@@ -165,8 +165,8 @@ def filters(result: Result) -> Table:
         for f in result.filters
     )  # fmt: skip
     headings = (
-        "filter", "states", "processes of gyro x", "processes of accelerometer x", "formulas", "NIS/3 of positions",
-        "NIS/3 of velocities", "refused positions and velocities", "causal", "processes without a state",
+        "filter", "states", "processes of gyro x", "processes of accelerometer x", "formulas", "NIS/dof of positions",
+        "NIS/dof of velocities", "refused positions and velocities", "causal", "processes without a state",
     )  # fmt: skip
     caption = "Nine states are position, velocity and attitude; white noise needs no state (Quinchia, table 8). The JSON names all states."
     return Table("Filters and their states", headings, rows, caption, wide=True)

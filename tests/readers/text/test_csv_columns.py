@@ -124,6 +124,28 @@ def test_fixes_with_velocity_and_sigma(text_log):
     assert fix.fix_type.tolist() == [6, 5]
 
 
+def test_a_velocity_north_and_east_is_kept_without_one_down(text_log):
+    text = "time_s,lat,lon,alt,vn,ve,sd_n,sd_e\n0.0,45,90,7,1,2,.1,.2\n1.0,45,90,7,3,4,.1,.2\n"
+    (fix,) = read(text_log(text)).gnss
+    assert fix.velocity[:, :2].tolist() == [[1, 2], [3, 4]]
+    assert fix.position_sigma[:, :2].tolist() == [[0.1, 0.2]] * 2
+    assert np.isnan(fix.velocity[:, 2]).all()
+    assert np.isnan(fix.position_sigma[:, 2]).all()
+
+
+def test_a_velocity_up_is_one_down(text_log):
+    text = "time_s,lat,lon,alt,ve,vn,vu\n0.0,45,90,7,1,2,3\n1.0,45,90,7,1,2,3\n"
+    (fix,) = read(text_log(text)).gnss
+    assert fix.velocity.tolist() == [[2, 1, -3]] * 2
+
+
+def test_a_reference_without_a_velocity_down_has_no_velocity_and_says_so(text_log):
+    text = "time_s,lat,lon,alt,vn,ve,roll,pitch,yaw\n0.0,45,90,7,1,2,0,0,9\n1.0,45,90,7,1,2,0,0,9\n"
+    log = read(text_log(text))
+    assert log.references[0].velocity is None
+    assert "velocity_left_out" in ids(log.notes)
+
+
 @pytest.mark.parametrize("mark", [";", "\t", " ", "   "])
 def test_other_separators(imu_of, mark):
     header = "time_s gx_dps gy_dps gz_dps ax_g ay_g az_g".replace(" ", mark)
