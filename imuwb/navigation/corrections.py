@@ -1,6 +1,6 @@
 """The events that correct a filter, in order of time: fixes, speeds, and constraints on the vehicle's motion."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.errors import MissingDataError
 from imuwb.log import SECOND, GnssStream, Log
-from imuwb.navigation.filter_model import FilterModel
+from imuwb.navigation.filter_model import FilterModel, Settings
 from imuwb.navigation.measurement import Measurement
 from imuwb.navigation.tables import FIX, SPEED, STILL, STRAIGHT, Events
 from imuwb.notes import Note
@@ -19,6 +19,7 @@ LEAST_FIX = 3  #: fix type of a position in three dimensions
 IMPOSSIBLE = 350.0  #: m/s; a larger velocity is an error of the receiver
 MOVING = 1.0  #: m/s; a faster receiver does not report the same position twice
 EACH = 1.0  #: s between two events of an aid
+JITTER = 0.25  #: usual intervals between fixes; a fix that is early by this much is still far enough from the fix before
 LEAST_SIGMA = (0.005, 0.005)  #: m and m/s; smaller sigmas of a receiver are raised to this
 
 
@@ -74,7 +75,7 @@ def corrections_of(
     notes: list[Note] = []
     zero, aids = log.zero or 0, model.aids
     time = (gnss.time - zero) / SECOND - model.installation.gnss_delay
-    rows = _usable_rows(log, gnss, time, measurement, notes)
+    rows = _usable_rows(log, gnss, time, measurement, model.settings.spacing, notes)
     parts = _fixes(gnss, rows, time, measurement, model, notes)
     if aids.speed and log.speeds:
         stream = log.speeds[0]
@@ -93,16 +94,55 @@ def corrections_of(
     return Corrections(Events(at, kind, late, value, variance), time, fix, tuple(notes))
 
 
-def _usable_rows(log: Log, gnss: GnssStream, time: Floats, measurement: Measurement, notes: list[Note]) -> Integers:
+def floor_variance(floor: tuple[float, float]) -> Floats:
+    """Return the variances that a floor of sigmas adds to a fix, (6,) m² and (m/s)², NED.
+
+    Args:
+        floor: m and m/s, of positions and velocities; a height's is twice as large.
+    """
+    p, v = floor
+    return np.square([p, p, 2 * p, v, v, v])
+
+
+def raised(corrections: Corrections, floor: tuple[float, float]) -> Corrections:
+    """Return corrections whose fixes have larger variances: a floor's are added to what is measured."""
+    events = corrections.events
+    added = np.where((events.kind == FIX)[:, None] & (events.variance > 0), floor_variance(floor), 0.0)
+    return replace(corrections, events=events._replace(variance=events.variance + added))
+
+
+def _usable_rows(
+    log: Log, gnss: GnssStream, time: Floats, measurement: Measurement, spacing: float, notes: list[Note]
+) -> Integers:
     """Return the rows of the fixes that can be used and lie within the IMU's time."""
     own = measurement.time
     rows = np.flatnonzero(_usable(gnss, notes) & (time > own[0]) & (time < own[-1]))
+    rows = _spaced(rows, time, spacing, notes)
     if rows.size < FEW:
         raise MissingDataError(
             f"{log.provenance.path}: {rows.size} usable fixes of {gnss.name} lie within the IMU's time "
             f"({own[0]:.1f} s to {own[-1]:.1f} s; the fixes: {time[0]:.1f} s to {time[-1]:.1f} s); a filter needs {FEW}"
         )
     return rows
+
+
+def _spaced(rows: Integers, time: Floats, spacing: float, notes: list[Note]) -> Integers:
+    """Return the rows of fixes at least ``spacing`` apart."""
+    if not spacing or rows.size < 2:  # noqa: PLR2004 - one fix has no neighbour
+        return rows
+    # Fixes of a regular receiver stay regular: the step is a whole number of its intervals, with room for jitter.
+    least = spacing - JITTER * float(np.median(np.diff(time[rows])))
+    kept = [int(rows[0])]
+    for row in rows[1:]:
+        if time[row] - time[kept[-1]] >= least:
+            kept.append(int(row))
+    if len(kept) < rows.size:
+        text = (
+            f"{len(kept)} of {rows.size} fixes are used, at least {spacing:g} s apart: the errors of neighbours are not "
+            "independent"
+        )
+        notes.append(Note("spaced-fixes", text))
+    return np.array(kept)
 
 
 def _usable(gnss: GnssStream, notes: list[Note]) -> Booleans:
@@ -154,8 +194,9 @@ def _values(gnss: GnssStream, rows: Integers, model: FilterModel, notes: list[No
     settings = model.settings
     value, sigma = np.zeros((rows.size, 6)), np.zeros((rows.size, 6))
     value[:, :3] = gnss.position[rows]
-    sigma[:, :3] = _sigmas(gnss.position_sigma, rows, settings.position_sigma, settings.sigma_scale, LEAST_SIGMA[0])
-    if gnss.position_sigma is None:
+    position_sigma, velocity_sigma = _claimed(gnss, settings)
+    sigma[:, :3] = _sigmas(position_sigma, rows, settings.position_sigma, settings.sigma_scale[0], LEAST_SIGMA[0])
+    if position_sigma is None:
         flat, up = settings.position_sigma
         text = f"{gnss.name} reports no sigmas of positions; the defaults {flat:g} m (horizontal) and {up:g} m (vertical) are used"
         notes.append(Note("default-position-sigmas", text))
@@ -163,7 +204,7 @@ def _values(gnss: GnssStream, rows: Integers, model: FilterModel, notes: list[No
         notes.append(Note("no-velocities", f"{gnss.name} has no velocities: only positions correct the filter"))
         return value, sigma**2
     value[:, 3:] = np.nan_to_num(gnss.velocity[rows])
-    sigma[:, 3:] = _sigmas(gnss.velocity_sigma, rows, settings.velocity_sigma, settings.sigma_scale, LEAST_SIGMA[1])
+    sigma[:, 3:] = _sigmas(velocity_sigma, rows, settings.velocity_sigma, settings.sigma_scale[1], LEAST_SIGMA[1])
     known = np.isfinite(gnss.velocity[rows])
     sigma[:, 3:][~known] = 0.0
     lacking = int((known[:, :2].all(axis=1) & ~known[:, 2]).sum())
@@ -175,11 +216,18 @@ def _values(gnss: GnssStream, rows: Integers, model: FilterModel, notes: list[No
         text = f"{gnss.name}: {int(wild.sum())} velocities above {IMPOSSIBLE:g} m/s are not used"
         notes.append(Note("impossible-velocities", text))
     sigma[wild, 3:] = value[wild, 3:] = 0.0
-    if gnss.velocity_sigma is None:
+    if velocity_sigma is None:
         flat, up = settings.velocity_sigma
         text = f"{gnss.name} reports no sigmas of velocities; the defaults {flat:g} m/s (horizontal) and {up:g} m/s (vertical) are used"
         notes.append(Note("default-velocity-sigmas", text))
     return value, sigma**2
+
+
+def _claimed(gnss: GnssStream, settings: Settings) -> tuple[Floats | None, Floats | None]:
+    """Return the sigmas of positions and velocities, each (f, 3): stated ones, or the receiver's own; None: unknown."""
+    (p, v), shape = settings.sigma_stated, (len(gnss), 1)
+    position = np.tile([p, p, 2 * p], shape) if p else gnss.position_sigma
+    return position, np.tile([v, v, v], shape) if v else gnss.velocity_sigma
 
 
 def _sigmas(

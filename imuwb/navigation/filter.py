@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from imuwb.arrays import Floats, Integers
+from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.errors import MissingDataError
 from imuwb.geodesy.attitude import euler_of_quaternion
 from imuwb.geodesy.earth import EARTH_RATE
@@ -104,7 +104,9 @@ class Solution:
         return int((np.isfinite(self.track.nis[fixes]) & ~self.track.used[fixes]).sum())
 
     def log_likelihood_of(self, first: int, last: int) -> float:
-        """Return the log-likelihood of the innovations of some fixes; a NIS above the gate counts as the gate's value.
+        """Return the composite log-likelihood of the innovations of some fixes: each component with its own sigma.
+
+        Refused fixes count in full. A limit would make a filter the more likely, the more fixes it refuses.
 
         Args:
             first: row of the first fix in the receiver's stream.
@@ -112,9 +114,17 @@ class Solution:
         """
         row = np.where(self.corrections.fix < 0, -1 - self.corrections.fix, self.corrections.fix)
         counted = (self.corrections.events.kind == FIX) & (row >= first) & (row <= last)
-        spread = self.track.deviation[counted]
-        nis = np.minimum(self.track.nis[counted], self.rules.gate)
-        return float(-np.nansum(nis) / 2 - np.log(spread[np.isfinite(spread)]).sum())
+        return float(self.log_likelihoods(counted).sum())
+
+    def log_likelihoods(self, counted: Booleans) -> Floats:
+        """Return the composite log-likelihood of each event that counts, (c,).
+
+        Args:
+            counted: (E,) which events count.
+        """
+        innovation, deviation = self.track.innovation[counted], self.track.deviation[counted]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.nansum(-0.5 * (innovation / deviation) ** 2 - np.log(deviation), axis=1)
 
 
 def axis_errors(solution: Solution) -> tuple[Floats, Floats]:

@@ -84,6 +84,8 @@ def _made(kind: type[Any], table: object, where: str) -> Any:  # noqa: ANN401 - 
 def _value(value: object, default: object, where: str) -> object:
     """Return a value of the same type as the default."""
     if isinstance(default, tuple):
+        if isinstance(value, float):  # an earlier document has one factor for positions and velocities
+            value = [value] * len(cast("tuple[float, ...]", default))
         return _numbers(value, len(cast("tuple[float, ...]", default)), where)
     if isinstance(default, int):
         if not isinstance(value, int) or isinstance(value, bool) or value < 1:

@@ -50,7 +50,12 @@ class Settings:
     patience: int = 5  #: fixes refused in a row before the filter accepts the next one
     position_sigma: tuple[float, float] = (2.5, 5.0)  #: m, horizontal and vertical, of fixes without sigmas
     velocity_sigma: tuple[float, float] = (0.15, 0.3)  #: m/s, horizontal and vertical, of fixes without sigmas
-    sigma_scale: float = 1.0  #: factor that multiplies the receiver's own sigmas
+    #: m and m/s, sigmas of positions and velocities in place of the receiver's own; a height's is twice as large; 0: its own
+    sigma_stated: tuple[float, float] = (0.0, 0.0)
+    sigma_scale: tuple[float, float] = (1.0, 1.0)  #: factors of the receiver's own sigmas of positions and velocities
+    #: m and m/s; the squares are added to the variances of positions and velocities, four times for a height
+    sigma_floor: tuple[float, float] = (0.0, 0.0)
+    spacing: float = 0.0  #: s between two fixes that are used, at least; 0: all are used
     tilt: float = 1.0  #: deg, sigma of roll and pitch at the alignment
     heading: float = 3.0  #: deg, sigma of heading at the alignment; the velocity's sigma adds to it
     start_speed: float = 3.0  #: m/s; above this speed the velocity gives the heading

@@ -1,13 +1,16 @@
 """The preparation of a log for filters."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from imuwb.arrays import Floats
 from imuwb.conditioning import corrected_log
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.log import GnssStream, Log
 from imuwb.navigation.alignment import Alignment, align
-from imuwb.navigation.corrections import Corrections, corrections_of
+from imuwb.navigation.corrections import Corrections, corrections_of, floor_variance, raised
+from imuwb.navigation.covariance import NAVIGATION
 from imuwb.navigation.filter import Solution, solve
 from imuwb.navigation.filter_model import FilterModel
 from imuwb.navigation.measurement import Measurement, denoised, measurement_of
@@ -82,6 +85,19 @@ def prepare(
     return Prepared(log, gnss, measurement, stills, corrections, alignment, notes)
 
 
+def corrected_again(prepared: Prepared, model: FilterModel) -> Prepared:
+    """Return a prepared log with the delays of another filter, whose mounting, clock rate and skew are the same.
+
+    Raises:
+        MissingDataError: too few fixes, or no start.
+    """
+    corrections = corrections_of(prepared.log, prepared.gnss, prepared.measurement, prepared.stills, model)
+    alignment = align(prepared.measurement, corrections, prepared.stills, model)
+    kept = tuple(note for note in prepared.notes if note not in (*prepared.corrections.notes, prepared.alignment.note))
+    notes = (*kept, *corrections.notes, alignment.note)
+    return replace(prepared, corrections=corrections, alignment=alignment, notes=notes)
+
+
 def receiver_of(log: Log, name: str | None) -> GnssStream:
     """Return a receiver by its name, or the best one: with velocities, then with sigmas, then with the most fixes.
 
@@ -96,7 +112,12 @@ def receiver_of(log: Log, name: str | None) -> GnssStream:
 
 def run(model: FilterModel, prepared: Prepared, *, smooth: bool = False) -> Solution:
     """Return a filter's run over a whole log; with ``smooth``, it has what a smoother needs."""
-    measurement = prepared.measurement
+    measurement, corrections, alignment = prepared.measurement, prepared.corrections, prepared.alignment
     if any(model.wavelet_levels):
         measurement = denoised(measurement, model.wavelet_levels)
-    return solve(model, measurement, prepared.corrections, prepared.alignment, smooth=smooth)
+    if any(floor := model.settings.sigma_floor):
+        corrections = raised(corrections, floor)
+        added = np.zeros(NAVIGATION)
+        added[:6] = floor_variance(floor)
+        alignment = replace(alignment, covariance=alignment.covariance + np.diag(added))
+    return solve(model, measurement, corrections, alignment, smooth=smooth)

@@ -122,7 +122,7 @@ def test_a_receiver_without_velocity_or_sigmas_says_so(town, measurement):
     found = taken(town, measurement, velocity=None, velocity_sigma=None)
     assert not found.events.variance[:, 3:].any()
     assert ids(found.notes) == ("no-velocities",)
-    settings = Settings(position_sigma=(2.0, 7.0), velocity_sigma=(0.2, 0.4), sigma_scale=9.0)
+    settings = Settings(position_sigma=(2.0, 7.0), velocity_sigma=(0.2, 0.4), sigma_scale=(9.0, 9.0))
     found = taken(town, measurement, replace(MODEL, settings=settings), position_sigma=None, velocity_sigma=None)
     assert np.sqrt(found.events.variance[5]) == pytest.approx([2, 2, 7, 0.2, 0.2, 0.4])
     assert ids(found.notes) == ("default-position-sigmas", "default-velocity-sigmas")
@@ -133,7 +133,7 @@ def test_a_receiver_without_velocity_or_sigmas_says_so(town, measurement):
 def test_sigmas_are_scaled_and_never_too_small(town, measurement):
     sigma = array(town, "position_sigma")
     sigma[30], sigma[31], sigma[32, 1] = 1e-4, 0.0, np.nan
-    found = taken(town, measurement, replace(MODEL, settings=Settings(sigma_scale=2.0)), position_sigma=sigma)
+    found = taken(town, measurement, replace(MODEL, settings=Settings(sigma_scale=(2.0, 2.0))), position_sigma=sigma)
     got = dict(zip(found.fix, np.sqrt(found.events.variance), strict=True))
     assert got[29][:3] == pytest.approx([4, 4, 7])
     assert got[30][:3] == pytest.approx([LEAST_SIGMA[0]] * 3)
