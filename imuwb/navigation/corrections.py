@@ -19,7 +19,9 @@ LEAST_FIX = 3  #: fix type of a position in three dimensions
 IMPOSSIBLE = 350.0  #: m/s; a larger velocity is an error of the receiver
 MOVING = 1.0  #: m/s; a faster receiver does not report the same position twice
 EACH = 1.0  #: s between two events of an aid
-JITTER = 0.25  #: usual intervals between fixes; a fix that is early by this much is still far enough from the fix before
+JITTER = (
+    0.25  #: usual intervals between fixes; a fix that is early by this much is still far enough from the fix before
+)
 LEAST_SIGMA = (0.005, 0.005)  #: m and m/s; smaller sigmas of a receiver are raised to this
 
 

@@ -123,7 +123,7 @@ def test_the_likelihood_is_that_of_the_innovations(study):
     v = solution.track.innovation[solution.events]
     s = solution.track.deviation[solution.events]
     first = np.isfinite(s[:, 0])
-    each = -np.log(s[first]).sum(axis=1) - np.minimum(solution.track.nis[solution.events][first], 40).sum(axis=1) / 2
+    each = (-np.log(s) - (v / s) ** 2 / 2)[first].sum(axis=1)
     row = solution.corrections.fix[solution.events][first]
     assert solution.log_likelihood_of(0, int(row[-1])) == pytest.approx(each.sum(), rel=1e-9)
     assert solution.log_likelihood_of(int(row[5]), int(row[80])) == pytest.approx(each[5:81].sum(), rel=1e-9)
@@ -141,8 +141,8 @@ def test_the_likelihood_counts_velocities_of_their_own_time(town):
         e for e in range(fix.size) if found.events.kind[e] == FIX and rows[0] <= max(fix[e], -1 - fix[e]) <= rows[1]
     ]
     assert len(chosen) == 2 * (rows[1] - rows[0] + 1)
-    expected = -sum(np.log(d[np.isfinite(d)]).sum() for d in track.deviation[chosen])
-    expected -= sum(min(n, 40) / 2 for n in track.nis[chosen].ravel() if np.isfinite(n))
+    z = track.innovation[chosen] / track.deviation[chosen]
+    expected = -np.nansum(np.log(track.deviation[chosen])) - np.nansum(z**2) / 2
     assert solution.log_likelihood_of(*map(int, rows)) == pytest.approx(expected, rel=1e-9)
 
 
