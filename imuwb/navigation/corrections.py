@@ -17,6 +17,7 @@ from imuwb.notes import Note
 FEW = 5  #: fewest fixes that a filter needs
 LEAST_FIX = 3  #: fix type of a position in three dimensions
 IMPOSSIBLE = 350.0  #: m/s; a larger velocity is an error of the receiver
+SLOWER = 0.99  #: IMU intervals; at a shorter interval between fixes, several fixes fall on one sample
 MOVING = 1.0  #: m/s; a faster receiver does not report the same position twice
 EACH = 1.0  #: s between two events of an aid
 JITTER = (
@@ -125,6 +126,13 @@ def _usable_rows(
             f"{log.provenance.path}: {rows.size} usable fixes of {gnss.name} lie within the IMU's time "
             f"({own[0]:.1f} s to {own[-1]:.1f} s; the fixes: {time[0]:.1f} s to {time[-1]:.1f} s); a filter needs {FEW}"
         )
+    usual = float(np.median(np.diff(time[rows])))
+    if usual < SLOWER * measurement.interval:
+        text = (
+            f"the IMU has {1 / measurement.interval:.3g} samples a second, fewer than {gnss.name} has fixes ({1 / usual:.3g} a second): "
+            "several fixes correct the filter after one sample, and motion between the samples is not seen"
+        )
+        notes.append(Note("slow-imu", text))
     return rows
 
 

@@ -13,6 +13,7 @@ from imuwb.navigation.filter import Solution
 from imuwb.navigation.smoother import smoothed
 
 FIXED = 6  #: fix type: carrier phases with integer ambiguities
+LEAST = 2  #: fewest points of a reference
 GAP = 3.0  #: s; longer gaps of the reference are not interpolated
 FIXED_SIGMA = 0.02  #: m, of fixed positions without sigmas
 MOST = 0.5  #: share of fixed positions above which a receiver is a reference
@@ -29,6 +30,22 @@ class ReferenceTrack:
     velocity: Floats  #: (n, 3) m/s, NED
     heading: Floats | None  #: (n,) rad, without jumps; None: unknown
     sigma: Floats  #: (n, 3) m NED
+
+    def __post_init__(self) -> None:
+        """Keep the last of several points of one time: an IMU slower than its receiver has several fixes at one sample.
+
+        Raises:
+            ValueError: fewer than two points, of which no trajectory can be made.
+        """
+        last = np.append(np.diff(self.time) > 0, self.time.size > 0)
+        if np.count_nonzero(last) < LEAST:
+            raise ValueError(
+                f"the reference, {self.name}, has {np.count_nonzero(last)} points with position and velocity within the filter's "
+                f"time; a reference needs {LEAST}; choose another --reference"
+            )
+        for part in ("time", "position", "velocity", "heading", "sigma"):
+            values = getattr(self, part)
+            object.__setattr__(self, part, None if values is None else values[last])
 
     def __str__(self) -> str:
         """Return name, kind and time in a line."""

@@ -179,3 +179,27 @@ def test_a_reference_without_velocities_is_none():
 def test_no_fixed_points(log):
     with pytest.raises(ValueError, match="no receiver of the log has RTK-fixed"):
         reference_track(log, solution(), "fixed")
+
+
+def test_of_several_points_of_one_time_the_last_counts():
+    """An IMU slower than its receiver: two fixes correct one sample, and the second result is the better one."""
+    run = solution()
+    twice = np.sort(np.concatenate([np.arange(60), [10, 30]]))
+    wrong = run.position[twice].copy()
+    wrong[[10, 31]] += 1e-5  # the first of each two
+    doubled = SimpleNamespace(
+        model=run.model, time=run.time[twice], position=wrong, velocity=run.velocity[twice], euler=run.euler[twice],
+        sigma=run.sigma[twice],
+    )  # fmt: skip
+    t = np.array([9.5, 10.0, 30.0, 30.25])
+    np.testing.assert_array_equal(own_track(doubled).at(t)[0], own_track(run).at(t)[0])
+
+
+@pytest.mark.parametrize("count", [0, 1])
+def test_a_reference_needs_two_points(count):
+    log = log_of(fix=6)
+    velocity = np.full_like(log.gnss[0].velocity, np.nan)
+    velocity[100 : 100 + count] = 1.0
+    log = replace(log, gnss=(replace(log.gnss[0], velocity=velocity),))
+    with pytest.raises(ValueError, match=rf"{count} points .* --reference"):
+        reference_track(log, solution(), "fixed")
