@@ -3,7 +3,7 @@
 An analysis is a module, or any object, with these parts:
 
 * ``Parameters``: a frozen dataclass whose fields are the options of the command; ``imuwb.options`` states how they are declared.
-  ``__post_init__`` calls ``check(self)`` and raises ValueError, with the reason, for a value that is not allowed.
+  It inherits from ``imuwb.options.Options``, which raises ValueError, with the reason, for a value that is not allowed.
 * ``run(logs, parameters) -> result``: computes the result, and changes nothing. The result is a frozen dataclass or a dict, and
   becomes JSON. For a log that lacks data it raises MissingDataError.
 * ``draw(result, review)``: shows the result, and computes nothing.

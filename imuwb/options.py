@@ -6,8 +6,8 @@ An option is a field of a frozen dataclass. Its annotation declares the type, th
     mounting: Literal["auto"] | tuple[float, float, float]
     level: Level = 0.95
 
-``check`` in the dataclass's ``__post_init__`` turns texts into values, and refuses values that are not allowed. The command line,
-``--through`` and Python code all use it, so that an option means the same everywhere.
+``check`` turns texts into values, and refuses values that are not allowed. A dataclass calls it in ``__post_init__``, or inherits
+that from ``Options``. The command line, ``--through`` and Python code all use it, so that an option means the same everywhere.
 
 These texts stand for values: numbers; the words of a ``Literal``; ``1,2,3`` for a tuple; ``200:30,430:60`` for a tuple of pairs;
 ``3..8`` for a tuple of whole numbers; ``key=value,key=value`` for a mapping; an empty text for an empty tuple. A class of your own has
@@ -108,6 +108,15 @@ def check(parameters: object) -> None:
                 if number not in option.between:
                     raise ValueError(f"{option.name} is {text_of(value)}; it must be {option.between}")
         object.__setattr__(parameters, option.name, value)
+
+
+@dataclass(frozen=True)
+class Options:
+    """A base of dataclasses of options: it checks the values when they are given."""
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        check(self)
 
 
 def read(option: Option, text: str) -> Any:  # noqa: ANN401 - of the option's type

@@ -10,10 +10,10 @@ from typing import Annotated, Literal
 
 import typer
 
-from imuwb.cli.simulate.options import Group, Samples, check_folder
+from imuwb.cli.simulate.options import Samples, check_folder
 from imuwb.errors import UsageError
 from imuwb.log import Log
-from imuwb.options import POSITIVE, Between, Form
+from imuwb.options import POSITIVE, Between, Form, Options
 from imuwb.simulation import Site
 from imuwb.stochastic import ImuErrorModel
 
@@ -25,7 +25,7 @@ _Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exis
 
 
 @dataclass(frozen=True)
-class BenchSensor(Group):
+class BenchSensor(Options):
     """The sensor on the bench."""
 
     preset: Annotated[
@@ -60,7 +60,7 @@ class BenchSamples(Samples):
 
 
 @dataclass(frozen=True)
-class Bench(Group):
+class Bench(Options):
     """The place of the bench, and how exactly the IMU is mounted on it."""
 
     misplacement: Annotated[float, "rms of each of two tilts of the IMU on the bench (deg)", Form("DEG")] = 0.05
@@ -86,7 +86,7 @@ class Bench(Group):
 
 
 @dataclass(frozen=True)
-class Positions(Group):
+class Positions(Options):
     """The positions."""
 
     positions: Annotated[int, "number of positions; 6: a cube's faces, 9 to 100: spread over all directions"] = 6
@@ -95,7 +95,7 @@ class Positions(Group):
 
 
 @dataclass(frozen=True)
-class Table(Group):
+class Table(Options):
     """The rates of a rate table."""
 
     rates: Annotated[

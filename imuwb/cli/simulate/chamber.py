@@ -6,12 +6,12 @@ from typing import Annotated
 
 import typer
 
-from imuwb.cli.simulate.options import Filtered, Group, Sensor, check_folder
-from imuwb.options import POSITIVE
+from imuwb.cli.simulate.options import Filtered, Sensor, check_folder
+from imuwb.options import POSITIVE, Options
 
 
 @dataclass(frozen=True)
-class SetPoints(Group):
+class SetPoints(Options):
     """The temperatures of the chamber, and how long it stays at each."""
 
     first: Annotated[float, typer.Option("--from", help="The first set-point (°C).", metavar="CELSIUS")] = -30.0

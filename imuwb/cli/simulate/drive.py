@@ -6,9 +6,9 @@ from typing import Annotated, TypeAlias
 
 import typer
 
-from imuwb.cli.simulate.options import Force, Group, Output, Warm, check_output, model_of, save
+from imuwb.cli.simulate.options import Force, Output, Warm, check_output, model_of, save
 from imuwb.errors import UsageError
-from imuwb.options import NOT_NEGATIVE, POSITIVE, Form
+from imuwb.options import NOT_NEGATIVE, POSITIVE, Form, Options
 from imuwb.simulation import Odometer, Receiver, Route
 from imuwb.stochastic import ImuErrorModel
 
@@ -16,7 +16,7 @@ Triple: TypeAlias = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Drive(Group):
+class Drive(Options):
     """The route, and its true trajectory."""
 
     preset: Annotated[
@@ -65,7 +65,7 @@ class Vehicle(Warm):
 
 
 @dataclass(frozen=True)
-class Gnss(Group):
+class Gnss(Options):
     """The GNSS receiver."""
 
     gnss_rate: Annotated[float, "fixes per second (Hz)", POSITIVE, Form("HZ")] = 1.0
@@ -92,7 +92,7 @@ class Gnss(Group):
 
 
 @dataclass(frozen=True)
-class Wheels(Group):
+class Wheels(Options):
     """The odometer."""
 
     odometer: Annotated[bool, "add an odometer of 10 Hz"] = False

@@ -8,7 +8,7 @@ import typer
 
 from imuwb.errors import UsageError
 from imuwb.log import Log
-from imuwb.options import NOT_NEGATIVE, POSITIVE, Form, check
+from imuwb.options import NOT_NEGATIVE, POSITIVE, Form, Options
 from imuwb.simulation import Temperature
 from imuwb.stochastic import ImuErrorModel
 
@@ -22,16 +22,7 @@ Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exist
 
 
 @dataclass(frozen=True)
-class Group:
-    """A group of options; they are checked when it is made."""
-
-    def __post_init__(self) -> None:
-        """Check the values."""
-        check(self)
-
-
-@dataclass(frozen=True)
-class Sensor(Group):
+class Sensor(Options):
     """The sensor that is simulated: a published sensor, or one with the user's error model."""
 
     preset: Annotated[str | None, "name of a published sensor; with an unknown name, the error lists all sensors"] = (
@@ -45,7 +36,7 @@ class Sensor(Group):
 
 
 @dataclass(frozen=True)
-class Samples(Group):
+class Samples(Options):
     """The samples that a sensor puts out."""
 
     rate: Annotated[float, "samples per second (Hz)", POSITIVE, Form("HZ")] = 100.0

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 from typing import Annotated
 
-from imuwb.cli.simulate.options import Force, Group, Output, Sensor, Warm, check_output, save
-from imuwb.options import POSITIVE
+from imuwb.cli.simulate.options import Force, Output, Sensor, Warm, check_output, save
+from imuwb.options import POSITIVE, Options
 
 
 @dataclass(frozen=True)
-class Length(Group):
+class Length(Options):
     """How long a still IMU is recorded."""
 
     hours: Annotated[float, "duration of the log (h)", POSITIVE] = 1.0

@@ -70,7 +70,8 @@ def deviation(
     else:
         modified = kind == "modified"
         terms = terms + modified  # the running sum of the phase has one more point
-        squares = _modified(phase, factor) if modified else _hadamard(phase, factor)
+        # The sum of m successive second differences is a third difference of the phase's running sum.
+        squares = _hadamard(integrated(phase) if modified else phase, factor)
         scale = 2.0 * factor.astype(np.float64) ** 4 if modified else 6.0 * factor.astype(np.float64) ** 2
         variance = squares / (scale * terms)
         freedom = np.array(
@@ -94,18 +95,10 @@ def _third(a: Floats, b: Floats, c: Floats, d: Floats) -> float:  # pragma: no c
 
 
 def _hadamard(phase: Floats, factors: Integers) -> Floats:
+    """Return the sums of squared third differences."""
     n = phase.size
     return np.array(
         [_third(phase[: n - 3 * m], phase[m : n - 2 * m], phase[2 * m : n - m], phase[3 * m :]) for m in factors]
-    )
-
-
-def _modified(phase: Floats, factors: Integers) -> Floats:
-    # The sum of m successive second differences is a third difference of the phase's running sum.
-    added = integrated(phase)
-    n = added.size
-    return np.array(
-        [_third(added[: n - 3 * m], added[m : n - 2 * m], added[2 * m : n - m], added[3 * m :]) for m in factors]
     )
 
 

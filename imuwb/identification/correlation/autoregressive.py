@@ -136,12 +136,11 @@ def fit_autoregressive(
     for p in range(1, highest + 1):
         alpha, variance = models.alpha[p], float(models.variance[p])
         sigma = _bartlett(alpha, covariances, density, n)
-        ideal = _ideal(models.alpha[: p + 1], models.variance, n)
         pole = float(np.abs(np.roots([1.0, *alpha])).max())
         likelihood = n * np.log(max(variance, 1e-300))
         k = p + 1  # the coefficients and the mean
         fitted.append(Order(
-            p, alpha, sigma, ideal, np.abs(alpha) > z * sigma, variance**0.5,
+            p, alpha, sigma, models.standard_errors(p), np.abs(alpha) > z * sigma, variance**0.5,
             float(likelihood + 2 * k + 2 * k * (k + 1) / max(n - k - 1, 1)), float(likelihood + k * np.log(n)),
             variance * (n + k) / max(n - k, 1), pole, pole < 1,
         ))  # fmt: skip
@@ -189,18 +188,6 @@ def _bartlett(alpha: Floats, covariances: Floats, density: Floats, n: int) -> Fl
     inner = 2 * (turned.real * weights) @ turned.real.T / n
     inverse = linalg.pinvh(linalg.toeplitz(covariances[:p]))
     return np.sqrt(np.diag(inverse @ inner @ inverse).clip(0))
-
-
-def _ideal(alpha: Sequence[Floats], variance: Floats, n: int) -> Floats:
-    """Return the standard errors if the series is autoregressive of the highest order given.
-
-    The covariance is beta0²/n R^-1. Its diagonal follows from the models of lower orders (Levinson): R^-1 = sum a_k a_k'/v_k.
-    """
-    p = len(alpha) - 1
-    diagonal = np.zeros(p)
-    for k in range(p):  # the model of order k, newest value last, in rows 0 ... k
-        diagonal[: k + 1] += np.append(alpha[k][::-1], 1.0) ** 2 / variance[k]
-    return np.sqrt(diagonal * variance[p] / n)
 
 
 def _whiteness(parts: Sequence[Floats], alpha: Floats, order: int) -> Whiteness:

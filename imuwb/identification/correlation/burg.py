@@ -28,6 +28,16 @@ class Burg:
         """Return the number of models."""
         return f"Burg's models of orders 0 to {len(self.alpha) - 1}, from {self.n} samples"
 
+    def standard_errors(self, order: int) -> Floats:
+        """Return the standard errors of alpha, (p,), if the series is autoregressive of this order p; of 1: √((1 - alpha²)/n).
+
+        The covariance is beta0²/n R^-1. Its diagonal follows from the models of lower orders (Levinson): R^-1 = sum a_k a_k'/v_k.
+        """
+        diagonal = np.zeros(order)
+        for k in range(order):  # the model of order k, newest value last, in rows 0 ... k
+            diagonal[: k + 1] += np.append(self.alpha[k][::-1], 1.0) ** 2 / self.variance[k]
+        return np.sqrt(diagonal * self.variance[order] / self.n)
+
 
 def burg(values: Floats, orders: int, breaks: Sequence[int] = ()) -> Burg:
     """Return the models of all orders up to ``orders``.

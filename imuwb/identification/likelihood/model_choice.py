@@ -178,7 +178,7 @@ class _Record:
     """The cosine coefficients of a record, with the covariances and densities that were already computed."""
 
     def __init__(self, spectrum: CosineSpectrum, highest: float | None) -> None:
-        self._spectrum, self._highest = spectrum, highest
+        self._spectrum = spectrum
         self._parts: dict[Process, tuple[Floats, Floats]] = {}
         self._last: dict[int, Floats] = {}
         self._inside = slice(None) if highest is None else spectrum.frequency <= highest

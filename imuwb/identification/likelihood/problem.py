@@ -96,7 +96,7 @@ class LikelihoodProblem:
             rows = np.ix_(free, free)
             target = now.target[free] - now.information[np.ix_(free, range(held.size))] @ held
             wanted = held.copy()
-            wanted[free] += _nonnegative(now.information[rows], target)
+            wanted[free] += nonnegative(now.information[rows], target)
             step, new = 1.0, self._score(wanted, ramp=ramp)
             while not new.deviance <= now.deviance + 1e-9 * abs(now.deviance) and step > 1e-3:  # noqa: PLR2004 - a thousandth
                 step /= 2
@@ -145,11 +145,11 @@ class _Score:
     ramp_sigma: float
 
 
-def _nonnegative(information: Floats, target: Floats) -> Floats:
-    """Return the p >= 0 that makes p'Ip/2 - p'b least."""
+def nonnegative(information: Floats, target: Floats, rank: float = 1e-13) -> Floats:
+    """Return the p >= 0 that makes p'Ip/2 - p'b least; smaller eigenvalues than ``rank`` times the largest count as 0."""
     size = np.sqrt(information.diagonal()).clip(1e-150)
     values, vectors = np.linalg.eigh(information / (size[:, None] * size))
-    kept = values > values[-1] * 1e-13
+    kept = values > values[-1] * rank
     root = (vectors[:, kept] * np.sqrt(values[kept])).T
     right = (vectors[:, kept] / np.sqrt(values[kept])).T @ (target / size)
     return optimize.nnls(root, right)[0] / size

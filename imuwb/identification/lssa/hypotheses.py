@@ -56,7 +56,7 @@ def is_random_walk(values: Floats, level: float = 0.99) -> Hypothesis:
         values: (n,) evenly spaced, without constituents.
         level: 1 - the probability of rejecting a true random walk.
     """
-    return _tested("random walk", 0, np.diff(values), np.empty(0), level, 0)
+    return _tested("random walk", np.diff(values), np.empty(0), np.empty(0), level)
 
 
 def is_autoregressive(values: Floats, order: int, level: float = 0.99) -> Hypothesis:
@@ -73,10 +73,11 @@ def is_autoregressive(values: Floats, order: int, level: float = 0.99) -> Hypoth
     fit = burg(values, order)
     alpha = fit.alpha[order]
     rows = np.convolve(values - fit.mean, np.concatenate([[1.0], alpha]), "valid")
-    return _tested(f"AR({order})", order, rows, alpha, level, values.size)
+    return _tested(f"AR({order})", rows, alpha, fit.standard_errors(order), level)
 
 
-def _tested(name: str, order: int, rows: Floats, alpha: Floats, level: float, n: int) -> Hypothesis:
+def _tested(name: str, rows: Floats, alpha: Floats, sigma: Floats, level: float) -> Hypothesis:
+    order = alpha.size
     if rows.size < 8 * (LAGS + order):
         raise ValueError(f"{rows.size} samples; a test of {LAGS} lags needs at least {8 * (LAGS + order)}")
     rows = rows - rows.mean()
@@ -85,7 +86,6 @@ def _tested(name: str, order: int, rows: Floats, alpha: Floats, level: float, n:
     correlations = _correlations(rows, order)
     frequency, power, octaves = _octaves(rows)
     p_value = min(1.0, 2 * min(correlations.probability, octaves.probability))
-    sigma = _standard_errors(alpha, n) if order else np.empty(0)
     return Hypothesis(name, order, p_value > 1 - level, p_value, correlations, octaves, alpha, sigma, frequency, power)
 
 
@@ -119,18 +119,6 @@ def _octaves(rows: Floats) -> tuple[Floats, Floats, ChiSquare]:
     statistic /= 1 + (np.sum(1 / freedom) - 1 / whole) / (3 * (count.size - 1))
     middle = np.sqrt((np.array(edges[:-1]) + 1) * np.array(edges[1:])) / rows.size
     return middle, mean / pooled, _chi_square(float(statistic), count.size - 1)
-
-
-def _standard_errors(alpha: Floats, n: int) -> Floats:
-    """Return the standard errors of the coefficients of a true AR(p); of AR(1): sqrt((1 - alpha²)/n)."""
-    p = alpha.size
-    full = np.concatenate([[1.0], alpha])
-    errors = np.empty(p)
-    for k in range(p):
-        # n times the diagonal of the covariance, from products of the polynomial and its mirror (Box, Jenkins, Reinsel, 7A).
-        i = np.arange(k + 1)
-        errors[k] = np.sum(full[i] ** 2) - np.sum(full[p - i] ** 2)
-    return np.sqrt(np.maximum(errors, 0.0) / n)
 
 
 def hypothesis_text(hypothesis: Hypothesis, level: float, confidence: float = 0.95) -> str:

@@ -8,16 +8,17 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import optimize
 
 from imuwb.arrays import Floats
 from imuwb.identification.coefficient import READ_OUT, interval
 from imuwb.identification.likelihood.fit import TERMS, fit_problem
+from imuwb.identification.likelihood.problem import nonnegative
 from imuwb.identification.temperature.set_point import LETTERS, SetPoint
 from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import normal_quantile
 
 ROUNDS, CLOSE = 60, 1e-3  #: largest number of rounds of the scoring, and the change of the deviance at which it ends
+RANK = 1e-12  #: share of the largest eigenvalue of an information matrix; smaller ones count as 0
 LEAST_STEP = 1e-3  #: share of a step, below which the scoring ends
 DOUBLINGS, HALVINGS = 30, 6  #: largest numbers of doublings and halvings of a square in the search for a limit
 
@@ -77,11 +78,9 @@ def _coefficient(
     square, at = float(best.squares[0, term]), READ_OUT[list(TERMS)[term]]
     if square > 0:
         active = [t for t in common if best.squares[0, t] > 0]
-        inside = best.information[np.ix_(active, active)]
-        size = np.sqrt(inside.diagonal())
-        inverse = np.linalg.pinv(inside / np.outer(size, size), rcond=1e-12, hermitian=True)
         place = active.index(term)
-        ends = interval(square, float(inverse[place, place]) ** 0.5 / float(size[place]), level)
+        variance = _inverse(best.information[np.ix_(active, active)])[place, place]
+        ends = interval(square, float(variance) ** 0.5, level)
         if ends[0] > 0:
             return Coefficient(square**0.5, *ends, at=at)
     return Coefficient(None, None, _limit(points, best, term, common, mine, level) ** 0.5, at=at)
@@ -150,7 +149,7 @@ def _target(points: Sequence[SetPoint], squares: Floats, common: list[int], mine
     if common:
         here = squares[0, common]
         inside = total[np.ix_(common, common)]
-        wanted[:, common] = _nonnegative(inside, inside @ here + target[common])
+        wanted[:, common] = nonnegative(inside, inside @ here + target[common], RANK)
     for row, (slope, information, inner) in enumerate(parts):
         change = wanted[row, common] - squares[row, common]
         moved = squares[row, mine] + inner @ (slope[mine] - information[np.ix_(mine, common)] @ change)
@@ -160,17 +159,7 @@ def _target(points: Sequence[SetPoint], squares: Floats, common: list[int], mine
 
 def _inverse(matrix: Floats) -> Floats:
     size = np.sqrt(matrix.diagonal()).clip(1e-150)
-    return np.linalg.pinv(matrix / np.outer(size, size), rcond=1e-12, hermitian=True) / np.outer(size, size)
-
-
-def _nonnegative(information: Floats, target: Floats) -> Floats:
-    """Return the p >= 0 that minimises p'Ip/2 - p'b."""
-    size = np.sqrt(information.diagonal()).clip(1e-150)
-    values, vectors = np.linalg.eigh(information / np.outer(size, size))
-    kept = values > values[-1] * 1e-12
-    root = (vectors[:, kept] * np.sqrt(values[kept])).T
-    right = (vectors[:, kept] / np.sqrt(values[kept])).T @ (target / size)
-    return optimize.nnls(root, right)[0] / size
+    return np.linalg.pinv(matrix / np.outer(size, size), rcond=RANK, hermitian=True) / np.outer(size, size)
 
 
 def _deviance(points: Sequence[SetPoint], squares: Floats) -> float:

@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 from typing import Annotated
 
-from imuwb.options import POSITIVE, Between, Level, check
+from imuwb.options import POSITIVE, Between, Level, Options
 
 
 @dataclass(frozen=True)
-class Parameters:
+class Parameters(Options):
     """Options of ``imuwb autocorrelation``."""
 
     longest: Annotated[float | None, "Longest lag; default: a tenth of the record (s).", POSITIVE] = None
@@ -15,7 +15,3 @@ class Parameters:
         int, "Number of levels of wavelet denoising (db4, SURE, soft) for the second curve; 0: no second curve.", Between(0, 20)
     ] = 6  # fmt: skip
     level: Level = 0.95
-
-    def __post_init__(self) -> None:
-        """Check the values."""
-        check(self)

@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from imuwb.options import POSITIVE, check
+from imuwb.options import POSITIVE, Options
 
 ORDER = 10
 
 
 @dataclass(frozen=True)
-class Parameters:
+class Parameters(Options):
     """Options of ``--through bias:...``."""
 
     seconds: Annotated[
@@ -18,7 +18,3 @@ class Parameters:
     sensors: Annotated[
         Literal["both", "gyro", "accel"], "sensors whose bias is subtracted; an accelerometer's mean includes gravity"
     ] = "both"
-
-    def __post_init__(self) -> None:
-        """Check the values."""
-        check(self)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, ClassVar, TypeAlias
 
-from imuwb.options import POSITIVE, Between, Form, Level, check, text_of
+from imuwb.options import POSITIVE, Between, Form, Level, Options, check, text_of
 
 FASTEST = 2e4  #: deg/s
 TILT = Between(0.0, 10.0)  #: deg
@@ -17,7 +17,7 @@ Raw: TypeAlias = Annotated[
 
 
 @dataclass(frozen=True)
-class Positions:
+class Positions(Options):
     """Options of both methods with still positions."""
 
     METHOD: ClassVar[str]
@@ -38,10 +38,6 @@ class Positions:
         TILT,
     ] = None
     level: Level = 0.95
-
-    def __post_init__(self) -> None:
-        """Check the values."""
-        check(self)
 
 
 @dataclass(frozen=True)

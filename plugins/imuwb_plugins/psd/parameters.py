@@ -3,17 +3,13 @@
 from dataclasses import dataclass
 from typing import Annotated
 
-from imuwb.options import Between, Level, check
+from imuwb.options import Between, Level, Options
 
 
 @dataclass(frozen=True)
-class Parameters:
+class Parameters(Options):
     """Options of ``imuwb psd``."""
 
     segment: Annotated[int, "Longest segment (samples).", Between(64, 1 << 24)] = 1 << 20
     lines: Annotated[bool, "Search for periodic lines, and leave them out of the fit."] = True
     level: Level = 0.95
-
-    def __post_init__(self) -> None:
-        """Check the values."""
-        check(self)

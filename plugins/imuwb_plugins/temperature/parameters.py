@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from imuwb.options import Between, Form, Level, check
+from imuwb.options import Between, Form, Level, Options
 
 CELSIUS = Between(-273.15, 1000.0, open_least=True)  #: °C
 
 
 @dataclass(frozen=True)
-class Parameters:
+class Parameters(Options):
     """Options of ``imuwb temperature``."""
 
     celsius: Annotated[
@@ -34,7 +34,3 @@ class Parameters:
         float, "Probability of a false alarm of each test of dependence on temperature.", Between(0.0, 0.5, open_least=True)
     ] = 0.05  # fmt: skip
     level: Level = 0.95
-
-    def __post_init__(self) -> None:
-        """Check the values."""
-        check(self)
