@@ -154,18 +154,6 @@ class Series:
 
 
 @dataclass(frozen=True, slots=True)
-class LineResult:
-    """A periodic line in SI."""
-
-    frequency: float  #: Hz
-    amplitude: float
-    lower: float
-    upper: float
-    unit: str
-    name: str = ""  #: "line at 0.56 Hz" or "3 × 0.56 Hz", for example
-
-
-@dataclass(frozen=True, slots=True)
 class Finding:
     """The result of an analysis for one axis, in terms that all analyses share."""
 

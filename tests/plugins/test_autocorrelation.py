@@ -40,9 +40,9 @@ def test_the_value_is_the_textbooks(log, result):
 def test_a_gauss_markov_process_is_found_and_tenable(result):
     found = result.axes["gyro_x"].gauss_markov
     assert found.tenable
-    assert found.sigma_interval[0] < 0.5 < found.sigma_interval[1]
-    assert found.Tc_interval[0] < 2 < found.Tc_interval[1]
-    assert found.Tc == pytest.approx(2, rel=0.2)
+    assert found.sigma.lower < 0.5 < found.sigma.upper
+    assert found.Tc.lower < 2 < found.Tc.upper
+    assert found.Tc.value == pytest.approx(2, rel=0.2)
     assert result.axes["gyro_x"].falls_to == pytest.approx(2, rel=0.2)
 
 

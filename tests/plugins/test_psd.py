@@ -11,7 +11,7 @@ from imuwb.review.document import plain
 from imuwb.statistics import Estimate
 from imuwb.stochastic import RandomWalk, WhiteNoise
 from imuwb_plugins import bandwidth, kaiser, psd
-from imuwb_plugins.psd.compute import _named, _resonances, _white_to
+from imuwb_plugins.psd.compute import _line_name, _resonances, _white_to
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +53,7 @@ def test_the_area_below_the_density_is_the_variance(log, result):
 def test_lines_are_found_with_amplitude_and_harmonics_with_their_name(result):
     lines = {round(line.frequency, 1): line for line in result.axes["gyro_y"].lines}
     assert set(lines) == {7.0, 9.3, 14.0}
-    assert [lines[f].amplitude for f in (7.0, 9.3, 14.0)] == pytest.approx([0.004, 0.003, 0.002], rel=0.08)
+    assert [lines[f].amplitude.value for f in (7.0, 9.3, 14.0)] == pytest.approx([0.004, 0.003, 0.002], rel=0.08)
     assert lines[14.0].name == f"2 × {lines[7.0].frequency:.4g} Hz"
     assert lines[9.3].name == "line at 9.3 Hz"
     assert result.axes["gyro_y"].coefficients["N"].value == pytest.approx(0.001, rel=0.04)
@@ -203,5 +203,5 @@ def test_a_broad_peak_of_twice_the_density_is_a_resonance_unless_a_line_is_there
 @pytest.mark.parametrize(("frequency", "name"), [(14.1, "2 × 7 Hz"), (14.2, "line at 14.2 Hz"), (21.0, "3 × 7 Hz")])
 def test_a_harmonic_is_a_multiple_to_a_hundredth(frequency, name):
     base, line = (Line(f, Estimate(a, a, a), 0.1, 0.01) for f, a in ((7.0, 2.0), (frequency, 1.0)))
-    assert _named("gyro_x", line, (base, line)).name == name
-    assert _named("gyro_x", base, (base, line)).name == "line at 7 Hz"
+    assert _line_name(line, (base, line)) == name
+    assert _line_name(base, (base, line)) == "line at 7 Hz"

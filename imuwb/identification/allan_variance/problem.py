@@ -67,10 +67,10 @@ class Problem:
     def since(self, first: int) -> Problem:
         """Return the problem without its ``first`` shortest averaging times."""
         rest = slice(first, None)
-        rows = (part[rest] for part in (self.tau, self.variance, self.design, self.by_lines))
+        tau, variance, design, by_lines = (part[rest] for part in (self.tau, self.variance, self.design, self.by_lines))
         m = self.moments
         kept = Moments(m.factor[rest], m.squares[rest, rest], m.linear[rest, rest])
-        return Problem(self.dt, *rows, self.of_lines[rest, rest], kept)
+        return Problem(self.dt, tau, variance, design, by_lines, self.of_lines[rest, rest], kept)
 
     def covariance(self, squared: Floats) -> Floats:
         """Return the covariance of the variances if these coefficients are true."""

@@ -5,7 +5,6 @@ from imuwb.identification.lssa.drifting import DriftingLine, drifting_lines
 from imuwb.identification.lssa.hypotheses import (
     ChiSquare,
     Hypothesis,
-    hypothesis_text,
     is_autoregressive,
     is_random_walk,
 )
@@ -18,6 +17,6 @@ from imuwb.identification.lssa.usable import UsableBand, usable_band
 __all__ = [
     "TRENDS", "Adjusted", "ChiSquare", "Constituents", "DriftingLine", "Extraction", "Hypothesis", "Noise",
     "NoiseFit", "NoiseKind", "Peak", "Significance", "Spectrum", "UsableBand", "adjust", "drifting_lines",
-    "extract", "hypothesis_text", "is_autoregressive", "is_random_walk", "least_squares_spectrum", "significance",
+    "extract", "is_autoregressive", "is_random_walk", "least_squares_spectrum", "significance",
     "usable_band",
 ]  # fmt: skip

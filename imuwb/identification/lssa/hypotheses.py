@@ -42,6 +42,7 @@ class Hypothesis:
     sigma: Floats  #: (p,) standard errors if the structure is right
     octave_frequency: Floats  #: (b,) cycles per sample, middle of each octave
     octave_power: Floats  #: (b,) power of the whitened series over the mean of all octaves: 1 if the structure is right
+    verdict: str  #: such as: AR(1) is tenable (p = 0.3), C = 0.80 ± 0.01
 
     @property
     def coefficient(self) -> float | None:
@@ -59,13 +60,14 @@ def is_random_walk(values: Floats, level: float = 0.99) -> Hypothesis:
     return _tested("random walk", np.diff(values), np.empty(0), np.empty(0), level)
 
 
-def is_autoregressive(values: Floats, order: int, level: float = 0.99) -> Hypothesis:
+def is_autoregressive(values: Floats, order: int, level: float = 0.99, confidence: float = 0.95) -> Hypothesis:
     """Return the test that a series is AR(p): its innovations are then independent.
 
     Args:
         values: (n,) evenly spaced, without constituents.
         order: p.
         level: 1 - the probability of rejecting a true AR(p).
+        confidence: level of the interval of C in the verdict.
 
     Raises:
         ValueError: fewer samples than the tests need, or a constant series.
@@ -73,10 +75,12 @@ def is_autoregressive(values: Floats, order: int, level: float = 0.99) -> Hypoth
     fit = burg(values, order)
     alpha = fit.alpha[order]
     rows = np.convolve(values - fit.mean, np.concatenate([[1.0], alpha]), "valid")
-    return _tested(f"AR({order})", rows, alpha, fit.standard_errors(order), level)
+    return _tested(f"AR({order})", rows, alpha, fit.standard_errors(order), level, confidence)
 
 
-def _tested(name: str, rows: Floats, alpha: Floats, sigma: Floats, level: float) -> Hypothesis:
+def _tested(
+    name: str, rows: Floats, alpha: Floats, sigma: Floats, level: float, confidence: float = 0.95
+) -> Hypothesis:
     order = alpha.size
     if rows.size < 8 * (LAGS + order):
         raise ValueError(f"{rows.size} samples; a test of {LAGS} lags needs at least {8 * (LAGS + order)}")
@@ -86,7 +90,14 @@ def _tested(name: str, rows: Floats, alpha: Floats, sigma: Floats, level: float)
     correlations = _correlations(rows, order)
     frequency, power, octaves = _octaves(rows)
     p_value = min(1.0, 2 * min(correlations.probability, octaves.probability))
-    return Hypothesis(name, order, p_value > 1 - level, p_value, correlations, octaves, alpha, sigma, frequency, power)
+    tenable = p_value > 1 - level
+    p = f"p < {CLEAR:g}" if p_value < CLEAR else f"p = {p_value:.3g}"
+    verdict = f"{name if order else f'a {name}'} is tenable ({p})"
+    if not tenable:
+        verdict = f"not {name if order else f'a {name}'} ({p}, at the {100 * (1 - level):g} % level)"
+    elif order == 1:
+        verdict += f", C = {-alpha[0]:.4f} ± {normal_limit(confidence) * sigma[0]:.4f}"
+    return Hypothesis(name, order, tenable, p_value, correlations, octaves, alpha, sigma, frequency, power, verdict)
 
 
 def _correlations(rows: Floats, parameters: int) -> ChiSquare:
@@ -119,21 +130,3 @@ def _octaves(rows: Floats) -> tuple[Floats, Floats, ChiSquare]:
     statistic /= 1 + (np.sum(1 / freedom) - 1 / whole) / (3 * (count.size - 1))
     middle = np.sqrt((np.array(edges[:-1]) + 1) * np.array(edges[1:])) / rows.size
     return middle, mean / pooled, _chi_square(float(statistic), count.size - 1)
-
-
-def hypothesis_text(hypothesis: Hypothesis, level: float, confidence: float = 0.95) -> str:
-    """Return the verdict of a test, such as: AR(1) is tenable (p = 0.3), C = 0.80 ± 0.01.
-
-    Args:
-        hypothesis: the test.
-        level: level of the test.
-        confidence: level of C's interval.
-    """
-    name = f"{'' if hypothesis.order else 'a '}{hypothesis.name}"
-    p = f"p < {CLEAR:g}" if hypothesis.p_value < CLEAR else f"p = {hypothesis.p_value:.3g}"
-    if not hypothesis.tenable:
-        return f"not {name} ({p}, at the {100 * (1 - level):g} % level)"
-    c = hypothesis.coefficient
-    if c is None:
-        return f"{name} is tenable ({p})"
-    return f"{name} is tenable ({p}), C = {c:.4f} ± {normal_limit(confidence) * float(hypothesis.sigma[0]):.4f}"

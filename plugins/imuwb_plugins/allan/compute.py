@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from imuwb.analysis import LineResult
 from imuwb.arrays import Floats
 from imuwb.axes import Axis, axes_of, for_each, rates
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification import NoiseIdentification, Stillness, deviation, identify, stillness
 from imuwb.identification.record.suitable import unsuitable
 from imuwb.log import Log, source_of
+from imuwb.noise_results import ModelCurves, line_result
 from imuwb.statistics import UNKNOWN, Coefficient
 from imuwb.stochastic import Sinusoid, Sum
 from imuwb.units import coefficient_units
@@ -21,7 +21,6 @@ from imuwb_plugins.allan.result import (
     AllanAxis,
     EstimatorComparison,
     FitQuality,
-    ModelCurves,
     OtherDeviation,
     ReadOut,
     Result,
@@ -111,11 +110,8 @@ def _fitted(axis: str, noise: NoiseIdentification) -> AllanAxis:
     if fit is None:
         why = next(note for note in noise.notes if note.id == "no-fit")
         return AllanAxis(*arrays, None, _unknown(axis), why_no_fit=str(why))
-    unit = coefficient_units(axis, "rate")[0].name
     coefficients = _with_units(axis, fit.coefficients)
-    lines = tuple(
-        LineResult(x.frequency, x.amplitude.value, x.amplitude.lower, x.amplitude.upper, unit) for x in noise.lines
-    )
+    lines = tuple(line_result(axis, line) for line in noise.lines)
     return AllanAxis(
         *arrays, fit.allan_deviation(curve.averaging_time, curve.dt), coefficients, fit.regions, fit.correlation_time,
         fit.gauss_markov_time, lines, FitQuality(fit.shortest, fit.misfit, fit.probability), fit.processes,

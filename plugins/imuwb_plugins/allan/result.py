@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from imuwb.analysis import LineResult
 from imuwb.arrays import Floats, Integers
 from imuwb.identification import Disturbance, ModelChoice, Region, Stationarity
+from imuwb.noise_results import LineResult, ModelCurves
 from imuwb.notes import Note
 from imuwb.statistics import Coefficient, Estimate
 from imuwb.stochastic import Sum
@@ -28,15 +28,6 @@ class ReadOut:
     letter: str
     averaging_time: float  #: s
     deviation: float  #: deviation of the term's own line, or of the flat level
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class ModelCurves:
-    """The fitted sum and its terms on a fine grid, for the figure."""
-
-    averaging_time: Floats  #: s
-    total: Floats
-    terms: tuple[Floats, ...]  #: all lines are one term
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -1,13 +1,15 @@
 """Figures and tables of the Allan analysis."""
 
 from imuwb.analysis import Curve, Figure, Mark, Review
+from imuwb.arrays import Floats
 from imuwb.colors import AXIS_COLORS, Color
 from imuwb.identification import Stationarity
+from imuwb.noise_results import SENSORS, by_sensor, with_models
 from imuwb.units import UNITS, Unit
 from imuwb_plugins.allan import tables
 from imuwb_plugins.allan.result import AllanAxis, Result
 
-_SENSORS = {"gyro": ("Gyroscopes", UNITS["deg/h"]), "accel": ("Accelerometers", UNITS["m/s²"])}
+_UNITS = {"gyro": UNITS["deg/h"], "accel": UNITS["m/s²"]}
 DARKEST = 0.25  #: share of the axis's colour in the curve of the first part
 
 
@@ -15,10 +17,8 @@ def draw(result: Result, review: Review) -> None:
     """Show notes, figures and tables."""
     for note in result.notes:
         review.note(note)
-    for sensor, (name, unit) in _SENSORS.items():
-        axes = {axis: r for axis, r in result.axes.items() if axis.startswith(sensor) and r.averaging_time.size}
-        if axes:
-            review.figure(_figure(name, unit, axes, result.level))
+    for sensor, axes in by_sensor({axis: r for axis, r in result.axes.items() if r.averaging_time.size}).items():
+        review.figure(_figure(sensor, axes, result.level))
     for table in tables.fits(result):
         review.table(table)
     if any(r.estimates for r in result.axes.values()):
@@ -28,34 +28,28 @@ def draw(result: Result, review: Review) -> None:
     _other(result, review)
 
 
-def _figure(name: str, unit: Unit, axes: dict[str, AllanAxis], level: float) -> Figure:
-    curves: list[Curve] = []
-    for axis, r in axes.items():
-        curves += _curves(axis, r, unit, labelled=not any(curve.style == "faint" for curve in curves))
+def _figure(sensor: str, axes: dict[str, AllanAxis], level: float) -> Figure:
+    unit = _UNITS[sensor]
+    curves = with_models(
+        (
+            (_curve(axis, r.averaging_time, (r.allan_deviation, r.lower, r.upper), unit), r.model_curves)
+            for axis, r in axes.items()
+        ),
+        unit.factor,
+    )
     marks = tuple(
         Mark(m.averaging_time, unit.from_si(m.deviation), f"{m.letter} {axis[-1]}", AXIS_COLORS[axis[-1]])
         for axis, r in axes.items()
         for m in r.read_outs
     )
     title = f"Allan deviation [{unit.name}], {100 * level:g} % intervals"
-    return Figure(f"{name}: Allan deviation", "averaging time [s]", title, tuple(curves), marks)
+    return Figure(f"{SENSORS[sensor]}: Allan deviation", "averaging time [s]", title, curves, marks)
 
 
-def _curves(axis: str, r: AllanAxis, unit: Unit, *, labelled: bool) -> list[Curve]:
-    """Return the curves of an axis; the first fitted sum and its terms are labelled in the legend."""
-    color, scale = AXIS_COLORS[axis[-1]], 1 / unit.factor
-    arrays = (r.allan_deviation * scale, color, r.lower * scale, r.upper * scale)
-    curves = [Curve(axis.replace("_", " "), r.averaging_time, *arrays)]
-    model = r.model_curves
-    if model is None:
-        return curves
-    curves.append(
-        Curve("fitted sum" if labelled else "", model.averaging_time, model.total * scale, color, style="fit")
-    )
-    for i, term in enumerate(model.terms):
-        label = "its terms" if labelled and i == 0 else ""
-        curves.append(Curve(label, model.averaging_time, term * scale, color, style="faint"))
-    return curves
+def _curve(axis: str, time: Floats, ends: tuple[Floats, Floats, Floats], unit: Unit) -> Curve:
+    """Return the deviation of an axis with its interval; ``ends`` are the deviation, its lower and its upper end."""
+    deviation, lower, upper = (values / unit.factor for values in ends)
+    return Curve(axis.replace("_", " "), time, deviation, AXIS_COLORS[axis[-1]], lower, upper)
 
 
 def _parts(result: Result, review: Review) -> None:
@@ -63,7 +57,7 @@ def _parts(result: Result, review: Review) -> None:
     for axis, r in result.axes.items():
         stationarity = r.estimates.stationarity if r.estimates else None
         if stationarity is not None and not stationarity.stationary:
-            review.figure(_dynamic(axis, stationarity, _SENSORS[axis.partition("_")[0]][1]))
+            review.figure(_dynamic(axis, stationarity, _UNITS[axis.partition("_")[0]]))
             return
 
 
@@ -87,16 +81,11 @@ def _shade(color: Color, place: float) -> Color:
 
 
 def _other(result: Result, review: Review) -> None:
-    for sensor, (name, unit) in _SENSORS.items():
-        others = {axis: r.other for axis, r in result.axes.items() if axis.startswith(sensor) and r.other is not None}
-        if not others:
-            continue
-        kind, scale = next(iter(others.values())).kind, 1 / unit.factor
+    others = {axis: r.other for axis, r in result.axes.items() if r.other is not None}
+    for sensor, axes in by_sensor(others).items():
+        unit, kind = _UNITS[sensor], next(iter(axes.values())).kind
         curves = tuple(
-            Curve(
-                axis.replace("_", " "), o.averaging_time, o.deviation * scale, AXIS_COLORS[axis[-1]], o.lower * scale, o.upper * scale
-            )
-            for axis, o in others.items()
-        )  # fmt: skip
+            _curve(axis, o.averaging_time, (o.deviation, o.lower, o.upper), unit) for axis, o in axes.items()
+        )
         title = f"{kind} deviation [{unit.name}], {100 * result.level:g} % intervals"
-        review.figure(Figure(f"{name}: {kind} deviation", "averaging time [s]", title, curves))
+        review.figure(Figure(f"{SENSORS[sensor]}: {kind} deviation", "averaging time [s]", title, curves))

@@ -4,16 +4,16 @@ from collections.abc import Iterator, Mapping
 
 from imuwb.analysis import Table
 from imuwb.identification import ModelCandidate
-from imuwb.statistics import Coefficient, Estimate
+from imuwb.noise_results import line_table, slope_table
+from imuwb.statistics import Coefficient
 from imuwb.stochastic import GaussMarkov, Sum
-from imuwb.texts import coefficient_text, converted_text, interval_text, number_text
+from imuwb.texts import coefficient_text, interval_text, number_text
 from imuwb.units import coefficient_units
 from imuwb_plugins.allan.result import AllanAxis, EstimatorComparison, Result
 
 LETTERS = "QNBKR"
 CANDIDATES = 4  #: sums in the table
 _HEADINGS = ("Q quantization", "N random walk", "B bias instability", "K rate random walk", "R rate ramp")
-_SLOPES = {"Q": "-1", "N": "-1/2", "B": "0", "K": "+1/2", "R": "+1"}
 _ESTIMATORS = {
     "allan": "Allan variances",
     "likelihood": "likelihood of the spectrum",
@@ -24,9 +24,17 @@ _ESTIMATORS = {
 def fits(result: Result) -> Iterator[Table]:
     """Yield the coefficients, the slopes, and the lines if there are any."""
     yield _coefficients(result)
-    yield _slopes(result)
-    if any(r.lines for r in result.axes.values()):
-        yield _lines(result)
+    level = f"{100 * result.level:g} % interval"
+    yield slope_table(
+        "Slopes by region",
+        {axis: r.regions for axis, r in result.axes.items()},
+        "s",
+        "The slope of a free line over the averaging times where one term makes more than 60 % of the Allan variance, without "
+        f"periodic lines, with its {level}.",
+    )
+    lines = {axis: r.lines for axis, r in result.axes.items() if r.lines}
+    if lines:
+        yield line_table(lines, f"Sinusoids in the spectrum, which are terms of the fit; amplitude [{level}].")
 
 
 def comparisons(result: Result) -> Iterator[Table]:
@@ -58,41 +66,6 @@ def _coefficients(result: Result) -> Table:
 
 def _correlation(r: AllanAxis) -> str:
     return "—" if r.correlation_time is None else interval_text(r.correlation_time)
-
-
-def _slopes(result: Result) -> Table:
-    rows = tuple(
-        (
-            axis, region.letter, f"{number_text(region.start)} to {number_text(region.end)} s", signed_interval(region.slope),
-            _SLOPES[region.letter], f"{region.departure:+.3f}" + ("" if region.nominal in region.slope else " (differs)"),
-        )
-        for axis, r in result.axes.items()
-        for region in r.regions
-    )  # fmt: skip
-    headings = ("axis", "term", "dominates from", "free slope [1]", "nominal slope [1]", "difference [1]")
-    caption = (
-        "The slope of a free line over the averaging times where one term makes more than 60 % of the Allan variance, without periodic "
-        f"lines, with its {100 * result.level:g} % interval."
-    )
-    return Table("Slopes by region", headings, rows, caption)
-
-
-def signed_interval(estimate: Estimate) -> str:
-    """Return a slope with its interval, all with their signs."""
-    return f"{estimate.value:+.3f} [{estimate.lower:+.3f}, {estimate.upper:+.3f}]"
-
-
-def _lines(result: Result) -> Table:
-    rows = tuple(
-        (
-            axis, f"{line.frequency:.4g} Hz",
-            converted_text(Estimate(line.amplitude, line.lower, line.upper), coefficient_units(axis, "rate")[1]),
-        )
-        for axis, r in result.axes.items()
-        for line in r.lines
-    )  # fmt: skip
-    caption = f"Sinusoids in the spectrum, which are terms of the fit; amplitude [{100 * result.level:g} % interval]."
-    return Table("Periodic lines", ("axis", "frequency", "amplitude"), rows, caption)
 
 
 def _estimators(estimates: Mapping[str, EstimatorComparison]) -> Table:

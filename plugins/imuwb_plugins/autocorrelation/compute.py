@@ -8,10 +8,10 @@ from imuwb.analysis import Finding
 from imuwb.arrays import Floats
 from imuwb.axes import Axis, axes_of, for_each, gap_notes, rates
 from imuwb.conditioning import denoise
-from imuwb.errors import MissingDataError
 from imuwb.identification import GaussMarkovFit, autocorrelation
 from imuwb.identification.record.suitable import unsuitable
 from imuwb.log import Log
+from imuwb.noise_results import missing_notes
 from imuwb.notes import Note
 from imuwb.units import coefficient_units
 from imuwb_plugins.autocorrelation.parameters import Parameters
@@ -19,7 +19,6 @@ from imuwb_plugins.autocorrelation.result import (
     NO_VERDICT,
     CorrelationAxis,
     CorrelationCurve,
-    GaussMarkovResult,
     Result,
 )
 
@@ -36,21 +35,19 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     imu = log.imu()
     axes = axes_of(imu)
     results = for_each(axes, lambda axis: _axis(axis, parameters))
-    if all(r.why_none for r in results.values()):
-        why = next(iter(results.values())).why_none
-        raise MissingDataError(f"{log.provenance.path}: {imu.name}: no axis has an autocorrelation: {why}")
+    reasons = {name: r.why_none for name, r in results.items()}
+    missing = missing_notes(log, reasons, "no-correlation", "an autocorrelation")
     intervals = {sensor: 1 / rate for sensor, rate in rates(axes).items()}
-    notes = (*gap_notes(axes, "the autocorrelation"), *_notes(results, parameters.denoise))
+    notes = (*gap_notes(axes, "the autocorrelation"), *missing, *_notes(results, parameters.denoise))
     return Result(imu.name, parameters.level, parameters.denoise, intervals, results, notes)
 
 
 def _notes(results: Mapping[str, CorrelationAxis], levels: int) -> list[Note]:
-    notes = [Note("no-correlation", f"{name}: {r.why_none}") for name, r in results.items() if r.why_none]
     short = [name for name, r in results.items() if r.lag.size and r.denoised is None]
-    if short and levels:
-        text = f"{', '.join(short)}: the record is too short for {levels} levels of denoising; give --denoise fewer"
-        notes.append(Note("not-denoised", text))
-    return notes
+    if not short or not levels:
+        return []
+    text = f"{', '.join(short)}: the record is too short for {levels} levels of denoising; give --denoise fewer"
+    return [Note("not-denoised", text)]
 
 
 def _axis(axis: Axis, parameters: Parameters) -> CorrelationAxis:
@@ -75,27 +72,18 @@ def _axis(axis: Axis, parameters: Parameters) -> CorrelationAxis:
 def _curve(series: Floats, dt: float, parameters: Parameters) -> CorrelationCurve:
     a = autocorrelation(series, dt, parameters.longest, level=parameters.level)
     model = None if a.gauss_markov is None else np.exp(-a.lag / a.gauss_markov.Tc.value)
-    return CorrelationCurve(a.lag, a.value, a.band, a.variance**0.5, a.falls_to, _gauss_markov(a.gauss_markov), model)
+    return CorrelationCurve(a.lag, a.value, a.band, a.variance**0.5, a.falls_to, a.gauss_markov, model)
 
 
-def _gauss_markov(fit: GaussMarkovFit | None) -> GaussMarkovResult | None:
-    if fit is None:
-        return None
-    sigma, tc = fit.sigma, fit.Tc
-    return GaussMarkovResult(
-        sigma.value, (sigma.lower, sigma.upper), tc.value, (tc.lower, tc.upper), fit.tenable, fit.misfit, fit.probability, fit.vague
-    )  # fmt: skip
-
-
-def _verdict(fit: GaussMarkovResult | None, interval: float, unit: str) -> Note:
+def _verdict(fit: GaussMarkovFit | None, interval: float, unit: str) -> Note:
     """Return whether the series is white, a first-order Gauss-Markov process, or neither."""
     if fit is None:
         return NO_VERDICT
     if not fit.tenable:
         return Note("untenable", "not a first-order Gauss-Markov process alone")
-    if fit.Tc < interval:
+    if fit.Tc.value < interval:
         return Note("white", "white: no correlation from one sample to the next")
-    text = f"a first-order Gauss-Markov process alone is tenable: sigma {fit.sigma:.3g} {unit}, Tc {fit.Tc:.3g} s"
+    text = f"a first-order Gauss-Markov process alone is tenable: sigma {fit.sigma.value:.3g} {unit}, Tc {fit.Tc.value:.3g} s"
     return Note("tenable", text)
 
 

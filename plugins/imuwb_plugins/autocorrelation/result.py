@@ -3,23 +3,10 @@
 from dataclasses import dataclass, field
 
 from imuwb.arrays import Floats
+from imuwb.identification import GaussMarkovFit
 from imuwb.notes import Note
 
 NO_VERDICT = Note("none", "no verdict")
-
-
-@dataclass(frozen=True, slots=True)
-class GaussMarkovResult:
-    """The likeliest first-order Gauss-Markov process. SI."""
-
-    sigma: float
-    sigma_interval: tuple[float, float]
-    Tc: float  #: s
-    Tc_interval: tuple[float, float]  #: s
-    tenable: bool  #: the process alone explains the series
-    misfit: float  #: chi-square of the spectrum over its degrees of freedom
-    probability: float  #: probability that chance makes a misfit as large
-    vague: bool  #: the record does not show Tc
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -31,7 +18,7 @@ class CorrelationCurve:
     band: float  #: white noise stays within +-band
     deviation: float  #: standard deviation of the series
     falls_to: float | None  #: s, lag of 1/e
-    gauss_markov: GaussMarkovResult | None
+    gauss_markov: GaussMarkovFit | None
     model: Floats | None = field(metadata={"document": False})  #: correlation of the Gauss-Markov process, at the lags
 
 
@@ -45,7 +32,7 @@ class CorrelationAxis:
     band: float | None = None
     deviation: float | None = None
     falls_to: float | None = None
-    gauss_markov: GaussMarkovResult | None = None
+    gauss_markov: GaussMarkovFit | None = None
     verdict: Note = NO_VERDICT
     denoised: CorrelationCurve | None = None
     why_none: str | None = None

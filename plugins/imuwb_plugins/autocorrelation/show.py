@@ -4,30 +4,22 @@ import numpy as np
 
 from imuwb.analysis import Curve, Figure, Review, Table
 from imuwb.colors import AXIS_COLORS, PALE
-from imuwb.statistics import Estimate
+from imuwb.identification import GaussMarkovFit
+from imuwb.noise_results import SENSORS, by_sensor
 from imuwb.texts import converted_text
 from imuwb.units import UNITS, coefficient_units
-from imuwb_plugins.autocorrelation.result import CorrelationAxis, CorrelationCurve, GaussMarkovResult, Result
-
-_SENSORS = {"gyro": "Gyroscopes", "accel": "Accelerometers"}
+from imuwb_plugins.autocorrelation.result import CorrelationAxis, CorrelationCurve, Result
 
 
 def draw(result: Result, review: Review) -> None:
     """Show notes, figures and tables (Quinchia, figures 10 and 11)."""
     for note in result.notes:
         review.note(note)
-    for sensor, name in _SENSORS.items():
-        axes = {axis: r for axis, r in result.axes.items() if axis.startswith(sensor) and r.lag.size}
-        if axes:
-            review.figure(_figure(name, axes, result.level))
-    for sensor, name in _SENSORS.items():
-        denoised = {
-            axis: r.denoised
-            for axis, r in result.axes.items()
-            if axis.startswith(sensor) and r.denoised is not None
-        }  # fmt: skip
-        if denoised:
-            review.figure(_denoised(name, denoised, result.denoise))
+    for sensor, axes in by_sensor({axis: r for axis, r in result.axes.items() if r.lag.size}).items():
+        review.figure(_figure(SENSORS[sensor], axes, result.level))
+    denoised = {axis: r.denoised for axis, r in result.axes.items() if r.denoised is not None}
+    for sensor, curves in by_sensor(denoised).items():
+        review.figure(_denoised(SENSORS[sensor], curves, result.denoise))
     review.table(_table(result))
 
 
@@ -79,11 +71,10 @@ def _cells(axis: str, r: CorrelationAxis | CorrelationCurve) -> tuple[str, ...]:
     return deviation, falls, *_process(axis, r.gauss_markov)
 
 
-def _process(axis: str, fit: GaussMarkovResult | None) -> tuple[str, str]:
+def _process(axis: str, fit: GaussMarkovFit | None) -> tuple[str, str]:
     if fit is None:
         return "—", "—"
     if fit.vague:
         return "not known", "longer than the record"
     unit = coefficient_units(axis, "rate")[1]
-    sigma, tc = Estimate(fit.sigma, *fit.sigma_interval), Estimate(fit.Tc, *fit.Tc_interval)
-    return converted_text(sigma, unit), converted_text(tc, UNITS["s"])
+    return converted_text(fit.sigma, unit), converted_text(fit.Tc, UNITS["s"])

@@ -11,6 +11,7 @@ from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification import AutoregressiveFit, fit_autoregressive
 from imuwb.identification.record.suitable import unsuitable
 from imuwb.log import Log, source_of
+from imuwb.noise_results import missing_notes
 from imuwb.notes import Note
 from imuwb.stochastic import Autoregressive, AxisModel, ImuErrorModel, Sum
 from imuwb.units import coefficient_units
@@ -32,12 +33,8 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     log = logs[0]
     imu = log.imu()
     results = for_each(axes_of(imu), lambda axis: _axis(axis, parameters))
-    if all(r.why_none for r in results.values()):
-        raise MissingDataError(
-            f"{log.provenance.path}: {imu.name}: no axis has a model: {next(iter(results.values())).why_none}"
-        )
-    notes = tuple(Note("no-model", f"{axis}: {r.why_none}") for axis, r in results.items() if r.why_none)
-    return Result(imu.name, source_of(log), parameters.level, CONVENTION, bool(log.conditioning), results, notes)
+    notes = missing_notes(log, {axis: r.why_none for axis, r in results.items()}, "no-model", "a model")
+    return Result(imu.name, source_of(log), parameters.level, CONVENTION, bool(log.conditioning), results, tuple(notes))
 
 
 def _axis(axis: Axis, parameters: Parameters) -> AutoregressiveAxis:

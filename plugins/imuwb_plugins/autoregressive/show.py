@@ -5,10 +5,10 @@ import numpy as np
 from imuwb.analysis import Curve, Figure, Review, Table
 from imuwb.colors import AXIS_COLORS, PALE
 from imuwb.identification.correlation.autoregressive import Order
+from imuwb.noise_results import SENSORS, by_sensor
 from imuwb.units import coefficient_units
 from imuwb_plugins.autoregressive.result import AutoregressiveAxis, Result
 
-_SENSORS = {"gyro": "Gyroscopes", "accel": "Accelerometers"}
 SHOWN = (1, 2, 3)  #: orders in the table, beside the chosen one
 ALPHAS = 3  #: coefficients of an order in the table
 POLES = (2.6, 1.22)  #: half width and half height of the pole figure, in which the unit circle is round
@@ -19,11 +19,9 @@ def draw(result: Result, review: Review) -> None:
     for note in result.notes:
         review.note(note)
     axes = {axis: r for axis, r in result.axes.items() if r.orders}
-    for sensor, name in _SENSORS.items():
-        own = {axis: r for axis, r in axes.items() if axis.startswith(sensor)}
-        if own:
-            review.figure(_orders(name, own))
-            review.figure(_poles(name, {axis: r for axis, r in own.items() if r.poles}))
+    for sensor, own in by_sensor(axes).items():
+        review.figure(_orders(SENSORS[sensor], own))
+        review.figure(_poles(SENSORS[sensor], {axis: r for axis, r in own.items() if r.poles}))
     review.table(_coefficients(result, axes))
     review.table(_verdicts(axes))
 

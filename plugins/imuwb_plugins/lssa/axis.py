@@ -14,7 +14,6 @@ from imuwb.identification.lssa import (
     Spectrum,
     adjust,
     extract,
-    hypothesis_text,
     is_autoregressive,
     is_random_walk,
     least_squares_spectrum,
@@ -27,7 +26,7 @@ from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit, student_limit
 from imuwb_plugins.lssa.lines import lines_of, without_lines
 from imuwb_plugins.lssa.parameters import Parameters
-from imuwb_plugins.lssa.result import HypothesisResult, LssaAxis
+from imuwb_plugins.lssa.result import LssaAxis
 
 FEWEST = 256  #: samples
 BINS = 1500  #: bins of frequency in the figures, equally wide on a logarithmic axis
@@ -149,21 +148,12 @@ def _constituents(spectrum: Spectrum, confidence: float, sensor: str) -> dict[st
     return estimates
 
 
-def _hypotheses(series: Floats, parameters: Parameters) -> tuple[HypothesisResult, ...]:
+def _hypotheses(series: Floats, parameters: Parameters) -> tuple[Hypothesis, ...]:
     """Return tests of a series without gaps; none if it is too short."""
     try:
-        tests = (
+        return (
             is_random_walk(series, parameters.level),
-            is_autoregressive(series, parameters.order, parameters.level),
+            is_autoregressive(series, parameters.order, parameters.level, parameters.confidence),
         )
     except ValueError:
         return ()
-    return tuple(_hypothesis(test, parameters) for test in tests)
-
-
-def _hypothesis(test: Hypothesis, parameters: Parameters) -> HypothesisResult:
-    return HypothesisResult(
-        test.name, test.tenable, test.p_value, test.correlations, test.octaves, tuple(float(a) for a in test.alpha),
-        tuple(float(s) for s in test.sigma), float(test.octave_power[0]),
-        hypothesis_text(test, parameters.level, parameters.confidence),
-    )  # fmt: skip

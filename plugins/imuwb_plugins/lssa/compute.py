@@ -10,6 +10,7 @@ from imuwb.axes import Axis, axes_of, for_each
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.lssa import Constituents, Noise
 from imuwb.log import SECOND, Log
+from imuwb.noise_results import missing_notes
 from imuwb.notes import Note
 from imuwb_plugins.lssa.axis import axis_result
 from imuwb_plugins.lssa.parameters import NoiseOption, Parameters
@@ -30,11 +31,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     noise = _noise(parameters.noise)
     _check_forced(log, axes, constituents)
     results = for_each(axes, lambda axis: axis_result(axis, parameters, constituents, noise, log.zero or 0, log.band))
-    if all(r.why_none for r in results.values()):
-        raise MissingDataError(
-            f"{log.provenance.path}: {imu.name}: no axis has a spectrum: {next(iter(results.values())).why_none}"
-        )
-    notes = [Note("no-spectrum", f"{name}: {r.why_none}") for name, r in results.items() if r.why_none]
+    notes = missing_notes(log, {name: r.why_none for name, r in results.items()}, "no-spectrum", "a spectrum")
     notes += _band_notes(results, parameters)
     return Result(
         imu.name, parameters.level, parameters.confidence, str(parameters.noise), parameters.scale, results, tuple(notes)

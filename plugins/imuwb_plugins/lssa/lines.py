@@ -7,10 +7,10 @@ import numpy as np
 
 from imuwb.arrays import Floats
 from imuwb.identification.lssa import DriftingLine, Peak, drifting_lines
+from imuwb.noise_results import line_name
+from imuwb.statistics import Estimate
 from imuwb_plugins.lssa.parameters import Parameters
 from imuwb_plugins.lssa.result import PeakResult
-
-HARMONIC = 0.01  #: share of a multiple by which a harmonic may differ from it
 
 
 def lines_of(
@@ -27,39 +27,22 @@ def lines_of(
     """
     drifting, steady = drifting_lines(series, dt, peaks, parameters.level, parameters.confidence)
     variance = float(np.var(series))
-    lines = [_steady(peak) for peak in steady]
+    lines = [
+        PeakResult(
+            x.frequency, x.amplitude, x.phase, x.percent, x.probability, x.significant, x.in_both_halves, True, ""
+        )
+        for x in steady
+    ]
     lines += [_drifting(line, variance) for line in drifting if line.frequency <= highest]
-    return _named(sorted(lines, key=lambda line: -line.amplitude)[: parameters.peaks])
-
-
-def _steady(peak: Peak) -> PeakResult:
-    frequency, amplitude, phase = peak.frequency, peak.amplitude, peak.phase
-    return PeakResult(
-        frequency.value, frequency.lower, frequency.upper, amplitude.value, amplitude.lower, amplitude.upper, phase.value,
-        phase.lower, phase.upper, peak.percent, peak.probability, peak.significant, peak.in_both_halves, True, "",
-    )  # fmt: skip
+    lines = sorted(lines, key=lambda line: -line.amplitude.value)[: parameters.peaks]
+    names = [line_name(line.frequency.value, (x.frequency.value for x in lines[:k])) for k, line in enumerate(lines)]
+    return tuple(replace(line, name=name) for line, name in zip(lines, names, strict=True))
 
 
 def _drifting(line: DriftingLine, variance: float) -> PeakResult:
-    amplitude = line.amplitude
-    return PeakResult(
-        line.frequency, line.frequency - line.resolution, line.frequency + line.resolution, amplitude.value, amplitude.lower,
-        amplitude.upper, None, None, None, 50 * amplitude.value**2 / variance, None, True, line.in_both_halves, False, "",
-    )  # fmt: skip
-
-
-def _named(lines: Sequence[PeakResult]) -> tuple[PeakResult, ...]:
-    """Return lines with names; a harmonic of a larger line is named as its multiple."""
-    named: list[PeakResult] = []
-    for k, line in enumerate(lines):
-        name = f"{line.frequency:.4g} Hz"
-        for base in lines[:k]:
-            ratio = line.frequency / base.frequency
-            if round(ratio) >= 2 and abs(ratio - round(ratio)) < HARMONIC * ratio:  # noqa: PLR2004 - the second harmonic
-                name = f"{round(ratio)} × {base.frequency:.4g} Hz"
-                break
-        named.append(replace(line, name=name))
-    return tuple(named)
+    frequency = Estimate(line.frequency, line.frequency - line.resolution, line.frequency + line.resolution)
+    percent = 50 * line.amplitude.value**2 / variance
+    return PeakResult(frequency, line.amplitude, None, percent, None, True, line.in_both_halves, False, "")
 
 
 def without_lines(series: Floats, time: Floats, lines: Sequence[PeakResult]) -> Floats:
@@ -72,5 +55,5 @@ def without_lines(series: Floats, time: Floats, lines: Sequence[PeakResult]) -> 
     """
     for line in lines:
         if line.phase is not None:
-            series = series - line.amplitude * np.cos(2 * np.pi * line.frequency * time + line.phase)
+            series = series - line.amplitude.value * np.cos(2 * np.pi * line.frequency.value * time + line.phase.value)
     return series

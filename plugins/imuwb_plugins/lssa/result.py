@@ -3,23 +3,19 @@
 from dataclasses import dataclass
 
 from imuwb.arrays import Floats
-from imuwb.identification.lssa import ChiSquare
+from imuwb.identification.lssa import Hypothesis
 from imuwb.statistics import Estimate
 
 
 @dataclass(frozen=True, slots=True)
 class PeakResult:
-    """A line in SI, with flat keys; intervals at the level ``confidence``."""
+    """A line in SI; intervals at the level ``confidence``."""
 
-    frequency: float  #: Hz
-    frequency_lower: float  #: for a drifting line, its frequency minus the resolution of the segments' spectrum
-    frequency_upper: float
-    amplitude: float
-    lower: float  #: of the amplitude
-    upper: float
-    phase: float | None  #: rad, of a cosine, at the axis's first sample; None: the line drifts
-    phase_lower: float | None
-    phase_upper: float | None
+    frequency: (
+        Estimate  #: Hz; the interval of a drifting line is the resolution of the segments' spectrum on both sides
+    )
+    amplitude: Estimate
+    phase: Estimate | None  #: rad, of a cosine, at the axis's first sample; None: the line drifts
     percent: float  #: per cent of the residual, which is the series without the constituents
     probability: float | None  #: that noise alone shows as much anywhere in the record; None: below 1 - level
     significant: bool  #: in the record as a whole
@@ -31,21 +27,6 @@ class PeakResult:
     def claimed(self) -> bool:
         """Return whether the line is reported as a line of the sensor."""
         return self.significant and self.in_both_halves
-
-
-@dataclass(frozen=True, slots=True)
-class HypothesisResult:
-    """A test of the noise's structure."""
-
-    hypothesis: str
-    tenable: bool
-    p_value: float
-    correlations: ChiSquare  #: test of the correlations of short lags (Ljung and Box)
-    octaves: ChiSquare  #: test of the powers in octaves, for slow drifts (Bartlett)
-    alpha: tuple[float, ...]  #: x(n) = -sum alpha x(n-k) + w(n)
-    alpha_sigma: tuple[float, ...]
-    lowest_octave: float  #: power of the lowest octave over the mean of all: about 1 if the structure is right
-    verdict: str
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -64,7 +45,7 @@ class LssaAxis:
     critical_percent_record: float | None
     peaks: tuple[PeakResult, ...]
     constituents: dict[str, Estimate]
-    hypotheses: tuple[HypothesisResult, ...]
+    hypotheses: tuple[Hypothesis, ...]
     alpha: tuple[float, ...]  #: of autoregressive noise
     correlation_time: float | None  #: s, of Gauss-Markov noise
     frequencies: int  #: number of frequencies before thinning
@@ -75,7 +56,7 @@ class LssaAxis:
 
     def __repr__(self) -> str:
         """Return the claimed lines, or why the axis has no spectrum, in one line."""
-        lines = [f"{p.name}, amplitude {p.amplitude:.3g}" for p in self.peaks if p.claimed]
+        lines = [f"{p.name}, amplitude {p.amplitude.value:.3g}" for p in self.peaks if p.claimed]
         return self.why_none or "; ".join(lines) or "no line"
 
 

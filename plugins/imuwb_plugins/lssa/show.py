@@ -5,11 +5,12 @@ import numpy as np
 from imuwb.analysis import Curve, Figure, Mark, Review, Table
 from imuwb.colors import AXIS_COLORS, GREY, ORANGE
 from imuwb.identification.lssa import ChiSquare
+from imuwb.noise_results import SENSORS, by_sensor
+from imuwb.texts import converted_text
 from imuwb.units import UNITS, coefficient_units
 from imuwb_plugins.lssa.result import LssaAxis, PeakResult, Result
 
 DENSITY_UNITS = {"gyro": UNITS["deg/s"], "accel": UNITS["m/s²"]}
-_SENSORS = {"gyro": "gyroscopes", "accel": "accelerometers"}
 NOTHING_DB = -150.0  #: dB; smaller values are not drawn
 LABELLED = 5  #: lines with a label in a figure, at most
 RARE = 1e-6  #: smaller probabilities are not printed
@@ -23,12 +24,10 @@ def draw(result: Result, review: Review) -> None:
     review.table(_hypotheses(result))
     if any(r.constituents for r in result.axes.values()):
         review.table(_constituents(result))
-    for sensor, title in _SENSORS.items():
-        axes = {a: r for a, r in result.axes.items() if a.startswith(sensor) and r.why_none is None}
-        if axes:
-            review.tab(f"Lssa: {title}")
-            for axis, spectrum in axes.items():
-                review.figure(_figure(axis, spectrum, result))
+    for sensor, axes in by_sensor({a: r for a, r in result.axes.items() if r.why_none is None}).items():
+        review.tab(f"Lssa: {SENSORS[sensor].lower()}")
+        for axis, spectrum in axes.items():
+            review.figure(_figure(axis, spectrum, result))
 
 
 def _figure(axis: str, spectrum: LssaAxis, result: Result) -> Figure:
@@ -54,7 +53,7 @@ def _figure(axis: str, spectrum: LssaAxis, result: Result) -> Figure:
             Curve("Fourier (Welch)", spectrum.fourier_frequency, spectrum.fourier_density / scale, GREY, style="faint")
         )
     marks = tuple(
-        Mark(peak.frequency, _height(spectrum, peak) / scale, peak.name, ORANGE)
+        Mark(peak.frequency.value, _height(spectrum, peak) / scale, peak.name, ORANGE)
         for peak in [p for p in spectrum.peaks if p.claimed][:LABELLED]
     )
     return Figure(
@@ -65,13 +64,13 @@ def _figure(axis: str, spectrum: LssaAxis, result: Result) -> Figure:
 
 def _height(spectrum: LssaAxis, peak: PeakResult) -> float:
     """Return the drawn value of the spectrum at a line."""
-    return float(spectrum.shown[int(np.argmin(np.abs(spectrum.frequency - peak.frequency)))])
+    return float(spectrum.shown[int(np.argmin(np.abs(spectrum.frequency - peak.frequency.value)))])
 
 
 def _peaks(result: Result) -> Table:
     rows = tuple(
         (
-            axis, peak.name, _frequency(peak), _amplitude(axis, peak), _phase(peak), f"{peak.percent:.3g} %", _chance(peak, result),
+            axis, peak.name, _frequency(peak), converted_text(peak.amplitude, coefficient_units(axis, "rate")[1]), _phase(peak), f"{peak.percent:.3g} %", _chance(peak, result),
             _verdict(peak),
         )
         for axis, spectrum in result.axes.items()
@@ -89,16 +88,14 @@ def _peaks(result: Result) -> Table:
 
 
 def _frequency(peak: PeakResult) -> str:
-    half = peak.frequency_upper - peak.frequency
-    return (
-        f"{peak.frequency:.7g} ± {half:.1g} Hz" if peak.steady else f"{peak.frequency:.4g} Hz, drifting ({half:.1g} Hz)"
-    )
+    frequency, half = peak.frequency.value, peak.frequency.upper - peak.frequency.value
+    return f"{frequency:.7g} ± {half:.1g} Hz" if peak.steady else f"{frequency:.4g} Hz, drifting ({half:.1g} Hz)"
 
 
 def _phase(peak: PeakResult) -> str:
-    if peak.phase is None or peak.phase_upper is None:
+    if peak.phase is None:
         return "—"
-    return f"{np.degrees(peak.phase):.0f} ± {np.degrees(peak.phase_upper - peak.phase):.0f} deg"
+    return f"{np.degrees(peak.phase.value):.0f} ± {np.degrees(peak.phase.upper - peak.phase.value):.0f} deg"
 
 
 def _chance(peak: PeakResult, result: Result) -> str:
@@ -109,12 +106,6 @@ def _probability(value: float) -> str:
     return "< 1e-6" if value < RARE else f"{value:.2g}"
 
 
-def _amplitude(axis: str, peak: PeakResult) -> str:
-    unit = coefficient_units(axis, "rate")[1]
-    value, lower, upper = (unit.from_si(x) for x in (peak.amplitude, peak.lower, peak.upper))
-    return f"{value:.3g} [{lower:.3g}, {upper:.3g}] {unit.name}"
-
-
 def _verdict(peak: PeakResult) -> str:
     if not peak.significant:
         return "not significant next to the other lines"
@@ -123,7 +114,7 @@ def _verdict(peak: PeakResult) -> str:
 
 def _hypotheses(result: Result) -> Table:
     rows = tuple(
-        (axis, f"H0: {test.hypothesis}", test.verdict, _statistic(test.correlations), _statistic(test.octaves), f"{test.lowest_octave:.3g} times")
+        (axis, f"H0: {test.name}", test.verdict, _statistic(test.correlations), _statistic(test.octaves), f"{test.octave_power[0]:.3g} times")
         for axis, spectrum in result.axes.items()
         for test in spectrum.hypotheses
     )  # fmt: skip

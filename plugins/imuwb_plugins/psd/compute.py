@@ -5,20 +5,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from imuwb.analysis import LineResult
 from imuwb.axes import Axis, axes_of, for_each, gap_notes, rates
-from imuwb.errors import MissingDataError
 from imuwb.identification import Line, PowerSpectrum, SpectralFit, find_lines, fit_spectrum, power_spectrum
 from imuwb.identification.record.suitable import unsuitable
 from imuwb.log import Log
-from imuwb.notes import Note
+from imuwb.noise_results import ModelCurves, line_name, line_result, missing_notes
 from imuwb.statistics import UNKNOWN
 from imuwb.units import coefficient_units
 from imuwb_plugins.psd.parameters import Parameters
-from imuwb_plugins.psd.result import ModelDensities, Result, SpectrumAxis
+from imuwb_plugins.psd.result import Result, SpectrumAxis
 
 FEWEST = 256  #: samples
-HARMONIC = 0.01  #: relative error of a multiple of a line's frequency that counts as a harmonic
 PEAK = 2.0  #: ratio to the fitted density, above which a broad peak is called a resonance
 APART = 0.1  #: difference of natural logarithms; a spectrum that differs by more leaves its white level
 BEYOND_CHANCE = 4.0  #: standard errors by which it must differ as well
@@ -35,11 +32,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     imu = log.imu()
     axes = axes_of(imu)
     results = for_each(axes, lambda axis: _axis(axis, parameters, log.band))
-    if all(r.why_none for r in results.values()):
-        raise MissingDataError(
-            f"{log.provenance.path}: {imu.name}: no axis has a spectrum: {next(iter(results.values())).why_none}"
-        )
-    missing = (Note("no-spectrum", f"{name}: {r.why_none}") for name, r in results.items() if r.why_none)
+    missing = missing_notes(log, {name: r.why_none for name, r in results.items()}, "no-spectrum", "a spectrum")
     sizes = {axis.sensor: min(parameters.segment, axis.longest.size) for axis in axes.values()}
     notes = (*gap_notes(axes, "the spectrum"), *missing)
     return Result(imu.name, parameters.level, rates(axes), sizes, results, notes)
@@ -57,7 +50,7 @@ def _axis(axis: Axis, parameters: Parameters, band: float) -> SpectrumAxis:
     lines = tuple(line for line in lines if line.frequency <= band)
     result = SpectrumAxis(
         spectrum.frequency, spectrum.density, spectrum.lower, spectrum.upper, spectrum.sides, unknown,
-        lines=tuple(_named(name, line, lines) for line in lines),
+        lines=tuple(line_result(name, line, _line_name(line, lines)) for line in lines),
     )  # fmt: skip
     try:
         fit = fit_spectrum(spectrum, lines, band)
@@ -74,17 +67,9 @@ def _axis(axis: Axis, parameters: Parameters, band: float) -> SpectrumAxis:
     )  # fmt: skip
 
 
-def _named(axis: str, line: Line, lines: Sequence[Line]) -> LineResult:
-    """Return a line with its name: a multiple of the frequency of a stronger line, or its own frequency."""
-    name = f"line at {line.frequency:.4g} Hz"
-    for base in lines:
-        ratio = line.frequency / base.frequency
-        order = round(ratio)
-        if base.amplitude.value > line.amplitude.value and order >= 2 and abs(ratio - order) < HARMONIC * ratio:  # noqa: PLR2004 - a harmonic
-            name = f"{order} × {base.frequency:.4g} Hz"
-            break
-    amplitude, unit = line.amplitude, coefficient_units(axis, "rate")[0].name
-    return LineResult(line.frequency, amplitude.value, amplitude.lower, amplitude.upper, unit, name)
+def _line_name(line: Line, lines: Sequence[Line]) -> str:
+    name = line_name(line.frequency, (x.frequency for x in lines if x.amplitude.value > line.amplitude.value))
+    return name if "×" in name else f"line at {name}"
 
 
 def _white_to(spectrum: PowerSpectrum, fit: SpectralFit) -> tuple[float | None, float]:
@@ -113,7 +98,7 @@ def _resonances(spectrum: PowerSpectrum, fit: SpectralFit, lines: Sequence[Line]
     return tuple(float(spectrum.frequency[run[int(np.argmax(ratio[run]))]]) for run in runs if run.size)
 
 
-def _model_densities(fit: SpectralFit, begin: float, dt: float) -> ModelDensities:
+def _model_densities(fit: SpectralFit, begin: float, dt: float) -> ModelCurves:
     f = np.geomspace(begin, fit.highest, POINTS)
     terms = tuple(2 * term.power_spectral_density(f, dt) for term in fit.processes.terms)
-    return ModelDensities(f, fit.density(f, dt), terms)
+    return ModelCurves(f, fit.density(f, dt), terms)

@@ -3,21 +3,12 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from imuwb.analysis import LineResult
 from imuwb.arrays import Floats
 from imuwb.identification import Region
+from imuwb.noise_results import LineResult, ModelCurves
 from imuwb.statistics import Coefficient
 from imuwb.stochastic import Sum
 from imuwb.texts import coefficients_text
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class ModelDensities:
-    """The fitted sum and its terms on a fine grid, for the figure."""
-
-    frequency: Floats  #: Hz
-    total: Floats  #: one-sided
-    terms: tuple[Floats, ...]
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
@@ -41,7 +32,7 @@ class SpectrumAxis:
     probability: float | None = None  #: probability that chance makes a misfit as large
     why_none: str | None = None
     resonances: tuple[float, ...] = ()  #: Hz, broad peaks above the fitted band
-    model_densities: ModelDensities | None = field(default=None, metadata={"document": False})
+    model_densities: ModelCurves | None = field(default=None, metadata={"document": False})
 
     def __repr__(self) -> str:
         """Return the coefficients, or why there are none."""

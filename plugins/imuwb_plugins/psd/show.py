@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from imuwb.analysis import Curve, Figure, LineResult, Review, Table, Vertical
+from imuwb.analysis import Curve, Figure, Review, Table, Vertical
 from imuwb.colors import AXIS_COLORS
-from imuwb.statistics import Estimate
-from imuwb.texts import coefficient_text, converted_text
+from imuwb.noise_results import SENSORS, LineResult, by_sensor, line_table, slope_table, with_models
+from imuwb.texts import coefficient_text
 from imuwb.units import coefficient_units
 from imuwb_plugins.psd.result import Result, SpectrumAxis
 
-_SENSORS = {"gyro": ("Gyroscopes", "(deg/s)²/Hz", (np.pi / 180) ** 2), "accel": ("Accelerometers", "(m/s²)²/Hz", 1.0)}
+_UNITS = {"gyro": ("(deg/s)²/Hz", (np.pi / 180) ** 2), "accel": ("(m/s²)²/Hz", 1.0)}
 SAME = 0.02  #: relative difference of the frequencies of one line in several axes
 LABELLED = 4  #: lines that the figure marks, the strongest
 
@@ -18,41 +18,35 @@ def draw(result: Result, review: Review) -> None:
     """Show notes, figures and tables."""
     for note in result.notes:
         review.note(note)
-    for sensor in _SENSORS:
-        axes = {axis: r for axis, r in result.axes.items() if axis.startswith(sensor) and r.frequency.size}
-        if axes:
-            review.figure(_figure(sensor, axes, result))
+    for sensor, axes in by_sensor({axis: r for axis, r in result.axes.items() if r.frequency.size}).items():
+        review.figure(_figure(sensor, axes, result))
     review.table(_coefficients(result))
-    review.table(_slopes(result))
-    if any(r.lines for r in result.axes.values()):
-        review.table(_lines(result))
+    level = f"{100 * result.level:g} % interval"
+    caption = f"The slope of a free line over the frequencies where one term makes more than 60 % of the density, with its {level}."
+    review.table(slope_table("Slopes by band", {axis: r.regions for axis, r in result.axes.items()}, "Hz", caption))
+    lines = {axis: r.lines for axis, r in result.axes.items() if r.lines}
+    if lines:
+        review.table(line_table(lines, f"Sinusoids above the local noise floor; amplitude [{level}]."))
 
 
 def _figure(sensor: str, axes: dict[str, SpectrumAxis], result: Result) -> Figure:
-    name, unit, factor = _SENSORS[sensor]
-    curves: list[Curve] = []
-    for axis, r in axes.items():
-        curves += _curves(axis, r, factor, labelled=not any(curve.style == "faint" for curve in curves))
-    lines = sorted((line for r in axes.values() for line in r.lines), key=lambda line: -line.amplitude)
+    unit, factor = _UNITS[sensor]
+    curves = with_models(
+        (
+            (
+                Curve(axis.replace("_", " "), r.frequency, r.density / factor, AXIS_COLORS[axis[-1]], style="curve"),
+                r.model_densities,
+            )
+            for axis, r in axes.items()
+        ),
+        factor,
+    )
+    lines = sorted((line for r in axes.values() for line in r.lines), key=lambda line: -line.amplitude.value)
     verticals = tuple(Vertical(line.frequency, line.name) for line in _distinct(lines)[:LABELLED])
     return Figure(
-        f"{name}: power spectral density", "frequency [Hz]",
-        f"one-sided density [{unit}], segments of {result.segment[sensor]} samples", tuple(curves), verticals=verticals,
+        f"{SENSORS[sensor]}: power spectral density", "frequency [Hz]",
+        f"one-sided density [{unit}], segments of {result.segment[sensor]} samples", curves, verticals=verticals,
     )  # fmt: skip
-
-
-def _curves(axis: str, r: SpectrumAxis, factor: float, *, labelled: bool) -> list[Curve]:
-    """Return the curves of an axis; the first fitted sum and its terms are labelled in the legend."""
-    color = AXIS_COLORS[axis[-1]]
-    curves = [Curve(axis.replace("_", " "), r.frequency, r.density / factor, color, style="curve")]
-    model = r.model_densities
-    if model is None:
-        return curves
-    curves.append(Curve("fitted sum" if labelled else "", model.frequency, model.total / factor, color, style="fit"))
-    for i, term in enumerate(model.terms):
-        label = "its terms" if labelled and i == 0 else ""
-        curves.append(Curve(label, model.frequency, term / factor, color, style="faint"))
-    return curves
 
 
 def _distinct(lines: list[LineResult]) -> list[LineResult]:
@@ -80,34 +74,3 @@ def _coefficients(result: Result) -> Table:
         "the one-sided density: N has slope 0, B slope -1, K slope -2."
     )
     return Table(f"Noise coefficients of {result.imu} by power spectral density", headings, rows, caption)
-
-
-def _slopes(result: Result) -> Table:
-    rows = tuple(
-        (
-            axis, region.letter, f"{region.start:.3g} to {region.end:.3g} Hz",
-            f"{region.slope.value:+.3f} [{region.slope.lower:+.3f}, {region.slope.upper:+.3f}]", f"{region.nominal:+.0f}",
-            f"{region.departure:+.3f}" + ("" if region.nominal in region.slope else " (differs)"),
-        )
-        for axis, r in result.axes.items()
-        for region in r.regions
-    )  # fmt: skip
-    headings = ("axis", "term", "dominates from", "free slope [1]", "nominal slope [1]", "difference [1]")
-    caption = (
-        "The slope of a free line over the frequencies where one term makes more than 60 % of the density, with its "
-        f"{100 * result.level:g} % interval."
-    )
-    return Table("Slopes by band", headings, rows, caption)
-
-
-def _lines(result: Result) -> Table:
-    rows = tuple(
-        (
-            axis, f"{line.frequency:.4g} Hz", line.name,
-            converted_text(Estimate(line.amplitude, line.lower, line.upper), coefficient_units(axis, "rate")[1]),
-        )
-        for axis, r in result.axes.items()
-        for line in r.lines
-    )  # fmt: skip
-    caption = f"Sinusoids above the local noise floor; amplitude [{100 * result.level:g} % interval]."
-    return Table("Periodic lines", ("axis", "frequency", "name", "amplitude"), rows, caption)

@@ -1,10 +1,10 @@
 """The recording of noise over temperature, and of a study of settings."""
 
 from imuwb.analysis import Review
+from imuwb.noise_results import SENSORS, by_sensor
 from imuwb_plugins.temperature import figures, tables
 from imuwb_plugins.temperature.result import Result, Study
 
-SENSORS = {"gyro": "Gyroscopes", "accel": "Accelerometers"}
 STUDIED = ("gyro_y", "accel_y")  #: the paper's axes; figures of all axes would crowd the tab
 
 
@@ -12,7 +12,7 @@ def draw(result: Result, review: Review) -> None:
     """Show the result, the most important first."""
     for note in result.notes:
         review.note(note)
-    groups = {sensor: axes for sensor in SENSORS if (axes := [a for a in result.axes if a.startswith(sensor)])}
+    groups = {sensor: list(axes) for sensor, axes in by_sensor(result.axes).items()}
     for sensor, axes in groups.items():
         review.figure(figures.by_temperature(result, SENSORS[sensor], axes, "N", "random walk N"))
     review.table(tables.dependence(result))

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy import signal, stats
 
-from imuwb.identification.lssa import hypothesis_text, is_autoregressive, is_random_walk
+from imuwb.identification.lssa import is_autoregressive, is_random_walk
 
 RARE = 1e-4
 
@@ -53,13 +53,13 @@ def test_true_structures_are_refused_as_often_as_the_level_says():
     ],
 )
 def test_words_say_what_the_series_is(tested, said):
-    assert hypothesis_text(tested(), 0.99).startswith(said)
+    assert tested().verdict.startswith(said)
 
 
 def test_words_give_the_papers_coefficient_with_its_interval():
     found = is_autoregressive(series(3, (-0.8,), 40_000), 1)
     half = 1.96 * np.sqrt((1 - 0.8**2) / 40_000)
-    assert f"C = {found.coefficient:.4f} ± {half:.4f}" in hypothesis_text(found, 0.99)
+    assert f"C = {found.coefficient:.4f} ± {half:.4f}" in found.verdict
     assert found.coefficient == pytest.approx(0.8, abs=2 * half)
 
 
