@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from imuwb.arrays import Integers
+from imuwb.arrays import Booleans, Integers
 from imuwb.units import SECOND
 
 SPAN = 100  #: steps; over this number of steps rounding averages out
@@ -58,6 +58,12 @@ def longest_part(breaks: Iterable[int], last: int, first: int = 0) -> slice:
     edges = np.array([first, *(row for row in breaks if first < row < last), max(first, last)])
     part = int(np.argmax(np.diff(edges)))
     return slice(int(edges[part]), int(edges[part + 1]))
+
+
+def runs(inside: Booleans) -> tuple[Integers, Integers]:
+    """Return the first row and the length of each run of True, (k,) each."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]])))
+    return edges[::2], edges[1::2] - edges[::2]
 
 
 def sampling(time: Integers) -> Sampling:

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from imuwb.arrays import Floats, Integers
-from imuwb.health.fault import Fault, runs
-from imuwb.sampling import Sampling, sampling
+from imuwb.health.fault import Fault
+from imuwb.sampling import Sampling, runs, sampling
 
 JITTER = 0.2  #: share of the interval; a larger scatter of the stamps is a fault
 DROPPED = 1.5  #: times the usual step; a window with longer steps shows a drop of the rate

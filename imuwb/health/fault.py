@@ -3,10 +3,6 @@
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-
-from imuwb.arrays import Booleans, Integers
-
 Severity = Literal["note", "warning", "fault"]
 RANK: dict[Severity, int] = {"note": 0, "warning": 1, "fault": 2}
 
@@ -29,9 +25,3 @@ class Fault:
         """Return the fault in one line."""
         place = "" if self.start is None else f" at {self.start:.2f} s"
         return f"{self.severity}: {self.stream}: {self.what}{place}"
-
-
-def runs(inside: Booleans) -> tuple[Integers, Integers]:
-    """Return the first row and the length of each run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]])))
-    return edges[::2], edges[1::2] - edges[::2]

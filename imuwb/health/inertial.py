@@ -5,11 +5,12 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from imuwb.health.channel import LOOKED_AT, Channel, value_text
-from imuwb.health.fault import Fault, runs
+from imuwb.health.fault import Fault
 from imuwb.health.lone import Lone
 from imuwb.health.motion import Segment
 from imuwb.identification import find_lines
 from imuwb.log import ImuStream
+from imuwb.sampling import runs
 
 STUCK = 2.0  #: s; a channel with equal samples for longer than this, and for much longer than usual, is stuck
 LONGER = 20.0  #: times the usual run of equal samples; a longer run is "much longer than usual"

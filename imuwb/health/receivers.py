@@ -6,8 +6,9 @@ import numpy as np
 
 from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.geodesy import radii_of_curvature
-from imuwb.health.fault import Fault, runs
+from imuwb.health.fault import Fault
 from imuwb.log import GnssStream, Log
+from imuwb.sampling import runs
 
 FIXED_3D = 3
 FEWEST = 3  #: least number of fixes that can be compared

@@ -84,7 +84,6 @@ def _random_walk(p: Parameters, dt: float, rng: np.random.Generator) -> Floats:
 
 
 def _rate_ramp(p: Parameters, dt: float, rng: np.random.Generator) -> Floats:
-    del rng
     return dt * (np.cumsum(p["R"]) - p["R"] / 2)
 
 

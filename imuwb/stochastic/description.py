@@ -8,7 +8,7 @@ from imuwb.stochastic.sums import Process
 from imuwb.units import UNITS, Unit, coefficient_units
 
 #: parameter of a process -> its unit; those that are not here are letters of coefficients, or have the unit of the samples
-_PLAIN = {"Tc": "s", "dt": "s", "frequency": "Hz"}
+PLAIN = {"Tc": "s", "dt": "s", "frequency": "Hz"}
 LETTERS = ("Q", "N", "B", "K", "R")
 
 
@@ -28,8 +28,8 @@ def process_text(axis: str, process: Process) -> str:
 def _parameter(axis: str, name: str, value: Any) -> str:  # noqa: ANN401 - a number, or the numbers of an AR set
     if name == "alpha":
         return f"alpha {', '.join(f'{a:.10g}' for a in value)}"
-    if name in _PLAIN:
-        return f"{name} {value:.6g} {_PLAIN[name]}"
+    if name in PLAIN:
+        return f"{name} {value:.6g} {PLAIN[name]}"
     return f"{name} {_shown(value, coefficient_units(axis, name if name in LETTERS else 'rate')[1])}"
 
 

@@ -14,6 +14,7 @@ from imuwb.errors import UsageError
 from imuwb.log import AXES
 from imuwb.stochastic.autoregressive import Autoregressive
 from imuwb.stochastic.axis_model import AxisModel
+from imuwb.stochastic.description import LETTERS, PLAIN
 from imuwb.stochastic.elementary import LARGEST
 from imuwb.stochastic.flicker import FlickerNoise
 from imuwb.stochastic.gauss_markov import GaussMarkov
@@ -24,9 +25,8 @@ from imuwb.units import UNITS, Unit, coefficient_units, si_unit, unit
 SCHEMA = 1
 _KINDS = (WhiteNoise, Quantization, FlickerNoise, RandomWalk, RateRamp, GaussMarkov, Autoregressive, Sinusoid, Constant)
 PROCESSES = {kind.name: kind for kind in _KINDS}
-#: parameter of a process -> coefficient whose unit it has ("rate": that of the sensor itself)
-_PARAMETER = {"N": "N", "B": "B", "K": "K", "R": "R", "Q": "Q", "sigma": "rate", "beta0": "rate", "amplitude": "rate"}
-_PLAIN = {"Tc": "s", "frequency": "Hz", "dt": "s"}
+#: parameters of processes that may have a limit
+_LIMITED = (*LETTERS, "sigma", "beta0", "amplitude")
 #: deterministic term of an axis -> dimension of its unit; "sensor": that of the axis
 _TERMS = {
     "scale_factor": "dimensionless", "scale_factor_nonlinear": "dimensionless", "bandwidth": "frequency",
@@ -39,12 +39,12 @@ _VECTORS = {"cross_coupling": 2, "g_sensitivity": 3}
 
 def _unit_of(axis: str, name: str) -> Unit:
     """Return the SI unit of a process's parameter or of a deterministic term."""
-    if name in _PLAIN:
-        return UNITS[_PLAIN[name]]
+    if name in PLAIN:
+        return UNITS[PLAIN[name]]
     dimension = _TERMS.get(name)
     if dimension is not None and dimension != "sensor":
         return UNITS[si_unit(dimension)]
-    return coefficient_units(axis, _PARAMETER.get(name, "rate"))[0]
+    return coefficient_units(axis, name if name in LETTERS else "rate")[0]
 
 
 # Writing
@@ -173,8 +173,8 @@ def _point(axis: str, term: str, row: object, where: str) -> tuple[float, float]
 def _limits(axis: str, content: object, where: str) -> dict[str, float]:
     limits: dict[str, float] = {}
     for name, entry in _table(content, where).items():
-        if name not in _PARAMETER:
-            _refuse(f"{where}.{name}", name, f"one of {', '.join(_PARAMETER)}")
+        if name not in _LIMITED:
+            _refuse(f"{where}.{name}", name, f"one of {', '.join(_LIMITED)}")
         limit = _table(entry, f"{where}.{name}")
         limits[name] = _si({**limit, "value": limit.get("upper")}, _unit_of(axis, name), f"{where}.{name}.upper")
     return limits

@@ -69,6 +69,17 @@ class Sensor:
             )
         return max(known)
 
+    def all_white(self, why: str) -> list[float]:
+        """Return N of the three axes.
+
+        Raises:
+            MissingDataError: an axis has none; the message states why the tool needs it.
+        """
+        known = [n for n in self.white if n]
+        if len(known) < len(self.white):
+            raise MissingDataError(f"the model lacks N on an axis of the {self.name}; {why}; add the term to the model")
+        return known
+
 
 def _first(model: AxisModel, kind: type, parameter: str) -> float | None:
     return next((getattr(term, parameter) for term in model.processes.terms if isinstance(term, kind)), None)
@@ -137,7 +148,6 @@ def kalibr(model: ImuErrorModel, rate: float, horizon: float) -> str:
 
 def ros(model: ImuErrorModel, rate: float, horizon: float) -> str:
     """ROS sensor_msgs/Imu: covariance matrices of a sample, row-major about x, y, z, (rad/s)² and (m/s²)²."""
-    del horizon
     notes = [
         f"variance of a sample at {rate:g} Hz, N² times the rate; a sensor whose bandwidth is below half the rate has less"
     ]
@@ -145,11 +155,7 @@ def ros(model: ImuErrorModel, rate: float, horizon: float) -> str:
     for name, key in (("gyro", "angular_velocity_covariance"), ("accel", "linear_acceleration_covariance")):
         sensor = Sensor.of(model, name)
         sensor.largest("N (white noise)", sensor.white, notes)
-        diagonal = [(n or 0.0) ** 2 * rate for n in sensor.white]
-        if not all(diagonal):
-            raise MissingDataError(
-                f"the model lacks N on an axis of the {name}; a covariance of 0 would mean: unknown; add the term to the model"
-            )
+        diagonal = [n**2 * rate for n in sensor.all_white("a covariance of 0 would mean: unknown")]
         matrix = [diagonal[i] if i == j else 0.0 for i in range(3) for j in range(3)]
         rows.append(f"{key}: [{', '.join(f'{v:.10g}' for v in matrix)}]")
     rows.append("orientation_covariance: [-1, 0, 0, 0, 0, 0, 0, 0, 0]  # no orientation")
@@ -160,16 +166,11 @@ def ros(model: ImuErrorModel, rate: float, horizon: float) -> str:
 
 def kf_gins(model: ImuErrorModel, rate: float, horizon: float) -> str:
     """KF-GINS, kf-gins.yaml, imunoise: deg/√h, m/s/√h, deg/h, mGal, ppm, h (comments of its own kf-gins.yaml)."""
-    del rate
     notes = [
         "gsstd, asstd (scale factors, ppm) are no noise: write your own; KF-GINS takes initbgstd and initbastd from gbstd and abstd unless you set them"
     ]
     gyro, accel = (Sensor.of(model, name) for name in SENSORS)
-    for sensor in (gyro, accel):
-        if not all(sensor.white):
-            raise MissingDataError(
-                f"the model lacks N on an axis of the {sensor.name}; KF-GINS needs all three; 0 would be wrong; add the term to the model"
-            )
+    arw, vrw = (sensor.all_white("KF-GINS needs all three; 0 would be wrong") for sensor in (gyro, accel))
     (gyro_sigma, gyro_time), (accel_sigma, accel_time) = _bias(gyro, notes), _bias(accel, notes)
     known = [t for t in (gyro_time, accel_time) if not math.isnan(t)]
     time = max(known) if known else horizon
@@ -182,8 +183,8 @@ def kf_gins(model: ImuErrorModel, rate: float, horizon: float) -> str:
     degrees = 180 / math.pi
     rows = [
         "imunoise:",
-        f"  arw: {row([(n or 0.0) * degrees * 60 for n in gyro.white])}  # deg/sqrt(hr)",
-        f"  vrw: {row([(n or 0.0) * 60 for n in accel.white])}  # m/s/sqrt(hr)",
+        f"  arw: {row([n * degrees * 60 for n in arw])}  # deg/sqrt(hr)",
+        f"  vrw: {row([n * 60 for n in vrw])}  # m/s/sqrt(hr)",
         f"  gbstd: {row([s * degrees * 3600 for s in gyro_sigma])}  # deg/hr",
         f"  abstd: {row([s * 1e5 for s in accel_sigma])}  # mGal",
         "  gsstd: [0.0, 0.0, 0.0]  # ppm",
@@ -209,7 +210,6 @@ PX4_STEP = 0.01  #: s, of its filter: EKF2_PREDICT_US, 10000 by default
 
 def px4(model: ImuErrorModel, rate: float, horizon: float) -> str:
     """PX4 EKF2: rad/s, m/s², rad/s², m/s³ at the filter's step of 10 ms: N/√dt and K/√dt (module.yaml; covariance.cpp)."""
-    del rate
     notes = [
         f"N/√dt and K/√dt are written, with the filter's step dt of {PX4_STEP:g} s (EKF2_PREDICT_US): the filter squares a parameter and multiplies it by its step squared",
         "values from a bench are lower bounds, because a vehicle vibrates; the noise of gyros and accelerometers also limits how fast biases are learned",
@@ -237,7 +237,6 @@ def px4(model: ImuErrorModel, rate: float, horizon: float) -> str:
 
 def as_json(model: ImuErrorModel, rate: float, horizon: float) -> str:
     """JSON, SI: processes, intervals and limits of the model."""
-    del rate, horizon
     axes = {
         axis: {
             "processes": [_plain(term) for term in cast("tuple[Any, ...]", a.processes.terms)],

@@ -31,7 +31,6 @@ class FlickerNoise(Elementary):
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return (2 ln 2/pi) B² at every tau, which averaged samples have exactly."""
-        del dt
         return np.full_like(tau, 2 * np.log(2) / np.pi * self.B**2)
 
     def power_spectral_density(self, f: Floats, dt: float) -> Floats:
@@ -59,7 +58,6 @@ class FlickerNoise(Elementary):
         Flicker itself is not stationary; its increments are. They are drawn by circulant embedding
         (Davies and Harte 1987) and added up, so that the Allan deviation is flat at every m.
         """
-        del dt
         if n < 2 or self.B == 0:  # noqa: PLR2004 - one sample has no increment
             return np.zeros(n)
         from scipy.fft import next_fast_len  # noqa: PLC0415 - scipy is slow to import

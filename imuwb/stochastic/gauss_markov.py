@@ -23,7 +23,6 @@ class GaussMarkov(Elementary):
 
         The largest Allan deviation is 0.6174 s, at tau = 1.893 T.
         """
-        del dt
         x = tau / self.Tc
         # For small x the terms cancel to x³/3 - x⁴/4 + 7 x⁵/60.
         exact = x - 1.5 + 2 * np.exp(-x) - 0.5 * np.exp(-2 * x)

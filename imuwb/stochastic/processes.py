@@ -27,12 +27,10 @@ class WhiteNoise(Elementary):
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return N²/tau (IEEE 952, C.6)."""
-        del dt
         return self.N**2 / tau
 
     def power_spectral_density(self, f: Floats, dt: float) -> Floats:
         """Return N² at all f."""
-        del dt
         return np.full_like(f, self.N**2)
 
     def discretize(self, dt: float) -> StateSpace:
@@ -53,7 +51,6 @@ class Quantization(Elementary):
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return 3 Q²/tau² (IEEE 952, C.18)."""
-        del dt
         return 3 * self.Q**2 / tau**2
 
     def power_spectral_density(self, f: Floats, dt: float) -> Floats:
@@ -79,7 +76,6 @@ class RandomWalk(Elementary):
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return K² tau/3 (IEEE 952, C.12)."""
-        del dt
         return self.K**2 * tau / 3
 
     def power_spectral_density(self, f: Floats, dt: float) -> Floats:
@@ -111,12 +107,10 @@ class RateRamp(Elementary):
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return R² tau²/2 (IEEE 952, C.22)."""
-        del dt
         return self.R**2 * tau**2 / 2
 
     def power_spectral_density(self, f: Floats, dt: float) -> Floats:
         """Return R²/(2 pi f)³, IEEE's way of writing a ramp as a density; a ramp is no stationary process."""
-        del dt
         return self.R**2 / (2 * np.pi * f) ** 3
 
     def discretize(self, dt: float) -> StateSpace:
@@ -127,7 +121,6 @@ class RateRamp(Elementary):
 
     def sample(self, n: int, dt: float, rng: np.random.Generator) -> Floats:
         """Return n samples of the ramp, from 0 on."""
-        del rng
         return self.R * dt * (np.arange(float(n)) + 0.5)
 
 
@@ -141,13 +134,11 @@ class Sinusoid(Elementary):
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return A² (sin² x / x)², x = pi f tau (IEEE 952, C.25)."""
-        del dt
         x = np.pi * self.frequency * tau
         return self.amplitude**2 * (np.sin(x) ** 2 / x) ** 2
 
     def power_spectral_density(self, f: Floats, dt: float) -> Floats:
         """Return 0: a density does not show the power of a line, which is A²/4 at +f and at -f."""
-        del dt
         return np.zeros_like(f)
 
     def autocovariance(self, lag: Floats) -> Floats:
@@ -176,12 +167,10 @@ class Constant(Elementary):
 
     def allan_variance(self, tau: Floats, dt: float) -> Floats:
         """Return 0: differences do not see a constant."""
-        del dt
         return np.zeros_like(tau)
 
     def power_spectral_density(self, f: Floats, dt: float) -> Floats:
         """Return 0 at every f but 0."""
-        del dt
         return np.zeros_like(f)
 
     def autocovariance(self, lag: Floats) -> Floats:
@@ -190,11 +179,9 @@ class Constant(Elementary):
 
     def discretize(self, dt: float) -> StateSpace:
         """Return one state that never changes."""
-        del dt
         one = np.ones((1, 1))
         return StateSpace(one, 0 * one, np.ones(1), 0.0, one * self.sigma**2)
 
     def sample(self, n: int, dt: float, rng: np.random.Generator) -> Floats:
         """Return one draw, n times."""
-        del dt
         return np.full(n, self.sigma * rng.standard_normal())

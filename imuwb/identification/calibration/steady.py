@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from imuwb.arrays import Floats
+from imuwb.sampling import runs
 
 BLOCK = 0.5  #: s, length of a block
 FEWEST = 8  #: least number of samples in a block
@@ -45,10 +46,10 @@ def steady(
     quiet = (scatter <= np.maximum(SCATTER * still, tolerance) + ROUNDED * span).all(axis=1)
     # A block and the block before it belong together.
     joined = calm & quiet[1:] & quiet[:-1]
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], joined, [False]])))
     stretches: list[tuple[int, int]] = []
-    for first, last in zip(edges[::2], edges[1::2], strict=True):
-        begin, end = int(first) + 1, int(last)  # blocks first ... last belong together; both outer blocks are left out
+    for first, steps_joined in zip(*runs(joined), strict=True):
+        # blocks first ... end belong together; both outer blocks are left out
+        begin, end = int(first) + 1, int(first + steps_joined)
         if (end - begin) * size * dt >= shortest and _level(mean[begin:end], span):
             stretches.append((begin * size, end * size))
     return stretches

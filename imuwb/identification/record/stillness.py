@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from imuwb.arrays import Booleans, Floats, Integers
+from imuwb.arrays import Floats, Integers
 from imuwb.compiled import compiled
+from imuwb.sampling import runs
 
 BLOCK = 1.0  #: s
 SCATTER = 3.0  #: ratio of a block's standard deviation to the median, above which the block is disturbed
@@ -72,24 +73,26 @@ def stillness(axes: Mapping[str, tuple[Floats, Floats]]) -> Stillness | None:
     moving = any(restless for _, restless in scored.values())
     worst = np.max(list(scores.values()), axis=0)
     bad = ndimage.binary_closing(worst > 1, iterations=JOIN) | (worst > 1)
+    first, length = runs(bad)
     disturbances = tuple(
         Disturbance(
             float(starts[start]), float(ends[stop - 1]),
             tuple(axis for axis, score in scores.items() if score[start:stop].max() > 1),
             float(worst[start:stop].max() * SCATTER),
         )
-        for start, stop in _spans(bad)
+        for start, stop in zip(first, first + length, strict=True)
     )  # fmt: skip
     far = np.flatnonzero(np.diff(blocks) > JOIN)
     last_end = finish if finish < ends[-1] + JOIN * BLOCK else float(ends[-1])
     recorded = tuple(zip(starts[np.append(0, far + 1)].tolist(), [*ends[far].tolist(), last_end], strict=True))
-    quiet = _spans(~bad)
-    if not quiet:
+    calm, length = runs(~bad)
+    if not calm.size:
         return Stillness(disturbances, begin, begin, moving=True, recorded=recorded)
-    first, last = max(quiet, key=_length)
+    longest = int(np.argmax(length))
+    last = calm[longest] + length[longest]
     moving |= float(bad.mean()) > MOVING
     end = finish if last == count else float(starts[last])
-    return Stillness(disturbances, float(starts[first]), end, moving=moving, recorded=recorded)
+    return Stillness(disturbances, float(starts[calm[longest]]), end, moving=moving, recorded=recorded)
 
 
 def _occupied(times: Iterable[Floats], begin: float, finish: float) -> Integers:
@@ -140,13 +143,3 @@ def _block_sums(values: Floats, rows: Integers) -> tuple[Floats, Floats]:  # pra
             sums[block] += x
             squares[block] += x * x
     return sums, squares
-
-
-def _spans(inside: Booleans) -> list[tuple[int, int]]:
-    """Return (first, end) of each run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]])))
-    return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-
-
-def _length(span: tuple[int, int]) -> int:
-    return span[1] - span[0]

@@ -5,13 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from imuwb.identification.temperature.bias import Biases, biases
+from imuwb.identification.temperature.bias import SLOW, Biases, biases, size_of, slow_processes
 from imuwb.identification.temperature.dependence import Dependence, by_chi_square, depends, heterogeneity
 from imuwb.identification.temperature.function_choice import FunctionChoice, choose_function
 from imuwb.identification.temperature.functions import FunctionKind, TemperatureFunction
 from imuwb.identification.temperature.pooled import pooled, settled
 from imuwb.identification.temperature.set_point import LETTERS, SetPoint, log_sigma
-from imuwb.identification.temperature.slow_processes import SLOW, size_of, slow_processes
 from imuwb.statistics import Coefficient
 
 

@@ -5,16 +5,19 @@ by the variance of their differences, which grows with the time between them. A 
 its upper limit. The turn-on bias is estimated only from several logs at one temperature.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy import linalg
 
 from imuwb.arrays import Floats
-from imuwb.statistics import Estimate
+from imuwb.identification.likelihood.fit import TERMS
+from imuwb.statistics import Coefficient, Estimate
 from imuwb.statistics.distributions import normal_limit
 from imuwb.stochastic import FlickerNoise, RandomWalk, Sum, WhiteNoise
+
+SLOW = ("B", "K")  #: processes that change the bias between records
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,3 +168,24 @@ def _hysteresis(
             difference = Estimate(value, value - half, value + half, variance**0.5)
             return Hysteresis((up.celsius + down.celsius) / 2, difference)
     return None
+
+
+def size_of(here: Coefficient, everywhere: Coefficient | None) -> float:
+    """Return the size of a coefficient at one temperature: identified there, else common to all, else the smallest limit."""
+    for coefficient in (here, everywhere):
+        if coefficient is not None and coefficient.value is not None and coefficient.lower:
+            return coefficient.value
+    return min(coefficient.upper for coefficient in (here, everywhere) if coefficient is not None)
+
+
+def slow_processes(points: Sequence[Mapping[str, Coefficient]], common: Mapping[str, Coefficient | None]) -> Sum:
+    """Return the flicker and random walk that change the bias between temperatures: root mean squares over temperatures.
+
+    Args:
+        points: coefficients at each temperature.
+        common: coefficients common to all temperatures; None: not known.
+    """
+    squares = {
+        letter: sum(size_of(p[letter], common.get(letter)) ** 2 for p in points) / len(points) for letter in SLOW
+    }
+    return Sum(tuple(TERMS[letter](square**0.5) for letter, square in squares.items() if square > 0))

@@ -1,15 +1,17 @@
 """From a log to densities and fitted sums."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from imuwb.analysis import Finding
 from imuwb.axes import Axis, axes_of, for_each, gap_notes, rates
 from imuwb.identification import Line, PowerSpectrum, SpectralFit, find_lines, fit_spectrum, power_spectrum
 from imuwb.identification.record.suitable import unsuitable
 from imuwb.log import Log
 from imuwb.noise_results import ModelCurves, line_name, line_result, missing_notes
+from imuwb.notes import Note
 from imuwb.statistics import UNKNOWN
 from imuwb.units import coefficient_units
 from imuwb_plugins.psd.parameters import Parameters
@@ -20,6 +22,7 @@ PEAK = 2.0  #: ratio to the fitted density, above which a broad peak is called a
 APART = 0.1  #: difference of natural logarithms; a spectrum that differs by more leaves its white level
 BEYOND_CHANCE = 4.0  #: standard errors by which it must differ as well
 POINTS = 200  #: frequencies of the model's densities in the figure
+NAMED = 3  #: lines that a remark names, the strongest
 
 
 def run(logs: Sequence[Log], parameters: Parameters) -> Result:
@@ -102,3 +105,21 @@ def _model_densities(fit: SpectralFit, begin: float, dt: float) -> ModelCurves:
     f = np.geomspace(begin, fit.highest, POINTS)
     terms = tuple(2 * term.power_spectral_density(f, dt) for term in fit.processes.terms)
     return ModelCurves(f, fit.density(f, dt), terms)
+
+
+def findings(result: Result) -> tuple[Finding, ...]:
+    """Return the coefficients of each axis, with remarks on what is not white noise."""
+    return tuple(Finding(axis, "psd", r.coefficients, tuple(_remarks(r))) for axis, r in result.axes.items())
+
+
+def _remarks(r: SpectrumAxis) -> Iterator[Note]:
+    if r.white_to is not None:
+        how = "falls below" if r.excess < 1 else "rises above"
+        ratio = f"{abs(10 * np.log10(r.excess)):.1f} dB"
+        yield Note("not-white", f"not white above {r.white_to:.3g} Hz: the spectrum {how} its white level by {ratio}")
+    if r.resonances:
+        yield Note("resonance", f"resonance near {', '.join(f'{f:.3g}' for f in r.resonances)} Hz")
+    if r.lines:
+        names = ", ".join(line.name.removeprefix("line at ") for line in r.lines[:NAMED])
+        more = f" and {len(r.lines) - NAMED} more" if len(r.lines) > NAMED else ""
+        yield Note("lines", f"line{'s' if len(r.lines) > 1 else ''} at {names}{more}")

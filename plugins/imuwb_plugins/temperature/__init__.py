@@ -13,9 +13,8 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={
         "parameters": ["Parameters"],
-        "compute": ["run"],
+        "compute": ["error_model", "run"],
         "show": ["draw", "draw_study"],
-        "model_by_temperature": ["error_model"],
         "setting_study": ["study"],
     },
 )

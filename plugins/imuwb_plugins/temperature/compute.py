@@ -5,12 +5,14 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
+from imuwb import __version__
 from imuwb.axes import THREADS, axes_of, rates
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.temperature import (
     AxisTemperatures,
     Record,
     SetPoint,
+    axis_model,
     heterogeneity,
     log_sigma,
     over_temperature,
@@ -19,6 +21,7 @@ from imuwb.identification.temperature import (
 from imuwb.log import AXES, Log, source_of
 from imuwb.notes import Note
 from imuwb.progress import tracked
+from imuwb.stochastic import ImuErrorModel
 from imuwb_plugins.temperature.axis_result import axis_result
 from imuwb_plugins.temperature.log_checks import check_thermometers, check_together
 from imuwb_plugins.temperature.parameters import Parameters
@@ -174,3 +177,22 @@ def _over(points: Sequence[SetPoint], parameters: Parameters) -> AxisTemperature
         return over_temperature(points, level=parameters.level, size=parameters.size, kind=kind)
     except ValueError as error:
         raise UsageError(f"--function {parameters.function}: {error}") from error
+
+
+def error_model(result: Result) -> ImuErrorModel:
+    """Return the error model: processes and biases of all axes as functions of temperature."""
+    axes = {
+        name: axis_model(axis.over, result.reference, gravity=name.startswith("accel"))
+        for name, axis in result.axes.items()
+    }
+    rates = ", ".join(f"{sensor} {rate:.6g} Hz" for sensor, rate in result.rate_hz.items())
+    provenance = {
+        "log": result.source,
+        "analysis": f"imuwb {__version__} temperature, by likelihood, {100 * result.level:g} % intervals at {result.reference:g} °C",
+        "rate": rates,
+        "bias": (
+            f"accelerometers: change from {result.reference:g} °C; gyros: the mean of a still record, which includes the earth's "
+            "rate"
+        ),
+    }
+    return ImuErrorModel(result.imu, axes, provenance)

@@ -3,8 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from imuwb.identification.temperature.bias import RecordMean, biases, difference_variance
-from imuwb.identification.temperature.slow_processes import size_of
+from imuwb.identification.temperature.bias import RecordMean, biases, difference_variance, size_of
 from imuwb.statistics import Coefficient
 from imuwb.stochastic import FlickerNoise, RandomWalk, Sum, WhiteNoise
 
