@@ -32,6 +32,7 @@ Effect = Literal["lost", "time", "order", "value"]
 
 AXES = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
 MEAN_SEA_LEVEL = "above mean sea level"  #: part of ``Origin.units`` if heights are not above WGS 84
+BY_FILTER = "estimated by the vehicle's own filter"  #: part of ``Origin.frame`` of such a stream
 
 
 def _frozen(
@@ -149,6 +150,11 @@ class Origin:
         """Whether heights are above mean sea level, because the file has none above WGS 84."""
         return MEAN_SEA_LEVEL in self.units
 
+    @property
+    def by_filter(self) -> bool:
+        """Whether the stream is an estimate of the vehicle's own filter, which has used the log's own fixes."""
+        return BY_FILTER in self.frame
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ImuStream:
@@ -215,7 +221,10 @@ class GnssStream(_Timed):
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Reference(_Timed):
-    """A trajectory that is more accurate than the solutions compared with it."""
+    """A trajectory with which solutions are compared: truth, or, if its origin says so, an estimate of the vehicle's filter.
+
+    A sigma that is not known is nan.
+    """
 
     name: str
     time: Nanoseconds  #: (n,) ns
@@ -223,11 +232,15 @@ class Reference(_Timed):
     velocity: Floats | None = None  #: (n, 3) m/s, NED
     attitude: Floats | None = None  #: (n, 3) roll, pitch, heading of C_b_n, rad
     origin: Origin = field(default_factory=Origin)
+    position_sigma: Floats | None = None  #: (n, 3) m, NED
+    velocity_sigma: Floats | None = None  #: (n, 3) m/s, NED
+    attitude_sigma: Floats | None = None  #: (n, 3) rad, about north, east and down
+    lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)  #: m FRD, from the IMU to the point of the trajectory
 
     def __post_init__(self) -> None:
         """Check and freeze the arrays."""
         columns = ("position", "velocity", "attitude")
-        _freeze_columns(self, columns, known=columns)
+        _freeze_columns(self, (*columns, "position_sigma", "velocity_sigma", "attitude_sigma"), known=columns)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,3 +6,4 @@ from .reading import describe as describe
 from .reading import read as read
 from .reading import reader_of as reader_of
 from .reading import stream as stream
+from .trajectories import read_trajectory as read_trajectory

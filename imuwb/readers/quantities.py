@@ -12,6 +12,7 @@ DIMENSIONS = {
     "velocity_north": "speed", "velocity_east": "speed", "velocity_down": "speed", "velocity_up": "speed",
     "sigma_north": "length", "sigma_east": "length", "sigma_down": "length",
     "sigma_velocity_north": "speed", "sigma_velocity_east": "speed", "sigma_velocity_down": "speed",
+    "sigma_attitude_north": "angle", "sigma_attitude_east": "angle", "sigma_attitude_down": "angle",
     "fix_type": "dimensionless", "speed": "speed", "roll": "angle", "pitch": "angle", "heading": "angle",
     "week": "dimensionless",
 }  # fmt: skip

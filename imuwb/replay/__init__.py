@@ -4,12 +4,13 @@ from imuwb.replay.budget import Budget, budget
 from imuwb.replay.choice import Choice, FilterCandidate, choose
 from imuwb.replay.clocks import Clocks, estimate_clocks
 from imuwb.replay.degraded import Degradation, degraded
+from imuwb.replay.external import Placing, external_reference
 from imuwb.replay.models import NAMES, model_named
 from imuwb.replay.motion import motion_classes
 from imuwb.replay.mounting import Mounting, estimate_mounting
 from imuwb.replay.outages import Outage, events_of, own_outages, sweep
 from imuwb.replay.overlap import effective_count, without_overlap
-from imuwb.replay.prepared import Prepared, prepare, run
+from imuwb.replay.prepared import Prepared, prepare, receiver_of, run
 from imuwb.replay.reference import ReferenceTrack, own_track, reference_track
 from imuwb.replay.replay import FilterRun, Replay, ScoredDrift, replay
 from imuwb.replay.scaled import scaled
@@ -20,9 +21,9 @@ from imuwb.replay.tuning import Tuned, tune
 
 __all__ = [
     "HORIZONS", "NAMES", "Budget", "Choice", "Clocks", "Consistency", "Degradation", "DriftCurve", "FilterCandidate",
-    "FilterRun", "Mounting", "Outage", "Paired", "Prepared", "ReferenceTrack", "Replay", "ScoredDrift", "Scores",
+    "FilterRun", "Mounting", "Outage", "Paired", "Placing", "Prepared", "ReferenceTrack", "Replay", "ScoredDrift", "Scores",
     "Summary", "Tuned", "budget", "choose", "compare", "degraded", "drift_curve", "effective_count",
-    "estimate_clocks", "estimate_mounting", "events_of", "model_named", "motion_classes", "own_outages", "own_track",
-    "prepare", "reference_track", "replay", "run", "scaled", "scores", "summarize", "sweep", "true_errors", "tune",
+    "estimate_clocks", "estimate_mounting", "events_of", "external_reference", "model_named", "motion_classes", "own_outages", "own_track",
+    "prepare", "receiver_of", "reference_track", "replay", "run", "scaled", "scores", "summarize", "sweep", "true_errors", "tune",
     "verdict", "without_overlap",
 ]  # fmt: skip

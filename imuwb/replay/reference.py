@@ -1,11 +1,12 @@
-"""The reference against which drift is measured: truth, RTK-fixed positions, or a filter's run over all fixes."""
+"""The reference against which drift is measured: truth, RTK-fixed positions, a filter's run over all fixes, or the vehicle's own."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from imuwb.arrays import Floats
+from imuwb.errors import UsageError
 from imuwb.geodesy.attitude import rotation_of_euler
 from imuwb.geodesy.earth import ned_scale
 from imuwb.log import SECOND, GnssStream, Log, Reference
@@ -24,12 +25,13 @@ class ReferenceTrack:
     """A trajectory of the IMU, as functions of time."""
 
     name: str
-    kind: str  #: "truth", "fixed", "smoothed" or "own"
+    kind: str  #: "truth", "fixed", "smoothed", "own", or "estimate": of the vehicle's own filter
     time: Floats  #: (n,) s from the log's start
     position: Floats  #: (n, 3) latitude rad, longitude rad, height m
     velocity: Floats  #: (n, 3) m/s, NED
     heading: Floats | None  #: (n,) rad, without jumps; None: unknown
     sigma: Floats  #: (n, 3) m NED
+    velocity_stated: bool = True  #: whether the velocity is a value of its own; else it follows from the positions
 
     def __post_init__(self) -> None:
         """Keep the last of several points of one time: an IMU slower than its receiver has several fixes at one sample.
@@ -72,7 +74,7 @@ class ReferenceTrack:
 def needs_smoothing(log: Log, wanted: str = "best") -> bool:
     """Return whether the wanted reference is a smoothed run of a filter."""
     if wanted == "best":
-        return _truth_of(log) is None and not any(_is_fixed(g) for g in log.gnss)
+        return truth_of(log) is None and not any(_is_fixed(g) for g in log.gnss)
     return wanted == "smoothed"
 
 
@@ -83,26 +85,34 @@ def reference_track(log: Log, solution: Solution, wanted: str = "best") -> Refer
         log: with its references and receivers.
         solution: a filter's run over the whole log. Its attitude relates antenna and IMU. If the
             reference is its smoothed run, it must come from ``solve(..., smooth=True)``.
-        wanted: "best", "truth", "fixed", "smoothed", or "own": the run, not smoothed.
+        wanted: "best", "truth", "fixed", "smoothed", "own": the run, not smoothed; "ekf": the estimate of the vehicle's own
+            filter; or the name of a reference of the log.
 
     Raises:
         ValueError: the log lacks the wanted reference.
+        UsageError: there is no reference of that name.
     """
-    truth, fixed = _truth_of(log), next((g for g in log.gnss if _is_fixed(g)), None)
+    truth, fixed = truth_of(log), next((g for g in log.gnss if _is_fixed(g)), None)
     if truth is not None and wanted in ("best", "truth"):
-        return _truth(log, truth)
+        return _given(log, truth, solution)
     if fixed is not None and wanted in ("best", "fixed"):
         return _fixed(log, fixed, solution)
     if wanted in ("best", "smoothed"):
         return _smoothed(solution)
     if wanted == "own":
         return own_track(solution)
-    raise ValueError(
-        {
-            "truth": "the log has no reference trajectory with velocities; choose another --reference",
-            "fixed": "no receiver of the log has RTK-fixed positions with velocities; choose another --reference",
-        }[wanted]
-    )
+    for reference in log.references:
+        if wanted == reference.name or (wanted == "ekf" and reference.origin.by_filter):
+            return _given(log, reference, solution)
+    reasons = {
+        "truth": "the log has no reference trajectory; name a file with --truth, or choose another --reference",
+        "fixed": "no receiver of the log has RTK-fixed positions with velocities; choose another --reference",
+        "ekf": "the log has no estimate of the vehicle's own filter; choose another --reference",
+    }
+    if wanted in reasons:
+        raise ValueError(reasons[wanted])
+    names = ", ".join(("best", "truth", "fixed", "smoothed", "own", "ekf", *(r.name for r in log.references)))
+    raise UsageError(f"--reference {wanted}: there is no such reference; choose among {names}")
 
 
 def own_track(solution: Solution) -> ReferenceTrack:
@@ -121,17 +131,58 @@ def _smoothed(solution: Solution) -> ReferenceTrack:
     )  # fmt: skip
 
 
-def _truth_of(log: Log) -> Reference | None:
-    return next((r for r in log.references if r.velocity is not None), None)
+def truth_of(log: Log) -> Reference | None:
+    """Return the first reference of a log that is not an estimate of the vehicle's own filter."""
+    return next((r for r in log.references if not r.origin.by_filter), None)
 
 
-def _truth(log: Log, reference: Reference) -> ReferenceTrack:
+def given_track(log: Log, reference: Reference) -> ReferenceTrack:
+    """Return a reference on the log's clock; its velocity follows from its positions if it states none; unknown sigmas are 0.
+
+    Raises:
+        ValueError: the reference has fewer than two rows.
+    """
     time = (reference.time - (log.zero or 0)) / SECOND
+    if time.size < 2:  # noqa: PLR2004 - a track has two ends
+        raise ValueError(f"{reference.name} has {time.size} rows; a reference needs two")
     heading = None if reference.attitude is None else np.unwrap(reference.attitude[:, 2])
-    velocity = np.zeros((time.size, 3)) if reference.velocity is None else reference.velocity
+    velocity = reference.velocity
+    if velocity is None:
+        scale = ned_scale(reference.position[:, 0], reference.position[:, 2])
+        velocity = np.gradient(reference.position, time, axis=0) * scale
+    sigma = np.zeros((time.size, 3)) if reference.position_sigma is None else np.nan_to_num(reference.position_sigma)
+    kind, name = "truth", reference.name
+    if reference.origin.by_filter:
+        kind, name = "estimate", f"{name}, an estimate of the vehicle's own filter"
     return ReferenceTrack(
-        reference.name, "truth", time, reference.position, velocity, heading, np.zeros((time.size, 3))
+        name, kind, time, reference.position, velocity, heading, sigma, reference.velocity is not None
     )
+
+
+def _given(log: Log, reference: Reference, solution: Solution) -> ReferenceTrack:
+    """Return a reference of the log, moved to the IMU by its own attitude or, without one, the filter's."""
+    track = given_track(log, reference)
+    if not any(reference.lever_arm):
+        return track
+    euler = reference.attitude
+    if euler is None:
+        inside = (track.time >= solution.time[0]) & (track.time <= solution.time[-1])
+        time, position, velocity, sigma = (
+            part[inside] for part in (track.time, track.position, track.velocity, track.sigma)
+        )
+        track = replace(track, time=time, position=position, velocity=velocity, sigma=sigma)
+        euler = _euler_at(solution, time)
+    position = track.position - _arm(euler, reference.lever_arm) / ned_scale(track.position[:, 0], track.position[:, 2])
+    return replace(track, position=position)
+
+
+def _euler_at(solution: Solution, time: Floats) -> Floats:
+    return np.stack([np.interp(time, solution.time, np.unwrap(solution.euler[:, i])) for i in range(3)], axis=1)
+
+
+def _arm(euler: Floats, lever_arm: tuple[float, float, float]) -> Floats:
+    """Return a lever arm in north-east-down, (n, 3) m."""
+    return rotation_of_euler(euler) @ np.array(lever_arm)
 
 
 def _is_fixed(gnss: GnssStream) -> bool:
@@ -149,8 +200,7 @@ def _fixed(log: Log, gnss: GnssStream, solution: Solution) -> ReferenceTrack:
     lacking = np.isnan(velocity[:, 2])
     if lacking.any() and time.size > 1:
         velocity[lacking, 2] = -np.gradient(position[:, 2], time)[lacking]
-    euler = np.stack([np.interp(time, solution.time, np.unwrap(solution.euler[:, i])) for i in range(3)], axis=1)
-    arm = rotation_of_euler(euler) @ np.array(solution.model.installation.lever_arm)
+    arm = _arm(_euler_at(solution, time), solution.model.installation.lever_arm)
     position = position - arm / ned_scale(position[:, 0], position[:, 2])
     sigma = np.full((time.size, 3), FIXED_SIGMA)
     if gnss.position_sigma is not None:

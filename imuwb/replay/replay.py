@@ -68,7 +68,7 @@ def replay(
         prepared: the log.
         models: the filters, with different names.
         outages: in order of time.
-        reference: "best", "truth", "fixed", "smoothed" or "own".
+        reference: as for ``reference_track``.
 
     Raises:
         UsageError: an outage that is not possible.
@@ -95,7 +95,7 @@ def replay(
         scored[duration] = good & ~gap
     if not any(rows.any() for rows in scored.values()):
         raise MissingDataError(f"{prepared.log.provenance.path}: no outage can be scored: {'; '.join(unscored)}")
-    return Replay(prepared, track, runs, scored, (*prepared.notes, *early, *unscored))
+    return Replay(prepared, track, runs, scored, (*prepared.notes, *early, *_doubted(track), *unscored))
 
 
 def _score(runs: dict[str, FilterRun], outages: Sequence[Outage], duration: float, track: ReferenceTrack) -> Booleans:
@@ -120,6 +120,17 @@ def _early(prepared: Prepared, model: FilterModel, outages: Sequence[Outage]) ->
         f"and the first outage begins at {early[0].start:.1f} s"
     )
     return (Note("early-outages", text),)
+
+
+def _doubted(track: ReferenceTrack) -> tuple[Note, ...]:
+    """Return what must be known of a reference that is no truth."""
+    if track.kind != "estimate":
+        return ()
+    text = (
+        f"{track.name}, is the reference: it has used the same fixes, so it is no truth, and errors that it shares with the "
+        "filters are not seen"
+    )
+    return (Note("reference-is-estimate", text),)
 
 
 def _unscored(duration: float, lost: int, gaps: int, reference: str) -> tuple[Note, ...]:

@@ -64,7 +64,7 @@ def _difference(covariance: Floats, sigma: Floats, reference: ReferenceTrack) ->
     the difference of the two is then independent of the run's own error, and the covariance of the run is subtracted.
     """
     own = sigma[..., None] ** 2 * np.eye(2)
-    if reference.kind in ("truth", "fixed"):
+    if reference.kind in ("truth", "fixed", "estimate"):
         return covariance + own
     values, vectors = np.linalg.eigh(covariance - own)
     least = LEAST * np.trace(covariance, axis1=-2, axis2=-1)[..., None]

@@ -96,6 +96,12 @@ def _reference_table(reference: Reference) -> pa.Table:
         f"{angle}_rad": pa.array(attitude[:, i], from_pandas=True)
         for i, angle in enumerate(("roll", "pitch", "heading"))
     }
+    for values, name in (
+        (reference.position_sigma, "sigma_{}_m"), (reference.velocity_sigma, "sigma_velocity_{}_m_s"),
+        (reference.attitude_sigma, "sigma_attitude_{}_rad"),
+    ):  # fmt: skip
+        if values is not None:
+            columns |= {name.format(way): pa.array(values[:, i], from_pandas=True) for i, way in enumerate(_WAYS)}
     return pa.table(columns)
 
 

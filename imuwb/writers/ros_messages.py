@@ -41,8 +41,10 @@ _MESSAGES = {
     "geometry_msgs/msg/TwistStamped": "geometry_msgs/Twist twist\n",
     # No common message has these fields. Units: SI, rad; north-east-down.
     "imuwb_msgs/msg/FixType": "uint8 fix_type\n",
-    "imuwb_msgs/msg/Reference": (
+    **dict.fromkeys(
+        ("imuwb_msgs/msg/Reference", "imuwb_msgs/msg/FilterEstimate"),
         "float64[3] latitude_longitude_height\nfloat64[3] velocity_north_east_down\nfloat64[3] roll_pitch_heading\n"
+        "float64[3] position_sigma\nfloat64[3] velocity_sigma\nfloat64[3] attitude_sigma\n",
     ),
 }
 
@@ -92,7 +94,9 @@ _VELOCITY = np.dtype([
 _TWIST = np.dtype([*_RECORD, *_TO_DOUBLES, ("linear", "<f8", (3,)), ("angular", "<f8", (3,))])
 _FIX_TYPE = np.dtype([*_RECORD, ("fix_type", "u1")])
 _REFERENCE = np.dtype([
-    *_RECORD, *_TO_DOUBLES, ("position", "<f8", (3,)), ("velocity", "<f8", (3,)), ("attitude", "<f8", (3,)),
+    *_RECORD, *_TO_DOUBLES, *((name, "<f8", (3,)) for name in (
+        "position", "velocity", "attitude", "position_sigma", "velocity_sigma", "attitude_sigma",
+    )),
 ])  # fmt: skip
 
 
@@ -212,9 +216,10 @@ def _speed(speed: Scalars) -> Topic:
 def _reference(reference: Reference) -> Topic:
     def rows_of(start: int, end: int) -> NDArray[np.void]:
         rows = np.zeros(end - start, _REFERENCE)
-        for name in ("position", "velocity", "attitude"):
+        for name in ("position", "velocity", "attitude", "position_sigma", "velocity_sigma", "attitude_sigma"):
             values = getattr(reference, name)
             rows[name] = np.nan if values is None else values[start:end]
         return rows
 
-    return Topic(reference.name, "imuwb_msgs/msg/Reference", reference.time, rows_of)
+    schema = "imuwb_msgs/msg/FilterEstimate" if reference.origin.by_filter else "imuwb_msgs/msg/Reference"
+    return Topic(reference.name, schema, reference.time, rows_of)

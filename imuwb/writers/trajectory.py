@@ -6,12 +6,12 @@ import numpy as np
 
 from imuwb.arrays import Floats
 from imuwb.errors import UsageError
+from imuwb.geodesy.tangent_plane import ned_of
 from imuwb.log import SECOND, Log, Provenance, Reference
 from imuwb.writers.whole import whole_file, write_text
 
 SUFFIXES = (".tum", ".kml", ".csv", ".mcap")
 MOST_POINTS = 20_000  #: largest number of points of a KML line
-EARTH_RADIUS = 6_378_137.0
 
 
 def check_trajectory(path: str | Path) -> None:
@@ -47,11 +47,8 @@ def write_trajectory(reference: Reference, quaternion: Floats, path: str | Path)
 
 
 def _write_tum(reference: Reference, quaternion: Floats, path: Path) -> None:
-    """Write lines of time (s), x y z (m) and quaternion x y z w; north, east and down from the first point."""
-    first = reference.position[0]
-    north = (reference.position[:, 0] - first[0]) * EARTH_RADIUS
-    east = (reference.position[:, 1] - first[1]) * EARTH_RADIUS * np.cos(first[0])
-    down = first[2] - reference.position[:, 2]
+    """Write lines of time (s), x y z (m) and quaternion x y z w; north, east and down from the first point, along its axes."""
+    north, east, down = ned_of(reference.position, reference.position[0]).T
     whole, rest = np.divmod(reference.time, SECOND)
     with whole_file(path) as temporary, temporary.open("w", encoding="ascii") as file:
         for i in range(reference.time.size):

@@ -167,12 +167,13 @@ def test_the_best_there_is():
     assert needs_smoothing(mixed)
 
 
-def test_a_reference_without_velocities_is_none():
+def test_a_reference_needs_no_velocities():
     log = log_of()
     bare = replace(log, references=(replace(log.references[0], velocity=None),))
-    assert needs_smoothing(bare)
-    with pytest.raises(ValueError, match="no reference trajectory with velocities"):
-        reference_track(bare, solution(), "truth")
+    assert not needs_smoothing(bare)
+    assert not reference_track(bare, solution(), "truth").velocity_stated
+    with pytest.raises(ValueError, match="no reference trajectory; name a file with --truth"):
+        reference_track(replace(log, references=()), solution(), "truth")
 
 
 @pytest.mark.parametrize("log", [log_of(), log_of(fix=5), log_of(fix=lambda t: np.where(t < 28, 6, 5))])

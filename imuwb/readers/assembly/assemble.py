@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -31,14 +32,18 @@ Key = tuple[str, Kind, tuple[str, ...]]
 _COLUMNS = {
     "imu": ("angular_rate", "specific_force", "temperature"),
     "gnss": ("position", "velocity", "position_sigma", "velocity_sigma", "fix_type"),
-    "reference": ("position", "velocity", "attitude"),
+    "reference": ("position", "velocity", "attitude", "position_sigma", "velocity_sigma", "attitude_sigma"),
     "velocity": ("velocity", "velocity_sigma"),
     "fix": ("fix_type",),
     "speed": ("speed",),
     "temperature": ("temperature",),
 }
-#: columns of a receiver that may be nan
-_MAY_BE_UNKNOWN = ("velocity", "position_sigma", "velocity_sigma", "fix_type")
+#: kind -> its columns that may be nan
+_SIGMAS = ("position_sigma", "velocity_sigma")
+_MAY_BE_UNKNOWN: dict[Kind, tuple[str, ...]] = {
+    "gnss": ("velocity", *_SIGMAS, "fix_type"), "velocity": ("velocity", *_SIGMAS, "fix_type"),
+    "reference": (*_SIGMAS, "attitude_sigma"),
+}  # fmt: skip
 NOT_FINITE = Fault(Note("not_finite", "rows with a value that is not a number left out"))
 
 
@@ -123,7 +128,7 @@ def _finite(kind: Kind, rows: int, columns: dict[str, Floats]) -> Booleans:
     finite = np.ones(rows, dtype=bool)
     for name, values in columns.items():
         known = np.isfinite(values)
-        if not known.all() and (kind not in ("gnss", "velocity") or name not in _MAY_BE_UNKNOWN):
+        if not known.all() and name not in _MAY_BE_UNKNOWN.get(kind, ()):
             finite &= known if values.ndim == 1 else known.all(axis=1)
     return finite
 
@@ -210,8 +215,8 @@ def _gnss(rows: Rows) -> GnssStream:
 
 
 def _reference(rows: Rows) -> Reference:
-    parts = {name: rows.columns.get(name) for name in ("velocity", "attitude")}
-    return Reference(rows.stream, rows.time, rows.columns["position"], **parts, origin=rows.origin)
+    columns: dict[str, Any] = dict(rows.columns)
+    return Reference(rows.stream, rows.time, origin=rows.origin, **columns)
 
 
 def _scalars(rows: Rows, column: str) -> Scalars:

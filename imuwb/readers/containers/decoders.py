@@ -11,11 +11,11 @@ from imuwb.arrays import Bytes, Integers
 from imuwb.readers.bytes.gather import gather
 from imuwb.readers.containers import ros_layout
 from imuwb.readers.containers.messages import Channel, Messages, Schema
-from imuwb.readers.containers.shapes import REFERENCE
+from imuwb.readers.containers.shapes import REFERENCE, REFERENCE_SIGMAS
 
 Piece = tuple[Mapping[str, NDArray[Any]], Integers]
 
-ARRAYS = ("covariance", *REFERENCE)  #: the names of fields that are arrays end with one of these
+ARRAYS = ("covariance", *REFERENCE, *REFERENCE_SIGMAS)  #: the names of fields that are arrays end with one of these
 FIRST = 16  #: number of messages that are tried for the fields of a channel without a definition
 
 

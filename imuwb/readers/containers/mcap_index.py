@@ -63,7 +63,8 @@ def _streams(file: BinaryIO, summary: Summary, above: set[str]) -> Iterator[Stre
         start, end = min(c.message_start_time for c in chunks), max(c.message_end_time for c in chunks)
         rate = (count - 1) / (end - start) * SECOND if end > start else None
         for recipe in shapes.recognise(fields, ours.name if ours else "", channel.topic):
-            origin = origin_of(recipe.kind, None, above_sea=channel.topic in above)
+            schema_name = ours.name if ours else ""
+            origin = origin_of(recipe.kind, None, above_sea=channel.topic in above, schema=schema_name)
             epoch = "unix" if start > UNIX else "log"
             yield StreamSummary(
                 channel.topic, recipe.kind, count, rate, start, end, epoch, (), (), origin.units, origin.frame

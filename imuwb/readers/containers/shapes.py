@@ -152,7 +152,9 @@ def _reference(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
         name: values[prefix + field]
         for name, field in zip(("position", "velocity", "attitude"), REFERENCE, strict=True)
     }
-    return {name: column for name, column in columns.items() if np.isfinite(column).all()}
+    sigmas = {name: values[prefix + name] for name in REFERENCE_SIGMAS if prefix + name in values}
+    known = {name: column for name, column in sigmas.items() if np.isfinite(column).any()}
+    return {name: column for name, column in columns.items() if np.isfinite(column).all()} | known
 
 
 def _temperature(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
@@ -163,6 +165,7 @@ def _temperature(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
 _COURSE = ("track", "speed", "climb")
 _LINEAR = ("twist.linear.x", "twist.linear.y", "twist.linear.z")
 REFERENCE = ("latitude_longitude_height", "velocity_north_east_down", "roll_pitch_heading")
+REFERENCE_SIGMAS = ("position_sigma", "velocity_sigma", "attitude_sigma")
 _TRIADS = tuple(f"{field}.{axis}" for field in ("angular_velocity", "linear_acceleration") for axis in "xyz")
 _COVARIANCES = ("angular_velocity_covariance[0]", "linear_acceleration_covariance[0]")
 
@@ -194,5 +197,5 @@ _SHAPES: tuple[tuple[str, Kind, tuple[str, ...], tuple[str, ...], Callable[..., 
     ("twist.linear.x", "velocity", _LINEAR, ("covariance",), _velocity),
     ("twist.linear.x", "speed", _LINEAR, (), _speed),
     ("fix_type", "fix", ("fix_type",), (), _fix_type),
-    ("latitude_longitude_height", "reference", REFERENCE, (), _reference),
+    ("latitude_longitude_height", "reference", REFERENCE, REFERENCE_SIGMAS, _reference),
 )  # fmt: skip

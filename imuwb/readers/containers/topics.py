@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from imuwb.arrays import Integers
 from imuwb.errors import UnreadableLogError
-from imuwb.log import MEAN_SEA_LEVEL, Effect, Kind, Origin
+from imuwb.log import BY_FILTER, MEAN_SEA_LEVEL, Effect, Kind, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes.gather import alike
@@ -22,6 +22,7 @@ from imuwb.readers.read_options import ReadOptions
 
 PATIENCE = 100  #: number of messages; a channel without a known field in these is not examined again
 UNIX = 10**17  #: ns; a later stamp (after March 1973) counts from 1970
+ESTIMATE = "/FilterEstimate"  #: end of the name of imuwb's message for an estimate of the vehicle's own filter
 NO_HEIGHT = Note("no_height", "fixes without a height: 0 is used")
 NO_STAMP = Note("no_stamp", "messages without a stamp of their own: the recorder's time is used")
 NO_FIT = Note("no_fit", "messages that do not fit their definition left out")
@@ -63,7 +64,7 @@ def streamed(path: Path, container: Container, options: ReadOptions) -> Iterator
     yield from topics.remarks()
 
 
-def origin_of(kind: Kind, frame: str | None, *, above_sea: bool, unix: bool = False) -> Origin:
+def origin_of(kind: Kind, frame: str | None, *, above_sea: bool, unix: bool = False, schema: str = "") -> Origin:
     """Return units, frame and clock of a kind of messages.
 
     Args:
@@ -71,10 +72,13 @@ def origin_of(kind: Kind, frame: str | None, *, above_sea: bool, unix: bool = Fa
         frame: frame of an IMU, as the user states it, or None.
         above_sea: whether heights are above mean sea level.
         unix: whether times count from 1970.
+        schema: name of the messages' definition.
     """
     units, stored = _STORED[kind]
     units += f" ({MEAN_SEA_LEVEL})" if above_sea and kind in ("gnss", "reference") else ""
     stored = f"{frame} (stated)" if kind == "imu" and frame else stored
+    if kind == "reference" and schema.endswith(ESTIMATE):
+        stored += f", {BY_FILTER}"
     return Origin(units, stored, "unix" if unix else "log")
 
 
@@ -175,7 +179,7 @@ class _Topic:
         alone = sum(other.kind == recipe.kind for other in self.recipes) == 1
         name = self.name if alone else f"{self.name}.{recipe.prefix.rstrip('.')}"
         unix = bool(time.size) and time[0] > UNIX
-        origin = origin_of(recipe.kind, self.options.frame, above_sea=self.above_sea, unix=unix)
+        origin = origin_of(recipe.kind, self.options.frame, above_sea=self.above_sea, unix=unix, schema=self.schema)
         return Batch(name, recipe.kind, time, columns, origin, messages.bytes_read)
 
     def _time(self, recipe: Recipe, values: Mapping[str, NDArray[Any]], messages: Messages, rows: Integers) -> Integers:

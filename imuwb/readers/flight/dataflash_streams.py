@@ -276,7 +276,8 @@ class _Streams:
             known = (np.abs(angles) < FULL_TURNS).all(axis=1)
             if known.any():
                 columns["attitude"] = trajectory.attitudes(boot, self._boot(attitude)[known], angles[known])
-        yield from trajectory.located("POS", "reference", self._time(place), columns, self._position_origin, self._size)
+        origin = Origin(POSITION_UNITS, trajectory.ESTIMATED, self._epoch)
+        yield from trajectory.located("POS", "reference", self._time(place), columns, origin, self._size)
 
 
 def _is_high_rate(heads: Columns, data: Columns) -> bool:

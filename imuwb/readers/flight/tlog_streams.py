@@ -162,7 +162,7 @@ class _Streams:
             known = np.isfinite(turns).all(axis=1)
             if known.any():
                 columns["attitude"] = trajectory.attitudes(time, at[known], turns[known])
-        origin = Origin(f"1e-7 deg, mm{ABOVE_SEA}, cm/s", "NED", "unix")
+        origin = Origin(f"1e-7 deg, mm{ABOVE_SEA}, cm/s", trajectory.ESTIMATED, "unix")
         yield from trajectory.located(name, "reference", time, columns, origin, self._bytes_read)
         if trajectory.usable(position).any():
             yield Remark(Note("above_sea", f"{name}: heights are above mean sea level"))

@@ -7,12 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from imuwb.arrays import Booleans, Floats
-from imuwb.log import Kind, Nanoseconds, Origin
+from imuwb.log import BY_FILTER, Kind, Nanoseconds, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 
 HIGHEST = 1e5  #: m; a height beyond is damage
 FASTEST = 2e4  #: m/s; a velocity beyond is damage
+ESTIMATED = f"NED, {BY_FILTER}"  #: frame of a navigation solution
 
 
 def positions(latitude: NDArray[Any], longitude: NDArray[Any], height: NDArray[Any]) -> Floats:

@@ -205,16 +205,19 @@ class _Streams:
         """Yield the navigation solution: position, with velocity and attitude of other topics."""
         local, places = self._topic(LOCAL), self._topic(GLOBAL)
         if places is not None and {"lat", "lon", "alt"} <= places.keys():
-            name, boot = GLOBAL, self._boot(places)
+            name, source = GLOBAL, places
             position = trajectory.positions(places["lat"], places["lon"], places["alt"])
         elif local is not None and {"ref_lat", "ref_lon", "ref_alt", "x", "y", "z"} <= local.keys():
-            name, boot, position = LOCAL, self._boot(local), _local_position(local)
+            name, source, position = LOCAL, local, _local_position(local)
         else:
             return
-        rows = trajectory.usable(position)
+        rows, boot = trajectory.usable(position), self._boot(source)
         if not rows.any():
             return
         columns = {"position": position}
+        if {"eph", "epv"} <= source.keys():
+            sigmas = trajectory.position_sigmas(_positive(source["eph"]), _positive(source["epv"]))
+            columns["position_sigma"] = sigmas
         if local is not None and {"vx", "vy", "vz"} <= local.keys():
             columns["velocity"] = trajectory.interpolated(
                 boot, self._boot(local), trajectory.triples(local, ("vx", "vy", "vz"))
@@ -225,7 +228,7 @@ class _Streams:
             if known.any():
                 angles = trajectory.euler_angles(attitude["q"][known].astype(float))
                 columns["attitude"] = trajectory.attitudes(boot, self._boot(attitude)[known], angles)
-        origin = Origin(f"deg, m{ABOVE_SEA}, m/s", "NED", self._epoch)
+        origin = Origin(f"deg, m{ABOVE_SEA}, m/s", trajectory.ESTIMATED, self._epoch)
         # Rows without a position are normal here: the solution begins before the first fix.
         kept = {key: column[rows] for key, column in columns.items()}
         yield Batch(name, "reference", boot[rows] + (self._offset or 0), kept, origin, self._size)

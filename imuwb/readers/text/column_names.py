@@ -30,6 +30,8 @@ _NAMES: dict[str, str] = {
     "sigma_velocity_north": r"(?:velocity[_ ]sigma|sigma[_ ]velocity)[_ .]?n(?:orth)?",
     "sigma_velocity_east": r"(?:velocity[_ ]sigma|sigma[_ ]velocity)[_ .]?e(?:ast)?",
     "sigma_velocity_down": r"(?:velocity[_ ]sigma|sigma[_ ]velocity)[_ .]?d(?:own)?",
+    "sigma_attitude_north": r"sigma[_ ]attitude[_ ]north", "sigma_attitude_east": r"sigma[_ ]attitude[_ ]east",
+    "sigma_attitude_down": r"sigma[_ ]attitude[_ ]down",
     "fix_type": r"fix(?:[_ ]?type)?",
     "speed": r"(?:wheel[_ .]|odo(?:meter)?[_ .]|vehicle[_ .]|forward[_ .])?speed|odometer",
     "roll": r"roll", "pitch": r"pitch", "heading": r"heading|yaw",

@@ -52,7 +52,8 @@ def _position_stream(si: Values, rows: Booleans | None) -> Stream:
             columns[field] = triple
     attitude = _stacked(si, [("roll", 0), ("pitch", 0), ("heading", 0)])
     if attitude is not None:
-        columns = {name: columns[name] for name in ("position", "velocity") if name in columns} | {"attitude": attitude}
+        sigma = _stacked(si, [(f"sigma_attitude_{way}", 0) for way in _WAYS])
+        columns |= {"attitude": attitude} | ({} if sigma is None else {"attitude_sigma": sigma})
         if not {("velocity_down", 0), ("velocity_up", 0)} & si.keys():
             columns.pop("velocity", None)  # a reference has all three parts of a velocity, or none
         return "reference", {name: x for name, x in columns.items() if np.isfinite(x).any()}, rows

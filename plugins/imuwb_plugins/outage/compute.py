@@ -32,6 +32,7 @@ from imuwb.stochastic import ImuErrorModel
 from imuwb_plugins.outage import filters, notes, summary, tracks
 from imuwb_plugins.outage.parameters import Parameters
 from imuwb_plugins.outage.result import Result
+from imuwb_plugins.outage.truth import with_truth
 
 
 def run(logs: Sequence[Log], parameters: Parameters) -> Result:
@@ -45,8 +46,10 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     log, _ = corrected_log(logs[0], base.error_model)
     base, mounting = _mounted(log, base, parameters)
     base, clocks = _timed(log, base, parameters)
+    log, of_truth = with_truth(log, base, parameters)
     worse = Degradation(**parameters.degrade, seed=parameters.seed) if parameters.degrade else None
     prepared = prepare(log, base, parameters.receiver, worse)
+    prepared = replace(prepared, notes=(*prepared.notes, *of_truth))
     models = _models(base, prepared, parameters)
     tuned = None
     if parameters.tune:

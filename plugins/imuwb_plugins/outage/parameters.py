@@ -1,6 +1,6 @@
 """Options of an outage replay."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -38,9 +38,32 @@ class Parameters:
     ] = 0
     seed: Annotated[int, "Seed of the random numbers."] = 0
     reference: Annotated[
-        Literal["best", "truth", "fixed", "smoothed", "own"],
-        "Reference of the drift: the log's truth, RTK-fixed positions, a filter's smoothed run over all fixes, its own run, or the best of these.",
+        str,
+        "Reference of the drift: truth (of the log or --truth), RTK-fixed positions, a filter's smoothed run over all fixes, its own "
+        "run, or the best of these; or ekf, the estimate of the vehicle's own filter; or a reference's name in imuwb info.",
+        Form("best|truth|fixed|smoothed|own|ekf|NAME"),
     ] = "best"
+    truth: Annotated[
+        Path | None,
+        "File with the true trajectory: CSV, RTKLIB .pos, a log (MCAP, ...), KF-GINS .nav, TUM, or poses of KITTI.", Form("FILE"),
+    ] = None  # fmt: skip
+    truth_delay: Annotated[
+        Literal["gnss"] | float, "Time by which the stamps of --truth are late (s), or gnss: the same as those of the fixes.",
+        Between(-1e10, 1e10), Form("SECONDS|gnss", "0.2"),
+    ] = 0.0  # fmt: skip
+    truth_lever: Annotated[
+        tuple[float, float, float], "Lever arm from the IMU to the point of --truth: forward, right, down (m).",
+        Between(-500, 500), Form("F,R,D", "0.4,0,-1.2"),
+    ] = (0.0, 0.0, 0.0)  # fmt: skip
+    truth_times: Annotated[Path | None, "File with one time (s) for each pose of KITTI.", Form("FILE")] = None
+    truth_origin: Annotated[
+        tuple[float, float, float] | None,
+        "Origin of a --truth in a local frame: latitude, longitude (deg), height (m); default: the frame is fitted to the fixes.",
+        Between(), Form("LAT,LON,HEIGHT", "45.07,7.69,240"),
+    ] = None  # fmt: skip
+    truth_axes: Annotated[
+        Literal["enu", "ned"], "Axes of that local frame: east-north-up or north-east-down; only with --truth-origin."
+    ] = "enu"
     filter: Annotated[
         Path | None, "Filter of --save-filter, run besides the others; its settings apply to all filters."
     ] = None
@@ -110,6 +133,7 @@ class Parameters:
             raise ValueError(
                 f"models is {text_of(self.models)!r}; it must have one or more of {','.join(MODELS)}, each once"
             )
+        self._check_truth()
         if not self.durations:
             raise ValueError("durations is empty; it must have one or more durations, such as 30,60")
         for _, duration in () if self.at == "own" else self.at:
@@ -124,3 +148,9 @@ class Parameters:
         ):
             if value not in between:
                 raise ValueError(f"turn_on is {value:g} {unit}; it must be {between}")
+
+    def _check_truth(self) -> None:
+        """Raise ValueError if an option of --truth is given without --truth."""
+        given = [f.name for f in fields(self) if f.name.startswith("truth_") and getattr(self, f.name) != f.default]
+        if self.truth is None and given:
+            raise ValueError(f"{given[0]} needs --truth FILE")
