@@ -163,7 +163,7 @@ def solve(
 
     Raises:
         MissingDataError: a state or a variance becomes invalid; the message states when.
-        ValueError: a process that cannot be written with states.
+        UsageError: a process that cannot be written with states, or too many of them.
     """
     tables, _ = model.tables(measurement.interval, measurement.celsius)
     if measurement.gap_noise is not None:

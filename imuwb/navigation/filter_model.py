@@ -1,16 +1,19 @@
 """The model of a filter: an error model, the states that represent it, and the filter's settings."""
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from imuwb.arrays import Floats
+from imuwb.errors import UsageError
 from imuwb.log import AXES
 from imuwb.navigation.covariance import NAVIGATION
+from imuwb.navigation.lines import LineShare, left_out
 from imuwb.navigation.shaping import Reading, Shaping, shaping
 from imuwb.navigation.tables import AxisTables
 from imuwb.navigation.workspace import MOST_STATES
-from imuwb.stochastic import ImuErrorModel
+from imuwb.stochastic import AxisModel, ImuErrorModel, Sinusoid, Sum
 
 NAVIGATION_STATES = (
     *(f"position {axis}, m" for axis in ("north", "east", "down")),
@@ -60,6 +63,10 @@ class Settings:
     heading: float = 3.0  #: deg, sigma of heading at the alignment; the velocity's sigma adds to it
     start_speed: float = 3.0  #: m/s; above this speed the velocity gives the heading
     settling: float = 60.0  #: s of fixes after the alignment and before the first outage of a sweep
+    horizons: tuple[float, float] = (
+        10.0,
+        60.0,
+    )  #: s, shortest and longest outage, in which lines must matter to get states
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,18 +113,47 @@ class FilterModel:
             celsius: °C; None: the model's plain parameters.
 
         Raises:
-            ValueError: an axis that the error model lacks, or a process that cannot be written with states.
+            UsageError: an axis that the error model lacks, or a process that cannot be written with states.
         """
-        shapings: list[Shaping] = []
-        for axis in AXES:
-            model = self.error_model.axes.get(axis)
-            if model is None:
-                raise ValueError(f"{self.name}: the error model {self.error_model.name!r} has no axis {axis}; add it")
-            try:
-                shapings.append(shaping(model.at(celsius), dt, self.reading))
-            except ValueError as error:
-                raise ValueError(f"{self.name}, {axis}: {error}") from error
-        return tuple(shapings)
+        left_out = self.lines_left_out(dt)
+        return tuple(
+            self._shaping(axis, self._axis(axis).at(celsius), dt, [line.term for line in left_out if line.axis == axis])
+            for axis in AXES
+        )
+
+    def lines_left_out(self, dt: float) -> tuple[LineShare, ...]:
+        """Return the periodic lines of the error model that have no states, as ``imuwb.navigation.lines`` chooses them.
+
+        Args:
+            dt: s.
+
+        Raises:
+            UsageError: as ``shapings``.
+        """
+        axes = [model.thermal[0][1] if model.thermal else model.processes for model in map(self._axis, AXES)]
+        lines = [[k for k, term in enumerate(s.terms) if isinstance(term, Sinusoid)] for s in axes]
+        if not any(lines):
+            return ()
+        orders = [self._shaping(*own).order for own in zip(AXES, axes, [dt] * len(AXES), lines, strict=True)]
+        taken = NAVIGATION + sum(orders) + sum(scale > 0 for scale in self._scales())
+        return left_out(axes, max(MOST_STATES - taken, 0) // 2, self.settings.horizons)
+
+    def _axis(self, axis: str) -> AxisModel:
+        model = self.error_model.axes.get(axis)
+        if model is None:
+            raise UsageError(f"{self.name}: the error model {self.error_model.name!r} has no axis {axis}; add it")
+        return model
+
+    def _shaping(self, axis: str, processes: Sum, dt: float, without: Sequence[int]) -> Shaping:
+        """Return the shaping filter of an axis without some of its processes, which ``left_out`` then names."""
+        terms = processes.terms
+        kept = Sum(tuple(term for k, term in enumerate(terms) if k not in without))
+        try:
+            own = shaping(kept, dt, self.reading)
+        except ValueError as error:
+            raise UsageError(f"{self.name}, {axis}: {error}") from error
+        lines = [f"line at {term.frequency:.4g} Hz" for k in without if isinstance(term := terms[k], Sinusoid)]
+        return replace(own, left_out=(*own.left_out, *lines))
 
     def states(self, dt: float) -> tuple[str, ...]:
         """Return the name of each error state (Quinchia, table 8)."""
@@ -143,7 +179,7 @@ class FilterModel:
             celsius: °C, a temperature for each regime.
 
         Raises:
-            ValueError: as ``shapings``; or too many states.
+            UsageError: as ``shapings``; or too many states.
         """
         regimes = [self.shapings(dt, t) for t in celsius]
         scales = self._scales()
@@ -165,7 +201,7 @@ class FilterModel:
     def _empty_tables(self, regimes: int, orders: list[int]) -> AxisTables:
         first = NAVIGATION + np.concatenate([[0], np.cumsum(orders)]).astype(np.int64)
         if first[6] > MOST_STATES:
-            raise ValueError(
+            raise UsageError(
                 f"{self.name}: {first[6]} states; a filter has at most {MOST_STATES}: remove processes from the error model"
             )
         count, spans, most = sum(orders), self.settings.every + 1, max(*orders, 1)

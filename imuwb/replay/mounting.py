@@ -51,7 +51,7 @@ def estimate_mounting(log: Log, receiver: str | None, level: float) -> Mounting:
         MissingDataError: no velocities, no standstill, or too little acceleration.
     """
     gnss = receiver_of(log, receiver) if log.gnss else None
-    if gnss is None or gnss.velocity is None:
+    if gnss is None or gnss.velocity is None or not np.isfinite(gnss.velocity[:, :2]).all(axis=1).any():
         raise MissingDataError(
             f"{log.provenance.path}: a receiver with velocities is needed to estimate the mounting; give the angles with --mounting"
         )

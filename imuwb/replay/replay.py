@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from imuwb.arrays import Booleans
-from imuwb.errors import MissingDataError
+from imuwb.errors import ImuwbError, MissingDataError
 from imuwb.navigation.filter import Solution
 from imuwb.navigation.filter_model import FilterModel
 from imuwb.navigation.outages import Drift, drift
@@ -18,6 +18,7 @@ from imuwb.replay.reference import ReferenceTrack, needs_smoothing, own_track, r
 from imuwb.replay.scores import Scores, scores
 
 BEST = ("tuned", "full", "18AV", "15AV")  #: the filters whose run is a reference, in order of preference
+MOST_INVALID = 0.5  #: share of the outages in which a filter may become invalid
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -46,6 +47,7 @@ class Replay:
     runs: dict[str, FilterRun]
     scored: dict[float, Booleans]  #: duration -> (s,) whether an outage is scored
     notes: tuple[str, ...]
+    failed: dict[str, str]  #: filter that cannot run -> reason
 
     def __str__(self) -> str:
         """Return reference, outages and filters, a line each."""
@@ -53,6 +55,7 @@ class Replay:
         lines = [
             f"Replay against {self.reference.name}: outages: {outages}",
             *(str(r.solution) for r in self.runs.values()),
+            *(f"{name} cannot run: {reason}" for name, reason in self.failed.items()),
         ]
         return "\n  ".join(lines)
 
@@ -62,7 +65,7 @@ class Replay:
 def replay(
     prepared: Prepared, models: Sequence[FilterModel], outages: Sequence[Outage], *, reference: str = "best"
 ) -> Replay:
-    """Return the drift of all filters in the same outages.
+    """Return the drift of all filters in the same outages. A filter that cannot run is left out; ``failed`` has the reason.
 
     Args:
         prepared: the log.
@@ -72,42 +75,75 @@ def replay(
 
     Raises:
         UsageError: an outage that is not possible.
-        MissingDataError: a filter that becomes invalid; no outage that can be scored.
-        ValueError: the log lacks the wanted reference; a process that cannot be written with states.
+        MissingDataError: no filter can run; no outage that can be scored.
+        ValueError: the log lacks the wanted reference.
     """
     check_outages(prepared, models[0], outages)
-    solutions = {model.name: run(model, prepared) for model in models}
-    best = next((m for name in BEST for m in models if m.name == name), models[0])
+    solutions, failed = _solutions(prepared, models)
+    running = [model for model in models if model.name in solutions]
+    best = next((m for name in BEST for m in running if m.name == name), running[0])
     smooth = needs_smoothing(prepared.log, reference)
     track = reference_track(
         prepared.log, run(best, prepared, smooth=True) if smooth else solutions[best.name], reference
     )
     runs = {name: FilterRun(solution, {}) for name, solution in solutions.items()}
+    chosen = {d: [o for o in outages if o.duration == d] for d in sorted({outage.duration for outage in outages})}
+    for duration in tracked(list(chosen), len(chosen)):
+        _score(runs, chosen[duration], duration, track)
+    runs, lost_filters = _sound(runs)
     scored: dict[float, Booleans] = {}
     early = _early(prepared, models[0], outages)
     unscored: list[Note] = []
-    durations = sorted({outage.duration for outage in outages})
-    for duration in tracked(durations, len(durations)):
-        chosen = [outage for outage in outages if outage.duration == duration]
-        good = _score(runs, chosen, duration, track)
-        gap = with_gap(prepared, chosen)
+    for duration, own in chosen.items():
+        good = np.all([_finite(r.outages[duration]) for r in runs.values()], axis=0)
+        gap = with_gap(prepared, own)
         unscored.extend(_unscored(duration, int((~good).sum()), int(gap.sum()), track.name))
         scored[duration] = good & ~gap
     if not any(rows.any() for rows in scored.values()):
         raise MissingDataError(f"{prepared.log.provenance.path}: no outage can be scored: {'; '.join(unscored)}")
-    return Replay(prepared, track, runs, scored, (*prepared.notes, *early, *_doubted(track), *unscored))
+    notes = (*prepared.notes, *early, *_doubted(track), *unscored)
+    return Replay(prepared, track, runs, scored, notes, {**failed, **lost_filters})
 
 
-def _score(runs: dict[str, FilterRun], outages: Sequence[Outage], duration: float, track: ReferenceTrack) -> Booleans:
-    """Add the outages of a duration to the runs; return for which of them every filter has scores."""
-    good = np.ones(len(outages), dtype=bool)
+def _solutions(prepared: Prepared, models: Sequence[FilterModel]) -> tuple[dict[str, Solution], dict[str, str]]:
+    """Return the runs of the filters over the whole log, and the reasons of those that cannot run."""
+    solutions: dict[str, Solution] = {}
+    failed: dict[str, str] = {}
+    for model in models:
+        try:
+            solutions[model.name] = run(model, prepared)
+        except ImuwbError as error:
+            failed[model.name] = str(error).removeprefix(f"{model.name}: ").removeprefix(f"{model.name}, ")
+    if not solutions:
+        reasons = "; ".join(f"{name}: {reason}" for name, reason in failed.items())
+        raise MissingDataError(f"{prepared.log.provenance.path}: no filter can run: {reasons}")
+    return solutions, failed
+
+
+def _finite(own: ScoredDrift) -> Booleans:
+    return np.asarray(np.isfinite(own.scores.horizontal).all(axis=1))
+
+
+def _sound(runs: dict[str, FilterRun]) -> tuple[dict[str, FilterRun], dict[str, str]]:
+    """Return the filters that have scores in most outages in which any filter has some, and the reasons of the others."""
+    finite = {name: np.concatenate([_finite(own) for own in r.outages.values()]) for name, r in runs.items()}
+    possible = np.any(list(finite.values()), axis=0)
+    lost = {name: int((possible & ~own).sum()) for name, own in finite.items()}
+    failed = {
+        name: f"its states or its variances become invalid in {count} of {int(possible.sum())} outages"
+        for name, count in lost.items()
+        if count > MOST_INVALID * possible.sum()
+    }
+    return {name: own for name, own in runs.items() if name not in failed}, failed
+
+
+def _score(runs: dict[str, FilterRun], outages: Sequence[Outage], duration: float, track: ReferenceTrack) -> None:
+    """Add the outages of a duration to the runs."""
     for filter_run in tracked(runs.values(), len(runs)):
         solution = filter_run.solution
         drifted = drift(solution, events_of(solution, outages), duration)
         against = scores(drifted, track)
         filter_run.outages[duration] = ScoredDrift(drifted, against, scores(drifted, own_track(solution)))
-        good &= np.isfinite(against.horizontal).all(axis=1)
-    return good
 
 
 def _early(prepared: Prepared, model: FilterModel, outages: Sequence[Outage]) -> tuple[Note, ...]:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
+from imuwb.errors import UsageError
 from imuwb.log import AXES
 from imuwb.navigation.filter_model import FilterModel, Settings
 from imuwb.navigation.shaping import FLICKER_BAND, lattice, shaping
@@ -148,7 +149,7 @@ def test_an_unstable_set_is_refused_by_its_pole(alpha, pole):
 
 def test_a_set_of_another_step_is_refused():
     axes = {a: AxisModel(Sum((Autoregressive((-0.9,), 1.0, 0.02),))) for a in AXES}
-    with pytest.raises(ValueError, match=r"mine, gyro_x: .* 0\.02 s.* 0\.01 s"):
+    with pytest.raises(UsageError, match=r"mine, gyro_x: .* 0\.02 s.* 0\.01 s"):
         FilterModel("mine", ImuErrorModel("m", axes)).tables(DT)
 
 
@@ -231,7 +232,7 @@ def test_a_regime_has_the_temperatures_own_processes():
 
 def test_what_no_filter_has_room_for_is_refused():
     many = AxisModel(Sum(tuple(GaussMarkov(1.0, float(t)) for t in range(1, 8))))
-    with pytest.raises(ValueError, match=f"wide: 51 states; .* {MOST_STATES}"):
+    with pytest.raises(UsageError, match=f"wide: 51 states; .* {MOST_STATES}"):
         FilterModel("wide", ImuErrorModel("wide", dict.fromkeys(AXES, many))).tables(DT)
-    with pytest.raises(ValueError, match="short: .* accel_z"):
+    with pytest.raises(UsageError, match="short: .* accel_z"):
         FilterModel("short", ImuErrorModel("five", dict.fromkeys(AXES[:5], many))).tables(DT)

@@ -228,7 +228,7 @@ def test_table_2_as_printed_is_refused_by_its_pole(column):
 
 def test_an_ar_model_of_another_rate_is_refused(short):
     model = model_named("15AR", base(Autoregressive((-0.9,), 1e-4, DT)), interval=0.02, static=short)
-    with pytest.raises(ValueError, match=r"15AR, gyro_x: .* 0\.01 s.* 0\.02 s"):
+    with pytest.raises(UsageError, match=r"15AR, gyro_x: .* 0\.01 s.* 0\.02 s"):
         model.states(0.02)
 
 

@@ -11,6 +11,7 @@ from imuwb.errors import MissingDataError, UsageError
 from imuwb.log import AXES, Log
 from imuwb.navigation import Aids, FilterModel, Installation, Settings, read_filter
 from imuwb.replay import (
+    HORIZONS,
     Clocks,
     Degradation,
     Mounting,
@@ -50,7 +51,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     worse = Degradation(**parameters.degrade, seed=parameters.seed) if parameters.degrade else None
     prepared = prepare(log, base, parameters.receiver, worse)
     prepared = replace(prepared, notes=(*prepared.notes, *of_truth))
-    models = _models(base, prepared, parameters)
+    models, failed = _models(base, prepared, parameters)
     tuned = None
     if parameters.tune:
         try:
@@ -64,6 +65,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
         replayed = replay(prepared, models, _outages(prepared, base, parameters), reference=parameters.reference)
     except ValueError as error:
         raise MissingDataError(f"{log.provenance.path}: {error}") from error
+    replayed = replace(replayed, failed={**failed, **replayed.failed})
     return _result(replayed, parameters, clocks, mounting, tuned)
 
 
@@ -86,7 +88,7 @@ def _result(
         filters.budget(replayed), replayed.reference.name, tuple(dict.fromkeys(verdicts)),
         notes.notes(replayed, durations, infos, clocks, mounting, tuned), clocks, mounting, tuned,
         filters.sensor_errors(replayed), replayed.reference.position, tracks.tracks(replayed), parameters.map,
-        tracks.navigation(replayed),
+        tracks.navigation(replayed), replayed.failed,
     )  # fmt: skip
 
 
@@ -113,9 +115,15 @@ def _base(parameters: Parameters) -> FilterModel:
             0.0 if parameters.gnss_delay == "auto" else parameters.gnss_delay, parameters.velocity_delay,
             1.0 if parameters.clock_rate == "auto" else parameters.clock_rate, parameters.skew,
         ),
-        settings=Settings(every=parameters.every, settling=parameters.settling),
+        settings=Settings(every=parameters.every, settling=parameters.settling, horizons=_horizons(parameters)),
         aids=Aids(parameters.straight, parameters.still, parameters.speed),
     )  # fmt: skip
+
+
+def _horizons(parameters: Parameters) -> tuple[float, float]:
+    """Return the shortest and the longest outage, s; drift is also judged at the first of the usual horizons."""
+    durations = (*parameters.durations, *(d for _, d in (() if parameters.at == "own" else parameters.at)))
+    return min(HORIZONS[0], *durations), max(durations)
 
 
 def _mounted(log: Log, base: FilterModel, parameters: Parameters) -> tuple[FilterModel, Mounting | None]:
@@ -131,7 +139,7 @@ def _timed(log: Log, base: FilterModel, parameters: Parameters) -> tuple[FilterM
     with_delay, with_rate = parameters.gnss_delay == "auto", parameters.clock_rate == "auto"
     if not (with_delay or with_rate):
         return base, None
-    full = _named("full", base, prepare(log, base, parameters.receiver), parameters)
+    full = _largest(base, prepare(log, base, parameters.receiver), parameters)
     clocks = estimate_clocks(
         log, full, parameters.receiver, parameters.level, with_delay=with_delay, with_rate=with_rate
     )
@@ -140,15 +148,44 @@ def _timed(log: Log, base: FilterModel, parameters: Parameters) -> tuple[FilterM
     return replace(base, installation=replace(base.installation, **known)), clocks
 
 
-def _models(base: FilterModel, prepared: Prepared, parameters: Parameters) -> list[FilterModel]:
-    models = [_named(name, base, prepared, parameters) for name in parameters.models]
+def _largest(base: FilterModel, prepared: Prepared, parameters: Parameters) -> FilterModel:
+    """Return the filter with the most processes that can run with this error model.
+
+    Raises:
+        UsageError: none can run.
+    """
+    for name in ("full", "18AV"):
+        try:
+            model = _named(name, base, prepared, parameters)
+            model.tables(prepared.measurement.interval)
+        except UsageError:
+            continue
+        return model
+    return _named("none", base, prepared, parameters)
+
+
+def _models(base: FilterModel, prepared: Prepared, parameters: Parameters) -> tuple[list[FilterModel], dict[str, str]]:
+    """Return the filters, and the reasons of those that cannot be made from this error model.
+
+    Raises:
+        UsageError: no filter can be made.
+    """
+    models: list[FilterModel] = []
+    failed: dict[str, str] = {}
+    for name in parameters.models:
+        try:
+            models.append(_named(name, base, prepared, parameters))
+        except UsageError as error:
+            failed[name] = str(error)
+    if not models:
+        raise UsageError(next(iter(failed.values())))
     if parameters.wavelet:
         denoised = _named("18AVWD", base, prepared, parameters)
         models.extend(
             replace(denoised, name=f"18AVWD at {level}", wavelet_levels=(level,) * len(AXES))
             for level in dict.fromkeys(parameters.wavelet)
         )
-    return [*models, base] if parameters.filter is not None else models
+    return [*models, base] if parameters.filter is not None else models, failed
 
 
 def _named(name: str, base: FilterModel, prepared: Prepared, parameters: Parameters) -> FilterModel:

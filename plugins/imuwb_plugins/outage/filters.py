@@ -1,5 +1,7 @@
 """The filters of a replay: states, innovations, error budget and estimates of the sensors' errors."""
 
+from collections import Counter
+
 import numpy as np
 
 from imuwb.arrays import Floats
@@ -38,7 +40,8 @@ def info(run: FilterRun, *, causal: bool) -> FilterInfo:
 
 def _processes(model: FilterModel, axis: str) -> str:
     terms = model.error_model.axes[axis].processes.terms
-    return " + ".join(str(getattr(term, "name", type(term).__name__)).replace("_", " ") for term in terms)
+    names = Counter(str(getattr(term, "name", type(term).__name__)).replace("_", " ") for term in terms)
+    return " + ".join(f"{count} x {name}" if count > 1 else name for name, count in names.items())
 
 
 def budget(replay: Replay) -> ErrorBudget:

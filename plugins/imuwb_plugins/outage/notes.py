@@ -9,6 +9,7 @@ from imuwb.notes import Note
 from imuwb.replay import Clocks, Mounting, Replay, Tuned
 from imuwb.statistics import Estimate
 from imuwb.texts import number_text
+from imuwb_plugins.outage.left_out import left_out
 from imuwb_plugins.outage.result import DurationSummary, FilterInfo
 
 #: A filter does not fit above this NIS over its degrees of freedom, or this share of refused fixes.
@@ -27,7 +28,7 @@ def notes(
     """Return the notes, the most important first."""
     aids = next(iter(replay.runs.values())).solution.model.aids
     reference = Note("reference", f"the drift is measured against {replay.reference.name}")
-    own = [*misfits(infos), *_choices(durations), reference, *replay.notes, _aids(aids)]
+    own = [*misfits(infos), *_choices(durations), reference, *left_out(replay), *replay.notes, _aids(aids)]
     if clocks is not None:
         own.append(_clocks(clocks))
     if mounting is not None:

@@ -183,6 +183,7 @@ class Result:
     tracks: tuple[Tracks, ...] = field(metadata=HELD)
     on_map: bool = field(metadata=HELD)
     navigation: tuple[Reference, Floats] = field(metadata=HELD)  #: the last filter's run; (n, 4) its quaternions
+    failed: dict[str, str] = field(default_factory=dict[str, str])  #: filter that cannot run -> reason
 
     def __str__(self) -> str:
         """Return reference and verdicts, a line each."""

@@ -26,6 +26,7 @@ def drift(own: DurationSummary, result: Result) -> Table:
         )
         for name, s in own.models.items()
     )  # fmt: skip
+    rows += tuple((name, "cannot run", *("—",) * 9) for name in result.failed)
     headings = (
         "filter", "outages (without overlap)", "median", "68 % quantile", "95 % quantile", "median of the largest error",
         "vertical", "velocity", "heading", "share of the distance", "causal",
@@ -154,16 +155,24 @@ def published(result: Result) -> Table:
     return Table(title, ("start", "duration", "mean speed", *names), tuple(rows), caption, wide=True)
 
 
+def _left_out(processes: tuple[str, ...]) -> str:
+    """Return the processes without a state; lines are only counted."""
+    lines = sum(": line at " in process for process in processes)
+    named = [process for process in processes if ": line at " not in process]
+    return ", ".join([*named, *([f"{lines} line{'s' if lines > 1 else ''}"] if lines else [])]) or "—"
+
+
 def filters(result: Result) -> Table:
     """Return the filters with their states and innovations."""
     rows = tuple(
         (
             f.name, str(len(f.states)), f.gyros, f.accelerometers, f.reading, f"{f.nis_position:.2f}",
             "—" if f.nis_velocity is None else f"{f.nis_velocity:.2f}", str(f.refused), _yes(f.causal),
-            ", ".join(f.left_out) or "—",
+            _left_out(f.left_out),
         )
         for f in result.filters
     )  # fmt: skip
+    rows += tuple((name, "cannot run", *("—",) * 7, reason) for name, reason in result.failed.items())
     headings = (
         "filter", "states", "processes of gyro x", "processes of accelerometer x", "formulas", "NIS/dof of positions",
         "NIS/dof of velocities", "refused positions and velocities", "causal", "processes without a state",

@@ -7,8 +7,12 @@ from pathlib import Path
 import pytest
 
 from imuwb.errors import MissingDataError, UsageError
+from imuwb.review.document import plain
+from imuwb.stochastic import AxisModel, GaussMarkov, ImuErrorModel, Sinusoid, Sum
 from imuwb_plugins import outage
 from imuwb_plugins.outage import Parameters
+
+from .made import Shown, sensor
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -33,6 +37,43 @@ def test_nothing_scored_is_said(log, toml):
     short = replace(truth, **{n: getattr(truth, n)[:900] for n in ("time", "position", "velocity", "attitude")})
     with pytest.raises(MissingDataError, match="truth"):
         outage.run([replace(log, references=(short,))], Parameters(error_model=toml, models="none", at="150:10"))
+
+
+def test_a_filter_that_cannot_run_is_a_row_with_its_reason(log, tmp_path):
+    axes = {
+        name: AxisModel(Sum((*own.processes.terms, *(GaussMarkov(1e-6, t) for t in (5.0, 50.0, 500.0, 900.0)))))
+        for name, own in sensor().axes.items()
+    }
+    wide = tmp_path / "wide.toml"
+    wide.write_text(ImuErrorModel("wide", axes).to_toml(), "utf-8")
+    result = outage.run([log], Parameters(error_model=wide, models="none,full", at="150:10"))
+    assert [f.name for f in result.filters] == ["none"]
+    assert "states" in result.failed["full"]
+    assert plain(result)["failed"] == result.failed
+    assert [note.id for note in result.notes].count("failed") == 1
+    shown = Shown()
+    outage.draw(result, shown)
+    drift = next(t for t in shown.tables if t.title.startswith("Drift"))
+    filters = next(t for t in shown.tables if t.title.startswith("Filters"))
+    assert [row[0] for row in drift.rows] == [row[0] for row in filters.rows] == ["none", "full"]
+    assert result.failed["full"] in filters.rows[1]
+
+
+def test_lines_without_room_are_noted_and_the_filter_runs(log, tmp_path):
+    model = sensor(flicker=True)
+    accel = model.axes["accel_x"]
+    lines = [Sinusoid(0.01 + k / 1000, 0.05 + k / 10) for k in range(20)]
+    axes = {**model.axes, "accel_x": replace(accel, processes=Sum((*accel.processes.terms, *lines)))}
+    path = tmp_path / "lines.toml"
+    path.write_text(ImuErrorModel("lines", axes).to_toml(), "utf-8")
+    result = outage.run([log], Parameters(error_model=path, models="full", at="150:10"))
+    assert not result.failed
+    (note,) = [note for note in result.notes if note.id == "lines-left-out"]
+    assert "accel_x at" in note
+    (own,) = result.filters
+    assert len(own.states) <= 48
+    assert any(state.startswith("accel_x: sinusoid") for state in own.states)
+    assert "20 x sinusoid" in own.accelerometers
 
 
 def test_too_short_to_tune(log, toml):
