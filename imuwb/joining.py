@@ -24,6 +24,7 @@ def joined(log: Log, other: Log) -> Log:
         gnss=(*log.gnss, *other.gnss),
         references=(*log.references, *other.references),
         speeds=(*log.speeds, *other.speeds),
+        truth={**other.truth, **log.truth},
         notes=(*log.notes, *_notes(log, other)),
     )
 

@@ -12,6 +12,7 @@ All values are frozen and their arrays read-only, so no analysis changes what a 
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
@@ -279,6 +280,8 @@ class Log:
     notes: tuple[str, ...] = ()
     zero: int | None = None  #: ns; start of "seconds from the log's start", also for a part of the log
     conditioning: tuple[Conditioning, ...] = ()  #: in the order in which they were applied
+    #: parameters that a simulator put in, apart from the sensor's error model: name -> value with its SI unit
+    truth: Mapping[str, str] = field(default_factory=dict[str, str])
 
     def __post_init__(self) -> None:
         """Set ``zero`` to the start of the earliest stream unless it is given."""

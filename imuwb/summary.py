@@ -1,7 +1,7 @@
 """What a log contains, stream by stream; ``imuwb info`` prints it."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 from imuwb.log import Epoch, Kind, Log, Nanoseconds, Repair
 from imuwb.sampling import sampling
@@ -42,6 +42,7 @@ class LogSummary:
     hash: str  #: "sha256:...", or empty for a summary from an index
     streams: tuple[StreamSummary, ...]
     notes: tuple[str, ...]
+    truth: Mapping[str, str] = field(default_factory=dict[str, str])  #: as in ``Log``
 
     def __str__(self) -> str:
         """Return a line with path and format, then a line for each stream."""
@@ -55,7 +56,7 @@ class LogSummary:
 def summarize(log: Log) -> LogSummary:
     """Return the summary of a log."""
     file = log.provenance
-    return LogSummary(file.path, file.format, file.hash, tuple(_streams(log)), log.notes)
+    return LogSummary(file.path, file.format, file.hash, tuple(_streams(log)), log.notes, log.truth)
 
 
 def _streams(log: Log) -> Iterator[StreamSummary]:

@@ -29,7 +29,7 @@ def info(
     from imuwb.cli.reading import read_log  # noqa: PLC0415
     from imuwb.cli.terminal import shower  # noqa: PLC0415
     from imuwb.readers.bytes import source  # noqa: PLC0415
-    from imuwb.review.tables import streams_table  # noqa: PLC0415
+    from imuwb.review.tables import streams_table, truth_table  # noqa: PLC0415
     from imuwb.summary import summarize  # noqa: PLC0415
 
     source.check(log)
@@ -44,6 +44,8 @@ def info(
     show(streams_table(summary))
     for note in summary.notes:
         show(note)
+    if summary.truth:
+        show(truth_table(summary))
     if not summary.streams:
         show("the log has no stream that imuwb reads")
     if whole is not None:

@@ -7,6 +7,7 @@ from typing import Protocol
 
 from imuwb.arrays import Floats, Integers
 from imuwb.log import Effect, Kind, Origin
+from imuwb.notes import Note
 from imuwb.readers.read_options import ReadOptions
 
 
@@ -48,6 +49,16 @@ class Remark:
     stream: str = ""
     count: int = 0
     effect: Effect = "lost"  #: effect of the repair on the stream
+    truth: Mapping[str, str] = field(
+        default_factory=dict[str, str]
+    )  #: parameters that a simulator wrote, as in ``Log``
+
+
+def simulated(truth: Mapping[str, str]) -> Remark:
+    """Return the remark of a log that states the parameters of its simulation."""
+    parts = ", ".join(dict.fromkeys(name.partition(".")[0] for name in truth))
+    text = f"a simulator made the log; imuwb info shows its {len(truth)} true parameters ({parts})"
+    return Remark(Note("simulated", text), truth=truth)
 
 
 class Reader(Protocol):

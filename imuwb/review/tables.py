@@ -21,6 +21,11 @@ def streams_table(summary: LogSummary) -> Table:
     return Table("Streams", HEADINGS, rows, f"{summary.path} ({summary.format}{hash_text})")
 
 
+def truth_table(summary: LogSummary) -> Table:
+    """Return a table of the parameters that a simulator put into a log."""
+    return Table("True parameters of the simulation", ("parameter", "value"), tuple(summary.truth.items()))
+
+
 def streams_of_many(summaries: Sequence[LogSummary]) -> Table:
     """Return one table of the streams of many logs."""
     rows = tuple((summary.path, *_row(stream)) for summary in summaries for stream in summary.streams)

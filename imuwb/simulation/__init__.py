@@ -9,9 +9,12 @@ from imuwb.simulation.plans import PlannedOutage, mixed_route, planned_outages, 
 from imuwb.simulation.presets import preset, preset_names
 from imuwb.simulation.rate_table import RateTable, rate_table
 from imuwb.simulation.receiver import Odometer, Receiver
+from imuwb.simulation.road import Road
+from imuwb.simulation.road_vibration import RoadVibration
 from imuwb.simulation.route import Route
 from imuwb.simulation.six_position import Positions, six_position
 from imuwb.simulation.static import static
+from imuwb.simulation.suspension import Suspension
 from imuwb.simulation.thermal import Temperature
 from imuwb.simulation.tolerances import Tolerances, specimen
 
@@ -23,8 +26,11 @@ __all__ = [
     "Positions",
     "RateTable",
     "Receiver",
+    "Road",
+    "RoadVibration",
     "Route",
     "Site",
+    "Suspension",
     "Temperature",
     "Tolerances",
     "chamber",

@@ -5,14 +5,16 @@ so that its product with dt is the increment of the step that ends there; the er
 """
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from imuwb.arrays import Floats
 from imuwb.errors import UsageError
 from imuwb.log import AXES, Log, Nanoseconds, Origin, Provenance, Reference
-from imuwb.simulation.motion_noise import MotionNoise
+from imuwb.simulation.motion_noise import STANDING, MotionNoise
 from imuwb.simulation.receiver import WHITE, Odometer, Receiver
+from imuwb.simulation.road import Road
 from imuwb.simulation.route import Route
 from imuwb.simulation.sensor import LONGEST, Sensor, stamps
 from imuwb.simulation.thermal import Temperature, recipe_of, temperature
@@ -20,8 +22,8 @@ from imuwb.simulation.vibration import vibration as shaking
 from imuwb.stochastic import ImuErrorModel
 
 LOWEST_RATE, HIGHEST_RATE = 20.0, 10_000.0  #: Hz; at lower rates four nodes in a sample do not follow the motion
+LOWEST_ON_A_ROAD = 50.0  #: Hz, likewise with the motion on a suspension
 RECEIVER = Receiver()
-STANDING = 0.1  #: m/s; below this speed the vehicle stands
 
 
 def drive(
@@ -38,6 +40,7 @@ def drive(
     bandwidth: float | None = None,
     vibration: float = 0.0,
     motion_noise: MotionNoise | None = None,
+    road: Road | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Log:
     """Return the log of a drive: IMU, GNSS, an odometer if there is one, and the truth at samples of the IMU.
@@ -55,39 +58,69 @@ def drive(
         bandwidth: Hz, of the noise; None: the bandwidth that the axis states, if any.
         vibration: m/s² rms of each accelerometer axis.
         motion_noise: white noise and random walks that the sensors have in motion only, or always.
+        road: a rough road; it moves the car's body and makes it vibrate. None: the road is smooth. What ``route`` then states of
+            the height, roll and pitch is without the motion of the body; ``road.under(route)`` is the true motion.
         progress: called with (axes done, axes).
 
     Raises:
         UsageError: a rate, bandwidth or vibration out of its range, or an axis that states no ``lsb``.
     """
-    _check(route, rate, truth_rate)
+    _check(route, rate, truth_rate, LOWEST_RATE if road is None else LOWEST_ON_A_ROAD)
     sensor = Sensor(model, temperature(celsius), quantize, bandwidth)
     n = round(route.duration * rate)
     time = stamps(n, rate)
-    *axes, of_receiver, of_vibration, of_noise = np.random.SeedSequence(seed).spawn(len(AXES) + 3)
+    *axes, of_receiver, of_vibration, of_noise, of_road = np.random.SeedSequence(seed).spawn(len(AXES) + 4)
+    added, truth = _in_motion(route, (n, rate), motion_noise, road, sensor.bandwidths(), (of_noise, of_road))
+    if receiver.errors != WHITE:
+        truth |= receiver.truth()
+    if road is not None:
+        route = road.under(route)
     rates, forces = route.averages(n, rate)
     if vibration:
         shaken = shaking(n, rate, vibration, np.random.default_rng(of_vibration))
         rates, forces = rates + shaken[0], forces + shaken[1]
-    added = None
-    if motion_noise is not None:
-        moving = route.speed((np.arange(float(n)) - 0.5) / rate) > STANDING
-        added = motion_noise.sample(moving, 1 / rate, np.random.default_rng(of_noise))
     recipe = f"{model.to_toml()}|{seed}|{rate}|{receiver}|{odometer}|{truth_rate}|{recipe_of(celsius)}|{quantize}|{bandwidth}|{vibration}"
-    recipe += "".join(f"|{part}" for part in (motion_noise, receiver.errors) if part not in (None, WHITE))
+    recipe += "".join(f"|{part}" for part in (motion_noise, receiver.errors, road) if part not in (None, WHITE))
     return Log(
         Provenance(f"drive {route.name} of {model.name}", "simulation", _digest(recipe, route), 0),
         imus=(sensor.measure(time, rate, (rates, forces), axes, progress, added),),
         gnss=(receiver.fixes(route, np.random.default_rng(of_receiver)),),
         speeds=() if odometer is None else (odometer.speeds(route),),
         references=(_truth(route, time, rate, truth_rate),),
+        truth=truth,
     )
 
 
-def _check(route: Route, rate: float, truth_rate: float) -> None:
-    if not LOWEST_RATE <= rate <= HIGHEST_RATE or not route.duration * rate <= LONGEST:
+def _in_motion(
+    route: Route,
+    samples: tuple[int, float],
+    noise: MotionNoise | None,
+    road: Road | None,
+    bandwidths: Mapping[str, float | None],
+    seeds: tuple[np.random.SeedSequence, np.random.SeedSequence],
+) -> tuple[tuple[Floats, Floats] | None, dict[str, str]]:
+    """Return what motion adds to the errors of the samples, and its true parameters; None if it adds nothing.
+
+    ``samples`` are their number and their rate in Hz; ``seeds`` are those of the noise and of the road.
+    """
+    if noise is None and road is None:
+        return None, {}
+    count, rate = samples
+    speed = route.speed(np.arange(float(count)) / rate)
+    rates, forces, truth = np.zeros((count, 3)), np.zeros((count, 3)), dict[str, str]()
+    if road is not None:
+        more, truth = road.vibration_errors(speed, rate, bandwidths, seeds[1])
+        rates, forces = rates + more[0], forces + more[1]
+    if noise is not None:
+        more = noise.sample(speed > STANDING, 1 / rate, np.random.default_rng(seeds[0]))
+        rates, forces, truth = rates + more[0], forces + more[1], truth | noise.truth()
+    return (rates, forces), truth
+
+
+def _check(route: Route, rate: float, truth_rate: float, lowest: float = LOWEST_RATE) -> None:
+    if not lowest <= rate <= HIGHEST_RATE or not route.duration * rate <= LONGEST:
         raise UsageError(
-            f"the rate of the drive is {rate} Hz; it must be {LOWEST_RATE:g} to {HIGHEST_RATE:g} Hz, and give at most {LONGEST} samples"
+            f"the rate of the drive is {rate} Hz; it must be {lowest:g} to {HIGHEST_RATE:g} Hz, and give at most {LONGEST} samples"
         )
     if not 0 < truth_rate <= rate:
         raise UsageError(

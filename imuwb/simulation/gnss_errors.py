@@ -84,22 +84,23 @@ class GnssErrors:
         )
 
     def truth(self) -> dict[str, str]:
-        """Return the true parameters: {name: value with its SI unit}."""
-
-        def triple(values: Triple, unit: str) -> str:
-            return f"{' '.join(map(repr, values))} {unit}"
-
-        return {
-            "gnss.position.gauss_markov.sigma": triple(self.position_sigma, "m"),
-            "gnss.position.gauss_markov.Tc": f"{self.position_time!r} s",
-            "gnss.velocity.gauss_markov.sigma": triple(self.velocity_sigma, "m/s"),
-            "gnss.velocity.gauss_markov.Tc": f"{self.velocity_time!r} s",
-            "gnss.steps.rate": f"{self.step_rate!r} 1/min",
-            "gnss.steps.sigma": triple(self.step_sigma, "m"),
-            "gnss.steps.duration": f"{self.step_duration!r} s",
-            "gnss.jitter": f"{self.jitter!r} s",
-            "gnss.position.claim": f"{self.claim[0]!r}",
-            "gnss.velocity.claim": f"{self.claim[1]!r}",
+        """Return the true parameters of the errors that are there: {name: value with its SI unit}."""
+        found: dict[str, str] = {}
+        for kind, unit, sigma, time in (
+            ("position", "m", self.position_sigma, self.position_time),
+            ("velocity", "m/s", self.velocity_sigma, self.velocity_time),
+        ):
+            if any(sigma):
+                found[f"gnss.{kind}.gauss_markov.sigma"] = triple(sigma, unit)
+                found[f"gnss.{kind}.gauss_markov.Tc"] = f"{time:.12g} s"
+        if self.step_rate:
+            found["gnss.steps.rate"] = f"{self.step_rate:.12g} 1/min"
+            found["gnss.steps.sigma"] = triple(self.step_sigma, "m")
+            found["gnss.steps.duration"] = f"{self.step_duration:.12g} s"
+        return found | {
+            "gnss.jitter": f"{self.jitter:.12g} s",
+            "gnss.position.claim": f"{self.claim[0]:.12g}",
+            "gnss.velocity.claim": f"{self.claim[1]:.12g}",
         }
 
     def _steps(self, count: int, rate: float, rng: np.random.Generator) -> Floats:
@@ -115,6 +116,11 @@ class GnssErrors:
         for start, end, offset in zip(starts, ends, offsets, strict=True):
             moved[max(0, math.ceil(start * rate)) : max(0, math.ceil(end * rate))] += offset
         return moved
+
+
+def triple(values: Triple, unit: str) -> str:
+    """Return three values, and their unit, as a text."""
+    return f"{' '.join(f'{value:.12g}' for value in values)} {unit}"
 
 
 def _gauss_markov(count: int, steps: float, rng: np.random.Generator) -> Floats:

@@ -9,6 +9,7 @@ import numpy as np
 from imuwb.arrays import Booleans, Floats
 from imuwb.errors import UsageError
 
+STANDING = 0.1  #: m/s; below this speed a vehicle stands
 MOST_WHITE, MOST_WALK = 10.0, 1.0  #: unit/√Hz and unit/√s
 
 
@@ -62,9 +63,9 @@ class MotionNoise:
     def truth(self) -> dict[str, str]:
         """Return the true parameters: {name: value with its SI unit}."""
         return {
-            "motion_noise.gyro.N": f"{self.white[0]!r} rad/s/√Hz",
-            "motion_noise.accel.N": f"{self.white[1]!r} m/s²/√Hz",
-            "motion_noise.gyro.K": f"{self.walk[0]!r} rad/s/√s",
-            "motion_noise.accel.K": f"{self.walk[1]!r} m/s²/√s",
+            "motion_noise.gyro.N": f"{self.white[0]:.12g} rad/s/√Hz",
+            "motion_noise.accel.N": f"{self.white[1]:.12g} m/s²/√Hz",
+            "motion_noise.gyro.K": f"{self.walk[0]:.12g} rad/s/√s",
+            "motion_noise.accel.K": f"{self.walk[1]:.12g} m/s²/√s",
             "motion_noise.when": self.when,
         }

@@ -10,7 +10,7 @@ from imuwb.errors import UsageError
 from imuwb.geodesy.attitude import rotation_of_euler
 from imuwb.geodesy.earth import displaced
 from imuwb.log import GnssStream, Origin, Scalars
-from imuwb.simulation.gnss_errors import GnssErrors
+from imuwb.simulation.gnss_errors import GnssErrors, triple
 from imuwb.simulation.route import Route, earth_rate
 from imuwb.simulation.sensor import stamps
 
@@ -43,6 +43,15 @@ class Receiver:
         _require("a receiver's latency", self.latency, LONGEST_LATENCY, "s")
         for arm in self.lever_arm:
             _require("the length of a lever arm", abs(arm), LONGEST_ARM, "m")
+
+    def truth(self) -> dict[str, str]:
+        """Return the true parameters: {name: value with its SI unit}."""
+        return {
+            "gnss.position.white.sigma": triple(self.position_sigma, "m"),
+            "gnss.velocity.white.sigma": triple(self.velocity_sigma, "m/s"),
+            "gnss.latency": f"{self.latency:.12g} s",
+            **self.errors.truth(),
+        }
 
     def fixes(self, route: Route, rng: np.random.Generator) -> GnssStream:
         """Return the fixes of a whole route; the first one is at its start."""

@@ -1,6 +1,7 @@
 """A car's motion on the rotating earth as functions of time, and what an ideal IMU in it measures.
 
-The body axes are those of the car: it moves along its x axis. The position is that of the IMU.
+The body axes are those of the car: it moves along its x axis. The position is that of the IMU. On a rough road the body also
+moves on its suspension: up and down, in pitch and in roll.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from imuwb.arrays import Floats
 from imuwb.geodesy.attitude import rotation_of_euler
 from imuwb.geodesy.earth import EARTH_RATE, gravity, radii_of_curvature
 from imuwb.simulation.profile import Profile
+from imuwb.simulation.suspension import Ride
 
 TURIN = (np.radians(45.06), np.radians(7.66), 240.0)  #: rad, rad, m
 CELL = 0.1  #: s; a cubic over a cell misses a car's position by a micrometre
@@ -41,6 +43,7 @@ class Route:
     duration: float  #: s
     profile: Profile
     start: tuple[float, float, float] = TURIN  #: latitude rad, longitude rad, height m
+    ride: Ride | None = None  #: motion of the body on its suspension; None: the road is smooth
     _driven: Any = field(init=False, repr=False)  #: s -> m
     _track: Any = field(init=False, repr=False)  #: s -> latitude, longitude, height
 
@@ -58,10 +61,17 @@ class Route:
         Raises:
             ValueError: a time after the end.
         """
-        moving = self._moving(t)
+        moving = self._riding(t)
         attitude = moving.attitude.copy()
         attitude[:, 2] = np.remainder(attitude[:, 2] + np.pi, 2 * np.pi) - np.pi
-        return State(self._track(np.maximum(t, 0.0)), moving.velocity, attitude)
+        position = self._track(np.maximum(t, 0.0))
+        if self.ride is not None:
+            position[:, 2] += self.ride.at(np.maximum(t, 0.0))[:, 0]
+        return State(position, moving.velocity, attitude)
+
+    def distance(self, t: Floats) -> Floats:
+        """Return the distance driven, (n,) m, at times (n,) s."""
+        return self._driven(np.maximum(t, 0.0))[:, 0] - self._driven(0.0)[0]
 
     def speed(self, t: Floats) -> Floats:
         """Return the speed along the road, (n,) m/s, at times (n,) s."""
@@ -79,7 +89,7 @@ class Route:
         Raises:
             ValueError: a time after the end.
         """
-        moving = self._moving(t)
+        moving = self._riding(t)
         latitude, _, height = self._track(np.maximum(t, 0.0)).T
         meridian, transverse = radii_of_curvature(latitude)
         north, east, _ = moving.velocity.T
@@ -112,6 +122,19 @@ class Route:
             for averages, values in zip((rates, forces), measured, strict=True):
                 averages[part] = np.einsum("j,ijk->ik", WEIGHTS, values.reshape(-1, NODES.size, 3))
         return rates, forces
+
+    def _riding(self, t: Floats) -> _Moving:
+        """Return the motion with that of the body on its suspension. The heave is vertical; its effect on the track is nil."""
+        moving = self._moving(t)
+        if self.ride is None:
+            return moving
+        t = np.maximum(t, 0.0)
+        turned, rates, accelerations = (self.ride.at(t, order) for order in range(3))
+        moving.velocity[:, 2] -= rates[:, 0]
+        moving.acceleration[:, 2] -= accelerations[:, 0]
+        moving.attitude[:, :2] += turned[:, 1:]
+        moving.attitude_rate[:, :2] += rates[:, 1:]
+        return moving
 
     def _moving(self, t: Floats) -> _Moving:
         if t.size and not t.max() <= self.duration:

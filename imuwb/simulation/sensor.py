@@ -32,6 +32,11 @@ class Sensor:
     #: Hz; the noise goes through a Butterworth low-pass of second order. None: the bandwidth that the axis states, if any
     bandwidth: float | None = None
 
+    def bandwidths(self) -> dict[str, float | None]:
+        """Return the bandwidth of each axis, Hz; None: no low-pass."""
+        stated = {axis: self.model.axes[axis].bandwidth if axis in self.model.axes else None for axis in AXES}
+        return stated if self.bandwidth is None else dict.fromkeys(AXES, self.bandwidth)
+
     def measure(
         self,
         time: Nanoseconds,

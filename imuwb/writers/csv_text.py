@@ -3,6 +3,7 @@
 Each table has a sidecar, which the reader uses; it states the body frame, and the epoch that times count from.
 """
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -53,6 +54,10 @@ def write_csv(log: Log, path: Path, progress: Callable[[int, int], None] | None 
     ]  # fmt: skip
     rows = sum(table.num_rows for table in made)
     done = 0
+    truth = "".join(
+        f"{json.dumps(name)} = {json.dumps(value, ensure_ascii=False)}\n" for name, value in log.truth.items()
+    )
+    truth = f"\n[simulated]\n{truth}" if truth else ""
     epochs = [stream.origin.epoch for stream in (*log.imus, *log.gnss, *log.references)]
     for (kind, place), table in zip(_tables(log, path).items(), made, strict=True):
         with whole_file(place) as temporary, temporary.open("wb") as file:
@@ -67,7 +72,7 @@ def write_csv(log: Log, path: Path, progress: Callable[[int, int], None] | None 
         origins = [stream.origin.epoch for stream in kinds[kind] if not isinstance(stream, Scalars)]
         epoch = (*origins, *epochs, "log")[0]
         frame = 'frame = "FRD"\n' if kind == "imu" else ""
-        write_text(_sidecar(place), f'# Frame and epoch of {place.name}.\n{frame}epoch = "{epoch}"\n')
+        write_text(_sidecar(place), f'# Frame and epoch of {place.name}.\n{frame}epoch = "{epoch}"\n{truth}')
 
 
 def _gnss_table(gnss: GnssStream) -> pa.Table:

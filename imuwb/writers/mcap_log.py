@@ -28,6 +28,7 @@ HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX, STA
     0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x07, 0x08, 0x0B, 0x0C, 0x0D, 0x0F,
 )  # fmt: skip
 OURS = "imuwb"  #: name of the metadata that imuwb writes
+TRUTH = "imuwb simulation"  #: name of the metadata with the parameters of a simulated log
 ROWS = 12_000  #: rows of the fastest stream in a chunk; such a chunk has about 4 MB
 LAST = 2**63 - 1  #: ns
 STAMPS_END = 2**31 * 10**9  #: ns; seconds of a stamp are an int32
@@ -59,7 +60,7 @@ def write_mcap(log: Log, path: Path, progress: Progress | None = None) -> None:
         declared = _declarations([(topic.name, topic.schema) for topic in streams])
         file.write(declared)
         index = _Index()
-        _write_heights(file, log, index)
+        _write_metadata(file, log, index)
         fastest = max(streams, key=lambda topic: topic.time.size).time if streams else np.empty(0, np.int64)
         begins = [0] * len(streams)
         for start in range(0, fastest.size, ROWS):
@@ -79,19 +80,19 @@ def write_mcap(log: Log, path: Path, progress: Progress | None = None) -> None:
         _write_summary(file, declared, index, len(streams))
 
 
-def _write_heights(file: BinaryIO, log: Log, index: _Index) -> None:
-    """Write which streams have heights above mean sea level, because no message has a field for this."""
+def _write_metadata(file: BinaryIO, log: Log, index: _Index) -> None:
+    """Write which streams have heights above mean sea level, and the parameters of a simulation: no message has fields for them."""
     heights = {
         stream.name: f"heights are {MEAN_SEA_LEVEL}"
         for stream in (*log.gnss, *log.references)
         if stream.origin.above_sea
     }
-    if not heights:
-        return
-    pairs = b"".join(_text(name) + _text(what) for name, what in heights.items())
-    record = _record(METADATA, _text(OURS) + struct.pack("<I", len(pairs)) + pairs)
-    index.metadata.append(_record(METADATA_INDEX, struct.pack("<QQ", file.tell(), len(record)) + _text(OURS)))
-    file.write(record)
+    for kind, entries in ((OURS, heights), (TRUTH, log.truth)):
+        if entries:
+            pairs = b"".join(_text(name) + _text(what) for name, what in entries.items())
+            record = _record(METADATA, _text(kind) + struct.pack("<I", len(pairs)) + pairs)
+            index.metadata.append(_record(METADATA_INDEX, struct.pack("<QQ", file.tell(), len(record)) + _text(kind)))
+            file.write(record)
 
 
 def _write_chunk(file: BinaryIO, parts: list[NDArray[np.void]], index: _Index) -> None:

@@ -65,7 +65,8 @@ def assemble(parts: Iterable[Batch | Remark], provenance: Provenance) -> Log:
     with the same time the first is kept. If a clock is set back by more than a second, the time after it goes on by one usual step.
     Each repair is counted in the stream's ``origin``.
     """
-    groups, repairs, notes = _grouped(parts)
+    truth: dict[str, str] = {}
+    groups, repairs, notes = _grouped(_without_truth(parts, truth))
     streams: list[Rows] = []
     for (stream, kind, _), batches in groups.items():
         rows = _joined(batches, repairs.pop(stream, []))
@@ -76,7 +77,15 @@ def assemble(parts: Iterable[Batch | Remark], provenance: Provenance) -> Log:
             lost = sum(repair.count for repair in rows.origin.repairs)
             notes.append(Note("no_usable_row", f"{stream} ({kind}): none of its {lost} rows can be used"))
     notes.extend(_repair_notes(streams, repairs))
-    return _log(provenance, streams, notes)
+    return replace(_log(provenance, streams, notes), truth=truth)
+
+
+def _without_truth(parts: Iterable[Batch | Remark], truth: dict[str, str]) -> Iterator[Batch | Remark]:
+    """Yield the parts, and collect the parameters that a simulator wrote."""
+    for part in parts:
+        if isinstance(part, Remark):
+            truth.update(part.truth)
+        yield part
 
 
 def _grouped(parts: Iterable[Batch | Remark]) -> tuple[dict[Key, list[Batch]], dict[str, list[Repair]], list[str]]:

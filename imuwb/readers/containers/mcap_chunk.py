@@ -8,6 +8,7 @@ from imuwb.log import MEAN_SEA_LEVEL
 from imuwb.readers.bytes.unpack import unpack, unpack_front
 
 OURS = "imuwb"  #: name of the metadata that imuwb writes
+TRUTH = "imuwb simulation"  #: name of the metadata with the parameters of a simulated log
 FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, METADATA, DATA_END = 0x02, 0x03, 0x04, 0x05, 0x06, 0x0C, 0x0F
 PREFIX = 9  #: bytes of a record before its content: opcode u8, length u64
 HEADER = 22  #: bytes of a message before its payload: channel u16, sequence u32, log time u64, publish time u64

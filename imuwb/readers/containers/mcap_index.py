@@ -13,7 +13,15 @@ from imuwb.notes import Note
 from imuwb.readers.bytes.unpack import LARGEST
 from imuwb.readers.containers import shapes
 from imuwb.readers.containers.decoders import CannotDecodeError, decoder_of
-from imuwb.readers.containers.mcap_chunk import HEADER, MESSAGE, PREFIX, above_sea_level, metadata, unpacked_chunk
+from imuwb.readers.containers.mcap_chunk import (
+    HEADER,
+    MESSAGE,
+    PREFIX,
+    TRUTH,
+    above_sea_level,
+    metadata,
+    unpacked_chunk,
+)
 from imuwb.readers.containers.messages import Channel, Messages, Schema
 from imuwb.readers.containers.topics import UNIX, origin_of
 from imuwb.summary import LogSummary, StreamSummary
@@ -35,17 +43,19 @@ def describe(path: Path) -> LogSummary | None:
             summary = reader.get_summary()
             if summary is None or summary.statistics is None or not summary.chunk_indexes:
                 return None
-            above = set[str]().union(*(_above_sea(file, index) for index in summary.metadata_indexes))
+            records = [_metadata(file, index) for index in summary.metadata_indexes]
+            above = set[str]().union(*map(above_sea_level, records))
+            truth = next((entries for name, entries in records if name == TRUTH), {})
             streams = tuple(_streams(file, summary, above))
         except Exception:  # noqa: BLE001 - a damaged index may raise anything in the library
             return None  # the reader of the messages reports the damage, and uses the whole messages
     text = "from the file's index: the times are when messages were recorded; --scan also finds gaps and repairs"
-    return LogSummary(str(path), "mcap", "", streams, (Note("from_index", text),))
+    return LogSummary(str(path), "mcap", "", streams, (Note("from_index", text),), truth)
 
 
-def _above_sea(file: BinaryIO, index: MetadataIndex) -> set[str]:
+def _metadata(file: BinaryIO, index: MetadataIndex) -> tuple[str, dict[str, str]]:
     file.seek(index.offset + PREFIX)
-    return above_sea_level(metadata(file.read(min(index.length - PREFIX, LARGEST))))
+    return metadata(file.read(min(index.length - PREFIX, LARGEST)))
 
 
 def _streams(file: BinaryIO, summary: Summary, above: set[str]) -> Iterator[StreamSummary]:

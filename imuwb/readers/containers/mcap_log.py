@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.batch import Batch, Remark, simulated
 from imuwb.readers.containers.magic import MCAP
 from imuwb.readers.read_options import ReadOptions
 from imuwb.summary import LogSummary
@@ -33,4 +33,7 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     from imuwb.readers.containers.mcap_records import Recording  # noqa: PLC0415 - a probe and an index need no compiled code
     from imuwb.readers.containers.topics import streamed  # noqa: PLC0415
 
-    return streamed(path, Recording(path), options)
+    recording = Recording(path)
+    yield from streamed(path, recording, options)
+    if recording.truth:
+        yield simulated(recording.truth)

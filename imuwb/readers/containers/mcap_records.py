@@ -32,6 +32,7 @@ from imuwb.readers.containers.mcap_chunk import (
     METADATA,
     PREFIX,
     SCHEMA,
+    TRUTH,
     above_sea_level,
     metadata,
     text,
@@ -103,6 +104,7 @@ class Recording:
         self.channels: dict[int, Channel] = {}
         self.notes: list[Note] = []  #: notes on the faults of the container
         self.above_sea: set[str] = set()  #: topics with heights above mean sea level, by metadata that imuwb wrote
+        self.truth: dict[str, str] = {}  #: parameters of a simulated log, by metadata that imuwb wrote
         self.damaged = 0  #: messages left out because their time is impossible
 
     def messages(self) -> Iterator[Messages]:
@@ -168,7 +170,10 @@ class Recording:
                 size = struct.unpack_from("<I", content, at)[0]
                 self.schemas.setdefault(number, Schema(name, encoding, content[at + 4 : at + 4 + size]))
             elif opcode == METADATA:
-                self.above_sea |= above_sea_level(metadata(content))
+                record = metadata(content)
+                self.above_sea |= above_sea_level(record)
+                if record[0] == TRUTH:
+                    self.truth |= record[1]
             else:
                 number, schema = struct.unpack_from("<HH", content)
                 topic, at = text(content, 4)

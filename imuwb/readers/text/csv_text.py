@@ -49,12 +49,11 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
         UsageError: the columns, units or rate of the file are unknown.
         UnreadableLogError: the file has no row of numbers, or the numbers contradict their stated unit.
     """
-    options, sidecar = with_sidecar(path, options)
+    options, remarks = with_sidecar(path, options)
     layout = lines.layout(path)
     used = used_columns(path, layout, options)
     clock = clock_of(path, layout, used, options)
-    notes = (sidecar, *_layout_notes(layout, used), *clock.notes)
-    yield from (Remark(note) for note in notes if note is not None)
+    yield from (*remarks, *map(Remark, (*_layout_notes(layout, used), *clock.notes)))
     yield from _Rows(path, layout, used, clock, options).batches()
 
 

@@ -7,6 +7,7 @@ from typing import Any, cast
 
 from imuwb.errors import UsageError
 from imuwb.notes import Note
+from imuwb.readers.batch import Remark, simulated
 from imuwb.readers.read_options import ReadOptions
 
 #: key -> the rule for its value
@@ -15,12 +16,13 @@ _KEYS = {
     "columns": "a list of names",
     "units": 'a table such as { gyro = "deg/s" }',
     "frame": '"FRD" or "FLU"',
+    "simulated": "a table of texts",
     "epoch": '"unix" (1970 UTC), "boot" (power-up) or "log" (the log\'s start)',
 }
 
 
-def with_sidecar(path: Path, options: ReadOptions) -> tuple[ReadOptions, Note | None]:
-    """Return the options, completed by the log's sidecar, and a note on what the sidecar states.
+def with_sidecar(path: Path, options: ReadOptions) -> tuple[ReadOptions, tuple[Remark, ...]]:
+    """Return the options, completed by the log's sidecar, and remarks on what the sidecar states.
 
     An option that is set overrides the sidecar.
 
@@ -31,8 +33,9 @@ def with_sidecar(path: Path, options: ReadOptions) -> tuple[ReadOptions, Note | 
         if sidecar.is_file():
             stated = _checked(sidecar)
             note = Note("sidecar", f"{sidecar.name} states {', '.join(stated) or 'nothing'}")
-            return _completed(sidecar, options, stated), note
-    return options, None
+            truth = stated.get("simulated")
+            return _completed(sidecar, options, stated), (Remark(note), *([simulated(truth)] if truth else ()))
+    return options, ()
 
 
 def _completed(sidecar: Path, options: ReadOptions, stated: dict[str, Any]) -> ReadOptions:
