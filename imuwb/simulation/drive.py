@@ -58,8 +58,7 @@ def drive(
         bandwidth: Hz, of the noise; None: the bandwidth that the axis states, if any.
         vibration: m/s² rms of each accelerometer axis.
         motion_noise: white noise and random walks that the sensors have in motion only, or always.
-        road: a rough road; it moves the car's body and makes it vibrate. None: the road is smooth. What ``route`` then states of
-            the height, roll and pitch is without the motion of the body; ``road.under(route)`` is the true motion.
+        road: a rough road; ``road.under(route)`` is then the true motion. None: the road is smooth.
         progress: called with (axes done, axes).
 
     Raises:
@@ -79,8 +78,8 @@ def drive(
     if vibration:
         shaken = shaking(n, rate, vibration, np.random.default_rng(of_vibration))
         rates, forces = rates + shaken[0], forces + shaken[1]
-    recipe = f"{model.to_toml()}|{seed}|{rate}|{receiver}|{odometer}|{truth_rate}|{recipe_of(celsius)}|{quantize}|{bandwidth}|{vibration}"
-    recipe += "".join(f"|{part}" for part in (motion_noise, receiver.errors, road) if part not in (None, WHITE))
+    more = "".join(f"|{part}" for part in (motion_noise, receiver.errors, road) if part not in (None, WHITE))
+    recipe = f"{model.to_toml()}|{seed}|{rate}|{receiver}|{odometer}|{truth_rate}|{recipe_of(celsius)}|{quantize}|{bandwidth}|{vibration}{more}"
     return Log(
         Provenance(f"drive {route.name} of {model.name}", "simulation", _digest(recipe, route), 0),
         imus=(sensor.measure(time, rate, (rates, forces), axes, progress, added),),

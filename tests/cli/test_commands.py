@@ -119,7 +119,7 @@ def test_a_part_of_a_log(imuwb, static_mcap):
 def test_info_shows_the_streams(imuwb, static_mcap):
     done = imuwb("info", static_mcap, "--json")
     document = json.loads(done.out)
-    assert set(document) == {"path", "format", "hash", "streams", "notes"}
+    assert set(document) == {"path", "format", "hash", "streams", "notes", "truth"}
     imu = document["streams"][0]
     assert (imu["name"], imu["kind"], imu["count"], imu["epoch"]) == ("/imu/data", "imu", 3000, "unix")
     assert imu["rate_hz"] == pytest.approx(50)
