@@ -142,8 +142,7 @@ def kalibr(model: ImuErrorModel, rate: float, horizon: float) -> str:
         f"update_rate: {rate:g}  # Hz",
     ]
     head = "Kalibr imu.yaml; units as in its wiki, IMU Noise Model: https://github.com/ethz-asl/kalibr/wiki/IMU-Noise-Model"
-    notes += _left_out(model, (WhiteNoise, RandomWalk, GaussMarkov, Constant))
-    return _text(head, model, notes, rows)
+    return _text(head, model, [*notes, *_left_out(model, (WhiteNoise, RandomWalk, GaussMarkov, Constant))], rows)
 
 
 def ros(model: ImuErrorModel, rate: float, horizon: float) -> str:
@@ -160,8 +159,7 @@ def ros(model: ImuErrorModel, rate: float, horizon: float) -> str:
         rows.append(f"{key}: [{', '.join(f'{v:.10g}' for v in matrix)}]")
     rows.append("orientation_covariance: [-1, 0, 0, 0, 0, 0, 0, 0, 0]  # no orientation")
     head = "ROS sensor_msgs/Imu covariances, per axis in the message's frame: https://docs.ros.org/en/jazzy/p/sensor_msgs/msg/Imu.html"
-    notes += _left_out(model, (WhiteNoise,))
-    return _text(head, model, notes, rows)
+    return _text(head, model, [*notes, *_left_out(model, (WhiteNoise,))], rows)
 
 
 def kf_gins(model: ImuErrorModel, rate: float, horizon: float) -> str:
@@ -192,8 +190,7 @@ def kf_gins(model: ImuErrorModel, rate: float, horizon: float) -> str:
         f"  corrtime: {time / 3600:.8g}  # hr",
     ]
     head = "KF-GINS imunoise, axes forward-right-down; units as in https://github.com/i2Nav-WHU/KF-GINS, dataset/kf-gins.yaml"
-    notes += _left_out(model, (WhiteNoise, GaussMarkov))
-    return _text(head, model, notes, rows)
+    return _text(head, model, [*notes, *_left_out(model, (WhiteNoise, GaussMarkov))], rows)
 
 
 def _plain(term: Any) -> dict[str, object]:  # noqa: ANN401 - any process
@@ -231,8 +228,7 @@ def px4(model: ImuErrorModel, rate: float, horizon: float) -> str:
             )
         rows.append(f"{key}\t{held:.6g}\t# {unit}")
     head = "PX4 EKF2 parameters; units and limits as in PX4-Autopilot, src/modules/ekf2/module.yaml"
-    notes += _left_out(model, (WhiteNoise, RandomWalk, GaussMarkov, Constant))
-    return _text(head, model, notes, rows)
+    return _text(head, model, [*notes, *_left_out(model, (WhiteNoise, RandomWalk, GaussMarkov, Constant))], rows)
 
 
 def as_json(model: ImuErrorModel, rate: float, horizon: float) -> str:

@@ -23,7 +23,7 @@ from scipy import stats
 from study_report import FOLDER, Table, main
 
 from imuwb.identification import AllanDeviation, equivalent_degrees_of_freedom, fit_allan
-from imuwb.identification.allan_variance.term_selection import ACCEPTED
+from imuwb.identification.sum_fit import ACCEPTED
 
 QUESTION = "Fits of published Allan curves"
 CURVES = FOLDER / "data" / "vectors" / "smac_avar"

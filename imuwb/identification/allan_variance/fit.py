@@ -21,14 +21,15 @@ from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.identification.allan_variance.overlapping import AllanDeviation
 from imuwb.identification.allan_variance.problem import LETTERS, PROCESSES, Problem
 from imuwb.identification.allan_variance.regions import regions
-from imuwb.identification.allan_variance.term_selection import ACCEPTED, first_time, select
+from imuwb.identification.allan_variance.term_selection import first_time, select
 from imuwb.identification.coefficient import READ_OUT, interval
 from imuwb.identification.region import Region
 from imuwb.identification.spectral.lines import Line
+from imuwb.identification.sum_fit import SumFit, widening
 from imuwb.statistics import Coefficient, Estimate
 from imuwb.statistics.distributions import chi_square_tail, normal_quantile
 from imuwb.stochastic import Sinusoid, Sum
-from imuwb.texts import coefficients_text, number_text
+from imuwb.texts import number_text
 
 FEWEST = 3  #: least number of averaging times of a fit
 FEWEST_FILTERED = 5  #: least number for a fit that leaves out the averaging times which a filter changes
@@ -39,20 +40,15 @@ OCTAVE = 1.8  #: ratio of averaging times that counts as an octave
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
-class AllanFit:
-    """A sum of processes fitted to an Allan curve."""
+class AllanFit(SumFit):
+    """A sum of processes, with the periodic lines, fitted to an Allan curve."""
 
-    level: float
-    coefficients: dict[str, Coefficient]  #: Q, N, B, K, R
     lines: tuple[Sinusoid, ...]
-    processes: Sum
     regions: tuple[Region, ...]
     #: s, correlation time of the bias instability: centre of the flat region on the log axis (Quinchia, table 5); its
     #: interval is the region
     correlation_time: Estimate | None
     shortest: float  #: s; the sum explains the curve from this averaging time up
-    misfit: float  #: chi-square over its degrees of freedom, from this time up
-    probability: float  #: probability that chance makes so large a misfit
 
     @property
     def gauss_markov_time(self) -> float | None:
@@ -65,10 +61,7 @@ class AllanFit:
 
     def __repr__(self) -> str:
         """Return the coefficients and how well they explain the curve."""
-        return (
-            f"Allan fit from {number_text(self.shortest)} s (p = {self.probability:.2g}): "
-            f"{coefficients_text(self.coefficients)}; {100 * self.level:g} % intervals and limits"
-        )
+        return self.text(f"Allan fit from {number_text(self.shortest)} s")
 
 
 def fit_allan(curve: AllanDeviation, lines: Sequence[Line] = (), shortest: float = 0.0) -> AllanFit:
@@ -89,8 +82,7 @@ def fit_allan(curve: AllanDeviation, lines: Sequence[Line] = (), shortest: float
     freedom = max(problem.variance.size - len(active), 1)
     chi2, _ = problem.misfit(squared)
     probability = min(float(chi_square_tail(chi2, freedom)), problem.strangeness(squared))
-    # If the sum does not explain the curve, its intervals are widened (Birge).
-    inflation = max(chi2 / freedom, 1.0) if probability < ACCEPTED else 1.0
+    inflation = widening(chi2 / freedom, probability)
     coefficients = _coefficients(problem, squared, covariance * inflation, active, curve.level, inflation)
     terms = [PROCESSES[x](c.value) for x, c in coefficients.items() if c.value is not None]
     sinusoids = tuple(line.process(curve.dt) for line in lines)
@@ -99,8 +91,8 @@ def fit_allan(curve: AllanDeviation, lines: Sequence[Line] = (), shortest: float
     if flat is not None:
         coefficients["B"] = replace(coefficients["B"], at=flat.centre)
     return AllanFit(
-        curve.level, coefficients, sinusoids, Sum((*terms, *sinusoids)), dominated,
-        _correlation_time(flat, float(problem.tau[-1])), float(problem.tau[0]), chi2 / freedom, probability,
+        curve.level, coefficients, Sum((*terms, *sinusoids)), chi2 / freedom, probability, sinusoids, dominated,
+        _correlation_time(flat, float(problem.tau[-1])), float(problem.tau[0]),
     )  # fmt: skip
 
 

@@ -32,10 +32,6 @@ FARTHEST = 4096  #: ratio of lag to averaging time, beyond which differences are
 RATIO = 1.12  #: ratio of successive lags far from a corner
 
 
-def _quantization(lag: Floats) -> Floats:
-    return (lag == 0).astype(np.float64)
-
-
 def _flicker_phase(lag: Floats) -> Floats:
     """Return the generalised covariance of averaged flicker phase noise (exponent 1)."""
     size = np.abs(lag)
@@ -43,10 +39,6 @@ def _flicker_phase(lag: Floats) -> Floats:
     exact = special.xlogy((near + 1) ** 2, near + 1) + special.xlogy((near - 1) ** 2, np.abs(near - 1))
     exact -= 2 * special.xlogy(near**2, near)
     return -np.where(size < 1000, exact, 2 * np.log(np.maximum(size, 1.0)) + 3)  # noqa: PLR2004 - where the limit is reached
-
-
-def _white(lag: Floats) -> Floats:
-    return -np.abs(lag) / 2
 
 
 def _flicker(lag: Floats) -> Floats:
@@ -58,7 +50,8 @@ def _random_walk(lag: Floats) -> Floats:
 
 
 _KERNELS: dict[int, Callable[[Floats], Floats]] = {
-    2: _quantization, 1: _flicker_phase, 0: _white, -1: _flicker, -2: _random_walk,
+    2: lambda lag: (lag == 0).astype(np.float64), 1: _flicker_phase, 0: lambda lag: -np.abs(lag) / 2, -1: _flicker,
+    -2: _random_walk,
 }  # fmt: skip
 
 

@@ -4,9 +4,9 @@ import numpy as np
 
 from imuwb.arrays import Floats
 from imuwb.identification.allan_variance.problem import Problem
+from imuwb.identification.sum_fit import ACCEPTED
 from imuwb.statistics.distributions import chi_square_tail
 
-ACCEPTED = 1e-3  #: probability that chance makes so large a misfit; below it the sum does not explain the curve
 MUCH = 15.0  #: reduction of chi-square that justifies leaving out one point, or taking a term back
 FEWEST_POINTS = 6  #: least number of points that a fit keeps
 BEYOND_DOUBT = 8.0  #: sigmas; a term this large stays without a test

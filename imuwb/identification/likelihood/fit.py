@@ -16,17 +16,17 @@ from imuwb.identification.coefficient import READ_OUT, interval
 from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum, cosine_spectrum
 from imuwb.identification.likelihood.problem import LikelihoodProblem, Solution
 from imuwb.identification.spectral.lines import Line
+from imuwb.identification.sum_fit import ACCEPTED, SumFit, widening
 from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import chi_square_quantile, chi_square_tail, normal_limit, normal_quantile
 from imuwb.stochastic import FlickerNoise, Process, Quantization, RandomWalk, RateRamp, Sum, WhiteNoise
-from imuwb.texts import coefficients_text, number_text
+from imuwb.texts import number_text
 
 TERMS: dict[str, Callable[[float], Process]] = {
     "Q": Quantization, "N": WhiteNoise, "B": FlickerNoise, "K": RandomWalk,
 }  # fmt: skip
 #: reduction of the deviance for which the sum takes a ramp; chance gives it in about 1 % of records
 RAMP_EVIDENCE = 10.8
-ACCEPTED = 1e-3  #: probability of the misfit, below which the sum does not explain the spectrum
 #: relative error of a real sensor's density that does not count against the sum when the highest frequency is chosen
 TOLERATED = 0.02
 MUCH = 15.0  #: reduction of chi-square that justifies leaving out another group of bins
@@ -39,16 +39,11 @@ LINE_BINS = 6.0  #: bins of the line search that are left out on both sides of a
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
-class LikelihoodFit:
+class LikelihoodFit(SumFit):
     """A sum of processes fitted to a record by likelihood."""
 
-    level: float
-    coefficients: dict[str, Coefficient]  #: Q, N, B, K, R
-    processes: Sum  #: the terms that have a value
     deviance: float  #: -2 log likelihood plus a constant of the record
     highest: float  #: Hz; the sum explains the spectrum up to this frequency
-    misfit: float  #: chi-square over its degrees of freedom, up to this frequency
-    probability: float  #: probability that chance makes so large a misfit
 
     @property
     def identified(self) -> Sum:
@@ -59,10 +54,7 @@ class LikelihoodFit:
 
     def __repr__(self) -> str:
         """Return the coefficients and how well they explain the spectrum."""
-        return (
-            f"likelihood fit up to {number_text(self.highest)} Hz (p = {self.probability:.2g}): "
-            f"{coefficients_text(self.coefficients)}; {100 * self.level:g} % intervals and limits"
-        )
+        return self.text(f"likelihood fit up to {number_text(self.highest)} Hz")
 
 
 def spectrum_without(values: Floats, dt: float, lines: Sequence[Line] = ()) -> CosineSpectrum:
@@ -124,15 +116,14 @@ def fit_problem(problem: LikelihoodProblem, level: float = 0.95, *, without: Col
     known = sloping.ramp_sigma > 0  # 0 where a line hides all of the lowest coefficients
     ramped = known and steady.deviance - (sloping.deviance + 2 * np.log(sloping.ramp_sigma)) > RAMP_EVIDENCE
     best = sloping if ramped else steady
-    # If the sum does not explain the spectrum, its intervals are widened (Birge).
-    inflation = max(misfit / freedom, 1.0) if probability < ACCEPTED else 1.0
+    inflation = widening(misfit / freedom, probability)
     coefficients = profiled(problem, best, level, ramped=bool(ramped), inflation=inflation, terms=everything)
     coefficients["R"] = _ramp(sloping, level, inflation, ramped=bool(ramped))
     terms: list[Process] = [TERMS[x](c.value) for x in TERMS if (c := coefficients[x]).value]
     if ramped:
         terms.append(RateRamp(sloping.ramp))
     highest = float(problem.frequency[-1])
-    return LikelihoodFit(level, coefficients, Sum(tuple(terms)), best.deviance, highest, misfit / freedom, probability)
+    return LikelihoodFit(level, coefficients, Sum(tuple(terms)), misfit / freedom, probability, best.deviance, highest)
 
 
 def _ramp(sloping: Solution, level: float, inflation: float, *, ramped: bool) -> Coefficient:

@@ -11,15 +11,16 @@ import numpy as np
 from scipy import special
 
 from imuwb.arrays import Floats
-from imuwb.identification.likelihood.fit import ACCEPTED, GROUP, TERMS, explained, profiled
+from imuwb.identification.likelihood.fit import GROUP, TERMS, explained, profiled
 from imuwb.identification.likelihood.problem import LikelihoodProblem
 from imuwb.identification.region import SHARE, Region
 from imuwb.identification.spectral.lines import Line
 from imuwb.identification.spectral.welch import independent, welch
-from imuwb.statistics import Coefficient, Estimate
+from imuwb.identification.sum_fit import SumFit, widening
+from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import chi_square_limits, chi_square_tail, normal_limit
 from imuwb.stochastic import Process, Sum
-from imuwb.texts import coefficients_text, number_text
+from imuwb.texts import number_text
 
 LONGEST = 1 << 20  #: samples of a segment (Quinchia, 5.4)
 WIDTH = 1.08  #: ratio of the last frequency to the first in an averaged band
@@ -54,16 +55,11 @@ class PowerSpectrum:
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
-class SpectralFit:
+class SpectralFit(SumFit):
     """A sum of processes fitted to a spectrum."""
 
-    level: float
-    coefficients: dict[str, Coefficient]  #: Q, N, B, K
-    processes: Sum
     regions: tuple[Region, ...]
     highest: float  #: Hz; the sum explains the spectrum up to this frequency
-    misfit: float  #: chi-square over its degrees of freedom, up to this frequency
-    probability: float  #: probability that chance makes so large a misfit
 
     def density(self, frequency: Floats, dt: float) -> Floats:
         """Return the fitted sum's one-sided density."""
@@ -71,10 +67,7 @@ class SpectralFit:
 
     def __repr__(self) -> str:
         """Return the coefficients and how well they explain the spectrum."""
-        return (
-            f"spectral fit up to {number_text(self.highest)} Hz (p = {self.probability:.2g}): "
-            f"{coefficients_text(self.coefficients)}; {100 * self.level:g} % intervals and limits"
-        )
+        return self.text(f"spectral fit up to {number_text(self.highest)} Hz")
 
 
 def power_spectrum(values: Floats, dt: float, segment: int = LONGEST, *, level: float = 0.95) -> PowerSpectrum:
@@ -139,12 +132,12 @@ def fit_spectrum(spectrum: PowerSpectrum, lines: Sequence[Line] = (), highest: f
     problem, misfit, freedom = explained(problem)
     probability = float(chi_square_tail(misfit, freedom))
     best = problem.solve(range(len(TERMS)), ramp=False)
-    inflation = max(misfit / freedom, 1.0) if probability < ACCEPTED else 1.0
+    inflation = widening(misfit / freedom, probability)
     coefficients = profiled(problem, best, spectrum.level, ramped=False, inflation=inflation)
     terms: list[Process] = [TERMS[x](c.value) for x in TERMS if (c := coefficients[x]).value]
     regions = _regions(problem, best.squared, spectrum.level, inflation)
     return SpectralFit(
-        spectrum.level, coefficients, Sum(tuple(terms)), regions, float(problem.frequency[-1]), misfit / freedom, probability
+        spectrum.level, coefficients, Sum(tuple(terms)), misfit / freedom, probability, regions, float(problem.frequency[-1])
     )  # fmt: skip
 
 

@@ -109,7 +109,7 @@ def _drawn(freedom: Floats, information: Floats) -> Floats:
 
 def _common(points: Sequence[SetPoint], term: int) -> tuple[float, Floats, Floats]:
     """Return the likeliest common square, and each temperature's slope and information there; 0 if there is none."""
-    sizes = np.array([_squares(point)[term] for point in points])
+    sizes = np.array([point.squared[term] for point in points])
     common = float(np.median(sizes[sizes > 0])) if (sizes > 0).any() else 0.0
     slope, information = _scores(points, term, common)
     for _ in range(ROUNDS):
@@ -125,12 +125,8 @@ def _common(points: Sequence[SetPoint], term: int) -> tuple[float, Floats, Float
 
 
 def _scores(points: Sequence[SetPoint], term: int, square: float) -> tuple[Floats, Floats]:
-    scores = np.array([_score(point, _squares(point), term, square) for point in points])
+    scores = np.array([_score(point, point.squared, term, square) for point in points])
     return scores[:, 0], scores[:, 1]
-
-
-def _squares(point: SetPoint) -> Floats:
-    return np.array([(point.coefficients[letter].value or 0.0) ** 2 for letter in TERMS])
 
 
 def _score(point: SetPoint, start: Floats, term: int, held: float) -> tuple[float, float]:

@@ -43,7 +43,7 @@ def pooled(points: Sequence[SetPoint], level: float = 0.95, own: Collection[str]
     absent = {letter for point in points for letter in point.absent}
     common = [t for t, letter in enumerate(TERMS) if letter not in {"N", *own, *absent}]
     mine = [t for t, letter in enumerate(TERMS) if letter in {"N", *own} and letter not in absent]
-    start = np.array([[(p.coefficients[letter].value or 0.0) ** 2 for letter in TERMS] for p in points])
+    start = np.array([p.squared for p in points])
     start[:, common] = np.median(start[:, common], axis=0)
     best = _climbed(points, start, common, mine)
     letters = list(TERMS)

@@ -14,7 +14,6 @@ from imuwb.identification.allan_variance.overlapping import AllanDeviation, alla
 from imuwb.identification.coefficient import interval
 from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
 from imuwb.identification.likelihood.fit import (
-    ACCEPTED,
     FEWEST_BINS,
     TERMS,
     LikelihoodFit,
@@ -24,6 +23,7 @@ from imuwb.identification.likelihood.fit import (
 from imuwb.identification.likelihood.problem import LikelihoodProblem
 from imuwb.identification.region import Region
 from imuwb.identification.spectral.lines import Line, find_lines
+from imuwb.identification.sum_fit import widening
 from imuwb.identification.temperature.bias import RecordMean
 from imuwb.identification.temperature.first_order import FirstOrder, first_order_of
 from imuwb.identification.temperature.record import Record, residuals
@@ -65,9 +65,14 @@ class SetPoint:
         return any(isinstance(term, RateRamp) for term in self.fit.processes.terms)
 
     @property
+    def squared(self) -> Floats:
+        """Return Q², N², B² and K², (4,); 0 for a coefficient without a value."""
+        return np.array([(self.coefficients[letter].value or 0.0) ** 2 for letter in LETTERS])
+
+    @property
     def inflation(self) -> float:
         """Return the factor on variances if the sum does not explain the spectrum (Birge)."""
-        return max(self.fit.misfit, 1.0) if self.fit.probability < ACCEPTED else 1.0
+        return widening(self.fit.misfit, self.fit.probability)
 
 
 def set_point_of(records: Sequence[Record], dt: float, *, level: float = 0.95, band: float = float("inf")) -> SetPoint:

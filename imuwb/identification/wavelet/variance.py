@@ -18,12 +18,13 @@ from imuwb.arrays import Floats, Integers
 from imuwb.compiled import compiled
 from imuwb.identification.allan_variance.problem import scaled_inverse
 from imuwb.identification.coefficient import READ_OUT, interval
-from imuwb.identification.likelihood.fit import ACCEPTED, TERMS
+from imuwb.identification.likelihood.fit import TERMS
 from imuwb.identification.spectral.lines import Line
+from imuwb.identification.sum_fit import ACCEPTED, SumFit, widening
 from imuwb.statistics import Coefficient
 from imuwb.statistics.distributions import chi_square_tail, normal_quantile
 from imuwb.stochastic import Process, Sum
-from imuwb.texts import coefficients_text, number_text
+from imuwb.texts import number_text
 
 _R3 = 3**0.5
 #: taps of the maximal-overlap transform, scaled to a gain of 1 at frequency 0
@@ -58,22 +59,14 @@ class WaveletVariance:
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
-class WaveletFit:
+class WaveletFit(SumFit):
     """A sum of processes fitted to wavelet variances."""
 
-    level: float
-    coefficients: dict[str, Coefficient]  #: Q, N, B, K
-    processes: Sum
     shortest: float  #: s; the sum explains the variances from this scale up
-    misfit: float  #: chi-square over its degrees of freedom, from this scale up
-    probability: float  #: probability that chance makes so large a misfit
 
     def __repr__(self) -> str:
         """Return the coefficients and how well they explain the variances."""
-        return (
-            f"wavelet-variance fit from {number_text(self.shortest)} s (p = {self.probability:.2g}): "
-            f"{coefficients_text(self.coefficients)}; {100 * self.level:g} % intervals and limits"
-        )
+        return self.text(f"wavelet-variance fit from {number_text(self.shortest)} s")
 
 
 def wavelet_variance(values: Floats, dt: float) -> WaveletVariance:
@@ -207,12 +200,11 @@ def fit_wavelet_variance(variances: WaveletVariance, lines: Sequence[Line] = (),
     gains = [fits[0].chi2 - fit.chi2 - MUCH * (first + 1) * (first > 0) for first, fit in enumerate(fits)]
     first = int(np.argmax(gains))
     fit, scales = fits[first], whole.since(first)
-    inflation = max(fit.chi2 / fit.freedom, 1.0) if fit.probability < ACCEPTED else 1.0
-    spread = scales.covariance(fit.squared) * inflation
+    misfit = fit.chi2 / fit.freedom
+    spread = scales.covariance(fit.squared) * widening(misfit, fit.probability)
     coefficients = _coefficients(scales.variance, scales.design, fit.squared, spread, level)
     terms: list[Process] = [TERMS[x](c.value) for x in TERMS if (c := coefficients[x]).value]
-    shortest = float(variances.scale[first])
-    return WaveletFit(level, coefficients, Sum(tuple(terms)), shortest, fit.chi2 / fit.freedom, fit.probability)
+    return WaveletFit(level, coefficients, Sum(tuple(terms)), misfit, fit.probability, float(variances.scale[first]))
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -7,7 +7,7 @@ import numpy as np
 from imuwb.analysis import Finding
 from imuwb.notes import Note
 from imuwb.statistics import Coefficient
-from imuwb.stochastic import FlickerNoise, Process, Quantization, RandomWalk, RateRamp, Sinusoid, WhiteNoise
+from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, Sinusoid, WhiteNoise
 from imuwb.texts import number_text, seconds_text
 from imuwb_plugins.allan.notes import UNEXPLAINED
 from imuwb_plugins.allan.result import AllanAxis, EstimatorComparison, Result
@@ -95,13 +95,9 @@ def _dominant(r: AllanAxis) -> str:
         part = term.allan_variance(tau, float(r.averaging_time[0]))
         parts[type(term)] = parts[type(term)] + part if type(term) in parts else part
     dominant = np.argmax(list(parts.values()), axis=0)
-    names = [_NAMES.get(kind, _name(processes.terms[0])) for kind in parts]
+    names = [_NAMES[kind] for kind in parts]
     ends = np.append(np.flatnonzero(np.diff(dominant)), tau.size - 1)
     return ", ".join(f"{names[dominant[end]]} to {seconds_text(float(tau[end]))}" for end in ends)
-
-
-def _name(term: Process) -> str:
-    return str(getattr(term, "name", "noise"))
 
 
 def _long_enough(coefficients: Mapping[str, Coefficient], duration: float) -> str | None:

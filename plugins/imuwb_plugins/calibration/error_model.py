@@ -1,6 +1,6 @@
 """From calibrated parameters to an error model: a new one, or one that already has the noise."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from imuwb.errors import UsageError
 from imuwb.identification.calibration import AxisCalibration
+from imuwb.log import Log, source_of
 from imuwb.statistics import Estimate
 from imuwb.stochastic import AxisModel, ImuErrorModel
 
@@ -114,6 +115,20 @@ def parameters_of(axis: str, c: AxisCalibration, raw: str) -> dict[str, Estimate
     for other, e in zip("xyz", c.g_sensitivity or (), strict=False):
         terms[f"g_sensitivity_{other}"] = e.scaled(1.0, f"{raw or 'rad/s'}/(m/s²)")
     return terms
+
+
+def provenance_of(method: str, logs: Sequence[Log], raw: str) -> dict[str, str]:
+    """Return where the terms of a calibration come from; ``raw`` is the unit of the samples, empty for SI."""
+    return {
+        "calibration": method + (f", {raw} to SI" if raw else ""),
+        "calibration_logs": "; ".join(source_of(log) for log in logs),
+    }
+
+
+def full_range_of(sensor: str, base: ImuErrorModel | None, usual: Sequence[float], least: float) -> float:
+    """Return the full range of a sensor in a base model, or the smallest usual one that has ``least``; all in one unit."""
+    stated = [axis.range for name, axis in base.axes.items() if name.startswith(sensor) and axis.range] if base else []
+    return max(stated) if stated else next(r for r in usual if r >= least)
 
 
 def check_gain(axes: Mapping[str, AxisCalibration], raw: str) -> None:

@@ -11,12 +11,18 @@ from imuwb.errors import MissingDataError, UsageError
 from imuwb.geodesy.earth import gravity as normal_gravity
 from imuwb.identification import calibration
 from imuwb.identification.calibration import AxisCalibration, Means, PositionCalibration, PrintedCalibration
-from imuwb.log import Log, source_of
+from imuwb.log import Log
 from imuwb.notes import Note
 from imuwb.stochastic import ImuErrorModel
 from imuwb.units import STANDARD_GRAVITY
 from imuwb_plugins.calibration.corrected_samples import position_traces
-from imuwb_plugins.calibration.error_model import check_gain, completed_model, parameters_of
+from imuwb_plugins.calibration.error_model import (
+    check_gain,
+    completed_model,
+    full_range_of,
+    parameters_of,
+    provenance_of,
+)
 from imuwb_plugins.calibration.notes import gyro_note, position_notes, red_notes
 from imuwb_plugins.calibration.parameters import MultiPosition, SixPosition
 from imuwb_plugins.calibration.result import Position, PositionResult
@@ -44,7 +50,10 @@ def run(logs: Sequence[Log], p: SixPosition | MultiPosition) -> PositionResult:
     stretches, notes = still_positions(logs, p.shortest)
     gravity = _gravity(p)
     accel = _accelerometer_means(stretches)
-    full_range = _full_range(p.range, base, gravity[0]) if isinstance(p, MultiPosition) and p.attitudes else None
+    full_range = None
+    if isinstance(p, MultiPosition) and p.attitudes:
+        given = None if p.range is None else p.range * STANDARD_GRAVITY
+        full_range = given or full_range_of("accel", base, [r * STANDARD_GRAVITY for r in RANGES], gravity[0])
     try:
         fit, faces = _fit(p, stretches, accel, gravity[0], full_range)
     except ValueError as error:
@@ -54,9 +63,8 @@ def run(logs: Sequence[Log], p: SixPosition | MultiPosition) -> PositionResult:
     gyro, gyro_residual, gyro_notes = _gyros(stretches, fit, gravity[0], p, axes)
     celsius, warm_notes = temperature_of(stretches)
     name = logs[0].imu().name
-    model, model_notes = completed_model(
-        name, axes, base, _provenance(logs, p, gravity), {"accel": full_range}, celsius
-    )
+    origin = provenance_of(f"{p.METHOD}, gravity {gravity[0]:.6f} m/s² ({gravity[1]})", logs, p.raw)
+    model, model_notes = completed_model(name, axes, base, origin, {"accel": full_range}, celsius)
     notes = [
         *position_notes(p, gravity, fit, full_range), *notes, *gyro_notes, *red_notes("accel", accel), *warm_notes, *model_notes,
     ]  # fmt: skip
@@ -84,14 +92,6 @@ def _accelerometer_means(stretches: Sequence[SteadyStretch]) -> Means:
     means = calibration.means([s.accel for s in stretches if s.accel is not None])
     check_still(stretches, means.value, means.variance)
     return means
-
-
-def _full_range(given: float | None, base: ImuErrorModel | None, gravity: float) -> float:
-    """Return the full range of the accelerometers, m/s²: given, of the base model, or the smallest usual one."""
-    if given is not None:
-        return given * STANDARD_GRAVITY
-    ranges = [axis.range for name, axis in base.axes.items() if name.startswith("accel") and axis.range] if base else []
-    return max(ranges) if ranges else next(r for r in RANGES if r * STANDARD_GRAVITY >= gravity) * STANDARD_GRAVITY
 
 
 def _fit(
@@ -203,11 +203,3 @@ def _positions(
 
 def _with_units(x: PrintedCalibration, raw: str) -> PrintedCalibration:
     return type(x)(x.up, x.down, x.bias.scaled(1.0, raw or "m/s²"), x.scale_factor.scaled(1.0, "1"))
-
-
-def _provenance(logs: Sequence[Log], p: SixPosition | MultiPosition, gravity: tuple[float, str]) -> dict[str, str]:
-    unit = f", {p.raw} to SI" if p.raw else ""
-    return {
-        "calibration": f"{p.METHOD}, gravity {gravity[0]:.6f} m/s² ({gravity[1]}){unit}",
-        "calibration_logs": "; ".join(source_of(log) for log in logs),
-    }

@@ -9,10 +9,16 @@ from imuwb.arrays import Floats
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification import calibration
 from imuwb.identification.calibration import RateRun, TableConditions
-from imuwb.log import AXES, Log, source_of
+from imuwb.log import AXES, Log
 from imuwb.stochastic import ImuErrorModel, corrected
 from imuwb_plugins.calibration.corrected_samples import table_trace
-from imuwb_plugins.calibration.error_model import check_gain, completed_model, parameters_of
+from imuwb_plugins.calibration.error_model import (
+    check_gain,
+    completed_model,
+    full_range_of,
+    parameters_of,
+    provenance_of,
+)
 from imuwb_plugins.calibration.notes import table_notes
 from imuwb_plugins.calibration.parameters import RateTable
 from imuwb_plugins.calibration.result import Step, TableResult, TableRun
@@ -42,7 +48,9 @@ def run(logs: Sequence[Log], p: RateTable) -> TableResult:
     base = None if p.into is None else ImuErrorModel.read(p.into)
     turned = [_turned(log, p, base) for log in logs]
     runs = [t.run for t in turned]
-    full_range = _full_range(p, base)
+    given = None if p.range is None else float(np.radians(p.range))
+    fastest = np.radians(p.rates[-1]) * (1 - 1e-9)
+    full_range = given or full_range_of("gyro", base, np.radians(RANGES).tolist(), fastest)
     known = base is not None and any(any(axis.g_sensitivity) for axis in base.axes.values())
     known = known and all(t.force is not None for t in turned)
     latitude = None if p.latitude is None else float(np.radians(p.latitude))
@@ -55,21 +63,14 @@ def run(logs: Sequence[Log], p: RateTable) -> TableResult:
     check_gain(axes, p.raw)
     celsius, warm_notes = temperature_of([s for t in turned for s in t.stretches])
     name = logs[0].imu().name
-    model, model_notes = completed_model(name, axes, base, _provenance(logs, p), {"gyro": full_range}, celsius)
+    origin = provenance_of(f"rate-table, {', '.join(f'{rate:g}' for rate in p.rates)} deg/s", logs, p.raw)
+    model, model_notes = completed_model(name, axes, base, origin, {"gyro": full_range}, celsius)
     notes = (*table_notes(runs, fit, p, full_range, known=known), *warm_notes, *model_notes)
     return TableResult(
         name, p.level, p.raw, full_range, {axis: parameters_of(axis, c, p.raw) for axis, c in axes.items()},
         tuple(_run(t.run, fitted, p.raw) for t, fitted in zip(turned, fit.runs, strict=True)), celsius, notes, model,
         tuple(table_trace(t.stretches, t.run, t.force, model, p.raw) for t in turned),
     )  # fmt: skip
-
-
-def _provenance(logs: Sequence[Log], p: RateTable) -> dict[str, str]:
-    rates, unit = ", ".join(f"{rate:g}" for rate in p.rates), f", {p.raw} to SI" if p.raw else ""
-    return {
-        "calibration": f"rate-table, {rates} deg/s{unit}",
-        "calibration_logs": "; ".join(source_of(log) for log in logs),
-    }
 
 
 def _turned(log: Log, p: RateTable, base: ImuErrorModel | None) -> TurnedLog:
@@ -118,14 +119,6 @@ def _levels(mean: Floats, raw: str) -> str:
     levels = [float(g.mean()) for g in groups]
     shown = [f"{v:.5g}" for v in levels] if raw else [f"{np.degrees(v):.4g}" for v in levels]
     return f"{', '.join(shown)} {raw or 'deg/s'}"
-
-
-def _full_range(p: RateTable, base: ImuErrorModel | None) -> float:
-    """Return the full range of the gyros, rad/s: given, of the base model, or the smallest usual one."""
-    if p.range is not None:
-        return float(np.radians(p.range))
-    ranges = [axis.range for name, axis in base.axes.items() if name.startswith("gyro") and axis.range] if base else []
-    return max(ranges) if ranges else float(np.radians(next(r for r in RANGES if r >= p.rates[-1] * (1 - 1e-9))))
 
 
 def _run(run: RateRun, fit: calibration.RunFit, raw: str) -> TableRun:
