@@ -38,11 +38,9 @@ class Axis:
         """Return the samples of the longest part without gaps, contiguous in memory."""
         return np.ascontiguousarray(self.values[longest_part(self.clock.breaks, self.values.size)])
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return name, samples and clock in a line."""
         return f"{self.name}: {self.values.size} samples, {self.clock}"
-
-    __repr__ = __str__
 
 
 def axes_of(imu: ImuStream) -> dict[str, Axis]:

@@ -185,15 +185,13 @@ class ImuStream:
         triad = rate if rate is not None else force
         return {} if triad is None else {self.name: triad}
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return each clock of the IMU in a line: name, kind, rows, rate, duration, gaps, units and frame."""
         origin = self.origin
         lines = [_line(name, "imu", triad.time, origin.units, origin.frame) for name, triad in self.sensors().items()]
         if self.temperature is not None:
             lines.append(_line(self.temperature.name, "temperature", self.temperature.time, "°C"))
         return "\n".join(lines) or f"{self.name}: imu without samples"
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -290,15 +288,13 @@ class Log:
             timed = (*triads, *self.gnss, *self.speeds, *self.references)
             _store(self, zero=min((int(x.time[0]) for x in timed if len(x)), default=0))
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return a line with path and format, then a line for each stream."""
         where = self.provenance
         cut = f", {where.selection}" if where.selection else ""
         streams = [str(stream) for stream in (*self.imus, *self.gnss, *self.references)]
         speeds = [_line(speed.name, "speed", speed.time, "m/s") for speed in self.speeds]
         return "\n".join((f"{where.path} ({where.format}{cut})", *(streams + speeds or ["no streams"])))
-
-    __repr__ = __str__
 
     def imu(self) -> ImuStream:
         """Return the first IMU.

@@ -39,12 +39,10 @@ class Sampling:
         """Seconds without samples."""
         return sum(length for _, length in self.gaps) - len(self.gaps) * self.interval
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return rate, gaps and jitter in a line."""
         longest = f" (longest {max(length for _, length in self.gaps):.3g} s)" if self.gaps else ""
         return f"{self.rate or 0:.4g} Hz, {len(self.gaps)} gaps{longest}, jitter {self.jitter:.2g} intervals"
-
-    __repr__ = __str__
 
 
 def longest_part(breaks: Iterable[int], last: int, first: int = 0) -> slice:

@@ -25,12 +25,10 @@ class StreamSummary:
     units: str  #: units in the file; a Log has SI
     frame: str  #: frame in the file; a Log has FRD or NED
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return name, kind, rows, rate, duration, gaps, units and frame in a line."""
         rows = rows_text(self.count, self.rate_hz, (self.end_ns - self.start_ns) / SECOND, self.gaps)
         return ", ".join(filter(None, (f"{self.name}: {self.kind}", rows, self.units, self.frame)))
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,13 +42,11 @@ class LogSummary:
     notes: tuple[str, ...]
     truth: Mapping[str, str] = field(default_factory=dict[str, str])  #: as in ``Log``
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return a line with path and format, then a line for each stream."""
         return "\n".join(
             (f"{self.path} ({self.format})", *(map(str, self.streams) if self.streams else ("no streams",)))
         )
-
-    __repr__ = __str__
 
 
 def summarize(log: Log) -> LogSummary:

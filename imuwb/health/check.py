@@ -46,11 +46,9 @@ class Health:
     still: float  #: s; total time during which that IMU is still
     moving: float  #: s; total time during which that IMU moves
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the verdict of each stream, and the faults; one line for each."""
         return "\n".join([*(f"{s.name}: {s.verdict}" for s in self.streams), *map(str, self.faults)])
-
-    __repr__ = __str__
 
 
 def check(log: Log, *, lines: bool = True, samples: bool = True) -> Health:

@@ -172,28 +172,43 @@ def identify(
         )
     in_band = tuple(line for line in find_lines(part, dt, level) if line.frequency <= band) if lines and whole else ()
     fit = reasons.attempt("no-fit", "no fit", lambda: fit_allan(octaves, in_band, SETTLED / band))
-    record = _Part(part, dt, in_band, level, band)
-    others = _others(record, reasons, choose=choose) if estimators and whole else (None, None, None, None)
+    others = (None, None, None, None)
+    if estimators and whole:
+        others = _others(part, dt, in_band, level, band, reasons, choose=choose)
     return NoiseIdentification(values.size, dt, level, float(part.mean()), curve, in_band, fit, *others, reasons.notes)
 
 
 def _others(
-    record: _Part, reasons: _Reasons, *, choose: bool
+    values: Floats, dt: float, lines: Sequence[Line], level: float, band: float, reasons: _Reasons, *, choose: bool
 ) -> tuple[LikelihoodFit | None, WaveletFit | None, Stationarity | None, ModelChoice | None]:
     """Return the likelihood fit, the wavelet fit, the test of stationarity, and the choice of a sum if it is wanted."""
-    spectrum = reasons.attempt("no-likelihood", "no likelihood", record.spectrum)
+    spectrum = reasons.attempt("no-likelihood", "no likelihood", lambda: spectrum_without(values, dt, lines))
     likelihood = None
     if spectrum is not None:
-        likelihood = reasons.attempt("no-likelihood", "no likelihood", lambda: record.likelihood(spectrum))
-    wavelet = reasons.attempt("no-wavelet", "no wavelet variance", record.wavelet)
-    steady = reasons.attempt(
-        "no-stationarity", "no test of stationarity", lambda: stationarity(record.values, record.dt)
-    )
+        likelihood = reasons.attempt(
+            "no-likelihood", "no likelihood", lambda: fit_cosine_spectrum(spectrum, level=level, highest=band)
+        )
+    wavelet = reasons.attempt("no-wavelet", "no wavelet variance", lambda: _wavelet(values, dt, lines, level, band))
+    steady = reasons.attempt("no-stationarity", "no test of stationarity", lambda: stationarity(values, dt))
     if not choose:
         return likelihood, wavelet, steady, None
     highest = None if likelihood is None else likelihood.highest
-    choice = reasons.attempt("no-choice", "no choice of a sum", lambda: record.choice(spectrum, highest))
+    choice = reasons.attempt("no-choice", "no choice of a sum", lambda: _choice(values, dt, lines, spectrum, highest))
     return likelihood, wavelet, steady, choice
+
+
+def _wavelet(values: Floats, dt: float, lines: Sequence[Line], level: float, band: float) -> WaveletFit:
+    if band < 0.5 / dt:
+        raise ValueError(f"a filter has changed the spectrum above {band:.3g} Hz; the shortest wavelets use that part")
+    return fit_wavelet_variance(wavelet_variance(values, dt), lines, level=level)
+
+
+def _choice(
+    values: Floats, dt: float, lines: Sequence[Line], spectrum: CosineSpectrum | None, highest: float | None
+) -> ModelChoice:
+    models = burg(values, max(AR_ORDERS))
+    regressions = [Autoregressive(tuple(models.alpha[p]), float(models.variance[p]) ** 0.5, dt) for p in AR_ORDERS]
+    return choose_model(values, dt, lines, highest=highest, models=regressions, spectrum=spectrum)
 
 
 class _Reasons:
@@ -212,37 +227,6 @@ class _Reasons:
         except ValueError as error:
             self.add(name, f"{what}: {error}")
             return None
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class _Part:
-    """Evenly spaced samples without gaps."""
-
-    values: Floats
-    dt: float
-    lines: tuple[Line, ...]
-    level: float
-    band: float
-
-    def spectrum(self) -> CosineSpectrum:
-        return spectrum_without(self.values, self.dt, self.lines)
-
-    def likelihood(self, spectrum: CosineSpectrum) -> LikelihoodFit:
-        return fit_cosine_spectrum(spectrum, level=self.level, highest=self.band)
-
-    def wavelet(self) -> WaveletFit:
-        if self.band < 0.5 / self.dt:
-            raise ValueError(
-                f"a filter has changed the spectrum above {self.band:.3g} Hz; the shortest wavelets use that part"
-            )
-        return fit_wavelet_variance(wavelet_variance(self.values, self.dt), self.lines, level=self.level)
-
-    def choice(self, spectrum: CosineSpectrum | None, highest: float | None) -> ModelChoice:
-        models = burg(self.values, max(AR_ORDERS))
-        regressions = [
-            Autoregressive(tuple(models.alpha[p]), float(models.variance[p]) ** 0.5, self.dt) for p in AR_ORDERS
-        ]
-        return choose_model(self.values, self.dt, self.lines, highest=highest, models=regressions, spectrum=spectrum)
 
 
 def _apart(a: Coefficient, b: Coefficient) -> bool:

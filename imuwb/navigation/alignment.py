@@ -37,11 +37,9 @@ class Alignment:
     standstill: tuple[int, int] | None  #: first sample of the last standstill, and first one after it
     note: Note
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the note that a report shows."""
         return self.note
-
-    __repr__ = __str__
 
 
 def align(

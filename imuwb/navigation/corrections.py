@@ -35,15 +35,13 @@ class Corrections:
     fix: Integers  #: (E,) row in the receiver's stream; -1 - row for a fix's separate velocity; -1 for other kinds
     notes: tuple[Note, ...] = ()
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the numbers of events in a line."""
         kinds = np.bincount(self.events.kind, minlength=4)
         return (
             f"Corrections: {kinds[FIX]} of fixes, {kinds[SPEED]} of speed, {kinds[STRAIGHT]} of no slip, "
             f"{kinds[STILL]} of standing still"
         )
-
-    __repr__ = __str__
 
 
 class _Part(NamedTuple):

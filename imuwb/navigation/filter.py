@@ -38,7 +38,7 @@ class Solution:
     track: Track  #: by event; the events before the alignment have no state
     events: Integers  #: (m,) the events that are fixes, from the alignment on
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the filter, the time, the fixes and the innovations in a line."""
         nis = self.fix_nis
         mean = f"{np.nanmean(nis / self.fix_dof):.2f}" if np.isfinite(nis).any() else "unknown"
@@ -46,8 +46,6 @@ class Solution:
             f"Solution of {self.model.name}: {self.events.size} fixes, {self.time[0]:.1f} s to {self.time[-1]:.1f} s, "
             f"NIS/dof {mean}, {self.refused} positions and velocities refused"
         )
-
-    __repr__ = __str__
 
     @property
     def time(self) -> Floats:

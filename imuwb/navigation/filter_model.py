@@ -83,7 +83,7 @@ class FilterModel:
     settings: Settings = field(default_factory=Settings)
     aids: Aids = field(default_factory=Aids)
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the name, the error model and what differs from the defaults, in a few lines."""
         changed = [
             f"{name} = {value}"
@@ -97,8 +97,6 @@ class FilterModel:
             changed.append(f"scale_factor = {self.scale_factor}")
         first = f"FilterModel {self.name}: error model {self.error_model.name}, formulas {self.reading}"
         return "\n  ".join([first, *changed])
-
-    __repr__ = __str__
 
     @property
     def causal(self) -> bool:

@@ -36,14 +36,12 @@ class Measurement:
     gap_noise: Floats | None  #: (6,) unit²/Hz; density of the unknown motion in bridged gaps, the last regime
     notes: tuple[Note, ...] = ()
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return time, rate and gaps in a line."""
         return (
             f"Measurement: {self.time.size} samples, {self.time[0]:.1f} s to {self.time[-1]:.1f} s, "
             f"{1 / self.interval:.4g} Hz, {len(self.bridged)} bridged gaps"
         )
-
-    __repr__ = __str__
 
 
 def measurement_of(log: Log, imu: ImuStream, installation: Installation, *, thermal: bool = False) -> Measurement:

@@ -31,11 +31,9 @@ class Drift:
     covariance: Floats  #: (s, L, 9, 9) of position m, velocity m/s, attitude rad
     sound: Booleans  #: (s,) whether all states and variances are valid
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return number and duration of the outages in a line."""
         return f"Drift: {self.start.size} outages of {self.elapsed[-1]:g} s, {int(self.sound.sum())} of them valid"
-
-    __repr__ = __str__
 
 
 def marks_of(solution: Solution, events: Integers, duration: float) -> Integers:

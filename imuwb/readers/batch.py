@@ -34,11 +34,9 @@ class Batch:
     origin: Origin = field(default_factory=Origin)
     bytes_read: int = 0  #: the reader's position in the file
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return stream, kind, rows and columns in a line."""
         return f"{self.stream}: {self.kind}, {self.time.size} rows of {', '.join(self.columns)}"
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, slots=True)

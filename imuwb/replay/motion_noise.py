@@ -66,12 +66,10 @@ class MotionNoise:
     fixes: int  #: that count
     blocks: int  #: of a minute
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the white noise and its factors in a line."""
         gyro, accel = (_range(self.factors, kind) for kind in ("gyro", "accel"))
         return f"Noise in motion: gyros {self.white[0]}, {gyro} times the bench's; accelerometers {self.white[1]}, {accel} times"
-
-    __repr__ = __str__
 
 
 def _range(factors: dict[str, Estimate], kind: str) -> str:

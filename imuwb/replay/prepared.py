@@ -41,11 +41,9 @@ class Prepared:
         """Return the times of the fixes, s from the log's start."""
         return self.corrections.time[self.corrections.fix >= 0]
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the parts, a line each."""
         return f"{self.measurement}\n{self.corrections}\n{self.alignment}"
-
-    __repr__ = __str__
 
 
 def prepare(

@@ -49,11 +49,9 @@ class ReferenceTrack:
             values = getattr(self, part)
             object.__setattr__(self, part, None if values is None else values[last])
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return name, kind and time in a line."""
         return f"Reference: {self.name} ({self.kind}), {self.time.size} points, {self.time[0]:.1f} s to {self.time[-1]:.1f} s"
-
-    __repr__ = __str__
 
     def at(self, time: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         """Return position, velocity, heading and position sigma at some times; positions are nan outside and in gaps.

@@ -49,7 +49,7 @@ class Replay:
     notes: tuple[str, ...]
     failed: dict[str, str]  #: filter that cannot run -> reason
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return reference, outages and filters, a line each."""
         outages = ", ".join(f"{int(rows.sum())} of {duration:g} s" for duration, rows in self.scored.items())
         lines = [
@@ -58,8 +58,6 @@ class Replay:
             *(f"{name} cannot run: {reason}" for name, reason in self.failed.items()),
         ]
         return "\n  ".join(lines)
-
-    __repr__ = __str__
 
 
 def replay(

@@ -7,7 +7,7 @@ import numpy as np
 
 from imuwb.arrays import Floats
 from imuwb.stochastic.elementary import Elementary
-from imuwb.stochastic.state_space import StateSpace
+from imuwb.stochastic.state_space import StateSpace, single
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,11 +52,7 @@ class GaussMarkov(Elementary):
 
     def discretize(self, dt: float) -> StateSpace:
         """Return one state with e^(-dt/Tc) (not 1 - dt/Tc), stationary from the start."""
-        phi = np.exp(-dt / self.Tc)
-        one = np.ones((1, 1))
-        return StateSpace(
-            phi * one, -np.expm1(-2 * dt / self.Tc) * self.sigma**2 * one, np.ones(1), 0.0, self.sigma**2 * one
-        )
+        return single(np.exp(-dt / self.Tc), -np.expm1(-2 * dt / self.Tc) * self.sigma**2, self.sigma**2)
 
     def sample(self, n: int, dt: float, rng: np.random.Generator) -> Floats:
         """Return n samples, each the exact average over dt."""

@@ -87,8 +87,7 @@ class RandomWalk(Elementary):
 
     def discretize(self, dt: float) -> StateSpace:
         """Return one state that starts at 0."""
-        one = np.ones((1, 1))
-        return StateSpace(one, one * self.K**2 * dt, np.ones(1), 0.0, 0 * one)
+        return state_space.single(1.0, self.K**2 * dt, 0.0)
 
     def sample(self, n: int, dt: float, rng: np.random.Generator) -> Floats:
         """Return n samples of a walk that starts at 0; each the average over its dt."""
@@ -179,8 +178,7 @@ class Constant(Elementary):
 
     def discretize(self, dt: float) -> StateSpace:
         """Return one state that never changes."""
-        one = np.ones((1, 1))
-        return StateSpace(one, 0 * one, np.ones(1), 0.0, one * self.sigma**2)
+        return state_space.single(1.0, 0.0, self.sigma**2)
 
     def sample(self, n: int, dt: float, rng: np.random.Generator) -> Floats:
         """Return one draw, n times."""

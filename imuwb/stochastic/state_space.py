@@ -32,6 +32,12 @@ def white(variance: float) -> StateSpace:
     return StateSpace(none, none, np.zeros(0), variance, none)
 
 
+def single(a: float, q: float, p0: float) -> StateSpace:
+    """Return one state, which is the output: its step, the variance of its noise, and its variance at the start."""
+    one = np.ones((1, 1))
+    return StateSpace(a * one, q * one, np.ones(1), 0.0, p0 * one)
+
+
 def joined(parts: tuple[StateSpace, ...]) -> StateSpace:
     """Return the sum of independent processes: block-diagonal A, Q and P0, the parts of c one after another."""
     order = sum(part.order for part in parts)

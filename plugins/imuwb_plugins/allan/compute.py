@@ -1,10 +1,12 @@
 """From a log to Allan deviations and the noise of each axis."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from imuwb import __version__
 from imuwb.arrays import Floats
 from imuwb.axes import Axis, axes_of, for_each, rates
 from imuwb.errors import MissingDataError, UsageError
@@ -13,7 +15,7 @@ from imuwb.identification.record.suitable import unsuitable
 from imuwb.log import Log, source_of
 from imuwb.noise_results import ModelCurves, line_result
 from imuwb.statistics import UNKNOWN, Coefficient
-from imuwb.stochastic import Sinusoid, Sum
+from imuwb.stochastic import AxisModel, ImuErrorModel, Sinusoid, Sum, of_either_sign
 from imuwb.units import coefficient_units
 from imuwb_plugins.allan.notes import notes_of
 from imuwb_plugins.allan.parameters import Parameters
@@ -155,3 +157,39 @@ def _with_units(axis: str, coefficients: Mapping[str, Coefficient]) -> dict[str,
 
 def _unknown(axis: str) -> dict[str, Coefficient]:
     return _with_units(axis, dict.fromkeys("QNBKR", UNKNOWN))
+
+
+def error_model(result: Result) -> ImuErrorModel:
+    """Return the identified sums, with the intervals of their terms and the limits of the terms that are absent.
+
+    Raises:
+        MissingDataError: no axis has a fit.
+    """
+    headline = result.model == "headline"
+    axes = {axis: _model(r, headline=headline) for axis, r in result.axes.items() if r.processes is not None}
+    if not axes:
+        raise MissingDataError(f"{result.imu}: no axis could be fitted, so there is no error model to save")
+    how = (
+        "likelihood where a record allows it, else Allan variance"
+        if headline and any(r.estimates for r in result.axes.values())
+        else "Allan variance"
+    )
+    rates = ", ".join(f"{sensor} {rate:.6g} Hz" for sensor, rate in result.rate_hz.items())
+    analysis = f"imuwb {__version__} allan, by {how}, {100 * result.level:g} % intervals"
+    return ImuErrorModel(result.imu, axes, {"log": result.source, "analysis": analysis, "rate": rates})
+
+
+def _model(axis: AllanAxis, *, headline: bool) -> AxisModel:
+    estimates, processes, coefficients = axis.estimates, axis.processes or Sum(), axis.coefficients
+    if headline and estimates is not None:
+        processes = estimates.processes
+        coefficients = estimates.by[estimates.headline] if estimates.intervals_apply else {}
+    sure = {letter: c for letter, c in coefficients.items() if c.value is not None and c.lower}
+    intervals = {
+        f"{i}.{letter}": of_either_sign(getattr(term, letter), c.lower or 0.0, c.upper)
+        for i, term in enumerate(processes.terms)
+        for letter, c in sure.items()
+        if hasattr(term, letter)
+    }
+    limits = {x: c.upper for x, c in coefficients.items() if x not in sure and 0 < c.upper < math.inf}
+    return AxisModel(processes, intervals, limits)

@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 from typing import Annotated
 
-from imuwb.options import Between, Level, check
+from imuwb.options import Between, Level, Options
 
 
 @dataclass(frozen=True)
-class Parameters:
+class Parameters(Options):
     """Options of ``imuwb noise``."""
 
     choose: Annotated[bool, "Compare sums of processes, which takes most of the time."] = True
@@ -15,7 +15,3 @@ class Parameters:
         int, "Number of levels of wavelet denoising in the autocorrelation and on the denoising tab; 0: no denoising.", Between(0, 20)
     ] = 6  # fmt: skip
     level: Level = 0.95
-
-    def __post_init__(self) -> None:
-        """Check the values."""
-        check(self)

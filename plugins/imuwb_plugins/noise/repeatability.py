@@ -57,13 +57,11 @@ class Repeatability:
     turn_on: dict[str, TurnOn]
     differ: tuple[str, ...]  #: coefficients that differ, such as "gyro_x N", at 1 % over all coefficients (Holm)
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return what differs, and the turn-on bias of each axis."""
         differ = f"differ in {', '.join(self.differ)}" if self.differ else "do not differ"
         biases = ", ".join(f"{axis} {t.sigma}" for axis, t in self.turn_on.items())
         return f"{len(self.names)} logs {differ}; turn-on bias: {biases}"
-
-    __repr__ = __str__
 
 
 def compare(logs: Sequence[Log], findings: Sequence[Sequence[Finding]], level: float) -> Repeatability:

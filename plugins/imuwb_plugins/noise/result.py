@@ -27,11 +27,9 @@ class NoiseAxis:
     ]  #: of the estimators: the dominant processes first, then those that put the coefficients in doubt
     others: tuple[tuple[str, str], ...]  #: (analysis, remark) of the analyses that estimate no coefficients
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the coefficients of the headline."""
         return f"{coefficients_text(self.coefficients)} (by {self.headline})"
-
-    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
@@ -44,8 +42,6 @@ class Result:
     repeatability: Repeatability | None  #: comparison of several logs; None: one log
     notes: tuple[Note, ...] = ()
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the coefficients of each axis."""
         return "\n".join(f"{axis}: {r}" for axis, r in self.axes.items())
-
-    __repr__ = __str__

@@ -58,12 +58,10 @@ class Study:
     cases: tuple[CaseResult, ...]
     rule: tuple[Rule, ...]
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return the number of settings, and where the rule holds."""
         held = ", ".join(f"{r.axis} {'yes' if r.holds else 'no'}" for r in self.rule) or "not tested"
         return f"noise in {len(self.cases)} settings; rate = 2 × bandwidth is enough: {held}"
-
-    __repr__ = __str__
 
 
 def study(cases: Iterable[Case], parameters: Parameters) -> Study:

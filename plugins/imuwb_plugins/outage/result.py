@@ -185,8 +185,6 @@ class Result:
     navigation: tuple[Reference, Floats] = field(metadata=HELD)  #: the last filter's run; (n, 4) its quaternions
     failed: dict[str, str] = field(default_factory=dict[str, str])  #: filter that cannot run -> reason
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Return reference and verdicts, a line each."""
         return "\n  ".join([f"Outage replay of {len(self.outages)} outages against {self.reference}", *self.verdicts])
-
-    __repr__ = __str__
