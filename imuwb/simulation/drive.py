@@ -70,8 +70,6 @@ def drive(
     time = stamps(n, rate)
     *axes, of_receiver, of_vibration, of_noise, of_road = np.random.SeedSequence(seed).spawn(len(AXES) + 4)
     added, truth = _in_motion(route, (n, rate), motion_noise, road, sensor.bandwidths(), (of_noise, of_road))
-    if receiver.errors != WHITE:
-        truth |= receiver.truth()
     if road is not None:
         route = road.under(route)
     rates, forces = route.averages(n, rate)
@@ -86,7 +84,7 @@ def drive(
         gnss=(receiver.fixes(route, np.random.default_rng(of_receiver)),),
         speeds=() if odometer is None else (odometer.speeds(route),),
         references=(_truth(route, time, rate, truth_rate),),
-        truth=truth,
+        truth=truth | receiver.truth(),
     )
 
 

@@ -45,7 +45,9 @@ class Receiver:
             _require("the length of a lever arm", abs(arm), LONGEST_ARM, "m")
 
     def truth(self) -> dict[str, str]:
-        """Return the true parameters: {name: value with its SI unit}."""
+        """Return the true parameters, {name: value with its SI unit}; none without errors beyond the white noise."""
+        if self.errors == WHITE:
+            return {}
         return {
             "gnss.position.white.sigma": triple(self.position_sigma, "m"),
             "gnss.velocity.white.sigma": triple(self.velocity_sigma, "m/s"),
