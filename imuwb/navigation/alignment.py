@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from imuwb.arrays import Floats
+from imuwb.arrays import Booleans, Floats
 from imuwb.errors import MissingDataError
 from imuwb.geodesy.attitude import rotation_of_euler
 from imuwb.geodesy.earth import gravity, ned_scale
@@ -45,13 +45,16 @@ class Alignment:
 def align(
     measurement: Measurement, corrections: Corrections, stills: Floats, model: FilterModel, after: float = -np.inf
 ) -> Alignment:
-    """Return the alignment at the first fix that is fast enough to give the heading.
+    """Return the alignment at the first fix that is fast enough to give the heading, or, with a known heading, at the first fix.
+
+    A start with a known heading in a standstill is at the last fix of the standstill, so that the standstill gives the gyros'
+    bias. The heading is that of the whole standstill.
 
     Args:
         measurement: the IMU.
         corrections: the log's fixes.
         stills: (s, 2) s from the log's start, the standstills; the last one before the fix gives the gyros' bias.
-        model: its settings give the sigmas, the lever arm and the lowest speed that gives the heading.
+        model: its settings give the sigmas, the lever arm, the lowest speed that gives the heading, or the known start.
         after: s from the log's start; the fix must be later than this time.
 
     Raises:
@@ -59,18 +62,23 @@ def align(
     """
     settings, lever = model.settings, np.array(model.installation.lever_arm)
     velocities = fix_velocities(corrections, settings)
-    first = _first_fast(measurement, velocities, settings.start_speed, after)
+    begin, heading, spread = settings.known_start
+    if spread:
+        first = _first_known(measurement, velocities, stills, max(after, begin))
+    else:
+        first = _first_fast(measurement, velocities, settings.start_speed, after)
     event, time = int(velocities.event[first]), float(velocities.time[first])
     acceleration = _acceleration(velocities, time)
     antenna = velocities.value[first] + acceleration * model.installation.velocity_delay
     latitude, height = corrections.events.value[event, [0, 2]]
     down = float(gravity(latitude, height))
     force, rate = _means(measurement, time)
-    euler = _level(force, acceleration - np.array([0.0, 0.0, down]), float(np.arctan2(antenna[1], antenna[0])))
+    course = float(np.radians(heading) if spread else np.arctan2(antenna[1], antenna[0]))
+    euler = _level(force, acceleration - np.array([0.0, 0.0, down]), course)
     rotation = rotation_of_euler(euler)
     late = corrections.events.late[event]
     position = corrections.events.value[event, :3] - (rotation @ lever + antenna * late) / ned_scale(latitude, height)
-    standstill = _last_standstill(measurement, stills, time)
+    standstill = _last_standstill(measurement, stills, time, within=spread > 0)
     bias = np.zeros(3)
     if standstill is not None:
         rows = slice(*standstill)
@@ -79,9 +87,11 @@ def align(
     sigma[3:] = np.where(sigma[3:] > 0, sigma[3:], velocities.sigma[first])
     speed = float(np.hypot(antenna[0], antenna[1]))
     covariance = np.diag(np.square([*sigma, *_attitude_sigmas(sigma[3:5].max(), speed, down, settings)]))
+    if spread:
+        covariance[8, 8] = np.radians(spread) ** 2
     # The receiver's velocity is that of the antenna, which turns around the IMU.
     velocity = antenna - rotation @ np.cross(rate - bias, lever)
-    note = _note(time, speed, euler, None if standstill is None else np.ptp(standstill) * measurement.interval)
+    note = _note(time, speed, euler, spread, None if standstill is None else np.ptp(standstill) * measurement.interval)
     sample = int(corrections.events.at[event]) + 1
     return Alignment(event, sample, position, velocity, euler, covariance, bias, standstill, note)
 
@@ -93,8 +103,7 @@ def _first_fast(measurement: Measurement, velocities: FixVelocities, enough: flo
             "no fix has a velocity, and no positions are near enough in time to give one: the heading at the start is "
             "unknown; use a receiver that reports velocities"
         )
-    time, speed = velocities.time, velocities.speed
-    inside = (time > measurement.time[0] + AROUND) & (time < measurement.time[-1] - AROUND)
+    time, speed, inside = velocities.time, velocities.speed, _inside(measurement, velocities)
     fast = (speed > np.maximum(enough, CLEAR * velocities.spread)) & inside
     # A single fast fix may be a spike: the velocity of the next fix must agree with it.
     step = np.hypot(*np.diff(velocities.value[:, :2], axis=0).T)
@@ -109,6 +118,27 @@ def _first_fast(measurement: Measurement, velocities: FixVelocities, enough: flo
     if not fast.any():
         raise MissingDataError(f"no fix after {after:.1f} s and within the IMU's time is faster than {enough:g} m/s")
     return int(np.argmax(fast))
+
+
+def _inside(measurement: Measurement, velocities: FixVelocities) -> Booleans:
+    """Return which fixes have samples of the IMU around them."""
+    time = velocities.time
+    return (time > measurement.time[0] + AROUND) & (time < measurement.time[-1] - AROUND)
+
+
+def _first_known(measurement: Measurement, velocities: FixVelocities, stills: Floats, after: float) -> int:
+    """Return the first fix from a time on, or the last fix of the standstill that it is in."""
+    rows = np.flatnonzero(_inside(measurement, velocities) & (velocities.time >= after))
+    if not rows.size:
+        raise MissingDataError(
+            f"no fix after {max(after, 0.0):.1f} s and within the IMU's time has a velocity, and no positions are near enough in "
+            "time to give one"
+        )
+    time = velocities.time[rows]
+    for begin, end in stills:
+        if begin <= time[0] < end:
+            return int(rows[max(np.searchsorted(time, end - AROUND) - 1, 0)])
+    return int(rows[0])
 
 
 def _acceleration(velocities: FixVelocities, time: float) -> Floats:
@@ -148,17 +178,26 @@ def _attitude_sigmas(velocity: float, speed: float, down: float, settings: Setti
     return tilt, tilt, float(np.hypot(np.radians(settings.heading), min(velocity / speed, np.pi)))
 
 
-def _last_standstill(measurement: Measurement, stills: Floats, until: float) -> tuple[int, int] | None:
-    """Return the samples of the last standstill that ends before a time and is long enough."""
-    long = [(begin, end) for begin, end in stills if end < until and end - begin >= SECONDS_STILL]
+def _last_standstill(measurement: Measurement, stills: Floats, until: float, *, within: bool) -> tuple[int, int] | None:
+    """Return the samples of the last standstill before a time that is long enough.
+
+    Args:
+        measurement: the IMU.
+        stills: (s, 2) s from the log's start.
+        until: s; a standstill must end before this time.
+        within: whether a standstill that contains this time counts up to it.
+    """
+    past = [(begin, min(end, until) if within else end) for begin, end in stills if begin < until]
+    long = [(begin, end) for begin, end in past if end <= until and end - begin >= SECONDS_STILL]
     if not long:
         return None
     begin, end = np.searchsorted(measurement.time, long[-1], side="right")
     return int(begin), int(end)
 
 
-def _note(time: float, speed: float, euler: Floats, still: float | None) -> Note:
+def _note(time: float, speed: float, euler: Floats, spread: float, still: float | None) -> Note:
     roll, pitch, heading = np.degrees(euler)
+    known = f" (known, sigma {spread:.2g} deg)" if spread else ""
     bias = (
         "there is no standstill before: the gyro biases are unknown"
         if still is None
@@ -167,5 +206,5 @@ def _note(time: float, speed: float, euler: Floats, still: float | None) -> Note
     return Note(
         "alignment" if still is None else "alignment-after-standstill",
         f"the filter starts at {time:.1f} s, at {speed:.1f} m/s, with roll {roll:.1f}, pitch {pitch:.1f}, "
-        f"heading {heading % 360:.1f} deg; {bias}",
+        f"heading {heading % 360:.1f} deg{known}; {bias}",
     )

@@ -25,6 +25,7 @@ def filter_text(model: FilterModel) -> str:
         "wavelet_levels": list(model.wavelet_levels),
     }  # fmt: skip
     document |= {part: asdict(getattr(model, part)) for part in PARTS}
+    del document["settings"]["known_start"]  # it holds for one log only
     document["error_model"] = tomllib.loads(model.error_model.to_toml())
     return tomli_w.dumps(document)
 

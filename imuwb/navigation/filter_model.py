@@ -62,6 +62,8 @@ class Settings:
     tilt: float = 1.0  #: deg, sigma of roll and pitch at the alignment
     heading: float = 3.0  #: deg, sigma of heading at the alignment; the velocity's sigma adds to it
     start_speed: float = 3.0  #: m/s; above this speed the velocity gives the heading
+    #: s from the log's start, and heading and its sigma, deg, of a start that is known for one log; sigma 0: it is not known
+    known_start: tuple[float, float, float] = (0.0, 0.0, 0.0)
     settling: float = 60.0  #: s of fixes after the alignment and before the first outage of a sweep
     horizons: tuple[float, float] = (
         10.0,

@@ -15,6 +15,7 @@ from imuwb.replay.reference import ReferenceTrack, own_track, reference_track
 from imuwb.replay.replay import FilterRun, Replay, ScoredDrift, replay
 from imuwb.replay.scaled import scaled
 from imuwb.replay.scores import HORIZONS, Scores, scores
+from imuwb.replay.start import Start, find_start, given_start
 from imuwb.replay.statistics import Consistency, DriftCurve, Paired, Summary, compare, drift_curve, summarize, verdict
 from imuwb.replay.true_errors import true_errors
 from imuwb.replay.tuning import Tuned, tune
@@ -22,8 +23,8 @@ from imuwb.replay.tuning import Tuned, tune
 __all__ = [
     "HORIZONS", "NAMES", "Budget", "Choice", "Clocks", "Consistency", "Degradation", "DriftCurve", "FilterCandidate",
     "FilterRun", "Mounting", "Outage", "Paired", "Placing", "Prepared", "ReferenceTrack", "Replay", "ScoredDrift", "Scores",
-    "Summary", "Tuned", "budget", "choose", "compare", "degraded", "drift_curve", "effective_count",
-    "estimate_clocks", "estimate_mounting", "events_of", "external_reference", "model_named", "motion_classes", "own_outages", "own_track",
+    "Start", "Summary", "Tuned", "budget", "choose", "compare", "degraded", "drift_curve", "effective_count",
+    "estimate_clocks", "estimate_mounting", "events_of", "external_reference", "find_start", "given_start", "model_named", "motion_classes", "own_outages", "own_track",
     "prepare", "receiver_of", "reference_track", "replay", "run", "scaled", "scores", "summarize", "sweep", "true_errors", "tune",
     "verdict", "without_overlap",
 ]  # fmt: skip

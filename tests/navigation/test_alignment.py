@@ -8,13 +8,11 @@ import pytest
 
 from imuwb.errors import MissingDataError
 from imuwb.geodesy.attitude import rotation_of_euler
-from imuwb.log import GnssStream
 from imuwb.navigation.alignment import align
 from imuwb.navigation.corrections import Corrections, corrections_of
 from imuwb.navigation.filter_model import FilterModel, Installation, Settings
 from imuwb.navigation.fix_velocities import CLIMB, JERK, fix_velocities, velocities_of_positions
 from imuwb.navigation.measurement import Measurement, measurement_of
-from imuwb.navigation.standstill import standstills
 from imuwb.navigation.tables import FIX, Events, Samples
 from imuwb.notes import ids
 from imuwb.simulation import Receiver, drive, mixed_route
@@ -43,15 +41,6 @@ def taken(town, measurement, **changes):
 
 
 # Drives
-
-
-def test_standing_is_found_where_the_car_stands(town, measurement):
-    found = standstills(measurement, town, town.gnss[0])
-    t = np.arange(0.5, 239, 1.0)
-    expected = ROUTE.speed(t) == 0
-    got = ((t[:, None] > found[:, 0]) & (t[:, None] < found[:, 1])).any(axis=1)
-    assert (got & ~expected).sum() <= 2  # the second in which it starts
-    assert (got & expected).sum() > 0.8 * expected.sum()
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -316,41 +305,6 @@ def test_positions_within_five_seconds_give_a_velocity(step, known):
             aligned(made)
 
 
-# Standstills
-
-
-def scattered(scale):
-    """Return 40 s of white noise; second k is scale[k] times as large."""
-    rng = np.random.default_rng(3)
-    noise = rng.standard_normal((40, HZ, 3))
-    noise /= np.sqrt(noise.var(axis=1, keepdims=True).sum(axis=2, keepdims=True))
-    noise = (noise * np.asarray(scale)[:, None, None]).reshape(-1, 3)
-    n = noise.shape[0]
-    samples = Samples(np.full(n, 1 / HZ), noise, noise, np.zeros(n, np.int64))
-    return Measurement(np.arange(1, n + 1) / HZ, 1 / HZ, samples, (None,), np.zeros((0, 2)), None)
-
-
-def test_a_still_second_scatters_up_to_four_times_as_the_quietest():
-    scale = np.ones(40)
-    scale[10:20], scale[30:] = 4.1, 3.9
-    found = standstills(scattered(scale), SimpleNamespace(zero=0), None)
-    assert found == pytest.approx(np.array([[0.0, 10.0], [20.0, 40.0]]))
-
-
-def test_a_receiver_that_moves_is_not_still():
-    speed = np.zeros((40, 3))
-    speed[5:10, 1], speed[20:25, 0] = 0.6, 0.4
-    gnss = GnssStream("g", (np.arange(40) * 1e9).astype(np.int64), np.zeros((40, 3)), velocity=speed)
-    found = standstills(scattered(np.ones(40)), SimpleNamespace(zero=0), gnss)
-    assert found == pytest.approx(np.array([[0.0, 5.0], [9.0, 40.0]]))
-
-
-def test_a_log_shorter_than_a_second_has_no_standstill():
-    measurement = scattered(np.ones(40))
-    short = replace(measurement, time=measurement.time[:50], samples=Samples(*(x[:50] for x in measurement.samples)))
-    assert standstills(short, SimpleNamespace(zero=0), None).shape == (0, 2)
-
-
 def test_a_velocity_down_that_is_not_reported_comes_from_the_positions(town, measurement):
     gnss = town.gnss[0]
     flat_only = np.where([True, True, False], gnss.velocity, np.nan)
@@ -375,3 +329,33 @@ def test_a_velocity_down_that_nothing_gives_is_zero_with_a_wide_sigma():
     found = fix_velocities(corrections, Settings())
     assert found.value[:, 2].tolist() == [0.0] * rows.size
     assert found.sigma[:, 2].tolist() == [CLIMB] * rows.size
+
+
+# Starts with a heading that is known
+
+
+def known(made, stills=NO_STILLS, time=0.0, heading=100.0, sigma=7.0):
+    settings = Settings(known_start=(time, heading, sigma))
+    return align(made.measurement, made.corrections, stills, replace(MODEL, settings=settings))
+
+
+def test_a_known_heading_starts_at_the_first_fix_at_any_speed():
+    made = flat(0.2)
+    start = known(made)
+    assert made.corrections.time[start.event] == 2.0
+    assert np.degrees(start.euler[2]) == pytest.approx(100.0)
+    assert np.sqrt(start.covariance[8, 8]) == pytest.approx(np.radians(7.0))
+    assert made.corrections.time[known(made, time=5.5).event] == 6.0
+
+
+def test_a_known_heading_in_a_standstill_starts_at_its_end():
+    made = flat(0.2, still=0.02)
+    start = known(made, np.array([[0.5, 8.5]]))
+    assert made.corrections.time[start.event] == 7.0  # a second of samples around it is still, too
+    assert start.gyro_bias == pytest.approx([0.02] * 3)
+    assert start.standstill == (50, 700)
+
+
+def test_a_known_start_after_the_last_fix_is_refused():
+    with pytest.raises(MissingDataError, match=r"no fix after 25\.0 s"):
+        known(flat(), time=25.0)

@@ -33,6 +33,7 @@ from imuwb.stochastic import ImuErrorModel
 from imuwb_plugins.outage import filters, notes, summary, tracks
 from imuwb_plugins.outage.parameters import Parameters
 from imuwb_plugins.outage.result import Result
+from imuwb_plugins.outage.starts import started
 from imuwb_plugins.outage.truth import with_truth
 
 
@@ -46,11 +47,12 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     base = _base(parameters)
     log, _ = corrected_log(logs[0], base.error_model)
     base, mounting = _mounted(log, base, parameters)
+    base, of_start = started(log, base, parameters)
     base, clocks = _timed(log, base, parameters)
     log, of_truth = with_truth(log, base, parameters)
     worse = Degradation(**parameters.degrade, seed=parameters.seed) if parameters.degrade else None
     prepared = prepare(log, base, parameters.receiver, worse)
-    prepared = replace(prepared, notes=(*prepared.notes, *of_truth))
+    prepared = replace(prepared, notes=(*prepared.notes, *of_start, *of_truth))
     models, failed = _models(base, prepared, parameters)
     tuned = None
     if parameters.tune:

@@ -86,6 +86,19 @@ class Parameters:
         tuple[float, float, float], "Lever arm from the IMU to the antenna: forward, right, down (m).", Between(-500, 500),
         Form("F,R,D", "0.4,0,-1.2"),
     ] = (0.0, 0.0, 0.0)  # fmt: skip
+    heading: Annotated[
+        Literal["auto", "search", "course", "log"] | float,
+        "Heading of the vehicle at the start (deg), or where it comes from: a spread of starts (search), the course over a straight "
+        "baseline, the attitude in the log; auto: the velocity of a fast fix, or else the first of these that gives one.",
+        Between(-360, 360), Form("DEG|auto|search|course|log", "75"),
+    ] = "auto"  # fmt: skip
+    heading_sigma: Annotated[
+        float | None, "Sigma of a heading that is stated with --heading (deg); default: 3.", Between(0.01, 180), Form("DEG", "5")
+    ] = None  # fmt: skip
+    start_speed: Annotated[
+        float | None, "Speed above which the velocity gives the heading at the start (m/s); default: 3.", Between(0.01, 100),
+        Form("M/S", "1"),
+    ] = None  # fmt: skip
     gnss_delay: Annotated[
         Literal["auto"] | float, "Time by which the stamp of a fix is late (s), or auto: estimated from the log.", Between(-10, 10),
         Form("SECONDS", "0.15"),

@@ -1,0 +1,148 @@
+"""The start of the filters in a log that is too slow for the heading to come from the velocity."""
+
+from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from imuwb.arrays import Floats
+from imuwb.errors import MissingDataError
+from imuwb.log import SECOND, GnssStream, Log
+from imuwb.navigation.alignment import align
+from imuwb.navigation.corrections import Corrections, corrections_of
+from imuwb.navigation.filter_model import FilterModel
+from imuwb.navigation.measurement import Measurement, measurement_of
+from imuwb.navigation.standstill import standstills
+from imuwb.notes import Note
+from imuwb.replay.heading_search import search_heading
+from imuwb.replay.prepared import receiver_of
+from imuwb.replay.straight_course import straight_course
+
+Source: TypeAlias = Literal["auto", "search", "course", "log"]  #: where a heading comes from
+
+TRUSTED = 25.0  #: deg; a heading with a larger sigma is not used unless it is asked for
+LOGGED = 10.0  #: deg, sigma of the heading that a log states: a compass in a vehicle
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """A heading with which the filters start."""
+
+    time: float  #: s from the log's start; the filters start at the first fix from then on
+    heading: float  #: deg
+    sigma: float  #: deg
+    note: Note  #: where it comes from
+
+    def __str__(self) -> str:
+        """Return the note."""
+        return self.note
+
+    __repr__ = __str__
+
+    def applied_to(self, model: FilterModel) -> FilterModel:
+        """Return a filter that starts like this."""
+        known = (self.time, self.heading, self.sigma)
+        return replace(model, settings=replace(model.settings, known_start=known))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Parts:
+    """What the sources of a heading need."""
+
+    log: Log
+    gnss: GnssStream
+    measurement: Measurement
+    stills: Floats
+    corrections: Corrections
+    model: FilterModel
+
+
+def given_start(heading: float, sigma: float) -> Start:
+    """Return a start at the first fix with a heading that the user states, deg."""
+    text = f"the heading at the start is stated: {heading:g} deg, sigma {sigma:g} deg"
+    return Start(0.0, heading, sigma, Note("heading-stated", text))
+
+
+def find_start(log: Log, model: FilterModel, receiver: str | None = None, source: Source = "auto") -> Start | None:
+    """Return how the filters start, or None if the velocity of a fast fix gives the heading.
+
+    ``auto`` takes the first source that gives a heading: the velocity of a fast fix; a spread of starts; the heading that the log
+    states; the course over a straight baseline, which assumes that the vehicle moves ahead.
+
+    Args:
+        log: an IMU and a receiver.
+        model: installation, settings, aids and error model.
+        receiver: name of the receiver; None: the best one.
+        source: where the heading comes from.
+
+    Raises:
+        MissingDataError: no source gives a heading; the message names the options that help.
+        UsageError: no receiver of that name.
+    """
+    gnss = receiver_of(log, receiver)
+    measurement = measurement_of(log, log.imu(), model.installation)
+    stills = standstills(measurement, log, gnss)
+    corrections = corrections_of(log, gnss, measurement, stills, model)
+    parts = _Parts(log, gnss, measurement, stills, corrections, model)
+    if source == "auto":
+        try:
+            align(measurement, corrections, stills, model)
+        except MissingDataError as slow:
+            found = _searched(parts, TRUSTED) or _logged(parts) or _course(parts)
+            if found is None:
+                raise MissingDataError(f"{slow}; or state the heading at the start with --heading") from slow
+            return found
+        return None
+    found = {
+        "search": lambda: _searched(parts, 180.0),
+        "log": lambda: _logged(parts),
+        "course": lambda: _course(parts),
+    }[source]()
+    if found is None:
+        why = {
+            "search": "no heading at the start is more likely than the others: the vehicle accelerates too little",
+            "log": "the log states no attitude within the time of the IMU and the fixes",
+            "course": "the positions have no straight baseline that is long enough for a course",
+        }[source]
+        raise MissingDataError(f"{log.provenance.path}: {why}; state the heading at the start with --heading DEG")
+    return found
+
+
+def _searched(parts: _Parts, most: float) -> Start | None:
+    found = search_heading(parts.log, parts.gnss, parts.measurement, parts.stills, parts.model)
+    if found is None or found.sigma > most:
+        return None
+    text = (
+        f"the vehicle is too slow for a heading by its velocity: {found.starts} filters with headings all around were run, and "
+        f"{found.heading:.0f} deg at {found.time:.1f} s is the most likely one, sigma {found.sigma:.2g} deg"
+    )
+    return Start(found.time, found.heading, found.sigma, Note("heading-searched", text))
+
+
+def _logged(parts: _Parts) -> Start | None:
+    """Return the heading that the first trajectory with an attitude states."""
+    for reference in parts.log.references:
+        if reference.attitude is None or not len(reference):
+            continue
+        time = (reference.time - (parts.log.zero or 0)) / SECOND
+        fixes = parts.corrections.time[parts.corrections.fix >= 0]
+        inside = fixes[(fixes >= time[0]) & (fixes <= time[-1])]
+        if not inside.size:
+            continue
+        heading = float(np.degrees(np.interp(inside[0], time, np.unwrap(reference.attitude[:, 2]))) % 360)
+        text = (
+            f"the heading at the start is that of {reference.name} in the log: {heading:.0f} deg, sigma {LOGGED:g} deg"
+        )
+        return Start(float(inside[0]), heading, LOGGED, Note("heading-of-log", text))
+    return None
+
+
+def _course(parts: _Parts) -> Start | None:
+    found = straight_course(parts.corrections, parts.measurement.time[0] + 1.0)
+    if found is None:
+        return None
+    text = (
+        f"the heading at the start is the course over {found.length:.1f} m in {found.span:.0f} s, {found.course:.0f} deg, sigma "
+        f"{found.sigma:.2g} deg: this is right only if the vehicle moves ahead"
+    )
+    return Start(found.time, found.course, found.sigma, Note("heading-of-course", text))
