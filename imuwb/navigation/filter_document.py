@@ -24,8 +24,9 @@ def filter_text(model: FilterModel) -> str:
         "schema": SCHEMA, "filter": model.name, "reading": model.reading, "scale_factor": list(model.scale_factor),
         "wavelet_levels": list(model.wavelet_levels),
     }  # fmt: skip
-    document |= {part: asdict(getattr(model, part)) for part in PARTS}
-    del document["settings"]["known_start"]  # it holds for one log only
+    parts = {part: asdict(getattr(model, part)) for part in PARTS}
+    del parts["settings"]["known_start"]  # it holds for one log only
+    document |= parts
     document["error_model"] = tomllib.loads(model.error_model.to_toml())
     return tomli_w.dumps(document)
 
