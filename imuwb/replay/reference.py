@@ -69,11 +69,12 @@ class ReferenceTrack:
         return np.where(far[..., None], np.nan, position), velocity, heading, sigma
 
 
-def needs_smoothing(log: Log, wanted: str = "best") -> bool:
-    """Return whether the wanted reference is a smoothed run of a filter."""
-    if wanted == "best":
-        return truth_of(log) is None and not any(_is_fixed(g) for g in log.gnss)
-    return wanted == "smoothed"
+def reference_names(log: Log, wanted: str = "best") -> tuple[str, ...]:
+    """Return the references that are tried in their order: those that the log has for "best", else the wanted one."""
+    if wanted != "best":
+        return (wanted,)
+    there = {"truth": truth_of(log) is not None, "fixed": any(map(_is_fixed, log.gnss)), "smoothed": True}
+    return tuple(name for name, is_there in there.items() if is_there)
 
 
 def reference_track(log: Log, solution: Solution, wanted: str = "best") -> ReferenceTrack:

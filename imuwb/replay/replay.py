@@ -12,9 +12,10 @@ from imuwb.navigation.filter_model import FilterModel
 from imuwb.navigation.outages import Drift, drift
 from imuwb.notes import Note
 from imuwb.progress import tracked
+from imuwb.replay.judging import Drifts, Judgement, OwnScores, judge
 from imuwb.replay.outages import SPACING, Outage, check_outages, events_of, with_gap
 from imuwb.replay.prepared import Prepared, run
-from imuwb.replay.reference import ReferenceTrack, needs_smoothing, own_track, reference_track
+from imuwb.replay.reference import ReferenceTrack, own_track, reference_names, reference_track
 from imuwb.replay.scores import Scores, scores
 
 BEST = ("tuned", "full", "18AV", "15AV")  #: the filters whose run is a reference, in order of preference
@@ -78,29 +79,36 @@ def replay(
     """
     check_outages(prepared, models[0], outages)
     solutions, failed = _solutions(prepared, models)
-    running = [model for model in models if model.name in solutions]
+    by_duration = {d: [o for o in outages if o.duration == d] for d in sorted({outage.duration for outage in outages})}
+    drifts: dict[str, dict[float, Drift]] = {name: {} for name in solutions}
+    for duration, name in tracked([(d, n) for d in by_duration for n in solutions], len(by_duration) * len(solutions)):
+        solution = solutions[name]
+        drifts[name][duration] = drift(solution, events_of(solution, by_duration[duration]), duration)
+    own = {
+        name: {d: scores(drifted, own_track(solutions[name])) for d, drifted in of_name.items()}
+        for name, of_name in drifts.items()
+    }
+    lost = _invalid(own)
+    drifts = {name: of_name for name, of_name in drifts.items() if name not in lost}
+    own = {name: own[name] for name in drifts}
+    running = [model for model in models if model.name in drifts]
     best = next((m for name in BEST for m in running if m.name == name), running[0])
-    smooth = needs_smoothing(prepared.log, reference)
-    track = reference_track(
-        prepared.log, run(best, prepared, smooth=True) if smooth else solutions[best.name], reference
-    )
-    runs = {name: FilterRun(solution, {}) for name, solution in solutions.items()}
-    chosen = {d: [o for o in outages if o.duration == d] for d in sorted({outage.duration for outage in outages})}
-    for duration in tracked(list(chosen), len(chosen)):
-        _score(runs, chosen[duration], duration, track)
-    runs, lost_filters = _sound(runs)
-    scored: dict[float, Booleans] = {}
-    early = _early(prepared, models[0], outages)
-    unscored: list[Note] = []
-    for duration, own in chosen.items():
-        good = np.all([_finite(r.outages[duration]) for r in runs.values()], axis=0)
-        gap = with_gap(prepared, own)
-        unscored.extend(_unscored(duration, int((~good).sum()), int(gap.sum()), track.name))
-        scored[duration] = good & ~gap
-    if not any(rows.any() for rows in scored.values()):
-        raise MissingDataError(f"{prepared.log.provenance.path}: no outage can be scored: {'; '.join(unscored)}")
-    notes = (*prepared.notes, *early, *_doubted(track), *unscored)
-    return Replay(prepared, track, runs, scored, notes, {**failed, **lost_filters})
+    gaps = {duration: with_gap(prepared, chosen) for duration, chosen in by_duration.items()}
+    judgement, refused = _judged(prepared, best, solutions[best.name], reference, (drifts, own, gaps))
+    if not any(rows.any() for rows in judgement.scored.values()):
+        why = "; ".join((*refused, *judgement.notes))
+        raise MissingDataError(f"{prepared.log.provenance.path}: no outage can be scored: {why}")
+    runs = {
+        name: FilterRun(
+            solutions[name],
+            {d: ScoredDrift(drifted, judgement.scores[name][d], own[name][d]) for d, drifted in of_name.items()},
+        )
+        for name, of_name in drifts.items()
+    }
+    notes = (*prepared.notes, *_early(prepared, models[0], outages), *refused, *_doubted(judgement.track))
+    return Replay(
+        prepared, judgement.track, runs, judgement.scored, (*notes, *judgement.notes), {**failed, **lost}
+    )  # fmt: skip
 
 
 def _solutions(prepared: Prepared, models: Sequence[FilterModel]) -> tuple[dict[str, Solution], dict[str, str]]:
@@ -118,30 +126,46 @@ def _solutions(prepared: Prepared, models: Sequence[FilterModel]) -> tuple[dict[
     return solutions, failed
 
 
-def _finite(own: ScoredDrift) -> Booleans:
-    return np.asarray(np.isfinite(own.scores.horizontal).all(axis=1))
-
-
-def _sound(runs: dict[str, FilterRun]) -> tuple[dict[str, FilterRun], dict[str, str]]:
-    """Return the filters that have scores in most outages in which any filter has some, and the reasons of the others."""
-    finite = {name: np.concatenate([_finite(own) for own in r.outages.values()]) for name, r in runs.items()}
-    possible = np.any(list(finite.values()), axis=0)
-    lost = {name: int((possible & ~own).sum()) for name, own in finite.items()}
-    failed = {
+def _invalid(own: OwnScores) -> dict[str, str]:
+    """Return the filters that are invalid in many of the outages in which any filter is valid, and the reasons."""
+    valid = {
+        name: np.concatenate([np.isfinite(s.horizontal).all(axis=1) for s in of_name.values()])
+        for name, of_name in own.items()
+    }
+    possible = np.any(list(valid.values()), axis=0)
+    lost = {name: int((possible & ~rows).sum()) for name, rows in valid.items()}
+    return {
         name: f"its states or its variances become invalid in {count} of {int(possible.sum())} outages"
         for name, count in lost.items()
         if count > MOST_INVALID * possible.sum()
     }
-    return {name: own for name, own in runs.items() if name not in failed}, failed
 
 
-def _score(runs: dict[str, FilterRun], outages: Sequence[Outage], duration: float, track: ReferenceTrack) -> None:
-    """Add the outages of a duration to the runs."""
-    for filter_run in tracked(runs.values(), len(runs)):
-        solution = filter_run.solution
-        drifted = drift(solution, events_of(solution, outages), duration)
-        against = scores(drifted, track)
-        filter_run.outages[duration] = ScoredDrift(drifted, against, scores(drifted, own_track(solution)))
+def _judged(
+    prepared: Prepared,
+    model: FilterModel,
+    solution: Solution,
+    wanted: str,
+    outages: tuple[Drifts, OwnScores, dict[float, Booleans]],
+) -> tuple[Judgement, tuple[Note, ...]]:
+    """Return the scores against the wanted reference, and which references were refused; "best" takes the next one then.
+
+    Raises:
+        MissingDataError: no reference can judge.
+        ValueError: the log lacks the wanted reference.
+    """
+    refused: list[Note] = []
+    for name in reference_names(prepared.log, wanted):
+        smooth = run(model, prepared, smooth=True) if name == "smoothed" else solution
+        judgement = judge(prepared, reference_track(prepared.log, smooth, name), *outages)
+        if not judgement.refused:
+            return judgement, tuple(refused)
+        text = f"{judgement.track.name} is refused as a reference: {judgement.refused}"
+        refused.append(Note("reference-refused", text))
+    raise MissingDataError(
+        f"{prepared.log.provenance.path}: no outage can be scored: {'; '.join(refused)}; name another reference with --truth or "
+        "--reference"
+    )
 
 
 def _early(prepared: Prepared, model: FilterModel, outages: Sequence[Outage]) -> tuple[Note, ...]:
@@ -165,12 +189,3 @@ def _doubted(track: ReferenceTrack) -> tuple[Note, ...]:
         "filters are not seen"
     )
     return (Note("reference-is-estimate", text),)
-
-
-def _unscored(duration: float, lost: int, gaps: int, reference: str) -> tuple[Note, ...]:
-    not_scored = f"outages of {duration:g} s are not scored"
-    notes = (
-        Note("no-reference", f"{lost} {not_scored}: {reference} has a gap or ends there, or a filter failed"),
-        Note("gap-in-outage", f"{gaps} {not_scored}: samples of the IMU are missing within them"),
-    )
-    return tuple(note for note, count in zip(notes, (lost, gaps), strict=True) if count)

@@ -28,6 +28,7 @@ class Scores:
     velocity: Floats  #: (s, L) m/s, length of the horizontal velocity's error
     heading: Floats  #: (s, L) rad
     distance: Floats  #: (s, L) m, driven since the start of the outage
+    discrepancy: Floats | None = None  #: (s, L) m, by which the reference contradicts itself; None: not examined
 
     @property
     def horizontal(self) -> Floats:
@@ -49,11 +50,12 @@ class Scores:
     def of(self, rows: Booleans | Integers, duration: float) -> Scores:
         """Return some of the outages, up to a duration."""
         kept = self.elapsed <= duration + 1e-6
+        own = None if self.discrepancy is None else self.discrepancy[rows][:, kept]
         return Scores(
             self.start[rows], self.elapsed[kept], *(
                 part[rows][:, kept]
                 for part in (self.north_east, self.covariance, self.vertical, self.velocity, self.heading, self.distance)
-            )
+            ), discrepancy=own,
         )  # fmt: skip
 
 
@@ -71,11 +73,19 @@ def _difference(covariance: Floats, sigma: Floats, reference: ReferenceTrack) ->
     return (vectors * np.maximum(values, least)[..., None, :]) @ np.swapaxes(vectors, -1, -2)
 
 
-def scores(drift: Drift, reference: ReferenceTrack) -> Scores:
-    """Return the errors of a drift against a reference."""
+def scores(drift: Drift, reference: ReferenceTrack, discrepancy: Floats | None = None) -> Scores:
+    """Return the errors of a drift against a reference.
+
+    Args:
+        drift: s outages with L marks.
+        reference: the reference.
+        discrepancy: (s, L) m, by which the reference contradicts itself; a quarter of its square is added to each variance.
+    """
     position, velocity, heading, sigma = reference.at(drift.time)
     error = (drift.state[..., :3] - position) * ned_scale(position[..., 0], position[..., 2])
     covariance = _difference(drift.covariance[..., :2, :2], sigma[..., :2], reference)
+    if discrepancy is not None:
+        covariance = covariance + np.nan_to_num(discrepancy)[..., None, None] ** 2 / 4 * np.eye(2)
     turned = euler_of_quaternion(drift.state[..., 6:10])[..., 2] - heading
     speed = np.hypot(velocity[..., 0], velocity[..., 1])
     step = np.diff(np.concatenate([drift.start[:, None], drift.time], axis=1), axis=1)
@@ -85,5 +95,5 @@ def scores(drift: Drift, reference: ReferenceTrack) -> Scores:
         np.where(unsound[..., None], np.nan, error[..., :2]), covariance,
         np.where(unsound, np.nan, -error[..., 2]),
         np.hypot(*np.moveaxis(drift.state[..., 3:5] - velocity[..., :2], -1, 0)),
-        np.angle(np.exp(1j * turned)), np.cumsum(speed * step, axis=1),
+        np.angle(np.exp(1j * turned)), np.cumsum(speed * step, axis=1), discrepancy,
     )  # fmt: skip

@@ -13,7 +13,8 @@ from imuwb.replay.choice import log_likelihood
 from imuwb.replay.outages import Outage, events_of, sweep, with_gap
 from imuwb.replay.overlap import without_overlap
 from imuwb.replay.prepared import Prepared, run
-from imuwb.replay.reference import ReferenceTrack, needs_smoothing, reference_track
+from imuwb.replay.reference import ReferenceTrack, own_track, reference_names, reference_track
+from imuwb.replay.reference_check import FROM_FIXES, contradiction, discrepancy, yardsticks
 from imuwb.replay.scaled import scaled
 from imuwb.replay.scores import Scores, scores
 
@@ -59,9 +60,8 @@ def tune(prepared: Prepared, model: FilterModel, reference: str) -> tuple[Filter
     Raises:
         ValueError: the log is too short; the log lacks the wanted reference.
     """
-    smooth = needs_smoothing(prepared.log, reference)
-    track = reference_track(prepared.log, run(model, prepared, smooth=smooth), reference)
-    early, late, split = _parts(prepared, model)
+    track = _track(prepared, model, reference)
+    early, late, split = _parts(prepared, model, track)
 
     def misfit(factors: Floats) -> float:
         _, errors = _scored(prepared, model, factors, early, track)
@@ -86,10 +86,34 @@ def _figures(errors: Scores) -> tuple[float, float, float]:
     )  # fmt: skip
 
 
-def _parts(prepared: Prepared, model: FilterModel) -> tuple[list[Outage], list[Outage], float]:
-    """Return the outages to fit, those to judge, and the time between."""
+def _track(prepared: Prepared, model: FilterModel, wanted: str) -> ReferenceTrack:
+    """Return the first of the wanted references that does not contradict the fixes.
+
+    Raises:
+        ValueError: none; the message states why.
+    """
+    refused: list[str] = []
+    for name in reference_names(prepared.log, wanted):
+        track = reference_track(prepared.log, run(model, prepared, smooth=name == "smoothed"), name)
+        reason = contradiction(track, prepared)
+        if reason is None or track.kind not in FROM_FIXES:
+            return track
+        refused.append(f"{track.name}: {reason}")
+    raise ValueError(f"no reference can judge the noise: {'; '.join(refused)}")
+
+
+def _parts(
+    prepared: Prepared, model: FilterModel, track: ReferenceTrack
+) -> tuple[list[Outage], list[Outage], float]:  # fmt: skip
+    """Return the outages to fit, those to judge, and the time between; only those in which the reference can judge."""
     swept = sweep(prepared, model, DURATION)
     whole = [o for o, lacking in zip(swept, with_gap(prepared, swept), strict=True) if not lacking]
+    if whole:
+        solution = run(model, prepared)
+        drifted = drift(solution, events_of(solution, whole), DURATION)
+        extent = discrepancy(track, drifted.start, drifted.time)[:, -1]
+        able = yardsticks(extent, [scores(drifted, own_track(solution))])
+        whole = [o for o, can in zip(whole, able, strict=True) if can or track.kind == "own"]
     alone = [whole[i] for i in without_overlap([o.start for o in whole], DURATION)]
     split = alone[0].start + SHARE * (alone[-1].start + DURATION - alone[0].start) if alone else 0.0
     early = [o for o in alone if o.start + o.duration <= split]
@@ -117,4 +141,6 @@ def _scored(
     g, a, slow_g, slow_a = (float(f) for f in np.exp(factors))
     changed = replace(model, error_model=scaled(model.error_model, (g, a), (slow_g, slow_a)))
     solution = run(changed, prepared)
-    return changed, scores(drift(solution, events_of(solution, outages), DURATION), track)
+    drifted = drift(solution, events_of(solution, outages), DURATION)
+    extent = discrepancy(track, drifted.start, drifted.time) if track.kind != "own" else None
+    return changed, scores(drifted, track, extent)

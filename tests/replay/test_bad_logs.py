@@ -194,7 +194,7 @@ def test_behind_the_reference_is_not_scored_and_said(town):
 def test_a_reference_that_is_not_there(town):
     log = replace(town.log, references=())
     prepared = prepare(log, town.model)
-    with pytest.raises(ValueError, match="no reference trajectory with velocities"):
+    with pytest.raises(ValueError, match="no reference trajectory; name a file"):
         replay(prepared, [town.model], [Outage(120.0, 5.0)], reference="truth")
     kinds = {
         w: replay(prepared, [town.model], [Outage(120.0, 5.0)], reference=w).reference.kind

@@ -9,7 +9,7 @@ import pytest
 from imuwb.log import SECOND, GnssStream, Log, Origin, Provenance, Reference
 from imuwb.navigation.filter_model import Installation
 from imuwb.replay import own_track, reference_track
-from imuwb.replay.reference import needs_smoothing
+from imuwb.replay.reference import reference_names
 
 from . import made
 
@@ -154,9 +154,10 @@ def test_own_run():
 def test_the_best_there_is():
     truth, fixed, plain = log_of(), log_of(fix=6), log_of(fix=5)
     assert [reference_track(x, solution()).kind for x in (truth, fixed)] == ["truth", "fixed"]
-    assert [needs_smoothing(x) for x in (truth, fixed, plain)] == [False, False, True]
-    assert [needs_smoothing(plain, w) for w in ("smoothed", "own")] == [True, False]
+    assert [reference_names(x)[0] for x in (truth, fixed, plain)] == ["truth", "fixed", "smoothed"]
+    assert [reference_names(truth, w) for w in ("smoothed", "POS")] == [("smoothed",), ("POS",)]
     both = replace(truth, gnss=fixed.gnss)
+    assert reference_names(both) == ("truth", "fixed", "smoothed")
     assert [reference_track(both, solution(), w).kind for w in ("best", "truth", "fixed", "own")] == [
         "truth",
         "truth",
@@ -164,13 +165,13 @@ def test_the_best_there_is():
         "own",
     ]
     mixed = log_of(fix=lambda t: np.where(t < 28, 6, 5))  # fewer than half
-    assert needs_smoothing(mixed)
+    assert reference_names(mixed) == ("smoothed",)
 
 
 def test_a_reference_needs_no_velocities():
     log = log_of()
     bare = replace(log, references=(replace(log.references[0], velocity=None),))
-    assert not needs_smoothing(bare)
+    assert reference_names(bare)[0] == "truth"
     assert not reference_track(bare, solution(), "truth").velocity_stated
     with pytest.raises(ValueError, match="no reference trajectory; name a file with --truth"):
         reference_track(replace(log, references=()), solution(), "truth")
