@@ -12,14 +12,8 @@ from imuwb.arrays import Floats
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.log import Conditioning, ImuStream, Log, Nanoseconds, Triad
 from imuwb.notes import Note, ids
-from imuwb.stochastic import ImuErrorModel, corrected, is_ideal
-
-#: field of an axis model -> its term; a curve counts where the temperature is known
-_PLAIN = {
-    "bias": "bias", "scale_factor": "scale factor", "scale_factor_nonlinear": "non-linear scale factor",
-    "cross_coupling": "cross-coupling", "g_sensitivity": "g-sensitivity",
-}  # fmt: skip
-_THERMAL = {"thermal_bias": "bias", "thermal_scale_factor": "scale factor"}
+from imuwb.stochastic import ImuErrorModel, corrected, is_ideal, is_thermal
+from imuwb.stochastic.deterministic import PLAIN, THERMAL, states
 
 
 def corrected_log(log: Log, model: ImuErrorModel) -> tuple[Log, tuple[Note, ...]]:
@@ -61,9 +55,8 @@ def correct(log: Log, model: ImuErrorModel, step: tuple[str, str] | None = None)
     imu = log.imu()
     where = f"{log.provenance.path}: {imu.name}"
     warm = imu.temperature is not None and len(imu.temperature) > 0
-    fields = {**_PLAIN, **_THERMAL} if warm else _PLAIN
-    terms = {fields[name]: None for name in fields if _states(model, name)}
-    curves = any(_states(model, name) for name in _THERMAL)
+    fields = {**PLAIN, **THERMAL} if warm else PLAIN
+    terms = {fields[name]: None for name in fields if states(model, name)}
     if not terms:
         return log, Note(
             "uncorrected", f"not corrected: {where} has no temperature, and all terms of the model depend on it"
@@ -76,7 +69,7 @@ def correct(log: Log, model: ImuErrorModel, step: tuple[str, str] | None = None)
         changed = replace(imu, angular_rate=_rate(imu, model), specific_force=_force(imu, model))
     except ValueError as error:
         raise UsageError(f"{where}: {error}") from error
-    note = Note("corrected", f"corrected by the model's {_listed(tuple(terms))}{_at(imu) if curves else ''}")
+    note = Note("corrected", f"corrected by the model's {_listed(tuple(terms))}{_at(imu) if is_thermal(model) else ''}")
     name, parameters = step or _step(model)
     made = Conditioning(name, parameters, causal=True, delay=0.0, note=note)
     imus = (changed, *log.imus[1:])
@@ -85,11 +78,6 @@ def correct(log: Log, model: ImuErrorModel, step: tuple[str, str] | None = None)
 
 def _step(model: ImuErrorModel) -> tuple[str, str]:
     return "error model", model.name
-
-
-def _states(model: ImuErrorModel, name: str) -> bool:
-    """Return whether a model states a term on any axis."""
-    return any(np.any(getattr(axis, name)) for axis in model.axes.values())
 
 
 def _listed(terms: tuple[str, ...]) -> str:

@@ -73,7 +73,7 @@ def six_position(
     still, turn = round(seconds * rate), round(TURN * rate)
     names = FACES if positions == len(FACES) else tuple(f"position_{i + 1:02d}" for i in range(positions))
     rng = np.random.default_rng([seed, positions])
-    wanted = _faces() if positions == len(FACES) else spread(positions)
+    wanted = np.kron(np.eye(3), [[1.0], [-1.0]]) if positions == len(FACES) else spread(positions)
     ups = np.stack([tilted(up, misplacement, rng) for up in wanted])
     headings = rng.uniform(0, 2 * np.pi, positions)
     motion, rows = _motion(ups, headings, site, still, turn, rate)
@@ -93,10 +93,6 @@ def spread(count: int) -> Floats:
     angle = np.pi * (3 - 5**0.5) * np.arange(count)
     across = np.sqrt(1 - height**2)
     return np.stack([across * np.cos(angle), across * np.sin(angle), height], axis=1)
-
-
-def _faces() -> Floats:
-    return np.stack([sign * np.eye(3)[axis] for axis in range(3) for sign in (1.0, -1.0)])
 
 
 def tilted(up: Floats, misplacement: float, rng: np.random.Generator) -> Floats:

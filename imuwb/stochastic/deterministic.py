@@ -16,20 +16,27 @@ GYROS = 3  #: axes before the first accelerometer
 CLOSE = 1e-14  #: share of the largest value, measured or true; a smaller change ends the iteration
 MOST_TURNS = 200  #: largest number of iterations
 NOTHING = AxisModel()
+#: field of an axis model -> its term; a curve counts where the temperature is known
+PLAIN = {
+    "bias": "bias", "scale_factor": "scale factor", "scale_factor_nonlinear": "non-linear scale factor",
+    "cross_coupling": "cross-coupling", "g_sensitivity": "g-sensitivity",
+}  # fmt: skip
+THERMAL = {"thermal_bias": "bias", "thermal_scale_factor": "scale factor"}
 
 
 def is_ideal(model: ImuErrorModel) -> bool:
     """Return whether a model has no deterministic term."""
-    names = ("bias", "scale_factor", "scale_factor_nonlinear", "thermal_bias", "thermal_scale_factor")
-    return not any(
-        any(getattr(axis, name) for name in names) or any(axis.cross_coupling) or any(axis.g_sensitivity)
-        for axis in model.axes.values()
-    )
+    return not any(states(model, name) for name in (*PLAIN, *THERMAL))
+
+
+def states(model: ImuErrorModel, name: str) -> bool:
+    """Return whether a model states a term, a field of an axis model, on any axis."""
+    return any(np.any(getattr(axis, name)) for axis in model.axes.values())
 
 
 def is_thermal(model: ImuErrorModel) -> bool:
     """Return whether a model has deterministic terms that depend on temperature."""
-    return any(axis.thermal_bias or axis.thermal_scale_factor for axis in model.axes.values())
+    return any(states(model, name) for name in THERMAL)
 
 
 def shown(model: ImuErrorModel, motion: tuple[Floats, Floats], celsius: Floats | None) -> tuple[Floats, Floats]:

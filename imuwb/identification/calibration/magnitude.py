@@ -50,7 +50,9 @@ def without_attitudes(means: Means, gravity: float, level: float, *, raw: bool =
                 "the positions point in too few directions to determine nine parameters; "
                 "turn the sensor so that each axis points up, down and obliquely"
             )
-        fit = fit_linear(design, y, _noise(means, variance), np.ones(len(y)), always=False)
+        freedom = np.full(len(y), float(means.freedom.sum()))
+        noise = RowNoise(variance, np.zeros(len(y), dtype=np.int64), freedom)
+        fit = fit_linear(design, y, noise, np.ones(len(y)), always=False)
         matrix, bias, change = _moved(matrix, bias, fit.value, gravity)
         if change < CLOSE:
             break
@@ -78,11 +80,6 @@ def _linearised(means: Means, matrix: Floats, bias: Floats, gravity: float) -> t
     along = force / size[:, None] @ inverse  # change of |force| with each reading
     slope = np.concatenate([along, along[:, _LOWER[0]] * force[:, _LOWER[1]]], axis=1)
     return slope, size - gravity, (along**2 * means.variance).sum(axis=1)
-
-
-def _noise(means: Means, variance: Floats) -> RowNoise:
-    count = len(variance)
-    return RowNoise(variance, np.zeros(count, dtype=np.int64), np.full(count, float(means.freedom.sum())))
 
 
 def _spread(design: Floats) -> bool:

@@ -22,7 +22,7 @@ NEIGHBOURS = 50  #: Fourier frequencies on each side of a frequency, at most, fr
 LEAST_NEIGHBOURS = 4  #: on both sides together
 SKIPPED = 2  #: nearest Fourier frequencies on each side, into which a line leaks
 LOWEST = SKIPPED + LEAST_NEIGHBOURS  #: least number of cycles of a line in the record, with local noise
-NODES = 64  #: number of nodes of the quadrature
+NODES, WEIGHTS = np.polynomial.laguerre.laggauss(64)  #: of the quadrature
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
@@ -117,15 +117,9 @@ def _both(u: float, together: float) -> float:
     rho = together**2
     if rho < 1e-12:  # noqa: PLR2004 - independent to rounding
         return float(np.exp(-2 * u))
-    nodes, weights = _quadrature()
-    x = u + nodes
+    x = u + NODES
     tail = 1 - special.chndtr(2 * u / (1 - rho), 2, 2 * rho * x / (1 - rho))
-    return float(np.exp(-u) * (weights @ tail))
-
-
-@cache
-def _quadrature() -> tuple[Floats, Floats]:
-    return np.polynomial.laguerre.laggauss(NODES)
+    return float(np.exp(-u) * (WEIGHTS @ tail))
 
 
 def _neighbours(reduction: Floats, oversampling: int) -> tuple[Floats, Integers]:

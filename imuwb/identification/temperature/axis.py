@@ -1,6 +1,6 @@
 """One sensor axis over temperature: its set-points, the tests of dependence, and the functions of temperature."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,7 +72,9 @@ def over_temperature(
     varying = [letter for letter in SLOW if _varies(tests[letter])]
     if varying:
         common |= pooled(points, level, varying)
-    levels = _biases(points, common, level)
+    coefficients = [p.coefficients for p in points]
+    white = [size_of(c["N"], None) for c in coefficients]
+    levels = biases([p.means for p in points], white, slow_processes(coefficients, common), level)
     laws = {letter: _law(points, letter, tests[letter], common.get(letter), level, kind) for letter in LETTERS}
     alpha = np.array([p.ar1.alpha for p in points]), np.array([p.ar1.sigma for p in points])
     bias = np.array([b.estimate.value for b in levels.at]), np.array([b.estimate.sigma for b in levels.at])
@@ -87,12 +89,6 @@ def over_temperature(
             choice = choose_function(celsius, values, sigmas, logarithmic=False, varies=varies, kind=signed)
             laws[name] = Law(choice, None, "known at all set-points")
     return AxisTemperatures(level, tuple(points), tests, laws, levels)
-
-
-def _biases(points: Sequence[SetPoint], common: Mapping[str, Coefficient], level: float) -> Biases:
-    coefficients = [p.coefficients for p in points]
-    white = [size_of(c["N"], None) for c in coefficients]
-    return biases([p.means for p in points], white, slow_processes(coefficients, common), level)
 
 
 def _law(

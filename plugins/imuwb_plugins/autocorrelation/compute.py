@@ -55,7 +55,7 @@ def _axis(axis: Axis, parameters: Parameters) -> CorrelationAxis:
     series, dt = axis.longest, axis.clock.interval
     why = unsuitable(series, FEWEST)
     if why is not None:
-        return CorrelationAxis(np.empty(0), np.empty(0), unit, why_none=why)
+        return CorrelationAxis(np.empty(0), np.empty(0), unit=unit, why_none=why)
     curve = _curve(series, dt, parameters)
     after: CorrelationCurve | None = None
     if parameters.denoise:
@@ -64,7 +64,7 @@ def _axis(axis: Axis, parameters: Parameters) -> CorrelationAxis:
         except ValueError:
             after = None  # the record is too short for so many levels, which a note reports
     return CorrelationAxis(
-        curve.lag, curve.value, unit, curve.band, curve.deviation, curve.falls_to, curve.gauss_markov,
+        curve.lag, curve.value, curve.band, curve.deviation, curve.falls_to, curve.gauss_markov, None, unit,
         _verdict(curve.gauss_markov, dt, unit), after,
     )  # fmt: skip
 

@@ -15,24 +15,20 @@ class CorrelationCurve:
 
     lag: Floats  #: s
     value: Floats
-    band: float  #: white noise stays within +-band
-    deviation: float  #: standard deviation of the series
-    falls_to: float | None  #: s, lag of 1/e
-    gauss_markov: GaussMarkovFit | None
-    model: Floats | None = field(metadata={"document": False})  #: correlation of the Gauss-Markov process, at the lags
+    band: float | None = None  #: white noise stays within +-band
+    deviation: float | None = None  #: standard deviation of the series
+    falls_to: float | None = None  #: s, lag of 1/e
+    gauss_markov: GaussMarkovFit | None = None
+    model: Floats | None = field(
+        default=None, metadata={"document": False}
+    )  #: correlation of the Gauss-Markov process, at the lags
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
-class CorrelationAxis:
+class CorrelationAxis(CorrelationCurve):
     """One axis, before and after denoising. SI."""
 
-    lag: Floats
-    value: Floats
-    unit: str
-    band: float | None = None
-    deviation: float | None = None
-    falls_to: float | None = None
-    gauss_markov: GaussMarkovFit | None = None
+    unit: str = ""
     verdict: Note = NO_VERDICT
     denoised: CorrelationCurve | None = None
     why_none: str | None = None

@@ -64,7 +64,7 @@ def _table(result: Result) -> Table:
     return Table(f"Correlation of {result.imu}", headings, tuple(rows), caption)
 
 
-def _cells(axis: str, r: CorrelationAxis | CorrelationCurve) -> tuple[str, ...]:
+def _cells(axis: str, r: CorrelationCurve) -> tuple[str, ...]:
     unit = coefficient_units(axis, "rate")[1]
     deviation = "—" if r.deviation is None else f"{unit.from_si(r.deviation):.4g} {unit.name}"
     falls = "above 1/e at all lags" if r.falls_to is None else f"{r.falls_to:.3g} s"

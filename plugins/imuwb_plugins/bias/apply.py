@@ -12,7 +12,10 @@ from imuwb_plugins.bias.parameters import Parameters
 def condition(log: Log, parameters: Parameters) -> tuple[Log, dict[str, list[float]]]:
     """Return the log without biases, and the biases of the first IMU: sensor -> x, y, z in rad/s or m/s²."""
     sensors = [s for s in ("gyro", "accel") if parameters.sensors in ("both", s)]
-    means = [_means(imu, sensors, parameters.seconds) for imu in log.imus]
+    means = [
+        {s: _mean(t, parameters.seconds) for s, t in _triads(imu).items() if s in sensors and t is not None}
+        for imu in log.imus
+    ]
     imus = tuple(_without(imu, mean) for imu, mean in zip(log.imus, means, strict=True))
     triads = [triad for imu in log.imus for triad in (imu.angular_rate, imu.specific_force) if triad is not None]
     end = float(log.seconds(np.array([triad.time[-1] for triad in triads])).max())
@@ -26,10 +29,6 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, dict[str, list[flo
 
 def _triads(imu: ImuStream) -> dict[str, Triad | None]:
     return {"gyro": imu.angular_rate, "accel": imu.specific_force}
-
-
-def _means(imu: ImuStream, sensors: list[str], seconds: float | None) -> dict[str, Floats]:
-    return {s: _mean(t, seconds) for s, t in _triads(imu).items() if s in sensors and t is not None}
 
 
 def _mean(triad: Triad, seconds: float | None) -> Floats:

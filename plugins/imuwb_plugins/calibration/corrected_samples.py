@@ -29,11 +29,8 @@ def position_traces(
     for s in stretches:
         assert s.accel is not None  # noqa: S101 - every position has accelerometer samples
         rows = np.linspace(0, len(s.accel) - 1, min(POSITION_POINTS, len(s.accel))).astype(int)
-        gyro = (
-            np.zeros((rows.size, 3))
-            if s.gyro is None
-            else s.gyro[np.linspace(0, len(s.gyro) - 1, rows.size).astype(int)]
-        )
+        still = np.zeros((1, 3)) if s.gyro is None else s.gyro
+        gyro = still[np.linspace(0, len(still) - 1, rows.size).astype(int)]
         thin.append((np.linspace(0, s.seconds, rows.size), s.accel[rows], gyro))
     after = [corrected(model, (gyro, accel), None) for _, accel, gyro in thin]
     traces: list[Trace] = []
