@@ -6,7 +6,8 @@ discrepancy is d(t) = displacement since the start minus the integral of the vel
 
     w = sqrt((max d_north - min d_north)² + (max d_east - min d_east)²)
 
-is 0 for a reference that is right, whatever the motion. w²/4 for each axis is added to the covariance of a score, as if the
+is 0 for a reference that is right, whatever the motion. A receiver's velocities may be older than its positions by a constant time;
+this lag is estimated, and is no contradiction. w²/4 for each axis is added to the covariance of a score, as if the
 reference were uniformly in error within its discrepancy. Where w exceeds the drift that is to be measured, the outage is not scored.
 """
 
@@ -28,13 +29,16 @@ FAR = (
 )  #: sigmas of the fixes, and m, between a reference and the fixes (median), above which they contradict each other
 FROM_FIXES = ("smoothed", "own", "estimate")  #: kinds of references that follow from the fixes
 BASELINE = 1.0  #: s, least time between two fixes whose displacement is a speed
+ROUNDS, OUTLYING = 3, 4.0  #: rounds of the estimate of a lag, and residuals, in medians, that do not count
+LONGEST_LAG = 1.0  #: s; what would need a longer one is no lag
 NEARLY_ALL = 0.9  #: share of the outages; a reference that is refused in more of them is refused as a whole
 
 
 def discrepancy(track: ReferenceTrack, start: Floats, time: Floats) -> Floats:
     """Return the extent of displacement minus integral of the velocity, m, from the start of an outage to each mark.
 
-    The integral is the trapezoid with its correction for accelerations at the ends (Euler and Maclaurin).
+    The integral is the trapezoid with its correction for accelerations at the ends (Euler and Maclaurin), and the velocities are
+    those without their lag.
 
     Args:
         track: the reference; without velocities of its own, the result is 0.
@@ -46,13 +50,10 @@ def discrepancy(track: ReferenceTrack, start: Floats, time: Floats) -> Floats:
     """
     if not track.velocity_stated:
         return np.zeros(time.shape)
-    at, scale = track.time, ned_scale(track.position[:, 0], track.position[:, 2])[:, :2]
-    step, v = np.diff(at)[:, None], track.velocity[:, :2]
-    moved = np.diff(track.position[:, :2], axis=0) * (scale[1:] + scale[:-1]) / 2
-    acceleration = np.gradient(v, at, axis=0)
-    driven = (v[1:] + v[:-1]) / 2 * step - np.diff(acceleration, axis=0) * step**2 / 12
-    off = np.concatenate([np.zeros((1, 2)), np.cumsum(moved - driven, axis=0)])
-    gaps = np.concatenate([[0], np.cumsum(step[:, 0] > GAP)])
+    at = track.time
+    excess = _excess(track) - velocity_lag(track) * np.diff(track.velocity[:, :2], axis=0)
+    off = np.concatenate([np.zeros((1, 2)), np.cumsum(excess, axis=0)])
+    gaps = np.concatenate([[0], np.cumsum(np.diff(at) > GAP)])
     found = np.full(time.shape, np.nan)
     for i, (begin, ends) in enumerate(zip(start, time, strict=True)):
         if begin < at[0] or ends[-1] > at[-1]:
@@ -65,6 +66,34 @@ def discrepancy(track: ReferenceTrack, start: Floats, time: Floats) -> Floats:
         extent = np.maximum.accumulate(path, axis=0) - np.minimum.accumulate(path, axis=0)
         found[i] = np.hypot(*extent.T)[np.searchsorted(moments, ends)]
     return found
+
+
+def _excess(track: ReferenceTrack) -> Floats:
+    """Return displacement minus integral of the velocity between neighbours, (n - 1, 2) m."""
+    scale = ned_scale(track.position[:, 0], track.position[:, 2])[:, :2]
+    step, v = np.diff(track.time)[:, None], track.velocity[:, :2]
+    moved = np.diff(track.position[:, :2], axis=0) * (scale[1:] + scale[:-1]) / 2
+    acceleration = np.gradient(v, track.time, axis=0)
+    return moved - (v[1:] + v[:-1]) / 2 * step + np.diff(acceleration, axis=0) * step**2 / 12
+
+
+def velocity_lag(track: ReferenceTrack) -> float:
+    """Return the time by which the velocities of a reference are older than its positions, s.
+
+    A lag adds lag times the change of the velocity to the displacement over its integral. Least squares over neighbours,
+    twice without those that are far off: steps of the positions are no lag.
+    """
+    excess, change = _excess(track), np.diff(track.velocity[:, :2], axis=0)
+    kept = np.diff(track.time) <= GAP
+    lag = 0.0
+    for _ in range(ROUNDS):
+        power = float(np.square(change[kept]).sum())
+        if power == 0:
+            return 0.0
+        lag = float((excess[kept] * change[kept]).sum()) / power
+        left = np.hypot(*(excess - lag * change).T)
+        kept = (np.diff(track.time) <= GAP) & (left <= OUTLYING * np.median(left))
+    return lag if abs(lag) <= LONGEST_LAG else 0.0
 
 
 def contradiction(track: ReferenceTrack, prepared: Prepared) -> str | None:
