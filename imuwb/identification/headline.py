@@ -84,7 +84,7 @@ class NoiseIdentification:
                 f"{letter}: {first} and {second}"
                 for (first, a), (second, b) in combinations(self.estimators.items(), 2)
                 for letter in a.keys() & b.keys()
-                if _apart(a[letter], b[letter])
+                if a[letter].upper < (b[letter].lower or 0.0) or b[letter].upper < (a[letter].lower or 0.0)
             )
         )
 
@@ -227,7 +227,3 @@ class _Reasons:
         except ValueError as error:
             self.add(name, f"{what}: {error}")
             return None
-
-
-def _apart(a: Coefficient, b: Coefficient) -> bool:
-    return a.upper < (b.lower or 0.0) or b.upper < (a.lower or 0.0)

@@ -91,7 +91,6 @@ def _leaked(model: ImuErrorModel, place: int, force: Floats) -> Floats:
 
 
 def _at(points: Thermal, plain: float, celsius: Floats | None) -> Floats | float:
-    """Return a term at temperatures."""
     if not points or celsius is None:
         return plain
     return np.interp(celsius, [t for t, _ in points], [value for _, value in points])

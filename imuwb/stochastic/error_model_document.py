@@ -162,7 +162,6 @@ def _axis(axis: str, table: dict[str, object], where: str) -> AxisModel:
 
 
 def _point(axis: str, term: str, row: object, where: str) -> tuple[float, float]:
-    """Return a term at a temperature."""
     point = _table(row, where)
     if odd := set(point) - {"celsius", "value"}:
         _refuse(where, min(odd), "celsius or value")

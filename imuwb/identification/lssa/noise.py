@@ -100,7 +100,9 @@ def fitted_noise(
         return NoiseFit(noise, dense(noise.covariance), nothing)
     if noise.kind == "gauss-markov" and noise.correlation_time is not None:
         return NoiseFit(noise, gauss_markov(time, noise.correlation_time), nothing, noise.correlation_time)
-    residual = _without(columns, values)
+    residual = values
+    if columns.shape[1]:
+        residual = values - columns @ linalg.lstsq(columns, values, check_finite=False)[0]
     fit = None
     for _ in range(TURNS):
         fit = _estimated(time, lattice, residual, noise)
@@ -109,12 +111,6 @@ def fitted_noise(
         residual = values - columns @ share
     assert fit is not None  # noqa: S101 - TURNS is above 0
     return fit
-
-
-def _without(columns: Floats, values: Floats) -> Floats:
-    if not columns.shape[1]:
-        return values
-    return values - columns @ linalg.lstsq(columns, values, check_finite=False)[0]
 
 
 def _estimated(time: Floats, lattice: Lattice | None, residual: Floats, noise: Noise) -> NoiseFit:

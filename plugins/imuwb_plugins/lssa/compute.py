@@ -1,6 +1,7 @@
 """From a log to the least-squares spectra of its axes."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from imuwb.log import SECOND, Log
 from imuwb.noise_results import missing_notes
 from imuwb.notes import Note
 from imuwb_plugins.lssa.axis import axis_result
-from imuwb_plugins.lssa.parameters import NoiseOption, Parameters
+from imuwb_plugins.lssa.parameters import Parameters
 from imuwb_plugins.lssa.result import LssaAxis, Result
 
 
@@ -28,7 +29,9 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     imu = log.imu()
     axes = axes_of(imu)
     constituents = Constituents(parameters.trend, parameters.jumps, parameters.forced, parameters.exponentials)
-    noise = _noise(parameters.noise)
+    option = parameters.noise
+    covariance = None if option.file is None else _covariance(option.file)
+    noise = Noise(option.kind, option.order, option.correlation_time, covariance)
     _check_forced(log, axes, constituents)
     results = for_each(axes, lambda axis: axis_result(axis, parameters, constituents, noise, log.zero or 0, log.band))
     notes = missing_notes(log, {name: r.why_none for name, r in results.items()}, "no-spectrum", "a spectrum")
@@ -38,21 +41,17 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     )  # fmt: skip
 
 
-def _noise(option: NoiseOption) -> Noise:
-    covariance = None if option.file is None else _covariance(option)
-    return Noise(option.kind, option.order, option.correlation_time, covariance)
-
-
-def _covariance(option: NoiseOption) -> Floats:
-    assert option.file is not None  # noqa: S101 - the caller has checked
+def _covariance(path: Path) -> Floats:
     try:
-        covariance = np.asarray(np.load(option.file, allow_pickle=False)).astype(float, casting="same_kind")
+        covariance = np.asarray(np.load(path, allow_pickle=False)).astype(float, casting="same_kind")
     except (OSError, EOFError, ValueError, TypeError) as error:
         raise UsageError(
-            f"--noise {option}: it cannot be read; the file must be one array of numbers (.npy): {error}"
+            f"--noise covariance:{path}: it cannot be read; the file must be one array of numbers (.npy): {error}"
         ) from error
     if covariance.ndim != 2:  # noqa: PLR2004 - rows and columns
-        raise UsageError(f"--noise {option}: an array of shape {covariance.shape}; a covariance must be square, n x n")
+        raise UsageError(
+            f"--noise covariance:{path}: an array of shape {covariance.shape}; a covariance must be square, n x n"
+        )
     return covariance
 
 

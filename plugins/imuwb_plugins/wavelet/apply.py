@@ -8,7 +8,6 @@ from imuwb.analysis import Review, Table
 from imuwb.arrays import Floats
 from imuwb.conditioning import (
     Change,
-    Denoised,
     band_limit,
     condition_streams,
     denoise,
@@ -66,7 +65,8 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, Applied]:
 
     def axis(values: Floats, name: str, rate: float) -> Floats:
         level = _level(values, rate, parameters, AXES.index(name))
-        done = _denoised(values, level, parameters)
+        how = (level, parameters.wavelet, parameters.threshold, parameters.shrinkage)
+        done = denoise_causally(values, *how, parameters.hop) if parameters.causal else denoise(values, *how)
         axes.setdefault(name, AxisChoice(level, band_limit(rate, level), done.thresholds))
         return done.values
 
@@ -76,11 +76,6 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, Applied]:
     rule = f"{parameters.shrinkage}, {parameters.threshold}"
     applied = Applied(parameters.wavelet, rule, parameters.causal, axes)
     return replace(changed, conditioning=(*log.conditioning, step)), applied
-
-
-def _denoised(values: Floats, level: int, parameters: Parameters) -> Denoised:
-    how = (level, parameters.wavelet, parameters.threshold, parameters.shrinkage)
-    return denoise_causally(values, *how, parameters.hop) if parameters.causal else denoise(values, *how)
 
 
 def _level(values: Floats, rate: float, parameters: Parameters, place: int) -> int:
