@@ -212,8 +212,6 @@ def _choice(
 
 
 class _Reasons:
-    """The reasons why parts are missing."""
-
     def __init__(self) -> None:
         self.notes: tuple[Note, ...] = ()
 

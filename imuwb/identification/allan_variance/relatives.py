@@ -95,7 +95,6 @@ def _third(a: Floats, b: Floats, c: Floats, d: Floats) -> float:  # pragma: no c
 
 
 def _hadamard(phase: Floats, factors: Integers) -> Floats:
-    """Return the sums of squared third differences."""
     n = phase.size
     return np.array(
         [_third(phase[: n - 3 * m], phase[m : n - 2 * m], phase[2 * m : n - m], phase[3 * m :]) for m in factors]

@@ -135,7 +135,6 @@ def _first_order(residual: Floats, steps: Integers, noise: Noise) -> NoiseFit:
 
 
 def _gauss_markov(time: Floats, residual: Floats, noise: Noise) -> NoiseFit:
-    """Return Gauss-Markov noise with the likeliest correlation time."""
     first, last = np.log([FASTEST * float(np.median(np.diff(time))), SLOWEST * float(time[-1])])
     tried = np.linspace(first, last, 25)
     best = math.exp(_smallest(lambda x: _misfit(gauss_markov(time, math.exp(x)), residual), tried, (first, last)))

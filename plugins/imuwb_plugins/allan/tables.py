@@ -132,7 +132,6 @@ def _excess(c: ModelCandidate) -> tuple[str, str, str]:
 
 
 def _gauss_markov(axis: str, processes: Sum) -> str:
-    """Return sigma and Tc of a sum's Gauss-Markov terms."""
     unit = coefficient_units(axis, "rate")[1]
     return "; ".join(
         f"sigma {unit.from_si(term.sigma):.3g} {unit.name}, Tc {number_text(term.Tc)} s"

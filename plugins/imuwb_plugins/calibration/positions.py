@@ -182,8 +182,6 @@ def _positions(
     gyro: Means | None,
     gyro_residual: Floats | None,
 ) -> tuple[Position, ...]:
-    """Return each position with its means and residuals."""
-
     def by_axis(i: int, accel_values: Floats, gyro_values: Floats | None) -> dict[str, float]:
         values = {f"accel_{k}": float(v) for k, v in zip("xyz", accel_values[i], strict=True)}
         if gyro_values is not None:

@@ -68,7 +68,6 @@ def _check_forced(log: Log, axes: dict[str, Axis], constituents: Constituents) -
 
 
 def _band_notes(results: dict[str, LssaAxis], parameters: Parameters) -> list[Note]:
-    """Return the usable band of each sensor."""
     notes: dict[str, Note] = {}
     for name, r in results.items():
         sensor = name.partition("_")[0]

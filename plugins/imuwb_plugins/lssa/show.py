@@ -63,7 +63,6 @@ def _figure(axis: str, spectrum: LssaAxis, result: Result) -> Figure:
 
 
 def _height(spectrum: LssaAxis, peak: PeakResult) -> float:
-    """Return the drawn value of the spectrum at a line."""
     return float(spectrum.shown[int(np.argmin(np.abs(spectrum.frequency - peak.frequency.value)))])
 
 

@@ -129,7 +129,6 @@ def _axes(
 
 
 def _set_point(axis: str, group: Sequence[LogPart], parameters: Parameters) -> tuple[SetPoint | None, str]:
-    """Return an axis at one temperature, and a remark."""
     taken = [(part, r) for part in group if (r := part.record(axis)) is not None]
     if not taken:
         return None, ""
