@@ -6,6 +6,7 @@ from contextvars import ContextVar
 from typing import TypeVar
 
 Item = TypeVar("Item")
+Progress = Callable[[int, int], None]  #: called with (done, all): bytes or rows of a file
 
 _report: ContextVar[Callable[[float], None] | None] = ContextVar("report", default=None)
 

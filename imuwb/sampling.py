@@ -64,6 +64,18 @@ def runs(inside: Booleans) -> tuple[Integers, Integers]:
     return edges[::2], edges[1::2] - edges[::2]
 
 
+def nearest(time: Integers, at: Integers) -> Integers:
+    """Return for each time the row whose time is nearest to it; of two rows that are equally near, the first.
+
+    Args:
+        time: (n,)
+        at: (m,) times of the rows, rising.
+    """
+    after = np.searchsorted(at, time).clip(0, at.size - 1)
+    before = (after - 1).clip(0)
+    return np.where(np.abs(at[after] - time) < np.abs(time - at[before]), after, before)
+
+
 def sampling(time: Integers) -> Sampling:
     """Return the clock of a stream.
 

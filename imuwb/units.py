@@ -128,16 +128,6 @@ def unix_nanoseconds(when: datetime) -> int:
     return (since.days * 86_400 + since.seconds) * SECOND + since.microseconds * 1000
 
 
-def to_si(value: float, name: str) -> float:
-    """Convert a value in a named unit to SI."""
-    return unit(name).to_si(value)
-
-
-def from_si(value: float, name: str) -> float:
-    """Convert a value in SI to a named unit."""
-    return unit(name).from_si(value)
-
-
 def si_unit(dimension: str) -> str:
     """Return the SI unit of a dimension; °C for temperature."""
     return "°C" if dimension == "temperature" else next(iter(_TABLE[dimension]))

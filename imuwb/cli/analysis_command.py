@@ -1,13 +1,13 @@
 """The command of an analysis: its own parameters, then the options that all analyses share."""
 
-import inspect
 from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
-from typing import Annotated, Any, cast
+from typing import Annotated, Any
 
 from imuwb.analysis import Analysis, offers
 from imuwb.cli.options import LOG_ARGUMENT, PANELS, Conditions, Outputs, Part, Request
-from imuwb.cli.parameters import make, parameters_of
+from imuwb.cli.parameters import expanded
 from imuwb.errors import UsageError
 
 #: a shared option -> the part that an analysis must offer for it
@@ -22,30 +22,21 @@ def command_function(name: str, analysis: Analysis) -> Callable[..., None]:
     """
     from imuwb.readers.read_options import ReadOptions  # noqa: PLC0415 - the list of commands does not need it
 
-    groups = {"part": Part, "reading": ReadOptions, "conditions": Conditions, "outputs": Outputs}
-    own = parameters_of(analysis.Parameters)
-    shared = {
-        group: [p for p in parameters_of(kind, PANELS[kind.__name__]) if offers(analysis, NEEDED.get(p.name, "run"))]
-        for group, kind in groups.items()
-    }
-    options = [parameter for parameters in shared.values() for parameter in parameters]
-    clash = {p.name for p in own} & {p.name for p in options}
+    def command(
+        *, logs: Annotated[list[Path], LOG_ARGUMENT], parameters: Any, part: Part, reading: ReadOptions,  # noqa: ANN401 - the plugin's
+        conditions: Conditions, outputs: Outputs,
+    ) -> None:  # fmt: skip
+        from imuwb.cli.perform import perform  # noqa: PLC0415 - help must not wait for numpy and rerun
+
+        perform(name, analysis, logs, parameters, Request(reading, part, conditions, outputs))
+
+    left_out = {option for option, needed in NEEDED.items() if not offers(analysis, needed)}
+    shared = {f.name for kind in (Part, ReadOptions, Conditions, Outputs) for f in fields(kind)} - left_out
+    clash = shared & {f.name for f in fields(analysis.Parameters)}
     if clash:
         raise UsageError(
             f"plugin {name}: every analysis has the options {', '.join(sorted(clash))}; rename the plugin's parameters"
         )
-    logs = inspect.Parameter("logs", inspect.Parameter.KEYWORD_ONLY, annotation=Annotated[list[Path], LOG_ARGUMENT])
-
-    def command(**values: Any) -> None:  # noqa: ANN401 - each option has its own type
-        from imuwb.cli.perform import perform  # noqa: PLC0415 - help must not wait for numpy and rerun
-
-        def given(parameters: list[inspect.Parameter]) -> dict[str, Any]:
-            return {p.name: values[p.name] for p in parameters}
-
-        request = Request(**{group: make(kind, given(shared[group])) for group, kind in groups.items()})
-        perform(name, analysis, values["logs"], make(analysis.Parameters, given(own)), request)
-
-    cast("Any", command).__signature__ = inspect.Signature([logs, *own, *options])
-    command.__annotations__ = {p.name: p.annotation for p in (logs, *own, *options)}
+    command.__annotations__["parameters"] = analysis.Parameters
     command.__name__ = name.replace("-", "_").replace(" ", "_")
-    return command
+    return expanded(command, PANELS, left_out)

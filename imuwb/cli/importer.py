@@ -7,6 +7,7 @@ stdout. Exit code 66 declines a file; this must be quick.
 import shutil
 import sys
 import tempfile
+from itertools import pairwise
 from pathlib import Path
 
 NOT_OURS = 66  #: exit code
@@ -32,12 +33,8 @@ def main() -> None:
 
 def _option(name: str) -> str | None:
     """Return the value of an option, written as ``--name VALUE`` or ``--name=VALUE``; None for an option that is not given."""
-    for i, argument in enumerate(sys.argv):
-        if argument == name and i + 1 < len(sys.argv):
-            return sys.argv[i + 1]
-        if argument.startswith(f"{name}="):
-            return argument.partition("=")[2]
-    return None
+    words = [word for argument in sys.argv for word in argument.split("=", 1)]
+    return dict(pairwise(words)).get(name)
 
 
 def may_be_ours(path: Path) -> bool:

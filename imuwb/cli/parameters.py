@@ -3,7 +3,7 @@
 import inspect
 import types
 import typing
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import wraps
 from pathlib import Path
@@ -79,12 +79,15 @@ def make(kind: Any, values: Mapping[str, Any]) -> Any:  # noqa: ANN401 - the dat
         raise UsageError(f"--{name.replace('_', '-')} {rest}" if name in options else str(error)) from error
 
 
-def expanded(function: Callable[..., None], panels: Mapping[str, str] | None = None) -> Callable[..., None]:
+def expanded(
+    function: Callable[..., None], panels: Mapping[str, str] | None = None, left_out: Collection[str] = ()
+) -> Callable[..., None]:
     """Return a command in which each parameter that is a dataclass of options has become an option for each field.
 
     Args:
         function: a command; some of its parameters are dataclasses of options.
         panels: {name of a dataclass: panel of the help}.
+        left_out: fields of the dataclasses with a panel that are not options; they keep their defaults.
     """
     expansion: list[inspect.Parameter] = []
     groups: dict[str, tuple[type, list[str]]] = {}  #: parameter -> its dataclass, and the names of its options
@@ -93,7 +96,8 @@ def expanded(function: Callable[..., None], panels: Mapping[str, str] | None = N
         if not is_dataclass(kind):
             expansion.append(parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY))
             continue
-        options = parameters_of(kind, (panels or {}).get(cast("type", kind).__name__))
+        panel = (panels or {}).get(cast("type", kind).__name__)
+        options = [option for option in parameters_of(kind, panel) if panel is None or option.name not in left_out]
         groups[parameter.name] = cast("type", kind), [option.name for option in options]
         expansion += options
 

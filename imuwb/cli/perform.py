@@ -63,21 +63,16 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: ob
     except BaseException:
         review.discard()
         raise
-    _write(places, text, model)
-    if places.own:
-        plugin.write_outputs(result, parameters)
-    for file in places.all():
-        typer.echo(f"wrote {file}", err=True)
-
-
-def _write(places: Places, text: str, model: str) -> None:
-    """Write the JSON and the error model to their places."""
     if places.to_stdout:
         typer.echo(text)
     if places.document is not None:
         write_text(places.document, text + "\n")
     if places.model is not None:
         write_text(places.model, model)
+    if places.own:
+        plugin.write_outputs(result, parameters)
+    for file in places.all():
+        typer.echo(f"wrote {file}", err=True)
 
 
 def check_count(name: str, analysis: Analysis, paths: Sequence[Path]) -> None:

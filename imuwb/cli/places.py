@@ -32,7 +32,9 @@ class Places:
         Raises:
             UsageError: the name of the recording does not end in .rrd.
         """
-        recording = recording_place(outputs.output, logs[0])
+        recording = outputs.output or logs[0].with_name(f"{stem(logs[0])}.rrd")
+        if recording.suffix != ".rrd":
+            raise UsageError(f"--output {recording}: the name of a recording must end in .rrd")
         model = outputs.save_model
         if model is None and (kind := getattr(analysis, "LEAVES_MODEL", False)):
             model = recording.with_name(f"{stem(recording)}.{kind if isinstance(kind, str) else 'error-model'}.toml")
@@ -44,18 +46,6 @@ class Places:
     def all(self) -> list[Path]:
         """Return all files that are written."""
         return [file for file in (self.recording, self.document, self.model, *self.own) if file is not None]
-
-
-def recording_place(output: Path | None, source: Path) -> Path:
-    """Return the recording that the user gives, or the default recording beside a source.
-
-    Raises:
-        UsageError: the name of the recording does not end in .rrd.
-    """
-    recording = output or source.with_name(f"{stem(source)}.rrd")
-    if recording.suffix != ".rrd":
-        raise UsageError(f"--output {recording}: the name of a recording must end in .rrd")
-    return recording
 
 
 def stem(path: Path) -> str:

@@ -63,7 +63,8 @@ def steps_of(setting: Mapping[str, str]) -> list[Step]:
     for name, value in setting.items():
         conditioner, key, others = short[name] if name in short else (*name.split(".", 1), {})
         parameters.setdefault(conditioner, {}).update({key: value, **others})
-    return [step_of(name, parameters[name], OPTION) for name in sorted(parameters, key=_order)]
+    names = sorted(parameters, key=lambda name: getattr(conditioner_of(name, OPTION), "ORDER", math.inf))
+    return [step_of(name, parameters[name], OPTION) for name in names]
 
 
 def _short_names() -> dict[str, tuple[str, str, Mapping[str, str]]]:
@@ -81,10 +82,6 @@ def _short_names() -> dict[str, tuple[str, str, Mapping[str, str]]]:
                 )
             short[alias] = name, key, others
     return short
-
-
-def _order(name: str) -> float:
-    return getattr(conditioner_of(name, OPTION), "ORDER", math.inf)
 
 
 def cases(logs: Sequence[Log], texts: Sequence[str]) -> Iterator[Case]:

@@ -8,12 +8,11 @@ import numpy as np
 from imuwb.arrays import Floats
 from imuwb.health.channel import channels
 from imuwb.health.clocks import clock_faults
-from imuwb.health.fault import RANK, Fault
+from imuwb.health.fault import RANK, Fault, repair_faults
 from imuwb.health.lone import lone_samples
 from imuwb.health.motion import Segment
 from imuwb.health.plausibility import implausible
 from imuwb.health.receivers import receiver_faults
-from imuwb.health.repairs import repair_faults
 from imuwb.log import ImuStream, Log, Nanoseconds, Repair
 
 WINDOWS = 400  #: number of windows of a log in which the rate of a stream is counted

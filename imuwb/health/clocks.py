@@ -33,7 +33,8 @@ def clock_faults(name: str, time: Floats, *, inertial: bool) -> Iterator[Fault]:
     jumps = _jumps(time)
     for at in jumps:
         length = float(time[at] - time[at - 1])
-        what = f"clock jumps by {_length_text(length)}: {at} rows before, {time.size - at} after"
+        text = f"{length / YEAR:.3g} years" if length > YEAR else f"{length / DAY:.3g} days"
+        what = f"clock jumps by {text}: {at} rows before, {time.size - at} after"
         consequence = "two clocks in one stream: keep the rows before or after the jump, with --end or --start"
         yield Fault(name, "clock jump", what, "fault", 1, float(time[at - 1]), length, consequence)
     for part in np.split(time, jumps):
@@ -46,10 +47,6 @@ def _jumps(time: Floats) -> Integers:
     steps = np.diff(time)
     long = steps > DAY
     return np.flatnonzero(long & (steps > FAR * float(steps[~long].sum()))) + 1
-
-
-def _length_text(seconds: float) -> str:
-    return f"{seconds / YEAR:.3g} years" if seconds > YEAR else f"{seconds / DAY:.3g} days"
 
 
 def _within(name: str, time: Floats, *, inertial: bool) -> Iterator[Fault]:

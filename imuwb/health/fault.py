@@ -1,10 +1,21 @@
-"""A fault of a stream, or a remark on it."""
+"""A fault of a stream, or a remark on it; the repairs by the reader are faults too."""
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
+from imuwb.log import Effect, Repair
+
 Severity = Literal["note", "warning", "fault"]
 RANK: dict[Severity, int] = {"note": 0, "warning": 1, "fault": 2}
+MUCH = 0.01  #: share of a stream; if more of it was repaired, the severity is higher
+#: effect -> severity of few repairs, severity of many, consequence
+_MEANING: dict[Effect, tuple[Severity, Severity, str]] = {
+    "lost": ("warning", "fault", "the rows that were left out are missing: results span the gaps"),
+    "time": ("warning", "warning", "these times are not the sensor's own: do not trust intervals, rates and delays near one step"),
+    "order": ("note", "warning", "nothing is lost; a program that reads the file row by row must sort the rows too"),
+    "value": ("warning", "fault", "the sensor did not measure these values"),
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,3 +36,11 @@ class Fault:
         """Return the fault in one line."""
         place = "" if self.start is None else f" at {self.start:.2f} s"
         return f"{self.severity}: {self.stream}: {self.what}{place}"
+
+
+def repair_faults(name: str, repairs: Iterable[Repair], rows: int) -> Iterator[Fault]:
+    """Yield a fault for each repair of a stream with ``rows`` rows."""
+    for repair in repairs:
+        few, many, consequence = _MEANING[repair.effect]
+        severity = many if repair.count > MUCH * rows else few
+        yield Fault(name, "repair", repair.what, severity, repair.count, consequence=consequence)

@@ -49,7 +49,9 @@ def inertial_faults(
     for axis, (_, values) in imu.axes().items():
         channel = channels.get(axis)
         if channel is None:
-            yield _constant(f"{imu.name} {axis}", axis, float(values[0]), values.size)
+            value = float(values[0])
+            what = "all zero: not connected" if value == 0 else f"stuck at {value_text(axis, value)}"
+            yield Fault(f"{imu.name} {axis}", "constant", what, "fault", values.size, consequence="there is nothing to analyse")  # fmt: skip
             continue
         yield from _stuck(channel)
         yield from _saturated(channel)
@@ -57,11 +59,6 @@ def inertial_faults(
         yield from _coarse(channel)
         if lines and not channel.breaks.size:
             yield from _lines(channel)
-
-
-def _constant(where: str, axis: str, value: float, count: int) -> Fault:
-    what = "all zero: not connected" if value == 0 else f"stuck at {value_text(axis, value)}"
-    return Fault(where, "constant", what, "fault", count, consequence="there is nothing to analyse")
 
 
 def _stuck(channel: Channel) -> Iterator[Fault]:

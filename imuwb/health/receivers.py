@@ -34,13 +34,8 @@ def receiver_faults(log: Log, gnss: GnssStream) -> Iterator[Fault]:
     for what, sigma in (("position", gnss.position_sigma), ("velocity", gnss.velocity_sigma)):
         if sigma is None and getattr(gnss, what) is not None:
             text = f"the receiver reports no sigma of its {what}"
-            yield Fault(
-                gnss.name,
-                f"no {what} sigma",
-                text,
-                "note",
-                consequence="a filter needs one: state it in the filter's settings",
-            )
+            need = "a filter needs one: state it in the filter's settings"
+            yield Fault(gnss.name, f"no {what} sigma", text, "note", consequence=need)
 
 
 def _fix_types(name: str, fix_type: Integers, time: Floats) -> Iterator[Fault]:

@@ -37,11 +37,7 @@ def units_by_quantity(texts: Mapping[str, str]) -> dict[str, str]:
                     f"units: there is no quantity {quantity!r}; write one of: {', '.join((*DIMENSIONS, *GROUPS))}"
                 )
             if unit(text).dimension != DIMENSIONS[name]:
-                raise UsageError(f"units: {text!r} is not a unit of {dimension_text(name)}, which {quantity} needs")
+                dimension = DIMENSIONS[name].replace("_", " ")
+                raise UsageError(f"units: {text!r} is not a unit of {dimension}, which {quantity} needs")
             units[name] = text
     return units
-
-
-def dimension_text(quantity: str) -> str:
-    """Return what a quantity's unit measures: ``angular rate``."""
-    return DIMENSIONS[quantity].replace("_", " ")

@@ -1,7 +1,7 @@
 """Reads a file of any known format as a Log, a stream of pieces, or a summary."""
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields, replace
 from pathlib import Path
@@ -11,13 +11,12 @@ from imuwb import registry
 from imuwb.errors import UnreadableLogError
 from imuwb.log import Log, Provenance
 from imuwb.notes import Note
+from imuwb.progress import Progress
 from imuwb.readers.assembly.assemble import assemble
 from imuwb.readers.batch import Batch, Reader, Remark
 from imuwb.readers.bytes import source
 from imuwb.readers.read_options import ReadOptions
 from imuwb.summary import LogSummary, summarize
-
-Progress = Callable[[int, int], None]
 
 #: Readers are asked in the order of their names, with these exceptions: MCAP is first; telemetry and text are last, after the
 #: formats with a magic number. Only the readers that are asked are imported.
@@ -57,12 +56,18 @@ def stream(path: str | Path, options: ReadOptions | None = None) -> Iterator[Bat
     return _parts(reader_of(path), Path(path), options or ReadOptions())
 
 
-def _parts(reader: Reader, path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
+def _parts(
+    reader: Reader, path: Path, options: ReadOptions, progress: Progress | None = None
+) -> Iterator[Batch | Remark]:
     unused = options.unused(getattr(reader, "uses", [f.name for f in fields(ReadOptions)]))
     if unused:
         names = ", ".join(f"--{name.replace('_', '-')}" for name in unused)
         yield Remark(Note("options_unused", f"{names} not used: a {reader.format} log states this itself"))
-    yield from reader.stream(path, options)
+    size = path.stat().st_size
+    for part in reader.stream(path, options):
+        if progress is not None and isinstance(part, Batch):
+            progress(part.bytes_read, size)
+        yield part
 
 
 def read(path: str | Path, options: ReadOptions | None = None, progress: Progress | None = None) -> Log:
@@ -79,11 +84,10 @@ def read(path: str | Path, options: ReadOptions | None = None, progress: Progres
     """
     path = Path(path)
     reader = reader_of(path)
-    size = path.stat().st_size
     with ThreadPoolExecutor(1) as pool:
         fingerprint = pool.submit(source.fingerprint, path)
-        parts = _reporting(_parts(reader, path, options or ReadOptions()), size, progress)
-        log = assemble(parts, Provenance(_text(path), reader.format, "", size))
+        parts = _parts(reader, path, options or ReadOptions(), progress)
+        log = assemble(parts, Provenance(_text(path), reader.format, "", path.stat().st_size))
         return replace(log, provenance=replace(log.provenance, hash=fingerprint.result()))
 
 
@@ -104,10 +108,3 @@ def describe(path: str | Path, options: ReadOptions | None = None) -> LogSummary
 def _text(path: str | Path) -> str:
     """Return a path as text that documents can hold: bytes of a name that are no UTF-8 are replaced."""
     return os.fsencode(path).decode("utf-8", "replace")
-
-
-def _reporting(parts: Iterator[Batch | Remark], size: int, progress: Progress | None) -> Iterator[Batch | Remark]:
-    for part in parts:
-        if progress is not None and isinstance(part, Batch):
-            progress(part.bytes_read, size)
-        yield part

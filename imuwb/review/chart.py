@@ -127,13 +127,9 @@ def _legend(figure: Figure, frame: Frame, recording: rr.RecordingStream, path: s
 
 def _crowd(figure: Figure, frame: Frame, left: float, right: float, lowest: float) -> int:
     """Return how many points of curves lie in an upper part of the frame."""
-    count = 0
-    for curve in figure.curves:
-        for x, y in zip(curve.x.tolist(), curve.y.tolist(), strict=True):
-            if frame.x.shows(x) and frame.y.shows(y):
-                at, height = frame.place(x, y)
-                count += left <= at <= right and 0 <= height <= lowest
-    return count
+    points = [p for curve in figure.curves for p in zip(curve.x.tolist(), curve.y.tolist(), strict=True)]
+    places = [frame.place(x, y) for x, y in points if frame.x.shows(x) and frame.y.shows(y)]
+    return sum(left <= at <= right and 0 <= height <= lowest for at, height in places)
 
 
 def _marks(figure: Figure, frame: Frame, recording: rr.RecordingStream, path: str) -> None:

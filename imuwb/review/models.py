@@ -46,14 +46,8 @@ def _allan(
     tau = np.geomspace(1 / rate, duration / 2, POINTS)
     tau = np.unique(np.rint(tau * rate)) / rate  # an autoregressive process is defined only at multiples of its step
     curves = tuple(
-        Curve(
-            label,
-            tau,
-            np.sqrt(_values(model, axis, tau, 1 / rate, "allan_variance")) / UNITS[unit].factor,
-            color,
-            style="curve",
-        )
-        for label, color, model, axis in _shown(models, axes)
+        Curve(label, tau, np.sqrt(variance) / UNITS[unit].factor, color, style="curve")
+        for label, color, variance in _shown(models, axes, tau, 1 / rate, "allan_variance")
     )
     return Figure(f"{name}: Allan deviation of the model", "averaging time [s]", f"Allan deviation [{unit}]", curves)
 
@@ -64,28 +58,30 @@ def _spectrum(
     name, _, unit, factor = _SENSORS[sensor]
     f = np.geomspace(1 / duration, rate / 2, POINTS)
     curves = tuple(
-        Curve(label, f, 2 * _values(model, axis, f, 1 / rate, "power_spectral_density") / factor, color, style="curve")
-        for label, color, model, axis in _shown(models, axes)
+        Curve(label, f, 2 * density / factor, color, style="curve")
+        for label, color, density in _shown(models, axes, f, 1 / rate, "power_spectral_density")
     )
     return Figure(f"{name}: spectrum of the model", "frequency [Hz]", f"one-sided density [{unit}]", curves)
 
 
-def _shown(models: Mapping[str, ImuErrorModel], axes: Sequence[str]) -> Iterator[tuple[str, Color, ImuErrorModel, str]]:
-    """Yield label, colour, model and axis of each curve: three axes of one model, or the z axis of each of several models."""
+def _shown(
+    models: Mapping[str, ImuErrorModel], axes: Sequence[str], at: Floats, dt: float, curve: str
+) -> Iterator[tuple[str, Color, Floats]]:
+    """Yield label, colour and values of each curve: three axes of one model, or the z axis of each of several models."""
+    last = axes[-1]
     if len(models) == 1:
         (model,) = models.values()
-        yield from ((axis.replace("_", " "), AXIS_COLORS[axis[-1]], model, axis) for axis in axes if axis in model.axes)
-        return
-    known = [(name, model) for name, model in models.items() if axes[-1] in model.axes]
-    for place, (name, model) in enumerate(known):
-        yield f"{name.removesuffix('.toml')} {axes[-1][-1]}", color_at(place), model, axes[-1]
-
-
-def _values(model: ImuErrorModel, axis: str, at: Floats, dt: float, curve: str) -> Floats:
-    try:
-        return getattr(model.axes[axis].processes, curve)(at, dt)
-    except ValueError as error:  # an autoregressive process of another step
-        raise ImuwbError(f"{axis}: {error}; give the rate of the model with --rate") from error
+        shown = [(axis.replace("_", " "), AXIS_COLORS[axis[-1]], model, axis) for axis in axes if axis in model.axes]
+    else:
+        known = [
+            (f"{name.removesuffix('.toml')} {last[-1]}", model) for name, model in models.items() if last in model.axes
+        ]
+        shown = [(label, color_at(place), model, last) for place, (label, model) in enumerate(known)]
+    for label, color, model, axis in shown:
+        try:
+            yield label, color, getattr(model.axes[axis].processes, curve)(at, dt)
+        except ValueError as error:  # an autoregressive process of another step
+            raise ImuwbError(f"{axis}: {error}; give the rate of the model with --rate") from error
 
 
 def _rows(models: Mapping[str, ImuErrorModel]) -> Iterator[tuple[str, str, AxisModel]]:
@@ -106,14 +102,13 @@ def _coefficients(models: Mapping[str, ImuErrorModel]) -> Table:
 
 
 def _others(models: Mapping[str, ImuErrorModel]) -> Table:
-    rows = [(axis, name, text) for axis, name, model in _rows(models) for text in _other_terms(axis, model)]
+    """Return the processes that have no coefficient of their own, and the deterministic terms."""
+    rows: list[tuple[str, ...]] = []
+    for axis, name, model in _rows(models):
+        processes = [t for t in model.processes.terms if not any(hasattr(t, letter) for letter in LETTERS)]
+        texts = (*(process_text(axis, term) for term in processes), *deterministic_texts(axis, model))
+        rows += [(axis, name, text) for text in texts]
     return Table("Other terms", ("axis", "model", "term"), tuple(rows))
-
-
-def _other_terms(axis: str, model: AxisModel) -> tuple[str, ...]:
-    """Return the processes that have no coefficient of their own in the table, and the deterministic terms."""
-    processes = [t for t in model.processes.terms if not any(hasattr(t, letter) for letter in LETTERS)]
-    return (*(process_text(axis, term) for term in processes), *deterministic_texts(axis, model))
 
 
 def verdicts_table(verdicts: Sequence[Verdict], model: str, against: str) -> Table:
@@ -121,9 +116,7 @@ def verdicts_table(verdicts: Sequence[Verdict], model: str, against: str) -> Tab
     rows: list[tuple[str, ...]] = []
     for v in verdicts:
         unit = coefficient_units(v.limit.axis, v.limit.letter)[1]
-        value = coefficient_text(v.coefficient, unit)
-        rows.append(
-            (v.limit.axis, v.limit.letter, f"{unit.from_si(v.limit.at_most):.4g} {unit.name}", value, v.outcome)
-        )
+        value, limit = coefficient_text(v.coefficient, unit), f"{unit.from_si(v.limit.at_most):.4g} {unit.name}"
+        rows.append((v.limit.axis, v.limit.letter, limit, value, v.outcome))
     caption = "within: the whole interval is below the limit; beyond: the whole interval is above it; not sure: the interval contains the limit; not known: the model does not state the term."
     return Table(f"{model} against {against}", ("axis", "term", "limit", "model", "verdict"), tuple(rows), caption)

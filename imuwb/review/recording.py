@@ -34,7 +34,7 @@ class RecordingReview:
         output: str | Path,
         *,
         live: str | None = None,
-        show: Callable[[Table | str], None] | None = None,
+        show: Callable[[Table | str], None] = lambda what: None,  # noqa: ARG005 - there is no terminal
         application: str = "imuwb",
         recording: str | None = None,
     ) -> None:
@@ -54,14 +54,14 @@ class RecordingReview:
             _require_viewer(live)
         self.output = Path(output).resolve()
         self._partial = partial(self.output)
-        self._show = show or _show_nothing
-        self._stream = rr.RecordingStream(application, recording_id=recording, send_properties=True)
+        self._show = show
+        self.recording = rr.RecordingStream(application, recording_id=recording, send_properties=True)
         try:
             self._partial.touch()
             sinks: list[rr.FileSink | rr.GrpcSink] = [rr.FileSink(str(self._partial))]
             if live is not None:
                 sinks.append(rr.GrpcSink(live))
-            self._stream.set_sinks(*sinks)
+            self.recording.set_sinks(*sinks)
         except OSError as error:
             raise ImuwbError(
                 f"{output}: cannot be written: {error.strerror}; choose another place with --output"
@@ -70,11 +70,6 @@ class RecordingReview:
         self._timeline: str | None = None
         self.notes: list[str] = []
         self.tab("Result")
-
-    @property
-    def recording(self) -> rr.RecordingStream:
-        """The recording itself."""
-        return self._stream
 
     @property
     def _tab(self) -> Tab:
@@ -87,7 +82,7 @@ class RecordingReview:
     def figure(self, figure: Figure) -> None:
         """Show a figure."""
         path = f"{self._tab.path}/figure_{len(self._tab.figures)}"
-        self._tab.figures.append(chart.draw(figure, self._stream, path))
+        self._tab.figures.append(chart.draw(figure, self.recording, path))
 
     def series(self, series: Series) -> None:
         """Show quantities over time. Long series are drawn as the envelopes of their extremes."""
@@ -98,18 +93,17 @@ class RecordingReview:
             names=names, colors=list(series.colors) or None, aggregation_policy=rr.components.AggregationPolicy.MinMax,
             widths=[SERIES_WIDTH] * len(names),
         )  # fmt: skip
-        self._stream.log(path, style, static=True)
+        self.recording.log(path, style, static=True)
         timeline = "time" if series.epoch == "unix" else "time_since_start"
         self._timeline = self._timeline or timeline
         for start in range(0, time.size, ROWS):
             rows = slice(start, start + ROWS)
-            index = (
-                rr.TimeColumn(timeline, timestamp=time[rows].astype("datetime64[ns]"))
-                if series.epoch == "unix"
-                else rr.TimeColumn(timeline, duration=time[rows].astype("timedelta64[ns]"))
-            )
+            if series.epoch == "unix":
+                index = rr.TimeColumn(timeline, timestamp=time[rows].astype("datetime64[ns]"))
+            else:
+                index = rr.TimeColumn(timeline, duration=time[rows].astype("timedelta64[ns]"))
             scalars = rr.Scalars.columns(scalars=values[rows].ravel()).partition([values.shape[1]] * time[rows].size)
-            self._stream.send_columns(path, [index], scalars)
+            self.recording.send_columns(path, [index], scalars)
         whole = rr.TimeRange(start=rr.TimeRangeBoundary.infinite(), end=rr.TimeRangeBoundary.infinite())
         view = rrb.TimeSeriesView(
             origin=path, name=f"{series.title} [{series.unit}]", axis_x=rrb.TimeAxis(view_range=whole),
@@ -123,7 +117,7 @@ class RecordingReview:
         cells = [table.headings, ["---"] * len(table.headings), *table.rows]
         lines = ["| " + " | ".join(_literal(cell) for cell in row) + " |" for row in cells]
         markdown = "\n".join(lines) + (f"\n\n{table.caption}" if table.caption else "")
-        self._tab.add_text(self._stream, table.title, markdown, wide=table.wide)
+        self._tab.add_text(self.recording, table.title, markdown, wide=table.wide)
 
     def note(self, text: str) -> None:
         """State what a reader of the result must know."""
@@ -133,14 +127,12 @@ class RecordingReview:
 
     def track(self, name: str, position: Floats, color: Color, label: str = "") -> None:
         """Show a trajectory in local east and north, with a label at its end."""
-        view = self._tab.tracks.add(self._stream, name, position, color, label)
-        if view is not None:
+        if view := self._tab.tracks.add(self.recording, name, position, color, label):
             self._tab.figures.append(view)
 
     def map_track(self, name: str, position: Floats, color: Color) -> None:
         """Show a trajectory on a map, which the viewer fetches from the network."""
-        view = self._tab.maps.add(self._stream, name, position, color)
-        if view is not None:
+        if view := self._tab.maps.add(self.recording, name, position, color):
             self._tab.figures.append(view)
 
     def close(self) -> Path:
@@ -151,7 +143,7 @@ class RecordingReview:
         """
         self._send_blueprint()
         with suppress(RuntimeError):  # the thread that writes has ended; the file shows whether it wrote everything
-            self._stream.flush()
+            self.recording.flush()
         self._disconnect()
         if not is_whole(self._partial):
             self._fail(why_cut(self._partial))
@@ -168,13 +160,13 @@ class RecordingReview:
 
     def _send_blueprint(self) -> None:
         for tab in self._tabs:
-            tab.add_notes(self._stream)
+            tab.add_notes(self.recording)
         layouts = [layout for tab in self._tabs if (layout := tab.layout()) is not None]
         time_panel = rrb.TimePanel(state="collapsed", play_state="paused", timeline=self._timeline)
         blueprint = rrb.Blueprint(
             rrb.Tabs(*layouts), rrb.BlueprintPanel(state="collapsed"), rrb.SelectionPanel(state="collapsed"), time_panel
         )
-        self._stream.send_blueprint(blueprint)
+        self.recording.send_blueprint(blueprint)
 
     def _fail(self, reason: str | None) -> NoReturn:
         self.discard()
@@ -182,7 +174,7 @@ class RecordingReview:
 
     def _disconnect(self) -> None:
         with suppress(RuntimeError):  # the thread that writes has ended
-            self._stream.disconnect()
+            self.recording.disconnect()
 
 
 def _require_viewer(address: str) -> None:
@@ -195,11 +187,6 @@ def _require_viewer(address: str) -> None:
         raise ImuwbError(
             f"--live: no viewer listens at {host}:{port}; start one with: rerun --bind 127.0.0.1"
         ) from error
-
-
-def _show_nothing(what: Table | str) -> None:
-    """Show nothing: there is no terminal."""
-    del what
 
 
 def _literal(cell: str) -> str:

@@ -15,10 +15,6 @@ FIGURE_SHARE, SERIES_SHARE, WIDE_SHARE, TEXT_SHARE = 3.0, 1.6, 1.9, 1.5
 TEXT_COLUMNS = (1.7, 1.0)  #: shares of a row with two texts; the first table is the widest
 
 
-def _views() -> list[rrb.View]:
-    return []
-
-
 @dataclass(slots=True)
 class Tab:
     """What an analysis shows on one tab."""
@@ -27,10 +23,10 @@ class Tab:
     path: str  #: entity path of all that the tab shows
     tracks: Tracks
     maps: Maps
-    figures: list[rrb.View] = field(default_factory=_views)
-    series: list[rrb.View] = field(default_factory=_views)
-    texts: list[rrb.View] = field(default_factory=_views)
-    wide: list[rrb.View] = field(default_factory=_views)
+    figures: list[rrb.View] = field(default_factory=list[rrb.View])
+    series: list[rrb.View] = field(default_factory=list[rrb.View])
+    texts: list[rrb.View] = field(default_factory=list[rrb.View])
+    wide: list[rrb.View] = field(default_factory=list[rrb.View])
     notes: list[str] = field(default_factory=list[str])
 
     @staticmethod

@@ -1,13 +1,11 @@
 """Write a Log to files."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 from imuwb.errors import UsageError
 from imuwb.log import Log
+from imuwb.progress import Progress
 from imuwb.writers.whole import whole_file, write_text
-
-Progress = Callable[[int, int], None]
 
 __all__ = ["SUFFIXES", "places", "whole_file", "write", "write_text"]
 

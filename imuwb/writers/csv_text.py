@@ -4,7 +4,6 @@ Each table has a sidecar, which the reader uses; it states the body frame, and t
 """
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ from pyarrow import csv
 
 from imuwb.errors import MissingDataError
 from imuwb.log import GnssStream, ImuStream, Log, Reference, Scalars
+from imuwb.progress import Progress
 from imuwb.writers.whole import whole_file, write_text
 
 ROWS = 1 << 16
@@ -36,7 +36,7 @@ def _tables(log: Log, path: Path) -> dict[str, Path]:
     return {kind: path if kind == there[0] else path.with_name(f"{path.stem}.{kind}.csv") for kind in there}
 
 
-def write_csv(log: Log, path: Path, progress: Callable[[int, int], None] | None = None) -> None:
+def write_csv(log: Log, path: Path, progress: Progress | None = None) -> None:
     """Write the log's IMU, receiver, speed and reference, each to a table of its own with a sidecar.
 
     Raises:
@@ -50,7 +50,9 @@ def write_csv(log: Log, path: Path, progress: Callable[[int, int], None] | None 
             f"{path}: a CSV table has one stream of a kind, and this log has more ({what}); choose an IMU with --imu, or write .mcap"
         )
     made = [
-        *map(_table, log.imus), *map(_gnss_table, log.gnss), *map(_speed_table, log.speeds), *map(_reference_table, log.references),
+        *map(_table, log.imus), *map(_gnss_table, log.gnss),
+        *(pa.table({"time_ns": speed.time, "speed_m_s": speed.value}) for speed in log.speeds),
+        *map(_reference_table, log.references),
     ]  # fmt: skip
     rows = sum(table.num_rows for table in made)
     done = 0
@@ -85,10 +87,6 @@ def _gnss_table(gnss: GnssStream) -> pa.Table:
     if gnss.fix_type is not None:
         columns["fix_type"] = gnss.fix_type
     return pa.table(columns)
-
-
-def _speed_table(speed: Scalars) -> pa.Table:
-    return pa.table({"time_ns": speed.time, "speed_m_s": speed.value})
 
 
 def _reference_table(reference: Reference) -> pa.Table:

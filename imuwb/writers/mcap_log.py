@@ -7,7 +7,6 @@ Specification: https://mcap.dev/spec
 
 import struct
 import zlib
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import BinaryIO
@@ -18,17 +17,15 @@ from numpy.typing import NDArray
 
 from imuwb.errors import MissingDataError
 from imuwb.log import MEAN_SEA_LEVEL, Log
-from imuwb.writers.ros_messages import definition, stamped, topics
+from imuwb.progress import Progress
+from imuwb.ros import MCAP_MAGIC as MAGIC
+from imuwb.ros import OURS, TRUTH, definition
+from imuwb.writers.ros_messages import stamped, topics
 from imuwb.writers.whole import whole_file
 
-Progress = Callable[[int, int], None]
-
-MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX, STATISTICS, METADATA, METADATA_INDEX, DATA_END = (
     0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x07, 0x08, 0x0B, 0x0C, 0x0D, 0x0F,
 )  # fmt: skip
-OURS = "imuwb"  #: name of the metadata that imuwb writes
-TRUTH = "imuwb simulation"  #: name of the metadata with the parameters of a simulated log
 ROWS = 12_000  #: rows of the fastest stream in a chunk; such a chunk has about 4 MB
 LAST = 2**63 - 1  #: ns
 STAMPS_END = 2**31 * 10**9  #: ns; seconds of a stamp are an int32
@@ -70,7 +67,7 @@ def write_mcap(log: Log, path: Path, progress: Progress | None = None) -> None:
             for place, topic in enumerate(streams):
                 begin, end = begins[place], int(np.searchsorted(topic.time, until, side="right"))
                 if end > begin:
-                    parts.append(stamped(topic.fill(begin, end), place + 1, topic.time[begin:end], begin, MESSAGE))
+                    parts.append(stamped(topic, place + 1, slice(begin, end), MESSAGE))
                     begins[place] = end
             if parts:
                 _write_chunk(file, parts, index)

@@ -1,4 +1,4 @@
-"""A log's streams as ROS 2 messages: their definitions, and rows of bytes in the layout of CDR."""
+"""A log's streams as ROS 2 messages: rows of bytes in the layout of CDR."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -8,68 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from imuwb.log import GnssStream, ImuStream, Log, Nanoseconds, Reference, Scalars
+from imuwb.ros import ABSENT, UNKNOWN
 
-Fill = Callable[[int, int], NDArray[np.void]]
+Fill = Callable[[NDArray[np.void], slice], None]
 
 FRAME_ID = "imu_link"
 FRD_TO_FLU = np.array([1.0, -1.0, -1.0])
-ABSENT = -1.0  #: first element of a covariance: the message has no such measurement
-UNKNOWN = -2  #: status of a fix whose type is unknown
 KNOWN_DIAGONAL = 2  #: NavSatFix: the covariance's diagonal is known
-_HEADER = "std_msgs/Header header"
-_PARTS = {
-    "std_msgs/Header": "builtin_interfaces/Time stamp\nstring frame_id\n",
-    "builtin_interfaces/Time": "int32 sec\nuint32 nanosec\n",
-    "geometry_msgs/Vector3": "float64 x\nfloat64 y\nfloat64 z\n",
-    "geometry_msgs/Quaternion": "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n",
-    "geometry_msgs/Twist": "geometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular\n",
-    "geometry_msgs/TwistWithCovariance": "geometry_msgs/Twist twist\nfloat64[36] covariance\n",
-    "sensor_msgs/NavSatStatus": "int8 status\nuint16 service\n",
-}
-_MESSAGES = {
-    "sensor_msgs/msg/Imu": (
-        "geometry_msgs/Quaternion orientation\nfloat64[9] orientation_covariance\n"
-        "geometry_msgs/Vector3 angular_velocity\nfloat64[9] angular_velocity_covariance\n"
-        "geometry_msgs/Vector3 linear_acceleration\nfloat64[9] linear_acceleration_covariance\n"
-    ),
-    "sensor_msgs/msg/Temperature": "float64 temperature\nfloat64 variance\n",
-    "sensor_msgs/msg/NavSatFix": (
-        "sensor_msgs/NavSatStatus status\nfloat64 latitude\nfloat64 longitude\nfloat64 altitude\n"
-        "float64[9] position_covariance\nuint8 position_covariance_type\n"
-    ),
-    "geometry_msgs/msg/TwistWithCovarianceStamped": "geometry_msgs/TwistWithCovariance twist\n",
-    "geometry_msgs/msg/TwistStamped": "geometry_msgs/Twist twist\n",
-    # No common message has these fields. Units: SI, rad; north-east-down.
-    "imuwb_msgs/msg/FixType": "uint8 fix_type\n",
-    **dict.fromkeys(
-        ("imuwb_msgs/msg/Reference", "imuwb_msgs/msg/FilterEstimate"),
-        "float64[3] latitude_longitude_height\nfloat64[3] velocity_north_east_down\nfloat64[3] roll_pitch_heading\n"
-        "float64[3] position_sigma\nfloat64[3] velocity_sigma\nfloat64[3] attitude_sigma\n",
-    ),
-}
-
-
-def definition(schema: str) -> str:
-    """Return the whole definition of a message in the form of ``ros2msg``."""
-    ruler = "=" * 80 + "\n"
-    texts = [
-        f"{_HEADER}\n{_MESSAGES[schema]}",
-        *(f"MSG: {name}\n{text}" for name, text in _PARTS.items() if _used(schema, name)),
-    ]
-    return ruler.join(texts)
-
-
-def _used(schema: str, part: str) -> bool:
-    """Return whether a message has a part, directly or within another part."""
-    texts, seen = [_HEADER, _MESSAGES[schema]], set[str]()
-    while texts:
-        text = texts.pop()
-        inner = [name for name in _PARTS if f"{name} " in text and name not in seen]
-        seen.update(inner)
-        texts += [_PARTS[name] for name in inner]
-    return part in seen
-
-
 _FRAME = np.frombuffer(FRAME_ID.encode() + b"\0", np.uint8)
 #: a message record: the header of MCAP, then the CDR message; padding after the string aligns the doubles
 _RECORD: list[tuple[Any, ...]] = [
@@ -107,7 +52,8 @@ class Topic:
     name: str
     schema: str
     time: Nanoseconds
-    fill: Fill  #: (first, end) -> rows with the fields of the message
+    dtype: np.dtype[np.void]
+    fill: Fill  #: (rows, part): sets the fields of the message from a part of the stream
 
 
 def topics(log: Log) -> list[Topic]:
@@ -120,12 +66,15 @@ def topics(log: Log) -> list[Topic]:
     ]
 
 
-def stamped(rows: NDArray[np.void], channel: int, time: Nanoseconds, first: int, opcode: int) -> NDArray[np.void]:
-    """Return rows as whole records: with the header of MCAP, the stamp, and the name of the frame."""
+def stamped(topic: Topic, channel: int, part: slice, opcode: int) -> NDArray[np.void]:
+    """Return a part of a topic as whole records: with the header of MCAP, the stamp, and the name of the frame."""
+    time = topic.time[part]
+    rows = np.zeros(time.size, topic.dtype)
+    topic.fill(rows, part)
     rows["opcode"] = opcode
     rows["size"] = rows.dtype.itemsize - 9
     rows["channel"] = channel
-    rows["sequence"] = np.arange(first, first + rows.size)
+    rows["sequence"] = np.arange(part.start, part.stop)
     rows["log_time"] = rows["publish_time"] = time
     rows["encapsulation"] = (0, 1, 0, 0)  # little-endian CDR
     rows["sec"], rows["nanosec"] = time // 10**9, time % 10**9
@@ -140,86 +89,72 @@ def _imu(imu: ImuStream) -> Iterator[Topic]:
         if triad is None or (together and sensor == "accel" and rate is not None):
             continue
 
-        def motion(start: int, end: int, *, own: str = sensor) -> NDArray[np.void]:
-            rows = np.zeros(end - start, _IMU)
+        def motion(rows: NDArray[np.void], part: slice, *, own: str = sensor) -> None:
             rows["orientation_covariance"][:, 0] = ABSENT
-            for name, part, field in (("gyro", rate, "rate"), ("accel", force, "force")):
-                if part is None or (not together and name != own):
+            for name, values, field in (("gyro", rate, "rate"), ("accel", force, "force")):
+                if values is None or (not together and name != own):
                     rows[f"{field}_covariance"][:, 0] = ABSENT
                 else:
-                    rows[field] = part.value[start:end] * FRD_TO_FLU
-            return rows
+                    rows[field] = values.value[part] * FRD_TO_FLU
 
         # Sensors with different clocks are two topics, which a reader joins.
-        yield Topic(imu.name if together else f"{imu.name}/{sensor}", "sensor_msgs/msg/Imu", triad.time, motion)
+        yield Topic(imu.name if together else f"{imu.name}/{sensor}", "sensor_msgs/msg/Imu", triad.time, _IMU, motion)
     if imu.temperature is not None:
         yield _temperature(imu.name, imu.temperature)
 
 
 def _temperature(imu: str, celsius: Scalars) -> Topic:
-    def rows_of(start: int, end: int) -> NDArray[np.void]:
-        rows = np.zeros(end - start, _TEMPERATURE)
-        rows["temperature"] = celsius.value[start:end]
-        return rows
+    def rows_of(rows: NDArray[np.void], part: slice) -> None:
+        rows["temperature"] = celsius.value[part]
 
     topic = celsius.name if celsius.name != imu else f"{imu}/temperature"
-    return Topic(topic, "sensor_msgs/msg/Temperature", celsius.time, rows_of)
+    return Topic(topic, "sensor_msgs/msg/Temperature", celsius.time, _TEMPERATURE, rows_of)
 
 
 def _gnss(gnss: GnssStream) -> Iterator[Topic]:
-    def fix(start: int, end: int) -> NDArray[np.void]:
-        rows = np.zeros(end - start, _FIX)
+    def fix(rows: NDArray[np.void], part: slice) -> None:
         rows["service"] = 1
         rows["status"] = UNKNOWN
         if gnss.fix_type is not None:  # 0 and 1: no fix; 4 and above: a fix with corrections
-            kind = gnss.fix_type[start:end]
+            kind = gnss.fix_type[part]
             rows["status"] = np.select([kind < 2, kind > 4, kind == 4], [-1, 2, 1], 0)  # noqa: PLR2004 - the fix types of MAVLink
-        rows["position"] = gnss.position[start:end] * (180 / np.pi, 180 / np.pi, 1.0)
+        rows["position"] = gnss.position[part] * (180 / np.pi, 180 / np.pi, 1.0)
         if gnss.position_sigma is not None:
-            rows["covariance"][:, [4, 0, 8]] = np.nan_to_num(gnss.position_sigma[start:end]) ** 2
-            known = np.isfinite(gnss.position_sigma[start:end]).all(axis=1)
+            rows["covariance"][:, [4, 0, 8]] = np.nan_to_num(gnss.position_sigma[part]) ** 2
+            known = np.isfinite(gnss.position_sigma[part]).all(axis=1)
             rows["covariance_type"] = np.where(known, KNOWN_DIAGONAL, 0)
-        return rows
 
-    yield Topic(gnss.name, "sensor_msgs/msg/NavSatFix", gnss.time, fix)
+    yield Topic(gnss.name, "sensor_msgs/msg/NavSatFix", gnss.time, _FIX, fix)
     velocity, sigma, fix_type = gnss.velocity, gnss.velocity_sigma, gnss.fix_type
     if velocity is not None:
 
-        def moving(start: int, end: int) -> NDArray[np.void]:
-            rows = np.zeros(end - start, _VELOCITY)
-            rows["linear"] = velocity[start:end, [1, 0, 2]] * (1.0, 1.0, -1.0)
+        def moving(rows: NDArray[np.void], part: slice) -> None:
+            rows["linear"] = velocity[part, [1, 0, 2]] * (1.0, 1.0, -1.0)
             if sigma is not None:
-                rows["covariance"][:, [7, 0, 14]] = np.nan_to_num(sigma[start:end]) ** 2
-            return rows
+                rows["covariance"][:, [7, 0, 14]] = np.nan_to_num(sigma[part]) ** 2
 
         topic = f"{gnss.name}/gnss_velocity"
-        yield Topic(topic, "geometry_msgs/msg/TwistWithCovarianceStamped", gnss.time, moving)
+        yield Topic(topic, "geometry_msgs/msg/TwistWithCovarianceStamped", gnss.time, _VELOCITY, moving)
     if fix_type is not None:
 
-        def types(start: int, end: int) -> NDArray[np.void]:
-            rows = np.zeros(end - start, _FIX_TYPE)
-            rows["fix_type"] = fix_type[start:end]
-            return rows
+        def types(rows: NDArray[np.void], part: slice) -> None:
+            rows["fix_type"] = fix_type[part]
 
-        yield Topic(f"{gnss.name}/fix_type", "imuwb_msgs/msg/FixType", gnss.time, types)
+        yield Topic(f"{gnss.name}/fix_type", "imuwb_msgs/msg/FixType", gnss.time, _FIX_TYPE, types)
 
 
 def _speed(speed: Scalars) -> Topic:
-    def rows_of(start: int, end: int) -> NDArray[np.void]:
-        rows = np.zeros(end - start, _TWIST)
-        rows["linear"][:, 0] = speed.value[start:end]
-        return rows
+    def rows_of(rows: NDArray[np.void], part: slice) -> None:
+        rows["linear"][:, 0] = speed.value[part]
 
-    return Topic(speed.name, "geometry_msgs/msg/TwistStamped", speed.time, rows_of)
+    return Topic(speed.name, "geometry_msgs/msg/TwistStamped", speed.time, _TWIST, rows_of)
 
 
 def _reference(reference: Reference) -> Topic:
-    def rows_of(start: int, end: int) -> NDArray[np.void]:
-        rows = np.zeros(end - start, _REFERENCE)
+    def rows_of(rows: NDArray[np.void], part: slice) -> None:
         for name in ("position", "velocity", "attitude", "position_sigma", "velocity_sigma", "attitude_sigma"):
             values = getattr(reference, name)
-            rows[name] = np.nan if values is None else values[start:end]
-        return rows
+            rows[name] = np.nan if values is None else values[part]
 
     schema = "imuwb_msgs/msg/FilterEstimate" if reference.origin.by_filter else "imuwb_msgs/msg/Reference"
-    return Topic(reference.name, schema, reference.time, rows_of)
+    return Topic(reference.name, schema, reference.time, _REFERENCE, rows_of)

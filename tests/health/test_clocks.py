@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from imuwb.health.clocks import clock_faults
-from imuwb.health.repairs import repair_faults
+from imuwb.health.fault import repair_faults
 from imuwb.log import Repair
 
 N = 6000

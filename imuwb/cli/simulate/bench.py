@@ -1,18 +1,13 @@
 """imuwb simulate six-position and rate-table: what a calibration bench would record, and the truth."""
 
-import csv
-import io
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
-from imuwb.cli.simulate.options import Samples, check_folder
-from imuwb.errors import UsageError
-from imuwb.log import Log
+from imuwb.cli.simulate.options import Force, Samples, Sensor, check_folder, save
 from imuwb.options import POSITIVE, Between, Form, Options
 from imuwb.simulation import Site
 from imuwb.stochastic import ImuErrorModel
@@ -21,11 +16,10 @@ TRUTH, ATTITUDES = "truth.toml", "attitudes.txt"
 
 _Output = Annotated[Path, typer.Option("--output", "-o", help="The folder of the logs.", metavar="FOLDER")]
 _Format = Annotated[Literal["mcap", "csv"], typer.Option("--format", help="Format of the logs.")]
-_Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exist.")]
 
 
 @dataclass(frozen=True)
-class BenchSensor(Options):
+class BenchSensor(Sensor):
     """The sensor on the bench."""
 
     preset: Annotated[
@@ -42,14 +36,9 @@ class BenchSensor(Options):
         Raises:
             UsageError: neither preset nor error model is given, or both are.
         """
-        from imuwb.simulation import Tolerances, preset, specimen  # noqa: PLC0415 - help must not wait for numpy
-        from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
+        from imuwb.simulation import Tolerances, specimen  # noqa: PLC0415 - help must not wait for numpy
 
-        if self.preset is not None and self.error_model is None:
-            return specimen(preset(self.preset), seed, Tolerances())
-        if self.error_model is not None and self.preset is None:
-            return specimen(ImuErrorModel.read(self.error_model), seed, None)
-        raise UsageError("simulate needs one sensor: give either --preset NAME or --error-model MODEL.toml")
+        return specimen(self.model(), seed, None if self.preset is None else Tolerances())
 
 
 @dataclass(frozen=True)
@@ -107,10 +96,12 @@ class Table(Options):
 
 def six_position(
     *, output: _Output, sensor: BenchSensor, turns: Positions, bench: Bench, samples: BenchSamples,
-    kind: _Format = "mcap", force: _Force = False,
+    kind: _Format = "mcap", force: Force = False,
 ) -> None:  # fmt: skip
     """Simulate an IMU on the faces of a cube, or in many positions, and the truth, for imuwb calibration."""
-    from imuwb import simulation  # noqa: PLC0415 - help must not wait for numpy
+    import numpy as np  # noqa: PLC0415 - help must not wait for it
+
+    from imuwb import simulation  # noqa: PLC0415
     from imuwb.cli.terminal import progress  # noqa: PLC0415
 
     model = sensor.specimen(samples.seed)
@@ -121,16 +112,15 @@ def six_position(
             misplacement=math.radians(bench.misplacement), one_log=turns.one_log, site=bench.site(),
             celsius=samples.temperature, quantize=samples.quantize, progress=report,
         )  # fmt: skip
-    text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(["roll_deg", "pitch_deg"])
-    rows.writerows([f"{math.degrees(angle):.6f}" for angle in row] for row in made.attitudes.tolist())
-    _write(made.logs, output, kind, {TRUTH: made.truth.to_toml(), ATTITUDES: text.getvalue()}, force=force)
+    angles = "".join(f"{roll:.6f},{pitch:.6f}\n" for roll, pitch in np.degrees(made.attitudes))
+    texts = {output / TRUTH: made.truth.to_toml(), output / ATTITUDES: f"roll_deg,pitch_deg\n{angles}"}
+    output.mkdir(exist_ok=True)
+    save({output / f"{name}.{kind}": log for name, log in made.logs.items()}, texts, force=force)
 
 
 def rate_table(
     *, output: _Output, table: Table, sensor: BenchSensor, bench: Bench, samples: BenchSamples,
-    kind: _Format = "mcap", force: _Force = False,
+    kind: _Format = "mcap", force: Force = False,
 ) -> None:  # fmt: skip
     """Simulate an IMU on a rate table, a staircase of rates both ways, and the truth, for imuwb calibration."""
     from imuwb import simulation  # noqa: PLC0415 - help must not wait for numpy
@@ -144,24 +134,6 @@ def rate_table(
             rate=samples.rate, misplacement=math.radians(bench.misplacement), site=bench.site(),
             celsius=samples.temperature, quantize=samples.quantize, progress=report,
         )  # fmt: skip
-    _write(made.logs, output, kind, {TRUTH: made.truth.to_toml()}, force=force)
-
-
-def _write(logs: Mapping[str, Log], folder: Path, kind: str, texts: Mapping[str, str], *, force: bool) -> None:
-    from imuwb.cli.places import check_places  # noqa: PLC0415 - help must not wait for numpy
-    from imuwb.cli.terminal import progress  # noqa: PLC0415
-    from imuwb.writers import places, write, write_text  # noqa: PLC0415
-
-    folder.mkdir(exist_ok=True)
-    files = {folder / f"{name}.{kind}": log for name, log in logs.items()}
-    every = [place for path, log in files.items() for place in places(log, path)]
-    check_places([*every, *(folder / name for name in texts)], [], force=force)
-    with progress("writing") as report:
-        for i, (path, log) in enumerate(files.items()):
-            write(log, path)
-            report(i + 1, len(files))
-    for name, text in texts.items():
-        write_text(folder / name, text)
-        every.append(folder / name)
-    for file in every:
-        typer.echo(f"wrote {file}", err=True)
+    output.mkdir(exist_ok=True)
+    logs = {output / f"{name}.{kind}": log for name, log in made.logs.items()}
+    save(logs, {output / TRUTH: made.truth.to_toml()}, force=force)

@@ -128,7 +128,7 @@ def drive(*, output: Output, trip: Drive, vehicle: Vehicle, gnss: Gnss, wheels: 
             truth_rate=trip.truth_rate, celsius=celsius, quantize=vehicle.quantize, bandwidth=vehicle.bandwidth,
             vibration=vehicle.vibration, progress=report,
         )  # fmt: skip
-    save(log, output, force=force)
+    save({output: log}, force=force)
     if trip.preset is not None:
         outages = simulation.planned_outages(trip.preset)
         typer.echo("--at " + ",".join(f"{o.start:g}:{o.duration:g}" for o in outages))

@@ -1,5 +1,6 @@
 """What the commands of ``imuwb simulate`` share: their options, the sensor, and where logs go."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -138,15 +139,19 @@ def check_folder(folder: Path, files: list[Path], *, force: bool) -> None:
         check_place(file, force=force)
 
 
-def save(log: Log, output: Path, *, force: bool) -> None:
-    """Write a log, and print where."""
+def save(logs: Mapping[Path, Log], texts: Mapping[Path, str] | None = None, *, force: bool) -> None:
+    """Write logs and texts, and print where."""
     from imuwb.cli.places import check_places  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.terminal import progress  # noqa: PLC0415
-    from imuwb.writers import places, write  # noqa: PLC0415
+    from imuwb.writers import places, write, write_text  # noqa: PLC0415
 
-    files = places(log, output)
+    texts = texts or {}
+    files = [*(place for path, log in logs.items() for place in places(log, path)), *texts]
     check_places(files, [], force=force)
-    with progress(f"writing {output.name}") as report:
-        write(log, output, report)
+    for path, log in logs.items():
+        with progress(f"writing {path.name}") as report:
+            write(log, path, report)
+    for path, text in texts.items():
+        write_text(path, text)
     for file in files:
         typer.echo(f"wrote {file}", err=True)

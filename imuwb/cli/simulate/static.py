@@ -27,4 +27,4 @@ def static(*, output: Output, sensor: Sensor, length: Length, samples: Warm, for
             model, seconds, samples.rate, samples.seed, celsius=celsius, quantize=samples.quantize,
             bandwidth=samples.bandwidth, progress=report,
         )  # fmt: skip
-    save(log, output, force=force)
+    save({output: log}, force=force)

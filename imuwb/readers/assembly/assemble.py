@@ -2,7 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,8 +13,6 @@ from imuwb.log import (
     ImuStream,
     Kind,
     Log,
-    Nanoseconds,
-    Origin,
     Provenance,
     Reference,
     Repair,
@@ -23,7 +21,7 @@ from imuwb.log import (
 )
 from imuwb.notes import Note
 from imuwb.readers.assembly.siblings import sibling, with_fix_rows, with_parts_joined
-from imuwb.readers.assembly.time_order import Fault, in_order, taken
+from imuwb.readers.assembly.time_order import in_order, taken
 from imuwb.readers.batch import Batch, Remark
 
 Key = tuple[str, Kind, tuple[str, ...]]
@@ -44,18 +42,7 @@ _MAY_BE_UNKNOWN: dict[Kind, tuple[str, ...]] = {
     "gnss": ("velocity", *_SIGMAS, "fix_type"), "velocity": ("velocity", *_SIGMAS, "fix_type"),
     "reference": (*_SIGMAS, "attitude_sigma"),
 }  # fmt: skip
-NOT_FINITE = Fault(Note("not_finite", "rows with a value that is not a number left out"))
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Rows:
-    """All rows of one stream with the same columns."""
-
-    stream: str
-    kind: Kind
-    origin: Origin
-    time: Nanoseconds  #: (n,) ns
-    columns: dict[str, Floats]  #: (n,) or (n, 3) each
+NOT_FINITE = Repair(Note("not_finite", "rows with a value that is not a number left out"), 0)
 
 
 def assemble(parts: Iterable[Batch | Remark], provenance: Provenance) -> Log:
@@ -67,7 +54,7 @@ def assemble(parts: Iterable[Batch | Remark], provenance: Provenance) -> Log:
     """
     truth: dict[str, str] = {}
     groups, repairs, notes = _grouped(_without_truth(parts, truth))
-    streams: list[Rows] = []
+    streams: list[Batch] = []
     for (stream, kind, _), batches in groups.items():
         rows = _joined(batches, repairs.pop(stream, []))
         batches.clear()  # the pieces are freed as soon as they are joined, so a log is in memory once, not twice
@@ -116,20 +103,19 @@ def _pieces(batch: Batch) -> tuple[Batch, ...]:
     return replace(batch, columns=motion), replace(batch, columns={"temperature": batch.columns["temperature"]})
 
 
-def _joined(batches: list[Batch], repairs: list[Repair]) -> Rows:
+def _joined(batches: list[Batch], repairs: list[Repair]) -> Batch:
     """Return batches as one, with the rows in the order of time; its repairs are those given, then those made here."""
     first = batches[0]
     time = np.concatenate([batch.time for batch in batches])
     columns = {name: np.concatenate([batch.columns[name] for batch in batches]) for name in first.columns}
-    counts: dict[Fault, int] = {}
+    repairs = [*first.origin.repairs, *repairs]
     finite = _finite(first.kind, time.size, columns)
     if not finite.all():
-        counts[NOT_FINITE] = int(np.count_nonzero(~finite))
+        repairs.append(replace(NOT_FINITE, count=int(np.count_nonzero(~finite))))
         time, columns = taken(time, columns, finite)
-    time, columns = in_order(time, columns, counts)
-    more = (Repair(fault.what, count, fault.effect) for fault, count in counts.items())
-    origin = replace(first.origin, repairs=(*first.origin.repairs, *repairs, *more))
-    return Rows(first.stream, first.kind, origin, time, columns)
+    time, columns = in_order(time, columns, repairs)
+    origin = replace(first.origin, repairs=tuple(repairs))
+    return replace(first, time=time, columns=columns, origin=origin)
 
 
 def _finite(kind: Kind, rows: int, columns: dict[str, Floats]) -> Booleans:
@@ -142,7 +128,7 @@ def _finite(kind: Kind, rows: int, columns: dict[str, Floats]) -> Booleans:
     return finite
 
 
-def _repair_notes(streams: list[Rows], unused: dict[str, list[Repair]]) -> Iterator[Note]:
+def _repair_notes(streams: list[Batch], unused: dict[str, list[Repair]]) -> Iterator[Note]:
     """Yield the repairs of streams whose repairs a summary does not show, and the repairs of streams without rows."""
     shown = {(r.stream, r.kind) for r in streams if r.kind in ("imu", "gnss")}
     hidden = [(r.stream, repair) for r in streams if (r.stream, r.kind) not in shown for repair in r.origin.repairs]
@@ -150,9 +136,9 @@ def _repair_notes(streams: list[Rows], unused: dict[str, list[Repair]]) -> Itera
         yield Note(getattr(repair.what, "id", "repair"), f"{stream}: {repair.what} ({repair.count})")
 
 
-def _log(provenance: Provenance, streams: list[Rows], notes: list[str]) -> Log:
+def _log(provenance: Provenance, streams: list[Batch], notes: list[str]) -> Log:
     """Return the log of all rows; rows that belong to another stream are joined to it."""
-    of: dict[str, list[Rows]] = defaultdict(list)
+    of: dict[str, list[Batch]] = defaultdict(list)
     for rows in streams:
         of[rows.kind].append(rows)
     imus, imu_notes = _imus(of["imu"], [_scalars(r, "temperature") for r in of["temperature"]])
@@ -170,7 +156,7 @@ def _log(provenance: Provenance, streams: list[Rows], notes: list[str]) -> Log:
     )
 
 
-def _imus(streams: list[Rows], temperatures: list[Scalars]) -> tuple[tuple[ImuStream, ...], list[str]]:
+def _imus(streams: list[Batch], temperatures: list[Scalars]) -> tuple[tuple[ImuStream, ...], list[str]]:
     """Return the IMUs, each with the temperature that belongs to it, and notes on what was joined."""
     imus: dict[str, ImuStream] = {}
     for rows in streams:
@@ -189,7 +175,7 @@ def _imus(streams: list[Rows], temperatures: list[Scalars]) -> tuple[tuple[ImuSt
     return whole, [*notes, *part_notes]
 
 
-def _with_rows(imu: ImuStream, rows: Rows) -> ImuStream:
+def _with_rows(imu: ImuStream, rows: Batch) -> ImuStream:
     """Return an IMU with the sensors of some rows, and their repairs."""
     repairs = imu.origin.repairs + tuple(x for x in rows.origin.repairs if x not in imu.origin.repairs)
     triads = {
@@ -203,7 +189,7 @@ def _with_rows(imu: ImuStream, rows: Rows) -> ImuStream:
     return replace(imu, temperature=Scalars(rows.stream, rows.time, rows.columns["temperature"]))
 
 
-def _gnss(rows: Rows) -> GnssStream:
+def _gnss(rows: Batch) -> GnssStream:
     def known(name: str) -> Floats | None:
         values = rows.columns.get(name)
         if values is None or not np.isfinite(values).any():
@@ -223,10 +209,10 @@ def _gnss(rows: Rows) -> GnssStream:
     )
 
 
-def _reference(rows: Rows) -> Reference:
+def _reference(rows: Batch) -> Reference:
     columns: dict[str, Any] = dict(rows.columns)
     return Reference(rows.stream, rows.time, origin=rows.origin, **columns)
 
 
-def _scalars(rows: Rows, column: str) -> Scalars:
+def _scalars(rows: Batch, column: str) -> Scalars:
     return Scalars(rows.stream, rows.time, rows.columns[column])

@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from imuwb.arrays import Booleans, Floats
+from imuwb.arrays import Floats
 from imuwb.log import GnssStream, ImuStream, Nanoseconds
 from imuwb.notes import Note
+from imuwb.sampling import nearest
 
 _SENSOR = re.compile(r"(?<=/)(gyro|accel)(?=/|$)")
 MATCHED = 0.9  #: least share of the fixes that must have a row nearby
@@ -29,19 +30,13 @@ def sibling(topic: str, names: Sequence[str]) -> str | None:
 
 def with_parts_joined(imus: tuple[ImuStream, ...]) -> tuple[tuple[ImuStream, ...], list[str]]:
     """Return the IMUs; a gyro and an accelerometer whose topics differ only in the sensor's name become one IMU."""
-    parts = {
-        (_SENSOR.sub("*", imu.name), sensor): imu
-        for imu in imus
-        for sensor, own, other in (
-            ("gyro", imu.angular_rate, imu.specific_force),
-            ("accel", imu.specific_force, imu.angular_rate),
-        )
-        if own is not None and other is None and _SENSOR.search(imu.name)
-    }
+    named = {imu: _SENSOR.sub("*", imu.name) for imu in imus if _SENSOR.search(imu.name)}
+    gyros = {name: imu for imu, name in named.items() if imu.angular_rate is not None and imu.specific_force is None}
+    accels = {name: imu for imu, name in named.items() if imu.specific_force is not None and imu.angular_rate is None}
     streams, notes = list(imus), list[str]()
-    for (pattern, sensor), gyro in parts.items():
-        accel = parts.get((pattern, "accel"))
-        if sensor != "gyro" or accel is None:
+    for pattern, gyro in gyros.items():
+        accel = accels.get(pattern)
+        if accel is None:
             continue
         name = pattern.removesuffix("/*").replace("*", "imu")
         if any(imu.name == name for imu in imus):
@@ -75,33 +70,23 @@ def with_fix_rows(
     if gnss is None or not len(gnss):
         text = f"{topic}: no receiver in the log has this {quantity}; it is left out"
         return streams, Note("fix_rows_left_out", text)
-    nearest, near = _nearest(time, gnss.time)
+    rows = nearest(gnss.time, time)
+    interval = float(np.median(np.diff(gnss.time))) if len(gnss) > 1 else 0.0
+    near = np.abs(time[rows] - gnss.time) <= interval / 2
     if near.mean() < MATCHED:
         text = (
             f"{topic}: only {near.sum()} of {len(gnss)} fixes of {gnss.name} have a {quantity} nearby; it is left out"
         )
         return streams, Note("fix_rows_left_out", text)
     values = {
-        key: np.where(near.reshape(-1, *[1] * (column.ndim - 1)), column[nearest], np.nan)
+        key: np.where(near.reshape(-1, *[1] * (column.ndim - 1)), column[rows], np.nan)
         for key, column in columns.items()
     }
-    whole = _with_values(gnss, values)
+    if "fix_type" in values:
+        whole = replace(gnss, fix_type=np.nan_to_num(values["fix_type"]).astype(np.int64))
+    else:
+        whole = replace(gnss, **{key: column for key, column in values.items() if np.isfinite(column).any()})
     missing = int(np.count_nonzero(~near))
     rest = f"; {missing} fixes have none nearby" if missing else ""
     note = Note("fix_rows_joined", f"{topic}: taken as the {quantity} of {gnss.name}{rest}")
     return tuple(whole if s is gnss else s for s in streams), note
-
-
-def _nearest(time: Nanoseconds, fixes: Nanoseconds) -> tuple[Nanoseconds, Booleans]:
-    """Return for each fix the row nearest in time, and whether it is within half an interval of the fixes."""
-    after = np.searchsorted(time, fixes).clip(0, time.size - 1)
-    before = (after - 1).clip(0)
-    nearest = np.where(np.abs(time[after] - fixes) < np.abs(fixes - time[before]), after, before)
-    interval = float(np.median(np.diff(fixes))) if fixes.size > 1 else 0.0
-    return nearest, np.abs(time[nearest] - fixes) <= interval / 2
-
-
-def _with_values(gnss: GnssStream, values: Mapping[str, Floats]) -> GnssStream:
-    if "fix_type" in values:
-        return replace(gnss, fix_type=np.nan_to_num(values["fix_type"]).astype(np.int64))
-    return replace(gnss, **{key: column for key, column in values.items() if np.isfinite(column).any()})

@@ -1,28 +1,20 @@
 """Makes the time of rows strictly increase: repairs damaged stamps, clocks set back, late rows and repeated rows."""
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
 from imuwb.arrays import Booleans, Floats, Integers
-from imuwb.log import Effect, Nanoseconds
+from imuwb.log import Nanoseconds, Repair
 from imuwb.notes import Note
 from imuwb.units import SECOND
 
-
-@dataclass(frozen=True, slots=True)
-class Fault:
-    """A kind of fault that assembly repairs."""
-
-    what: Note
-    effect: Effect = "lost"
-
-
-IMPOSSIBLE = Fault(Note("impossible_time", "rows with an impossible time left out"))
-ALONE = Fault(Note("lone_time", "rows whose time is far from that of both neighbours left out"))
-SET_BACK = Fault(Note("set_back", "clock set back: the time after it goes on by one usual step"), "time")
-LATE = Fault(Note("out_of_order", "rows out of order sorted by time"), "order")
-REPEATED = Fault(Note("repeated_time", "rows with the same time as the row before left out"))
+# The count of each is set when rows are repaired.
+IMPOSSIBLE = Repair(Note("impossible_time", "rows with an impossible time left out"), 0)
+ALONE = Repair(Note("lone_time", "rows whose time is far from that of both neighbours left out"), 0)
+SET_BACK = Repair(Note("set_back", "clock set back: the time after it goes on by one usual step"), 0, "time")
+LATE = Repair(Note("out_of_order", "rows out of order sorted by time"), 0, "order")
+REPEATED = Repair(Note("repeated_time", "rows with the same time as the row before left out"), 0)
 
 LATEST = 2**62  #: ns from the epoch, the year 2116; differences of such times fit into int64
 CLOCK_STEP = SECOND  #: ns; a row that is older than its predecessor by more shows a clock set back; one that is older by less is late
@@ -34,25 +26,25 @@ ROWS_PER_STEP = 100  #: a clock may be set back once in so many rows; rows that 
 
 
 def in_order(
-    time: Nanoseconds, columns: dict[str, Floats], counts: dict[Fault, int]
+    time: Nanoseconds, columns: dict[str, Floats], repairs: list[Repair]
 ) -> tuple[Nanoseconds, dict[str, Floats]]:
-    """Return rows whose time strictly increases, and count the repairs."""
-    time, columns = _without(np.abs(time) >= LATEST, IMPOSSIBLE, time, columns, counts)
+    """Return rows whose time strictly increases, and add the repairs."""
+    time, columns = _without(np.abs(time) >= LATEST, IMPOSSIBLE, time, columns, repairs)
     steps = np.diff(time)
     if steps.size and steps.min() > 0 and steps.max() <= CLOCK_STEP:
         return time, columns  # nearly all logs
-    time, columns = _without(_damaged_stamps(time), ALONE, time, columns, counts)
+    time, columns = _without(_damaged_stamps(time), ALONE, time, columns, repairs)
     if time.size < 2:  # noqa: PLR2004 - one row is in order
         return time, columns
     continued, times_set_back = _continued(time)
     if 0 < times_set_back <= max(MOST_STEPS, time.size // ROWS_PER_STEP):
-        counts[SET_BACK] = times_set_back
+        repairs.append(replace(SET_BACK, count=times_set_back))
         time = continued
     late = int(np.count_nonzero(time < np.maximum.accumulate(time)))
     if late:
-        counts[LATE] = late
+        repairs.append(replace(LATE, count=late))
         time, columns = taken(time, columns, np.argsort(time, kind="stable"))
-    return _without(np.diff(time, prepend=time[0] - 1) == 0, REPEATED, time, columns, counts)
+    return _without(np.diff(time, prepend=time[0] - 1) == 0, REPEATED, time, columns, repairs)
 
 
 def taken(
@@ -63,12 +55,12 @@ def taken(
 
 
 def _without(
-    rows: Booleans, fault: Fault, time: Nanoseconds, columns: dict[str, Floats], counts: dict[Fault, int]
+    rows: Booleans, repair: Repair, time: Nanoseconds, columns: dict[str, Floats], repairs: list[Repair]
 ) -> tuple[Nanoseconds, dict[str, Floats]]:
     """Return time and columns without some rows, and count them."""
     if not rows.any():
         return time, columns
-    counts[fault] = int(np.count_nonzero(rows))
+    repairs.append(replace(repair, count=int(np.count_nonzero(rows))))
     return taken(time, columns, ~rows)
 
 

@@ -1,6 +1,7 @@
 """Numbers of all messages at once, from any offsets in a buffer of bytes."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,26 @@ from numpy.typing import NDArray
 
 from imuwb.arrays import Bytes, Integers
 from imuwb.readers.bytes.loops import compiled_loop, worth_compiling
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A number, or ``count`` numbers, in a record."""
+
+    name: str
+    kind: str  #: numpy's name of its type, with the byte order
+    count: int  #: 0 for a single number
+    offset: int  #: bytes from the beginning of the record
+
+    @property
+    def end(self) -> int:
+        """The offset after the field."""
+        return self.offset + np.dtype(self.kind).itemsize * max(self.count, 1)
+
+
+def columns(fields: Iterable[Field], buffer: Bytes, records: Integers) -> dict[str, NDArray[Any]]:
+    """Return the fields of the records at some offsets of a buffer, {name: (n,) or (n, count)}."""
+    return {f.name: gather(buffer, records + f.offset, f.kind, f.count) for f in fields}
 
 
 def gather(buffer: Bytes, at: Integers, kind: str, count: int = 0) -> NDArray[Any]:

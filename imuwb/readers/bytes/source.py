@@ -25,21 +25,18 @@ def check(path: str | Path) -> None:
     """Raise UnreadableLogError unless ``path`` is a file that is not empty."""
     path = Path(path)
     try:
-        fault = _fault(path)
+        if path.is_dir():
+            raise UnreadableLogError(f"{path}: this is a directory, not a log; name a file in it")
+        if not path.exists():
+            raise UnreadableLogError(f"{path}: there is no such file")
+        if not path.is_file():
+            raise UnreadableLogError(
+                f"{path}: this is a device or a pipe; a log is read more than once, so write it to a file first"
+            )
+        if not path.stat().st_size:
+            raise UnreadableLogError(f"{path}: the file is empty")
     except OSError as error:
         raise UnreadableLogError(f"{path}: the file cannot be opened: {error.strerror}") from error
-    if fault:
-        raise UnreadableLogError(f"{path}: {fault}")
-
-
-def _fault(path: Path) -> str:
-    if path.is_dir():
-        return "this is a directory, not a log; name a file in it"
-    if not path.exists():
-        return "there is no such file"
-    if not path.is_file():
-        return "this is a device or a pipe; a log is read more than once, so write it to a file first"
-    return "" if path.stat().st_size else "the file is empty"
 
 
 class _Unpacked(gzip.GzipFile):

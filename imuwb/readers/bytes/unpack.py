@@ -51,15 +51,11 @@ def unpack_front(packed: memoryview, compression: str, size: int) -> bytes:
     if size > LARGEST:
         return b""
     try:
-        if compression == "zstd":
-            return _zstd_front(packed, size)
-        if compression == "lz4":
-            return lz4.frame.LZ4FrameDecompressor().decompress(packed, max_length=size)
-        if compression == "bz2":
-            return bz2.BZ2Decompressor().decompress(packed, max_length=size)
-    except (zstandard.ZstdError, RuntimeError, EOFError, OSError):
+        return (
+            _zstd_front(packed, size) if compression == "zstd" else bytes(_unpacked(packed, compression, size))[:size]
+        )
+    except (zstandard.ZstdError, RuntimeError, EOFError, OSError, ValueError):
         return b""
-    return bytes(packed) if compression in ("", "none") else b""
 
 
 def _zstd_front(packed: memoryview, size: int) -> bytes:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from imuwb.readers.batch import Batch, Remark
-from imuwb.readers.containers.magic import BAG
+from imuwb.readers.containers.messages import BAG_MAGIC
 from imuwb.readers.read_options import ReadOptions
 
 format = "bag"  # noqa: A001 - the contract's name
@@ -13,7 +13,7 @@ uses = ("time_source", "frame")
 
 def probe(head: bytes) -> bool:
     """Return whether the file begins as a bag of version 2.0."""
-    return head.startswith(BAG)
+    return head.startswith(BAG_MAGIC)
 
 
 def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:

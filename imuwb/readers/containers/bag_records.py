@@ -9,23 +9,21 @@ Specification: http://wiki.ros.org/Bags/Format/2.0
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
+from functools import partial
 
 import numpy as np
 
 from imuwb.arrays import Bytes, Integers
 from imuwb.compiled import compiled
 from imuwb.notes import Note
-from imuwb.readers.bytes.ahead import ahead
 from imuwb.readers.bytes.gather import gather
 from imuwb.readers.bytes.source import extended
 from imuwb.readers.bytes.unpack import unpack, unpack_front
-from imuwb.readers.containers.magic import BAG as MAGIC
-from imuwb.readers.containers.messages import Channel, Messages, Schema
+from imuwb.readers.containers.messages import BAG_MAGIC as MAGIC
+from imuwb.readers.containers.messages import Channel, Messages, Piece, RecordFile, Schema
 from imuwb.units import SECOND
 
 MESSAGE, CHUNK, CONNECTION = 0x02, 0x05, 0x07
-AHEAD = 2  #: chunks that are unpacked while another is decoded
 _OP, _CONNECTION, _TIME = b"op=", b"conn=", b"time="
 
 
@@ -96,34 +94,13 @@ def walk(buffer: Bytes) -> Records:
     return Records(opcode.astype(np.uint8), header, connection, time, data, length, end)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Piece:
-    """A block of the file, or an unpacked chunk."""
+class Bag(RecordFile[Records]):
+    """A ROS 1 bag. It does not state whether heights are above mean sea level."""
 
-    buffer: Bytes
-    records: Records
-    bytes_read: int  #: position of its end in the file
-    notes: tuple[Note, ...] = ()
+    def _walk(self, buffer: Bytes) -> Records:
+        return walk(buffer)
 
-
-class Bag:
-    """A ROS 1 bag, read from its beginning to its end; schemas and channels are added on the way."""
-
-    def __init__(self, path: Path) -> None:
-        """Set the file; nothing is read yet."""
-        self.path = path
-        self.schemas: dict[int, Schema] = {}
-        self.channels: dict[int, Channel] = {}
-        self.notes: list[Note] = []  #: notes on the faults of the container
-        self.above_sea: set[str] = set()  #: always empty: a bag does not state whether heights are above mean sea level
-
-    def messages(self) -> Iterator[Messages]:
-        """Yield the messages of each chunk, or, in a bag without chunks, of each block."""
-        for piece in ahead(self._pieces(), AHEAD):
-            self.notes.extend(piece.notes)
-            yield from self._messages(piece)
-
-    def _pieces(self) -> Iterator[_Piece]:
+    def _pieces(self) -> Iterator[Piece[Records]]:
         with self.path.open("rb") as file:
             size = self.path.stat().st_size
             file.seek(len(MAGIC))
@@ -131,16 +108,29 @@ class Bag:
             while (block := extended(file, rest, _whole(rest), size - offset)) is not None:
                 buffer = np.frombuffer(block, np.uint8)
                 records = walk(buffer)
-                yield _Piece(buffer, records, offset + len(block))
+                yield Piece(buffer, records, offset + len(block))
                 for i in np.flatnonzero(records.opcode == CHUNK):
                     start = int(records.data[i])
                     head = bytes(buffer[records.header[i] : start - 4])
-                    yield _chunk(buffer.data[start : start + int(records.length[i])], head, offset + start)
+                    packed = buffer.data[start : start + int(records.length[i])]
+                    unpacked = partial(unpack, packed, *_packing(head))
+                    yield self._chunk(unpacked, offset + start, offset + start + len(packed))
                 rest, offset = block[records.end :], offset + records.end
             if rest:
-                yield _cut_end(rest, offset)
+                yield self._cut_end(rest, offset)
 
-    def _messages(self, piece: _Piece) -> Iterator[Messages]:
+    def _cut_end(self, rest: bytes, offset: int) -> Piece[Records]:
+        """Return the whole part of a last record that is cut."""
+        end = offset + len(rest)
+        text = f"the file ends at byte {end} inside a record that begins at byte {offset}"
+        header = int.from_bytes(rest[:4], "little")
+        unpacked = b""
+        if len(rest) > 8 + header and _fields(rest[4 : 4 + header]).get("op") == bytes([CHUNK]):
+            compression, size = _packing(rest[4 : 4 + header])
+            unpacked = unpack_front(memoryview(rest)[8 + header :], compression, size)
+        return self._piece(unpacked, end, Note("cut", f"{text}; all data before this point are used"))
+
+    def _messages(self, piece: Piece[Records]) -> Iterator[Messages]:
         records, buffer = piece.records, piece.buffer
         for i in np.flatnonzero(records.opcode == CONNECTION):
             self._declare(piece, int(i))
@@ -152,7 +142,7 @@ class Bag:
             start = records.data[plain]
             yield Messages(buffer, number, time, time, start, records.length[plain], piece.bytes_read)
 
-    def _declare(self, piece: _Piece, i: int) -> None:
+    def _declare(self, piece: Piece[Records], i: int) -> None:
         records, raw = piece.records, piece.buffer.data
         start, length = int(records.data[i]), int(records.length[i])
         outer = _fields(bytes(raw[int(records.header[i]) : start - 4]))
@@ -195,40 +185,5 @@ def _fields(header: bytes) -> dict[str, bytes]:
 def _packing(header: bytes) -> tuple[str, int]:
     """Return a chunk's compression and unpacked size, as its header states them."""
     fields = _fields(header)
-    return fields.get("compression", b"none").decode("utf-8", "replace"), int.from_bytes(
-        fields.get("size", b""), "little"
-    )
-
-
-def _chunk(packed: memoryview, header: bytes, offset: int) -> _Piece:
-    """Return the content of a chunk; nothing, and a note, if it is damaged."""
-    compression, size = _packing(header)
-    end = offset + len(packed)
-    try:
-        buffer = np.frombuffer(unpack(packed, compression, size), np.uint8)
-    except ValueError as error:
-        return _nothing(end, Note("chunk_left_out", f"chunk at byte {offset} left out: {error}"))
-    records = walk(buffer)
-    rest = buffer.size - records.end
-    text = f"chunk at byte {offset}: its last {rest} bytes do not form a record"
-    return _Piece(buffer, records, end, (Note("chunk_end", text),) if rest else ())
-
-
-def _nothing(bytes_read: int, note: Note) -> _Piece:
-    nothing = np.empty(0, np.uint8)
-    return _Piece(nothing, walk(nothing), bytes_read, (note,))
-
-
-def _cut_end(rest: bytes, offset: int) -> _Piece:
-    """Return the whole part of a last record that is cut."""
-    end = offset + len(rest)
-    text = (
-        f"the file ends at byte {end} inside a record that begins at byte {offset}; all data before this point are used"
-    )
-    header = int.from_bytes(rest[:4], "little")
-    unpacked = b""
-    if len(rest) > 8 + header and _fields(rest[4 : 4 + header]).get("op") == bytes([CHUNK]):
-        compression, size = _packing(rest[4 : 4 + header])
-        unpacked = unpack_front(memoryview(rest)[8 + header :], compression, size)
-    buffer = np.frombuffer(unpacked, np.uint8)
-    return _Piece(buffer, walk(buffer), end, (Note("cut", text),))
+    compression = fields.get("compression", b"none").decode("utf-8", "replace")
+    return compression, int.from_bytes(fields.get("size", b""), "little")

@@ -2,13 +2,13 @@
 
 import json
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any, Literal, Protocol, cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from imuwb.arrays import Bytes, Integers
-from imuwb.readers.bytes.gather import gather
+from imuwb.readers.bytes.gather import Field, gather
 from imuwb.readers.containers import ros_layout
 from imuwb.readers.containers.messages import Channel, Messages, Schema
 from imuwb.readers.containers.shapes import REFERENCE, REFERENCE_SIGMAS
@@ -23,38 +23,8 @@ class CannotDecodeError(Exception):
     """A channel's messages cannot be decoded; the text states why."""
 
 
-class Decoder(Protocol):
-    """Decodes the messages of one channel."""
-
-    def fields(self, messages: Messages, rows: Integers) -> list[str]:
-        """Return the dotted paths of the messages' numbers, from the definition or from some of the rows."""
-        ...
-
-    def decode(self, messages: Messages, rows: Integers, paths: tuple[str, ...]) -> Iterator[Piece]:
-        """Yield the fields in pieces; a message that does not fit its definition is in no piece."""
-        ...
-
-
-def decoder_of(channel: Channel, schema: Schema | None) -> Decoder:
-    """Return the decoder of a channel.
-
-    Raises:
-        CannotDecodeError: the channel has no decoder.
-    """
-    encoding = channel.message_encoding
-    if encoding == "cdr":
-        return _RosDecoder(schema, "cdr")
-    if encoding == "ros1":
-        return _RosDecoder(schema, "ros1")
-    if encoding == "json":
-        return _ObjectDecoder(json.loads)
-    if encoding == "protobuf":
-        return _ObjectDecoder(_protobuf(schema))
-    raise CannotDecodeError(f"message encoding {encoding!r} is not supported; cdr, ros1, protobuf and json are")
-
-
 class _RosDecoder:
-    def __init__(self, schema: Schema | None, wire: Literal["cdr", "ros1"]) -> None:
+    def __init__(self, schema: Schema | None, wire: ros_layout.Wire) -> None:
         if schema is None or schema.encoding not in ("ros2msg", "ros1msg"):
             raise CannotDecodeError(
                 f"schema encoding {schema.encoding if schema else 'none'!r} is not supported; ros1msg and ros2msg are"
@@ -66,7 +36,7 @@ class _RosDecoder:
             self._plan = ros_layout.plan(schema.name, definition)
         except ros_layout.UnknownLayoutError as error:
             raise CannotDecodeError(str(error)) from error
-        self._wire: Literal["cdr", "ros1"] = wire
+        self._wire: ros_layout.Wire = wire
 
     def fields(self, messages: Messages, rows: Integers) -> list[str]:
         del messages, rows  # the definition states all fields
@@ -80,7 +50,7 @@ class _RosDecoder:
             yield _gathered(messages.buffer, start[group.rows], group.places), rows[group.rows]
 
 
-def _gathered(buffer: Bytes, at: Integers, places: tuple[ros_layout.Place, ...]) -> dict[str, NDArray[Any]]:
+def _gathered(buffer: Bytes, at: Integers, places: tuple[Field, ...]) -> dict[str, NDArray[Any]]:
     """Return fields; numbers that follow each other, such as x, y and z, are columns of one array."""
     fields: dict[str, NDArray[Any]] = {}
     first = 0
@@ -89,15 +59,15 @@ def _gathered(buffer: Bytes, at: Integers, places: tuple[ros_layout.Place, ...])
         while after < len(places) and _continues(places[after - 1], places[after]):
             after += 1
         if after == first + 1:
-            fields[place.path] = gather(buffer, at + place.offset, place.kind, place.count)
+            fields[place.name] = gather(buffer, at + place.offset, place.kind, place.count)
         else:
             block = gather(buffer, at + place.offset, place.kind, after - first)
-            fields |= {p.path: block[:, i] for i, p in enumerate(places[first:after])}
+            fields |= {p.name: block[:, i] for i, p in enumerate(places[first:after])}
         first = after
     return fields
 
 
-def _continues(place: ros_layout.Place, after: ros_layout.Place) -> bool:
+def _continues(place: Field, after: Field) -> bool:
     return place.kind == after.kind and not place.count and not after.count and place.end == after.offset
 
 
@@ -131,6 +101,27 @@ class _ObjectDecoder:
         if decoded:
             arrays = [np.array(column) for column in zip(*table, strict=True)]
             yield dict(zip(paths, arrays, strict=True)), np.array(decoded)
+
+
+#: ``fields(messages, rows)`` returns the dotted paths of the messages' numbers, from the definition or from some of the rows;
+#: ``decode(messages, rows, paths)`` yields the fields in pieces; a message that does not fit its definition is in no piece.
+Decoder = _RosDecoder | _ObjectDecoder
+
+
+def decoder_of(channel: Channel, schema: Schema | None) -> Decoder:
+    """Return the decoder of a channel.
+
+    Raises:
+        CannotDecodeError: the channel has no decoder.
+    """
+    encoding = channel.message_encoding
+    if encoding in ("cdr", "ros1"):
+        return _RosDecoder(schema, encoding)
+    if encoding == "json":
+        return _ObjectDecoder(json.loads)
+    if encoding == "protobuf":
+        return _ObjectDecoder(_protobuf(schema))
+    raise CannotDecodeError(f"message encoding {encoding!r} is not supported; cdr, ros1, protobuf and json are")
 
 
 def _payload(messages: Messages, row: int) -> bytes:

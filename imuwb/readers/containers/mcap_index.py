@@ -13,17 +13,10 @@ from imuwb.notes import Note
 from imuwb.readers.bytes.unpack import LARGEST
 from imuwb.readers.containers import shapes
 from imuwb.readers.containers.decoders import CannotDecodeError, decoder_of
-from imuwb.readers.containers.mcap_chunk import (
-    HEADER,
-    MESSAGE,
-    PREFIX,
-    TRUTH,
-    above_sea_level,
-    metadata,
-    unpacked_chunk,
-)
+from imuwb.readers.containers.mcap_records import HEADER, MESSAGE, PREFIX, above_sea_level, metadata, unpacked_chunk
 from imuwb.readers.containers.messages import Channel, Messages, Schema
 from imuwb.readers.containers.topics import UNIX, origin_of
+from imuwb.ros import TRUTH
 from imuwb.summary import LogSummary, StreamSummary
 from imuwb.units import SECOND
 
@@ -69,7 +62,7 @@ def _streams(file: BinaryIO, summary: Summary, above: set[str]) -> Iterator[Stre
         chunks = [chunk for chunk in summary.chunk_indexes if number in chunk.message_index_offsets]
         if not chunks or not count:
             continue
-        fields = decoder.fields(_alone(_first(file, chunks[0], number)), np.zeros(1, np.int64))
+        fields = decoder.fields(_first(file, chunks[0], number), np.zeros(1, np.int64))
         start, end = min(c.message_start_time for c in chunks), max(c.message_end_time for c in chunks)
         rate = (count - 1) / (end - start) * SECOND if end > start else None
         for recipe in shapes.recognise(fields, ours.name if ours else "", channel.topic):
@@ -81,8 +74,8 @@ def _streams(file: BinaryIO, summary: Summary, above: set[str]) -> Iterator[Stre
             )
 
 
-def _first(file: BinaryIO, chunk: ChunkIndex, number: int) -> bytes:
-    """Return the payload of a channel's first message in a chunk."""
+def _first(file: BinaryIO, chunk: ChunkIndex, number: int) -> Messages:
+    """Return a channel's first message in a chunk."""
     file.seek(chunk.chunk_start_offset)
     records = unpacked_chunk(memoryview(file.read(min(chunk.chunk_length, LARGEST)))[PREFIX:])
     at = 0
@@ -90,13 +83,8 @@ def _first(file: BinaryIO, chunk: ChunkIndex, number: int) -> bytes:
         opcode, content = records[at], at + PREFIX
         at = content + int.from_bytes(records[at + 1 : content], "little")
         if opcode == MESSAGE and int.from_bytes(records[content : content + 2], "little") == number:
-            return bytes(records[content + HEADER : at])
+            payload, zero = np.frombuffer(records[content + HEADER : at], np.uint8), np.zeros(1, np.int64)
+            return Messages(payload, zero.astype(np.uint16), zero, zero, zero, zero + payload.size, 0)
     raise ValueError(
         f"the index states a message of channel {number} in the chunk at byte {chunk.chunk_start_offset}; there is none"
     )
-
-
-def _alone(payload: bytes) -> Messages:
-    """Return one payload as a buffer of messages."""
-    zero = np.zeros(1, np.int64)
-    return Messages(np.frombuffer(payload, np.uint8), zero.astype(np.uint16), zero, zero, zero, zero + len(payload), 0)

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from imuwb.readers.batch import Batch, Remark, simulated
-from imuwb.readers.containers.magic import MCAP
 from imuwb.readers.read_options import ReadOptions
+from imuwb.ros import MCAP_MAGIC
 from imuwb.summary import LogSummary
 
 format = "mcap"  # noqa: A001 - the contract's name
@@ -14,7 +14,7 @@ uses = ("time_source", "frame")
 
 def probe(head: bytes) -> bool:
     """Return whether the file begins with MCAP's magic."""
-    return head.startswith(MCAP)
+    return head.startswith(MCAP_MAGIC)
 
 
 def describe(path: Path) -> LogSummary | None:

@@ -9,42 +9,30 @@ Specification: https://mcap.dev/spec
 
 import struct
 from collections.abc import Iterator
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, NamedTuple
 
 import numpy as np
+from isal import isal_zlib
 
 from imuwb.arrays import Bytes, Integers
+from imuwb.log import MEAN_SEA_LEVEL
 from imuwb.notes import Note
-from imuwb.readers.bytes.ahead import ahead
 from imuwb.readers.bytes.gather import gather
 from imuwb.readers.bytes.loops import compiled_loop, worth_compiling
 from imuwb.readers.bytes.source import extended
-from imuwb.readers.containers.magic import MCAP as MAGIC
-from imuwb.readers.containers.mcap_chunk import (
-    CHANNEL,
-    CHUNK,
-    DATA_END,
-    FOOTER,
-    HEADER,
-    MESSAGE,
-    METADATA,
-    PREFIX,
-    SCHEMA,
-    TRUTH,
-    above_sea_level,
-    metadata,
-    text,
-    unpacked_chunk,
-    unpacked_front,
-)
-from imuwb.readers.containers.messages import Channel, Messages, Schema
+from imuwb.readers.bytes.unpack import unpack, unpack_front
+from imuwb.readers.containers.messages import Channel, Messages, Piece, RecordFile, Schema
+from imuwb.ros import MCAP_MAGIC as MAGIC
+from imuwb.ros import OURS, TRUTH
 
+FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, METADATA, DATA_END = 0x02, 0x03, 0x04, 0x05, 0x06, 0x0C, 0x0F
+PREFIX = 9  #: bytes of a record before its content: opcode u8, length u64
+HEADER = 22  #: bytes of a message before its payload: channel u16, sequence u32, log time u64, publish time u64
 LATEST = np.uint64(2**62)  #: ns; a later time (after 2116) is damage
 LOG_TIME, PUBLISH_TIME = 6, 14  #: offsets in a message
 CHUNK_HEADER = 40  #: bytes of a chunk before its records, at least
-AHEAD = 2  #: pieces that are unpacked while another is decoded
 
 
 def _walk(
@@ -71,52 +59,115 @@ def _walk(
     return count, at
 
 
-def walk(buffer: Bytes, start: int = 0) -> tuple[Bytes, Integers, Integers, int]:
-    """Return opcode, start and length of the content of each whole record, and where the records end."""
+class Records(NamedTuple):
+    """The whole records of a buffer, (n,) each."""
+
+    opcode: Bytes
+    content: Integers  #: offset
+    length: Integers  #: length of the content
+    end: int  #: offset after the last whole record
+
+
+def walk(buffer: Bytes, start: int = 0) -> Records:
+    """Return the whole records of a buffer from an offset on."""
     fill = compiled_loop(_walk) if worth_compiling(buffer.size) else _walk
     nothing = np.empty(0, np.uint8), np.empty(0, np.int64), np.empty(0, np.int64)
     count, end = fill(buffer, start, *nothing)
     tables = np.empty(count, np.uint8), np.empty(count, np.int64), np.empty(count, np.int64)
     if count:
         fill(buffer, start, *tables)
-    return *tables, end
+    return Records(*tables, end)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Piece:
-    """A block of the file, or an unpacked chunk, and the offsets of its records."""
+def text(content: bytes, at: int) -> tuple[str, int]:
+    """Return a text that is stored after its length, and the offset of its end.
 
-    buffer: Bytes
-    opcode: Bytes
-    content: Integers
-    length: Integers
-    bytes_read: int  #: position of its end in the file
-    notes: tuple[Note, ...] = ()  #: notes on the faults of the piece
+    Raises:
+        ValueError: the text is longer than its record.
+    """
+    size = struct.unpack_from("<I", content, at)[0]
+    if at + 4 + size > len(content):
+        raise ValueError(f"a text of {size} bytes is longer than its record")
+    return content[at + 4 : at + 4 + size].decode("utf-8", "replace"), at + 4 + size
 
 
-class Recording:
-    """An MCAP file, read from its beginning to its end; schemas and channels are added on the way."""
+def metadata(content: bytes) -> tuple[str, dict[str, str]]:
+    """Return a metadata record's name and entries.
+
+    Raises:
+        ValueError, struct.error: the record is damaged.
+    """
+    name, at = text(content, 0)
+    end = at + 4 + struct.unpack_from("<I", content, at)[0]
+    at, entries = at + 4, dict[str, str]()
+    while at < min(end, len(content)):
+        key, at = text(content, at)
+        entries[key], at = text(content, at)
+    return name, entries
+
+
+def above_sea_level(record: tuple[str, dict[str, str]]) -> set[str]:
+    """Return the topics whose heights are above mean sea level, according to metadata that imuwb wrote."""
+    name, entries = record
+    return {topic for topic, text in entries.items() if MEAN_SEA_LEVEL in text} if name == OURS else set()
+
+
+def unpacked_chunk(chunk: memoryview) -> bytes | memoryview:
+    """Return the unpacked records of a chunk; their checksum is tested.
+
+    Args:
+        chunk: the content of the chunk's record.
+
+    Raises:
+        ValueError: the records cannot be used; the message states why.
+    """
+    size, crc, compression, packed = _chunk_fields(chunk)
+    records = unpack(packed, compression, size)
+    if crc and isal_zlib.crc32(records) != crc:
+        raise ValueError("its checksum is wrong")
+    return records
+
+
+def _chunk_fields(chunk: memoryview) -> tuple[int, int, str, memoryview]:
+    try:
+        _, _, size, crc = struct.unpack_from("<QQQI", chunk)
+        compression, at = text(bytes(chunk[:64]), 28)
+        packed = struct.unpack_from("<Q", chunk, at)[0]
+    except struct.error as error:
+        raise ValueError(f"its header is damaged ({error})") from error
+    return size, crc, compression, chunk[at + 8 : at + 8 + packed]
+
+
+def unpacked_front(chunk: bytes) -> bytes:
+    """Return the part of a cut chunk that can be unpacked; its checksum cannot be tested."""
+    try:
+        size, _, compression, packed = _chunk_fields(memoryview(chunk))
+    except ValueError:
+        return b""
+    return unpack_front(packed, compression, size)
+
+
+class Recording(RecordFile[Records]):
+    """An MCAP file; metadata that imuwb wrote state which heights are above mean sea level."""
+
+    damaged = 0  #: messages left out because their time is impossible
 
     def __init__(self, path: Path) -> None:
         """Set the file; nothing is read yet."""
-        self.path = path
-        self.schemas: dict[int, Schema] = {}
-        self.channels: dict[int, Channel] = {}
-        self.notes: list[Note] = []  #: notes on the faults of the container
-        self.above_sea: set[str] = set()  #: topics with heights above mean sea level, by metadata that imuwb wrote
+        super().__init__(path)
         self.truth: dict[str, str] = {}  #: parameters of a simulated log, by metadata that imuwb wrote
-        self.damaged = 0  #: messages left out because their time is impossible
 
     def messages(self) -> Iterator[Messages]:
         """Yield the messages of each chunk, or, in a file without chunks, of each block."""
-        for piece in ahead(self._pieces(), AHEAD):
-            self.notes.extend(piece.notes)
-            yield from self._messages(piece)
+        yield from super().messages()
         if self.damaged:
             text = f"{self.damaged} messages with an impossible recorded time left out"
             self.notes.append(Note("impossible_time", text))
 
-    def _pieces(self) -> Iterator[_Piece]:
+    def _walk(self, buffer: Bytes) -> Records:
+        return walk(buffer)
+
+    def _pieces(self) -> Iterator[Piece[Records]]:
         with self.path.open("rb") as file:
             size = self.path.stat().st_size
             file.seek(len(MAGIC))
@@ -125,26 +176,39 @@ class Recording:
                 whole = PREFIX + int.from_bytes(rest[1:PREFIX], "little") if len(rest) >= PREFIX else 0
                 block = extended(file, rest, whole, size - offset)
                 if block is None:
-                    yield _cut_end(rest, offset)
+                    yield self._cut_end(rest, offset)
                     return
                 buffer = np.frombuffer(block, np.uint8)
                 opcode, content, length, end = walk(buffer)
                 last = np.flatnonzero(opcode == DATA_END)
                 count = int(last[0]) if last.size else opcode.size
                 opcode, content, length = opcode[:count], content[:count], length[:count]
-                yield _Piece(buffer, opcode, content, length, offset + len(block))
+                yield Piece(buffer, Records(opcode, content, length, end), offset + len(block))
                 for i in np.flatnonzero(opcode == CHUNK):
-                    yield _chunk(buffer.data[content[i] : content[i] + length[i]], offset + int(content[i]))
+                    start = offset + int(content[i])
+                    packed = buffer.data[content[i] : content[i] + length[i]]
+                    yield self._chunk(partial(unpacked_chunk, packed), start, start + len(packed))
                 if last.size:
                     end_of_data = offset + int(content[count - 1] + length[count - 1]) if count else offset
-                    fault = _end_fault(file, end_of_data, size)
-                    if fault:
-                        yield _nothing(size, Note("end_damaged", fault))
+                    if fault := _end_fault(file, end_of_data, size):
+                        yield self._piece(b"", size, Note("end_damaged", fault))
                     return
                 rest, offset = block[end:], offset + end
 
-    def _messages(self, piece: _Piece) -> Iterator[Messages]:
-        opcode, content, length, raw = piece.opcode, piece.content, piece.length, piece.buffer.data
+    def _cut_end(self, rest: bytes, offset: int) -> Piece[Records]:
+        """Return the whole part of a last record that is cut."""
+        end = offset + len(rest)
+        text = f"the file ends at byte {end} without its end mark"
+        if not rest:
+            text += ": it was cut, or is still being written; all data before this point are used"
+            return self._piece(b"", end, Note("no_end_mark", text))
+        note = Note("cut", f"{text}, inside a record that begins at byte {offset}; all data before this point are used")
+        is_chunk = rest[0] == CHUNK and len(rest) > PREFIX + CHUNK_HEADER
+        return self._piece(unpacked_front(rest[PREFIX:]) if is_chunk else b"", end, note)
+
+    def _messages(self, piece: Piece[Records]) -> Iterator[Messages]:
+        opcode, content, length, _ = piece.records
+        raw = piece.buffer.data
         for i in np.flatnonzero(np.isin(opcode, (SCHEMA, CHANNEL, METADATA))):
             self._declare(int(opcode[i]), bytes(raw[content[i] : content[i] + length[i]]))
         plain = (opcode == MESSAGE) & (length >= HEADER)
@@ -198,35 +262,3 @@ def _end_fault(file: BinaryIO, at: int, size: int) -> str:
         return f"the end mark at byte {at} is missing or damaged; all messages are before it"
     more = size - at - len(MAGIC)
     return f"{more} bytes after the end mark are not used" if more else ""
-
-
-def _nothing(bytes_read: int, note: Note) -> _Piece:
-    nothing, nowhere = np.empty(0, np.uint8), np.empty(0, np.int64)
-    return _Piece(nothing, nothing, nowhere, nowhere, bytes_read, (note,))
-
-
-def _chunk(packed: memoryview, offset: int) -> _Piece:
-    """Return the content of a chunk; nothing, and a note, if it is damaged."""
-    end = offset + len(packed)
-    try:
-        records = np.frombuffer(unpacked_chunk(packed), np.uint8)
-    except ValueError as error:
-        return _nothing(end, Note("chunk_left_out", f"chunk at byte {offset} left out: {error}"))
-    opcode, content, length, end_of_records = walk(records)
-    rest = records.size - end_of_records
-    text = f"chunk at byte {offset}: its last {rest} bytes do not form a record"
-    return _Piece(records, opcode, content, length, end, (Note("chunk_end", text),) if rest else ())
-
-
-def _cut_end(rest: bytes, offset: int) -> _Piece:
-    """Return the whole part of a last record that is cut."""
-    end = offset + len(rest)
-    text = f"the file ends at byte {end} without its end mark"
-    if not rest:
-        text += ": it was cut, or is still being written; all data before this point are used"
-        return _nothing(end, Note("no_end_mark", text))
-    note = Note("cut", f"{text}, inside a record that begins at byte {offset}; all data before this point are used")
-    is_chunk = rest[0] == CHUNK and len(rest) > PREFIX + CHUNK_HEADER
-    buffer = np.frombuffer(unpacked_front(rest[PREFIX:]) if is_chunk else b"", np.uint8)
-    opcode, content, length, _ = walk(buffer)
-    return _Piece(buffer, opcode, content, length, end, (note,))

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from imuwb.arrays import Bytes, Integers
-from imuwb.readers.bytes.gather import alike, gather
+from imuwb.readers.bytes.gather import Field, alike, gather
 
 Wire = Literal["cdr", "ros1"]
 
@@ -104,27 +104,17 @@ def _flatten(texts: dict[str, str], name: str, prefix: str, steps: list[LayoutFi
         fixed = int(number) if array and number and not bounded else None
         if kind in _PRIMITIVES and not (array and fixed is None):
             steps.append(LayoutField(path, _PRIMITIVES[kind], fixed or 0))
-        elif kind in _PRIMITIVES:
-            size = int(_PRIMITIVES[kind][1])
+        elif kind in _PRIMITIVES or (kind == "string" and not array):
+            size = int(_PRIMITIVES.get(kind, "u1")[1])
             steps.append(Jump(path, size, size))
-        elif kind in ("string", "wstring"):
-            if array or kind == "wstring":
-                return False
-            steps.append(Jump(path, 1, 1))
-        elif not _flatten_nested(texts, name, kind, path, steps, depth, array=bool(array), fixed=fixed):
+        elif kind in ("string", "wstring") or (array and (fixed is None or fixed > LARGEST_ARRAY)):
             return False
+        else:
+            child = _resolve(texts, kind, name)
+            places = [f"{path}.{i}." for i in range(fixed or 0)] if array else [f"{path}."]
+            if not all(_flatten(texts, child, place, steps, depth + 1) for place in places):
+                return False
     return True
-
-
-def _flatten_nested(
-    texts: dict[str, str], parent: str, kind: str, path: str, steps: list[LayoutField | Jump], depth: int,
-    *, array: bool, fixed: int | None,
-) -> bool:  # fmt: skip
-    if array and (fixed is None or fixed > LARGEST_ARRAY):
-        return False
-    child = _resolve(texts, kind, parent)
-    places = [f"{path}."] if not array else [f"{path}.{i}." for i in range(fixed or 0)]
-    return all(_flatten(texts, child, place, steps, depth + 1) for place in places)
 
 
 def _resolve(texts: dict[str, str], kind: str, parent: str) -> str:
@@ -136,27 +126,12 @@ def _resolve(texts: dict[str, str], kind: str, parent: str) -> str:
     raise UnknownLayoutError(f"type {kind!r}, used in {parent}, is not defined")
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
-    """The offset of a field."""
-
-    path: str
-    kind: str  #: numpy's name of its type, with byte order
-    count: int  #: 0 for a single number
-    offset: int  #: bytes from the payload's start
-
-    @property
-    def end(self) -> int:
-        """The offset after the field."""
-        return self.offset + int(self.kind[2:]) * max(self.count, 1)
-
-
 @dataclass(frozen=True, eq=False, slots=True)
 class Group:
     """Messages whose fields have the same offsets."""
 
     rows: Integers  #: numbers of the messages
-    places: tuple[Place, ...]  #: places of the wanted fields
+    places: tuple[Field, ...]  #: the wanted fields; their offsets count from the payload's start
 
 
 def groups(
@@ -179,7 +154,7 @@ def groups(
 
 
 def _split(
-    steps: Plan, wanted: Sequence[str], places: tuple[Place, ...], rows: Integers, at: int,
+    steps: Plan, wanted: Sequence[str], places: tuple[Field, ...], rows: Integers, at: int,
     order: str, align: int, buffer: Bytes, start: Integers, length: Integers, body: int,
 ) -> Iterator[Group]:  # fmt: skip
     """Follow the plan; at a jump, split the messages by the length of the jump, and go on with each part."""
@@ -191,7 +166,7 @@ def _split(
             at = _aligned(at, min(size, align))
             for path, count in ((step.path, step.count), (f"{step.path}[0]", 0)):
                 if path in wanted:
-                    places = (*places, Place(path, f"{order}{step.kind}", count, body + at))
+                    places = (*places, Field(path, f"{order}{step.kind}", count, body + at))
             at += size * max(step.count, 1)
             continue
         at = _aligned(at, min(4, align))

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from imuwb.arrays import Floats, Integers
 from imuwb.log import SECOND, Kind
+from imuwb.ros import ABSENT, UNKNOWN
 
 Values = Mapping[str, Floats]
 
@@ -25,8 +26,6 @@ STAMPS = (
     ("timestamp.sec", "timestamp.nanosec"),
     ("timestamp.seconds", "timestamp.nanos"),
 )
-UNKNOWN = -2  #: status of a NavSatFix whose status is not known
-ABSENT = -1.0  #: first element of a covariance in ROS, if the message lacks the measurement
 LATEST = 9.2e9  #: s; later nanoseconds do not fit into int64
 
 
@@ -136,14 +135,9 @@ def _velocity(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
     return columns
 
 
-def _speed(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
-    del frame  # x is forward in all frames
-    return {"speed": values[f"{prefix}twist.linear.x"]}
-
-
-def _fix_type(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
-    del frame
-    return {"fix_type": values[f"{prefix}fix_type"]}
+def _single(column: str, field: str) -> Callable[[Values, str, str], dict[str, Floats]]:
+    """Return the recipe of one number that is the same in all frames."""
+    return lambda values, prefix, frame: {column: values[prefix + field]}  # noqa: ARG005 - recipes are called alike
 
 
 def _reference(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
@@ -157,19 +151,12 @@ def _reference(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
     return {name: column for name, column in columns.items() if np.isfinite(column).all()} | known
 
 
-def _temperature(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
-    del frame
-    return {"temperature": values[f"{prefix}temperature"]}
-
-
 _COURSE = ("track", "speed", "climb")
 _LINEAR = ("twist.linear.x", "twist.linear.y", "twist.linear.z")
 REFERENCE = ("latitude_longitude_height", "velocity_north_east_down", "roll_pitch_heading")
 REFERENCE_SIGMAS = ("position_sigma", "velocity_sigma", "attitude_sigma")
 _TRIADS = tuple(f"{field}.{axis}" for field in ("angular_velocity", "linear_acceleration") for axis in "xyz")
 _COVARIANCES = ("angular_velocity_covariance[0]", "linear_acceleration_covariance[0]")
-
-
 _RECEIVER = re.compile(r"(?:^|[/_.])(?:gps|gnss|fix|navsat|ublox)")
 
 
@@ -193,9 +180,9 @@ _SCHEMAS: dict[Kind, Callable[[str, str], bool]] = {
 _SHAPES: tuple[tuple[str, Kind, tuple[str, ...], tuple[str, ...], Callable[..., dict[str, Floats]]], ...] = (
     ("angular_velocity.x", "imu", _TRIADS, _COVARIANCES, _imu),
     ("latitude", "gnss", ("latitude", "longitude"), ("altitude", "position_covariance", "status.status", *_COURSE), _gnss),
-    ("temperature", "temperature", ("temperature",), (), _temperature),
+    ("temperature", "temperature", ("temperature",), (), _single("temperature", "temperature")),
     ("twist.linear.x", "velocity", _LINEAR, ("covariance",), _velocity),
-    ("twist.linear.x", "speed", _LINEAR, (), _speed),
-    ("fix_type", "fix", ("fix_type",), (), _fix_type),
+    ("twist.linear.x", "speed", _LINEAR, (), _single("speed", "twist.linear.x")),
+    ("fix_type", "fix", ("fix_type",), (), _single("fix_type", "fix_type")),
     ("latitude_longitude_height", "reference", REFERENCE, REFERENCE_SIGMAS, _reference),
 )  # fmt: skip

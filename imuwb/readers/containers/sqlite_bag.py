@@ -8,13 +8,12 @@ from urllib.parse import quote
 
 import numpy as np
 
-from imuwb.errors import UnreadableLogError
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
-from imuwb.readers.containers import ros_types
-from imuwb.readers.containers.messages import Channel, Messages, Schema
-from imuwb.readers.containers.topics import Topics
+from imuwb.readers.containers.messages import Channel, Container, Messages, Schema
+from imuwb.readers.containers.topics import streamed
 from imuwb.readers.read_options import ReadOptions
+from imuwb.ros import definition
 
 format = "db3"  # noqa: A001 - the contract's name
 uses = ("time_source", "frame")
@@ -30,31 +29,32 @@ def probe(head: bytes) -> bool:
 
 
 def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
-    """Yield the messages, some thousand at a time.
+    """Return the messages, some thousand at a time.
 
     Raises:
         UnreadableLogError: the database is no recording of ROS 2, or has no readable message.
     """
-    channels: dict[int, Channel] = {}
-    schemas: dict[int, Schema] = {}
-    topics = Topics(channels, schemas, options)
-    fault = ""
-    try:
-        with closing(sqlite3.connect(f"file:{quote(str(path.resolve()))}?mode=ro&immutable=1", uri=True)) as database:
-            database.execute("PRAGMA writable_schema=ON")  # otherwise a cut file is not opened at all
-            _declare(database, channels, schemas)
-            for messages in _messages(database, path.stat().st_size):
-                yield from topics.batches(messages)
-    except (sqlite3.Error, OverflowError, UnicodeDecodeError) as error:
-        fault = f"the database is cut or damaged ({error}); all data before this point are used"
-    if not topics.count:
-        raise UnreadableLogError(f"{path}: no message can be read: {fault or 'the recording is empty'}")
-    missing = _missing(path)
-    if missing and not fault:
-        fault = f"the database lacks its last {missing} bytes: it was cut, and rows may be missing"
-    if fault:
-        yield Remark(Note("cut", fault))
-    yield from topics.remarks()
+    return streamed(path, Database(path), options)
+
+
+class Database(Container):
+    """A recording in SQLite. It does not state whether heights are above mean sea level."""
+
+    def messages(self) -> Iterator[Messages]:
+        """Yield the messages, some thousand at a time."""
+        uri = f"file:{quote(str(self.path.resolve()))}?mode=ro&immutable=1"
+        try:
+            with closing(sqlite3.connect(uri, uri=True)) as database:
+                database.execute("PRAGMA writable_schema=ON")  # otherwise a cut file is not opened at all
+                _declare(database, self.channels, self.schemas)
+                yield from _messages(database, self.path.stat().st_size)
+        except (sqlite3.Error, OverflowError, UnicodeDecodeError) as error:
+            fault = f"the database is cut or damaged ({error}); all data before this point are used"
+            self.notes.append(Note("cut", fault))
+            return
+        if missing := _missing(self.path):
+            fault = f"the database lacks its last {missing} bytes: it was cut, and rows may be missing"
+            self.notes.append(Note("cut", fault))
 
 
 def _missing(path: Path) -> int:
@@ -77,9 +77,9 @@ def _declare(database: sqlite3.Connection, channels: dict[int, Channel], schemas
         if not isinstance(number, int) or abs(number) >= LATEST:
             continue
         channels[number] = Channel(str(topic), str(encoding), number)
-        text = definitions.get(str(kind)) or ros_types.definition(str(kind))
+        text = definitions.get(str(kind)) or definition(str(kind))
         # Without a definition the topic cannot be read; a note then gives its type.
-        schemas[number] = Schema(str(kind), "ros2msg" if text else "none", (text or "").encode())
+        schemas[number] = Schema(str(kind), "ros2msg" if text else "none", text.encode())
 
 
 def _messages(database: sqlite3.Connection, size: int) -> Iterator[Messages]:

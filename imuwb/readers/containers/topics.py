@@ -1,9 +1,9 @@
 """From the messages of a container's channels to batches of streams, by the names of the messages' fields."""
 
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes.gather import alike
 from imuwb.readers.containers import shapes
 from imuwb.readers.containers.decoders import CannotDecodeError, Decoder, Piece, decoder_of
-from imuwb.readers.containers.messages import Channel, Messages, Schema
+from imuwb.readers.containers.messages import Channel, Container, Messages, Schema
 from imuwb.readers.containers.shapes import Recipe
 from imuwb.readers.read_options import ReadOptions
 
@@ -35,26 +35,13 @@ _STORED: dict[Kind, tuple[str, str]] = {
 }  # fmt: skip
 
 
-class Container(Protocol):
-    """A file of messages that is read from its beginning to its end."""
-
-    channels: dict[int, Channel]
-    schemas: dict[int, Schema]
-    notes: list[Note]  #: notes on the faults of the part that is read
-    above_sea: set[str]  #: topics whose heights are above mean sea level
-
-    def messages(self) -> Iterator[Messages]:
-        """Yield the messages, buffer by buffer."""
-        ...
-
-
 def streamed(path: Path, container: Container, options: ReadOptions) -> Iterator[Batch | Remark]:
     """Yield the streams of a container's messages, then notes on its faults.
 
     Raises:
         UnreadableLogError: the container has no whole message.
     """
-    topics = Topics(container.channels, container.schemas, options, container.above_sea)
+    topics = Topics(container, options)
     for messages in container.messages():
         yield from topics.batches(messages)
     if not topics.count:
@@ -85,17 +72,10 @@ def origin_of(kind: Kind, frame: str | None, *, above_sea: bool, unix: bool = Fa
 class Topics:
     """The topics of a container that is being read; channels and schemas are added meanwhile."""
 
-    def __init__(
-        self,
-        channels: Mapping[int, Channel],
-        schemas: Mapping[int, Schema],
-        options: ReadOptions,
-        above_sea: Collection[str] = (),
-    ) -> None:
-        """Set the container's channels and schemas, and the topics with heights above mean sea level."""
-        self._above_sea = above_sea
+    def __init__(self, container: Container, options: ReadOptions) -> None:
+        """Set the container; nothing is read yet."""
         self.count = 0  #: messages so far
-        self._channels, self._schemas, self._options = channels, schemas, options
+        self._container, self._options = container, options
         self._topics: dict[tuple[str, ...], _Topic] = {}
         self._undeclared = Counter[int]()
 
@@ -104,16 +84,17 @@ class Topics:
         self.count += messages.start.size
         rows_of: dict[tuple[str, ...], list[Integers]] = defaultdict(list)
         for number, rows in alike(messages.channel, np.arange(messages.start.size)):
-            channel = self._channels.get(number)
+            channel = self._container.channels.get(number)
             if channel is None:
                 self._undeclared[number] += rows.size
                 continue
-            schema = self._schemas.get(channel.schema_id)
+            schema = self._container.schemas.get(channel.schema_id)
             # The publishers of a topic have a channel each; their messages are one stream, in the file's order.
             key = channel.topic, channel.message_encoding, schema.name if schema else ""
             rows_of[key].append(rows)
             if key not in self._topics:
-                self._topics[key] = _Topic(channel, schema, self._options, above_sea=channel.topic in self._above_sea)
+                above_sea = channel.topic in self._container.above_sea
+                self._topics[key] = _Topic(channel, schema, self._options, above_sea=above_sea)
         for key, parts in rows_of.items():
             rows = parts[0] if len(parts) == 1 else np.sort(np.concatenate(parts))
             yield from self._topics[key].batches(messages, rows)
@@ -129,9 +110,7 @@ class Topics:
 class _Topic:
     """One topic: its decoder, its recipes, and its faults so far."""
 
-    def __init__(
-        self, channel: Channel, schema: Schema | None, options: ReadOptions, *, above_sea: bool = False
-    ) -> None:
+    def __init__(self, channel: Channel, schema: Schema | None, options: ReadOptions, *, above_sea: bool) -> None:
         self.above_sea = above_sea
         self.name = channel.topic
         self.schema = schema.name if schema else ""

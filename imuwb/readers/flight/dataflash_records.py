@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from imuwb.arrays import Bytes, Integers
 from imuwb.compiled import compiled
-from imuwb.readers.bytes.gather import gather
+from imuwb.readers.bytes.gather import Field, columns
 
 HEAD = b"\xa3\x95"
 FMT, FMT_SIZE = 128, 89
@@ -31,14 +31,10 @@ _NAME = re.compile(rb"[A-Z0-9a-z_]{1,4}\0*")
 
 
 @dataclass(frozen=True, slots=True)
-class RecordField:
-    """A field of a record."""
+class RecordField(Field):
+    """A field of a record; its numbers are multiplied by the factor."""
 
-    name: str
-    kind: str  #: numpy's name of its type
-    count: int  #: 0 for a single number
     factor: float
-    offset: int  #: bytes from the beginning of the record
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,13 +50,10 @@ def formats(buffer: Bytes) -> dict[int, RecordFormat]:
     """Return the formats that a buffer's FMT records describe, by number; the first one of a number counts."""
     known = {FMT: RecordFormat("FMT", FMT_SIZE, ())}
     data = buffer.tobytes()
-    at = data.find(mark := HEAD + bytes([FMT]))
-    while at >= 0:
-        if at + FMT_SIZE <= len(data):
-            described = _format(data[at + 3 : at + FMT_SIZE])
-            if described is not None:
-                known.setdefault(data[at + 3], described)
-        at = data.find(mark, at + 1)
+    for match in re.finditer(HEAD + bytes([FMT]), data):
+        at = match.start()
+        if at + FMT_SIZE <= len(data) and (described := _format(data[at + 3 : at + FMT_SIZE])) is not None:
+            known.setdefault(data[at + 3], described)
     return known
 
 
@@ -71,12 +64,12 @@ def _format(body: bytes) -> RecordFormat | None:
         return None
     labels = names.decode("ascii", "replace").split(",") if names else []
     fields: list[RecordField] = []
-    offset = 3
+    end = 3
     for letter, label in zip(letters.decode(), [*labels, *[""] * len(letters)], strict=False):
         kind, count, factor = _KINDS[letter]
-        fields.append(RecordField(label.strip(), kind, count, factor, offset))
-        offset += np.dtype(kind).itemsize * max(count, 1)
-    return RecordFormat(name.rstrip(b"\0").decode(), size, tuple(fields)) if offset == size else None
+        fields.append(RecordField(label.strip(), kind, count, end, factor))
+        end = fields[-1].end
+    return RecordFormat(name.rstrip(b"\0").decode(), size, tuple(fields)) if end == size else None
 
 
 @compiled()
@@ -132,7 +125,9 @@ class Tables:
             if described.name in self.wanted:
                 rows = starts[:count][numbers[:count] == number]
                 if rows.size:
-                    self._pieces[described.name].append(_columns(described, buffer, rows))
+                    raw = columns(described.fields, buffer, rows)
+                    scaled = {f.name: raw[f.name] * f.factor for f in described.fields if f.factor != 1}
+                    self._pieces[described.name].append(raw | scaled)
         return end
 
     def table(self, name: str) -> dict[str, NDArray[Any]] | None:
@@ -141,11 +136,3 @@ class Tables:
         if not pieces:
             return None
         return {key: np.concatenate([piece[key] for piece in pieces]) for key in pieces[0]}
-
-
-def _columns(described: RecordFormat, buffer: Bytes, rows: Integers) -> dict[str, NDArray[Any]]:
-    columns: dict[str, NDArray[Any]] = {}
-    for field_ in described.fields:
-        values = gather(buffer, rows + field_.offset, field_.kind, field_.count)
-        columns[field_.name] = values if field_.factor == 1 else values * field_.factor
-    return columns

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from imuwb.readers.flight.dataflash_records import FMT_SIZE, Tables, formats
 from imuwb.readers.flight.dataflash_text import TextTables
 from imuwb.readers.flight.dataflash_units import si_factors
 from imuwb.readers.gps_time import unix_of_gps
+from imuwb.sampling import nearest
 from imuwb.units import SECOND
 
 Columns = Mapping[str, NDArray[Any]]
@@ -26,7 +27,6 @@ IMUS, RECEIVERS, ACCURACIES = ("IMU", "IMU2", "IMU3"), ("GPS", "GPS2"), ("GPA", 
 SOLUTIONS = ("XKF1", "NKF1", "EKF1")
 WANTED = {*IMUS, *RECEIVERS, *ACCURACIES, *SOLUTIONS, "POS", "ATT", "ISBH", "ISBD", "FMTU", "UNIT", "MULT"}
 HOTTEST = 300.0  #: °C; a temperature beyond is damage
-FULL_TURNS = 1000.0  #: rad; an angle beyond is damage
 FASTEST, STRONGEST = 200.0, 5000.0  #: rad/s and m/s²; a sample beyond is damage
 NEAR = 500_000_000  #: ns; a fix takes an accuracy whose time differs by less
 BATCH_SIZE = 32  #: samples in a record of a high-rate batch
@@ -36,12 +36,6 @@ WEEKS = (1000, 5000)  #: GPS weeks of 1999 and 2075; a receiver with a week outs
 IMU_UNITS, POSITION_UNITS = "rad/s, m/s²", f"deg, m ({MEAN_SEA_LEVEL}), m/s"
 _HEAD = ("N", "type", "instance", "mul", "smp_cnt", "SampleUS", "smp_rate")
 _TRIADS = {"angular_rate": ("GyrX", "GyrY", "GyrZ"), "specific_force": ("AccX", "AccY", "AccZ")}
-
-
-class _Tables(Protocol):
-    records: int
-
-    def table(self, name: str) -> dict[str, NDArray[Any]] | None: ...
 
 
 def streamed(path: Path, *, binary: bool) -> Iterator[Batch | Remark]:
@@ -96,7 +90,7 @@ def _text_tables(path: Path, notes: list[str]) -> TextTables:
 class _Streams:
     """Makes batches from the tables of records."""
 
-    def __init__(self, tables: _Tables, size: int) -> None:
+    def __init__(self, tables: Tables | TextTables, size: int) -> None:
         self._tables, self._size = tables, size
         self._factors = si_factors(tables)
         self._offset = self._unix_offset()
@@ -118,11 +112,8 @@ class _Streams:
         if self._offset is None:
             yield Remark(Note("no_date", "times count from power-up: no fix states the date"))
         else:
-            yield Remark(
-                Note(
-                    "utc_by_receiver", "times since power-up converted to UTC with the receiver's week and time of week"
-                )
-            )
+            text = "times since power-up converted to UTC with the receiver's week and time of week"
+            yield Remark(Note("utc_by_receiver", text))
 
     def _table(self, name: str) -> Columns | None:
         """Return the columns of a kind of record; None if the log has no such record, or none with a time."""
@@ -157,22 +148,18 @@ class _Streams:
 
     def _unix_offset(self) -> int | None:
         """Return the offset (ns) of Unix time from the time since power-up; None if no fix states the date."""
-        tables = (table for name in RECEIVERS if (table := self._table(name)) is not None)
-        offsets = [offset for table in tables if (offset := self._unix_offsets(table)) is not None]
-        return int(np.median(np.concatenate(offsets))) if offsets else None
-
-    def _unix_offsets(self, table: Columns) -> Nanoseconds | None:
-        """Return the offset of each fix that knows the date; None if none does."""
-        week = next((table[key] for key in ("GWk", "Week") if key in table), None)
-        milliseconds = next((table[key] for key in ("GMS", "TimeMS") if key in table), None)
-        if week is None or milliseconds is None or not ("TimeUS" in table or "T" in table):
-            return None
-        first, last = WEEKS
-        dated = (week > first) & (week < last) & (table.get("Status", week * 0 + FIXED) >= FIXED)
-        if not dated.any():
-            return None
-        unix = unix_of_gps(week[dated].astype(np.int64), milliseconds[dated].astype(np.int64))
-        return unix - self._boot(table)[dated]
+        offsets = [np.empty(0, np.int64)]
+        for table in filter(None, map(self._table, RECEIVERS)):
+            week = next((table[key] for key in ("GWk", "Week") if key in table), None)
+            milliseconds = next((table[key] for key in ("GMS", "TimeMS") if key in table), None)
+            if week is None or milliseconds is None or not ("TimeUS" in table or "T" in table):
+                continue
+            first, last = WEEKS
+            dated = (week > first) & (week < last) & (table.get("Status", week * 0 + FIXED) >= FIXED)
+            unix = unix_of_gps(week[dated].astype(np.int64), milliseconds[dated].astype(np.int64))
+            offsets.append(unix - self._boot(table)[dated])
+        every = np.concatenate(offsets)
+        return int(np.median(every)) if every.size else None
 
     def _imu(self, stream: str, name: str, columns: Columns) -> Iterator[Batch | Remark]:
         if not all(field in columns for fields in _TRIADS.values() for field in fields):
@@ -209,25 +196,17 @@ class _Streams:
         for i in range(heads["N"].size):
             head = {key: heads[key][i] for key in _HEAD}
             first, last = np.searchsorted(number, head["N"]), np.searchsorted(number, head["N"], side="right")
-            batch = self._high_rate_batch(head, samples[first:last])
-            if batch is None:
+            values, rate, multiplier = samples[first:last].reshape(-1, 3), float(head["smp_rate"]), float(head["mul"])
+            if not (len(values) == int(head["smp_cnt"]) and rate > 0 and multiplier > 0):
                 lost += 1
-            else:
-                yield batch
+                continue
+            start = int(head["SampleUS"]) * 1000 + (self._offset or 0)
+            time = start + np.rint(np.arange(len(values)) * (SECOND / rate)).astype(np.int64)
+            quantity = "specific_force" if int(head["type"]) == ACCEL else "angular_rate"
+            columns = {quantity: values / multiplier}
+            yield Batch(f"ISB.{int(head['instance'])}", "imu", time, columns, self._imu_origin, self._size)
         if lost:
             yield Remark(Note("cut_batch", f"{lost} incomplete high-rate batches left out"))
-
-    def _high_rate_batch(self, head: Mapping[str, Any], samples: NDArray[Any]) -> Batch | None:
-        """Return one batch; None if it is incomplete."""
-        rate, multiplier = float(head["smp_rate"]), float(head["mul"])
-        if not (len(samples) * BATCH_SIZE == int(head["smp_cnt"]) and rate > 0 and multiplier > 0):
-            return None
-        values = samples.reshape(-1, 3) / multiplier
-        start = int(head["SampleUS"]) * 1000 + (self._offset or 0)
-        time = start + np.rint(np.arange(len(values)) * (SECOND / rate)).astype(np.int64)
-        quantity = "specific_force" if int(head["type"]) == ACCEL else "angular_rate"
-        name = f"ISB.{int(head['instance'])}"
-        return Batch(name, "imu", time, {quantity: values}, self._imu_origin, self._size)
 
     def _receiver(self, stream: str, columns: Columns, accuracy: Columns | None) -> Iterator[Batch | Remark]:
         if not {"Lat", "Lng", "Alt", "Spd"} <= columns.keys():
@@ -238,8 +217,8 @@ class _Streams:
         known = {
             "position": trajectory.positions(columns["Lat"], columns["Lng"], columns["Alt"]),
             "velocity": trajectory.velocities(fields["Spd"], fields["GCrs"], fields["VZ"]),
-            "position_sigma": trajectory.position_sigmas(sigmas["HAcc"], sigmas["VAcc"]),
-            "velocity_sigma": trajectory.isotropic(sigmas["SAcc"]),
+            "position_sigma": trajectory.sigmas(sigmas["HAcc"], sigmas["VAcc"]),
+            "velocity_sigma": trajectory.sigmas(sigmas["SAcc"], sigmas["SAcc"]),
             "fix_type": fields["Status"],
         }
         yield from trajectory.located(stream, "gnss", self._time(columns), known, self._position_origin, self._size)
@@ -249,11 +228,9 @@ class _Streams:
         if accuracy is None or name not in accuracy:
             return np.full(fixes["Lat"].size, np.nan)
         time, at = self._boot(fixes), self._boot(accuracy)
-        after = np.searchsorted(at, time).clip(0, at.size - 1)
-        before = (after - 1).clip(0)
-        nearest = np.where(np.abs(at[before] - time) < np.abs(at[after] - time), before, after)
-        values = accuracy[name][nearest].astype(float)
-        return np.where((np.abs(at[nearest] - time) < NEAR) & (values > 0), values, np.nan)
+        rows = nearest(time, at)
+        values = accuracy[name][rows].astype(float)
+        return np.where((np.abs(at[rows] - time) < NEAR) & (values > 0), values, np.nan)
 
     def _solution(self) -> Iterator[Batch | Remark]:
         """Yield the navigation solution: position, with velocity and attitude of other records."""
@@ -273,9 +250,7 @@ class _Streams:
         attitude = self._table("ATT")
         if attitude is not None and {"Roll", "Pitch", "Yaw"} <= attitude.keys():
             angles = np.radians(trajectory.triples(attitude, ("Roll", "Pitch", "Yaw")))
-            known = (np.abs(angles) < FULL_TURNS).all(axis=1)
-            if known.any():
-                columns["attitude"] = trajectory.attitudes(boot, self._boot(attitude)[known], angles[known])
+            columns |= trajectory.attitudes(boot, self._boot(attitude), angles)
         origin = Origin(POSITION_UNITS, trajectory.ESTIMATED, self._epoch)
         yield from trajectory.located("POS", "reference", self._time(place), columns, origin, self._size)
 

@@ -32,7 +32,9 @@ class TextTables:
             name, _, rest = line.partition(b",")
             record = name.strip().decode("ascii", "replace")
             if record == "FMT":
-                self._describe([cell.strip() for cell in rest.decode("ascii", "replace").split(",")])
+                cells = [cell.strip() for cell in rest.decode("ascii", "replace").split(",")]
+                if len(cells) >= 5:  # noqa: PLR2004 - number, size, name, letters, at least one field
+                    self._names.setdefault(cells[2], tuple(cells[4:]))
             elif record in self._names and record in self._wanted and record not in STATED:
                 self._row(record, rest)
             self.records += bool(record)
@@ -46,10 +48,6 @@ class TextTables:
             return None
         rows = np.concatenate(self._arrays[name])
         return {label: rows[:, i] for i, label in enumerate(self._names[name])}
-
-    def _describe(self, cells: list[str]) -> None:
-        if len(cells) >= 5:  # noqa: PLR2004 - number, size, name, letters, at least one field
-            self._names.setdefault(cells[2], tuple(cells[4:]))
 
     def _row(self, record: str, rest: bytes) -> None:
         cells = rest.split(b",")

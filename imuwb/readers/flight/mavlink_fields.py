@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from imuwb.arrays import Bytes, Integers
-from imuwb.readers.bytes.gather import gather
+from imuwb.readers.bytes.gather import Field, columns, gather
 
 _COUNTS = "xacc:i2 yacc:i2 zacc:i2 xgyro:i2 ygyro:i2 zgyro:i2 xmag:i2 ymag:i2 zmag:i2"
 _SCALED, _RAW = f"time_boot_ms:u4 {_COUNTS} temperature:i2", f"time_usec:u8 {_COUNTS}"
@@ -41,18 +41,16 @@ class MessageLayout:
     """The fields of one message."""
 
     name: str
-    fields: tuple[tuple[str, str, int], ...]  #: name, numpy type, offset
+    fields: tuple[Field, ...]
     size: int  #: bytes of the payload with all fields
 
 
 def _layout(name: str, text: str) -> MessageLayout:
-    fields: list[tuple[str, str, int]] = []
-    at = 0
+    fields: list[Field] = []
     for part in text.split():
         field, _, kind = part.partition(":")
-        fields.append((field, f"<{kind}", at))
-        at += int(kind[1:])
-    return MessageLayout(name, tuple(fields), at)
+        fields.append(Field(field, f"<{kind}", 0, fields[-1].end if fields else 0))
+    return MessageLayout(name, tuple(fields), fields[-1].end)
 
 
 LAYOUTS = {number: _layout(name, text) for number, (name, text) in _MESSAGES.items()}
@@ -72,5 +70,4 @@ def decoded(layout: MessageLayout, buffer: Bytes, payload: Integers, length: Int
         rows = np.flatnonzero(np.minimum(length, layout.size) == size)
         if size:
             whole[rows, :size] = gather(buffer, payload[rows], "|u1", int(size))
-    rows, flat = np.arange(payload.size) * layout.size, whole.ravel()
-    return {name: gather(flat, rows + offset, kind) for name, kind, offset in layout.fields}
+    return columns(layout.fields, whole.ravel(), np.arange(payload.size) * layout.size)

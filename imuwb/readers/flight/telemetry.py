@@ -2,7 +2,6 @@
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +20,8 @@ Values = Mapping[str, NDArray[Any]]
 Key = tuple[int, int, int]
 Rows = tuple[Integers, Nanoseconds, dict[str, NDArray[Any]]]
 
-EARLIEST, LATEST = (
-    946_684_800_000_000,
-    4_102_444_800_000_000,
-)  #: µs of the years 2000 and 2100; a time outside is damage
+#: µs of the years 2000 and 2100; a time outside is damage
+EARLIEST, LATEST = 946_684_800_000_000, 4_102_444_800_000_000
 MICRO = 1000  #: ns
 
 
@@ -35,19 +32,6 @@ def has_frame(head: bytes) -> bool:
     return bool(((recorded > EARLIEST) & (recorded < LATEST)).any())
 
 
-@dataclass(slots=True)
-class _Pieces:
-    """The rows of one message of one component, block by block."""
-
-    place: list[Integers] = field(default_factory=list[Any])
-    recorded: list[Nanoseconds] = field(default_factory=list[Any])
-    values: list[Values] = field(default_factory=list[Any])
-
-    def joined(self) -> Rows:
-        columns = {name: np.concatenate([piece[name] for piece in self.values]) for name in self.values[0]}
-        return np.concatenate(self.place), np.concatenate(self.recorded), columns
-
-
 class Telemetry:
     """A telemetry log, read to its end."""
 
@@ -55,7 +39,7 @@ class Telemetry:
         """Read the file."""
         self.frames = self.failed = self.unknown = self.skipped = self.impossible = self.bytes_read = 0
         self.notes: list[str] = []  #: notes on the packed file
-        self._pieces: dict[Key, _Pieces] = defaultdict(_Pieces)
+        self._pieces: dict[Key, list[Rows]] = defaultdict(list)  #: block by block
         with source.open_unpacked(path) as file:
             rest, offset = b"", 0
             for block, last in source.blocks(file, self.notes):
@@ -66,7 +50,7 @@ class Telemetry:
 
     def rows(self) -> dict[Key, Rows]:
         """Return the rows of each message; the rows are not kept, so this can be called once."""
-        return {key: self._pieces.pop(key).joined() for key in sorted(self._pieces)}
+        return {key: _joined(self._pieces.pop(key)) for key in sorted(self._pieces)}
 
     @property
     def has_rows(self) -> bool:
@@ -99,8 +83,13 @@ class Telemetry:
         for message in np.unique(key[wanted]):
             rows = wanted[key[wanted] == message]
             number = int(frames.number[rows[0]])
-            pieces = self._pieces[int(frames.system[rows[0]]), int(frames.component[rows[0]]), number]
-            pieces.place.append(offset + frames.record[rows])
-            pieces.recorded.append(recorded[rows].astype(np.int64) * MICRO)
-            pieces.values.append(decoded(LAYOUTS[number], buffer, frames.payload[rows], frames.length[rows]))
+            values = decoded(LAYOUTS[number], buffer, frames.payload[rows], frames.length[rows])
+            piece = offset + frames.record[rows], recorded[rows].astype(np.int64) * MICRO, values
+            self._pieces[int(frames.system[rows[0]]), int(frames.component[rows[0]]), number].append(piece)
         return frames.end
+
+
+def _joined(pieces: list[Rows]) -> Rows:
+    place, recorded, values = zip(*pieces, strict=True)
+    columns = {name: np.concatenate([piece[name] for piece in values]) for name in values[0]}
+    return np.concatenate(place), np.concatenate(recorded), columns

@@ -140,11 +140,12 @@ class _Streams:
             text = "heights are above mean sea level; the receiver sends none above the ellipsoid"
             yield Remark(Note("above_sea", f"{name}: {text}"))
         height = values["alt_ellipsoid" if ellipsoid else "alt"] * 1e-3
+        speed_sigma = known("vel_acc", 0, 1e-3)
         columns = {
             "position": trajectory.positions(values["lat"] * 1e-7, values["lon"] * 1e-7, height),
             "velocity": trajectory.velocities(known("vel", UNKNOWN, 1e-2), known("cog", UNKNOWN, 1e-2)),
-            "position_sigma": trajectory.position_sigmas(known("h_acc", 0, 1e-3), known("v_acc", 0, 1e-3)),
-            "velocity_sigma": trajectory.isotropic(known("vel_acc", 0, 1e-3)),
+            "position_sigma": trajectory.sigmas(known("h_acc", 0, 1e-3), known("v_acc", 0, 1e-3)),
+            "velocity_sigma": trajectory.sigmas(speed_sigma, speed_sigma),
             "fix_type": values["fix_type"].astype(np.float64),
         }
         origin = Origin(f"1e-7 deg, mm{'' if ellipsoid else ABOVE_SEA}, cm/s", "NED", "unix")
@@ -159,9 +160,7 @@ class _Streams:
         if attitude is not None:
             place, recorded, angles = attitude
             at, turns = self._time(clock, place, recorded, angles), trajectory.triples(angles, ("roll", "pitch", "yaw"))
-            known = np.isfinite(turns).all(axis=1)
-            if known.any():
-                columns["attitude"] = trajectory.attitudes(time, at[known], turns[known])
+            columns |= trajectory.attitudes(time, at, turns)
         origin = Origin(f"1e-7 deg, mm{ABOVE_SEA}, cm/s", trajectory.ESTIMATED, "unix")
         yield from trajectory.located(name, "reference", time, columns, origin, self._bytes_read)
         if trajectory.usable(position).any():

@@ -13,6 +13,7 @@ from imuwb.readers.batch import Batch, Remark
 
 HIGHEST = 1e5  #: m; a height beyond is damage
 FASTEST = 2e4  #: m/s; a velocity beyond is damage
+FULL_TURNS = 1000.0  #: rad; an angle beyond is damage
 ESTIMATED = f"NED, {BY_FILTER}"  #: frame of a navigation solution
 
 
@@ -37,14 +38,9 @@ def velocities(speed: Floats, course: Floats, down: Floats | float = np.nan) -> 
         return np.where(np.abs(velocity) < FASTEST, velocity, np.nan)
 
 
-def position_sigmas(horizontal: Floats, vertical: Floats) -> Floats:
-    """Return sigmas of positions, (n, 3) m, NED; the horizontal sigma is used for north and for east."""
+def sigmas(horizontal: Floats, vertical: Floats) -> Floats:
+    """Return sigmas, (n, 3) NED, of positions or velocities; the horizontal sigma is used for north and for east."""
     return np.stack([horizontal, horizontal, vertical], axis=1)
-
-
-def isotropic(sigma: Floats) -> Floats:
-    """Return one sigma for all three axes, (n, 3)."""
-    return np.stack([sigma] * 3, axis=1)
 
 
 def usable(position: Floats) -> Booleans:
@@ -73,18 +69,19 @@ def interpolated(time: Nanoseconds, at: Nanoseconds, values: Floats) -> Floats:
     return np.stack([np.interp(time, at, column) for column in values.T], axis=1)
 
 
-def attitudes(time: Nanoseconds, at: Nanoseconds, angles: Floats) -> Floats:
-    """Return roll, pitch and heading at other times, (n, 3) rad, from those, (m, 3), at times ``at`` in any order.
+def attitudes(time: Nanoseconds, at: Nanoseconds, angles: Floats) -> dict[str, Floats]:
+    """Return the column ``attitude``, roll, pitch and heading at other times, (n, 3) rad; nothing if all angles are damaged.
 
     The interpolation is linear, also across the step from 360 to 0 degrees.
+
+    Args:
+        time: (n,) ns.
+        at: (m,) ns, in any order.
+        angles: (m, 3) rad.
     """
+    known = (np.abs(angles) < FULL_TURNS).all(axis=1)
+    if not known.any():
+        return {}
+    at, angles = at[known], angles[known]
     order = np.argsort(at, kind="stable")
-    return interpolated(time, at[order], np.unwrap(angles[order].astype(np.float64), axis=0))
-
-
-def euler_angles(q: Floats) -> Floats:
-    """Return roll, pitch and heading, (n, 3) rad, of quaternions, (n, 4), body to NED, scalar first (Groves, eq. 2.37)."""
-    w, x, y, z = q.T
-    roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x**2 + y**2))
-    pitch = np.arcsin((2 * (w * y - z * x)).clip(-1, 1))
-    return np.stack([roll, pitch, np.arctan2(2 * (w * z + x * y), 1 - 2 * (y**2 + z**2))], axis=1)
+    return {"attitude": interpolated(time, at[order], np.unwrap(angles[order], axis=0))}

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from imuwb.arrays import Booleans, Bytes, Integers
 from imuwb.compiled import compiled
-from imuwb.readers.bytes.gather import alike, gather
+from imuwb.readers.bytes.gather import Field, alike, columns, gather
 
 HEADER = 16  #: bytes: magic, version, time
 FLAGS = ord("B")
@@ -31,16 +31,6 @@ DEEPEST, LONGEST = 8, 4096  #: levels of nested messages, and fields of a topic,
 CHAIN = 8  #: messages that must follow each other after damage
 LONG = 1024  #: bytes; a longer message after damage is probably garbage whose length leads by chance to a sound message
 LARGEST = 4096  #: bytes; a longer message at the end of the file is damaged, not cut
-
-
-@dataclass(frozen=True, slots=True)
-class TopicField:
-    """A number, or ``count`` numbers, in a topic's message."""
-
-    name: str
-    kind: str  #: numpy's name of its type
-    count: int  #: 0 for a single number
-    offset: int
 
 
 @dataclass(slots=True)
@@ -63,9 +53,8 @@ class ULogFile:
             at = at + start
             self.messages += kind.size
             self.skipped += skipped
-            raw = buffer.data
-            for i in np.flatnonzero((kind == ord("F")) | (kind == ord("A")) | (kind == ord("O"))):
-                self._declare(int(kind[i]), bytes(raw[at[i] : at[i] + size[i]]))
+            for i in np.flatnonzero(np.isin(kind, list(b"FAO"))):
+                self._declare(int(kind[i]), bytes(buffer.data[at[i] : at[i] + size[i]]))
             data = np.flatnonzero((kind == ord("D")) & (size >= 2))  # noqa: PLR2004 - the topic's number
             self.data += data.size
             for number, rows in alike(gather(buffer, at[data], "<u2"), data):
@@ -94,18 +83,15 @@ class ULogFile:
         fits = size >= whole
         self.misfits += int(np.count_nonzero(~fits))
         if fields and fits.any():
-            columns = {f.name: gather(buffer, at[fits] + f.offset, f.kind, f.count) for f in fields}
-            self._columns[topic].append(columns)
+            self._columns[topic].append(columns(fields, buffer, at[fits]))
 
 
 def segments(buffer: Bytes) -> list[tuple[int, int]]:
     """Return (start, end) of the file's parts: data may be appended after an end that is cut."""
-    size, first = buffer.size, HEADER
-    ends: list[int] = []
-    if size >= HEADER + 3 + 40 and buffer[HEADER + 2] == FLAGS and buffer[HEADER + 3 + 8] & APPENDED:
+    edges = [HEADER, buffer.size]
+    if buffer.size >= HEADER + 3 + 40 and buffer[HEADER + 2] == FLAGS and buffer[HEADER + 3 + 8] & APPENDED:
         offsets = gather(buffer, np.array([HEADER + 3 + 16]), "<u8", 3)[0]
-        ends = sorted(int(offset) for offset in offsets if first < offset < size)
-    edges = [first, *ends, size]
+        edges[1:1] = sorted(int(offset) for offset in offsets if HEADER < offset < buffer.size)
     return [(a, b) for a, b in pairwise(edges) if b > a]
 
 
@@ -168,9 +154,7 @@ def _ends_well(buffer: Bytes, after: int, known: Booleans) -> bool:  # pragma: n
     return size > 0 and bool(known[buffer[after + 2]]) and after + 3 + size > buffer.size and size < LARGEST
 
 
-def walk(
-    buffer: Bytes,
-) -> tuple[Integers, Integers, Integers, int]:
+def walk(buffer: Bytes) -> tuple[Integers, Integers, Integers, int]:
     """Return type, start and size of the content of each whole message, and the bytes that belong to no message."""
     known = np.zeros(256, np.bool_)
     known[list(KNOWN)] = True
@@ -182,20 +166,18 @@ def walk(
     return kind, at, size, skipped
 
 
-def layout(name: str, formats: dict[str, str]) -> tuple[tuple[TopicField, ...], int]:
+def layout(name: str, formats: dict[str, str]) -> tuple[tuple[Field, ...], int]:
     """Return a topic's fields, and the least size of its messages, which are written without padding at their end.
 
     A definition is used up to the first unknown type.
     """
-    fields: list[TopicField] = []
+    fields: list[Field] = []
     end = _flatten(name, formats, "", 0, fields, 0)
-    last = max((f.offset + np.dtype(f.kind).itemsize * max(f.count, 1) for f in fields), default=0)
+    last = max((f.end for f in fields), default=0)
     return (tuple(fields), last) if end is not None or fields else ((), 0)
 
 
-def _flatten(
-    name: str, formats: dict[str, str], prefix: str, at: int, fields: list[TopicField], depth: int
-) -> int | None:
+def _flatten(name: str, formats: dict[str, str], prefix: str, at: int, fields: list[Field], depth: int) -> int | None:
     """Append the fields of a message; return the offset of its end, or None if the end is unknown."""
     if name not in formats or depth > DEEPEST:
         return None
@@ -208,7 +190,7 @@ def _flatten(
         kind, count, label = match[1], int(match[2] or 0), match[3]
         if kind in _PRIMITIVES:
             if not label.startswith("_padding"):
-                fields.append(TopicField(prefix + label, _PRIMITIVES[kind], count, at))
+                fields.append(Field(prefix + label, _PRIMITIVES[kind], count, at))
             at += np.dtype(_PRIMITIVES[kind]).itemsize * max(count, 1)
             continue
         for i in range(max(count, 1)):

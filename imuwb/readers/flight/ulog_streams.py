@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from imuwb.arrays import Bytes, Floats
 from imuwb.errors import UnreadableLogError
-from imuwb.geodesy import displaced
+from imuwb.geodesy import displaced, euler_of_quaternion
 from imuwb.log import MEAN_SEA_LEVEL, Epoch, Nanoseconds, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
@@ -118,14 +118,10 @@ class _Streams:
 
     def _unix_offset(self) -> int | None:
         """Return the offset (ns) of Unix time from the time since power-up; None if no fix states the date."""
-        offsets: list[Nanoseconds] = []
-        for name in RECEIVERS:
-            for _, columns in self._topics(name):
-                unix = _nanoseconds(columns.get("time_utc_usec", np.zeros(1, np.uint64)))
-                dated = unix > EARLIEST
-                if dated.any():
-                    offsets.append((unix - self._boot(columns))[dated])
-        return int(np.median(np.concatenate(offsets))) if offsets else None
+        receivers = [columns for name in RECEIVERS for _, columns in self._topics(name) if "time_utc_usec" in columns]
+        times = [(_nanoseconds(columns["time_utc_usec"]), self._boot(columns)) for columns in receivers]
+        offsets = np.concatenate([np.empty(0, np.int64), *((unix - boot)[unix > EARLIEST] for unix, boot in times)])
+        return int(np.median(offsets)) if offsets.size else None
 
     def _imu_batch(self, name: str, boot: Nanoseconds, quantity: str, values: Floats, units: str = IMU_UNITS) -> Batch:
         time, origin = boot + (self._offset or 0), Origin(units, "FRD", self._epoch)
@@ -192,9 +188,10 @@ class _Streams:
             valid = columns.get("vel_ned_valid", np.ones(len(position)))
             known["velocity"] = np.where(valid[:, None] > 0, trajectory.triples(columns, velocity), np.nan)
         if {"eph", "epv"} <= columns.keys():
-            known["position_sigma"] = trajectory.position_sigmas(_positive(columns["eph"]), _positive(columns["epv"]))
+            known["position_sigma"] = trajectory.sigmas(_positive(columns["eph"]), _positive(columns["epv"]))
         if "s_variance_m_s" in columns:
-            known["velocity_sigma"] = trajectory.isotropic(_positive(columns["s_variance_m_s"]))
+            sigma = _positive(columns["s_variance_m_s"])
+            known["velocity_sigma"] = trajectory.sigmas(sigma, sigma)
         if "fix_type" in columns:
             known["fix_type"] = columns["fix_type"].astype(float)
         origin = Origin(f"deg, m{above_sea}, m/s", "NED", self._epoch)
@@ -216,7 +213,7 @@ class _Streams:
             return
         columns = {"position": position}
         if {"eph", "epv"} <= source.keys():
-            sigmas = trajectory.position_sigmas(_positive(source["eph"]), _positive(source["epv"]))
+            sigmas = trajectory.sigmas(_positive(source["eph"]), _positive(source["epv"]))
             columns["position_sigma"] = sigmas
         if local is not None and {"vx", "vy", "vz"} <= local.keys():
             columns["velocity"] = trajectory.interpolated(
@@ -224,10 +221,9 @@ class _Streams:
             )
         attitude = self._topic(ATTITUDE)
         if attitude is not None and "q" in attitude:
-            known = np.isfinite(attitude["q"]).all(axis=1)
-            if known.any():
-                angles = trajectory.euler_angles(attitude["q"][known].astype(float))
-                columns["attitude"] = trajectory.attitudes(boot, self._boot(attitude)[known], angles)
+            with np.errstate(invalid="ignore"):  # damaged numbers may be infinite
+                angles = euler_of_quaternion(attitude["q"].astype(float))
+            columns |= trajectory.attitudes(boot, self._boot(attitude), angles)
         origin = Origin(f"deg, m{ABOVE_SEA}, m/s", trajectory.ESTIMATED, self._epoch)
         # Rows without a position are normal here: the solution begins before the first fix.
         kept = {key: column[rows] for key, column in columns.items()}

@@ -96,12 +96,11 @@ def _converted(cells: pa.Array[Any], kind: pa.DataType, faults: Counter[str]) ->
     except pa.ArrowInvalid:
         pass
     texts = [None if cell is None else cell.decode("utf-8", "replace").strip().strip('"') for cell in cells.to_pylist()]
-    if pa.types.is_timestamp(kind):
-        times = [None if text is None else _instant(text) for text in texts]
-        faults[CELLS] += sum(bool(text) and time is None for text, time in zip(texts, times, strict=True))
-        return pa.array(times, pa.int64()).cast(kind)
-    numbers = [text if text and is_number(text) else None for text in texts]
+    instants = pa.types.is_timestamp(kind)
+    numbers = [(_instant(text) if instants else text if is_number(text) else None) if text else None for text in texts]
     faults[CELLS] += sum(bool(text) and number is None for text, number in zip(texts, numbers, strict=True))
+    if instants:
+        return pa.array(numbers, pa.int64()).cast(kind)
     try:
         return pa.array(numbers, pa.string()).cast(kind)
     except pa.ArrowInvalid:  # the cell has more digits than a decimal can hold

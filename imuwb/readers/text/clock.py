@@ -117,7 +117,12 @@ def _number_clock(path: Path, column: Column, first: str, options: ReadOptions) 
     value, notes = float(first), list[Note]()
     measure = column.unit
     if measure is None:
-        measure = unit(_unit_by_size(path, column, value))
+        measure = next((u for u in map(unit, DIGITS) if OUR_DAYS[0] < value * u.factor < OUR_DAYS[1]), None)
+        if measure is None:
+            raise UsageError(
+                f"{path}: the unit of time column {column.name!r} is unknown (its first number is {value:g}); "
+                "state it: --units time=s (or ms, us, ns)"
+            )
         text = f"time column {column.name!r} taken as {measure.name} since 1970, by the size of its first number"
         notes.append(Note("time_unit_guessed", text))
     epoch, ahead = options.epoch or "log", 0
@@ -143,14 +148,3 @@ def _ahead_of_utc(column: Column, seconds: float, notes: list[Note]) -> int:
         text = f"time column {column.name!r} taken as UTC: its name states no time scale"
         notes.append(Note("taken_as_utc", text))
     return 0
-
-
-def _unit_by_size(path: Path, column: Column, value: float) -> str:
-    """Return the unit in which a number is a time since 1970 between the limits of ``OUR_DAYS``."""
-    for name in DIGITS:
-        if OUR_DAYS[0] < value * unit(name).factor < OUR_DAYS[1]:
-            return name
-    raise UsageError(
-        f"{path}: the unit of time column {column.name!r} is unknown (its first number is {value:g}); "
-        "state it: --units time=s (or ms, us, ns)"
-    )

@@ -87,7 +87,5 @@ def _is_small(cell: str) -> bool:
 
 def _likely(norm: float) -> str | None:
     """Return the unit in which a specific force is about one gravity; None if no unit fits."""
-    for name in ("m/s²", "g", "mg"):
-        if abs(norm * UNITS[name].factor / STANDARD_GRAVITY - 1) < STILL:
-            return name
-    return None
+    ratios = {name: norm * UNITS[name].factor / STANDARD_GRAVITY for name in ("m/s²", "g", "mg")}
+    return next((name for name, ratio in ratios.items() if abs(ratio - 1) < STILL), None)

@@ -96,7 +96,12 @@ class _Rows:
                 kept = fields if rows is None else {name: array[rows] for name, array in fields.items()}
                 yield Batch(kind, kind, time if rows is None else time[rows], kept, self._origin(kind), bytes_read)
         if not any_stream and self._rows:
-            yield Remark(self._nothing_used())
+            names = ", ".join(column.name for column in self._used) or "none that is known"
+            text = (
+                f"no stream in this file (known columns: {names}); an IMU needs x, y and z of a sensor, and a fix latitude "
+                "and longitude; name the columns with --columns"
+            )
+            yield Remark(Note("no_stream", text))
         self._check_usable()
         yield from self._repairs()
 
@@ -118,22 +123,13 @@ class _Rows:
 
     def _origin(self, kind: Kind) -> Origin:
         quantities = ("gyro", "accel") if kind == "imu" else ("latitude", "height")
-        units = ", ".join(
-            dict.fromkeys(c.unit.name for c in self._used if c.unit is not None and c.quantity in quantities)
-        )
+        used = (c.unit.name for c in self._used if c.unit is not None and c.quantity in quantities)
+        units = ", ".join(dict.fromkeys(used))
         if kind != "imu":
             above = f" ({MEAN_SEA_LEVEL})" if any(map(above_sea, self._used)) else ""
             return Origin(units + above, "NED", self._clock.epoch)
         stated = self._options.frame
         return Origin(units, f"{stated} (stated)" if stated else "FRD (assumed)", self._clock.epoch)
-
-    def _nothing_used(self) -> Note:
-        names = ", ".join(column.name for column in self._used) or "none that is known"
-        text = (
-            f"no stream in this file (known columns: {names}); an IMU needs x, y and z of a sensor, and a fix latitude and "
-            "longitude; name the columns with --columns"
-        )
-        return Note("no_stream", text)
 
     def _check_usable(self) -> None:
         faults = self._faults

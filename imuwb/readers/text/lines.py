@@ -125,15 +125,12 @@ class Rows(io.RawIOBase):
         self._file.close()
         super().close()
 
-    def readinto(self, buffer: object) -> int:
-        """Fill ``buffer`` with the next bytes and return their number; 0 at the end."""
-        view = memoryview(buffer)  # pyright: ignore[reportArgumentType] - io's protocol has no narrower type
+    def read(self, size: int = -1) -> bytes:
+        """Return at most the next ``size`` bytes; none at the end."""
         if self.is_empty():
-            return 0
-        size = min(len(view), len(self._out))
-        view[:size] = self._out[:size]
-        self._out = self._out[size:]
-        return size
+            return b""
+        out, self._out = self._out[:size], self._out[size:]
+        return out
 
     def _block(self) -> bytes:
         block = bytearray()
@@ -163,20 +160,16 @@ class Rows(io.RawIOBase):
         return data
 
     def _without_cut_end(self, data: bytes, cut: int) -> bytes:
-        """Return the end of the file without a cut last line."""
+        """Return the file's end without a last line that has too few cells, or a last cell shorter than in all rows before."""
         last = data[cut:]
-        if not self._is_cut(last):
+        if not last.strip() or self._least is None:
+            return data
+        cells = last.split() if self._layout.delimiter == " " else last.strip().split(self._delimiter)
+        if (len(cells), len(cells[-1].strip())) >= self._least:
             return data
         text = f"last line left out, because it is cut: {last[:40].decode('utf-8', 'replace')!r}"
         self.faults.append(Note("last_line_cut", text))
         return data[:cut]
-
-    def _is_cut(self, line: bytes) -> bool:
-        """Return whether a line without its end has too few cells, or a last cell that is shorter than in all rows before."""
-        if not line.strip() or self._least is None:
-            return False
-        cells = line.split() if self._layout.delimiter == " " else line.strip().split(self._delimiter)
-        return (len(cells), len(cells[-1].strip())) < self._least
 
     def _remember_sizes(self, data: bytes) -> None:
         if not data.rstrip():

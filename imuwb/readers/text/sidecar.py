@@ -30,26 +30,24 @@ def with_sidecar(path: Path, options: ReadOptions) -> tuple[ReadOptions, tuple[R
         UsageError: the sidecar is not TOML, or has an unknown key or a wrong value.
     """
     for sidecar in (path.with_name(f"{path.name}.toml"), path.with_name(f"{path.name.split('.')[0]}.toml")):
-        if sidecar.is_file():
-            stated = _checked(sidecar)
-            note = Note("sidecar", f"{sidecar.name} states {', '.join(stated) or 'nothing'}")
-            truth = stated.get("simulated")
-            return _completed(sidecar, options, stated), (Remark(note), *([simulated(truth)] if truth else ()))
+        if not sidecar.is_file():
+            continue
+        stated = _checked(sidecar)
+        try:
+            completed = replace(
+                options,
+                rate=options.rate or stated.get("rate"),
+                columns=options.columns or tuple(stated.get("columns", ())),
+                units={**stated.get("units", {}), **options.units},
+                frame=options.frame or stated.get("frame"),
+                epoch=options.epoch or stated.get("epoch"),
+            )
+        except UsageError as error:
+            raise UsageError(f"{sidecar}: {error}") from error
+        note = Note("sidecar", f"{sidecar.name} states {', '.join(stated) or 'nothing'}")
+        truth = stated.get("simulated")
+        return completed, (Remark(note), *([simulated(truth)] if truth else ()))
     return options, ()
-
-
-def _completed(sidecar: Path, options: ReadOptions, stated: dict[str, Any]) -> ReadOptions:
-    try:
-        return replace(
-            options,
-            rate=options.rate or stated.get("rate"),
-            columns=options.columns or tuple(stated.get("columns", ())),
-            units={**stated.get("units", {}), **options.units},
-            frame=options.frame or stated.get("frame"),
-            epoch=options.epoch or stated.get("epoch"),
-        )
-    except UsageError as error:
-        raise UsageError(f"{sidecar}: {error}") from error
 
 
 def _checked(sidecar: Path) -> dict[str, Any]:

@@ -9,11 +9,11 @@ from imuwb.units import SECOND
 
 def repaired(time):
     """Return the numbers of the rows in order, and {id: count} of the repairs."""
-    counts = {}
+    repairs = []
     time = np.asarray(time, np.int64)
-    ordered, columns = in_order(time, {"row": np.arange(time.size)}, counts)
+    ordered, columns = in_order(time, {"row": np.arange(time.size)}, repairs)
     assert (np.diff(ordered) > 0).all()
-    return columns["row"].tolist(), {fault.what.id: count for fault, count in counts.items()}
+    return columns["row"].tolist(), {repair.what.id: repair.count for repair in repairs}
 
 
 def with_steps_back(steps, rows):

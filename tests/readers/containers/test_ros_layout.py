@@ -33,7 +33,7 @@ def gathered(steps, wanted, wire, *messages):
     start, length = np.array(start, np.int64), np.array(length, np.int64)
     rows = {}
     for group in groups(steps, wanted, wire, data, start, length):
-        columns = {p.path: gather(data, start[group.rows] + p.offset, p.kind, p.count) for p in group.places}
+        columns = {p.name: gather(data, start[group.rows] + p.offset, p.kind, p.count) for p in group.places}
         for i, row in enumerate(group.rows):
             rows[int(row)] = {path: columns[path][i].tolist() for path in wanted}
     return rows

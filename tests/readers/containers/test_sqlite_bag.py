@@ -11,7 +11,7 @@ from imuwb.errors import UnreadableLogError, UsageError
 from imuwb.notes import ids
 from imuwb.readers import ReadOptions, read, reader_of
 from imuwb.readers.containers import sqlite_bag
-from imuwb.readers.containers.ros_types import definition
+from imuwb.ros import definition
 
 T = 1_714_564_800 * 10**9
 IMU, FIX, TEMPERATURE = "sensor_msgs/msg/Imu", "sensor_msgs/msg/NavSatFix", "sensor_msgs/msg/Temperature"

@@ -1,6 +1,7 @@
 """When a topic is recognised, from when its times count, and what a fix states."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -29,7 +30,8 @@ def messages(payloads, time=0):
 
 
 def topics(**options):
-    return Topics({1: Channel("/topic", "json", 0)}, {}, ReadOptions(**options))
+    container = SimpleNamespace(channels={1: Channel("/topic", "json", 0)}, schemas={}, above_sea=set())
+    return Topics(container, ReadOptions(**options))
 
 
 @pytest.mark.parametrize(("before", "recognised"), [(99, True), (100, False)])
@@ -69,7 +71,8 @@ def test_sigmas_of_a_receiver_s_velocity_are_north_east_down():
     covariance[0], covariance[7], covariance[14] = 1.0, 4.0, 9.0  # east, north, up
     velocity = {"twist": {"linear": {"x": 10.0, "y": 20.0, "z": 30.0}}, "covariance": covariance}
     schema = Schema("geometry_msgs/TwistWithCovarianceStamped", "none", b"")
-    found = Topics({1: Channel("/gps/vel", "json", 1)}, {1: schema}, ReadOptions())
+    container = SimpleNamespace(channels={1: Channel("/gps/vel", "json", 1)}, schemas={1: schema}, above_sea=set())
+    found = Topics(container, ReadOptions())
     (batch,) = found.batches(messages([velocity]))
     assert batch.columns["velocity"].tolist() == [[20, 10, -30]]
     assert batch.columns["velocity_sigma"].tolist() == [[2, 1, 3]]

@@ -271,7 +271,7 @@ def test_every_field_is_what_pymavlink_reads(number, data):
 @pytest.mark.parametrize("number", LAYOUTS)
 def test_zeros_at_the_end_that_are_not_sent_are_put_back(number):
     layout = LAYOUTS[number]
-    first = layout.fields[0][0]
+    first = layout.fields[0].name
     log = record(T, frame(layout.name, **{first: 77})) + record(T, frame(layout.name))
     found = scanned(log)
     assert found.length.tolist() == [1, 1]
