@@ -66,6 +66,5 @@ def _print(text: str) -> None:
     print(text, file=sys.stderr)  # noqa: T201 - this is the command line
 
 
-def _print_warning(message: Warning | str, category: type[Warning], *_: object, **__: object) -> None:
-    del category
+def _print_warning(message: Warning | str, *_: object, **__: object) -> None:
     _print(f"imuwb: warning: {message}")

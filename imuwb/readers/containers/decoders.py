@@ -39,7 +39,6 @@ class _RosDecoder:
         self._wire: ros_layout.Wire = wire
 
     def fields(self, messages: Messages, rows: Integers) -> list[str]:
-        del messages, rows  # the definition states all fields
         fields = [step for step in self._plan if isinstance(step, ros_layout.LayoutField)]
         # An array is not a number: a "latitude" of two numbers is not a latitude.
         return [f.path for f in fields if not f.count or f.path.rpartition(".")[2].endswith(ARRAYS)]

@@ -103,15 +103,10 @@ def _imu(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
 
 
 def _gnss(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
-    del frame  # of an IMU only
     latitude = values[f"{prefix}latitude"]
     height = values.get(f"{prefix}altitude", np.zeros_like(latitude))
     columns = {"position": np.stack([np.radians(latitude), np.radians(values[f"{prefix}longitude"]), height], axis=1)}
-    covariance = values.get(f"{prefix}position_covariance")
-    if covariance is not None and covariance.ndim > 1 and covariance.shape[1] == 9:  # noqa: PLR2004 - 3 x 3
-        # East-north-up in the message; a variance that is unknown (0) or absent (-1) is not positive.
-        square = covariance[:, [4, 0, 8]]
-        columns["position_sigma"] = np.sqrt(np.where(square > 0, square, np.nan))
+    columns |= _sigmas("position_sigma", values.get(f"{prefix}position_covariance"), 3)
     track, speed, climb = (values.get(f"{prefix}{name}") for name in _COURSE)
     if track is not None and speed is not None:  # gps_common/GPSFix; the track is in degrees from north
         course = np.radians(track)
@@ -125,23 +120,27 @@ def _gnss(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
 
 
 def _velocity(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
-    del frame  # a receiver's velocity is east, north, up
     east, north, up = (values[f"{prefix}twist.linear.{axis}"] for axis in "xyz")
-    columns = {"velocity": np.stack([north, east, -up], axis=1)}
-    covariance = values.get(f"{prefix}covariance")
-    if covariance is not None and covariance.ndim > 1 and covariance.shape[1] == 36:  # noqa: PLR2004 - 6 x 6
-        square = covariance[:, [7, 0, 14]]
-        columns["velocity_sigma"] = np.sqrt(np.where(square > 0, square, np.nan))
-    return columns
+    sigmas = _sigmas("velocity_sigma", values.get(f"{prefix}covariance"), 6)
+    return {"velocity": np.stack([north, east, -up], axis=1), **sigmas}
+
+
+def _sigmas(name: str, covariance: Floats | None, size: int) -> dict[str, Floats]:
+    """Return the sigmas of a message's covariances, east-north-up, (n, size x size); nothing for another shape."""
+    if covariance is None or covariance.shape[1:] != (size * size,):
+        return {}
+    square = covariance[:, np.array([1, 0, 2]) * (size + 1)]  # of north, east and down
+    return {
+        name: np.sqrt(np.where(square > 0, square, np.nan))
+    }  # unknown (0) or absent (-1) variances are not positive
 
 
 def _single(column: str, field: str) -> Callable[[Values, str, str], dict[str, Floats]]:
     """Return the recipe of one number that is the same in all frames."""
-    return lambda values, prefix, frame: {column: values[prefix + field]}  # noqa: ARG005 - recipes are called alike
+    return lambda values, prefix, frame: {column: values[prefix + field]}
 
 
 def _reference(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
-    del frame  # a message of imuwb is in SI and NED
     columns = {
         name: values[prefix + field]
         for name, field in zip(("position", "velocity", "attitude"), REFERENCE, strict=True)

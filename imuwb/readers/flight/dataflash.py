@@ -32,5 +32,4 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     from imuwb.readers.bytes import source  # noqa: PLC0415 - a probe needs no decoder
     from imuwb.readers.flight.dataflash_streams import streamed  # noqa: PLC0415
 
-    del options  # the format states everything, and has one clock
     return streamed(path, binary=is_binary(source.head(path)))

@@ -24,5 +24,4 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     """
     from imuwb.readers.flight.ulog_streams import streamed  # noqa: PLC0415 - a probe needs no decoder
 
-    del options  # the format states everything, and has one clock
     return streamed(path)

@@ -45,7 +45,6 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     Raises:
         UnreadableLogError: the file has no line of numbers after its header.
     """
-    del options  # the format states everything
     fixes, scale, faults = 0, "GPST", Counter[str]()
     notes: list[str] = []
     for rows, names, scale, bytes_read in _tables(path, notes, faults):
