@@ -8,9 +8,13 @@ import pytest
 from imuwb.errors import UsageError
 from imuwb.simulation import preset, preset_names
 from imuwb.stochastic import FlickerNoise, GaussMarkov, RandomWalk, WhiteNoise
-from imuwb.units import from_si
+from imuwb.units import unit as unit_of
 
 ORDER = ("accel_x", "accel_y", "accel_z", "gyro_x", "gyro_y", "gyro_z")
+
+
+def from_si(value, name):
+    return unit_of(name).from_si(value)
 
 
 @pytest.fixture(scope="module")
