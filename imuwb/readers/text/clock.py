@@ -19,6 +19,7 @@ from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text import cells
 from imuwb.readers.text.column_names import Column, scale_of
 from imuwb.readers.text.lines import Layout
+from imuwb.readers.text.time_tag import TagClock, tag_clock
 from imuwb.readers.text.trust import is_number
 from imuwb.units import SECOND, Epoch, Unit, unit
 
@@ -44,6 +45,7 @@ class Clock:
     notes: tuple[Note, ...] = ()
     week: Column | None = None  #: GPS week; the column is then the time of week
     ahead: int = 0  #: s by which GPS time is ahead of UTC in the whole log
+    tag: TagClock | None = None  #: of a log with a time tag
 
     def time(self, block: pa.RecordBatch, first_row: int) -> Times:
         """Return the time (ns) of the rows that have one, and which rows these are."""
@@ -53,6 +55,8 @@ class Clock:
         stamps = block.column(self.column.name)
         time, possible = _nanoseconds(stamps, self.column.unit)
         timed = possible & cells.known(stamps)
+        if self.tag is not None:
+            return self.tag.unix(time[timed]), timed
         if self.week is None:
             return time[timed] - self.ahead * SECOND, timed
         weeks = cells.floats(block.column(self.week.name))
@@ -94,7 +98,7 @@ def clock_of(path: Path, layout: Layout, used: tuple[Column, ...], options: Read
         return Clock(column, pa.timestamp("ns", "UTC" if _ZONE.search(first) else None), "unix", notes=notes)
     if not is_number(first):
         raise UsageError(f"{path}: time column {column.name!r} has {first!r}; it must be a number or an ISO date")
-    clock = _week_clock(layout, used, column, first) or _number_clock(path, column, first, options)
+    clock = _week_clock(layout, used, column, first) or _number_clock(path, layout, column, first, options)
     return replace(clock, notes=(*notes, *clock.notes))
 
 
@@ -112,7 +116,7 @@ def _week_clock(layout: Layout, used: tuple[Column, ...], column: Column, first:
     return Clock(replace(column, unit=measure), kind, "unix", notes=(note,), week=week, ahead=ahead)
 
 
-def _number_clock(path: Path, column: Column, first: str, options: ReadOptions) -> Clock:
+def _number_clock(path: Path, layout: Layout, column: Column, first: str, options: ReadOptions) -> Clock:
     """Return a clock of numbers in a unit of time."""
     value, notes = float(first), list[Note]()
     measure = column.unit
@@ -131,7 +135,19 @@ def _number_clock(path: Path, column: Column, first: str, options: ReadOptions) 
     decimals = len(first.partition(".")[2])
     exact = measure.name in DIGITS and "e" not in first.lower() and decimals <= DIGITS[measure.name]
     kind = pa.decimal128(28, DIGITS[measure.name]) if exact else pa.float64()
-    return Clock(replace(column, unit=measure), kind, epoch, notes=tuple(notes), ahead=ahead)
+    clock = Clock(replace(column, unit=measure), kind, epoch, notes=tuple(notes), ahead=ahead)
+    return _tagged(clock, path, layout) if options.epoch is None and epoch == "log" else clock
+
+
+def _tagged(clock: Clock, path: Path, layout: Layout) -> Clock:
+    """Return a clock with the time tag beside the log, if there is one that fits."""
+    column = cast("Column", clock.column)
+    tag = tag_clock(path, column.index, layout.delimiter, cast("Unit", column.unit).factor)
+    if tag is None:
+        return clock
+    if isinstance(tag, Note):
+        return replace(clock, notes=(*clock.notes, tag))
+    return replace(clock, epoch="unix", notes=(*clock.notes, tag.note), tag=tag)
 
 
 def _ahead_of_utc(column: Column, seconds: float, notes: list[Note]) -> int:
