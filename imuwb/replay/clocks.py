@@ -9,7 +9,7 @@ from scipy import optimize
 from imuwb.arrays import Booleans, Floats
 from imuwb.log import Log
 from imuwb.navigation.filter_model import FilterModel
-from imuwb.replay.prepared import prepare, run
+from imuwb.replay.prepared import corrected_again, prepare, run
 from imuwb.replay.scaled import scaled
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit
@@ -22,6 +22,7 @@ SMALL = np.array([0.01, 0.01, 2e-5, 0.1])  #: the first steps of the curvature
 STAIRS = np.array([2.0, 2.0, 4.0, 0.0])  #: samples; at smaller steps of the curvature the likelihood is a staircase
 RISE = 2.0  #: rise of the misfit over which the curvature is computed; the misfit is rough at smaller scales
 ENDS = 3  #: fixes at each end that do not count, because a delay moves some of them out of the log
+CLOSE = 2e-4  #: s; the search ends when all delays of its simplex are this near
 LOUD = np.log(3.0)  #: log of the factor of white noise at the start of the search: vehicles vibrate
 
 
@@ -33,6 +34,7 @@ class Clocks:
     velocity_delay: Estimate | None  #: s, by which a fix's velocity is older than its position
     rate: Estimate | None  #: true seconds in a second of the IMU's clock
     noise: float  #: factor of the model's white noise with the largest likelihood
+    gain: float  #: rise of the log-likelihood over that of the delays and the rate at which the search began
 
     def __str__(self) -> str:
         """Return the estimates in a line."""
@@ -60,13 +62,16 @@ def estimate_clocks(
         MissingDataError: as ``prepare``.
     """
     prepared = prepare(log, model, receiver)
+    start = _changed(model, np.zeros(4)).installation
     row = prepared.corrections.fix
     counted = (int(row[prepared.alignment.event]) + ENDS, int(row.max()) - ENDS)
     free = np.array([with_delay, with_delay, with_rate, True])
 
     def misfit(x: Floats) -> float:
         tried = _changed(model, x)
-        return -run(tried, prepare(log, tried, receiver)).log_likelihood_of(*counted)
+        same = tried.installation.clock_rate == start.clock_rate
+        own = corrected_again(prepared, tried) if same else prepare(log, tried, receiver)
+        return -run(tried, own).log_likelihood_of(*counted)
 
     def objective(x: Floats) -> float:
         full = np.zeros(4)
@@ -82,11 +87,16 @@ def estimate_clocks(
     stairs = STAIRS * prepared.measurement.interval
     stairs[2] /= float(np.ptp(prepared.measurement.time))
     covariance = _covariance(objective, best, np.maximum(SMALL, stairs)[free])
+    still = optimize.minimize_scalar(
+        lambda noise: misfit(np.array([0.0, 0.0, 0.0, noise])), bounds=(-1, best[-1] + 2), method="bounded",
+        options={"xatol": 0.05},
+    )  # fmt: skip
+    gain = float(still.fun) - objective(best)
     if with_delay:
         turn = np.eye(best.size)
         turn[1, 0] = -1.0  # back to the difference of the delays
         covariance, best = turn @ covariance @ turn.T, turn @ best
-    return _clocks(model, free, best, covariance, level)
+    return _clocks(model, free, best, covariance, level, gain)
 
 
 def _changed(model: FilterModel, x: Floats) -> FilterModel:
@@ -102,11 +112,13 @@ def _changed(model: FilterModel, x: Floats) -> FilterModel:
 
 def _minimum(objective: Callable[[Floats], float], start: Floats, steps: Floats) -> Floats:
     simplex = np.vstack([start, start + np.diag(steps)])
-    options = {"initial_simplex": simplex, "xatol": 1e-5, "fatol": 0.05, "maxfev": 300}
+    options = {"initial_simplex": simplex, "xatol": CLOSE, "fatol": 0.05, "maxfev": 300}
     return np.asarray(optimize.minimize(objective, start, method="Nelder-Mead", options=options).x, dtype=np.float64)
 
 
-def _clocks(model: FilterModel, free: Booleans, best: Floats, covariance: Floats, level: float) -> Clocks:
+def _clocks(
+    model: FilterModel, free: Booleans, best: Floats, covariance: Floats, level: float, gain: float
+) -> Clocks:
     """Return the estimates with their intervals."""
     variance = np.diagonal(covariance)
     value, sigma = np.zeros(4), np.zeros(4)
@@ -119,7 +131,7 @@ def _clocks(model: FilterModel, free: Booleans, best: Floats, covariance: Floats
 
     return Clocks(
         estimate(0, own.gnss_delay, "s"), estimate(1, own.velocity_delay, "s"), estimate(2, own.clock_rate, ""),
-        float(np.exp(value[3])),
+        float(np.exp(value[3])), gain,
     )  # fmt: skip
 
 
