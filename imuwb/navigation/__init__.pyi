@@ -6,6 +6,7 @@ from .filter_model import Aids as Aids
 from .filter_model import FilterModel as FilterModel
 from .filter_model import Installation as Installation
 from .filter_model import Settings as Settings
+from .filter_model import Vibration as Vibration
 from .outages import Drift as Drift
 from .outages import drift as drift
 from .strapdown import mechanize as mechanize

@@ -164,6 +164,9 @@ def solve(
         UsageError: a process that cannot be written with states, or too many of them.
     """
     tables, _ = model.tables(measurement.interval, measurement.celsius)
+    if measurement.vibration:
+        amplitude = np.square(measurement.vibration)[:, None] * np.repeat(model.vibration.white, 3)
+        tables.white[:] += amplitude**2
     if measurement.gap_noise is not None:
         tables.white[-1] += measurement.gap_noise
     n = int(tables.first[6])

@@ -9,12 +9,14 @@ from typing import Any, cast
 import tomli_w
 
 from imuwb.errors import UsageError
-from imuwb.navigation.filter_model import Aids, FilterModel, Installation, Settings
+from imuwb.navigation.filter_model import Aids, FilterModel, Installation, Settings, Vibration
 from imuwb.stochastic import ImuErrorModel
 
 SCHEMA = 1
 READINGS = ("corrected", "as printed")
-PARTS: dict[str, type[Any]] = {"installation": Installation, "settings": Settings, "aids": Aids}
+PARTS: dict[str, type[Any]] = {
+    "vibration": Vibration, "installation": Installation, "settings": Settings, "aids": Aids,
+}  # fmt: skip
 AXES, DEEPEST = 6, 30  #: how many levels of denoising there are (one for each axis), and the largest level
 
 

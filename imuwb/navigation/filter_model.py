@@ -23,6 +23,16 @@ NAVIGATION_STATES = (
 
 
 @dataclass(frozen=True, slots=True)
+class Vibration:
+    """White noise that grows with the square of the vibration, beside that of the error model."""
+
+    white: tuple[float, float] = (0.0, 0.0)  #: N of gyros, rad/s/√Hz, and accelerometers, m/s²/√Hz, at the reference
+    reference: float = (
+        0.0  #: m/s², the level of vibration at which the noise has these values; 0: there is no such noise
+    )
+
+
+@dataclass(frozen=True, slots=True)
 class Aids:
     """Sigmas of the aids, which correct the filter besides fixes, also in an outage; 0 switches an aid off."""
 
@@ -81,6 +91,7 @@ class FilterModel:
     scale_factor: tuple[float, float] = (0.0, 0.0)  #: sigmas, of gyros and accelerometers; 0: no state
     #: levels of denoising before the mechanization, ``gyro_x`` ... ``accel_z``; empty: no denoising
     wavelet_levels: tuple[int, ...] = ()
+    vibration: Vibration = field(default_factory=Vibration)
     installation: Installation = field(default_factory=Installation)
     settings: Settings = field(default_factory=Settings)
     aids: Aids = field(default_factory=Aids)
@@ -89,7 +100,7 @@ class FilterModel:
         """Return the name, the error model and what differs from the defaults, in a few lines."""
         changed = [
             f"{name} = {value}"
-            for part in (self.installation, self.settings, self.aids)
+            for part in (self.vibration, self.installation, self.settings, self.aids)
             for name in type(part).__dataclass_fields__
             if (value := getattr(part, name)) != getattr(type(part)(), name)
         ]
@@ -181,12 +192,16 @@ class FilterModel:
         Raises:
             UsageError: as ``shapings``; or too many states.
         """
-        regimes = [self.shapings(dt, t) for t in celsius]
+        each = {t: self.shapings(dt, t) for t in dict.fromkeys(celsius)}
+        regimes = [each[t] for t in celsius]
         scales = self._scales()
         orders = [own.order + (scale > 0) for own, scale in zip(regimes[0], scales, strict=True)]
         tables = self._empty_tables(len(celsius), orders)
         start = np.zeros((sum(orders), sum(orders)))
         for r, axes in enumerate(regimes):
+            if (same := celsius.index(celsius[r])) < r:
+                _copy(tables, same, r)
+                continue
             for i, (own, scale) in enumerate(zip(axes, scales, strict=True)):
                 low, high = int(tables.first[i]) - NAVIGATION, int(tables.first[i + 1]) - NAVIGATION
                 _fill(tables, r, i, own, slice(low, low + own.order))
@@ -211,6 +226,20 @@ class FilterModel:
             output=np.zeros((regimes, spans, count)), transition=np.zeros(shape), noise=np.zeros(shape),
             inside=np.zeros((regimes, spans, 6)), cross=np.zeros((regimes, spans, count)), white=np.zeros((regimes, 6)),
         )  # fmt: skip
+
+
+def _copy(tables: AxisTables, regime: int, to: int) -> None:
+    """Write the tables of a regime with those of another one at the same temperature."""
+    for part in (
+        tables.step,
+        tables.output,
+        tables.transition,
+        tables.noise,
+        tables.inside,
+        tables.cross,
+        tables.white,
+    ):
+        part[to] = part[regime]
 
 
 def _fill(tables: AxisTables, regime: int, axis: int, shaping: Shaping, place: slice) -> None:

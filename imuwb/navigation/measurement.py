@@ -35,6 +35,9 @@ class Measurement:
     bridged: Floats  #: (g, 2) s from the log's start: begin and end of the gaps that are bridged
     gap_noise: Floats | None  #: (6,) unit²/Hz; density of the unknown motion in bridged gaps, the last regime
     notes: tuple[Note, ...] = ()
+    vibration: tuple[
+        float, ...
+    ] = ()  #: level of vibration of each regime over the filter's reference; empty: not divided
 
     def __repr__(self) -> str:
         """Return time, rate and gaps in a line."""
@@ -90,6 +93,16 @@ def measurement_of(log: Log, imu: ImuStream, installation: Installation, *, ther
     step = step * installation.clock_rate
     samples = Samples(step, rate * step[:, None], force * step[:, None], regime)
     return Measurement(true, interval * installation.clock_rate, samples, celsius, bridged, gap_noise, tuple(notes))
+
+
+def with_rate(measurement: Measurement, ratio: float) -> Measurement:
+    """Return a measurement whose clock's second lasts longer by a ratio; rates and forces stay."""
+    own, begin = measurement.samples, measurement.time[0]
+    samples = own._replace(interval=own.interval * ratio, angle=own.angle * ratio, velocity=own.velocity * ratio)
+    return replace(
+        measurement, time=begin + (measurement.time - begin) * ratio, interval=measurement.interval * ratio,
+        samples=samples, bridged=begin + (measurement.bridged - begin) * ratio,
+    )  # fmt: skip
 
 
 def denoised(measurement: Measurement, levels: tuple[int, ...]) -> Measurement:

@@ -9,7 +9,7 @@ from scipy import optimize
 from imuwb.arrays import Booleans, Floats
 from imuwb.log import Log
 from imuwb.navigation.filter_model import FilterModel
-from imuwb.replay.prepared import corrected_again, prepare, run
+from imuwb.replay.prepared import prepare, run, with_clocks
 from imuwb.replay.scaled import scaled
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit
@@ -62,16 +62,13 @@ def estimate_clocks(
         MissingDataError: as ``prepare``.
     """
     prepared = prepare(log, model, receiver)
-    start = _changed(model, np.zeros(4)).installation
     row = prepared.corrections.fix
     counted = (int(row[prepared.alignment.event]) + ENDS, int(row.max()) - ENDS)
     free = np.array([with_delay, with_delay, with_rate, True])
 
     def misfit(x: Floats) -> float:
         tried = _changed(model, x)
-        same = tried.installation.clock_rate == start.clock_rate
-        own = corrected_again(prepared, tried) if same else prepare(log, tried, receiver)
-        return -run(tried, own).log_likelihood_of(*counted)
+        return -run(tried, with_clocks(prepared, model, tried)).log_likelihood_of(*counted)
 
     def objective(x: Floats) -> float:
         full = np.zeros(4)
@@ -87,11 +84,9 @@ def estimate_clocks(
     stairs = STAIRS * prepared.measurement.interval
     stairs[2] /= float(np.ptp(prepared.measurement.time))
     covariance = _covariance(objective, best, np.maximum(SMALL, stairs)[free])
-    still = optimize.minimize_scalar(
-        lambda noise: misfit(np.array([0.0, 0.0, 0.0, noise])), bounds=(-1, best[-1] + 2), method="bounded",
-        options={"xatol": 0.05},
-    )  # fmt: skip
-    gain = float(still.fun) - objective(best)
+    gain = min(misfit(np.array([0.0, 0.0, 0.0, best[-1] + more])) for more in np.arange(0.0, 2.0, 0.25)) - objective(
+        best
+    )
     if with_delay:
         turn = np.eye(best.size)
         turn[1, 0] = -1.0  # back to the difference of the delays
@@ -116,9 +111,7 @@ def _minimum(objective: Callable[[Floats], float], start: Floats, steps: Floats)
     return np.asarray(optimize.minimize(objective, start, method="Nelder-Mead", options=options).x, dtype=np.float64)
 
 
-def _clocks(
-    model: FilterModel, free: Booleans, best: Floats, covariance: Floats, level: float, gain: float
-) -> Clocks:
+def _clocks(model: FilterModel, free: Booleans, best: Floats, covariance: Floats, level: float, gain: float) -> Clocks:
     """Return the estimates with their intervals."""
     variance = np.diagonal(covariance)
     value, sigma = np.zeros(4), np.zeros(4)

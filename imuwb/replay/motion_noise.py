@@ -12,6 +12,8 @@ in which each component counts with its own sigma s, so that errors that are cor
 scores in blocks of a minute (sandwich), because vibration changes with the road, and are never narrower than the curvature's.
 """
 
+from __future__ import annotations
+
 import math
 import os
 from collections.abc import Callable, Sequence
@@ -23,8 +25,9 @@ from scipy import optimize
 
 from imuwb.arrays import Booleans, Floats
 from imuwb.errors import MissingDataError
-from imuwb.navigation.filter_model import FilterModel
+from imuwb.navigation.filter_model import FilterModel, Vibration
 from imuwb.navigation.tables import FIX
+from imuwb.navigation.vibration import usual_vibration
 from imuwb.replay.added_noise import with_added
 from imuwb.replay.prepared import Prepared, run
 from imuwb.statistics import Estimate
@@ -61,6 +64,9 @@ class MotionNoise:
     factors: dict[
         str, Estimate
     ]  #: axis -> white noise in motion over that of the bench; infinite without any on the bench
+    vibration_gain: (
+        float  #: rise of the log-likelihood if the white noise grows with vibration; it does where it is kept
+    )
     scale_factor: float  #: sigma of the filter's scale factors; 0: no states of scale factors
     scale_factor_gain: float  #: rise of the log-likelihood by states of scale factors
     fixes: int  #: that count
@@ -92,18 +98,24 @@ def estimate_motion_noise(prepared: Prepared, model: FilterModel, level: float) 
     """
     counted = _counted(prepared)
     fit = _Fit(prepared, model, counted)
-    theta, without = fit.maximum(START)
-    tried = [] if any(model.scale_factor) else [replace(model, scale_factor=(s, s)) for s in SCALES]
-    others = [(own, *own.maximum(theta)) for own in (_Fit(prepared, m, counted) for m in tried)]
-    rise = max((likelihood - without for *_, likelihood in others), default=0.0)
-    if rise > BETTER:
-        fit, theta, _ = max(others, key=lambda other: other[2])
+    found, vibrating = _better(fit.maximum(START), [replace(fit, vibrating=usual_vibration(prepared.measurement))])
+    scales = () if any(model.scale_factor) else SCALES
+    found, scaled = _better(found, [replace(found.fit, base=replace(model, scale_factor=(s, s))) for s in scales])
+    fit, theta = found.fit, found.theta
     sigma, blocks = fit.sigma(theta)
     limit = normal_limit(level)
     amplitudes = [_estimate(theta[i], sigma[i], limit, UNITS[i]) for i in range(theta.size)]
     white, walk, floor = ((amplitudes[i], amplitudes[i + 1]) for i in (0, 2, 4))
     noise = MotionNoise(
-        white, walk, floor, _factors(model, white), fit.base.scale_factor[0], float(rise), int(counted.sum()), blocks
+        white,
+        walk,
+        floor,
+        _factors(model, white),
+        vibrating,
+        fit.base.scale_factor[0],
+        scaled,
+        int(counted.sum()),
+        blocks,
     )
     # The filter carries the expectation of each variance, which exceeds the variance at the most likely amplitude.
     widened = theta + np.where(np.arange(theta.size) < FLOORS, np.minimum(sigma**2, DOUBT), 0.0)
@@ -142,19 +154,25 @@ def _factors(model: FilterModel, white: tuple[Estimate, Estimate]) -> dict[str, 
     return factors
 
 
+@dataclass(frozen=True, eq=False, slots=True)
 class _Fit:
     """The likelihood of a filter as a function of the six logarithms."""
 
-    def __init__(self, prepared: Prepared, model: FilterModel, counted: Booleans) -> None:
-        """Take the log, the filter with the bench's model, and which corrections count."""
-        self.prepared, self.base, self.counted = prepared, model, counted
+    prepared: Prepared
+    base: FilterModel  #: with the bench's error model
+    counted: Booleans  #: which corrections count
+    vibrating: float = 0.0  #: m/s², vibration at which white noise that grows with it is counted; 0: it does not grow
 
     def model(self, theta: Floats) -> FilterModel:
         """Return the filter with the amplitudes added."""
         white_g, white_a, walk_g, walk_a, p, v = (float(x) for x in np.exp(theta))
         settings, (floor_p, floor_v) = self.base.settings, self.base.settings.sigma_floor
+        white, vibration = (white_g, white_a), Vibration()
+        if self.vibrating:
+            white, vibration = (0.0, 0.0), Vibration(white, self.vibrating)
         return replace(
-            self.base, name=NAME, error_model=with_added(self.base.error_model, (white_g, white_a), (walk_g, walk_a)),
+            self.base, name=NAME, error_model=with_added(self.base.error_model, white, (walk_g, walk_a)),
+            vibration=vibration,
             settings=replace(settings, sigma_floor=(math.hypot(floor_p, p), math.hypot(floor_v, v))),
         )  # fmt: skip
 
@@ -175,8 +193,8 @@ class _Fit:
         prior = np.array([((theta - START) ** 2).sum() for theta in thetas]) / (2 * PRIOR**2)
         return self.terms(thetas).sum(axis=1) - prior
 
-    def maximum(self, start: Floats) -> tuple[Floats, float]:
-        """Return the six logarithms with the largest posterior near a start, and their log-likelihood without the prior."""
+    def maximum(self, start: Floats) -> _Found:
+        """Return the six logarithms with the largest posterior near a start."""
         n = START.size
 
         def misfit(theta: Floats) -> tuple[float, Floats]:
@@ -188,7 +206,7 @@ class _Fit:
             misfit, start, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": ITERATIONS, "ftol": 1e-6}
         )
         theta = np.asarray(best.x, dtype=np.float64)
-        return theta, float(self.terms([theta]).sum())
+        return _Found(self, theta, float(self.terms([theta]).sum()))
 
     def sigma(self, theta: Floats) -> tuple[Floats, int]:
         """Return the sigmas of the logarithms, (6,), from scores in blocks, and the number of blocks."""
@@ -203,6 +221,25 @@ class _Fit:
         sandwich = inverse @ (sums @ sums.T) @ inverse
         variance = np.maximum(np.diagonal(sandwich), np.diagonal(inverse))
         return np.sqrt(np.minimum(variance, PRIOR**2)), int(sums.shape[1])
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Found:
+    """The maximum of a fit."""
+
+    fit: _Fit
+    theta: Floats  #: (6,)
+    log_likelihood: float  #: without the prior
+
+
+def _better(found: _Found, others: Sequence[_Fit]) -> tuple[_Found, float]:
+    """Return the best of some fits and what it gains; the present one, if no other is clearly better."""
+    gain, best = 0.0, found
+    for fit in others:
+        other = fit.maximum(found.theta)
+        if other.log_likelihood - found.log_likelihood > gain or best is found:
+            gain, best = other.log_likelihood - found.log_likelihood, other
+    return (best if gain > BETTER else found), gain
 
 
 def _curvature(values: Callable[[Sequence[Floats]], Floats], at: Floats) -> Floats:

@@ -13,8 +13,9 @@ from imuwb.navigation.corrections import Corrections, corrections_of, floor_vari
 from imuwb.navigation.covariance import NAVIGATION
 from imuwb.navigation.filter import Solution, solve
 from imuwb.navigation.filter_model import FilterModel
-from imuwb.navigation.measurement import Measurement, denoised, measurement_of
+from imuwb.navigation.measurement import Measurement, denoised, measurement_of, with_rate
 from imuwb.navigation.standstill import standstills
+from imuwb.navigation.vibration import with_classes
 from imuwb.notes import Note
 from imuwb.replay.degraded import Degradation, degraded
 
@@ -83,17 +84,23 @@ def prepare(
     return Prepared(log, gnss, measurement, stills, corrections, alignment, notes)
 
 
-def corrected_again(prepared: Prepared, model: FilterModel) -> Prepared:
-    """Return a prepared log with the delays of another filter, whose mounting, clock rate and skew are the same.
+def with_clocks(prepared: Prepared, model: FilterModel, other: FilterModel) -> Prepared:
+    """Return a log prepared for one filter as it is for another one with other delays and another clock rate.
 
     Raises:
         MissingDataError: too few fixes, or no start.
     """
-    corrections = corrections_of(prepared.log, prepared.gnss, prepared.measurement, prepared.stills, model)
-    alignment = align(prepared.measurement, corrections, prepared.stills, model)
+    ratio = other.installation.clock_rate / model.installation.clock_rate
+    measurement = with_rate(prepared.measurement, ratio)
+    begin = prepared.measurement.time[0]
+    stills = begin + (prepared.stills - begin) * ratio
+    corrections = corrections_of(prepared.log, prepared.gnss, measurement, stills, other)
+    alignment = align(measurement, corrections, stills, other)
     kept = tuple(note for note in prepared.notes if note not in (*prepared.corrections.notes, prepared.alignment.note))
     notes = (*kept, *corrections.notes, alignment.note)
-    return replace(prepared, corrections=corrections, alignment=alignment, notes=notes)
+    return replace(
+        prepared, measurement=measurement, stills=stills, corrections=corrections, alignment=alignment, notes=notes
+    )
 
 
 def receiver_of(log: Log, name: str | None) -> GnssStream:
@@ -113,6 +120,8 @@ def run(model: FilterModel, prepared: Prepared, *, smooth: bool = False) -> Solu
     measurement, corrections, alignment = prepared.measurement, prepared.corrections, prepared.alignment
     if any(model.wavelet_levels):
         measurement = denoised(measurement, model.wavelet_levels)
+    if any(model.vibration.white):
+        measurement = with_classes(measurement, model.vibration)
     if any(floor := model.settings.sigma_floor):
         corrections = raised(corrections, floor)
         added = np.zeros(NAVIGATION)
