@@ -5,8 +5,9 @@ from imuwb.replay.choice import Choice, FilterCandidate, choose
 from imuwb.replay.clocks import Clocks, estimate_clocks
 from imuwb.replay.degraded import Degradation, degraded
 from imuwb.replay.external import Placing, external_reference
-from imuwb.replay.models import NAMES, model_named
+from imuwb.replay.models import NAMES, TURN_ON, model_named
 from imuwb.replay.motion import motion_classes
+from imuwb.replay.motion_noise import MotionNoise, estimate_motion_noise, in_motion
 from imuwb.replay.mounting import Mounting, estimate_mounting
 from imuwb.replay.outages import Outage, events_of, own_outages, sweep
 from imuwb.replay.overlap import effective_count, without_overlap
@@ -19,12 +20,14 @@ from imuwb.replay.start import Start, find_start, given_start
 from imuwb.replay.statistics import Consistency, DriftCurve, Paired, Summary, compare, drift_curve, summarize, verdict
 from imuwb.replay.true_errors import true_errors
 from imuwb.replay.tuning import Tuned, tune
+from imuwb.replay.unidentified import with_unidentified
 
 __all__ = [
-    "HORIZONS", "NAMES", "Budget", "Choice", "Clocks", "Consistency", "Degradation", "DriftCurve", "FilterCandidate",
-    "FilterRun", "Mounting", "Outage", "Paired", "Placing", "Prepared", "ReferenceTrack", "Replay", "ScoredDrift", "Scores",
-    "Start", "Summary", "Tuned", "budget", "choose", "compare", "degraded", "drift_curve", "effective_count",
-    "estimate_clocks", "estimate_mounting", "events_of", "external_reference", "find_start", "given_start", "model_named", "motion_classes", "own_outages", "own_track",
-    "prepare", "receiver_of", "reference_track", "replay", "run", "scaled", "scores", "summarize", "sweep", "true_errors", "tune",
-    "verdict", "without_overlap",
+    "HORIZONS", "NAMES", "TURN_ON", "Budget", "Choice", "Clocks", "Consistency", "Degradation", "DriftCurve",
+    "FilterCandidate", "FilterRun", "MotionNoise", "Mounting", "Outage", "Paired", "Placing", "Prepared",
+    "ReferenceTrack", "Replay", "ScoredDrift", "Scores", "Start", "Summary", "Tuned", "budget", "choose", "compare",
+    "degraded", "drift_curve", "effective_count", "estimate_clocks", "estimate_motion_noise", "estimate_mounting",
+    "events_of", "external_reference", "find_start", "given_start", "in_motion", "model_named", "motion_classes",
+    "own_outages", "own_track", "prepare", "receiver_of", "reference_track", "replay", "run", "scaled", "scores",
+    "summarize", "sweep", "true_errors", "tune", "verdict", "with_unidentified", "without_overlap",
 ]  # fmt: skip

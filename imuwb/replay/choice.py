@@ -1,6 +1,6 @@
 """The choice of a filter: made on some outages, judged on the others."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +9,7 @@ from imuwb.arrays import Floats
 from imuwb.replay.scores import Scores
 
 FOLDS = 5  #: blocks of the cross-validation
-AT = (5, 10, 20, 30, 60)  #: s since the start of an outage; the errors at these times count
+FREEDOM = 4.0  #: degrees of freedom of the errors' distribution; a few outages of large errors do not decide alone
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,7 +17,7 @@ class FilterCandidate:
     """One filter of a choice."""
 
     model: str
-    log_likelihood: float  #: of an outage's errors, under the filter's own covariance; mean over outages and times
+    log_likelihood: float  #: of an outage's error at its end, under the filter's own covariance; mean over outages
     median_end: float  #: m
     folds: int  #: number of folds for which this filter is the best one in all other folds
 
@@ -80,9 +80,23 @@ def choose(scores: Mapping[str, Scores], duration: float) -> Choice | None:
     )  # fmt: skip
 
 
-def log_likelihood(scores: Scores) -> Floats:
-    """Return the log-likelihood of each outage's horizontal errors under the filter's covariance: mean over some times."""
-    at = [int(np.argmin(np.abs(scores.elapsed - second))) for second in AT if second <= scores.elapsed[-1]]
-    covariance = scores.covariance[:, at]
+def log_likelihood(scores: Scores, at: Sequence[float] = (np.inf,)) -> Floats:
+    """Return the log-likelihood of each outage's horizontal error, (s,), mean over some times; by default at its end.
+
+    The errors have Student's distribution in two dimensions, with the covariance of the scores: that of the filter and of the
+    reference.
+
+    Args:
+        scores: of the outages.
+        at: s since the start of an outage.
+    """
+    marks = [int(np.argmin(np.abs(scores.elapsed - min(second, scores.elapsed[-1])))) for second in at]
+    covariance, nees = scores.covariance[:, marks], scores.nees[:, marks]
     determinant = covariance[..., 0, 0] * covariance[..., 1, 1] - covariance[..., 0, 1] ** 2
-    return (-scores.nees[:, at] / 2 - np.log(determinant) / 2 - np.log(2 * np.pi)).mean(axis=1)
+    # The scale matrix of the distribution is (FREEDOM - 2)/FREEDOM times its covariance.
+    shrink = (FREEDOM - 2) / FREEDOM
+    terms = (
+        -np.log(determinant) / 2 - np.log(shrink) - np.log(2 * np.pi)
+        - (FREEDOM + 2) / 2 * np.log1p(nees / (shrink * FREEDOM))
+    )  # fmt: skip
+    return terms.mean(axis=1)

@@ -22,7 +22,7 @@ SMALL = np.array([0.01, 0.01, 2e-5, 0.1])  #: the first steps of the curvature
 STAIRS = np.array([2.0, 2.0, 4.0, 0.0])  #: samples; at smaller steps of the curvature the likelihood is a staircase
 RISE = 2.0  #: rise of the misfit over which the curvature is computed; the misfit is rough at smaller scales
 ENDS = 3  #: fixes at each end that do not count, because a delay moves some of them out of the log
-CLOSE = 2e-4  #: s; the search ends when all delays of its simplex are this near
+CLOSE = 2e-3  #: of those sizes; the search ends when its simplex is as small
 LOUD = np.log(3.0)  #: log of the factor of white noise at the start of the search: vehicles vibrate
 
 
@@ -84,9 +84,8 @@ def estimate_clocks(
     stairs = STAIRS * prepared.measurement.interval
     stairs[2] /= float(np.ptp(prepared.measurement.time))
     covariance = _covariance(objective, best, np.maximum(SMALL, stairs)[free])
-    gain = min(misfit(np.array([0.0, 0.0, 0.0, best[-1] + more])) for more in np.arange(0.0, 2.0, 0.25)) - objective(
-        best
-    )
+    noises = best[-1] + np.arange(0.0, 2.0, 0.25)  # without a delay, the noise has to explain more
+    gain = min(misfit(np.array([0.0, 0.0, 0.0, noise])) for noise in noises) - objective(best)
     if with_delay:
         turn = np.eye(best.size)
         turn[1, 0] = -1.0  # back to the difference of the delays
@@ -106,9 +105,14 @@ def _changed(model: FilterModel, x: Floats) -> FilterModel:
 
 
 def _minimum(objective: Callable[[Floats], float], start: Floats, steps: Floats) -> Floats:
-    simplex = np.vstack([start, start + np.diag(steps)])
-    options = {"initial_simplex": simplex, "xatol": CLOSE, "fatol": 0.05, "maxfev": 300}
-    return np.asarray(optimize.minimize(objective, start, method="Nelder-Mead", options=options).x, dtype=np.float64)
+    n = start.size
+    options = {"initial_simplex": np.vstack([np.zeros(n), np.eye(n)]), "xatol": CLOSE, "fatol": 0.05, "maxfev": 300}
+
+    def moved(x: Floats) -> float:
+        return objective(start + steps * x)
+
+    best = optimize.minimize(moved, np.zeros(n), method="Nelder-Mead", options=options)
+    return start + steps * np.asarray(best.x, dtype=np.float64)
 
 
 def _clocks(model: FilterModel, free: Booleans, best: Floats, covariance: Floats, level: float, gain: float) -> Clocks:

@@ -32,7 +32,7 @@ from imuwb.replay.added_noise import with_added
 from imuwb.replay.prepared import Prepared, run
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit
-from imuwb.stochastic import WhiteNoise
+from imuwb.stochastic import ImuErrorModel, Sum, WhiteNoise
 
 NAME = "motion"  #: of the filter
 UNITS = ("rad/s/√Hz", "m/s²/√Hz", "rad/s/√s", "m/s²/√s", "m", "m/s")
@@ -61,9 +61,9 @@ class MotionNoise:
     white: tuple[Estimate, Estimate]  #: N of the added white noise, rad/s/√Hz and m/s²/√Hz
     walk: tuple[Estimate, Estimate]  #: K of the added random walk, rad/s/√s and m/s²/√s
     floor: tuple[Estimate, Estimate]  #: m and m/s, added to the receiver's sigmas of positions and velocities
-    factors: dict[
-        str, Estimate
-    ]  #: axis -> white noise in motion over that of the bench; infinite without any on the bench
+    bench: dict[str, float]  #: axis -> N of the bench's white noise
+    #: axis -> white noise in motion over that of the bench; infinite without any on the bench
+    factors: dict[str, Estimate]
     vibration_gain: (
         float  #: rise of the log-likelihood if the white noise grows with vibration; it does where it is kept
     )
@@ -105,12 +105,14 @@ def estimate_motion_noise(prepared: Prepared, model: FilterModel, level: float) 
     sigma, blocks = fit.sigma(theta)
     limit = normal_limit(level)
     amplitudes = [_estimate(theta[i], sigma[i], limit, UNITS[i]) for i in range(theta.size)]
+    bench = {axis: _white(own.processes) for axis, own in model.error_model.axes.items()}
     white, walk, floor = ((amplitudes[i], amplitudes[i + 1]) for i in (0, 2, 4))
     noise = MotionNoise(
         white,
         walk,
         floor,
-        _factors(model, white),
+        bench,
+        _factors(bench, white),
         vibrating,
         fit.base.scale_factor[0],
         scaled,
@@ -142,16 +144,24 @@ def _estimate(log: float, sigma: float, limit: float, unit: str) -> Estimate:
     return Estimate(value, 0.0 if sigma > SHOWN / limit else lower, upper, value * sigma, unit)
 
 
-def _factors(model: FilterModel, white: tuple[Estimate, Estimate]) -> dict[str, Estimate]:
+def _white(processes: Sum) -> float:
+    return math.sqrt(sum(term.N**2 for term in processes.terms if isinstance(term, WhiteNoise)))
+
+
+def _factors(bench: dict[str, float], white: tuple[Estimate, Estimate]) -> dict[str, Estimate]:
     factors: dict[str, Estimate] = {}
-    for axis, own in model.error_model.axes.items():
-        bench = math.sqrt(sum(term.N**2 for term in own.processes.terms if isinstance(term, WhiteNoise)))
+    for axis, own in bench.items():
         added = white[int(axis.startswith("accel"))]
         value, lower, upper = (
-            math.hypot(n, bench) / bench if bench else math.inf for n in (added.value, added.lower, added.upper)
+            math.hypot(n, own) / own if own else math.inf for n in (added.value, added.lower, added.upper)
         )
         factors[axis] = Estimate(value, lower, upper)
     return factors
+
+
+def in_motion(model: FilterModel) -> ImuErrorModel:
+    """Return the error model of a filter with noise in motion; noise that grows with vibration has its usual density."""
+    return with_added(model.error_model, model.vibration.white, (0.0, 0.0))
 
 
 @dataclass(frozen=True, eq=False, slots=True)

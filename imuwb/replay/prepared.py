@@ -18,6 +18,7 @@ from imuwb.navigation.standstill import standstills
 from imuwb.navigation.vibration import with_classes
 from imuwb.notes import Note
 from imuwb.replay.degraded import Degradation, degraded
+from imuwb.replay.fix_kinds import consistent
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -72,6 +73,7 @@ def prepare(
     if len(log.gnss) > 1 and receiver is None:
         text = f"the log has {len(log.gnss)} receivers: {gnss.name} is used; choose another with --receiver"
         several = (Note("several-receivers", text),)
+    gnss, contradicting = consistent(gnss)
     if degradation is not None:
         gnss = degraded(gnss, degradation)
     log, corrected = corrected_log(log, model.error_model)
@@ -80,7 +82,7 @@ def prepare(
     stills = standstills(measurement, log, gnss)
     corrections = corrections_of(log, gnss, measurement, stills, model)
     alignment = align(measurement, corrections, stills, model)
-    notes = (*several, *corrected, *measurement.notes, *corrections.notes, alignment.note)
+    notes = (*several, *contradicting, *corrected, *measurement.notes, *corrections.notes, alignment.note)
     return Prepared(log, gnss, measurement, stills, corrections, alignment, notes)
 
 

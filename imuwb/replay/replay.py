@@ -18,7 +18,7 @@ from imuwb.replay.prepared import Prepared, run
 from imuwb.replay.reference import ReferenceTrack, own_track, reference_names, reference_track
 from imuwb.replay.scores import Scores, scores
 
-BEST = ("tuned", "full", "18AV", "15AV")  #: the filters whose run is a reference, in order of preference
+BEST = ("tuned", "motion", "full", "18AV", "15AV")  #: the filters whose run is a reference, in order of preference
 MOST_INVALID = 0.5  #: share of the outages in which a filter may become invalid
 
 

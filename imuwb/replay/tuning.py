@@ -19,6 +19,7 @@ from imuwb.replay.scaled import scaled
 from imuwb.replay.scores import Scores, scores
 
 DURATION = 30.0  #: s, of the outages
+AT = (5.0, 10.0, 20.0, 30.0)  #: s since the start of an outage; the errors at these times count
 SHARE = 0.5  #: share of the log to which the noise is fitted
 LEAST = 4  #: outages in each part
 STEP = 1.0  #: size of the first simplex, in the logarithm of a factor
@@ -65,7 +66,7 @@ def tune(prepared: Prepared, model: FilterModel, reference: str) -> tuple[Filter
 
     def misfit(factors: Floats) -> float:
         _, errors = _scored(prepared, model, factors, early, track)
-        value = -float(np.nanmean(log_likelihood(errors))) * len(early)
+        value = -float(np.nanmean(log_likelihood(errors, AT))) * len(early)
         return value + float((factors**2).sum()) / (2 * PRIOR**2)
 
     start = np.zeros(4)
@@ -81,7 +82,7 @@ def tune(prepared: Prepared, model: FilterModel, reference: str) -> tuple[Filter
 def _figures(errors: Scores) -> tuple[float, float, float]:
     """Return log-likelihood, NEES over its degrees of freedom at the end, and median error at the end, m."""
     return (
-        float(np.nanmean(log_likelihood(errors))), float(np.nanmean(errors.nees[:, -1]) / 2),
+        float(np.nanmean(log_likelihood(errors, AT))), float(np.nanmean(errors.nees[:, -1]) / 2),
         float(np.nanmedian(errors.horizontal[:, -1])),
     )  # fmt: skip
 

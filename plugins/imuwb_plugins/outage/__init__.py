@@ -11,6 +11,6 @@ DEMO = "drive"
 __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={
-        "parameters": ["Parameters"], "compute": ["run"], "show": ["draw"], "output": ["outputs", "write_outputs"],
+        "parameters": ["Parameters"], "compute": ["run", "error_model"], "show": ["draw"], "output": ["outputs", "write_outputs"],
     },
 )  # fmt: skip

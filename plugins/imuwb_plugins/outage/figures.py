@@ -24,7 +24,7 @@ from imuwb.units import STANDARD_GRAVITY
 from imuwb_plugins.outage.result import DurationSummary, ErrorBudget, Result, SensorErrors
 
 COLORS: dict[str, Color] = {
-    "none": GREY, "15AV": BLUE, "18AV": GREEN, "18AVWD": RED, "15AR": ORANGE, "27AR": PURPLE, "full": TEAL, "tuned": YELLOW,
+    "none": GREY, "15AV": BLUE, "18AV": GREEN, "18AVWD": RED, "15AR": ORANGE, "27AR": PURPLE, "full": TEAL, "motion": RED, "tuned": YELLOW,
 }  # fmt: skip
 SOURCES: tuple[Color, ...] = (RED, BLUE, GREEN, ORANGE, PURPLE, TEAL, YELLOW)
 TIME, ERROR = "time without GNSS [s]", "horizontal error [m]"

@@ -6,14 +6,18 @@ import numpy as np
 
 from imuwb.navigation import Aids
 from imuwb.notes import Note
-from imuwb.replay import Clocks, Mounting, Replay, Tuned
+from imuwb.replay import Clocks, MotionNoise, Replay, Tuned
 from imuwb.statistics import Estimate
-from imuwb.texts import number_text
+from imuwb.texts import converted_text, number_text
+from imuwb.units import coefficient_units
+from imuwb_plugins.outage.installation import BETTER, Installed
 from imuwb_plugins.outage.left_out import left_out
+from imuwb_plugins.outage.models import Filters
 from imuwb_plugins.outage.result import DurationSummary, FilterInfo
 
 #: A filter does not fit above this NIS over its degrees of freedom, or this share of refused fixes.
 MISFIT, REFUSED = 3.0, 0.1
+MORE = 1.2  #: times the bench's noise; a smaller factor is not worth a sentence
 
 
 def prefixed(prefix: str, note: Note) -> Note:
@@ -22,23 +26,53 @@ def prefixed(prefix: str, note: Note) -> Note:
 
 
 def notes(
-    replay: Replay, durations: tuple[DurationSummary, ...], infos: tuple[FilterInfo, ...], clocks: Clocks | None,
-    mounting: Mounting | None, tuned: Tuned | None,
-) -> tuple[str, ...]:  # fmt: skip
+    replay: Replay,
+    durations: tuple[DurationSummary, ...],
+    infos: tuple[FilterInfo, ...],
+    own: Installed,
+    chosen: Filters,
+) -> tuple[str, ...]:
     """Return the notes, the most important first."""
     aids = next(iter(replay.runs.values())).solution.model.aids
     reference = Note("reference", f"the drift is measured against {replay.reference.name}")
-    own = [*misfits(infos), *_choices(durations), reference, *left_out(replay), *replay.notes, _aids(aids)]
-    if clocks is not None:
-        own.append(_clocks(clocks))
-    if mounting is not None:
-        roll, pitch, heading = mounting.angles
-        half = mounting.heading.upper - mounting.heading.value
-        text = f"mounting estimated from the log: roll {roll:.2f}, pitch {pitch:.2f}, heading {heading:.2f} ± {half:.2f} deg"
-        own.append(Note("mounting", text))
-    if tuned is not None:
-        own.append(_tuned(tuned))
-    return tuple(own)
+    first = () if chosen.motion is None else motion_notes(chosen.motion)
+    found = [*first, *misfits(infos), *_choices(durations), reference, *left_out(replay), *replay.notes, _aids(aids)]
+    if own.clocks is not None:
+        found.append(_clocks(own.clocks))
+    if chosen.tuned is not None:
+        found.append(_tuned(chosen.tuned))
+    return tuple(found)
+
+
+def motion_notes(noise: MotionNoise) -> tuple[Note, ...]:
+    """Return what makes the bench's sigma too small in motion, with intervals, and the remedy."""
+    causes = [cause for kind in ("gyro", "accel") if (cause := _noisier(noise, kind))]
+    if not causes:
+        return (Note("motion-as-bench", "in motion, the innovations show no more noise than the bench record does"),)
+    grows = ", in proportion to the square of the vibration" if noise.vibration_gain > BETTER else ""
+    text = f"in motion, {' and '.join(causes)} than on the bench{grows}"
+    if noise.scale_factor:
+        text += (
+            f", besides scale factors that err by about {noise.scale_factor * 100:.0f} %, which the innovations show "
+            f"(log-likelihood + {noise.scale_factor_gain:.0f})"
+        )
+    remedy = "the filter motion has this noise, from the innovations alone; --save-model FILE.toml writes it for your estimator"
+    return Note("motion-noise", text), Note("motion-remedy", remedy)
+
+
+def _noisier(noise: MotionNoise, kind: str) -> str:
+    """Return how much noisier a triad is in motion; empty if its interval includes the bench's noise."""
+    own = [f for axis, f in noise.factors.items() if axis.startswith(kind)]
+    sensor, unit = ("gyros", "gyro") if kind == "gyro" else ("accelerometers", "accel")
+    added = noise.white[int(kind == "accel")]
+    if added.lower <= 0 or max(f.lower for f in own) < MORE:
+        return ""
+    display = coefficient_units(f"{unit}_x", "N")[1]
+    amplitude = converted_text(added, display)
+    if not all(np.isfinite(f.value) for f in own):
+        return f"the {sensor} act {amplitude} noisier"
+    middle = sorted(own, key=lambda f: f.value)[1]
+    return f"the {sensor} act {number_text(middle.value)} [{number_text(middle.lower)}, {number_text(middle.upper)}] times noisier ({amplitude})"
 
 
 def misfits(infos: tuple[FilterInfo, ...]) -> Iterator[Note]:

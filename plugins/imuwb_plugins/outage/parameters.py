@@ -6,7 +6,9 @@ from typing import Annotated, Literal
 
 from imuwb.options import NOT_NEGATIVE, Between, Form, Level, check, text_of
 
-MODELS = ("none", "15AV", "18AV", "18AVWD", "15AR", "27AR", "full")
+PAPER = ("none", "15AV", "18AV", "18AVWD", "15AR", "27AR", "full")  #: filters of Quinchia, and one with all processes
+MODELS = (*PAPER, "motion", "paper")
+USUAL = ("15AV", "full", "motion")
 DURATION = Between(2.0, 600.0)  #: s, of an outage
 TURN_ON = Between(0.0, 1000.0), Between(0.0, 100.0)  #: deg/s and m/s²
 EVERY = Between(1.0)  #: s between jumps
@@ -18,8 +20,9 @@ class Parameters:
 
     error_model: Annotated[Path | None, "Error model of the IMU (TOML), as imuwb noise writes it."] = None
     models: Annotated[
-        tuple[str, ...], f"Filters to compare, among {','.join(MODELS)}.", Form("NAME,...", "none,18AV,full")
-    ] = MODELS
+        tuple[str, ...], f"Filters to compare, among {','.join(MODELS)}; motion estimates the noise in motion, paper: Quinchia's filters.",
+        Form("NAME,...", "15AV,full,motion"),
+    ] = USUAL  # fmt: skip
     wavelet: Annotated[
         tuple[int, ...],
         "Levels of denoising to compare, such as 3..8 or 4,6; each level adds one 18AVWD filter; default: the paper's levels only.",
@@ -81,7 +84,7 @@ class Parameters:
         Literal["auto"] | tuple[float, float, float],
         "Roll, pitch and heading that turn vectors from the vehicle's axes to the IMU's (deg), or auto: estimated from the log.",
         Between(), Form("ROLL,PITCH,HEADING", "180,0,90"),
-    ] = (0.0, 0.0, 0.0)  # fmt: skip
+    ] = "auto"  # fmt: skip
     lever_arm: Annotated[
         tuple[float, float, float], "Lever arm from the IMU to the antenna: forward, right, down (m).", Between(-500, 500),
         Form("F,R,D", "0.4,0,-1.2"),
@@ -102,13 +105,29 @@ class Parameters:
     gnss_delay: Annotated[
         Literal["auto"] | float, "Time by which the stamp of a fix is late (s), or auto: estimated from the log.", Between(-10, 10),
         Form("SECONDS", "0.15"),
-    ] = 0.0  # fmt: skip
+    ] = "auto"  # fmt: skip
     velocity_delay: Annotated[
         float, "Time by which a fix's velocity is older than its position (s); --gnss-delay auto estimates it too.", Between(-10, 10)
     ] = 0.0  # fmt: skip
     clock_rate: Annotated[
         Literal["auto"] | float, "True seconds in a second of the IMU's clock, or auto: estimated from the log.",
         Between(0.9, 1.1, open_least=True, open_most=True), Form("RATE", "1.0002"),
+    ] = "auto"  # fmt: skip
+    gnss_sigma: Annotated[
+        tuple[float, float], "Sigmas of positions (m) and velocities (m/s) in place of the receiver's own; 0: its own.",
+        NOT_NEGATIVE, Form("M,M/S", "0.5,0.1"),
+    ] = (0.0, 0.0)  # fmt: skip
+    gnss_scale: Annotated[
+        tuple[float, float], "Factors of the receiver's own sigmas of positions and velocities.",
+        Between(0, 1000, open_least=True), Form("POSITION,VELOCITY", "3,1"),
+    ] = (1.0, 1.0)  # fmt: skip
+    gnss_floor: Annotated[
+        tuple[float, float], "Sigmas added in squares to those of positions (m) and velocities (m/s).",
+        NOT_NEGATIVE, Form("M,M/S", "0.3,0.05"),
+    ] = (0.0, 0.0)  # fmt: skip
+    spacing: Annotated[
+        float, "Time between two fixes that are used, at least (s); errors of nearer fixes are alike. 0: all are used.",
+        Between(0, 60),
     ] = 1.0  # fmt: skip
     skew: Annotated[
         float, "Time by which the accelerometer's stamps are later than the gyro's (s).", Between(-1, 1)
@@ -120,7 +139,8 @@ class Parameters:
     tune: Annotated[bool, "Fit the noise to outages in the first half of the log, and judge it in the second."] = False
     turn_on: Annotated[
         Literal["auto"] | tuple[float, float],
-        "Sigmas of the turn-on biases of gyros (deg/s) and accelerometers (m/s²) for every filter, or auto: usual ones, for full only.",
+        "Sigmas of the turn-on biases of gyros (deg/s) and accelerometers (m/s²) for every filter, or auto: usual ones; with "
+        "--models paper, for full only.",
         NOT_NEGATIVE, Form("GYRO,ACCEL", "0.2,0.1"),
     ] = "auto"  # fmt: skip
     settling: Annotated[float, "Time of fixes before the first outage of a sweep (s).", NOT_NEGATIVE] = 60.0
@@ -146,6 +166,8 @@ class Parameters:
             raise ValueError(
                 f"models is {text_of(self.models)!r}; it must have one or more of {','.join(MODELS)}, each once"
             )
+        if "paper" in self.models and len(self.models) > 1:
+            raise ValueError(f"models is {text_of(self.models)!r}; paper stands for {','.join(PAPER)}; give it alone")
         self._check_truth()
         if not self.durations:
             raise ValueError("durations is empty; it must have one or more durations, such as 30,60")

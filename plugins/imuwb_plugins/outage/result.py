@@ -5,8 +5,9 @@ from dataclasses import dataclass, field
 from imuwb.arrays import Floats, Integers
 from imuwb.log import Reference
 from imuwb.notes import Note
-from imuwb.replay import Choice, Clocks, Consistency, DriftCurve, Mounting, Paired, Tuned
+from imuwb.replay import Choice, Clocks, Consistency, DriftCurve, MotionNoise, Mounting, Paired, Tuned
 from imuwb.statistics import Estimate
+from imuwb.stochastic import ImuErrorModel
 
 HELD = {"document": False}  #: for a field that is drawn or written, but not part of the JSON
 
@@ -177,7 +178,9 @@ class Result:
     notes: tuple[str, ...]
     clocks: Clocks | None  #: None: given, not estimated
     mounting: Mounting | None  #: None: given, not estimated
+    motion: MotionNoise | None  #: None: no filter has it
     tuned: Tuned | None
+    error_model: ImuErrorModel | None = field(metadata=HELD)  #: in motion, or tuned; None: no such filter
     sensor_errors: SensorErrors = field(metadata=HELD)
     reference_track: Floats = field(metadata=HELD)  #: (n, 3) latitude rad, longitude rad, height m
     tracks: tuple[Tracks, ...] = field(metadata=HELD)

@@ -1,0 +1,135 @@
+"""The filter that all others are made from: error model, settings, and an installation that is given or estimated from the log."""
+
+from dataclasses import dataclass, replace
+
+from imuwb.errors import MissingDataError, UsageError
+from imuwb.log import Log
+from imuwb.navigation import Aids, FilterModel, Installation, Settings, read_filter
+from imuwb.notes import Note
+from imuwb.replay import HORIZONS, Clocks, Mounting, estimate_clocks, estimate_mounting, prepare
+from imuwb.stochastic import ImuErrorModel
+from imuwb_plugins.outage.models import named
+from imuwb_plugins.outage.parameters import Parameters
+from imuwb_plugins.outage.starts import started
+
+ALIGNED = 1.5  #: deg; roll and pitch below which axes that agree in heading count as those of the vehicle
+BETTER = 5.0  #: rise of the log-likelihood from which estimated delays and rates are used
+HEADING = 3.0  #: deg, usual sigma of the heading at the start
+
+
+@dataclass(frozen=True, slots=True)
+class Installed:
+    """A filter with its installation, and what was estimated for it; None: given, or not shown by the log."""
+
+    base: FilterModel
+    mounting: Mounting | None
+    clocks: Clocks | None
+    notes: tuple[Note, ...]
+
+
+def installed(log: Log, parameters: Parameters) -> Installed:
+    """Return the filter that the options give, with mounting, delays and clock rate from the log where they are not given.
+
+    Raises:
+        UsageError: neither an error model nor a filter.
+        MissingDataError: the log has no IMU, no receiver, or too few fixes.
+    """
+    base = base_of(parameters)
+    if parameters.filter is not None:
+        return Installed(base, None, None, ())
+    base, mounting, of_mounting = _mounted(log, base, parameters)
+    base, of_start = started(log, base, parameters)
+    base, clocks, of_clocks = _timed(log, base, parameters)
+    return Installed(base, mounting, clocks, (*of_mounting, *of_start, *of_clocks))
+
+
+def base_of(parameters: Parameters) -> FilterModel:
+    """Return the given filter, or a filter with the given error model and settings.
+
+    Raises:
+        UsageError: neither an error model nor a filter.
+    """
+    if parameters.filter is not None:
+        base = read_filter(parameters.filter)
+        if base.name in (*parameters.models, "tuned"):
+            base = replace(base, name=f"{base.name} of {parameters.filter.name}")
+        if parameters.error_model is not None:
+            base = replace(base, error_model=ImuErrorModel.read(parameters.error_model))
+        return base
+    if parameters.error_model is None:
+        raise UsageError("outage needs --error-model MODEL.toml; imuwb noise writes one from a static record")
+    gyro, accel = parameters.scale_factor
+    return FilterModel(
+        "base", ImuErrorModel.read(parameters.error_model), scale_factor=(gyro / 100, accel / 100),
+        installation=Installation(
+            (0.0, 0.0, 0.0) if parameters.mounting == "auto" else parameters.mounting, parameters.lever_arm,
+            0.0 if parameters.gnss_delay == "auto" else parameters.gnss_delay, parameters.velocity_delay,
+            1.0 if parameters.clock_rate == "auto" else parameters.clock_rate, parameters.skew,
+        ),
+        settings=Settings(
+            every=parameters.every, settling=parameters.settling, horizons=_horizons(parameters), sigma_stated=parameters.gnss_sigma,
+            sigma_scale=parameters.gnss_scale, sigma_floor=parameters.gnss_floor, spacing=parameters.spacing,
+        ),
+        aids=Aids(parameters.straight, parameters.still, parameters.speed),
+    )  # fmt: skip
+
+
+def _horizons(parameters: Parameters) -> tuple[float, float]:
+    """Return the shortest and the longest outage, s; drift is also judged at the first of the usual horizons."""
+    durations = (*parameters.durations, *(d for _, d in (() if parameters.at == "own" else parameters.at)))
+    return min(HORIZONS[0], *durations), max(durations)
+
+
+def _mounted(
+    log: Log, base: FilterModel, parameters: Parameters
+) -> tuple[FilterModel, Mounting | None, tuple[Note, ...]]:
+    """Return the filter with the mounting, the estimate of it if the log shows one, and a note."""
+    if parameters.mounting != "auto":
+        return base, None, ()
+    try:
+        mounting = estimate_mounting(log, parameters.receiver, parameters.level)
+    except MissingDataError as error:
+        text = f"the IMU's axes are taken as those of the vehicle, forward, right and down: {error}"
+        return base, None, (Note("mounting-assumed", text),)
+    roll, pitch, heading = mounting.angles
+    half = mounting.heading.upper - mounting.heading.value
+    text = f"the log shows a mounting of roll {roll:.2f}, pitch {pitch:.2f}, heading {heading:.2f} ± {half:.2f} deg"
+    if abs(heading) <= max(half, ALIGNED) and max(abs(roll), abs(pitch)) < ALIGNED:
+        return base, mounting, (Note("mounting-aligned", f"{text}: the IMU's axes are those of the vehicle"),)
+    installation = replace(base.installation, mounting=mounting.angles)
+    wider = (HEADING**2 + (mounting.heading.sigma or 0.0) ** 2) ** 0.5
+    settings = replace(base.settings, heading=wider)
+    return replace(base, installation=installation, settings=settings), mounting, (Note("mounting", text),)
+
+
+def _timed(log: Log, base: FilterModel, parameters: Parameters) -> tuple[FilterModel, Clocks | None, tuple[Note, ...]]:
+    """Return the filter with delays and clock rate, the estimate of them if the log shows them, and a note."""
+    with_delay, with_rate = parameters.gnss_delay == "auto", parameters.clock_rate == "auto"
+    if not (with_delay or with_rate):
+        return base, None, ()
+    full = _largest(base, prepare(log, base, parameters.receiver).measurement.interval, parameters)
+    clocks = estimate_clocks(
+        log, full, parameters.receiver, parameters.level, with_delay=with_delay, with_rate=with_rate
+    )
+    if clocks.gain < BETTER:
+        text = "the innovations show no delay of the fixes and no error of the IMU's clock; none is assumed"
+        return base, None, (Note("clocks-agree", text),)
+    estimates = {"gnss_delay": clocks.delay, "velocity_delay": clocks.velocity_delay, "clock_rate": clocks.rate}
+    known = {name: estimate.value for name, estimate in estimates.items() if estimate is not None}
+    return replace(base, installation=replace(base.installation, **known)), clocks, ()
+
+
+def _largest(base: FilterModel, interval: float, parameters: Parameters) -> FilterModel:
+    """Return the filter with the most processes that can run with this error model.
+
+    Raises:
+        UsageError: none can run.
+    """
+    for name in ("full", "18AV"):
+        try:
+            model, _ = named(name, base, interval, parameters)
+            model.tables(interval)
+        except UsageError:
+            continue
+        return model
+    return named("none", base, interval, parameters)[0]
