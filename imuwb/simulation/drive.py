@@ -116,8 +116,9 @@ def _in_motion(
 
 def _check(route: Route, rate: float, truth_rate: float, lowest: float = LOWEST_RATE) -> None:
     if not lowest <= rate <= HIGHEST_RATE or not route.duration * rate <= LONGEST:
+        where = "" if lowest == LOWEST_RATE else " on a rough road"
         raise UsageError(
-            f"the rate of the drive is {rate} Hz; it must be {lowest:g} to {HIGHEST_RATE:g} Hz, and give at most {LONGEST} samples"
+            f"the rate of the drive{where} is {rate} Hz; it must be {lowest:g} to {HIGHEST_RATE:g} Hz, and give at most {LONGEST} samples"
         )
     if not 0 < truth_rate <= rate:
         raise UsageError(

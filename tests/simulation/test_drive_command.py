@@ -7,7 +7,7 @@ import pytest
 
 from imuwb.cli import main
 from imuwb.readers import read
-from imuwb.simulation import Odometer, Receiver, drive, mixed_route, preset
+from imuwb.simulation import GnssErrors, MotionNoise, Odometer, Receiver, Road, drive, mixed_route, preset
 
 
 @pytest.fixture
@@ -53,9 +53,70 @@ def test_options_reach_the_simulation(simulate, tmp_path):
     assert np.array_equal(found[3].references[0].attitude, expected.references[0].attitude)
 
 
+def same(found, expected):
+    for triad in ("angular_rate", "specific_force"):
+        assert np.array_equal(getattr(found.imus[0], triad).value, getattr(expected.imus[0], triad).value)
+    for name in ("position", "velocity", "position_sigma", "velocity_sigma"):
+        assert getattr(found.gnss[0], name) == pytest.approx(getattr(expected.gnss[0], name), rel=1e-14, abs=1e-15)
+    assert np.array_equal(found.references[0].attitude, expected.references[0].attitude)
+    assert found.truth == expected.truth != {}
+
+
+def test_a_road_noise_in_motion_and_errors_of_fixes_reach_the_simulation(simulate, tmp_path):
+    arguments = ["--duration", 90, "--sensor", "stim300", "--seed", 3, "--route-seed", 4, "--rate", 50, "-o", "d.mcap"]
+    code, _, _ = simulate(
+        *arguments, "--road", "B", "--motion-noise", "1e-3,2e-2,3e-5,4e-4", "--noise-acts", "always", "--gnss-errors",
+        "sigma=1,tau=30,velocity_sigma=0.1,velocity_tau=4,steps=2,step_sigma=7,step_time=5,jitter=0.01,claim=3,velocity_claim=2",
+    )  # fmt: skip
+    assert code == 0
+    errors = GnssErrors((1, 1, 2), 30, (0.1, 0.1, 0.1), 4, 2, (7, 7, 14), 5, 0.01, (3, 2))
+    noise = MotionNoise((1e-3, 2e-2), (3e-5, 4e-4), "always")
+    expected = drive(
+        preset("stim300"),
+        mixed_route(90, 4),
+        3,
+        rate=50,
+        road=Road("B", 4),
+        motion_noise=noise,
+        receiver=Receiver(errors=errors),
+    )
+    same(read(tmp_path / "d.mcap"), expected)
+
+
+def test_two_values_of_noise_and_one_key_of_errors_are_enough(simulate, tmp_path):
+    arguments = ["--duration", 90, "--sensor", "mpu-6050", "--rate", 50, "-o", "d.mcap"]
+    assert simulate(*arguments, "--motion-noise", "1e-3,2e-2", "--gnss-errors", "claim=2")[0] == 0
+    receiver = Receiver(errors=GnssErrors(claim=(2, 2)))
+    noise = MotionNoise((1e-3, 2e-2))
+    expected = drive(preset("mpu-6050"), mixed_route(90), 0, rate=50, motion_noise=noise, receiver=receiver)
+    same(read(tmp_path / "d.mcap"), expected)
+
+
+ONE = ["--duration", 100, "--sensor", "mpu-6050"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "why"),
     [
+        ([*ONE, "--road", "F"], "'F' is not one of"),
+        ([*ONE, "--road", "C", "--rate", 20], "on a rough road"),
+        ([*ONE, "--motion-noise", "1e-3"], "N_G,N_A,K_G,K_A"),
+        ([*ONE, "--motion-noise", "1,2,3"], "N_G,N_A,K_G,K_A"),
+        ([*ONE, "--motion-noise", "a,b"], "1e-3,1e-2"),
+        ([*ONE, "--motion-noise=-1e-3,1e-2"], "--motion-noise: "),
+        ([*ONE, "--motion-noise", "nan,1"], "--motion-noise"),
+        ([*ONE, "--noise-acts", "always"], "--motion-noise"),
+        ([*ONE, "--noise-acts", "never"], "'moving', 'always'"),
+        ([*ONE, "--gnss-errors", "2"], "key=value"),
+        ([*ONE, "--gnss-errors", "sigma=x"], "sigma=2"),
+        ([*ONE, "--gnss-errors", "sigma=-1"], "0 or more"),
+        ([*ONE, "--gnss-errors", "sigm=1"], "sigma, tau"),
+        ([*ONE, "--gnss-errors", "latency=1"], "--latency"),
+        ([*ONE, "--gnss-errors", "tau=10"], "sigma"),
+        ([*ONE, "--gnss-errors", "sigma=1,tau=0"], "above 0"),
+        ([*ONE, "--gnss-errors", "step_sigma=1"], "steps"),
+        ([*ONE, "--gnss-errors", "steps=100"], "0 to 60"),
+        ([*ONE, "--gnss-errors", "claim=0"], "above 0"),
         (["--preset", "rome", "--sensor", "mpu-6050"], "turin-1, turin-2"),
         (["--sensor", "mpu-6050"], "either --preset"),
         (["--preset", "turin-1", "--duration", 100, "--sensor", "mpu-6050"], "either --preset"),

@@ -7,7 +7,7 @@ import pytest
 
 from imuwb.errors import UsageError
 from imuwb.simulation import preset, preset_names
-from imuwb.stochastic import FlickerNoise, GaussMarkov, RandomWalk, WhiteNoise
+from imuwb.stochastic import Constant, FlickerNoise, GaussMarkov, RandomWalk, WhiteNoise
 from imuwb.units import unit as unit_of
 
 ORDER = ("accel_x", "accel_y", "accel_z", "gyro_x", "gyro_y", "gyro_z")
@@ -72,6 +72,21 @@ def test_hassaballa(tables):
         assert steps == pytest.approx(sheet["gyro"]["lsb_per_deg_s"] if gyro else sheet["accel"]["lsb_per_g"], rel=1e-5)
     arw = from_si(term(measured, "gyro_z", WhiteNoise).N, "deg/√s")
     assert arw == pytest.approx(tables["hassaballa"]["table2_z_gyro"]["ARW"][0])
+
+
+def test_a_tactical_grade():
+    """The figures of the data sheet: random walks, the flat part of the Allan deviation, and the repeatability of the bias."""
+    model = preset("stim300")
+    for axis in ORDER:
+        gyro = axis.startswith("gyro")
+        flat = term(model, axis, FlickerNoise).allan_variance(np.array([100.0]), 0.01)[0] ** 0.5
+        assert from_si(term(model, axis, WhiteNoise).N, "deg/√h" if gyro else "m/s/√h") == pytest.approx(
+            0.15 if gyro else 0.06
+        )
+        assert from_si(flat, "deg/h" if gyro else "mg") == pytest.approx(0.5 if gyro else 0.05, rel=0.01)
+        assert from_si(term(model, axis, Constant).sigma, "deg/h" if gyro else "mg") == pytest.approx(
+            4 if gyro else 0.75
+        )
 
 
 def test_unknown_presets_are_answered_with_the_known():

@@ -164,7 +164,7 @@ def test_vibration_grows_with_the_speed_and_the_road():
     assert vibration.level(np.array([15.0]), 4 * 256e-6) == pytest.approx(np.sqrt(4.01))
 
 
-@pytest.mark.parametrize("grade", ["mpu-6050", "3dm-gx3-25", "motionpakii"])
+@pytest.mark.parametrize("grade", ["mpu-6050", "3dm-gx3-25", "stim300"])
 def test_a_drive_has_the_noise_in_motion_that_its_log_states(route, grade):
     model = preset(grade)
     road = Road("C", seed=3)

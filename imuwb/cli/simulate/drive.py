@@ -6,6 +6,7 @@ from typing import Annotated, TypeAlias
 
 import typer
 
+from imuwb.cli.simulate.disturbances import Disturbances, ErrorsOfFixes, gnss_errors
 from imuwb.cli.simulate.options import Force, Output, Warm, check_output, model_of, save
 from imuwb.errors import UsageError
 from imuwb.options import NOT_NEGATIVE, POSITIVE, Form, Options
@@ -83,12 +84,14 @@ class Gnss(Options):
     lever_arm: Annotated[
         Triple, "lever arm from the IMU to the antenna: forward, right, down (m)", Form("F,R,D", "0.4,0,-1.2")
     ] = (0.0, 0.0, 0.0)
+    gnss_errors: ErrorsOfFixes = None
 
     def receiver(self) -> Receiver:
         """Return the receiver."""
         from imuwb.simulation import Receiver  # noqa: PLC0415 - help must not wait for numpy
 
-        return Receiver(self.gnss_rate, self.position_sigma, self.velocity_sigma, self.latency, self.lever_arm)
+        errors = gnss_errors(self.gnss_errors or {})
+        return Receiver(self.gnss_rate, self.position_sigma, self.velocity_sigma, self.latency, self.lever_arm, errors)
 
 
 @dataclass(frozen=True)
@@ -114,19 +117,29 @@ class Wheels(Options):
         return None
 
 
-def drive(*, output: Output, trip: Drive, vehicle: Vehicle, gnss: Gnss, wheels: Wheels, force: Force = False) -> None:
+def drive(
+    *,
+    output: Output,
+    trip: Drive,
+    vehicle: Vehicle,
+    disturbances: Disturbances,
+    gnss: Gnss,
+    wheels: Wheels,
+    force: Force = False,
+) -> None:
     """Simulate a car with an IMU and GNSS, and the truth. A preset's outages are printed as imuwb outage takes them."""
     from imuwb import simulation  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.terminal import progress  # noqa: PLC0415
 
     model, route = vehicle.model(), trip.route()
     celsius, receiver, odometer = vehicle.celsius(route.duration), gnss.receiver(), wheels.device()
+    noise, road = disturbances.noise(), disturbances.surface(trip.route_seed)
     check_output(output, force=force)
     with progress("simulating") as report:
         log = simulation.drive(
             model, route, vehicle.seed, rate=vehicle.rate, receiver=receiver, odometer=odometer,
             truth_rate=trip.truth_rate, celsius=celsius, quantize=vehicle.quantize, bandwidth=vehicle.bandwidth,
-            vibration=vehicle.vibration, progress=report,
+            vibration=vehicle.vibration, motion_noise=noise, road=road, progress=report,
         )  # fmt: skip
     save({output: log}, force=force)
     if trip.preset is not None:

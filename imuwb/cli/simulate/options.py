@@ -87,7 +87,8 @@ class Warm(Filtered):
 PANELS = {
     "Sensor": "The IMU", "Samples": "The IMU", "Filtered": "The IMU", "Warm": "The IMU", "Vehicle": "The IMU",
     "BenchSensor": "The IMU", "BenchSamples": "The IMU", "Bench": "The bench", "Positions": "The bench",
-    "Table": "The bench", "Drive": "The drive", "Gnss": "The GNSS receiver", "Wheels": "The odometer",
+    "Table": "The bench", "Drive": "The drive", "Disturbances": "The road, and noise in motion",
+    "Gnss": "The GNSS receiver", "Wheels": "The odometer",
 }  # fmt: skip
 
 
