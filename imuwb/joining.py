@@ -1,11 +1,13 @@
-"""Joins two files to one log, for example an IMU's and a receiver's."""
+"""Joins two files to one log, for example an IMU's and a receiver's, and shifts the clock of a receiver."""
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Literal, TypeVar
 
 from imuwb.errors import MissingDataError
-from imuwb.log import Log
+from imuwb.log import SECOND, GnssStream, Log, Reference, Triad
 from imuwb.notes import Note
+from imuwb.units import Epoch
 
 
 def joined(log: Log, other: Log) -> Log:
@@ -29,6 +31,49 @@ def joined(log: Log, other: Log) -> Log:
     )
 
 
+def shifted(other: Log, shift: int | Literal["start"], log: Log) -> Log:
+    """Return a log whose receivers, references and speeds are on the clock of another log's IMU, and a note on the shift.
+
+    Args:
+        other: the log to be shifted; its IMUs keep their times.
+        shift: ns that are added to the times; "start": its first time becomes that of the other log's IMU.
+        log: the log with the IMU.
+
+    Raises:
+        MissingDataError: there is nothing to shift, or no IMU.
+    """
+    streams = (*other.gnss, *other.references, *other.speeds)
+    triads = _triads(log)
+    if not streams or not triads:
+        raise MissingDataError(
+            f"{other.provenance.path}: there is no receiver, reference or speed whose clock can be shifted to that of an IMU"
+        )
+    if shift == "start":
+        shift = min(int(t.time[0]) for t in triads) - min(int(s.time[0]) for s in streams)
+    epoch = log.imus[0].origin.epoch
+    text = (
+        f"{other.provenance.path}: {shift / SECOND:.3f} s are added to the times of its receivers, references and speeds, which "
+        f"then have the IMU's clock ({epoch} time)"
+    )
+    return replace(
+        other, gnss=tuple(_moved(s, shift, epoch) for s in other.gnss),
+        references=tuple(_moved(s, shift, epoch) for s in other.references),
+        speeds=tuple(replace(s, time=s.time + shift) for s in other.speeds),
+        zero=None, notes=(*other.notes, Note("clock_shifted", text)),
+    )  # fmt: skip
+
+
+_Located = TypeVar("_Located", GnssStream, Reference)
+
+
+def _moved(stream: _Located, shift: int, epoch: Epoch) -> _Located:
+    return replace(stream, time=stream.time + shift, origin=replace(stream.origin, epoch=epoch))
+
+
+def _triads(log: Log) -> list[Triad]:
+    return [t for imu in log.imus for t in (imu.angular_rate, imu.specific_force) if t is not None and len(t)]
+
+
 def _notes(log: Log, other: Log) -> Iterator[str]:
     file = f"{other.provenance.path} ({other.provenance.hash})"
     yield Note("joined", f"{file}: its receivers, references and speeds are joined to the log")
@@ -37,15 +82,15 @@ def _notes(log: Log, other: Log) -> Iterator[str]:
     others = {stream.origin.epoch for stream in (*other.gnss, *other.references)}
     if epochs and others and epochs != others:
         clocks = f"{', '.join(sorted(others))} time, while the IMU has {', '.join(sorted(epochs))} time"
-        yield Note("clocks_differ", f"{file}: it has {clocks}; the times are used unchanged")
+        text = f"{file}: it has {clocks}; the times are used unchanged; --gnss-shift changes them"
+        yield Note("clocks_differ", text)
     elif not _overlaps(log, other):
-        yield Note(
-            "no_overlap", f"{file}: none of its times lies within those of the IMU; check that the two belong together"
-        )
+        text = f"{file}: none of its times lies within those of the IMU; check that the two belong together, or state --gnss-shift"
+        yield Note("no_overlap", text)
 
 
 def _overlaps(log: Log, other: Log) -> bool:
     """Return whether any stream of the other log overlaps an IMU in time; True without an IMU."""
-    triads = [t for imu in log.imus for t in (imu.angular_rate, imu.specific_force) if t is not None]
+    triads = _triads(log)
     streams = (*other.gnss, *other.references, *other.speeds)
     return not triads or any(s.time[0] <= t.time[-1] and s.time[-1] >= t.time[0] for s in streams for t in triads)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from imuwb.errors import MissingDataError
-from imuwb.joining import joined
+from imuwb.joining import joined, shifted
 from imuwb.log import SECOND, GnssStream, ImuStream, Log, Origin, Provenance, Reference, Repair, Scalars, Triad
 from imuwb.notes import ids
 from imuwb.selection import select
@@ -129,3 +129,31 @@ def test_a_receiver_of_another_time_is_noted(start, apart):
 def test_a_note_of_both_is_kept_once():
     log = joined(log_of(imu_of(), notes=("GPS time converted to UTC",)), receiver())
     assert log.notes.count("GPS time converted to UTC") == 1
+
+
+@pytest.mark.parametrize("shift", [5 * SECOND, -7, "start"])
+def test_the_clock_of_a_receivers_file_is_shifted(shift):
+    log, other = log_of(imu_of(epoch="boot")), receiver(start=1_700_000_000 * SECOND)
+    moved = shifted(other, shift, log)
+    step = -1_700_000_000 * SECOND if shift == "start" else shift
+    for before, after in ((other.gnss, moved.gnss), (other.references, moved.references), (other.speeds, moved.speeds)):
+        assert (after[0].time - before[0].time).tolist() == [step] * 10
+    assert ids(moved.notes[-1:]) == ("clock_shifted",)
+    notes = ids(joined(log, moved).notes)
+    assert "clocks_differ" not in notes
+    assert ("no_overlap" in notes) == (shift != "start")
+
+
+def test_the_receivers_of_the_log_itself_are_shifted_and_its_imu_is_not():
+    own = GnssStream("own", 1000 * SECOND + TIME, np.tile([0.8, 0.2, 100.0], (10, 1)), origin=Origin(epoch="unix"))
+    log = log_of(imu_of(), gnss=(own,))
+    moved = shifted(log, "start", log)
+    assert moved.gnss[0].time.tolist() == TIME.tolist()
+    assert moved.imus[0].angular_rate.time.tolist() == TIME.tolist()
+
+
+def test_without_a_receiver_or_an_imu_there_is_no_clock_to_shift():
+    with pytest.raises(MissingDataError, match=r"imu\.csv: .* shifted"):
+        shifted(log_of(imu_of()), SECOND, log_of(imu_of()))
+    with pytest.raises(MissingDataError, match="shifted"):
+        shifted(receiver(), SECOND, log_of())

@@ -53,6 +53,12 @@ class Part:
         "Second log with the fixes of the GNSS receiver, such as RTKLIB .pos or CSV.",
         Form("LOG"),
     ] = None
+    gnss_shift: Annotated[
+        str | None,
+        "Seconds that are added to the times of --gnss, or of the log's own receivers, if their clock is not that of the IMU; "
+        "start: both begin at the same time.",
+        Form("SECONDS|start"),
+    ] = None
 
 
 @dataclass(frozen=True)

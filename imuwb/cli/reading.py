@@ -1,12 +1,17 @@
 """Reads the log of a command, and cuts it to the part that the user wants."""
 
+from decimal import Decimal, InvalidOperation
 from pathlib import Path
+from typing import Literal
 
 from imuwb import joining, readers, selection
 from imuwb.cli.options import Part
 from imuwb.cli.terminal import progress
-from imuwb.log import Log
+from imuwb.errors import UsageError
+from imuwb.log import SECOND, Log
 from imuwb.readers.read_options import ReadOptions
+
+LARGEST_SHIFT = 4e9  #: s
 
 
 def read_log(path: Path, reading: ReadOptions, part: Part | None = None) -> Log:
@@ -14,9 +19,26 @@ def read_log(path: Path, reading: ReadOptions, part: Part | None = None) -> Log:
     log = _read(path, reading)
     if part is None:
         return log
+    shift = None if part.gnss_shift is None else _shift(part.gnss_shift)
     if part.gnss is not None:
-        log = joining.joined(log, _read(part.gnss, ReadOptions()))
+        other = _read(part.gnss, ReadOptions())
+        log = joining.joined(log, other if shift is None else joining.shifted(other, shift, log))
+    elif shift is not None:
+        log = joining.shifted(log, shift, log)
     return selection.select(log, part.imu, part.start, part.end)
+
+
+def _shift(text: str) -> int | Literal["start"]:
+    """Return the ns that are added to the times of a receiver, or "start"."""
+    if text == "start":
+        return "start"
+    try:
+        seconds = Decimal(text)
+    except InvalidOperation:
+        seconds = Decimal("nan")
+    if not seconds.is_finite() or abs(seconds) >= LARGEST_SHIFT:
+        raise UsageError(f"--gnss-shift is {text!r}; it must be start, or a number of seconds below {LARGEST_SHIFT:g}")
+    return int((seconds * SECOND).to_integral_value())
 
 
 def _read(path: Path, reading: ReadOptions) -> Log:

@@ -120,9 +120,13 @@ def _usable_rows(
     rows = np.flatnonzero(_usable(gnss, notes) & (time > own[0]) & (time < own[-1]))
     rows = _spaced(rows, time, spacing, notes)
     if rows.size < FEW:
+        apart = time[0] > own[-1] or time[-1] < own[0]
+        remedy = (
+            f"; if the clocks differ, --gnss-shift {own[0] - time[0]:.1f} lets both begin together" if apart else ""
+        )
         raise MissingDataError(
             f"{log.provenance.path}: {rows.size} usable fixes of {gnss.name} lie within the IMU's time "
-            f"({own[0]:.1f} s to {own[-1]:.1f} s; the fixes: {time[0]:.1f} s to {time[-1]:.1f} s); a filter needs {FEW}"
+            f"({own[0]:.1f} s to {own[-1]:.1f} s; the fixes: {time[0]:.1f} s to {time[-1]:.1f} s); a filter needs {FEW}{remedy}"
         )
     usual = float(np.median(np.diff(time[rows])))
     if usual < SLOWER * measurement.interval:

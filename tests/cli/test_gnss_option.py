@@ -137,3 +137,24 @@ def test_a_receiver_of_another_day_is_noted(imuwb, imu_csv, rtklib):
 def test_a_note_that_both_files_have_is_shown_once(imuwb, imu_csv, fixes_csv):
     found = document(imuwb, imu_csv(), "--gnss", fixes_csv)
     assert len([n for n in found["notes"] if "taken as UTC" in n]) == 1
+
+
+@pytest.mark.parametrize("shift", ["start", f"-{START.timestamp() - 100:.1f}"])
+def test_a_clock_that_does_not_meet_the_imu_s_is_shifted(imuwb, imu_csv, rtklib, tmp_path, shift):
+    done = imuwb("convert", imu_csv(100.0), "--gnss", rtklib, "--gnss-shift", shift, "-o", "both.mcap")
+    assert done.code == 0, done.err
+    assert read(tmp_path / "both.mcap").gnss[0].time[0] == 100 * 10**9
+    assert "unix time" not in done.err
+
+
+@pytest.mark.parametrize("shift", ["soon", "nan", "inf", "1e10", ""])
+def test_a_shift_is_a_number_or_start(imuwb, imu_csv, rtklib, shift):
+    done = imuwb("health", imu_csv(), "--gnss", rtklib, "--gnss-shift", shift)
+    assert done.code == 2
+    assert "--gnss-shift" in done.err
+
+
+def test_a_shift_needs_a_receiver(imuwb, imu_csv):
+    done = imuwb("health", imu_csv(), "--gnss-shift", "1")
+    assert done.code == 3
+    assert "no receiver" in done.err

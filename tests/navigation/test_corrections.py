@@ -162,6 +162,9 @@ def test_too_few_fixes_are_refused_with_both_times(town, measurement):
     with pytest.raises(MissingDataError, match=r"4 usable fixes of /gnss/fix lie within the IMU's time \(-?0\.0 s to 240\.0 s; "
                        r"the fixes: 236\.5 s to 435\.5 s\); a filter needs 5"):  # fmt: skip
         corrections_of(town, far, measurement, np.zeros((0, 2)), MODEL)
+    never = replace(gnss, time=gnss.time + 10**12)
+    with pytest.raises(MissingDataError, match=r"--gnss-shift -1000\.\d"):
+        corrections_of(town, never, measurement, np.zeros((0, 2)), MODEL)
 
 
 # Aids
