@@ -13,6 +13,8 @@ and these, if it needs them:
 * ``LOGS = (fewest, most)``: how many logs the analysis takes. Without ``LOGS`` it takes one; ``most`` = None means any number.
 * ``error_model(result) -> ImuErrorModel``, for ``--save-model``. With ``LEAVES_MODEL`` the model is always saved, beside the
   recording, as ``NAME.error-model.toml``; if ``LEAVES_MODEL`` is a text, this text replaces "error-model" in the name.
+* ``objections(result) -> tuple of notes``: why no error model should be made of the logs. If there are any, the error model
+  is written only with --force-model. ``ImuErrorModel.doubts`` states them.
 * ``findings(result) -> tuple of Finding``: the result of each axis in terms that several analyses share.
 * ``outputs(parameters) -> tuple of paths`` and ``write_outputs(result, parameters)``: files that the analysis
   itself writes. Existing files are overwritten only with --force.

@@ -11,7 +11,7 @@ from imuwb.cli.parameters import expanded
 from imuwb.errors import UsageError
 
 #: a shared option -> the part that an analysis must offer for it
-NEEDED = {"save_model": "error_model", "study": "study"}
+NEEDED = {"save_model": "error_model", "force_model": "objections", "study": "study"}
 
 
 def command_function(name: str, analysis: Analysis) -> Callable[..., None]:

@@ -94,6 +94,13 @@ class Outputs:
         Path | None,
         output_option("--save-model", text="Write the identified error model to a file.", metavar="FILE.toml"),
     ] = None
+    force_model: Annotated[
+        bool,
+        output_option(
+            "--force-model",
+            text="Write the error model even of a record that does not suit it; the model states the doubts.",
+        ),
+    ] = False
     live: Annotated[bool, output_option("--live", text="Also show the result in a running Rerun viewer.")] = False
 
 

@@ -4,20 +4,21 @@ import os
 import traceback
 from collections.abc import Generator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
 import typer
 
 from imuwb import __version__
-from imuwb.analysis import Analysis
+from imuwb.analysis import Analysis, offers
 from imuwb.cli.options import Request
 from imuwb.cli.places import Places, check_places
 from imuwb.cli.reading import read_log
 from imuwb.cli.studies import cases, grid
 from imuwb.cli.terminal import progress, shower
 from imuwb.cli.through import Step, conditioned, step
-from imuwb.errors import ImuwbError, UsageError
+from imuwb.errors import ImuwbError, MissingDataError, UsageError
 from imuwb.log import Log
 from imuwb.progress import watched
 from imuwb.review.document import document
@@ -58,6 +59,7 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: ob
                 review.tab("Study")
                 plugin.draw_study(study, review)
             model = plugin.error_model(result).to_toml() if places.model is not None else ""
+            objections = _objections(analysis, result, places, request)
         text = document(name, __version__, parameters, result, logs, review.notes, study)
         review.close()
     except BaseException:
@@ -67,12 +69,25 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: ob
         typer.echo(text)
     if places.document is not None:
         write_text(places.document, text + "\n")
-    if places.model is not None:
-        write_text(places.model, model)
-    if places.own:
+    written = replace(places, model=None) if objections else places
+    if written.model is not None:
+        write_text(written.model, model)
+    if written.own:
         plugin.write_outputs(result, parameters)
-    for file in places.all():
+    for file in written.all():
         typer.echo(f"wrote {file}", err=True)
+    if objections and places.model is not None:
+        state = "left as it was" if places.model.exists() else "not written"
+        raise MissingDataError(
+            f"{places.model} is {state}: {'; '.join(objections)}; to write the error model all the same, give --force-model"
+        )
+
+
+def _objections(analysis: Analysis, result: object, places: Places, request: Request) -> tuple[str, ...]:
+    """Return why the error model is not written."""
+    if places.model is None or request.outputs.force_model or not offers(analysis, "objections"):
+        return ()
+    return cast("Any", analysis).objections(result)
 
 
 def check_count(name: str, analysis: Analysis, paths: Sequence[Path]) -> None:

@@ -2,5 +2,8 @@
 
 from imuwb.health.check import Health, StreamHealth, check, is_of
 from imuwb.health.fault import Fault
+from imuwb.health.still_record import Doubts, model_doubts, record_doubts, stillness_of
 
-__all__ = ["Fault", "Health", "StreamHealth", "check", "is_of"]
+__all__ = [
+    "Doubts", "Fault", "Health", "StreamHealth", "check", "is_of", "model_doubts", "record_doubts", "stillness_of",
+]  # fmt: skip

@@ -86,7 +86,7 @@ def model_named(
             axis: _with_turn_on(axes[axis], source.axes[axis], None if turn_on is None else turn_on[axis[0] == "a"])
             for axis in AXES
         }
-    error_model = ImuErrorModel(f"{source.name} as {name}", axes, source.provenance)
+    error_model = ImuErrorModel(f"{source.name} as {name}", axes, source.provenance, source.doubts)
     levels = tuple(LEVELS[axis] for axis in AXES) if name == "18AVWD" else base.wavelet_levels
     return replace(base, name=name, error_model=error_model, reading=reading, wavelet_levels=levels)
 

@@ -25,7 +25,7 @@ _SENSORS = {
 
 def tables_of(models: Mapping[str, ImuErrorModel]) -> list[Table]:
     """Return the terms of the models as tables."""
-    return [table for table in (_coefficients(models), _others(models)) if table.rows]
+    return [table for table in (_doubts(models), _coefficients(models), _others(models)) if table.rows]
 
 
 def draw_models(models: Mapping[str, ImuErrorModel], rate: float, duration: float, review: Review) -> None:
@@ -88,6 +88,13 @@ def _rows(models: Mapping[str, ImuErrorModel]) -> Iterator[tuple[str, str, AxisM
     """Yield axis, name of the model and model of the axis, axis by axis."""
     for axis in AXES:
         yield from ((axis, name, model.axes[axis]) for name, model in models.items() if axis in model.axes)
+
+
+def _doubts(models: Mapping[str, ImuErrorModel]) -> Table:
+    rows = tuple((name, doubt) for name, model in models.items() for doubt in model.doubts)
+    return Table(
+        "What puts the model in doubt", ("model", "doubt"), rows, "The command that made the model wrote these."
+    )
 
 
 def _coefficients(models: Mapping[str, ImuErrorModel]) -> Table:

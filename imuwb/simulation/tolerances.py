@@ -35,7 +35,8 @@ def specimen(model: ImuErrorModel, seed: int, tolerances: Tolerances | None) -> 
         for name, axis in model.axes.items()
     }
     drawn = "turn-on biases" + ("" if tolerances is None else ", scale factors, cross-couplings and g-sensitivity")
-    return ImuErrorModel(model.name, axes, {**model.provenance, "truth": f"{drawn} drawn with seed {seed}"})
+    truth = {**model.provenance, "truth": f"{drawn} drawn with seed {seed}"}
+    return replace(model, axes=axes, provenance=truth)
 
 
 def _axis(name: str, axis: AxisModel, tolerances: Tolerances | None, rng: np.random.Generator) -> AxisModel:

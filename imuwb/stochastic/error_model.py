@@ -24,6 +24,7 @@ class ImuErrorModel:
     name: str
     axes: Mapping[str, AxisModel]
     provenance: Mapping[str, str] = field(default_factory=dict[str, str])
+    doubts: tuple[str, ...] = ()  #: what puts the figures in doubt, such as a record that is not still
 
     def __post_init__(self) -> None:
         """Check the names of the axes."""
@@ -35,7 +36,7 @@ class ImuErrorModel:
 
     def to_toml(self) -> str:
         """Return the model as text."""
-        return written(self.name, self.axes, self.provenance)
+        return written(self.name, self.axes, self.provenance, self.doubts)
 
     @staticmethod
     def from_toml(text: str, where: str = "error model") -> ImuErrorModel:
@@ -60,5 +61,6 @@ class ImuErrorModel:
         return ImuErrorModel.from_toml(text, str(path))
 
     def __str__(self) -> str:
-        """Return the name, and a line for each axis in display units."""
-        return "\n".join([self.name, *(f"{a}: {axis_text(a, self.axes[a])}" for a in AXES if a in self.axes)])
+        """Return the name, a line for each axis in display units, and the doubts."""
+        axes = (f"{a}: {axis_text(a, self.axes[a])}" for a in AXES if a in self.axes)
+        return "\n".join([self.name, *axes, *(f"in doubt: {doubt}" for doubt in self.doubts)])

@@ -50,9 +50,13 @@ def _unit_of(axis: str, name: str) -> Unit:
 # Writing
 
 
-def written(name: str, axes: Mapping[str, AxisModel], provenance: Mapping[str, str]) -> str:
+def written(
+    name: str, axes: Mapping[str, AxisModel], provenance: Mapping[str, str], doubts: tuple[str, ...] = ()
+) -> str:
     """Return an error model as text."""
     document: dict[str, object] = {"schema": SCHEMA, "name": name}
+    if doubts:
+        document["doubts"] = [str(doubt) for doubt in doubts]
     if provenance:
         document["provenance"] = dict(provenance)
     document |= {axis: _axis_table(axis, axes[axis]) for axis in AXES if axis in axes}
@@ -99,8 +103,8 @@ def _process_rows(axis: str, processes: Sum, intervals: Mapping[str, tuple[float
 # Reading: each value is taken out of a table by a function that checks its type.
 
 
-def parsed(text: str, where: str) -> tuple[str, dict[str, AxisModel], dict[str, str]]:
-    """Return name, axes and provenance of the error model that a text describes.
+def parsed(text: str, where: str) -> tuple[str, dict[str, AxisModel], dict[str, str], tuple[str, ...]]:
+    """Return name, axes, provenance and doubts of the error model that a text describes.
 
     Raises:
         UsageError: the text is no error model; the message states the place and the rule.
@@ -114,17 +118,18 @@ def parsed(text: str, where: str) -> tuple[str, dict[str, AxisModel], dict[str, 
         raise UsageError(f"{where}: the schema number is {schema}; this imuwb reads schema {SCHEMA}; update imuwb")
     name = str(document.pop("name", "unnamed"))
     provenance = {k: str(v) for k, v in _table(document.pop("provenance", {}), f"{where}, provenance").items()}
+    doubts = tuple(str(doubt) for doubt in _list(document.pop("doubts", []), f"{where}, doubts"))
     for axis in document:
         if axis not in AXES:
             raise UsageError(
-                f"{where}: unknown key {axis!r}; a model has name, provenance and the axes {', '.join(AXES)}"
+                f"{where}: unknown key {axis!r}; a model has name, provenance, doubts and the axes {', '.join(AXES)}"
             )
     if not document:
         raise UsageError(f"{where}: it has no axis; an error model has at least one of {', '.join(AXES)}")
     axes = {
         axis: _axis(axis, _table(content, f"{where}, {axis}"), f"{where}, {axis}") for axis, content in document.items()
     }
-    return name, axes, provenance
+    return name, axes, provenance, doubts
 
 
 def _axis(axis: str, table: dict[str, object], where: str) -> AxisModel:

@@ -243,7 +243,13 @@ def as_json(model: ImuErrorModel, rate: float, horizon: float) -> str:
     }
     return (
         json.dumps(
-            {"name": model.name, "provenance": dict(model.provenance), "units": "SI", "axes": axes},
+            {
+                "name": model.name,
+                "provenance": dict(model.provenance),
+                "doubts": list(model.doubts),
+                "units": "SI",
+                "axes": axes,
+            },
             indent=1,
             ensure_ascii=False,
         )
@@ -292,5 +298,10 @@ def _left_out(model: ImuErrorModel, written: tuple[type, ...]) -> list[str]:
 
 def _text(head: str, model: ImuErrorModel, notes: list[str], rows: list[str]) -> str:
     source = "; ".join(f"{k}: {v}" for k, v in model.provenance.items())
-    comments = [head, f"model {model.name}" + (f", {source}" if source else ""), *dict.fromkeys(notes)]
+    comments = [
+        head,
+        f"model {model.name}" + (f", {source}" if source else ""),
+        *(f"in doubt: {doubt}" for doubt in model.doubts),
+        *dict.fromkeys(notes),
+    ]
     return "\n".join([*(f"# {' '.join(comment.split())}" for comment in comments), *rows]) + "\n"

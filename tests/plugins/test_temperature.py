@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -281,3 +282,16 @@ def test_a_study_gives_ar1_by_temperature_and_setting(gyros, shown):
 def test_parameters_that_cannot_be(options, why):
     with pytest.raises(ValueError, match=why):
         temperature.Parameters(**options)
+
+
+def test_a_shock_stands_in_the_model_and_forbids_it_if_it_is_large(gyros):
+    for size, grave in ((20.0, True), (0.0, False)):
+        rate = gyros[0].imus[0].angular_rate
+        values = rate.value.copy()
+        values[1000 : 1000 + int(2 * RATE)] += size * values.std()
+        first = replace(
+            gyros[0], imus=(replace(gyros[0].imus[0], angular_rate=replace(rate, value=values)),),
+        )  # fmt: skip
+        result = run([first, *gyros[1:]])
+        assert bool(temperature.objections(result)) == grave
+        assert any("shock" in doubt for doubt in temperature.error_model(result).doubts) == grave

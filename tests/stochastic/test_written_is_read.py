@@ -71,7 +71,7 @@ def axis_models(draw):
 
 models = st.builds(
     ImuErrorModel, texts, st.dictionaries(st.sampled_from(AXES), axis_models(), min_size=1),
-    st.dictionaries(texts, texts, max_size=3),
+    st.dictionaries(texts, texts, max_size=3), st.lists(texts, max_size=3).map(tuple),
 )  # fmt: skip
 
 

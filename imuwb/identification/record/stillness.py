@@ -1,12 +1,12 @@
 """Finds motion and shocks in a record that should be still, and its longest quiet part."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy import ndimage
 
-from imuwb.arrays import Floats, Integers
+from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.compiled import compiled
 from imuwb.sampling import runs
 
@@ -18,6 +18,7 @@ FEWEST_BLOCKS = 10
 FEWEST_SAMPLES = 4  #: samples of a block that is tested
 JOIN = 5  #: blocks; disturbances up to twice this apart are one
 MOVING = 0.5  #: share of disturbed blocks, above which the record is not static
+SPOILT = 0.5  #: share by which disturbances may raise a mean square; a coefficient is then wrong by a quarter
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +42,14 @@ class Stillness:
     recorded: tuple[
         tuple[float, float], ...
     ]  #: s, (start, end) of the spans with samples; short breaks do not divide a span
+    excess: float = (
+        0.0  #: share by which the disturbances raise the mean square within seconds, or between seconds, of some axis
+    )
+
+    @property
+    def spoilt(self) -> bool:
+        """Return whether noise coefficients of the whole record would be those of its disturbances."""
+        return self.moving or self.excess > SPOILT
 
     def __str__(self) -> str:
         """Return the number of disturbances and the longest quiet part."""
@@ -68,9 +77,9 @@ def stillness(axes: Mapping[str, tuple[Floats, Floats]]) -> Stillness | None:
     judged = [axis for axis, row in rows.items() if np.count_nonzero(np.diff(row) >= FEWEST_SAMPLES) >= FEWEST_BLOCKS]
     if not judged:
         return None
-    scored = {axis: _scores(rows[axis], axes[axis][1]) for axis in judged}
-    scores = {axis: score for axis, (score, _) in scored.items()}
-    moving = any(restless for _, restless in scored.values())
+    scored = {axis: _seconds(rows[axis], axes[axis][1]) for axis in judged}
+    scores = {axis: own.score for axis, own in scored.items()}
+    moving = any(own.restless for own in scored.values())
     worst = np.max(list(scores.values()), axis=0)
     bad = ndimage.binary_closing(worst > 1, iterations=JOIN) | (worst > 1)
     first, length = runs(bad)
@@ -92,7 +101,8 @@ def stillness(axes: Mapping[str, tuple[Floats, Floats]]) -> Stillness | None:
     last = calm[longest] + length[longest]
     moving |= float(bad.mean()) > MOVING
     end = finish if last == count else float(starts[last])
-    return Stillness(disturbances, float(starts[calm[longest]]), end, moving=moving, recorded=recorded)
+    excess = max(own.excess(bad) for own in scored.values())
+    return Stillness(disturbances, float(starts[calm[longest]]), end, moving=moving, recorded=recorded, excess=excess)
 
 
 def _occupied(times: Iterable[Floats], begin: float, finish: float) -> Integers:
@@ -105,8 +115,30 @@ def _occupied(times: Iterable[Floats], begin: float, finish: float) -> Integers:
     return blocks[blocks < int((finish - begin) / BLOCK)]
 
 
-def _scores(rows: Integers, values: Floats) -> tuple[Floats, bool]:
-    """Return the disturbance of each block (disturbed above 1), and whether the axis moves most of the time.
+@dataclass(frozen=True, eq=False, slots=True)
+class _Seconds:
+    """The blocks of one axis."""
+
+    score: Floats  #: (n,) disturbance, disturbed above 1; 0 where the block has too few samples
+    restless: bool = False  #: the axis moves most of the time
+    within: Floats = field(default_factory=lambda: np.empty(0))  #: (n,) variance of the samples; nan: too few samples
+    between: Floats = field(
+        default_factory=lambda: np.empty(0)
+    )  #: (n,) square of the mean less the running median; nan likewise
+
+    def excess(self, bad: Booleans) -> float:
+        """Return by which share the disturbed blocks raise the mean of ``within`` or of ``between``."""
+        most = 0.0
+        for squares in (self.within, self.between):
+            quiet = squares[~bad] if squares.size else squares
+            usual = float(np.nanmean(quiet)) if np.isfinite(quiet).any() else 0.0
+            if usual > 0:
+                most = max(most, float(np.nanmean(squares)) / usual - 1)
+        return most
+
+
+def _seconds(rows: Integers, values: Floats) -> _Seconds:
+    """Return what the blocks of an axis show.
 
     Args:
         rows: first row of each block, and the row after the last block.
@@ -116,13 +148,13 @@ def _scores(rows: Integers, values: Floats) -> tuple[Floats, bool]:
     score = np.zeros(sizes.size)
     full = sizes >= FEWEST_SAMPLES
     if not full.any():
-        return score, False
+        return _Seconds(score)
     sums, squares = _block_sums(values, rows)
     mean = sums[full] / sizes[full]
     deviation = np.sqrt(np.maximum(squares[full] / sizes[full] - mean**2, 0.0))
     usual = float(np.median(deviation))
     if usual == 0:
-        return score, False
+        return _Seconds(score)
     # The blocks of a still sensor scatter alike, so their quietest tenth is near the median. If not, that tenth is the scale.
     calm = float(np.quantile(deviation, 0.1))
     restless = calm < usual / SCATTER
@@ -130,7 +162,9 @@ def _scores(rows: Integers, values: Floats) -> tuple[Floats, bool]:
     drift = np.abs(mean - ndimage.median_filter(mean, min(WINDOW, mean.size | 1), mode="nearest"))
     wobble = max(float(np.median(drift)) * 1.4826, usual / np.sqrt(float(np.median(sizes[full]))))
     score[full] = np.maximum(deviation / (usual * SCATTER), np.minimum(drift / (wobble * JUMP), drift / usual))
-    return score, restless
+    within, between = np.full((2, sizes.size), np.nan)
+    within[full], between[full] = deviation**2, drift**2
+    return _Seconds(score, restless, within, between)
 
 
 @compiled()

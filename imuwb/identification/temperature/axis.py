@@ -109,8 +109,8 @@ def _law(
     if len(sure) == len(points):
         return Law(_choice(sure, letter, level, kind, varies=varies), None, "identified at all set-points")
     where = f"identified at {len(sure)} of {len(points)} set-points"
-    if varies and sure:
-        some = [p for p in points if p.coefficients[letter].value is not None]
+    some = [p for p in points if p.coefficients[letter].value is not None]
+    if varies and sure and len(some) > 1:
         reason = f"{where}, and it depends on temperature; the function is fitted to all set-points with a value"
         return Law(_choice(some, letter, level, kind, varies=varies), None, reason)
     if common is not None and _is_sure(common):

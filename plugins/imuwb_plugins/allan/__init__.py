@@ -9,6 +9,6 @@ import lazy_loader
 __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={
-        "parameters": ["Parameters"], "compute": ["error_model", "run"], "remarks": ["findings"], "show": ["draw"]
+        "parameters": ["Parameters"], "compute": ["error_model", "objections", "run"], "remarks": ["findings"], "show": ["draw"]
     },
 )  # fmt: skip

@@ -10,13 +10,16 @@ from imuwb import __version__
 from imuwb.arrays import Floats
 from imuwb.axes import Axis, axes_of, for_each, rates
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.identification import NoiseIdentification, Stillness, deviation, identify, stillness
+from imuwb.health import record_doubts, stillness_of
+from imuwb.identification import NoiseIdentification, deviation, identify
 from imuwb.identification.record.suitable import unsuitable
 from imuwb.log import Log, source_of
 from imuwb.noise_results import ModelCurves, line_result
+from imuwb.notes import Note
 from imuwb.statistics import UNKNOWN, Coefficient
 from imuwb.stochastic import AxisModel, ImuErrorModel, Sinusoid, Sum, of_either_sign
 from imuwb.units import coefficient_units
+from imuwb_plugins.allan.doubts import doubts_of
 from imuwb_plugins.allan.notes import notes_of
 from imuwb_plugins.allan.parameters import Parameters
 from imuwb_plugins.allan.result import (
@@ -44,7 +47,8 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     imu = log.imu()
     axes = axes_of(imu)
     _check(log, axes)
-    still = _stillness(log, axes)
+    still = stillness_of(log)
+    doubts = record_doubts(log, still)
     # Harmonics of a motion are not lines of the sensor, so a moving IMU is not searched for lines.
     wanted = replace(parameters, lines=parameters.lines and not (still is not None and still.moving))
     results = for_each(axes, lambda axis: _axis(axis, wanted, log.band))
@@ -53,7 +57,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
         imu.name, source_of(log), parameters.level, rates(axes), float(max(s[1] for s in spans) - min(s[0] for s in spans)),
         results, None if still is None else still.moving, () if still is None else still.disturbances,
         None if still is None else (still.quiet_start, still.quiet_end),
-        tuple(notes_of(log, axes, still, results, fast=parameters.fast)), parameters.model,
+        tuple(notes_of(log, axes, doubts, results, fast=parameters.fast)), parameters.model, doubts,
     )  # fmt: skip
 
 
@@ -66,13 +70,6 @@ def _check(log: Log, axes: Mapping[str, Axis]) -> None:
         )
     if all(np.ptp(axis.values) == 0 for axis in axes.values()):
         raise MissingDataError(f"{path}: every channel of {imu.name} is constant, so there is no noise to analyse")
-
-
-def _stillness(log: Log, axes: Mapping[str, Axis]) -> Stillness | None:
-    seconds = {axis.sensor: log.seconds(axis.time) for axis in axes.values()}
-    return stillness(
-        {name: (seconds[axis.sensor], axis.values) for name, axis in axes.items() if np.ptp(axis.values) > 0}
-    )
 
 
 def _axis(axis: Axis, parameters: Parameters, band: float) -> AllanAxis:
@@ -160,7 +157,7 @@ def _unknown(axis: str) -> dict[str, Coefficient]:
 
 
 def error_model(result: Result) -> ImuErrorModel:
-    """Return the identified sums, with the intervals of their terms and the limits of the terms that are absent.
+    """Return the identified sums, with the intervals of their terms, the limits of the terms that are absent, and all doubts.
 
     Raises:
         MissingDataError: no axis has a fit.
@@ -176,7 +173,13 @@ def error_model(result: Result) -> ImuErrorModel:
     )
     rates = ", ".join(f"{sensor} {rate:.6g} Hz" for sensor, rate in result.rate_hz.items())
     analysis = f"imuwb {__version__} allan, by {how}, {100 * result.level:g} % intervals"
-    return ImuErrorModel(result.imu, axes, {"log": result.source, "analysis": analysis, "rate": rates})
+    model = ImuErrorModel(result.imu, axes, {"log": result.source, "analysis": analysis, "rate": rates})
+    return replace(model, doubts=doubts_of(result, model).all)
+
+
+def objections(result: Result) -> tuple[Note, ...]:
+    """Return why no error model should be made of this record; errors as of ``error_model``."""
+    return doubts_of(result, error_model(result)).grave
 
 
 def _model(axis: AllanAxis, *, headline: bool) -> AxisModel:

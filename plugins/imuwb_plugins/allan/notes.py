@@ -1,10 +1,9 @@
 """Notes of the Allan analysis: what a reader of the curves must know."""
 
-import math
 from collections.abc import Iterator, Mapping
 
 from imuwb.axes import Axis
-from imuwb.identification import Stillness
+from imuwb.health import Doubts
 from imuwb.log import Log
 from imuwb.notes import Note
 from imuwb.sampling import Sampling
@@ -21,10 +20,10 @@ SHORTENED = 1.5  #: ratio of the first averaging time of a fit to the sampling i
 
 
 def notes_of(
-    log: Log, axes: Mapping[str, Axis], still: Stillness | None, results: Mapping[str, AllanAxis], *, fast: bool
+    log: Log, axes: Mapping[str, Axis], doubts: Doubts, results: Mapping[str, AllanAxis], *, fast: bool
 ) -> Iterator[Note]:
     """Yield the notes of a log's IMU."""
-    yield from _stillness_notes(still)
+    yield from doubts.all
     if fast:
         yield FAST
     if len(log.imus) > 1:
@@ -36,31 +35,6 @@ def notes_of(
         if result.why_no_fit:
             yield Note("no-fit", f"{name}: {result.why_no_fit}")
     yield from _fit_notes(axes, results)
-
-
-def _stillness_notes(still: Stillness | None) -> Iterator[Note]:
-    if still is None:
-        yield Note(
-            "stillness-unknown",
-            "the record is too short, or its rate too low, to test whether the IMU is still; if the IMU moves, the coefficients "
-            "are not those of the sensor's noise",
-        )
-        return
-    # Whole seconds from the start of the log, rounded inwards: what --start and --end take.
-    quiet = f"--start {math.ceil(still.quiet_start)} --end {math.floor(still.quiet_end)}"
-    if still.moving:
-        yield Note(
-            "moving",
-            "the IMU moves in most of the record, so the coefficients are not those of the sensor's noise; analyse the longest "
-            f"quiet part: {quiet}",
-        )
-    elif still.disturbances:
-        worst = max(still.disturbances, key=lambda d: d.largest)
-        yield Note(
-            "disturbances",
-            f"{len(still.disturbances)} shocks or movements, the largest at {worst.start:.0f} s ({worst.largest:.0f} times the usual "
-            f"scatter, {', '.join(worst.axes)}); analyse the longest quiet part: {quiet}",
-        )
 
 
 def _clock_notes(sensor: str, clock: Sampling) -> Iterator[Note]:

@@ -16,6 +16,7 @@ _NAMES: dict[type, str] = {
     Quantization: "quantization", WhiteNoise: "white noise", FlickerNoise: "bias instability", RandomWalk: "random walk",
     RateRamp: "ramp", Sinusoid: "lines",
 }  # fmt: skip
+SUSPICIOUS = "SUSPICIOUS: "  #: begin of a remark that puts the coefficients in doubt
 MUCH = 0.2  #: change of the Allan deviation's logarithm, about a fifth, that puts the coefficients in doubt
 DECISIVE = 3.0  #: Allan deviation of a random walk that shows, over that of the other terms, at a tenth of the record
 LONGER = 1.5  #: ratio to the length of the record; a longer record is recommended only above this
@@ -38,7 +39,7 @@ def findings(result: Result) -> tuple[Finding, ...]:
 
 def _remarks(result: Result, axis: str, r: AllanAxis) -> Iterator[Note]:
     if r.why_no_fit is not None:
-        yield Note("no-fit", f"SUSPICIOUS: {r.why_no_fit}")
+        yield Note("no-fit", f"{SUSPICIOUS}{r.why_no_fit}")
         return
     yield Note("dominant", _dominant(r))
     coefficients = r.estimates.by[r.estimates.headline] if r.estimates else r.coefficients
@@ -61,7 +62,7 @@ def _remarks(result: Result, axis: str, r: AllanAxis) -> Iterator[Note]:
     if r.fit is not None and r.fit.probability < UNEXPLAINED:
         yield Note(
             "unexplained",
-            f"SUSPICIOUS: no sum of these processes explains the curve (chi-square {r.fit.misfit:.2g} per degree of freedom)",
+            f"{SUSPICIOUS}no sum of these processes explains the curve (chi-square {r.fit.misfit:.2g} per degree of freedom)",
         )
     if r.estimates is not None:
         yield from _comparison(r.estimates)
@@ -70,7 +71,7 @@ def _remarks(result: Result, axis: str, r: AllanAxis) -> Iterator[Note]:
 def _comparison(estimates: EstimatorComparison) -> Iterator[Note]:
     s = estimates.stationarity
     if s is not None and not s.stationary:
-        verdict = "SUSPICIOUS: not stationary" if abs(np.log(s.worst_ratio)) > MUCH else "not quite stationary"
+        verdict = f"{SUSPICIOUS}not stationary" if abs(np.log(s.worst_ratio)) > MUCH else "not quite stationary"
         yield Note(
             "not-stationary",
             f"{verdict}: the part from {s.start[s.worst_part]:.0f} s has {s.worst_ratio:.2g} times the usual Allan deviation at "

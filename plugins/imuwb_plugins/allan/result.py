@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from imuwb.arrays import Floats, Integers
+from imuwb.health import Doubts
 from imuwb.identification import Disturbance, ModelChoice, Region, Stationarity
 from imuwb.noise_results import LineResult, ModelCurves
 from imuwb.notes import Note
@@ -102,6 +103,7 @@ class Result:
     quiet: tuple[float, float] | None  #: s from the start of the log; None: not tested
     notes: tuple[str, ...]
     model: str  #: coefficients that the error model takes: "allan" or "headline"
+    doubts: Doubts  #: what the record itself shows against the coefficients
 
     def __repr__(self) -> str:
         """Return the coefficients of each axis."""

@@ -8,5 +8,9 @@ import lazy_loader
 
 __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
-    submod_attrs={"parameters": ["Parameters"], "compute": ["error_model", "findings", "run"], "show": ["draw"]},
+    submod_attrs={
+        "parameters": ["Parameters"],
+        "compute": ["error_model", "findings", "objections", "run"],
+        "show": ["draw"],
+    },
 )

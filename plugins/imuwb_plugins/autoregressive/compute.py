@@ -8,6 +8,7 @@ from imuwb import __version__
 from imuwb.analysis import Finding
 from imuwb.axes import Axis, axes_of, for_each
 from imuwb.errors import MissingDataError, UsageError
+from imuwb.health import record_doubts, stillness_of
 from imuwb.identification import AutoregressiveFit, fit_autoregressive
 from imuwb.identification.record.suitable import unsuitable
 from imuwb.log import Log, source_of
@@ -34,7 +35,10 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     imu = log.imu()
     results = for_each(axes_of(imu), lambda axis: _axis(axis, parameters))
     notes = missing_notes(log, {axis: r.why_none for axis, r in results.items()}, "no-model", "a model")
-    return Result(imu.name, source_of(log), parameters.level, CONVENTION, bool(log.conditioning), results, tuple(notes))
+    doubts = record_doubts(log, stillness_of(log))
+    return Result(
+        imu.name, source_of(log), parameters.level, CONVENTION, bool(log.conditioning), results, (*doubts.all, *notes), doubts
+    )  # fmt: skip
 
 
 def _axis(axis: Axis, parameters: Parameters) -> AutoregressiveAxis:
@@ -103,4 +107,9 @@ def error_model(result: Result) -> ImuErrorModel:
     if not axes:
         raise MissingDataError(f"{result.imu}: no axis has a stable model, so there is no error model to save")
     provenance = {"log": result.source, "analysis": f"imuwb {__version__} autoregressive"}
-    return ImuErrorModel(result.imu, axes, provenance)
+    return ImuErrorModel(result.imu, axes, provenance, result.doubts.all)
+
+
+def objections(result: Result) -> tuple[Note, ...]:
+    """Return why no error model should be made of this record."""
+    return result.doubts.grave

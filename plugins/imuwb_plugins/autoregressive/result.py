@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from imuwb.health import Doubts
 from imuwb.identification.correlation.autoregressive import Order, Whiteness
 from imuwb.stochastic import Autoregressive
 
@@ -36,6 +37,7 @@ class Result:
     conditioned: bool
     axes: dict[str, AutoregressiveAxis]
     notes: tuple[str, ...]
+    doubts: Doubts  #: what the record itself shows against the models
 
     def __repr__(self) -> str:
         """Return the chosen model of each axis."""

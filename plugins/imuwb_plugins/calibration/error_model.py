@@ -46,7 +46,8 @@ def completed_model(
             notes.append(note)
         models[axis] = after
     origin = {} if base is None else dict(base.provenance)
-    return ImuErrorModel(name if base is None else base.name, models, {**origin, **provenance}), notes
+    kept = ImuErrorModel(name, {}) if base is None else base
+    return replace(kept, axes=models, provenance={**origin, **provenance}), notes
 
 
 def _terms(c: AxisCalibration, full_range: float | None) -> dict[str, Any]:

@@ -17,7 +17,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         "parameters": ["Parameters"],
         "compute": ["run"],
         "show": ["draw"],
-        "model": ["error_model"],
+        "model": ["error_model", "objections"],
         "settings": ["study"],
         "show_settings": ["draw_study"],
     },

@@ -2,8 +2,11 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
+from imuwb.health import model_doubts
+from imuwb.notes import Note
 from imuwb.stochastic import (
     AxisModel,
     Constant,
@@ -24,8 +27,24 @@ _ALLAN: Any = allan
 
 
 def error_model(result: Result) -> ImuErrorModel:
-    """Return the headline's sums; of several logs their means, with the turn-on bias."""
-    return combined([_ALLAN.error_model(part["allan"]) for part in result.parts], result.repeatability)
+    """Return the headline's sums; of several logs their means, with the turn-on bias; and all doubts."""
+    models = [_ALLAN.error_model(part["allan"]) for part in result.parts]
+    model = combined(models, result.repeatability)
+    if result.repeatability is None:
+        return model
+    doubts = (
+        f"{log}: {doubt}" for log, m in zip(result.repeatability.names, models, strict=True) for doubt in m.doubts
+    )
+    return replace(model, doubts=(*doubts, *model_doubts(model).all))
+
+
+def objections(result: Result) -> tuple[Note, ...]:
+    """Return why no error model should be made of these records."""
+    own = [_ALLAN.objections(part["allan"]) for part in result.parts]
+    if result.repeatability is None:
+        return own[0]
+    named = zip(result.repeatability.names, own, strict=True)
+    return tuple(Note(note.id, f"{log}: {note}") for log, notes in named for note in notes)
 
 
 def combined(models: Sequence[ImuErrorModel], repeatability: Repeatability | None) -> ImuErrorModel:

@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 from imuwb.analysis import Finding, Review, Table
 from imuwb.texts import coefficient_text
 from imuwb.units import coefficient_units
+from imuwb_plugins.allan.remarks import SUSPICIOUS
 from imuwb_plugins.noise.result import NoiseAxis
 
 LETTERS = "QNBK"
-SUSPICIOUS = "SUSPICIOUS"  #: begin of a remark that puts the coefficients in doubt
 _NAMES = {"allan": "Allan", "likelihood": "likelihood", "wavelet": "wavelet variance", "psd": "PSD"}
 
 
@@ -44,7 +44,7 @@ def _verdicts(estimates: Mapping[str, NoiseAxis]) -> Table:
         for name, axis in estimates.items()
     )
     doubtful = any(SUSPICIOUS in cell for row in rows for cell in row)
-    caption = f"{SUSPICIOUS}: look at the figures before you use the coefficients." if doubtful else ""
+    caption = f"{SUSPICIOUS}look at the figures before you use the coefficients." if doubtful else ""
     return Table("Verdicts", ("axis", "dominant process by averaging time", "remarks"), rows, caption, wide=True)
 
 

@@ -1,4 +1,4 @@
-"""Notes on what a replay leaves out: filters that cannot run, and periodic lines without states."""
+"""Notes on the error model of a replay: what puts it in doubt, filters that cannot run with it, and lines without states."""
 
 from collections.abc import Iterator
 
@@ -10,7 +10,10 @@ NAMED = 4  #: lines that a note names
 
 
 def left_out(replay: Replay) -> Iterator[Note]:
-    """Yield a note for each filter that cannot run, and for the lines that filters leave out."""
+    """Yield the doubts of the error model, a note for each filter that cannot run, and for the lines that filters leave out."""
+    doubts = (doubt for run in replay.runs.values() for doubt in run.solution.model.error_model.doubts)
+    for doubt in dict.fromkeys(doubts):
+        yield Note("model-doubt", f"the error model is in doubt: {doubt}")
     for name, reason in replay.failed.items():
         yield Note("failed", f"{name} cannot run: {reason}")
     lines: dict[tuple[LineShare, ...], list[str]] = {}

@@ -13,7 +13,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={
         "parameters": ["Parameters"],
-        "compute": ["error_model", "run"],
+        "compute": ["error_model", "objections", "run"],
         "show": ["draw", "draw_study"],
         "setting_study": ["study"],
     },

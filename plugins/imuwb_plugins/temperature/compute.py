@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 
 from imuwb import __version__
 from imuwb.axes import THREADS, axes_of, rates
 from imuwb.errors import MissingDataError, UsageError
+from imuwb.health import Doubts, model_doubts
 from imuwb.identification.temperature import (
     AxisTemperatures,
     Record,
@@ -41,8 +43,8 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
         UsageError: logs that do not belong together, or options that do not suit the logs.
     """
     notes = [*check_together(logs, parameters), *check_thermometers(logs, parameters)]
-    cuts, groups, part_notes = _groups(logs, parameters)
-    notes += part_notes
+    cuts, groups, part_notes, doubts = _groups(logs, parameters)
+    notes += [*doubts.all, *part_notes]
     names = [axis for axis in AXES if any(axis in p.axes for group in groups for p in group)]
     axes, axis_notes = _axes(names, groups, parameters)
     notes += axis_notes
@@ -67,20 +69,23 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     return Result(
         logs[0].imu().name, "; ".join(source_of(log) for log in logs), parameters.level, parameters.size, reference, CONVENTION,
         cuts, rates(axes_of(logs[0].imu())), {axis: axis_result(axis, over, reference) for axis, over in axes.items()},
-        tuple(dict.fromkeys(notes)),
+        tuple(dict.fromkeys(notes)), doubts,
     )  # fmt: skip
 
 
-def _groups(logs: Sequence[Log], parameters: Parameters) -> tuple[tuple[str, ...], list[list[LogPart]], list[Note]]:
-    """Return how each log was divided, the parts at each temperature with enough samples, and notes."""
+def _groups(
+    logs: Sequence[Log], parameters: Parameters
+) -> tuple[tuple[str, ...], list[list[LogPart]], list[Note], Doubts]:
+    """Return how each log was divided, the parts at each temperature with enough samples, notes, and what is in doubt."""
     parts: list[LogPart] = []
     cuts: list[str] = []
     notes: list[Note] = []
+    doubts = Doubts()
     for i, log in enumerate(logs):
-        cut, log_parts, log_notes = parts_of(i, log, parameters.celsius[i] if parameters.celsius else None, parameters)
+        cut, log_parts, log_doubts = parts_of(i, log, parameters.celsius[i] if parameters.celsius else None, parameters)
         parts += log_parts
         cuts.append(cut)
-        notes += log_notes
+        doubts += log_doubts
     groups = grouped(parts, lambda part: part.stretch.nominal)
     usable = [group for group in groups if any(part.has_enough() for part in group)]
     short = [group[0].stretch.nominal for group in groups if group not in usable]
@@ -89,7 +94,7 @@ def _groups(logs: Sequence[Log], parameters: Parameters) -> tuple[tuple[str, ...
         text = f"left out, with fewer than {FEWEST} samples: {len(short)} of {len(groups)} temperatures ({where} °C)"
         notes.append(Note("short", text))
     _require_two(logs, usable, bool(groups))
-    return tuple(cuts), usable, notes
+    return tuple(cuts), usable, notes, doubts
 
 
 def _require_two(logs: Sequence[Log], groups: Sequence[list[LogPart]], any_stretch: bool) -> None:  # noqa: FBT001 - of one temperature
@@ -194,4 +199,10 @@ def error_model(result: Result) -> ImuErrorModel:
             "rate"
         ),
     }
-    return ImuErrorModel(result.imu, axes, provenance)
+    model = ImuErrorModel(result.imu, axes, provenance)
+    return replace(model, doubts=(result.doubts + model_doubts(model)).all)
+
+
+def objections(result: Result) -> tuple[Note, ...]:
+    """Return why no error model should be made of these records."""
+    return (result.doubts + model_doubts(error_model(result))).grave

@@ -9,10 +9,9 @@ import numpy as np
 from imuwb.arrays import Floats
 from imuwb.axes import Axis, axes_of
 from imuwb.errors import MissingDataError
-from imuwb.identification import stillness
+from imuwb.health import Doubts, record_doubts, stillness_of
 from imuwb.identification.temperature import Record, Stretch, smooth_temperature, stretches
 from imuwb.log import SECOND, Log
-from imuwb.notes import Note
 from imuwb.sampling import longest_part
 from imuwb_plugins.temperature.parameters import Parameters
 
@@ -63,8 +62,8 @@ class LogPart:
 
 def parts_of(
     number: int, log: Log, given: float | None, parameters: Parameters
-) -> tuple[str, tuple[LogPart, ...], list[Note]]:
-    """Return how a log was divided, its stretches, and notes.
+) -> tuple[str, tuple[LogPart, ...], Doubts]:
+    """Return how a log was divided, its stretches, and what the record shows against their noise.
 
     Args:
         number: number of the log.
@@ -77,11 +76,11 @@ def parts_of(
     """
     imu, path = log.imu(), log.provenance.path
     axes = axes_of(imu)
-    notes = _check_stillness(log, axes)
+    doubts = _check_stillness(log)
     if given is not None:
         begin, end = log.seconds(next(iter(axes.values())).time[[0, -1]]).tolist()
         stretch = Stretch(begin, end, given, 0.0, given, None)
-        return "set-point", (LogPart(number, log, axes, stretch, None),), notes
+        return "set-point", (LogPart(number, log, axes, stretch, None),), doubts
     if imu.temperature is None or not len(imu.temperature):
         raise MissingDataError(
             f"{path}: {imu.name} has no temperature; give it: --celsius with one number for each log, such as -30,0,30"
@@ -90,27 +89,18 @@ def parts_of(
     rate = 1 / next(iter(axes.values())).clock.interval
     cut, parts = stretches(time, celsius, rate, None if parameters.cut == "auto" else parameters.cut, parameters.bins)
     thermometer = None if cut == "set-point" and np.ptp(celsius) == 0 else (time, celsius)
-    return cut, tuple(LogPart(number, log, axes, stretch, thermometer) for stretch in parts), notes
+    return cut, tuple(LogPart(number, log, axes, stretch, thermometer) for stretch in parts), doubts
 
 
-def _check_stillness(log: Log, axes: dict[str, Axis]) -> list[Note]:
-    """Return a note on shocks; raise MissingDataError if the sensor moves in most of the log."""
-    still = stillness({name: (log.seconds(a.time), a.values) for name, a in axes.items() if np.ptp(a.values)})
-    if still is None:
-        return []
-    if still.moving:
+def _check_stillness(log: Log) -> Doubts:
+    """Return what the record shows against its noise; raise MissingDataError if the sensor moves in most of the log."""
+    still = stillness_of(log)
+    if still is not None and still.moving:
         raise MissingDataError(
             f"{log.provenance.path}: the sensor moves in most parts of the log; noise needs a still sensor. Its longest quiet part: "
             f"--start {np.ceil(still.quiet_start):.0f} --end {np.floor(still.quiet_end):.0f}"
         )
-    if not still.disturbances:
-        return []
-    worst = max(still.disturbances, key=lambda d: d.largest)
-    text = (
-        f"{log.provenance.path}: {len(still.disturbances)} shocks or movements, the largest at {worst.start:.0f} s "
-        f"({worst.largest:.0f} times the usual scatter); the results at that temperature include them"
-    )
-    return [Note("disturbed", text)]
+    return record_doubts(log, still).of(log.provenance.path)
 
 
 def grouped(items: Iterable[Item], celsius: Callable[[Item], float]) -> list[list[Item]]:

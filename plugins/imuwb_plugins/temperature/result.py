@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from imuwb.arrays import Floats
+from imuwb.health import Doubts
 from imuwb.identification.temperature import AxisTemperatures, Dependence, FirstOrder, FunctionCandidate, Hysteresis
 from imuwb.statistics import Coefficient, Estimate
 
@@ -86,6 +87,7 @@ class Result:
     rate_hz: dict[str, float]
     axes: dict[str, TemperatureAxis]
     notes: tuple[str, ...]
+    doubts: Doubts  #: what the records themselves show against their noise
 
     def __repr__(self) -> str:
         """Return the verdicts on N, one line for each axis."""

@@ -133,3 +133,19 @@ def test_a_record_disturbed_in_more_than_half_of_its_seconds_moves(share, moving
     a[:part] *= 10
     b[-part:] *= 10
     assert stillness({"a": a, "b": b}, 0.01).moving == moving
+
+
+@pytest.mark.parametrize(("size", "excess"), [(0.0, 0.0), (5.0, 24 / 199), (30.0, 899 / 199)])
+def test_the_excess_is_what_disturbances_add_to_the_mean_square(size, excess):
+    values = still(19_900)
+    if size:
+        values = np.insert(values, 5000, np.tile([1.0, -1.0], 50) * size)  # in one of 200 seconds
+    found = stillness({"a": values}, 0.01)
+    assert found.excess == pytest.approx(excess, rel=0.05, abs=1e-9)
+    assert found.spoilt == (size == 30)
+
+
+def test_steps_between_seconds_count_too():
+    values = still(20_000)
+    values[5000:5200] += 20
+    assert stillness({"a": values, "b": still(20_000)}, 0.01).excess > 100

@@ -76,6 +76,17 @@ def test_lines_without_room_are_noted_and_the_filter_runs(log, tmp_path):
     assert "20 x sinusoid" in own.accelerometers
 
 
+def test_the_doubts_of_the_error_model_are_repeated(log, tmp_path):
+    path = tmp_path / "doubted.toml"
+    path.write_text(replace(sensor(), doubts=("the IMU moved", "one axis is stuck")).to_toml(), "utf-8")
+    result = outage.run([log], Parameters(error_model=path, models="none,15AV", at="150:10"))
+    told = [note for note in result.notes if note.id == "model-doubt"]
+    assert len(told) == 2
+    assert "the IMU moved" in told[0]
+    assert "one axis is stuck" in told[1]
+    assert all("the IMU moved" in f.document for f in result.filters)
+
+
 def test_too_short_to_tune(log, toml):
     with pytest.raises(MissingDataError, match=r"tuning needs 4 outages of 30 s"):
         outage.run([log], Parameters(error_model=toml, models="none", tune=True))
