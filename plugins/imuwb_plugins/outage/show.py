@@ -21,6 +21,8 @@ def draw(result: Result, review: Review) -> None:
         review.figure(figures.drift(own))
     for note in (*result.verdicts, *result.notes):
         review.note(note)
+    if result.motion is not None:
+        review.table(tables.motion(result.motion))
     review.tab("Consistency")
     for own in result.summary:
         review.figure(figures.consistency(own))

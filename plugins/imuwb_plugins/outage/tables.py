@@ -1,10 +1,14 @@
 """The tables of an outage replay."""
 
+import math
+
 import numpy as np
 
 from imuwb.analysis import Table
-from imuwb.replay import Choice
-from imuwb.texts import interval_text, number_text, quantity_text
+from imuwb.replay import Choice, MotionNoise
+from imuwb.statistics import Estimate
+from imuwb.texts import converted_text, interval_text, number_text, quantity_text
+from imuwb.units import coefficient_units
 from imuwb_plugins.outage.result import DurationSummary, ErrorBudget, OutageResult, Result
 from imuwb_plugins.outage.summary import TESTED
 
@@ -179,3 +183,25 @@ def filters(result: Result) -> Table:
     )  # fmt: skip
     caption = "Nine states are position, velocity and attitude; white noise needs no state (Quinchia, table 8). The JSON names all states."
     return Table("Filters and their states", headings, rows, caption, wide=True)
+
+
+def motion(noise: MotionNoise) -> Table:
+    """Return the noise of the bench record beside that in motion, line by line."""
+    rows: list[tuple[str, ...]] = []
+    for axis, bench in noise.bench.items():
+        unit = coefficient_units(axis, "N")[1]
+        factor = noise.factors[axis]
+        added = noise.white[int(axis.startswith("accel"))]
+        value, lower, upper = (math.hypot(x, bench) for x in (added.value, added.lower, added.upper))
+        moving = Estimate(value, lower, upper)
+        own = f"{number_text(bench / unit.factor)} {unit.name}" if bench else "—"
+        rows.append((f"{axis} N", own, converted_text(moving, unit), interval_text(factor) if bench else "—"))
+    for name, axis, walk in zip(("gyros K", "accelerometers K"), ("gyro_x", "accel_x"), noise.walk, strict=True):
+        rows.append((f"{name}, added", "—", converted_text(walk, coefficient_units(axis, "K")[1]), "—"))
+    for name, floor in zip(("positions", "velocities"), noise.floor, strict=True):
+        rows.append((f"sigma of {name}, added", "—", interval_text(floor), "—"))
+    caption = (
+        f"From {noise.fixes} fixes in {noise.blocks} blocks of a minute. N of different axes of a triad has the same addition. N, K "
+        "of the accelerometers and K of the gyros stand in for one another: their sum is known better than each."
+    )
+    return Table("Noise on the bench and in motion", ("coefficient", "bench", "motion", "ratio"), tuple(rows), caption)
