@@ -198,7 +198,13 @@ def solve(
 def rules_of(model: FilterModel) -> Rules:
     """Return the rules of a whole run of a model."""
     settings = model.settings
-    return Rules(settings.every, settings.gate, settings.patience, np.array(model.installation.lever_arm))
+    return Rules(
+        settings.every,
+        settings.gate,
+        settings.patience,
+        np.array(model.installation.lever_arm),
+        np.array(model.installation.vehicle_arm),
+    )
 
 
 def no_marks() -> Marks:

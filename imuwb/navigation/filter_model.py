@@ -52,6 +52,8 @@ class Installation:
     velocity_delay: float = 0.0  #: s, by which a fix's velocity is older than its position
     clock_rate: float = 1.0  #: true seconds in a second of the IMU's clock
     skew: float = 0.0  #: s, by which the accelerometer's stamp of an instant is later than the gyro's
+    #: m, FRD in the vehicle, from the IMU to the point that moves straight ahead and whose speed the odometer shows
+    vehicle_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -57,6 +57,7 @@ class Rules(NamedTuple):
     gate: float  #: normalised innovation squared of a position or a velocity, above which it is refused
     patience: int  #: fixes refused in a row before the filter accepts the next one
     lever: Floats  #: (3,) m FRD, from the IMU to the antenna
+    point: Floats  #: (3,) m FRD, from the IMU to the point of the vehicle that does not slip
 
 
 class Marks(NamedTuple):

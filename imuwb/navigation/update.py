@@ -35,7 +35,7 @@ def _radii(latitude: float, height: float) -> tuple[float, float]:  # pragma: no
 
 @compiled(arrays=False)
 def _measure(
-    state: Floats, kind: int, late: float, value: Floats, lever: Floats, tables: AxisTables, regime: int,
+    state: Floats, kind: int, late: float, value: Floats, lever: Floats, point: Floats, tables: AxisTables, regime: int,
     space: Weighing,
 ) -> None:  # fmt: skip  # pragma: no cover - compiled
     """Write the residuals, predicted minus measured, and their derivatives with respect to the error states."""
@@ -80,12 +80,22 @@ def _measure(
             residual[i] = v[i]
             rows[i, 3 + i] = 1.0
     else:
-        # The velocity in the body is C^T v; its error is C^T (dv + v x phi), as C_est = (I - [phi x]) C.
+        # The velocity of the point in the body is C^T v + w x l; its error is C^T (dv + v x phi) + b x l, as
+        # C_est = (I - [phi x]) C, where b is the error of the gyros.
+        w = state[RATE : RATE + 3]
         for axis in range(3):
             if (axis == 0) != (kind == SPEED):
                 continue
             at = max(axis - 1, 0)
             along = c[0, axis] * v[0] + c[1, axis] * v[1] + c[2, axis] * v[2]
+            first_turn, second_turn = (axis + 1) % 3, (axis + 2) % 3
+            along += w[first_turn] * point[second_turn] - w[second_turn] * point[first_turn]
+            for g in range(first[first_turn], first[first_turn + 1]):
+                gain = weight[regime, g - NAVIGATION] * (w[first_turn] if scale[g - NAVIGATION] else 1.0)
+                rows[at, g] += point[second_turn] * gain
+            for g in range(first[second_turn], first[second_turn + 1]):
+                gain = weight[regime, g - NAVIGATION] * (w[second_turn] if scale[g - NAVIGATION] else 1.0)
+                rows[at, g] -= point[first_turn] * gain
             residual[at] = along - (value[0] if kind == SPEED else 0.0)
             for i in range(3):
                 one, two = (i + 1) % 3, (i + 2) % 3
@@ -161,7 +171,7 @@ def update(
     rows, residual, error, guess, tried = space.rows, space.residual, space.error, space.guess, space.tried
     innovation, deviation, nis, used, refused = space.innovation, space.deviation, space.nis, space.used, space.refused
     regime = int(samples.regime[events.at[e]])
-    _measure(state, kind, events.late[e], events.value[e], rules.lever, tables, regime, space)
+    _measure(state, kind, events.late[e], events.value[e], rules.lever, rules.point, tables, regime, space)
     for i in range(n):
         error[i] = guess[i] = 0.0
     for i in range(6):

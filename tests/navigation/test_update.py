@@ -16,6 +16,7 @@ from .. import ecef  # noqa: TID252 - tests are no package that has a name
 from . import drives
 
 LEVER = np.array([1.2, -0.7, -1.5])
+POINT = np.array([-1.6, 0.4, 0.9])
 PLACE = np.array([0.78, 0.13, 300.0])
 SPEEDS = np.array([12.0, -7.0, 0.4])
 EULER = np.array([0.03, -0.05, -0.55])
@@ -51,10 +52,11 @@ def residual(kind, state, rate, value, late=0.0):
     """Return estimate less measurement of a state, by the earth's Cartesian axes."""
     turn, v = drives.rotation(state[6:10]), state[3:6]
     body = turn.T @ v
+    of_point = body + np.cross(rate, POINT)
     if kind == SPEED:
-        return np.array([body[0] - value[0]])
+        return np.array([of_point[0] - value[0]])
     if kind == STRAIGHT:
-        return body[1:]
+        return of_point[1:]
     if kind == STILL:
         return v.copy()
     swing = turn @ np.cross(rate, LEVER)
@@ -97,7 +99,7 @@ def taken(f, kind, value, variance, *, late=0.0, gate=1e9, patience=5, refused=N
     weighing = workspace(f.n).weighing
     if refused is not None:
         weighing = weighing._replace(refused=refused)
-    update(state, axes, covariance, samples, events, 0, Rules(1, gate, patience, LEVER), f.tables, weighing)
+    update(state, axes, covariance, samples, events, 0, Rules(1, gate, patience, LEVER, POINT), f.tables, weighing)
     return SimpleNamespace(state=state, axes=axes, P=square(covariance, f.n), **weighing._asdict())
 
 

@@ -36,7 +36,8 @@ def installed(log: Log, parameters: Parameters) -> Installed:
     """
     base = base_of(parameters)
     if parameters.filter is not None:
-        return Installed(base, None, None, ())
+        base, of_start = started(log, base, parameters)
+        return Installed(base, None, None, of_start)
     base, mounting, of_mounting = _mounted(log, base, parameters)
     base, of_start = started(log, base, parameters)
     base, clocks, of_clocks = _timed(log, base, parameters)
@@ -65,6 +66,7 @@ def base_of(parameters: Parameters) -> FilterModel:
             (0.0, 0.0, 0.0) if parameters.mounting == "auto" else parameters.mounting, parameters.lever_arm,
             0.0 if parameters.gnss_delay == "auto" else parameters.gnss_delay, parameters.velocity_delay,
             1.0 if parameters.clock_rate == "auto" else parameters.clock_rate, parameters.skew,
+            parameters.vehicle_arm,
         ),
         settings=Settings(
             every=parameters.every, settling=parameters.settling, horizons=_horizons(parameters), sigma_stated=parameters.gnss_sigma,

@@ -89,6 +89,12 @@ class Parameters:
         tuple[float, float, float], "Lever arm from the IMU to the antenna: forward, right, down (m).", Between(-500, 500),
         Form("F,R,D", "0.4,0,-1.2"),
     ] = (0.0, 0.0, 0.0)  # fmt: skip
+    vehicle_arm: Annotated[
+        tuple[float, float, float],
+        "Lever arm from the IMU to the point of the vehicle that --straight and --speed hold for: forward, right, down (m); in a car, "
+        "the middle of the rear axle.",
+        Between(-500, 500), Form("F,R,D", "-1.5,0,0.3"),
+    ] = (0.0, 0.0, 0.0)  # fmt: skip
     heading: Annotated[
         Literal["auto", "search", "course", "log"] | float,
         "Heading of the vehicle at the start (deg), or where it comes from: a spread of starts (search), the course over a straight "

@@ -48,6 +48,8 @@ README = (ROOT / "README.md").read_text("utf-8")
         ({"gnss_delay": "0.1,0.2"}, r"gnss_delay is '0.1,0.2'"),
         ({"gnss_delay": "10.5"}, r"gnss_delay is 10.5; it must be -10 or more and 10 or less"),
         ({"gnss_delay": "1e9"}, r"gnss_delay is"),
+        ({"vehicle_arm": "1,2"}, r"vehicle_arm is '1,2'; it must be three numbers"),
+        ({"vehicle_arm": "0,0,501"}, r"vehicle_arm is 0,0,501; it must be -500 or more and 500 or less"),
         ({"heading": "north"}, r"heading is 'north'; it must be auto or search or course or log or a number"),
         ({"heading": "361"}, r"heading is 361; it must be -360 or more and 360 or less"),
         ({"heading_sigma": 0.0}, r"heading_sigma is 0; it must be 0.01 or more"),
