@@ -11,6 +11,7 @@ from imuwb.replay.motion_noise import MotionNoise, estimate_motion_noise, in_mot
 from imuwb.replay.mounting import Mounting, estimate_mounting
 from imuwb.replay.outages import Outage, events_of, own_outages, sweep
 from imuwb.replay.overlap import effective_count, without_overlap
+from imuwb.replay.pooling import pooled
 from imuwb.replay.prepared import Prepared, prepare, receiver_of, run
 from imuwb.replay.reference import ReferenceTrack, own_track, reference_track
 from imuwb.replay.replay import FilterRun, Replay, ScoredDrift, replay
@@ -28,6 +29,6 @@ __all__ = [
     "ReferenceTrack", "Replay", "ScoredDrift", "Scores", "Start", "Summary", "Tuned", "budget", "choose", "compare",
     "degraded", "drift_curve", "effective_count", "estimate_clocks", "estimate_motion_noise", "estimate_mounting",
     "events_of", "external_reference", "find_start", "given_start", "in_motion", "model_named", "motion_classes",
-    "own_outages", "own_track", "prepare", "receiver_of", "reference_track", "replay", "run", "scaled", "scores",
+    "own_outages", "own_track", "pooled", "prepare", "receiver_of", "reference_track", "replay", "run", "scaled", "scores",
     "summarize", "sweep", "true_errors", "tune", "verdict", "with_unidentified", "without_overlap",
 ]  # fmt: skip

@@ -25,6 +25,7 @@ class Outage:
 
     start: float  #: s from the log's start
     duration: float  #: s
+    name: str = ""
 
 
 def sweep(prepared: Prepared, model: FilterModel, duration: float) -> tuple[Outage, ...]:

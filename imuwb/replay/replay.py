@@ -49,6 +49,7 @@ class Replay:
     scored: dict[float, Booleans]  #: duration -> (s,) whether an outage is scored
     notes: tuple[str, ...]
     failed: dict[str, str]  #: filter that cannot run -> reason
+    outages: dict[float, tuple[Outage, ...]]  #: duration -> its s outages
 
     def __repr__(self) -> str:
         """Return reference, outages and filters, a line each."""
@@ -107,7 +108,8 @@ def replay(
     }
     notes = (*prepared.notes, *_early(prepared, models[0], outages), *refused, *_doubted(judgement.track))
     return Replay(
-        prepared, judgement.track, runs, judgement.scored, (*notes, *judgement.notes), {**failed, **lost}
+        prepared, judgement.track, runs, judgement.scored, (*notes, *judgement.notes), {**failed, **lost},
+        {duration: tuple(chosen) for duration, chosen in by_duration.items()},
     )  # fmt: skip
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from imuwb.arrays import Floats, Integers
 from imuwb.notes import Note
 from imuwb.replay.overlap import block_length, effective_count
+from imuwb.replay.pooling import logs_of
 from imuwb.replay.scores import Scores
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import chi_square_quantile
@@ -78,19 +79,23 @@ class Paired:
     p_value: float  #: for the hypothesis of no difference, by random signs of blocks of neighbours
 
 
-def resampled(count: int, block: int) -> Integers:
+def resampled(count: int, block: int, seed: int = SEED) -> Integers:
     """Return the rows of a moving-block bootstrap, (DRAWS, count)."""
-    rng = np.random.default_rng(SEED)
+    rng = np.random.default_rng(seed)
     first = rng.integers(0, max(count - block, 0) + 1, size=(DRAWS, -(-count // block)))
     rows = (first[..., None] + np.arange(min(block, count))).reshape(DRAWS, -1)
     return rows[:, :count]
 
 
 def _rows(scores: Scores, duration: float) -> tuple[Integers, int, int]:
-    """Return the rows of the bootstrap, none where outages are too few; the effective count; and the length of a block."""
+    """Return the rows of the bootstrap, none where outages are too few; the effective count; and the length of a block.
+
+    Each log of pooled logs is resampled alone: no block crosses logs, and each keeps its number of outages.
+    """
     effective = effective_count(scores.start, duration)
     block = block_length(scores.start, duration)
-    rows = resampled(scores.start.size, block)
+    drawn = [part[0] + resampled(part.size, block, SEED + k) for k, part in enumerate(logs_of(scores.start))]
+    rows = np.hstack(drawn) if drawn else resampled(0, block)
     return (rows if effective >= FEWEST else rows[:0]), effective, block
 
 
@@ -159,17 +164,25 @@ def compare(model: str, scores: Scores, against: str, other: Scores, duration: f
     means = share[rows].mean(axis=1)
     low, high = np.quantile(means, [(1 - level) / 2, (1 + level) / 2]) if means.size else (np.nan, np.nan)
     improvement = Estimate(float(share.mean()), float(low), float(high))
-    p_value = sign_flip(np.log((a + LEAST_ERROR) / (b + LEAST_ERROR)), block)
+    p_value = sign_flip(np.log((a + LEAST_ERROR) / (b + LEAST_ERROR)), block, scores.start)
     return Paired(
         model, against, duration, quantile(a - b, 0.5, rows, level), improvement, float((a < b).mean()), p_value
     )
 
 
-def sign_flip(differences: Floats, block: int) -> float:
-    """Return the probability of a mean at least as large, if each block of neighbours has a random sign."""
-    blocks = max(1, differences.size // block)
-    sums = np.array([part.sum() for part in np.array_split(differences, blocks)])
-    observed = abs(sums.sum())
+def sign_flip(differences: Floats, block: int, start: Floats | None = None) -> float:
+    """Return the probability of a mean at least as large, if each block of neighbours has a random sign.
+
+    Args:
+        differences: (s,) in order of time.
+        block: outages in a block.
+        start: (s,) s; blocks do not cross pooled logs; None: one log.
+    """
+    logs = [np.arange(differences.size)] if start is None else logs_of(start)
+    sums = np.array([
+        part.sum() for log in logs for part in np.array_split(differences[log], max(1, log.size // block))
+    ])  # fmt: skip
+    blocks, observed = sums.size, abs(sums.sum())
     if blocks <= EXACT:
         signs = np.array(list(product((1.0, -1.0), repeat=blocks)))
     else:

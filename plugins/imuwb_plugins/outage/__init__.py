@@ -7,10 +7,12 @@ against the best reference of the log: truth, RTK-fixed positions, or a filter's
 import lazy_loader
 
 DEMO = "drive"
+LOGS = (1, None)
 
 __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={
-        "parameters": ["Parameters"], "compute": ["run", "error_model"], "show": ["draw"], "output": ["outputs", "write_outputs"],
+        "parameters": ["Parameters"], "drives": ["run", "error_model"], "drives_show": ["draw"],
+        "output": ["outputs", "write_outputs"],
     },
 )  # fmt: skip

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from imuwb.conditioning import corrected_log
-from imuwb.errors import MissingDataError, UsageError
+from imuwb.errors import MissingDataError
 from imuwb.log import Log
 from imuwb.navigation import FilterModel
 from imuwb.replay import (
@@ -20,8 +20,8 @@ from imuwb.replay import (
     sweep,
     verdict,
 )
-from imuwb.stochastic import ImuErrorModel
 from imuwb_plugins.outage import filters, notes, summary, tracks
+from imuwb_plugins.outage.given_outages import outages_of
 from imuwb_plugins.outage.installation import Installed, base_of, installed
 from imuwb_plugins.outage.models import Filters, filters_of
 from imuwb_plugins.outage.parameters import Parameters
@@ -29,14 +29,14 @@ from imuwb_plugins.outage.result import Result
 from imuwb_plugins.outage.truth import with_truth
 
 
-def run(logs: Sequence[Log], parameters: Parameters) -> Result:
-    """Return the drift of each filter in the outages.
+def run_one(whole: Log, parameters: Parameters) -> Result:
+    """Return the drift of each filter in the outages of a log.
 
     Raises:
         UsageError: no error model; an outage that is not possible.
         MissingDataError: the log lacks something.
     """
-    log, _ = corrected_log(logs[0], base_of(parameters).error_model)
+    log, _ = corrected_log(whole, base_of(parameters).error_model)
     own = installed(log, parameters)
     base = own.base
     log, of_truth = with_truth(log, base, parameters)
@@ -52,17 +52,6 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
         raise MissingDataError(f"{log.provenance.path}: {error}") from error
     replayed = replace(replayed, failed={**chosen.failed, **replayed.failed})
     return _result(replayed, parameters, own, chosen)
-
-
-def error_model(result: Result) -> ImuErrorModel:
-    """Return the error model in motion, or the tuned one.
-
-    Raises:
-        UsageError: no filter has such a model.
-    """
-    if result.error_model is None:
-        raise UsageError("--save-model writes the error model in motion: give --models full,motion, or --tune")
-    return result.error_model
 
 
 def _result(replayed: Replay, parameters: Parameters, own: Installed, chosen: Filters) -> Result:
@@ -83,7 +72,7 @@ def _result(replayed: Replay, parameters: Parameters, own: Installed, chosen: Fi
         notes.notes(replayed, durations, infos, own, chosen), own.clocks, own.mounting, chosen.motion, chosen.tuned,
         chosen.error_model,
         filters.sensor_errors(replayed), replayed.reference.position, tracks.tracks(replayed), parameters.map,
-        tracks.navigation(replayed), replayed.failed,
+        tracks.navigation(replayed), replayed.failed, replayed,
     )  # fmt: skip
 
 
@@ -91,7 +80,7 @@ def _outages(prepared: Prepared, base: FilterModel, parameters: Parameters) -> S
     if parameters.at == "own":
         return own_outages(prepared, base)
     if parameters.at:
-        return [Outage(start, duration) for start, duration in sorted(set(parameters.at))]
+        return outages_of(prepared.log, parameters.at)
     outages: list[Outage] = []
     for duration in sorted(set(parameters.durations)):
         swept = sweep(prepared, base, duration)

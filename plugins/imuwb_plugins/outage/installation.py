@@ -9,6 +9,7 @@ from imuwb.notes import Note
 from imuwb.replay import HORIZONS, Clocks, Mounting, estimate_clocks, estimate_mounting, prepare
 from imuwb.stochastic import ImuErrorModel
 from imuwb_plugins.outage.models import named
+from imuwb_plugins.outage.outage_list import given
 from imuwb_plugins.outage.parameters import Parameters
 from imuwb_plugins.outage.starts import started
 
@@ -78,7 +79,7 @@ def base_of(parameters: Parameters) -> FilterModel:
 
 def _horizons(parameters: Parameters) -> tuple[float, float]:
     """Return the shortest and the longest outage, s; drift is also judged at the first of the usual horizons."""
-    durations = (*parameters.durations, *(d for _, d in (() if parameters.at == "own" else parameters.at)))
+    durations = (*parameters.durations, *(outage.duration for outage in given(parameters.at)))
     return min(HORIZONS[0], *durations), max(durations)
 
 

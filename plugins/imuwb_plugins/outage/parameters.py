@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from imuwb.options import NOT_NEGATIVE, Between, Form, Level, check, text_of
+from imuwb_plugins.outage.outage_list import OutageFile, given
 
 PAPER = ("none", "15AV", "18AV", "18AVWD", "15AR", "27AR", "full")  #: filters of Quinchia, and one with all processes
 MODELS = (*PAPER, "motion", "paper")
@@ -32,9 +33,10 @@ class Parameters:
         tuple[float, ...], "Durations of the outages of a sweep (s).", DURATION, Form("S,...", "30,60")
     ] = (30.0, 60.0)
     at: Annotated[
-        Literal["own"] | tuple[tuple[float, float], ...],
-        "Start, from the log's start, and duration of each outage (s), or own: the outages of the log itself; by default a sweep.",
-        Between(), Form("START:DURATION,...", "200:30,430:60"),
+        Literal["own"] | tuple[tuple[float, float], ...] | OutageFile,
+        "Start, from the log's start, and duration of each outage (s); or a file of named outages (CSV or TOML: name, start, duration, "
+        "log); or own: the outages of the log itself; by default a sweep.",
+        Between(), Form("START:DURATION,...|FILE|own", "200:30,430:60"),
     ] = ()  # fmt: skip
     random: Annotated[
         int, "Number of outages that are drawn at random from a sweep, for each duration; 0: all.", Between(0)
@@ -177,9 +179,9 @@ class Parameters:
         self._check_truth()
         if not self.durations:
             raise ValueError("durations is empty; it must have one or more durations, such as 30,60")
-        for _, duration in () if self.at == "own" else self.at:
-            if duration not in DURATION:
-                raise ValueError(f"at: an outage lasts {duration:g} s; it must last {DURATION}")
+        for outage in given(self.at):
+            if outage.duration not in DURATION:
+                raise ValueError(f"at: an outage lasts {outage.duration:g} s; it must last {DURATION}")
         if unknown := [name for name in self.degrade if name not in ("noise", "jump", "every")]:
             raise ValueError(f"degrade has {unknown[0]}; it must be noise=M,jump=M,every=S")
         if self.degrade.get("every", EVERY.least) not in EVERY:

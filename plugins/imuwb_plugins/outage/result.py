@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from imuwb.arrays import Floats, Integers
 from imuwb.log import Reference
 from imuwb.notes import Note
-from imuwb.replay import Choice, Clocks, Consistency, DriftCurve, MotionNoise, Mounting, Paired, Tuned
+from imuwb.replay import Choice, Clocks, Consistency, DriftCurve, MotionNoise, Mounting, Paired, Replay, Tuned
 from imuwb.statistics import Estimate
 from imuwb.stochastic import ImuErrorModel
 
@@ -39,6 +39,7 @@ class OutageResult:
     mean_speed: float  #: m/s
     motion: str  #: "stop", "turn", "fast" or "straight"
     models: dict[str, FilterErrors]
+    name: str = ""  #: as the user gives it
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,6 +188,7 @@ class Result:
     on_map: bool = field(metadata=HELD)
     navigation: tuple[Reference, Floats] = field(metadata=HELD)  #: the last filter's run; (n, 4) its quaternions
     failed: dict[str, str] = field(default_factory=dict[str, str])  #: filter that cannot run -> reason
+    replay: Replay | None = field(default=None, metadata=HELD)  #: None: not kept
 
     def __repr__(self) -> str:
         """Return reference and verdicts, a line each."""

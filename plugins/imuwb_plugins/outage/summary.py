@@ -3,6 +3,7 @@
 from itertools import permutations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from imuwb.replay import (
     HORIZONS,
@@ -52,13 +53,27 @@ def summaries(replay: Replay, duration: float, level: float) -> dict[str, Summar
 
 def duration_summary(replay: Replay, duration: float, statistics: dict[str, Summary], level: float) -> DurationSummary:
     """Return the summary of all filters in the outages of a duration."""
+    motion = motion_classes(replay, duration)[replay.scored[duration]]
+    return summary_of(duration, scored(replay, duration), motion, statistics, level)
+
+
+def summary_of(
+    duration: float, kept: dict[str, Scores], motion: NDArray[np.str_], statistics: dict[str, Summary], level: float
+) -> DurationSummary:
+    """Return the summary of filters by their scores.
+
+    Args:
+        duration: s.
+        kept: the scores of each filter in the same outages.
+        motion: (s,) the class of motion of each outage.
+        statistics: of each filter.
+        level: of all intervals.
+    """
     if not statistics:
         return DurationSummary(duration, {}, (), {}, None)
-    kept = scored(replay, duration)
     pairs = [pair for pair in permutations(kept, 2) if pair[0] == TESTED]
     if not pairs:
         pairs = [(name, next(iter(kept))) for name in list(kept)[1:]]
-    motion = motion_classes(replay, duration)[replay.scored[duration]]
     by_motion = {
         kind: {name: float(np.median(s.horizontal[motion == kind, -1])) for name, s in kept.items()}
         for kind in dict.fromkeys(motion.tolist())
@@ -101,6 +116,7 @@ def _of_duration(replay: Replay, duration: float) -> list[OutageResult]:
         OutageResult(
             float(first.start[i]), duration, float(first.distance[i, -1] / duration), str(motion[i]),
             {name: _errors(own, duration, int(i), causal=causal) for name, own in replay.runs.items()},
+            replay.outages[duration][i].name,
         )
         for i in np.flatnonzero(replay.scored[duration])
     ]  # fmt: skip

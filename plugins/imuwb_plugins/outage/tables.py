@@ -138,7 +138,7 @@ def outages(result: Result) -> Table:
 
 
 def _outage(own: OutageResult, decimals: int = 1) -> tuple[str, str, str]:
-    return f"{own.start:.1f} s", f"{own.duration:g} s", f"{own.mean_speed * 3.6:.{decimals}f} km/h"
+    return f"{own.name} {own.start:.1f} s".strip(), f"{own.duration:g} s", f"{own.mean_speed * 3.6:.{decimals}f} km/h"
 
 
 def published(result: Result) -> Table:

@@ -1,12 +1,14 @@
 """The reference of --truth: a trajectory of another file, joined to the log."""
 
 from dataclasses import replace
+from pathlib import Path
 
 from imuwb.log import Log
 from imuwb.navigation import FilterModel
 from imuwb.notes import Note
 from imuwb.readers import read_trajectory
 from imuwb.replay import Placing, external_reference, receiver_of
+from imuwb_plugins.outage.given_outages import name_of
 from imuwb_plugins.outage.parameters import Parameters
 
 
@@ -20,7 +22,7 @@ def with_truth(log: Log, base: FilterModel, parameters: Parameters) -> tuple[Log
     """
     if parameters.truth is None:
         return log, ()
-    path = parameters.truth
+    path = Path(str(parameters.truth).replace("{log}", name_of(log)))
     found = read_trajectory(path, parameters.truth_times, log.zero)
     delay = base.installation.gnss_delay if parameters.truth_delay == "gnss" else parameters.truth_delay
     placing = Placing(delay, parameters.truth_lever, parameters.truth_origin, parameters.truth_axes)

@@ -116,7 +116,9 @@ EXAMPLES = [line.split("#")[0].strip() for line in re.findall(r"^\$ (imuwb outag
 
 
 @pytest.mark.parametrize("example", EXAMPLES)
-def test_readmes_examples_are_options_there_are(example):
+def test_readmes_examples_are_options_there_are(example, tmp_path, monkeypatch):
+    (tmp_path / "tunnels.csv").write_text("start,duration\n200,30\n", "utf-8")
+    monkeypatch.chdir(tmp_path)
     words = shlex.split(example)[2:]
     options = {}
     names = {name.replace("_", "-"): name for name in Parameters.__dataclass_fields__}
