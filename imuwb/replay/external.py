@@ -166,7 +166,9 @@ def _fitted(track: LocalTrack, gnss: GnssStream, option: str) -> tuple[Floats, R
     good = np.isfinite(gnss.position).all(axis=1) & (gnss.time >= track.time[0]) & (gnss.time <= track.time[-1])
     if gnss.fix_type is not None:
         good &= gnss.fix_type >= 3  # noqa: PLR2004 - MAVLink: 3D
-    state = f"state its place with --{option}-origin LAT,LON,HEIGHT and --{option}-axes"
+    state = "give it with latitude, longitude and height"
+    if option == "truth":
+        state = "state its place with --truth-origin LAT,LON,HEIGHT and --truth-axes"
     if good.sum() < FEWEST:
         raise MissingDataError(
             f"{track.name}: {int(good.sum())} fixes of {gnss.name} lie within its time; a fit of its frame needs {FEWEST}; {state}"

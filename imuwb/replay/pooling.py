@@ -1,6 +1,7 @@
 """Scores of several logs as one: the logs lie far apart in time, so that no outages and no blocks of neighbours cross them."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,15 +17,23 @@ def pooled(parts: Sequence[Scores]) -> Scores:
     Args:
         parts: of one filter, with outages of one duration.
     """
+    return joined([replace(part, start=part.start + k * APART) for k, part in enumerate(parts)])
+
+
+def joined(parts: Sequence[Scores]) -> Scores:
+    """Return scores of one duration in other outages as one.
+
+    Args:
+        parts: in order of time.
+    """
     north_east, covariance, vertical, velocity, heading, distance = (
         np.concatenate([getattr(part, name) for part in parts])
         for name in ("north_east", "covariance", "vertical", "velocity", "heading", "distance")
     )
     extents = [part.discrepancy for part in parts]
     known = [extent for extent in extents if extent is not None]
-    start = np.concatenate([part.start + k * APART for k, part in enumerate(parts)])
     return Scores(
-        start, parts[0].elapsed, north_east, covariance, vertical, velocity, heading, distance,
+        np.concatenate([part.start for part in parts]), parts[0].elapsed, north_east, covariance, vertical, velocity, heading, distance,
         np.concatenate(known) if len(known) == len(extents) else None,
     )  # fmt: skip
 

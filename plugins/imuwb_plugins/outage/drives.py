@@ -13,6 +13,8 @@ from imuwb.replay import HORIZONS, motion_classes, pooled, summarize, verdict
 from imuwb.stochastic import ImuErrorModel
 from imuwb_plugins.outage import notes, summary
 from imuwb_plugins.outage.compute import run_one
+from imuwb_plugins.outage.engine_command import Command
+from imuwb_plugins.outage.engine_rows import with_engines
 from imuwb_plugins.outage.filters import nis_per_dof
 from imuwb_plugins.outage.given_outages import name_of
 from imuwb_plugins.outage.outage_list import given
@@ -46,7 +48,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result | Drives:
     """
     if len(logs) == 1:
         _check_logs(logs, parameters)
-        return run_one(logs[0], parameters)
+        return with_engines(run_one(logs[0], parameters), parameters)
     for name in ONE_LOG:
         if getattr(parameters, name) is not None:
             raise UsageError(f"--{name.replace('_', '-')} writes the run of one log; {len(logs)} logs are given")
@@ -55,7 +57,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result | Drives:
     failed: dict[str, str] = {}
     for name, log in zip(_names(logs), logs, strict=True):
         try:
-            results[name] = run_one(log, parameters)
+            results[name] = with_engines(run_one(log, parameters), parameters)
         except MissingDataError as error:
             failed[name] = str(error)
     if not results:
@@ -77,7 +79,9 @@ def error_model(result: Result | Drives) -> ImuErrorModel:
 
 
 def _check_logs(logs: Sequence[Log], parameters: Parameters) -> None:
-    """Raise UsageError if an outage of --at names a log that is not given."""
+    """Raise UsageError if an outage of --at names a log that is not given, or a command cannot be run."""
+    if parameters.filter_command:
+        Command.of(parameters.filter_command, parameters.filter_timeout)
     names = {name for log in logs for name in ("", name_of(log), Path(log.provenance.path).name)}
     strange = next((outage for outage in given(parameters.at) if outage.log not in names), None)
     if strange is not None:

@@ -73,6 +73,27 @@ class Parameters:
         Path | None, "Filter of --save-filter, run besides the others; its settings apply to all filters."
     ] = None
     save_filter: Annotated[Path | None, "Write the last filter as TOML to this file."] = None
+    solution: Annotated[
+        dict[str, Path],
+        "Solutions of other engines (KF-GINS .nav, RTKLIB .pos, TUM, CSV, MCAP, ...), scored in the same outages: one run without the "
+        "fixes of all outages, or files with {outage} or {start} in the name. whole:FILE: over the whole run.",
+        Form("NAME=FILE,...", "kf=kf.nav"),
+    ] = field(default_factory=dict[str, Path])  # fmt: skip
+    solution_delay: Annotated[
+        float, "Time by which the stamps of --solution are late (s).", Between(-1e10, 1e10)
+    ] = 0.0  # fmt: skip
+    filter_command: Annotated[
+        str | None,
+        "Engine to run with the fixes removed, outage by outage: a command that reads the CSV tables {imu} and {gnss}, and writes a "
+        "trajectory to {output}.", Form("COMMAND", "./mine {imu} {gnss} {output}"),
+    ] = None  # fmt: skip
+    filter_runs: Annotated[
+        int, "Largest number of outages of each duration for which the engine is run.", Between(1, 1000)
+    ] = 20
+    filter_timeout: Annotated[float, "Time after which a run of the engine is stopped (s).", Between(0.1, 86400)] = (
+        120.0
+    )
+    filter_parallel: Annotated[int, "Runs of the engine at the same time; 0: up to 2.", Between(0, 64)] = 0
     degrade: Annotated[
         dict[str, float],
         "Make fixes worse: noise=, sigma of added noise (m); jump=, length of jumps (m); every=, mean time between jumps (s).",

@@ -163,6 +163,18 @@ class Tracks:
     outages: tuple[OutageTrack, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class EngineInfo:
+    """Another engine whose solutions are scored."""
+
+    name: str
+    source: str  #: its file, or its command
+    scored: str  #: in "outages", or over the "whole run"
+    tried: int  #: runs or files
+    failures: tuple[str, ...]  #: reasons, one for each run or file without a solution
+    sigmas: bool  #: whether its solutions state sigmas of positions
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Result:
     """The result of an outage replay."""
@@ -189,6 +201,9 @@ class Result:
     navigation: tuple[Reference, Floats] = field(metadata=HELD)  #: the last filter's run; (n, 4) its quaternions
     failed: dict[str, str] = field(default_factory=dict[str, str])  #: filter that cannot run -> reason
     replay: Replay | None = field(default=None, metadata=HELD)  #: None: not kept
+    engines: tuple[EngineInfo, ...] = ()  #: other engines, of --solution and --filter-command
+    whole_run: dict[str, FilterSummary] = field(default_factory=dict[str, FilterSummary])
+    #: ^ filter or engine -> its errors over the whole run with all fixes; empty unless an engine is scored so
 
     def __repr__(self) -> str:
         """Return reference and verdicts, a line each."""

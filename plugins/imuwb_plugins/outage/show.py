@@ -17,6 +17,8 @@ def draw(result: Result, review: Review) -> None:
     """Show the drift of each filter, whether its sigma is right, and the details."""
     for own in result.summary:
         review.table(tables.drift(own, result))
+    if result.whole_run:
+        review.table(tables.whole_run(result))
     for own in result.summary:
         review.figure(figures.drift(own))
     for note in (*result.verdicts, *result.notes):

@@ -79,12 +79,13 @@ def summary_of(
         for kind in dict.fromkeys(motion.tolist())
     }
     return DurationSummary(
-        duration, {name: _summary(own, drift_curve(kept[name])) for name, own in statistics.items()},
+        duration, {name: filter_summary(own, drift_curve(kept[name])) for name, own in statistics.items()},
         tuple(compare(a, kept[a], b, kept[b], duration, level) for a, b in pairs), by_motion, choose(kept, duration),
     )  # fmt: skip
 
 
-def _summary(own: Summary, curve: DriftCurve) -> FilterSummary:
+def filter_summary(own: Summary, curve: DriftCurve) -> FilterSummary:
+    """Return the statistics of one filter as part of a result."""
     last = own.consistency[-1] if own.consistency else None
     return FilterSummary(
         count=own.count, effective_count=own.effective_count,

@@ -26,7 +26,7 @@ def drift(own: DurationSummary, result: Result) -> Table:
             *(interval_text(s.estimate(part)) for part in ("median_end", "p68_end", "p95_end", "median_max")),
             f"{number_text(s.median_vertical)} m", f"{number_text(s.median_velocity)} m/s",
             quantity_text(None if s.median_heading is None else float(np.degrees(s.median_heading)), "deg", 2),
-            "—" if s.median_percent is None else f"{number_text(s.median_percent)} %", _yes(causal[name]),
+            "—" if s.median_percent is None else f"{number_text(s.median_percent)} %", _yes(causal[name]) if name in causal else "—",
         )
         for name, s in own.models.items()
     )  # fmt: skip
@@ -84,7 +84,10 @@ def choice(c: Choice) -> Table:
 
 def by_motion(own: DurationSummary) -> Table:
     """Return the median error of each filter by motion."""
-    rows = tuple((kind, *(f"{number_text(m)} m" for m in medians.values())) for kind, medians in own.by_motion.items())
+    rows = tuple(
+        (kind, *(f"{number_text(m)} m" if np.isfinite(m) else "—" for m in medians.values()))
+        for kind, medians in own.by_motion.items()
+    )
     title = f"Median error at the end by motion, outages of {own.duration:g} s"
     return Table(title, ("motion", *own.models), rows, wide=True)
 
@@ -94,7 +97,7 @@ def consistency(own: DurationSummary) -> Table:
     rows = tuple(
         (
             name, f"{c.elapsed:g} s", f"{c.nees_per_dof:.2f}", f"{c.lower:.2f} to {c.upper:.2f}", f"{c.coverage95 * 100:.0f} %",
-            f"{c.ratio:.2f}", f"{s.nis_per_dof:.2f}",
+            f"{c.ratio:.2f}", f"{s.nis_per_dof:.2f}" if np.isfinite(s.nis_per_dof) else "—",
         )
         for name, s in own.models.items()
         for c in s.consistency
@@ -122,10 +125,11 @@ def budget(b: ErrorBudget) -> Table:
 
 def outages(result: Result) -> Table:
     """Return the errors of each filter in each listed outage."""
-    names = [f.name for f in result.filters]
+    names = [*(f.name for f in result.filters), *(e.name for e in result.engines if e.scored == "outages")]
     rows = tuple(
         (*_outage(own), own.motion, *(
-            f"{number_text(m.mean)} / {number_text(m.max)} / {number_text(m.end)} m" for m in map(own.models.__getitem__, names)
+            "—" if m is None else f"{number_text(m.mean)} / {number_text(m.max)} / {number_text(m.end)} m"
+            for m in map(own.models.get, names)
         ))
         for own in (result.outages[i] for i in result.listed)
     )  # fmt: skip
@@ -135,6 +139,26 @@ def outages(result: Result) -> Table:
     title = f"Outages ({which}): mean / largest / final horizontal error"
     headings = ("start", "duration", "mean speed", "motion", *names)
     return Table(title, headings, rows, f"Against {result.reference}.", wide=True)
+
+
+def whole_run(result: Result) -> Table:
+    """Return the errors of filters and engines over the whole run with all fixes."""
+    rows = tuple(
+        (
+            name, f"{s.count} ({s.effective_count})",
+            *(interval_text(s.estimate(part)) for part in ("median_end", "p68_end", "p95_end")),
+            f"{number_text(s.median_vertical)} m", f"{number_text(s.median_velocity)} m/s",
+            "—" if s.nees_per_dof is None else f"{s.nees_per_dof:.2f}",
+            "—" if s.coverage95 is None else f"{s.coverage95 * 100:.0f} %",
+        )
+        for name, s in result.whole_run.items()
+    )  # fmt: skip
+    headings = (
+        "filter", "seconds (minutes)", "median", "68 % quantile", "95 % quantile", "vertical", "velocity", "NEES/2",
+        "within the 95 % ellipse",
+    )  # fmt: skip
+    caption = f"Horizontal errors once a second against {result.reference}, with all fixes; they are no drift."
+    return Table("Errors over the whole run", headings, rows, caption, wide=True)
 
 
 def _outage(own: OutageResult, decimals: int = 1) -> tuple[str, str, str]:
