@@ -122,8 +122,11 @@ def run(
     """
     n = tables.first[6]
     weighing, spare, seen = space.weighing, space.spare, space.seen
-    for i in range(2):
+    for i in range(5):
         weighing.refused[i] = 0
+    for i in range(2):
+        for j in range(5):
+            weighing.trend[i, j] = 0.0
     done: Whole = np.int64(begin)
     pending: Whole = np.int64(0)
     e, m = np.int64(event), np.int64(0)

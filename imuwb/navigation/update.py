@@ -13,6 +13,10 @@ from imuwb.navigation.tables import FIX, MOST_ROWS, SPEED, STILL, AxisTables, Ev
 from imuwb.navigation.workspace import STRIDE, Weighing
 
 Whole = int | np.int64
+CONSISTENT = (
+    0.4  #: products of neighbouring residuals over their squares; below, refused fixes point in many directions
+)
+MOST_FACTOR = 4.0  #: by which all variances are multiplied when fixes are refused again and again
 
 
 @compiled(arrays=False)
@@ -170,6 +174,7 @@ def update(
     kind, variance = events.kind[e], events.variance[e]
     rows, residual, error, guess, tried = space.rows, space.residual, space.error, space.guess, space.tried
     innovation, deviation, nis, used, refused = space.innovation, space.deviation, space.nis, space.used, space.refused
+    trend = space.trend
     regime = int(samples.regime[events.at[e]])
     _measure(state, kind, events.late[e], events.value[e], rules.lever, rules.point, tables, regime, space)
     for i in range(n):
@@ -184,6 +189,7 @@ def update(
             measured += variance[r] > 0.0
         if measured == 0:
             continue
+        doubted = False
         for attempt in range(2):
             for i in range(n * STRIDE):
                 tried[i] = covariance[i]
@@ -199,7 +205,8 @@ def update(
                         before -= rows[r, j] * error[j]
                         for i in range(n):
                             own += rows[r, j] * rows[r, i] * covariance[j * STRIDE + i]
-                left, spread = _scalar(tried, guess, n, rows[r], residual[r], variance[r], space.gain)
+                wide = variance[r] + residual[r] * residual[r] if attempt == 1 and doubted else variance[r]
+                left, spread = _scalar(tried, guess, n, rows[r], residual[r], wide, space.gain)
                 total += left * left / spread
                 if attempt == 0:
                     innovation[r], deviation[r] = -before, math.sqrt(own)
@@ -213,15 +220,37 @@ def update(
                 used[group] = True
                 if kind == FIX:
                     refused[group] = 0
+                    refused[2 + group] = refused[2 + group] + 1 if attempt == 1 and not doubted else 0
+                    for i in range(5):
+                        trend[group, i] = 0.0
+                    if group == 1:
+                        refused[4] = 1 if attempt == 0 else 0
                 break
             if kind != FIX:
                 break
             refused[group] += 1
+            if group == 1:
+                refused[4] = 0
+            for i in range(3):
+                now = residual[3 * group + i] if variance[3 * group + i] > 0.0 else 0.0
+                trend[group, 3] += now * now
+                trend[group, 4] += now * trend[group, i]
+                trend[group, i] = now
             if refused[group] <= rules.patience:
                 break
-            # More than ``patience`` fixes in a row are refused: the filter's own variance is too small.
-            for r in range(3 * group, 3 * group + 3):
-                if variance[r] > 0.0:
-                    covariance[r * STRIDE + r] += residual[r] * residual[r]
+            # More than ``patience`` fixes in a row are refused. If their residuals point in many directions, the fixes scatter
+            # more than they claim, and this one is taken with its residual as its sigma. Otherwise the filter is wrong: the
+            # first time its position alone, or its velocity; if the fixes after are refused again, all its states, unless
+            # the velocities agree.
+            if trend[group, 4] < CONSISTENT * trend[group, 3]:
+                doubted = True
+            elif refused[2 + group] > 0 and (group == 1 or refused[4] == 0):
+                factor = min(total / measured, MOST_FACTOR)
+                for i in range(n * STRIDE):
+                    covariance[i] *= factor
+            else:
+                for r in range(3 * group, 3 * group + 3):
+                    if variance[r] > 0.0:
+                        covariance[r * STRIDE + r] += residual[r] * residual[r]
     if used[0] or used[1]:
         feed_back(state, axes, error, n)

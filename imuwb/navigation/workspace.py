@@ -19,7 +19,8 @@ class Weighing(NamedTuple):
     deviation: Floats  #: (6,) sigma of the innovation
     nis: Floats  #: (2,) of position and velocity
     used: Booleans  #: (2,) whether position and velocity passed the gate
-    refused: Integers  #: (2,) positions and velocities refused in a row
+    refused: Integers  #: (5,) positions and velocities refused in a row, those accepted by force in a row, velocities that passed
+    trend: Floats  #: (2, 5) of refused positions and velocities in a row: last residual, sum of squares, of products of neighbours
     rows: Floats  #: (6, n) derivatives of the residuals with respect to the error states
     residual: Floats  #: (6,) predicted minus measured
     error: Floats  #: (n,) error that the event has estimated so far
@@ -52,7 +53,8 @@ def workspace(n: int, *, transition: bool = False) -> Workspace:
         transition: whether to make room for the transition matrix, which a smoother needs.
     """
     weighing = Weighing(
-        np.zeros(6), np.zeros(6), np.zeros(2), np.zeros(2, np.bool_), np.zeros(2, np.int64), np.zeros((MOST_ROWS, n)),
+        np.zeros(6), np.zeros(6), np.zeros(2), np.zeros(2, np.bool_), np.zeros(5, np.int64), np.zeros((2, 5)),
+        np.zeros((MOST_ROWS, n)),
         np.zeros(MOST_ROWS), np.zeros(n), np.zeros(n), np.zeros(n), _rows(), np.zeros((3, 3)), np.zeros(3), np.zeros(3),
     )  # fmt: skip
     return Workspace(

@@ -91,7 +91,7 @@ VARIANCES = {
 }  # fmt: skip
 
 
-def taken(f, kind, value, variance, *, late=0.0, gate=1e9, patience=5, refused=None, state=None):
+def taken(f, kind, value, variance, *, late=0.0, gate=1e9, patience=5, refused=None, trend=None, state=None):
     """Return all that ``update`` leaves."""
     state, axes, covariance = (f.state if state is None else state).copy(), f.axes.copy(), flat(f.P)
     samples = Samples(np.full(1, 0.01), np.zeros((1, 3)), np.zeros((1, 3)), np.zeros(1, np.int64))
@@ -99,6 +99,8 @@ def taken(f, kind, value, variance, *, late=0.0, gate=1e9, patience=5, refused=N
     weighing = workspace(f.n).weighing
     if refused is not None:
         weighing = weighing._replace(refused=refused)
+    if trend is not None:
+        weighing = weighing._replace(trend=trend)
     update(state, axes, covariance, samples, events, 0, Rules(1, gate, patience, LEVER, POINT), f.tables, weighing)
     return SimpleNamespace(state=state, axes=axes, P=square(covariance, f.n), **weighing._asdict())
 
@@ -177,7 +179,7 @@ def test_a_gate_leaves_out_a_group_and_nothing_else(filtered):
     value = VALUES[FIX] + np.array([1e-4, 0, 0, 0, 0, 0])  # 640 m
     out = taken(filtered, FIX, value, VARIANCES[FIX], gate=40.0)
     assert out.used.tolist() == [False, True]
-    assert out.refused.tolist() == [1, 0]
+    assert out.refused.tolist() == [1, 0, 0, 0, 1]
     assert out.nis[0] > 40 > out.nis[1]
     r = residual(FIX, filtered.state, TURNING, value)
     _, P, _, nis = kalman(filtered.P, out.rows[3:], r[3:], VARIANCES[FIX][3:])
@@ -190,33 +192,84 @@ def test_a_gate_leaves_out_a_group_and_nothing_else(filtered):
     assert np.array_equal(out.P, filtered.P)
 
 
+FAR = VALUES[FIX] + np.array([1e-4, 0, 0, 0, 0, 0])  #: 640 m
+POSITION = np.where(np.arange(6) < 3, VARIANCES[FIX], 0)
+
+
+def refused_often(f, values, refused, velocities=False):
+    """Return what the last of some fixes leaves, each of which the filter meets in the same state; three may be refused."""
+    variance, trend = VARIANCES[FIX] if velocities else POSITION, np.zeros((2, 5))
+    for value in values:
+        out = taken(f, FIX, value, variance, gate=40.0, patience=3, refused=refused, trend=trend)
+    return out
+
+
 def test_behind_patience_it_believes_and_widens_by_what_it_saw(filtered):
-    value, refused = VALUES[FIX] + np.array([1e-4, 0, 0, 0, 0, 0]), np.zeros(2, np.int64)
-    variance = np.where(np.arange(6) < 3, VARIANCES[FIX], 0)
-    for count in range(1, 4):
-        out = taken(filtered, FIX, value, variance, gate=40.0, patience=3, refused=refused)
-        assert not out.used[0]
-        assert refused.tolist() == [count, 0]
-    out = taken(filtered, FIX, value, variance, gate=40.0, patience=3, refused=refused)
+    refused = np.zeros(5, np.int64)
+    out = refused_often(filtered, [FAR] * 3, refused)
+    assert not out.used[0]
+    assert refused.tolist() == [3, 0, 0, 0, 0]
+    refused[:] = 0
+    out = refused_often(filtered, [FAR] * 4, refused)
     assert out.used[0]
-    assert refused.tolist() == [0, 0]
-    r = residual(FIX, filtered.state, TURNING, value)[:3]
+    assert refused.tolist() == [0, 0, 1, 0, 0]
+    assert not out.trend.any()
+    r = residual(FIX, filtered.state, TURNING, FAR)[:3]
     wide = filtered.P.copy()
     wide[range(3), range(3)] += r**2
-    _, P, _, _ = kalman(wide, out.rows[:3], r, variance[:3])
+    _, P, _, _ = kalman(wide, out.rows[:3], r, POSITION[:3])
     assert np.abs(np.diag(out.P) / np.diag(P) - 1).max() < 5e-3  # the ground falls off by 3 cm
-    assert np.abs(residual(FIX, out.state, TURNING, value)[:3]).max() < 0.05 * np.abs(r).max()
+    assert np.abs(residual(FIX, out.state, TURNING, FAR)[:3]).max() < 0.05 * np.abs(r).max()
     assert out.nis[0] > 40  # of what it was before
 
 
+def test_behind_patience_again_all_states_are_widened(filtered):
+    """A position that was believed and is refused again shows that more than the position is wrong."""
+    refused = np.array([0, 0, 1, 0, 0])
+    out = refused_often(filtered, [FAR] * 4, refused)
+    assert out.used[0]
+    assert refused.tolist() == [0, 0, 2, 0, 0]
+    r = residual(FIX, filtered.state, TURNING, FAR)[:3]
+    _, P, _, _ = kalman(filtered.P * 4, out.rows[:3], r, POSITION[:3])
+    assert np.abs(np.diag(out.P) / np.diag(P) - 1).max() < 5e-3
+    assert (np.diag(out.P)[9:] > np.diag(filtered.P)[9:]).any()  # of the axes too
+
+
+def test_velocities_that_agree_leave_the_other_states(filtered):
+    refused = np.array([0, 0, 1, 0, 1])
+    out = refused_often(filtered, [FAR] * 4, refused, velocities=True)
+    assert out.used.all()
+    assert refused.tolist() == [0, 0, 2, 0, 1]
+    assert (np.diag(out.P)[9:] <= np.diag(filtered.P)[9:] * (1 + 1e-9)).all()
+
+
+def test_fixes_that_scatter_are_doubted_and_not_the_filter(filtered):
+    """Residuals to and fro: the fix has its residual as its sigma, and the state hardly moves."""
+    other = VALUES[FIX] - np.array([1e-4, 0, 0, 0, 0, 0])
+    refused = np.array([0, 0, 2, 0, 0])
+    out = refused_often(filtered, [FAR, other, FAR, other], refused)
+    assert out.used[0]
+    assert refused.tolist() == [0, 0, 0, 0, 0]
+    r = residual(FIX, filtered.state, TURNING, other)[:3]
+    _, P, _, _ = kalman(filtered.P, out.rows[:3], r, POSITION[:3] + r**2)
+    assert np.abs(np.diag(out.P) / np.diag(P) - 1).max() < 5e-3
+    assert np.abs(residual(FIX, out.state, TURNING, other)[:3]).max() > 0.9 * np.abs(r).max()
+
+
+def test_a_fix_that_passes_ends_the_mistrust(filtered):
+    refused = np.array([2, 0, 3, 0, 0])
+    taken(filtered, FIX, VALUES[FIX], VARIANCES[FIX], gate=1e9, refused=refused)
+    assert refused.tolist() == [0, 0, 0, 0, 1]
+
+
 def test_an_aid_is_never_believed_against_the_filter(filtered):
-    refused = np.array([99, 99])
+    refused = np.array([99, 99, 0, 0, 0])
     out = taken(filtered, SPEED, np.array([90.0, 0, 0, 0, 0, 0]), VARIANCES[SPEED], gate=40.0, refused=refused)
     assert not out.used.any()
     assert np.array_equal(out.P, filtered.P)
 
 
 def test_aids_do_not_count_among_refused_fixes(filtered):
-    refused = np.array([4, 0])
+    refused = np.array([4, 0, 0, 0, 0])
     taken(filtered, STRAIGHT, np.zeros(6), VARIANCES[STRAIGHT] * 1e6, gate=40.0, refused=refused)
-    assert refused.tolist() == [4, 0]
+    assert refused.tolist() == [4, 0, 0, 0, 0]
