@@ -17,6 +17,8 @@ BASELINE = (0.95, 2.6)  #: s between the two fixes of a pair
 MOVING = 3.0  #: m/s
 FEW = 10  #: pairs; a kind with fewer pairs cannot be judged
 WORST, SHARE = 1.0, 0.2  #: m/s, and of the median speed: a larger median contradiction is an error of the kind
+USUAL = 2.5  #: m, sigma of a position without a sigma
+RAYLEIGH = 1.18  #: median of the length of a vector over the sigma of its two components
 NAMES = {3: "3D", 4: "DGPS", 5: "RTK float", 6: "RTK fixed"}  #: fix type -> its name
 
 
@@ -33,11 +35,11 @@ def consistent(gnss: GnssStream) -> tuple[GnssStream, tuple[Note, ...]]:
     notes: list[Note] = []
     for value in np.unique(kind):
         rows = np.flatnonzero(kind == value)
-        contradiction, speed = _contradictions(gnss, rows)
+        contradiction, speed, explained = _contradictions(gnss, rows)
         if contradiction.size < FEW:
             continue
         median, usual = float(np.median(contradiction)), float(np.median(speed))
-        if median > max(WORST, SHARE * usual):
+        if median > max(WORST, SHARE * usual) + RAYLEIGH * float(np.median(explained)):
             bad[rows] = True
             text = (
                 f"{gnss.name}: the velocities of {rows.size} {_name(gnss, int(value))} differ from the displacement of their own "
@@ -55,8 +57,10 @@ def _without(velocity: Floats, bad: Booleans) -> Floats | None:
     return None if bad.all() else np.where(bad[:, None], np.nan, velocity)
 
 
-def _contradictions(gnss: GnssStream, rows: np.ndarray[tuple[int], np.dtype[np.int64]]) -> tuple[Floats, Floats]:
-    """Return, for pairs of fixes of one kind in motion, the horizontal contradiction and the speed, m/s."""
+def _contradictions(
+    gnss: GnssStream, rows: np.ndarray[tuple[int], np.dtype[np.int64]]
+) -> tuple[Floats, Floats, Floats]:
+    """Return, for pairs of fixes of one kind in motion, the horizontal contradiction, the speed, and the displacement's sigma, m/s."""
     time, position = gnss.time[rows] / SECOND, gnss.position[rows]
     velocity = gnss.velocity[rows, :2] if gnss.velocity is not None else np.full((rows.size, 2), np.nan)
     later = np.searchsorted(time, time + BASELINE[0])
@@ -71,4 +75,9 @@ def _contradictions(gnss: GnssStream, rows: np.ndarray[tuple[int], np.dtype[np.i
     moving = np.maximum(speed, np.hypot(displacement[:, 0], displacement[:, 1])) > MOVING
     kept = moving & (span <= BASELINE[1]) & np.isfinite(mean).all(axis=1) & np.isfinite(displacement).all(axis=1)
     off = displacement[kept] - mean[kept]
-    return np.hypot(off[:, 0], off[:, 1]), np.maximum(speed, np.hypot(displacement[:, 0], displacement[:, 1]))[kept]
+    sigma = np.full(rows.size, USUAL)
+    if gnss.position_sigma is not None:
+        sigma = np.nan_to_num(gnss.position_sigma[rows, :2].max(axis=1), nan=USUAL)
+    explained = np.hypot(sigma[first], sigma[second]) / span
+    fastest = np.maximum(speed, np.hypot(displacement[:, 0], displacement[:, 1]))
+    return np.hypot(off[:, 0], off[:, 1]), fastest[kept], explained[kept]

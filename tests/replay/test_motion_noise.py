@@ -161,6 +161,16 @@ def test_all_velocities_contradict():
     assert len(notes) == 1
 
 
+def test_positions_that_scatter_as_they_claim_contradict_no_velocity():
+    gnss = receiver()
+    noise = 2.0 * np.random.default_rng(1).standard_normal((100, 2)) / made.radii(0.8)
+    scattered = replace(gnss, position=gnss.position + np.pad(noise, ((0, 0), (0, 1))))
+    for sigma, count in ((2.0, 0), (0.02, 1)):
+        kept, notes = consistent(replace(scattered, position_sigma=np.full((100, 3), sigma)))
+        assert len(notes) == count
+        assert (kept.velocity is None) == bool(count)
+
+
 @pytest.mark.parametrize("error", [0.0, 0.9, 1.9])
 def test_small_contradictions_are_noise(error):
     kept, notes = consistent(receiver(None, error))

@@ -15,7 +15,8 @@ def case(name, gnss, duration, settling, **more):
     folder = recording("cases", name)
     log = joined(read(folder / "log.csv"), read(folder / gnss))
     options = {"error_model": folder / "model.toml", "durations": str(duration), "settling": settling, "models": "full"}
-    return outage.run([log], Parameters(**options, random=12, **more))
+    known = {"mounting": "0,0,0", "gnss_delay": 0.0, "clock_rate": 1.0}
+    return outage.run([log], Parameters(**options, **known, random=12, **more))
 
 
 def median_end(result):
@@ -24,7 +25,7 @@ def median_end(result):
 
 @pytest.mark.parametrize("reference", ["best", "own"])
 def test_an_imu_slower_than_its_receiver(reference):
-    found = case("04-outage-slow-imu", "log.gnss.csv", 10, 40.0, reference=reference)
+    found = case("04-outage-slow-imu", "log.gnss.csv", 10, 40.0, reference=reference, spacing=0.0)
     assert "slow-imu" in ids(found.notes)
     assert 0.1 < median_end(found) < 4.0
 
@@ -37,6 +38,6 @@ def test_positions_of_ten_a_second_without_velocity_or_sigma():
 
 
 def test_lone_spikes_of_the_velocity_do_not_change_the_drift():
-    found = case("12-gated-spikes", "gnss.csv", 10, 40.0)
+    found = case("12-gated-spikes", "gnss.csv", 10, 40.0, spacing=0.0)
     assert found.filters[0].refused == 3
     assert median_end(found) < 1.5
