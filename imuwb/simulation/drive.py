@@ -55,7 +55,7 @@ def drive(
         truth_rate: Hz; the truth is at every n-th sample of the IMU, as near to this rate as possible.
         celsius: the sensor's temperature, constant or over time; None: 25 °C.
         quantize: round to each axis's ``lsb``, and clip to its ``range``.
-        bandwidth: Hz, of the noise; None: the bandwidth that the axis states, if any.
+        bandwidth: Hz, of the noise and of the road's vibration; None: the bandwidth that the axis states, if any.
         vibration: m/s² rms of each accelerometer axis.
         motion_noise: white noise and random walks that the sensors have in motion only, or always.
         road: a rough road; ``road.under(route)`` is then the true motion. None: the road is smooth.

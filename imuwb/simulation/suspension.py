@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy import signal
@@ -54,11 +53,11 @@ class Suspension:
         return np.array([t * c, t * k]), np.array([m, c * (1 + m), t + k * (1 + m), t * c, t * k])
 
     def response(self, elevation: Floats) -> Floats:
-        """Return the body's motion over elevations of the road, both (n, ...) at ``FINE`` Hz; it starts at rest."""
+        """Return the body's motion over elevations of the road, both (n,) at ``FINE`` Hz; it starts at rest."""
         zeros, poles, gain = signal.bilinear_zpk(*signal.tf2zpk(*self.transfer_function()), FINE)
         sections = signal.zpk2sos(zeros, poles, gain)
-        settled = signal.sosfilt_zi(sections)[..., None] * elevation[0]
-        return signal.sosfilt(sections, elevation, axis=0, zi=settled)[0]
+        settled = signal.sosfilt_zi(sections) * elevation[0]
+        return signal.sosfilt(sections, elevation, zi=settled)[0]
 
     def ride(self, profile: Floats, distance: Floats) -> "Ride":
         """Return the body's motion.
@@ -68,22 +67,29 @@ class Suspension:
             distance: (n,) m, of the body's centre, at ``FINE`` Hz.
         """
         at = -MARGIN + STEP * np.arange(profile.shape[0])
-        front, rear = (
-            np.stack([np.interp(distance + way * self.wheelbase / 2, at, side) for side in profile.T], axis=1)
-            for way in (1, -1)
-        )
-        left, right = ((front + rear) / 2).T
-        pitch = (front - rear).mean(axis=1) / self.wheelbase
-        body = self.response(np.stack([(left + right) / 2, (left - right) / self.track, pitch], axis=1))
-        return Ride(CubicSpline(np.arange(distance.size) / FINE, body))
+        t = np.arange(distance.size) / FINE
+
+        def elevation(way: int, side: int) -> Floats:
+            """Return the elevation under a tyre at the front (1) or rear (-1), on the left (0) or right (1)."""
+            return np.interp(distance + way * self.wheelbase / 2, at, profile[:, side])
+
+        def moved(signs: tuple[int, int, int, int], over: float) -> CubicSpline:
+            """Return the motion that the tyres' elevations, each with its sign, cause."""
+            wheels = ((1, 0), (1, 1), (-1, 0), (-1, 1))
+            total = sum(sign * elevation(*wheel) for sign, wheel in zip(signs, wheels, strict=True))
+            return CubicSpline(t, self.response(np.asarray(total) / over))
+
+        return Ride((
+            moved((1, 1, 1, 1), 4), moved((1, -1, 1, -1), 2 * self.track), moved((1, 1, -1, -1), 2 * self.wheelbase)
+        ))  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Ride:
     """Heave (m, up), roll and pitch (rad) of a body over time, relative to a road without roughness."""
 
-    spline: Any  #: s -> heave, roll, pitch
+    splines: tuple[CubicSpline, CubicSpline, CubicSpline]  #: s -> heave, roll, pitch
 
     def at(self, t: Floats, derivative: int = 0) -> Floats:
         """Return heave, roll and pitch, or a derivative, (n, 3), at times (n,) s from the start on."""
-        return self.spline(t, derivative)
+        return np.stack([spline(t, derivative) for spline in self.splines], axis=-1)

@@ -16,10 +16,11 @@ KEYS = {
 DOWN = 2.0  #: sigma of a position error down over that north or east
 ErrorsOfFixes: TypeAlias = Annotated[
     Mapping[str, float] | None,
-    "errors of the fixes in addition to white noise. sigma (m), tau (s; 60): a position error that is correlated in time. "
-    "velocity_sigma (m/s), velocity_tau (s; 10): the same of the velocity. steps: multipath steps per minute; they move the "
-    "positions by step_sigma (m; 5) for step_time (s; 10). jitter (s): sigma of the delay. claim: true sigma over the sigma that a "
-    "fix states; velocity_claim: the same for velocities, if it differs. Positions err twice as much down as north or east",
+    "errors of the fixes in addition to white noise; brackets give unit and default. sigma (m), tau (s; 60): a position error that "
+    "is correlated in time. velocity_sigma (m/s), velocity_tau (s; 10): the same of the velocity. steps: multipath steps per minute; "
+    "they move the positions by step_sigma (m; 5) for step_time (s; 10). jitter (s): sigma of the delay. claim: true sigma over the "
+    "sigma that a fix states; velocity_claim: the same for velocities, if it differs. Positions err twice as much down as north or "
+    "east",
     NOT_NEGATIVE,
     Form("KEY=VALUE,...", "sigma=2,tau=60,steps=0.5,claim=3"),
 ]
@@ -32,7 +33,7 @@ class Disturbances(Options):
     road: Annotated[
         Literal["A", "B", "C", "D", "E"] | None,
         "class of the road's roughness by ISO 8608, from A (smooth) to E (very rough). The car's body moves on its suspension; "
-        "the true trajectory has this motion. The sensors vibrate, more at a higher speed",
+        "the true trajectory has this motion. The sensors vibrate up to 250 Hz, more at a higher speed",
     ] = None
     motion_noise: Annotated[
         tuple[float, ...] | None,
