@@ -126,4 +126,5 @@ def _coarse(channel: Channel) -> Iterator[Fault]:
 def _lines(channel: Channel) -> Iterator[Fault]:
     for line in find_lines(np.ascontiguousarray(channel.values), channel.clock.interval)[:MOST_LINES]:
         what = f"line at {line.frequency:.4g} Hz, amplitude {value_text(channel.axis, line.amplitude.value)}"
+        what += "" if line.in_both_halves else ", not in both halves of the record"
         yield Fault(channel.where, "line", what, "note", consequence="a vibration or a disturbance, not noise")

@@ -24,12 +24,12 @@ from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
 from imuwb.identification.likelihood.fit import LikelihoodFit, fit_cosine_spectrum, spectrum_without
 from imuwb.identification.likelihood.model_choice import ModelChoice, choose_model
 from imuwb.identification.record.stationarity import Stationarity, stationarity
-from imuwb.identification.spectral.lines import Line, find_lines
+from imuwb.identification.spectral.lines import Line, find_lines, passing_text
 from imuwb.identification.wavelet.variance import WaveletFit, fit_wavelet_variance, wavelet_variance
 from imuwb.notes import Note
 from imuwb.sampling import longest_part
 from imuwb.statistics import UNKNOWN, Coefficient
-from imuwb.stochastic import Autoregressive, GaussMarkov, Sum
+from imuwb.stochastic import Autoregressive, GaussMarkov, Sinusoid, Sum
 from imuwb.texts import coefficients_text, seconds_text
 
 Computed = TypeVar("Computed")
@@ -50,7 +50,8 @@ class NoiseIdentification:
     level: float  #: confidence level of all intervals and limits
     mean: float  #: mean of the samples that the likelihood uses
     curve: AllanDeviation
-    lines: tuple[Line, ...]
+    lines: tuple[Line, ...]  #: those that both halves of the record show; the error model has them
+    passing: tuple[Line, ...]  #: lines of one half only; the fits leave them out, and no model has them
     allan: AllanFit | None
     likelihood: LikelihoodFit | None
     wavelet: WaveletFit | None
@@ -107,7 +108,14 @@ class NoiseIdentification:
             return Sum((*self.choice.best.processes.terms, *lines))
         if self.likelihood is not None:
             return Sum((*self.likelihood.identified.terms, *lines))
-        return Sum() if self.allan is None else self.allan.processes
+        return self.allan_processes
+
+    @property
+    def allan_processes(self) -> Sum:
+        """Return the sum of the Allan fit without the lines that are not in both halves of the record."""
+        fitted = Sum() if self.allan is None else self.allan.processes
+        passing = {line.frequency for line in self.passing}
+        return Sum(tuple(x for x in fitted.terms if not (isinstance(x, Sinusoid) and x.frequency in passing)))
 
     def __repr__(self) -> str:
         """Return the headline in a few lines."""
@@ -175,7 +183,13 @@ def identify(
     others = (None, None, None, None)
     if estimators and whole:
         others = _others(part, dt, in_band, level, band, reasons, choose=choose)
-    return NoiseIdentification(values.size, dt, level, float(part.mean()), curve, in_band, fit, *others, reasons.notes)
+    passing = tuple(line for line in in_band if not line.in_both_halves)
+    if passing:
+        reasons.add("passing-lines", passing_text(passing))
+    lasting = tuple(line for line in in_band if line.in_both_halves)
+    return NoiseIdentification(
+        values.size, dt, level, float(part.mean()), curve, lasting, passing, fit, *others, reasons.notes
+    )
 
 
 def _others(

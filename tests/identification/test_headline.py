@@ -172,3 +172,17 @@ def test_results_print_themselves_in_a_few_lines(walk, noise):
 def test_flicker_is_found():
     noise = identify(record(WhiteNoise(N), FlickerNoise(0.004), n=60_000, seed=3), DT)
     assert noise.coefficients["B"].lower < 0.004 < noise.coefficients["B"].upper
+
+
+def test_a_line_of_one_half_is_left_out_of_the_fits_and_of_the_model():
+    values = record(WhiteNoise(N), Sinusoid(0.01, 3.7))
+    part = values.size // 2
+    values[part:] += Sinusoid(0.02, 11.0).sample(part, DT, np.random.default_rng(5))
+    for options in ({}, {"estimators": False}):
+        noise = identify(values, DT, **options)
+        assert [round(line.frequency, 1) for line in noise.lines] == [3.7]
+        assert [round(line.frequency, 1) for line in noise.passing] == [11.0]
+        lines = [term for term in noise.processes.terms if isinstance(term, Sinusoid)]
+        assert [round(term.frequency, 1) for term in lines] == [3.7]
+        assert noise.coefficients["N"].lower < N < noise.coefficients["N"].upper
+        assert "passing-lines" in ids(noise.notes)

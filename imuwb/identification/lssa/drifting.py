@@ -8,7 +8,7 @@ no phase.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from imuwb.arrays import Floats
 from imuwb.identification.lssa.peaks import Peak
@@ -34,6 +34,9 @@ def drifting_lines(
 ) -> tuple[tuple[DriftingLine, ...], tuple[Peak, ...]]:
     """Return the drifting lines of a record, and the steady lines that are not part of a drifting line.
 
+    ``find_lines`` judges for both whether each half of the record shows them; a steady line that it does not find keeps its own
+    verdict.
+
     Args:
         values: (n,) evenly spaced samples.
         dt: s.
@@ -47,19 +50,13 @@ def drifting_lines(
         for line in whole
         if not any(_near(line, p) and p.amplitude.value**2 > HELD * line.amplitude.value**2 for p in peaks)
     ]
-    steady = tuple(p for p in peaks if not any(_near(line, p) for line in drifting))
-    if not drifting:
-        return (), steady
-    middle = values.size // 2
-    halves = [find_lines(part, dt, confidence, 1 - level) for part in (values[:middle], values[middle:])]
-    lines = tuple(
-        DriftingLine(
-            line.frequency, line.resolution, line.amplitude,
-            all(any(abs(other.frequency - line.frequency) < NEAR * other.resolution for other in half) for half in halves),
-        )
-        for line in drifting
-    )  # fmt: skip
-    return lines, steady
+    steady: list[Peak] = []
+    for peak in peaks:
+        near = [line for line in whole if _near(line, peak)]
+        if not any(line in drifting for line in near):
+            steady.append(replace(peak, in_both_halves=all(line.in_both_halves for line in near)) if near else peak)
+    lines = tuple(DriftingLine(x.frequency, x.resolution, x.amplitude, x.in_both_halves) for x in drifting)
+    return lines, tuple(steady)
 
 
 def _near(line: Line, peak: Peak) -> bool:

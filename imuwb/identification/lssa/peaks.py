@@ -23,8 +23,8 @@ APART = 3.0  #: cycles over the record; lines that differ by less are one line
 LEAKS = 10.0  #: least ratio of a weaker line to the power that stronger lines of the same search leak to its frequency
 TOGETHER = 8.0  #: cycles over the record; lines that differ by less are fitted together
 TURNS = 4  #: largest number of turns in which all groups are fitted
-SETTLED = 1e-4  #: share of the noise's level; a turn that reduces the residual by less is the last one
 HALVES = 0.05  #: probability of a false alarm in each half of the record
+SETTLED = 1e-4  #: share of the noise's level; a turn that reduces the residual by less is the last one
 
 
 @dataclass(frozen=True, slots=True)

@@ -113,7 +113,7 @@ def _fitted(axis: str, noise: NoiseIdentification) -> AllanAxis:
     lines = tuple(line_result(axis, line) for line in noise.lines)
     return AllanAxis(
         *arrays, fit.allan_deviation(curve.averaging_time, curve.dt), coefficients, fit.regions, fit.correlation_time,
-        fit.gauss_markov_time, lines, FitQuality(fit.shortest, fit.misfit, fit.probability), fit.processes,
+        fit.gauss_markov_time, lines, FitQuality(fit.shortest, fit.misfit, fit.probability), noise.allan_processes,
         _read_outs(coefficients, curve.averaging_time), model_curves=_model_curves(fit.processes, fit.shortest, curve.averaging_time[-1], noise.dt),
     )  # fmt: skip
 

@@ -51,9 +51,10 @@ def _axis(axis: Axis, parameters: Parameters, band: float) -> SpectrumAxis:
     spectrum = power_spectrum(series, dt, parameters.segment, level=parameters.level)
     lines = find_lines(series, dt, parameters.level) if parameters.lines else ()
     lines = tuple(line for line in lines if line.frequency <= band)
+    lasting = [line for line in lines if line.in_both_halves]
     result = SpectrumAxis(
         spectrum.frequency, spectrum.density, spectrum.lower, spectrum.upper, spectrum.sides, unknown,
-        lines=tuple(line_result(name, line, _line_name(line, lines)) for line in lines),
+        lines=tuple(line_result(name, x, _line_name(x, lasting)) for x in lasting),
     )  # fmt: skip
     try:
         fit = fit_spectrum(spectrum, lines, band)

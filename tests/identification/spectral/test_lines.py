@@ -90,3 +90,16 @@ def test_a_lines_power_is_that_above_the_floor_in_its_bins_and_their_neighbours(
     )  # of a chi-square floor, and its beat with the line
     assert line.power_sigma == pytest.approx(2 * 0.5 * scatter)
     assert line.amplitude.upper**2 == pytest.approx(line.amplitude.value**2 + 1.959964 * line.power_sigma)
+
+
+def test_a_line_of_one_half_is_marked_and_one_of_both_is_not():
+    values = record(WhiteNoise(0.01), Sinusoid(0.1, 7.3))
+    values[2**14 :] += Sinusoid(0.1, 19.0).sample(2**14, DT, np.random.default_rng(1))
+    steady, passing = sorted(find_lines(values, DT), key=lambda line: line.frequency)
+    assert (round(steady.frequency, 1), steady.in_both_halves) == (7.3, True)
+    assert (round(passing.frequency, 1), passing.in_both_halves) == (19.0, False)
+
+
+def test_a_record_too_short_for_halves_is_not_judged():
+    (line,) = find_lines(record(WhiteNoise(0.01), Sinusoid(0.1, 7.3), n=4096), DT)
+    assert line.in_both_halves
