@@ -5,9 +5,8 @@ import pytest
 from imuwb.simulation import drive, mixed_route
 from imuwb.writers import write
 from imuwb_plugins import outage
-from imuwb_plugins.outage import Parameters
 
-from .made import sensor
+from .made import sensor, stated
 
 
 @pytest.fixture(scope="session")
@@ -33,9 +32,9 @@ def mcap(log, tmp_path_factory):
 def few(log, toml):
     """Return seven outages of the paper's filters without AR, and those of a sweep."""
     at = ",".join(f"{t}:10" for t in range(130, 200, 10))
-    return outage.run([log], Parameters(error_model=toml, models="none,15AV,18AV,18AVWD,full", at=at))
+    return outage.run([log], stated(error_model=toml, models="none,15AV,18AV,18AVWD,full", at=at))
 
 
 @pytest.fixture(scope="session")
 def swept(log, toml):
-    return outage.run([log], Parameters(error_model=toml, models="none,full", durations="5,10", settling=40.0))
+    return outage.run([log], stated(error_model=toml, models="none,full", durations="5,10", settling=40.0))

@@ -6,6 +6,7 @@ import numpy as np
 
 from imuwb.log import AXES
 from imuwb.stochastic import AxisModel, Constant, FlickerNoise, GaussMarkov, ImuErrorModel, RandomWalk, Sum, WhiteNoise
+from imuwb_plugins.outage import Parameters
 
 
 def sensor(flicker=False):
@@ -18,6 +19,12 @@ def sensor(flicker=False):
             Sum((WhiteNoise(2e-3 if a else 2e-4), slow, RandomWalk(1e-5 if a else 1e-7), Constant(0.03 if a else 1e-3)))
         )
     return ImuErrorModel("cheap", axes)
+
+
+def stated(**options):
+    """Return options in which all fixes are used, and the mounting and the clocks are stated: estimates of them take seconds."""
+    known = {"mounting": (0.0, 0.0, 0.0), "gnss_delay": 0.0, "clock_rate": 1.0, "spacing": 0.0}
+    return Parameters(**(known | options))
 
 
 class Shown:

@@ -12,7 +12,7 @@ from imuwb.stochastic import AxisModel, GaussMarkov, ImuErrorModel, Sinusoid, Su
 from imuwb_plugins import outage
 from imuwb_plugins.outage import Parameters
 
-from .made import Shown, sensor
+from .made import Shown, sensor, stated
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -24,19 +24,19 @@ def test_no_error_model(log):
 
 def test_a_reference_that_the_log_has_not(log, toml):
     with pytest.raises(MissingDataError, match="no receiver of the log has RTK-fixed"):
-        outage.run([log], Parameters(error_model=toml, models="none", at="150:10", reference="fixed"))
+        outage.run([log], stated(error_model=toml, models="none", at="150:10", reference="fixed"))
 
 
 def test_an_odometer_that_the_log_has_not(log, toml):
     with pytest.raises(MissingDataError, match="--speed"):
-        outage.run([log], Parameters(error_model=toml, models="none", at="150:10", speed=0.1))
+        outage.run([log], stated(error_model=toml, models="none", at="150:10", speed=0.1))
 
 
 def test_nothing_scored_is_said(log, toml):
     truth = log.references[0]
     short = replace(truth, **{n: getattr(truth, n)[:900] for n in ("time", "position", "velocity", "attitude")})
     with pytest.raises(MissingDataError, match="truth"):
-        outage.run([replace(log, references=(short,))], Parameters(error_model=toml, models="none", at="150:10"))
+        outage.run([replace(log, references=(short,))], stated(error_model=toml, models="none", at="150:10"))
 
 
 def test_a_filter_that_cannot_run_is_a_row_with_its_reason(log, tmp_path):
@@ -46,7 +46,7 @@ def test_a_filter_that_cannot_run_is_a_row_with_its_reason(log, tmp_path):
     }
     wide = tmp_path / "wide.toml"
     wide.write_text(ImuErrorModel("wide", axes).to_toml(), "utf-8")
-    result = outage.run([log], Parameters(error_model=wide, models="none,full", at="150:10"))
+    result = outage.run([log], stated(error_model=wide, models="none,full", at="150:10"))
     assert [f.name for f in result.filters] == ["none"]
     assert "states" in result.failed["full"]
     assert plain(result)["failed"] == result.failed
@@ -66,7 +66,7 @@ def test_lines_without_room_are_noted_and_the_filter_runs(log, tmp_path):
     axes = {**model.axes, "accel_x": replace(accel, processes=Sum((*accel.processes.terms, *lines)))}
     path = tmp_path / "lines.toml"
     path.write_text(ImuErrorModel("lines", axes).to_toml(), "utf-8")
-    result = outage.run([log], Parameters(error_model=path, models="full", at="150:10"))
+    result = outage.run([log], stated(error_model=path, models="full", at="150:10"))
     assert not result.failed
     (note,) = [note for note in result.notes if note.id == "lines-left-out"]
     assert "accel_x at" in note
@@ -79,7 +79,7 @@ def test_lines_without_room_are_noted_and_the_filter_runs(log, tmp_path):
 def test_the_doubts_of_the_error_model_are_repeated(log, tmp_path):
     path = tmp_path / "doubted.toml"
     path.write_text(replace(sensor(), doubts=("the IMU moved", "one axis is stuck")).to_toml(), "utf-8")
-    result = outage.run([log], Parameters(error_model=path, models="none,15AV", at="150:10"))
+    result = outage.run([log], stated(error_model=path, models="none,15AV", at="150:10"))
     told = [note for note in result.notes if note.id == "model-doubt"]
     assert len(told) == 2
     assert "the IMU moved" in told[0]
@@ -89,7 +89,7 @@ def test_the_doubts_of_the_error_model_are_repeated(log, tmp_path):
 
 def test_too_short_to_tune(log, toml):
     with pytest.raises(MissingDataError, match=r"tuning needs 4 outages of 30 s"):
-        outage.run([log], Parameters(error_model=toml, models="none", tune=True))
+        outage.run([log], stated(error_model=toml, models="none", tune=True))
 
 
 @pytest.mark.slow

@@ -9,10 +9,9 @@ import pytest
 from imuwb.notes import ids
 from imuwb.review.document import plain
 from imuwb_plugins import outage
-from imuwb_plugins.outage import Parameters
 from imuwb_plugins.outage.notes import misfits
 
-from .made import Shown
+from .made import Shown, stated
 
 
 def test_tables_and_notes(few):
@@ -80,7 +79,7 @@ def test_a_sweep_lists_the_worst(swept):
 
 
 def test_one_outage_is_no_verdict(log, toml):
-    found = outage.run([log], Parameters(error_model=toml, models="full", at="150:30"))
+    found = outage.run([log], stated(error_model=toml, models="full", at="150:30"))
     assert ids(found.verdicts) == ("few-outages",)
     assert found.verdicts[0].startswith("30 s: 1 outages")
     of = plain(found)["summary"][0]["models"]["full"]
@@ -93,7 +92,7 @@ def test_one_outage_is_no_verdict(log, toml):
 
 
 def test_too_few_outages_show_no_nan(log, toml):
-    found = outage.run([log], Parameters(error_model=toml, models="none,full", at="140:10,160:10,180:10"))
+    found = outage.run([log], stated(error_model=toml, models="none,full", at="140:10,160:10,180:10"))
     shown = Shown()
     outage.draw(found, shown)
     assert not [cell for t in shown.tables for row in t.rows for cell in row if "nan" in cell]
@@ -108,7 +107,7 @@ def test_a_caption_is_of_what_is_there(swept):
 
 def test_figures_are_written_without_powers_of_ten(log, toml):
     shown = Shown()
-    outage.draw(outage.run([log], Parameters(error_model=toml, models="none", at="125:100", mounting="3,3,0")), shown)
+    outage.draw(outage.run([log], stated(error_model=toml, models="none", at="125:100", mounting="3,3,0")), shown)
     cells = [cell for t in shown.tables for row in t.rows for cell in row]
     assert not [cell for cell in cells if re.search(r"\de[+-]\d", cell)]
 

@@ -14,7 +14,7 @@ from imuwb.writers import write
 from imuwb_plugins import outage
 from imuwb_plugins.outage import Parameters
 
-from .made import Shown, sensor
+from .made import Shown, sensor, stated
 
 
 def named(log, path):
@@ -38,7 +38,7 @@ def both(two, options):
 
 def test_each_alone_and_all_pooled(two, options, both):
     assert list(both.drives) == ["north", "south"]
-    alone = [outage.run([log], Parameters(**options)).summary[0].models for log in two]
+    alone = [outage.run([log], stated(**options)).summary[0].models for log in two]
     (own,) = both.pooled
     for name in ("none", "full"):
         assert own.models[name].count == sum(one[name].count for one in alone)
@@ -69,7 +69,7 @@ def test_a_drive_that_cannot_be_replayed_does_not_end_the_others(two, options):
     assert "no GNSS receiver" in found.failed["bare"]
     assert "drive-left-out" in ids(found.notes)
     with pytest.raises(MissingDataError, match="no drive can be replayed"):
-        outage.run([replace(log, gnss=()) for log in two], Parameters(**options))
+        outage.run([replace(log, gnss=()) for log in two], stated(**options))
 
 
 def test_equal_names_get_a_number(two, options):

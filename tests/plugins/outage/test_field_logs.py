@@ -6,8 +6,9 @@ from imuwb.joining import joined
 from imuwb.notes import ids
 from imuwb.readers import read
 from imuwb_plugins import outage
-from imuwb_plugins.outage import Parameters
 from tests.recordings import recording
+
+from .made import stated
 
 
 def case(name, gnss, duration, settling, **more):
@@ -15,8 +16,7 @@ def case(name, gnss, duration, settling, **more):
     folder = recording("cases", name)
     log = joined(read(folder / "log.csv"), read(folder / gnss))
     options = {"error_model": folder / "model.toml", "durations": str(duration), "settling": settling, "models": "full"}
-    known = {"mounting": "0,0,0", "gnss_delay": 0.0, "clock_rate": 1.0}
-    return outage.run([log], Parameters(**options, **known, random=12, **more))
+    return outage.run([log], stated(**options, random=12, **more))
 
 
 def median_end(result):

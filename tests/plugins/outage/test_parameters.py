@@ -11,9 +11,9 @@ from imuwb.replay import NAMES
 from imuwb.simulation import Receiver, drive, planned_route
 from imuwb_plugins import outage
 from imuwb_plugins.outage import Parameters
-from imuwb_plugins.outage.parameters import MODELS
+from imuwb_plugins.outage.parameters import MODELS, PAPER
 
-from .made import sensor
+from .made import sensor, stated
 
 ROOT = Path(__file__).resolve().parents[3]
 README = (ROOT / "README.md").read_text("utf-8")
@@ -25,6 +25,11 @@ README = (ROOT / "README.md").read_text("utf-8")
         ({"models": "none,18av"}, r"models is 'none,18av'; .* none,15AV,18AV,18AVWD,15AR,27AR,full"),
         ({"models": "none,none"}, r"models is 'none,none'"),
         ({"models": ""}, r"models is ''"),
+        ({"models": "paper,full"}, r"paper stands for"),
+        ({"gnss_scale": "0,1"}, r"gnss_scale"),
+        ({"gnss_floor": "-1,0"}, r"gnss_floor"),
+        ({"gnss_sigma": "1"}, r"gnss_sigma"),
+        ({"spacing": -1.0}, r"spacing"),
         ({"models": ()}, r"models is ''"),
         ({"durations": "30;60"}, r"durations is '30;60'; .* 30,60"),
         ({"durations": ""}, r"durations is empty"),
@@ -109,7 +114,9 @@ def test_texts_become_values():
 
 
 def test_the_models_are_those_of_the_replay():
-    assert MODELS == NAMES == Parameters().models
+    assert (*NAMES, "motion", "paper") == MODELS
+    assert NAMES == PAPER
+    assert set(Parameters().models) <= set(MODELS)
 
 
 EXAMPLES = [line.split("#")[0].strip() for line in re.findall(r"^\$ (imuwb outage .*)$", README, re.MULTILINE)]
@@ -141,5 +148,5 @@ def test_readmes_example_is_one_of_several():
 def test_readmes_outages_can_be_run_on_readmes_drive(toml):
     (at,) = {m for e in EXAMPLES for m in re.findall(r"--at (\d\S*)", e)}
     log = drive(sensor(), planned_route("turin-1"), 1, rate=20.0, receiver=Receiver())
-    found = outage.run([log], Parameters(error_model=toml, models="none", at=at))
+    found = outage.run([log], stated(error_model=toml, models="none", at=at))
     assert len(found.outages) == 2

@@ -13,7 +13,7 @@ from imuwb.review.document import document, plain
 from imuwb_plugins import outage
 from imuwb_plugins.outage import Parameters
 
-from .made import sensor
+from .made import sensor, stated
 
 
 def test_json_is_the_contract(few, log):
@@ -171,7 +171,7 @@ def test_no_nan_where_a_filter_has_no_figure(few, log):
 
 def test_random_starts(log, toml):
     found = [
-        outage.run([log], Parameters(error_model=toml, models="none", durations="5", random=6, seed=seed))
+        outage.run([log], stated(error_model=toml, models="none", durations="5", random=6, seed=seed))
         for seed in (1, 1, 2)
     ]
     starts = [[o.start for o in one.outages] for one in found]

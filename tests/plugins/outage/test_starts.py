@@ -5,11 +5,12 @@ import pytest
 from imuwb.errors import UsageError
 from imuwb.notes import ids
 from imuwb_plugins import outage
-from imuwb_plugins.outage import Parameters
+
+from .made import stated
 
 
 def run(log, toml, **options):
-    return outage.run([log], Parameters(error_model=toml, models="none", at="150:10", **options))
+    return outage.run([log], stated(error_model=toml, models="none", at="150:10", **options))
 
 
 def test_a_stated_heading_is_that_of_the_start(log, toml):

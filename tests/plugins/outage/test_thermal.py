@@ -9,7 +9,8 @@ from imuwb.notes import ids
 from imuwb.simulation import Temperature, drive, mixed_route
 from imuwb.stochastic import AxisModel, Constant, ImuErrorModel, Sum, WhiteNoise
 from imuwb_plugins import outage
-from imuwb_plugins.outage import Parameters
+
+from .made import stated
 
 CURVES = {"gyro": ((-20.0, 0.02), (50.0, -0.02)), "acce": ((-20.0, 1.5), (50.0, 0.5))}  #: rad/s, m/s²
 
@@ -44,7 +45,7 @@ def log():
 def ran(log, tmp_path, model, **options):
     path = tmp_path / "m.toml"
     path.write_text(model.to_toml(), "utf-8")
-    return outage.run([log], Parameters(error_model=path, models="full", at="150:20,180:20", **options))
+    return outage.run([log], stated(error_model=path, models="full", at="150:20,180:20", **options))
 
 
 @pytest.mark.slow

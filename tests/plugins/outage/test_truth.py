@@ -13,14 +13,15 @@ from imuwb.notes import ids
 from imuwb.writers import write
 from imuwb.writers.trajectory import write_trajectory
 from imuwb_plugins import outage
-from imuwb_plugins.outage import Parameters
+
+from .made import stated
 
 AT = {"models": "none", "at": "130:10,150:10"}
 
 
 @pytest.fixture(scope="module")
 def own(log, toml):
-    return outage.run([log], Parameters(error_model=toml, **AT))
+    return outage.run([log], stated(error_model=toml, **AT))
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +34,7 @@ def ends(result):
 
 
 def judged(without, toml, path, **options):
-    return outage.run([without], Parameters(error_model=toml, **AT, truth=path, **options))
+    return outage.run([without], stated(error_model=toml, **AT, truth=path, **options))
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".mcap"])
@@ -76,7 +77,7 @@ def test_the_delay_of_the_truth(log, without, own, toml, tmp_path):
 def test_an_estimate_of_the_vehicle_is_named_as_such(log, toml):
     truth = log.references[0]
     ekf = replace(truth, name="POS", origin=replace(truth.origin, frame="NED, estimated by the vehicle's own filter"))
-    found = outage.run([replace(log, references=(ekf,))], Parameters(error_model=toml, **AT, reference="ekf"))
+    found = outage.run([replace(log, references=(ekf,))], stated(error_model=toml, **AT, reference="ekf"))
     assert found.reference.startswith("POS, an estimate")
     assert "reference-is-estimate" in ids(found.notes)
 
