@@ -96,6 +96,12 @@ class Solution:
         return np.where(parts > 0, parts, np.nan)
 
     @property
+    def used_nis(self) -> Floats:
+        """Return ``fix_nis`` with nan where the gate refused a position or a velocity."""
+        after = np.arange(self.corrections.time.size) > self.alignment.event
+        return np.where(self.track.used[after & (self.corrections.events.kind == FIX)], self.fix_nis, np.nan)
+
+    @property
     def refused(self) -> int:
         """Return how many positions and velocities of fixes the gate refused."""
         fixes = self.corrections.events.kind == FIX

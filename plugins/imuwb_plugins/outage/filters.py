@@ -18,8 +18,8 @@ SIGMAS = 3  #: sigmas between an estimate and its limits
 
 
 def nis_per_dof(run: FilterRun) -> tuple[float, float | None, float | None]:
-    """Return the mean NIS over its degrees of freedom: of all, of positions, of velocities."""
-    nis = run.solution.fix_nis / run.solution.fix_dof
+    """Return the mean NIS over its degrees of freedom: of all, of positions, of velocities; refused fixes do not count."""
+    nis = run.solution.used_nis / run.solution.fix_dof
     position, velocity = (float(np.nanmean(nis[:, k])) if np.isfinite(nis[:, k]).any() else None for k in (0, 1))
     known = [x for x in (position, velocity) if x is not None]
     return float(np.mean(known)) if known else float("nan"), position, velocity

@@ -33,7 +33,7 @@ def options(toml):
 
 @pytest.fixture(scope="module")
 def both(two, options):
-    return outage.run(two, Parameters(**options))
+    return outage.run(two, stated(**options))
 
 
 def test_each_alone_and_all_pooled(two, options, both):
@@ -79,12 +79,12 @@ def test_equal_names_get_a_number(two, options):
 
 def test_outages_of_a_file_belong_to_their_log(two, toml, tmp_path):
     (tmp_path / "o.csv").write_text("name,start,duration,log\na,150,10,north\nb,160,10,south\nc,180,10,\n", "utf-8")
-    found = outage.run(two, Parameters(error_model=toml, models="none", at=str(tmp_path / "o.csv")))
+    found = outage.run(two, stated(error_model=toml, models="none", at=str(tmp_path / "o.csv")))
     names = {name: [o.name for o in one.outages] for name, one in found.drives.items()}
     assert names == {"north": ["a", "c"], "south": ["b", "c"]}
     (tmp_path / "p.csv").write_text("start,duration,log\n150,10,west\n", "utf-8")
     with pytest.raises(UsageError, match="there is no log 'west'; the logs are north, south"):
-        outage.run(two, Parameters(error_model=toml, models="none", at=str(tmp_path / "p.csv")))
+        outage.run(two, stated(error_model=toml, models="none", at=str(tmp_path / "p.csv")))
 
 
 def test_each_log_has_its_own_truth(two, toml, tmp_path):
@@ -92,14 +92,14 @@ def test_each_log_has_its_own_truth(two, toml, tmp_path):
         write(replace(log, imus=(), gnss=()), tmp_path / f"{name}.mcap")
     found = outage.run(
         [replace(log, references=()) for log in two],
-        Parameters(error_model=toml, models="none", at="150:10", truth=tmp_path / "{log}.mcap"),
+        stated(error_model=toml, models="none", at="150:10", truth=tmp_path / "{log}.mcap"),
     )
     assert [one.reference for one in found.drives.values()] == ["truth of north.mcap", "truth of south.mcap"]
 
 
 def test_files_of_one_run_need_one_log(two, options):
     with pytest.raises(UsageError, match="--navigation writes the run of one log; 2 logs"):
-        outage.run(two, Parameters(**options, navigation="n.csv"))
+        outage.run(two, stated(**options, navigation="n.csv"))
 
 
 def test_the_command(command, mcap, toml, log):

@@ -14,9 +14,8 @@ from imuwb.log import GnssStream, Log, Provenance
 from imuwb.notes import ids
 from imuwb.writers import write
 from imuwb_plugins import outage
-from imuwb_plugins.outage import Parameters
 
-from .made import Shown
+from .made import Shown, stated
 
 AT = "130:10,150:10,170:10"
 #: Repeats the last fix with its velocity; its sigma grows by 1 m/s. The last argument is a text that makes it fail.
@@ -52,7 +51,7 @@ def script(tmp_path_factory):
 
 
 def judged(log, toml, at=AT, models="full", **options):
-    return outage.run([log], Parameters(error_model=toml, models=models, at=at, **options))
+    return outage.run([log], stated(error_model=toml, models=models, at=at, **options))
 
 
 def off(log, north, seconds=None):
@@ -114,7 +113,7 @@ def test_a_file_for_each_outage(log, toml, tmp_path):
 
 def test_over_the_whole_run_where_outages_overlap_or_the_user_says_so(log, toml, tmp_path):
     path = save(off(log, 2.0), tmp_path / "o.csv")
-    swept = outage.run([log], Parameters(error_model=toml, models="full", durations="10", solution={"other": path}))
+    swept = outage.run([log], stated(error_model=toml, models="full", durations="10", solution={"other": path}))
     asked = judged(log, toml, solution={"other": Path(f"whole:{path}")})
     for found in (swept, asked):
         assert found.engines[0].scored == "whole run"
