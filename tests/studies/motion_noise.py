@@ -127,6 +127,8 @@ def _held(drives):
         errors = np.array([d.error[i] for d in drives])
         share = Share(sum(d.held[i] for d in drives), len(drives))
         rows.append((name, share.text(), f"{np.exp(np.median(errors)):.3f}", f"{errors.std():.2f}"))
+    together = Share(sum(sum(d.held) for d in drives), len(drives) * len(NAMES))
+    rows.append(("all", together.text(), "", ""))
     headings = ("amplitude", "intervals that have the truth", "median of estimate / truth", "sd of its logarithm")
     return Table("Amplitudes in motion", headings, tuple(rows))
 
