@@ -11,6 +11,7 @@ from typing import Any, cast
 from imuwb.analysis import Analysis, offers
 from imuwb.cli.options import Outputs
 from imuwb.errors import ImuwbError, UsageError
+from imuwb.readers.text.sidecar import sidecar_of
 
 SUFFIXES = (".rrd", ".gz", ".csv", ".txt", ".mcap", ".pos", ".bin", ".tlog", ".ulg", ".log")
 
@@ -64,7 +65,12 @@ def check_places(files: Sequence[Path], logs: Sequence[Path], *, force: bool) ->
         ImuwbError: a file cannot be written.
     """
     taken = {log.resolve() for log in logs}
+    sidecars = {sidecar.resolve(): log for log in logs if (sidecar := sidecar_of(log)) is not None}
     for file in files:
+        if (log := sidecars.get(file.resolve())) is not None:
+            raise UsageError(
+                f"{file} is the sidecar of {log}, which states how the log is read; give the output another name"
+            )
         if file.resolve() in taken:
             raise UsageError(f"{file} is a log that is read, or another output; give each output a different name")
         taken.add(file.resolve())

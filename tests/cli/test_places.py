@@ -67,3 +67,13 @@ def test_an_existing_file_needs_force_and_a_folder_is_no_place(tmp_path):
     for place in (tmp_path, tmp_path / "no" / "a.json"):
         with pytest.raises(ImuwbError, match="cannot be written"):
             check_places([place], [], force=True)
+
+
+def test_an_output_does_not_overwrite_the_sidecar_of_a_log(tmp_path):
+    log, sidecar = tmp_path / "a.csv", tmp_path / "a.toml"
+    log.write_text("1,2\n", "utf-8")
+    sidecar.write_text("rate = 50\n", "utf-8")
+    with pytest.raises(UsageError, match="sidecar"):
+        check_places([sidecar], [log], force=True)
+    sidecar.write_text('schema = 1\nname = "x"\n[gyro_x]\nprocesses = []\n', "utf-8")
+    check_places([sidecar], [log], force=True)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from imuwb.errors import UsageError
+from imuwb.log import AXES
 from imuwb.notes import Note
 from imuwb.readers.batch import Remark, simulated
 from imuwb.readers.read_options import ReadOptions
@@ -19,20 +20,26 @@ _KEYS = {
     "simulated": "a table of texts",
     "epoch": '"unix" (1970 UTC), "boot" (power-up) or "log" (the log\'s start)',
 }
+#: keys of error models, of filters, and of lists of limits (``imuwb model check``)
+_OTHERS = {*AXES, "error_model", "gyro", "accel"}
 
 
 def with_sidecar(path: Path, options: ReadOptions) -> tuple[ReadOptions, tuple[Remark, ...]]:
     """Return the options, completed by the log's sidecar, and remarks on what the sidecar states.
 
-    An option that is set overrides the sidecar.
+    An option that is set overrides the sidecar. An error model or a filter under a sidecar's name is no sidecar.
 
     Raises:
         UsageError: the sidecar is not TOML, or has an unknown key or a wrong value.
     """
-    for sidecar in (path.with_name(f"{path.name}.toml"), path.with_name(f"{path.name.split('.')[0]}.toml")):
-        if not sidecar.is_file():
+    passed: list[Remark] = []
+    for sidecar in _candidates(path):
+        stated = _content(sidecar)
+        if _is_model(stated):
+            text = f"{sidecar.name} is an error model, a filter or a list of limits, and no sidecar; it is not used to read the log"
+            passed.append(Remark(Note("no-sidecar", text)))
             continue
-        stated = _checked(sidecar)
+        _check(sidecar, stated)
         try:
             completed = replace(
                 options,
@@ -46,21 +53,46 @@ def with_sidecar(path: Path, options: ReadOptions) -> tuple[ReadOptions, tuple[R
             raise UsageError(f"{sidecar}: {error}") from error
         note = Note("sidecar", f"{sidecar.name} states {', '.join(stated) or 'nothing'}")
         truth = stated.get("simulated")
-        return completed, (Remark(note), *([simulated(truth)] if truth else ()))
-    return options, ()
+        return completed, (*passed, Remark(note), *([simulated(truth)] if truth else ()))
+    return options, tuple(passed)
 
 
-def _checked(sidecar: Path) -> dict[str, Any]:
+def sidecar_of(path: Path) -> Path | None:
+    """Return the sidecar that the reading of a log uses; None: there is no file with the content of one."""
+    for sidecar in _candidates(path):
+        try:
+            stated = _content(sidecar)
+        except UsageError:
+            continue
+        if stated and stated.keys() <= _KEYS.keys():
+            return sidecar
+    return None
+
+
+def _candidates(path: Path) -> list[Path]:
+    """Return the files that may be the sidecar of a log."""
+    names = dict.fromkeys((f"{path.name}.toml", f"{path.name.split('.')[0]}.toml"))
+    return [place for name in names if (place := path.with_name(name)).is_file()]
+
+
+def _content(sidecar: Path) -> dict[str, Any]:
     try:
-        stated = tomllib.loads(sidecar.read_text("utf-8"))
+        return tomllib.loads(sidecar.read_text("utf-8"))
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise UsageError(f"{sidecar}: the log's sidecar is not valid TOML: {error}") from error
+
+
+def _is_model(stated: dict[str, Any]) -> bool:
+    """Return whether a document is another one of imuwb: it has a part that only those have, and nothing that a sidecar has."""
+    return bool(stated.keys() & _OTHERS) and not stated.keys() & _KEYS.keys()
+
+
+def _check(sidecar: Path, stated: dict[str, Any]) -> None:
     for key, value in stated.items():
         if key not in _KEYS:
             raise UsageError(f"{sidecar}: unknown key {key!r}; a sidecar may have {', '.join(_KEYS)}")
         if not _has_type(key, value):
             raise UsageError(f"{sidecar}: {key} is {value!r}; it must be {_KEYS[key]}")
-    return stated
 
 
 def _has_type(key: str, value: object) -> bool:
