@@ -14,6 +14,7 @@ from imuwb.replay.overlap import effective_count, without_overlap
 from imuwb.replay.pooling import pooled
 from imuwb.replay.prepared import Prepared, prepare, receiver_of, run
 from imuwb.replay.reference import ReferenceTrack, own_track, reference_track
+from imuwb.replay.refusals import Refusals, refusal_note, refusals
 from imuwb.replay.replay import FilterRun, Replay, ScoredDrift, replay
 from imuwb.replay.scaled import scaled
 from imuwb.replay.scores import HORIZONS, Scores, scores
@@ -43,6 +44,7 @@ __all__ = [
     "Placing",
     "Prepared",
     "ReferenceTrack",
+    "Refusals",
     "Replay",
     "ScoredDrift",
     "Scores",
@@ -73,6 +75,8 @@ __all__ = [
     "prepare",
     "receiver_of",
     "reference_track",
+    "refusal_note",
+    "refusals",
     "replay",
     "run",
     "scaled",

@@ -6,7 +6,7 @@ import numpy as np
 
 from imuwb.navigation import Aids
 from imuwb.notes import Note
-from imuwb.replay import Clocks, MotionNoise, Replay, Tuned
+from imuwb.replay import Clocks, MotionNoise, Replay, Tuned, refusal_note
 from imuwb.statistics import Estimate
 from imuwb.texts import converted_text, number_text
 from imuwb.units import coefficient_units
@@ -36,7 +36,16 @@ def notes(
     aids = next(iter(replay.runs.values())).solution.model.aids
     reference = Note("reference", f"the drift is measured against {replay.reference.name}")
     first = () if chosen.motion is None else motion_notes(chosen.motion)
-    found = [*first, *misfits(infos), *_choices(durations), reference, *left_out(replay), *replay.notes, _aids(aids)]
+    found = [
+        *first,
+        *misfits(infos),
+        *_refused(replay),
+        *_choices(durations),
+        reference,
+        *left_out(replay),
+        *replay.notes,
+        _aids(aids),
+    ]
     if own.clocks is not None:
         found.append(_clocks(own.clocks))
     if chosen.tuned is not None:
@@ -85,6 +94,14 @@ def misfits(infos: tuple[FilterInfo, ...]) -> Iterator[Note]:
                 f"the gate refuses {f.refused} of {f.fixes} positions and velocities"
             )
             yield Note("misfit", text)
+
+
+def _refused(replay: Replay) -> Iterator[Note]:
+    """Yield a note on the positions that the last filter refuses."""
+    *_, last = replay.runs.values()
+    note = refusal_note(last.solution)
+    if note is not None:
+        yield note
 
 
 def _choices(durations: tuple[DurationSummary, ...]) -> Iterator[Note]:
