@@ -118,7 +118,7 @@ def main():
         (folder / "m.toml").write_text(model.to_toml(), "utf-8")
         at = f"{SECONDS / 2:g}:60"
         ours = [
-            Path(sys.executable).with_name("imuwb"), "outage", folder / "drive.csv", "--error-model", folder / "m.toml", "--models",
+            Path(sys.executable).with_name("imuwb"), "outage", folder / "drive.csv", "--gnss", folder / "drive.gnss.csv", "--error-model", folder / "m.toml", "--models",
             "15AV", "--at", at, "--mounting", "0,0,0", "--gnss-delay", "0", "--clock-rate", "1", "-o", folder / "drive.rrd", "--force",
         ]  # fmt: skip
         theirs = [program, folder / "conf.yaml"]
