@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from imuwb.errors import UsageError
 from imuwb.navigation.tables import FIX, Events
@@ -125,10 +126,29 @@ def test_a_share_of_the_distance_needs_a_metre_a_second(speed, known):
     assert percent == (pytest.approx(100 * 3.0 / (speed * 30)) if known else None)
 
 
-def test_the_likelihood_is_that_of_a_normal_error_at_five_times():
+def test_the_likelihood_is_that_of_students_distribution():
+    """Four degrees of freedom: a scale of half the covariance has that covariance."""
     of = made.scores(np.array([6.0, 0.0]), [0.0, 100.0], 2.0, seconds=60)
-    expected = [np.mean([-((6 * t / 60) ** 2) / 8 for t in (5, 10, 20, 30, 60)]), 0.0]
-    assert log_likelihood(of) == pytest.approx(np.array(expected) - np.log(2 * np.pi * 4))
+    student = stats.multivariate_t(shape=2.0 * np.eye(2), df=4)
+    assert log_likelihood(of) == pytest.approx(student.logpdf([[6.0, 0.0], [0.0, 0.0]]))
+    at_times = np.mean([student.logpdf([[6.0 * t / 60, 0.0], [0.0, 0.0]]) for t in (5, 30)], axis=0)
+    assert log_likelihood(of, (5.0, 30.0)) == pytest.approx(at_times)
+
+
+def test_a_choice_judges_the_end_and_not_the_first_seconds():
+    """A filter of small early errors and a sigma that is too small at the end loses against one whose sigma is right."""
+    start = np.arange(10) * 30.0
+    drifts = made.scores(np.full(10, 9.0), start, sigma=3.0, seconds=30)
+    honest = made.scores(np.full(10, 2.0), start, sigma=2.0, seconds=30)
+    assert choose({"drifts": drifts, "honest": honest}, 30.0).chosen == "honest"
+
+
+def test_a_few_bad_outages_do_not_decide_a_choice():
+    start, end = np.arange(20) * 30.0, np.full(20, 2.0)
+    spoiled = end.copy()
+    spoiled[3] = 60.0
+    good, poor = made.scores(spoiled, start, sigma=2.0, seconds=30), made.scores(3 * end, start, sigma=6.0, seconds=30)
+    assert choose({"good": good, "poor": poor}, 30.0).chosen == "good"
 
 
 @pytest.mark.parametrize(("count", "made_choice"), [(9, False), (10, True)])

@@ -135,7 +135,7 @@ def test_readmes_examples_are_options_there_are(example, tmp_path, monkeypatch):
             name = names[word[2:]]
             options[name] = True if isinstance(getattr(Parameters(), name), bool) else words.pop(0)
         elif word.startswith("--"):
-            assert word == "--gnss"
+            assert word in ("--gnss", "--save-model")
             words.pop(0)
     assert Parameters(**options).error_model.suffix == ".toml"
 

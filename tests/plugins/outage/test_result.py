@@ -41,7 +41,7 @@ def test_json_is_the_contract(few, log):
     assert result["reference"] == "truth"
     assert set(result) == {
         "outages", "listed", "summary", "samples", "published", "filters", "budget", "reference", "verdicts", "notes", "clocks",
-        "mounting", "tuned", "failed",
+        "mounting", "motion", "tuned", "failed", "engines", "whole_run",
     }  # fmt: skip
     assert "document" not in result["filters"][0]
     assert (result["clocks"], result["tuned"]) == (None, None)
