@@ -9,5 +9,8 @@ from .filter_model import Settings as Settings
 from .filter_model import Vibration as Vibration
 from .outages import Drift as Drift
 from .outages import drift as drift
+from .separation import NavigationTrack as NavigationTrack
+from .separation import Separation as Separation
+from .separation import separation as separation
 from .strapdown import mechanize as mechanize
 from .strapdown import navigation_state as navigation_state

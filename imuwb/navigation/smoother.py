@@ -8,11 +8,12 @@ where c is the correction by event k+1. Its covariance is P+_k + G_k (P^s_(k+1) 
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from imuwb.arrays import Floats
+from imuwb.arrays import Floats, Integers
 from imuwb.geodesy.attitude import euler_of_rotation, rotation_of_quaternion
 from imuwb.geodesy.earth import ned_scale
 from imuwb.navigation.covariance import NAVIGATION
@@ -40,30 +41,46 @@ def smoothed(solution: Solution) -> Smoothed:
     Raises:
         ValueError: the solution does not have what the smoother needs.
     """
+    order, errors, variances = backward_pass(solution)
+    rows = np.searchsorted(order, solution.events)
+    position, velocity, rotation = _corrected(solution, errors[rows])
+    return Smoothed(solution.time, position, velocity, euler_of_rotation(rotation), np.sqrt(variances[rows]))
+
+
+def backward_pass(solution: Solution) -> tuple[Integers, Floats, Floats]:
+    """Return the used events, and for each the smoothed error of the state after it, with its variances.
+
+    Args:
+        solution: from ``solve(..., smooth=True)``.
+
+    Returns:
+        (m,) among the solution's events, (m, n), and (m, n).
+
+    Raises:
+        ValueError: the solution does not have what the smoother needs.
+    """
     track, before = solution.track, solution.track.before
     if not before.state.shape[0]:
         raise ValueError("the solution does not have what a smoother needs; use solve(..., smooth=True)")
     # An event that the run did not use has no state.
     order = [e for e in range(solution.alignment.event, solution.corrections.time.size) if track.state[e].any()]
     n = track.covariance.shape[1]
-    corrections = {e: _correction(solution, e) for e in order[1:]}
+    corrections = {e: correction_of(solution, e) for e in order[1:]}
+    errors, variances = np.zeros((len(order), n)), np.zeros((len(order), n))
     error, spread = np.zeros(n), track.covariance[order[-1]]
-    errors, spreads = {order[-1]: error}, {order[-1]: spread}
-    for k, following in zip(order[-2::-1], order[:0:-1], strict=True):
+    variances[-1] = np.diagonal(spread)
+    for row, (k, following) in reversed(list(enumerate(pairwise(order)))):
         scale = 1 / np.sqrt(np.maximum(np.diagonal(before.covariance[following]), 1e-300))
         prior = before.covariance[following] * scale[:, None] * scale
         crossed = (before.transition[following] @ track.covariance[k]) * scale[:, None]
         gain = cho_solve(cho_factor(prior + 1e-12 * np.eye(n)), crossed).T * scale
         error = gain @ (error + corrections[following])
         spread = track.covariance[k] + gain @ (spread - before.covariance[following]) @ gain.T
-        errors[k], spreads[k] = error, spread
-    off = np.array([errors[int(e)] for e in solution.events])
-    variances = np.array([np.diagonal(spreads[int(e)]) for e in solution.events])
-    position, velocity, rotation = _corrected(solution, off)
-    return Smoothed(solution.time, position, velocity, euler_of_rotation(rotation), np.sqrt(np.maximum(variances, 0.0)))
+        errors[row], variances[row] = error, np.diagonal(spread)
+    return np.array(order), errors, np.maximum(variances, 0.0)
 
 
-def _correction(solution: Solution, e: int) -> Floats:
+def correction_of(solution: Solution, e: int) -> Floats:
     """Return the errors that an event removed, (n,): before minus after; for the axes' states, after minus before."""
     before, after = solution.track.before.state[e], solution.track.state[e]
     turn = (

@@ -4,6 +4,7 @@ Each table has a sidecar, which the reader uses; it states the body frame, and t
 """
 
 import json
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 import pyarrow as pa
 from pyarrow import csv
 
+from imuwb.arrays import Floats
 from imuwb.errors import MissingDataError
 from imuwb.log import GnssStream, ImuStream, Log, Reference, Scalars
 from imuwb.progress import Progress
@@ -62,19 +64,35 @@ def write_csv(log: Log, path: Path, progress: Progress | None = None) -> None:
     truth = f"\n[simulated]\n{truth}" if truth else ""
     epochs = [stream.origin.epoch for stream in (*log.imus, *log.gnss, *log.references)]
     for (kind, place), table in zip(_tables(log, path).items(), made, strict=True):
-        with whole_file(place) as temporary, temporary.open("wb") as file:
-            file.write((",".join(table.column_names) + "\n").encode())
-            options = csv.WriteOptions(include_header=False, quoting_style="none")
-            for start in range(0, table.num_rows, ROWS):
-                csv.write_csv(table.slice(start, ROWS), file, options)
-                if progress is not None:
-                    progress(done + min(start + ROWS, table.num_rows), rows)
+        for written in _written(table, place):
+            if progress is not None:
+                progress(done + written, rows)
         done += table.num_rows
         # A speed has no origin of its own: its clock is that of the other streams.
         origins = [stream.origin.epoch for stream in kinds[kind] if not isinstance(stream, Scalars)]
         epoch = (*origins, *epochs, "log")[0]
         frame = 'frame = "FRD"\n' if kind == "imu" else ""
         write_text(_sidecar(place), f'# Frame and epoch of {place.name}.\n{frame}epoch = "{epoch}"\n{truth}')
+
+
+def _written(table: pa.Table, place: Path) -> Iterator[int]:
+    """Write a table; yield the number of rows that are written, piece by piece."""
+    with whole_file(place) as temporary, temporary.open("wb") as file:
+        file.write((",".join(table.column_names) + "\n").encode())
+        options = csv.WriteOptions(include_header=False, quoting_style="none")
+        for start in range(0, table.num_rows, ROWS):
+            csv.write_csv(table.slice(start, ROWS), file, options)
+            yield min(start + ROWS, table.num_rows)
+
+
+def write_reference(reference: Reference, more: Mapping[str, Floats], path: Path) -> None:
+    """Write a reference to a table with more columns, {name: (n,)}, and its sidecar; nan becomes an empty cell."""
+    table = _reference_table(reference)
+    for name, values in more.items():
+        table = table.append_column(name, pa.array(values, from_pandas=True))
+    for _ in _written(table, path):
+        pass
+    write_text(_sidecar(path), f'# Epoch of {path.name}.\nepoch = "{reference.origin.epoch}"\n')
 
 
 def _gnss_table(gnss: GnssStream) -> pa.Table:

@@ -20,8 +20,9 @@ from imuwb_plugins.outage.given_outages import name_of
 from imuwb_plugins.outage.outage_list import given
 from imuwb_plugins.outage.parameters import Parameters
 from imuwb_plugins.outage.result import DurationSummary, Result
+from imuwb_plugins.outage.smoothed import with_smoothed
 
-ONE_LOG = ("navigation", "save_filter")  #: outputs that belong to one log
+ONE_LOG = ("navigation", "smoothed", "save_filter")  #: outputs that belong to one log
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -48,7 +49,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result | Drives:
     """
     if len(logs) == 1:
         _check_logs(logs, parameters)
-        return with_engines(run_one(logs[0], parameters), parameters)
+        return with_engines(with_smoothed(run_one(logs[0], parameters), parameters), parameters)
     for name in ONE_LOG:
         if getattr(parameters, name) is not None:
             raise UsageError(f"--{name.replace('_', '-')} writes the run of one log; {len(logs)} logs are given")

@@ -185,6 +185,11 @@ class Parameters:
     navigation: Annotated[
         Path | None, "Write the last filter's run over all fixes to this file: .csv, .tum, .kml or .mcap."
     ] = None
+    smoothed: Annotated[
+        Path | None,
+        "Write the last filter's smoothed run at the rate of the IMU, with sigmas and, beside it, the forward and the backward run and "
+        "their separation, to this file: .csv, .mcap, .kml, or .tum (smoothed only).",
+    ] = None
     level: Annotated[Level, "Level of all intervals."] = 0.95
 
     def __post_init__(self) -> None:

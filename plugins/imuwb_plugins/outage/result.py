@@ -163,6 +163,16 @@ class Tracks:
     outages: tuple[OutageTrack, ...]
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class SmoothedRun:
+    """The smoothed trajectory of a filter at the rate of the IMU, with the forward and the backward ones."""
+
+    smoothed: Reference
+    forward: Reference
+    backward: Reference  #: only where the later fixes say something
+    quaternion: Floats  #: (n, 4) of the smoothed trajectory
+
+
 @dataclass(frozen=True, slots=True)
 class EngineInfo:
     """Another engine whose solutions are scored."""
@@ -202,6 +212,7 @@ class Result:
     failed: dict[str, str] = field(default_factory=dict[str, str])  #: filter that cannot run -> reason
     replay: Replay | None = field(default=None, metadata=HELD)  #: None: not kept
     engines: tuple[EngineInfo, ...] = ()  #: other engines, of --solution and --filter-command
+    smoothed: SmoothedRun | None = field(default=None, metadata=HELD)  #: None: not wanted
     whole_run: dict[str, FilterSummary] = field(default_factory=dict[str, FilterSummary])
     #: ^ filter or engine -> its errors over the whole run with all fixes; empty unless an engine is scored so
 
