@@ -7,7 +7,7 @@ from imuwb.replay.degraded import Degradation, degraded
 from imuwb.replay.external import Placing, external_reference
 from imuwb.replay.models import NAMES, TURN_ON, model_named
 from imuwb.replay.motion import motion_classes
-from imuwb.replay.motion_noise import MotionNoise, estimate_motion_noise, in_motion
+from imuwb.replay.motion_noise import MotionNoise, estimate_motion_noise, in_motion, usual_in_motion
 from imuwb.replay.mounting import Mounting, estimate_mounting
 from imuwb.replay.outages import Outage, events_of, own_outages, sweep
 from imuwb.replay.overlap import effective_count, without_overlap
@@ -86,6 +86,7 @@ __all__ = [
     "sweep",
     "true_errors",
     "tune",
+    "usual_in_motion",
     "verdict",
     "whole_run_scores",
     "with_unidentified",

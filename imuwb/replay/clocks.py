@@ -7,6 +7,7 @@ import numpy as np
 from scipy import optimize
 
 from imuwb.arrays import Booleans, Floats
+from imuwb.errors import MissingDataError
 from imuwb.log import Log
 from imuwb.navigation.filter_model import FilterModel
 from imuwb.replay.prepared import prepare, run, with_clocks
@@ -23,6 +24,7 @@ STAIRS = np.array([2.0, 2.0, 4.0, 0.0])  #: samples; at smaller steps of the cur
 RISE = 2.0  #: rise of the misfit over which the curvature is computed; the misfit is rough at smaller scales
 ENDS = 3  #: fixes at each end that do not count, because a delay moves some of them out of the log
 CLOSE = 2e-3  #: of those sizes; the search ends when its simplex is as small
+IMPOSSIBLE = 1e9  #: misfit of clocks with which the filter becomes invalid
 LOUD = np.log(3.0)  #: log of the factor of white noise at the start of the search: vehicles vibrate
 
 
@@ -68,7 +70,10 @@ def estimate_clocks(
 
     def misfit(x: Floats) -> float:
         tried = _changed(model, x)
-        return -run(tried, with_clocks(prepared, model, tried)).log_likelihood_of(*counted)
+        try:
+            return -run(tried, with_clocks(prepared, model, tried)).log_likelihood_of(*counted)
+        except MissingDataError:  # a covariance that is none: such clocks do not fit
+            return IMPOSSIBLE
 
     def objective(x: Floats) -> float:
         full = np.zeros(4)

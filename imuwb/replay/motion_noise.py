@@ -159,6 +159,12 @@ def _factors(bench: dict[str, float], white: tuple[Estimate, Estimate]) -> dict[
     return factors
 
 
+def usual_in_motion(model: FilterModel) -> FilterModel:
+    """Return a filter with the noise at which the search starts: usual for a MEMS in a car, so that it refuses few fixes."""
+    white_g, white_a, walk_g, walk_a, *_ = (float(x) for x in np.exp(START))
+    return replace(model, error_model=with_added(model.error_model, (white_g, white_a), (walk_g, walk_a)))
+
+
 def in_motion(model: FilterModel) -> ImuErrorModel:
     """Return the error model of a filter with noise in motion; noise that grows with vibration has its usual density."""
     return with_added(model.error_model, model.vibration.white, (0.0, 0.0))

@@ -6,7 +6,7 @@ from imuwb.errors import MissingDataError, UsageError
 from imuwb.log import Log
 from imuwb.navigation import Aids, FilterModel, Installation, Settings, read_filter
 from imuwb.notes import Note
-from imuwb.replay import HORIZONS, Clocks, Mounting, estimate_clocks, estimate_mounting, prepare
+from imuwb.replay import HORIZONS, Clocks, Mounting, estimate_clocks, estimate_mounting, prepare, usual_in_motion
 from imuwb.stochastic import ImuErrorModel
 from imuwb_plugins.outage.models import named
 from imuwb_plugins.outage.outage_list import given
@@ -110,7 +110,8 @@ def _timed(log: Log, base: FilterModel, parameters: Parameters) -> tuple[FilterM
     with_delay, with_rate = parameters.gnss_delay == "auto", parameters.clock_rate == "auto"
     if not (with_delay or with_rate):
         return base, None, ()
-    full = _largest(base, prepare(log, base, parameters.receiver).measurement.interval, parameters)
+    # The noise of a bench would refuse the fixes that show a delay.
+    full = usual_in_motion(_largest(base, prepare(log, base, parameters.receiver).measurement.interval, parameters))
     clocks = estimate_clocks(
         log, full, parameters.receiver, parameters.level, with_delay=with_delay, with_rate=with_rate
     )
