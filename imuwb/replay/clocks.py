@@ -61,7 +61,7 @@ def estimate_clocks(
         with_rate: whether the clock's rate is estimated.
 
     Raises:
-        MissingDataError: as ``prepare``.
+        MissingDataError: as ``prepare``; a filter that becomes invalid with all delays.
     """
     prepared = prepare(log, model, receiver)
     row = prepared.corrections.fix
@@ -84,7 +84,9 @@ def estimate_clocks(
 
     delays, rates = DELAYS if with_delay else np.zeros(1), RATES if with_rate else np.zeros(1)
     grid = [(misfit(np.array([d, 0.0, r, LOUD])), float(d), float(r)) for r in rates for d in delays]
-    _, coarse, rate = min(grid)
+    least, coarse, rate = min(grid)
+    if least == IMPOSSIBLE:
+        run(model, prepared)  # raises the reason
     best = _minimum(objective, np.array([coarse, coarse, rate, LOUD])[free], STEPS[free])
     stairs = STAIRS * prepared.measurement.interval
     stairs[2] /= float(np.ptp(prepared.measurement.time))

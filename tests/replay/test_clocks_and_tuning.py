@@ -1,10 +1,12 @@
 """A receiver's delay, an IMU's clock, and noise that shows only in outages, found again in simulated drives."""
 
+import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from imuwb.errors import MissingDataError
 from imuwb.log import SECOND, ImuStream, Triad
 from imuwb.replay import estimate_clocks, prepare, scaled, tune
 
@@ -35,6 +37,31 @@ def test_the_delay_of_a_receiver(clocks):
 def test_the_delay_of_a_receiver_is_within_its_interval(clocks):
     assert clocks.delay.lower < LATENCY < clocks.delay.upper
     assert clocks.velocity_delay.lower < 0 < clocks.velocity_delay.upper
+
+
+def failing(monkeypatch, when):
+    """Make filters invalid with some delays."""
+    module = sys.modules["imuwb.replay.clocks"]
+    real = module.run
+
+    def run(model, prepared):
+        if when(model.installation.gnss_delay):
+            raise MissingDataError("a variance is negative")
+        return real(model, prepared)
+
+    monkeypatch.setattr(module, "run", run)
+
+
+def test_a_delay_with_which_the_filter_becomes_invalid_is_not_taken(late, clocks, monkeypatch):
+    failing(monkeypatch, lambda delay: abs(delay) > 0.35)
+    found = estimate_clocks(late.log, late.model, None, 0.99, with_rate=False)
+    assert found.delay.value == pytest.approx(clocks.delay.value, abs=1e-6)
+
+
+def test_a_filter_that_is_invalid_with_all_delays_says_why(late, monkeypatch):
+    failing(monkeypatch, np.isfinite)
+    with pytest.raises(MissingDataError, match="a variance is negative"):
+        estimate_clocks(late.log, late.model, None, 0.99, with_rate=False)
 
 
 def faster(log, rate):
