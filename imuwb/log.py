@@ -21,13 +21,14 @@ from numpy.typing import NDArray
 
 from imuwb.arrays import Floats, Integers
 from imuwb.errors import MissingDataError
+from imuwb.geodesy.local_track import LocalTrack
 from imuwb.sampling import sampling
 from imuwb.texts import rows_text
 from imuwb.units import SECOND, Epoch
 
 Nanoseconds: TypeAlias = Integers
 #: What the rows of a stream are. Readers also yield "velocity" and "fix" rows, which assembly joins to a receiver.
-Kind = Literal["imu", "gnss", "velocity", "fix", "speed", "temperature", "reference"]
+Kind = Literal["imu", "gnss", "velocity", "fix", "speed", "temperature", "reference", "pose"]
 #: What a repair did to a stream: it left rows out, replaced times, changed the order of rows, or made values doubtful.
 Effect = Literal["lost", "time", "order", "value"]
 
@@ -276,6 +277,7 @@ class Log:
     speeds: tuple[Scalars, ...] = ()
     references: tuple[Reference, ...] = ()
     notes: tuple[str, ...] = ()
+    poses: tuple[LocalTrack, ...] = ()  #: trajectories in frames of their own, such as those of odometry
     zero: int | None = None  #: ns; start of "seconds from the log's start", also for a part of the log
     conditioning: tuple[Conditioning, ...] = ()  #: in the order in which they were applied
     #: parameters that a simulator put in, apart from the sensor's error model: name -> value with its SI unit

@@ -20,6 +20,7 @@ class Batch:
     * imu: ``angular_rate`` and ``specific_force`` (n, 3), ``temperature`` (n,);
     * gnss: ``position``, ``velocity``, ``position_sigma``, ``velocity_sigma`` (n, 3), ``fix_type`` (n,);
     * reference: ``position``, ``velocity``, ``attitude``, ``position_sigma``, ``velocity_sigma``, ``attitude_sigma`` (n, 3);
+    * pose: ``position`` (n, 3) m and ``quaternion`` (n, 4) w, x, y, z in a frame of their own, ``position_sigma`` (n, 3) m;
     * speed: ``speed`` (n,); temperature: ``temperature`` (n,);
     * velocity and fix: ``velocity`` and ``velocity_sigma`` (n, 3), or ``fix_type`` (n,): values of a receiver whose positions
       are in another stream.

@@ -57,34 +57,34 @@ def external_reference(
         MissingDataError: the file has no trajectory, or none within the log's time.
         UsageError: a trajectory in a frame of its own cannot be fitted to the fixes.
     """
-    if isinstance(found, LocalTrack):
-        moved = replace(found, time=_on_clock(found.time, log, placing.delay, found.name, option))
+    chosen, notes = _of_log(found, option) if isinstance(found, Log) else (found, list[Note]())
+    if isinstance(chosen, LocalTrack):
+        moved = replace(chosen, time=_on_clock(chosen.time, log, placing.delay, chosen.name, option))
         reference, note = _placed(moved, log, gnss, placing, option)
-        return replace(reference, name=name or reference.name, lever_arm=placing.lever_arm), (note,)
-    reference, notes = _of_log(found) if isinstance(found, Log) else (found, list[Note]())
-    time = _on_clock(reference.time, log, placing.delay, reference.name, option)
-    return replace(reference, name=name or reference.name, time=time, lever_arm=placing.lever_arm), tuple(notes)
+        return replace(reference, name=name or reference.name, lever_arm=placing.lever_arm), (*notes, note)
+    time = _on_clock(chosen.time, log, placing.delay, chosen.name, option)
+    return replace(chosen, name=name or chosen.name, time=time, lever_arm=placing.lever_arm), tuple(notes)
 
 
-def _of_log(found: Log) -> tuple[Reference, list[Note]]:
-    """Return the trajectory of a log: its reference, or its best receiver."""
+def _of_log(found: Log, option: str) -> tuple[Reference | LocalTrack, list[Note]]:
+    """Return the trajectory of a log: its reference, its best receiver, or its odometry; a solution is rather an odometry."""
     path = found.provenance.path
-    if found.references:
-        one = min(found.references, key=lambda r: r.origin.by_filter)
-        others = [r.name for r in found.references if r is not one] + [g.name for g in found.gnss]
-        return one, [_chosen(path, one.name, others)] if others else []
-    if not found.gnss:
+    receivers = sorted(found.gnss, key=lambda g: (g.velocity is None, g.position_sigma is None, -len(g)))
+    fixes: list[Reference | LocalTrack] = [reference_of_receiver(g) for g in receivers]
+    poses: list[Reference | LocalTrack] = [pose for pose in found.poses if pose.time.size]
+    references = sorted(found.references, key=lambda r: r.origin.by_filter)
+    streams = [*references, *poses, *fixes] if option == "solution" else [*references, *fixes, *poses]
+    if not streams:
         raise MissingDataError(
             f"{path}: it has no trajectory: neither a reference nor positions of a receiver; a table needs the columns "
             "time, latitude, longitude and height"
         )
-    gnss = max(found.gnss, key=lambda g: (g.velocity is not None, g.position_sigma is not None, len(g)))
-    others = [g.name for g in found.gnss if g is not gnss]
-    return reference_of_receiver(gnss), [_chosen(path, gnss.name, others)] if others else []
+    others = [stream.name for stream in streams[1:]]
+    return streams[0], [_chosen(path, streams[0].name, others)] if others else []
 
 
 def _chosen(path: str, name: str, others: list[str]) -> Note:
-    return Note("trajectory-chosen", f"{path}: {name} is used; the file also has {', '.join(others)}")
+    return Note("trajectory-chosen", f"{path}: {name} is used; {path}#NAME uses another one: {', '.join(others)}")
 
 
 def reference_of_receiver(gnss: GnssStream) -> Reference:

@@ -115,6 +115,14 @@ def test_a_log_gives_its_reference_or_its_receiver(log):
         placed(log, replace(bare, gnss=()))
 
 
+def test_a_solution_is_rather_an_odometry_and_a_truth_a_receiver(log):
+    both = replace(log, references=(), poses=(local(log),))
+    assert placed(log, both)[0].name == log.gnss[0].name
+    found, notes = external_reference(both, log, log.gnss[0], Placing(), "solution")
+    assert found.name == "a.tum"
+    assert ids(notes) == ("trajectory-chosen", "placed")
+
+
 def test_rows_of_a_receiver_that_are_no_position_are_left_out(log):
     g = log.gnss[0]
     flat = np.full(len(g), 6)

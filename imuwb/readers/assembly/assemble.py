@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from imuwb.arrays import Booleans, Floats
+from imuwb.geodesy import rotation_of_quaternion
+from imuwb.geodesy.local_track import LocalTrack
 from imuwb.log import (
     GnssStream,
     ImuStream,
@@ -31,6 +33,7 @@ _COLUMNS = {
     "imu": ("angular_rate", "specific_force", "temperature"),
     "gnss": ("position", "velocity", "position_sigma", "velocity_sigma", "fix_type"),
     "reference": ("position", "velocity", "attitude", "position_sigma", "velocity_sigma", "attitude_sigma"),
+    "pose": ("position", "quaternion", "position_sigma"),
     "velocity": ("velocity", "velocity_sigma"),
     "fix": ("fix_type",),
     "speed": ("speed",),
@@ -40,7 +43,7 @@ _COLUMNS = {
 _SIGMAS = ("position_sigma", "velocity_sigma")
 _MAY_BE_UNKNOWN: dict[Kind, tuple[str, ...]] = {
     "gnss": ("velocity", *_SIGMAS, "fix_type"), "velocity": ("velocity", *_SIGMAS, "fix_type"),
-    "reference": (*_SIGMAS, "attitude_sigma"),
+    "reference": (*_SIGMAS, "attitude_sigma"), "pose": _SIGMAS,
 }  # fmt: skip
 NOT_FINITE = Repair(Note("not_finite", "rows with a value that is not a number left out"), 0)
 
@@ -130,7 +133,8 @@ def _finite(kind: Kind, rows: int, columns: dict[str, Floats]) -> Booleans:
 
 def _repair_notes(streams: list[Batch], unused: dict[str, list[Repair]]) -> Iterator[Note]:
     """Yield the repairs of streams whose repairs a summary does not show, and the repairs of streams without rows."""
-    shown = {(r.stream, r.kind) for r in streams if r.kind in ("imu", "gnss")}
+    # The poses of an odometry are rows of its speed too, whose repairs are the same.
+    shown = {(r.stream, r.kind) for r in streams if r.kind in ("imu", "gnss", "pose")}
     hidden = [(r.stream, repair) for r in streams if (r.stream, r.kind) not in shown for repair in r.origin.repairs]
     for stream, repair in (*hidden, *((stream, repair) for stream, repairs in unused.items() for repair in repairs)):
         yield Note(getattr(repair.what, "id", "repair"), f"{stream}: {repair.what} ({repair.count})")
@@ -151,6 +155,7 @@ def _log(provenance: Provenance, streams: list[Batch], notes: list[str]) -> Log:
         imus=imus,
         gnss=gnss,
         references=tuple(map(_reference, of["reference"])),
+        poses=tuple(map(_pose, of["pose"])),
         speeds=tuple(_scalars(r, "speed") for r in of["speed"]),
         notes=(*notes, *imu_notes, *gnss_notes),
     )
@@ -212,6 +217,14 @@ def _gnss(rows: Batch) -> GnssStream:
 def _reference(rows: Batch) -> Reference:
     columns: dict[str, Any] = dict(rows.columns)
     return Reference(rows.stream, rows.time, origin=rows.origin, **columns)
+
+
+def _pose(rows: Batch) -> LocalTrack:
+    columns = rows.columns
+    rotation = rotation_of_quaternion(columns["quaternion"])
+    return LocalTrack(
+        rows.stream, rows.time, columns["position"], rotation, position_sigma=columns.get("position_sigma")
+    )
 
 
 def _scalars(rows: Batch, column: str) -> Scalars:

@@ -65,7 +65,8 @@ def _streams(file: BinaryIO, summary: Summary, above: set[str]) -> Iterator[Stre
         fields = decoder.fields(_first(file, chunks[0], number), np.zeros(1, np.int64))
         start, end = min(c.message_start_time for c in chunks), max(c.message_end_time for c in chunks)
         rate = (count - 1) / (end - start) * SECOND if end > start else None
-        for recipe in shapes.recognise(fields, ours.name if ours else "", channel.topic):
+        recipes = shapes.recognise(fields, ours.name if ours else "", channel.topic)
+        for recipe in (r for r in recipes if r.kind != "pose"):  # a pose is no stream of the summary
             schema_name = ours.name if ours else ""
             origin = origin_of(recipe.kind, None, above_sea=channel.topic in above, schema=schema_name)
             epoch = "unix" if start > UNIX else "log"

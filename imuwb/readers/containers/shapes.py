@@ -119,6 +119,19 @@ def _gnss(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
     return columns
 
 
+def _pose(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
+    position, quaternion = (
+        np.stack([values[prefix + name] for name in names], axis=1) for names in (_POSE[:3], _POSE[3:])
+    )
+    length = np.linalg.norm(quaternion, axis=1, keepdims=True)
+    columns = {"position": position, "quaternion": quaternion / np.where(length > 0, length, np.nan)}
+    covariance = values.get(f"{prefix}covariance")
+    if covariance is not None and covariance.ndim > 1 and covariance.shape[1] == 36:  # noqa: PLR2004 - 6 x 6
+        square = covariance[:, [0, 7, 14]]
+        columns["position_sigma"] = np.sqrt(np.where(square > 0, square, np.nan))
+    return columns
+
+
 def _velocity(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
     east, north, up = (values[f"{prefix}twist.linear.{axis}"] for axis in "xyz")
     sigmas = _sigmas("velocity_sigma", values.get(f"{prefix}covariance"), 6)
@@ -150,6 +163,9 @@ def _reference(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
     return {name: column for name, column in columns.items() if np.isfinite(column).all()} | known
 
 
+_POSE = (
+    *(f"pose.position.{axis}" for axis in "xyz"), *(f"pose.orientation.{part}" for part in "wxyz"),
+)  # fmt: skip
 _COURSE = ("track", "speed", "climb")
 _LINEAR = ("twist.linear.x", "twist.linear.y", "twist.linear.z")
 REFERENCE = ("latitude_longitude_height", "velocity_north_east_down", "roll_pitch_heading")
@@ -171,6 +187,7 @@ def _is_twist(schema: str) -> bool:
 #: a twist may be a receiver's velocity or a vehicle's speed
 _SCHEMAS: dict[Kind, Callable[[str, str], bool]] = {
     "temperature": lambda schema, _: schema.endswith("Temperature"),
+    "pose": lambda schema, _: schema.endswith(("Odometry", "PoseStamped", "PoseWithCovarianceStamped")),
     "fix": lambda schema, _: schema.endswith("FixType"),
     "velocity": lambda schema, topic: _is_twist(schema) and _is_receiver(topic),
     "speed": lambda schema, topic: schema.endswith("Odometry") or (_is_twist(schema) and not _is_receiver(topic)),
@@ -183,5 +200,6 @@ _SHAPES: tuple[tuple[str, Kind, tuple[str, ...], tuple[str, ...], Callable[..., 
     ("twist.linear.x", "velocity", _LINEAR, ("covariance",), _velocity),
     ("twist.linear.x", "speed", _LINEAR, (), _single("speed", "twist.linear.x")),
     ("fix_type", "fix", ("fix_type",), (), _single("fix_type", "fix_type")),
+    ("pose.position.x", "pose", _POSE, ("covariance",), _pose),
     ("latitude_longitude_height", "reference", REFERENCE, REFERENCE_SIGMAS, _reference),
 )  # fmt: skip

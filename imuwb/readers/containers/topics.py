@@ -32,6 +32,7 @@ _EFFECTS: dict[Note, Effect] = {NO_HEIGHT: "value", NO_STAMP: "time"}
 _STORED: dict[Kind, tuple[str, str]] = {
     "imu": ("rad/s, m/s²", "FLU (REP 145)"), "gnss": ("deg, m", "ENU"), "velocity": ("m/s", "ENU"), "speed": ("m/s", "forward"),
     "reference": ("rad, m, m/s", "NED"), "temperature": ("°C", ""), "fix": ("", ""),
+    "pose": ("m", "of its own"),
 }  # fmt: skip
 
 
