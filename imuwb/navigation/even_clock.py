@@ -34,8 +34,9 @@ def _line(time: Floats) -> tuple[Integers, float, float]:
     start = float(np.median(time[:count] - dt * np.arange(count)))
     while True:
         index = _rising(np.rint((time[:count] - start) / dt).astype(np.int64))
-        slope, offset = np.polyfit(index, time[:count] - time[0], 1)
-        dt, start = float(slope), float(time[0] + offset)
+        centred, later = index - index.mean(), time[:count] - time[0]
+        dt = float(centred @ later / (centred @ centred))
+        start = float(time[0] + later.mean() - dt * index.mean())
         if count == time.size:
             return index, start, dt
         # A line through some samples also numbers as many samples after them.

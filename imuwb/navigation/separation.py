@@ -26,7 +26,7 @@ from imuwb.navigation.corrections import Corrections
 from imuwb.navigation.covariance import NAVIGATION, flat
 from imuwb.navigation.filter import Solution, empty_track, solve
 from imuwb.navigation.outages import ALL
-from imuwb.navigation.smoother import backward_pass, correction_of
+from imuwb.navigation.smoother import backward_pass, corrections_of_events
 from imuwb.navigation.strapdown import QUATERNION, VELOCITY
 from imuwb.navigation.tables import STRAIGHT, Events, Marks
 from imuwb.navigation.workspace import workspace
@@ -86,7 +86,9 @@ def separation(solution: Solution) -> Separation:
     after_variance = _diagonal(track.covariance[order])
     prior_variance = _diagonal(before.covariance[order])
     # The smoothed error before an event belongs to the state before: the correction is added.
-    error_before = error + np.stack([np.zeros(error.shape[1]), *(correction_of(run, int(e)) for e in order[1:])])
+    removed = corrections_of_events(run, order)
+    removed[0] = 0.0
+    error_before = error + removed
     at = run.corrections.events.at[order]
     samples = np.arange(at[0], at[-1] + 1)
     left = np.searchsorted(at, samples, side="right") - 1

@@ -65,7 +65,7 @@ def backward_pass(solution: Solution) -> tuple[Integers, Floats, Floats]:
     # An event that the run did not use has no state.
     order = [e for e in range(solution.alignment.event, solution.corrections.time.size) if track.state[e].any()]
     n = track.covariance.shape[1]
-    corrections = {e: correction_of(solution, e) for e in order[1:]}
+    corrections = corrections_of_events(solution, np.array(order))
     errors, variances = np.zeros((len(order), n)), np.zeros((len(order), n))
     error, spread = np.zeros(n), track.covariance[order[-1]]
     variances[-1] = np.diagonal(spread)
@@ -74,25 +74,25 @@ def backward_pass(solution: Solution) -> tuple[Integers, Floats, Floats]:
         prior = before.covariance[following] * scale[:, None] * scale
         crossed = (before.transition[following] @ track.covariance[k]) * scale[:, None]
         gain = cho_solve(cho_factor(prior + 1e-12 * np.eye(n)), crossed).T * scale
-        error = gain @ (error + corrections[following])
+        error = gain @ (error + corrections[row + 1])
         spread = track.covariance[k] + gain @ (spread - before.covariance[following]) @ gain.T
         errors[row], variances[row] = error, np.diagonal(spread)
     return np.array(order), errors, np.maximum(variances, 0.0)
 
 
-def correction_of(solution: Solution, e: int) -> Floats:
-    """Return the errors that an event removed, (n,): before minus after; for the axes' states, after minus before."""
-    before, after = solution.track.before.state[e], solution.track.state[e]
-    turn = (
-        rotation_of_quaternion(after[QUATERNION : QUATERNION + 4])
-        @ rotation_of_quaternion(before[QUATERNION : QUATERNION + 4]).T
+def corrections_of_events(solution: Solution, events: Integers) -> Floats:
+    """Return the errors that events removed, (m, n): before minus after; for the axes' states, after minus before."""
+    before, after = solution.track.before.state[events], solution.track.state[events]
+    turn = rotation_of_quaternion(after[:, QUATERNION : QUATERNION + 4]) @ np.swapaxes(
+        rotation_of_quaternion(before[:, QUATERNION : QUATERNION + 4]), 1, 2
     )
-    removed = np.empty(solution.track.covariance.shape[1])
-    removed[:3] = (before[:3] - after[:3]) * ned_scale(before[0], before[2])
-    removed[3:6] = before[VELOCITY : VELOCITY + 3] - after[VELOCITY : VELOCITY + 3]
+    removed = np.empty((len(events), solution.track.covariance.shape[1]))
+    removed[:, :3] = (before[:, :3] - after[:, :3]) * ned_scale(before[:, 0], before[:, 2])
+    removed[:, 3:6] = before[:, VELOCITY : VELOCITY + 3] - after[:, VELOCITY : VELOCITY + 3]
     # C_after = (I + [phi x]) C_before
-    removed[6:9] = (turn[2, 1] - turn[1, 2]) / 2, (turn[0, 2] - turn[2, 0]) / 2, (turn[1, 0] - turn[0, 1]) / 2
-    removed[NAVIGATION:] = solution.track.axes[e] - solution.track.before.axes[e]
+    for axis, (i, j) in enumerate(((2, 1), (0, 2), (1, 0))):
+        removed[:, 6 + axis] = (turn[:, i, j] - turn[:, j, i]) / 2
+    removed[:, NAVIGATION:] = solution.track.axes[events] - solution.track.before.axes[events]
     return removed
 
 
