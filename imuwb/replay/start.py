@@ -21,6 +21,7 @@ from imuwb.replay.straight_course import straight_course
 Source: TypeAlias = Literal["auto", "search", "course", "log"]  #: where a heading comes from
 
 TRUSTED = 25.0  #: deg; a heading with a larger sigma is not used unless it is asked for
+MOVING_TILT = 3.0  #: deg; a slow vehicle, or a walker, sways as it moves
 LOGGED = 10.0  #: deg, sigma of the heading that a log states: a compass in a vehicle
 
 
@@ -32,6 +33,7 @@ class Start:
     heading: float  #: deg
     sigma: float  #: deg
     note: Note  #: where it comes from
+    tilt: float = 0.0  #: deg, sigma of roll and pitch, at least
 
     def __str__(self) -> str:
         """Return the note."""
@@ -42,7 +44,8 @@ class Start:
     def applied_to(self, model: FilterModel) -> FilterModel:
         """Return a filter that starts like this."""
         known = (self.time, self.heading, self.sigma)
-        return replace(model, settings=replace(model.settings, known_start=known))
+        tilt = max(model.settings.tilt, self.tilt)
+        return replace(model, settings=replace(model.settings, known_start=known, tilt=tilt))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -145,4 +148,4 @@ def _course(parts: _Parts) -> Start | None:
         f"the heading at the start is the course over {found.length:.1f} m in {found.span:.0f} s, {found.course:.0f} deg, sigma "
         f"{found.sigma:.2g} deg: this is right only if the vehicle moves ahead"
     )
-    return Start(found.time, found.course, found.sigma, Note("heading-of-course", text))
+    return Start(found.time, found.course, found.sigma, Note("heading-of-course", text), MOVING_TILT)

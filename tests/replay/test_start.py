@@ -82,6 +82,7 @@ def test_a_steady_motion_shows_no_heading_and_the_course_is_taken():
     assert ids((found.note,)) == ("heading-of-course",)
     assert apart(found.heading, heading_at(route, found.time, 0.0)) < 3 * found.sigma
     assert 10 <= found.sigma < 20
+    assert found.applied_to(model()).settings.tilt == pytest.approx(3.0)  # it starts in motion
     vague = find_start(log, model())
     assert ids((vague.note,)) == ("heading-of-course",)
     assert apart(vague.heading, heading_at(route, found.time, 0.0)) < 3 * vague.sigma
