@@ -28,6 +28,7 @@ FAR = (
     10.0,
 )  #: sigmas of the fixes, and m, between a reference and the fixes (median), above which they contradict each other
 FROM_FIXES = ("smoothed", "own", "estimate")  #: kinds of references that follow from the fixes
+FINE = 0.1  #: s; points of a reference that are closer are left out when an extent is looked for
 BASELINE = 1.0  #: s, least time between two fixes whose displacement is a speed
 ROUNDS, OUTLYING = 3, 4.0  #: rounds of the estimate of a lag, and residuals, in medians, that do not count
 LONGEST_LAG = 1.0  #: s; what would need a longer one is no lag
@@ -54,6 +55,9 @@ def discrepancy(track: ReferenceTrack, start: Floats, time: Floats) -> Floats:
     excess = _excess(track) - velocity_lag(track) * np.diff(track.velocity[:, :2], axis=0)
     off = np.concatenate([np.zeros((1, 2)), np.cumsum(excess, axis=0)])
     gaps = np.concatenate([[0], np.cumsum(np.diff(at) > GAP)])
+    thin = np.arange(0, at.size, max(1, int(FINE / max(float(np.median(np.diff(at))), 1e-6))))
+    thin = np.unique(np.append(thin, at.size - 1))
+    at, off, gaps = at[thin], off[thin], gaps[thin]
     found = np.full(time.shape, np.nan)
     for i, (begin, ends) in enumerate(zip(start, time, strict=True)):
         if begin < at[0] or ends[-1] > at[-1]:
