@@ -69,7 +69,7 @@ def test_a_spread_of_starts_finds_the_heading_however_the_imu_is_turned(seed):
     assert apart(found.heading, heading_at(route, found.time)) < 3 * found.sigma
     assert 5 < found.time < 13  # the end of the standstill, whose mean gives the gyros' bias
     prepared = prepare(logged(route, seed), found.applied_to(model()))
-    assert prepared.start_time == pytest.approx(found.time)
+    assert prepared.start_time == pytest.approx(found.time, abs=1.0)  # the search takes a fix a second
     assert prepared.alignment.standstill is not None
 
 
