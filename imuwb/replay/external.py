@@ -62,6 +62,8 @@ def external_reference(
         moved = replace(chosen, time=_on_clock(chosen.time, log, placing.delay, chosen.name, option))
         reference, note = _placed(moved, log, gnss, placing, option)
         return replace(reference, name=name or reference.name, lever_arm=placing.lever_arm), (*notes, note)
+    if placing.origin is not None:
+        raise UsageError(f"{chosen.name}: it has latitude and longitude, so leave --{option}-origin out")
     time = _on_clock(chosen.time, log, placing.delay, chosen.name, option)
     return replace(chosen, name=name or chosen.name, time=time, lever_arm=placing.lever_arm), tuple(notes)
 

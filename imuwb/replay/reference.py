@@ -110,7 +110,8 @@ def reference_track(log: Log, solution: Solution, wanted: str = "best") -> Refer
     }
     if wanted in reasons:
         raise ValueError(reasons[wanted])
-    names = ", ".join(("best", "truth", "fixed", "smoothed", "own", "ekf", *(r.name for r in log.references)))
+    kinds = ("best", "truth", "fixed", "smoothed", "own", "ekf")
+    names = ", ".join(dict.fromkeys((*kinds, *(r.name for r in log.references))))
     raise UsageError(f"--reference {wanted}: there is no such reference; choose among {names}")
 
 

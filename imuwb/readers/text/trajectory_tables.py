@@ -55,6 +55,10 @@ def trajectory_table(path: Path, times: Path | None = None, near: int | None = N
         UnreadableLogError: rows that are no trajectory.
     """
     rows = _numbers(path)
+    if times is not None and rows.shape[1] != KITTI:
+        raise UsageError(
+            f"{path}: only poses of KITTI need --truth-times; the file states its own times, so leave it out"
+        )
     if rows.shape[1] == TUM:
         time, kept = _rising(path, _nanoseconds(path, rows[:, 0]))
         rows = rows[kept]

@@ -1,6 +1,6 @@
 """Options of an outage replay."""
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -53,11 +53,11 @@ class Parameters:
         "File with the true trajectory: CSV, RTKLIB .pos, a log (MCAP, ...), KF-GINS .nav, TUM, or poses of KITTI.", Form("FILE"),
     ] = None  # fmt: skip
     truth_delay: Annotated[
-        Literal["gnss"] | float, "Time by which the stamps of --truth are late (s), or gnss: the same as those of the fixes.",
+        Literal["gnss"] | float, "Time by which the stamps of --truth, or of the log's own truth, are late (s), or gnss: the same as those of the fixes.",
         Between(-1e10, 1e10), Form("SECONDS|gnss", "0.2"),
     ] = 0.0  # fmt: skip
     truth_lever: Annotated[
-        tuple[float, float, float], "Lever arm from the IMU to the point of --truth: forward, right, down (m).",
+        tuple[float, float, float], "Lever arm from the IMU to the point of --truth, or of the log's own truth: forward, right, down (m).",
         Between(-500, 500), Form("F,R,D", "0.4,0,-1.2"),
     ] = (0.0, 0.0, 0.0)  # fmt: skip
     truth_times: Annotated[Path | None, "File with one time (s) for each pose of KITTI.", Form("FILE")] = None
@@ -220,6 +220,5 @@ class Parameters:
 
     def _check_truth(self) -> None:
         """Raise ValueError if an option of --truth is given without --truth."""
-        given = [f.name for f in fields(self) if f.name.startswith("truth_") and getattr(self, f.name) != f.default]
-        if self.truth is None and given:
-            raise ValueError(f"{given[0]} needs --truth FILE")
+        if self.truth is None and (self.truth_times is not None or self.truth_origin is not None):
+            raise ValueError(f"{'truth_times' if self.truth_times is not None else 'truth_origin'} needs --truth FILE")

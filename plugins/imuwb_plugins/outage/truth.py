@@ -3,11 +3,13 @@
 from dataclasses import replace
 from pathlib import Path
 
-from imuwb.log import Log
+from imuwb.errors import UsageError
+from imuwb.log import SECOND, Log
 from imuwb.navigation import FilterModel
 from imuwb.notes import Note
 from imuwb.readers import read_trajectory
 from imuwb.replay import Placing, external_reference, receiver_of
+from imuwb.replay.reference import truth_of
 from imuwb_plugins.outage.given_outages import name_of
 from imuwb_plugins.outage.parameters import Parameters
 
@@ -20,11 +22,11 @@ def with_truth(log: Log, base: FilterModel, parameters: Parameters) -> tuple[Log
         UsageError: the file needs an option, or does not fit the log.
         UnreadableLogError: the file cannot be read.
     """
+    delay = base.installation.gnss_delay if parameters.truth_delay == "gnss" else parameters.truth_delay
     if parameters.truth is None:
-        return log, ()
+        return _own(log, delay, parameters), ()
     path = Path(str(parameters.truth).replace("{log}", name_of(log)))
     found = read_trajectory(path, parameters.truth_times, log.zero)
-    delay = base.installation.gnss_delay if parameters.truth_delay == "gnss" else parameters.truth_delay
     placing = Placing(delay, parameters.truth_lever, parameters.truth_origin, parameters.truth_axes)
     reference, notes = external_reference(found, log, receiver_of(log, parameters.receiver), placing, "truth")
     reference = replace(
@@ -32,3 +34,22 @@ def with_truth(log: Log, base: FilterModel, parameters: Parameters) -> tuple[Log
     )
     used = Note("truth", f"{path}: {reference.name} is the log's first reference")
     return replace(log, references=(reference, *log.references)), (used, *notes)
+
+
+def _own(log: Log, delay: float, parameters: Parameters) -> Log:
+    """Return the log with the delay and the lever arm of its own truth."""
+    if not delay and not any(parameters.truth_lever):
+        return log
+    if truth_of(log) is None:
+        raise UsageError(
+            f"{log.provenance.path}: the log has no truth of its own, so --truth-delay and --truth-lever need --truth FILE"
+        )
+    return replace(
+        log,
+        references=tuple(
+            r
+            if r.origin.by_filter
+            else replace(r, time=r.time - round(delay * SECOND), lever_arm=parameters.truth_lever)
+            for r in log.references
+        ),
+    )

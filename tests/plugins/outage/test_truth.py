@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from imuwb.errors import UsageError
 from imuwb.geodesy import quaternion_of_rotation, rotation_of_euler
 from imuwb.log import GnssStream, Log, Provenance
 from imuwb.notes import ids
@@ -74,6 +75,15 @@ def test_the_delay_of_the_truth(log, without, own, toml, tmp_path):
     assert ends(judged(without, toml, tmp_path / "t.csv")) != pytest.approx(ends(own), rel=1e-3)
 
 
+def test_the_logs_own_truth_may_be_late_too(log, without, own, toml):
+    truth = log.references[0]
+    late = replace(log, references=(replace(truth, time=truth.time + 300_000_000),))
+    found = outage.run([late], stated(error_model=toml, **AT, truth_delay=0.3))
+    assert ends(found) == pytest.approx(ends(own), rel=1e-6)
+    with pytest.raises(UsageError, match="no truth of its own"):
+        outage.run([without], stated(error_model=toml, **AT, truth_delay=0.3))
+
+
 def test_an_estimate_of_the_vehicle_is_named_as_such(log, toml):
     truth = log.references[0]
     ekf = replace(truth, name="POS", origin=replace(truth.origin, frame="NED, estimated by the vehicle's own filter"))
@@ -85,7 +95,8 @@ def test_an_estimate_of_the_vehicle_is_named_as_such(log, toml):
 @pytest.mark.parametrize(
     ("options", "code", "words"),
     [
-        (("--truth-delay", "1"), 2, "--truth"),
+        (("--truth-origin", "1,2,3"), 2, "--truth FILE"),
+        (("--truth", "early.csv", "--truth-delay", "-1704067300", "--truth-origin", "1,2,3"), 2, "--truth-origin out"),
         (("--truth", "no.csv"), 4, "no such file"),
         (("--truth", "three.txt"), 2, "3 numbers"),
         (("--truth", "early.csv"), 3, "--truth-delay"),

@@ -98,6 +98,11 @@ def test_what_is_no_trajectory(text_log, text, error, words):
         read_trajectory(text_log(text, "a.txt"))
 
 
+def test_only_poses_need_times(text_log):
+    with pytest.raises(UsageError, match="leave it out"):
+        read_trajectory(text_log("0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n", "a.tum"), text_log("0\n1\n", "t.txt"))
+
+
 def test_no_rotation_is_no_pose(text_log):
     path = text_log("1 1 1 0 0 1 0 0 0 0 1 0\n" * 2, "a.txt")
     with pytest.raises(UnreadableLogError, match="no rotation"):
