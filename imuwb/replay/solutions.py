@@ -1,5 +1,6 @@
 """Solutions that another engine has computed, scored in the outages of a replay or over the whole run."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from imuwb.replay.reference_check import discrepancy
 from imuwb.replay.replay import Replay
 from imuwb.replay.scores import Scores, scores
 
+ROUNDING = 1e-3  #: s; a fix that is this much later still precedes an outage
 EACH = 1.0  #: s between two scores of a whole run
 BLOCK = (
     60.0  #: s, span over which the errors of a whole run count as one; also the time that its scores are listed under
@@ -27,12 +29,19 @@ def overlapping(replay: Replay) -> bool:
     return kept.size < len(outages)
 
 
-def fixes_outside(gnss: GnssStream, zero: int, outages: list[Outage]) -> GnssStream:
-    """Return a receiver without the fixes within some outages: after the start, up to the end."""
-    time = (gnss.time - zero) / SECOND
+def fixes_outside(gnss: GnssStream, zero: int, outages: Sequence[Outage], delay: float = 0.0) -> GnssStream:
+    """Return a receiver without the fixes within some outages: after the start, up to the end.
+
+    Args:
+        gnss: the receiver.
+        zero: ns, start of the log.
+        outages: on the clock of the IMU.
+        delay: s, by which the stamps of the fixes are late.
+    """
+    time = (gnss.time - zero) / SECOND - delay
     kept = np.ones(time.size, dtype=bool)
     for outage in outages:
-        kept &= (time <= outage.start + 1e-6) | (time > outage.start + outage.duration + 1e-6)
+        kept &= (time <= outage.start + ROUNDING) | (time > outage.start + outage.duration + ROUNDING)
     return rows_of(gnss, kept)
 
 

@@ -71,14 +71,15 @@ class EngineRun:
     failure: str = ""
 
 
-def run_engine(command: Command, log: Log, gnss: GnssStream, outage: Outage) -> EngineRun:
+def run_engine(command: Command, log: Log, gnss: GnssStream, outage: Outage, delay: float = 0.0) -> EngineRun:
     """Return the solution of an engine that gets the samples up to a second after an outage, and the fixes up to its start.
 
+    ``delay`` (s) is the time by which the stamps of the fixes are late; the engine gets the stamps as they are.
     The engine reads two CSV tables with headers, and writes a trajectory of any format that ``read_trajectory`` knows.
     """
     zero = log.zero or 0
     end = zero + round((outage.start + outage.duration + AFTER) * SECOND)
-    before = fixes_outside(gnss, zero, [outage, Outage(outage.start, 1e9)])
+    before = fixes_outside(gnss, zero, [outage, Outage(outage.start, 1e9)], delay)
     with TemporaryDirectory(prefix="imuwb-") as folder:
         files = {place: str(Path(folder) / f"{place}.csv") for place in PLACES}
         write(Log(log.provenance, imus=(_until(log.imu(), end),), zero=zero), files["imu"])

@@ -108,7 +108,8 @@ def _of_command(command: Command, name: str, replay: Replay, parameters: Paramet
 
     def one(item: tuple[float, int]) -> tuple[float, int, EngineRun]:
         duration, i = item
-        return duration, i, run_engine(command, replay.prepared.log, replay.prepared.gnss, replay.outages[duration][i])
+        prepared, outage = replay.prepared, replay.outages[duration][i]
+        return duration, i, run_engine(command, prepared.log, prepared.gnss, outage, _delay(replay))
 
     with ThreadPoolExecutor(workers) as pool:
         runs = list(tracked(pool.map(one, chosen), len(chosen)))
@@ -122,6 +123,11 @@ def _read(path: Path, replay: Replay) -> EngineRun:
         return EngineRun(None, str(error))
 
 
+def _delay(replay: Replay) -> float:
+    """Return the time by which the stamps of the fixes are late, s."""
+    return next(iter(replay.runs.values())).solution.model.installation.gnss_delay
+
+
 def _placed(run: EngineRun, replay: Replay, without: Sequence[Outage], parameters: Parameters) -> Reference:
     """Return a solution on the log's clock; a frame of its own is fitted to the fixes outside of some outages.
 
@@ -131,7 +137,7 @@ def _placed(run: EngineRun, replay: Replay, without: Sequence[Outage], parameter
     if run.solution is None:
         raise ImuwbError(run.failure)
     log = replay.prepared.log
-    gnss = fixes_outside(replay.prepared.gnss, log.zero or 0, list(without))
+    gnss = fixes_outside(replay.prepared.gnss, log.zero or 0, without, _delay(replay))
     return external_reference(run.solution, log, gnss, Placing(parameters.solution_delay), "solution")[0]
 
 

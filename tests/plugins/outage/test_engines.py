@@ -12,6 +12,7 @@ from imuwb.errors import UsageError
 from imuwb.geodesy import ned_scale
 from imuwb.log import GnssStream, Log, Provenance
 from imuwb.notes import ids
+from imuwb.replay import Outage, fixes_outside
 from imuwb.writers import write
 from imuwb_plugins import outage
 
@@ -163,6 +164,13 @@ def test_the_engine_does_not_see_the_outage(log, toml, tmp_path):
     }
     assert ends["imu"] == pytest.approx(161.0, abs=0.05)
     assert ends["gnss"] == pytest.approx(150.0, abs=0.05)
+
+
+def test_the_last_fix_before_the_outage_is_kept_though_its_stamp_is_late(log):
+    gnss = log.gnss[0]
+    late = replace(gnss, time=gnss.time + 300_000_000)
+    ends = [(fixes_outside(late, log.zero, [Outage(150.0, 1e9)], d).time[-1] - log.zero) / 1e9 for d in (0.0, 0.3)]
+    assert ends == pytest.approx([149.3, 150.3], abs=0.05)
 
 
 @pytest.mark.parametrize(
