@@ -117,8 +117,9 @@ def _usable_rows(
 ) -> Integers:
     """Return the rows of the fixes that can be used and lie within the IMU's time."""
     own = measurement.time
-    rows = np.flatnonzero(_usable(gnss, notes) & (time > own[0]) & (time < own[-1]))
-    rows = _spaced(rows, time, spacing, notes)
+    # The choice does not depend on a delay, so that filters with different delays use the same fixes.
+    rows = _spaced(np.flatnonzero(_usable(gnss, notes)), time, spacing, notes)
+    rows = rows[(time[rows] > own[0]) & (time[rows] < own[-1])]
     if rows.size < FEW:
         apart = time[0] > own[-1] or time[-1] < own[0]
         remedy = (
