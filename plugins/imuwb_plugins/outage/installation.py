@@ -15,6 +15,7 @@ from imuwb_plugins.outage.starts import started
 
 ALIGNED = 1.5  #: deg; roll and pitch below which axes that agree in heading count as those of the vehicle
 BETTER = 5.0  #: rise of the log-likelihood from which estimated delays and rates are used
+CLEAR_RATE = 2e-4  #: half the width of the interval of a clock rate that is used
 HEADING = 3.0  #: deg, usual sigma of the heading at the start
 
 
@@ -112,15 +113,32 @@ def _timed(log: Log, base: FilterModel, parameters: Parameters) -> tuple[FilterM
         return base, None, ()
     # The noise of a bench would refuse the fixes that show a delay.
     full = usual_in_motion(_largest(base, prepare(log, base, parameters.receiver).measurement.interval, parameters))
-    clocks = estimate_clocks(
-        log, full, parameters.receiver, parameters.level, with_delay=with_delay, with_rate=with_rate
-    )
-    if clocks.gain < BETTER:
+
+    def estimated(start: FilterModel, *, rate: bool) -> Clocks:
+        return estimate_clocks(log, start, parameters.receiver, parameters.level, with_delay=with_delay, with_rate=rate)
+
+    clocks = estimated(full, rate=False) if with_delay else None
+    if clocks is not None and clocks.gain < BETTER:
+        clocks = None
+    if with_rate:
+        # A rate is used where it is clear: over a short or slow drive, it stands in for other errors.
+        both = estimated(_with_clocks(full, clocks), rate=True)
+        rate = both.rate
+        clear = rate is not None and rate.upper - rate.lower < 2 * CLEAR_RATE and not rate.lower <= 1.0 <= rate.upper
+        clocks = both if clear and both.gain > BETTER else clocks
+    if clocks is None:
         text = "the innovations show no delay of the fixes and no error of the IMU's clock; none is assumed"
         return base, None, (Note("clocks-agree", text),)
+    return _with_clocks(base, clocks), clocks, ()
+
+
+def _with_clocks(model: FilterModel, clocks: Clocks | None) -> FilterModel:
+    """Return a filter with the delays and the clock rate that are estimated; None: as it is."""
+    if clocks is None:
+        return model
     estimates = {"gnss_delay": clocks.delay, "velocity_delay": clocks.velocity_delay, "clock_rate": clocks.rate}
     known = {name: estimate.value for name, estimate in estimates.items() if estimate is not None}
-    return replace(base, installation=replace(base.installation, **known)), clocks, ()
+    return replace(model, installation=replace(model.installation, **known))
 
 
 def _largest(base: FilterModel, interval: float, parameters: Parameters) -> FilterModel:
