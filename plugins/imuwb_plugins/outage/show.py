@@ -23,12 +23,13 @@ def draw(result: Result, review: Review) -> None:
         review.figure(figures.drift(own))
     for note in (*result.verdicts, *result.notes):
         review.note(note)
-    if result.motion is not None:
-        review.table(tables.motion(result.motion))
     review.tab("Consistency")
     for own in result.summary:
         review.figure(figures.consistency(own))
         review.table(tables.consistency(own))
+    if result.motion is not None:
+        review.tab("Noise in motion")
+        review.table(tables.motion(result.motion))
     review.tab("Errors")
     for name in result.samples.errors:
         review.figure(figures.errors(result, name))
