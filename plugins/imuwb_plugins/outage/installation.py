@@ -112,17 +112,17 @@ def _timed(log: Log, base: FilterModel, parameters: Parameters) -> tuple[FilterM
     if not (with_delay or with_rate):
         return base, None, ()
     # The noise of a bench would refuse the fixes that show a delay.
-    full = usual_in_motion(_largest(base, prepare(log, base, parameters.receiver).measurement.interval, parameters))
+    small = usual_in_motion(_small(base, prepare(log, base, parameters.receiver).measurement.interval, parameters))
 
     def estimated(start: FilterModel, *, rate: bool) -> Clocks:
         return estimate_clocks(log, start, parameters.receiver, parameters.level, with_delay=with_delay, with_rate=rate)
 
-    clocks = estimated(full, rate=False) if with_delay else None
+    clocks = estimated(small, rate=False) if with_delay else None
     if clocks is not None and clocks.gain < BETTER:
         clocks = None
     if with_rate:
         # A rate is used where it is clear: over a short or slow drive, it stands in for other errors.
-        both = estimated(_with_clocks(full, clocks), rate=True)
+        both = estimated(_with_clocks(small, clocks), rate=True)
         rate = both.rate
         clear = rate is not None and rate.upper - rate.lower < 2 * CLEAR_RATE and not rate.lower <= 1.0 <= rate.upper
         clocks = both if clear and both.gain > BETTER else clocks
@@ -141,13 +141,13 @@ def _with_clocks(model: FilterModel, clocks: Clocks | None) -> FilterModel:
     return replace(model, installation=replace(model.installation, **known))
 
 
-def _largest(base: FilterModel, interval: float, parameters: Parameters) -> FilterModel:
-    """Return the filter with the most processes that can run with this error model.
+def _small(base: FilterModel, interval: float, parameters: Parameters) -> FilterModel:
+    """Return a filter of few states that can run with this error model: a delay needs no more.
 
     Raises:
         UsageError: none can run.
     """
-    for name in ("full", "18AV"):
+    for name in ("15AV", "18AV"):
         try:
             model, _ = named(name, base, interval, parameters)
             model.tables(interval)
