@@ -1,11 +1,10 @@
 """Shaping filters: the states that represent the sum of processes on one sensor axis."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from imuwb.arrays import Floats
 from imuwb.stochastic import (
@@ -106,7 +105,7 @@ def shaping(processes: Sum, dt: float, reading: Reading = "corrected") -> Shapin
     if not spaces:
         none = np.zeros((0, 0))
         return Shaping(none, none, np.zeros(0), none, white, (), tuple(left_out))
-    a, q, p = (block_diag(*(getattr(space, part) for space in spaces)) for part in ("A", "Q", "P0"))
+    a, q, p = (_diagonal([getattr(space, part) for space in spaces]) for part in ("A", "Q", "P0"))
     c = np.concatenate([space.c for space in spaces])
     return Shaping(a, q, c, p, white, tuple(names), tuple(left_out))
 
@@ -170,3 +169,12 @@ def _reflection(alpha: tuple[float, ...]) -> Floats:
         k = reflection[m - 1] = a[m - 1]
         a = (a[: m - 1] - k * a[: m - 1][::-1]) / (1 - k * k)
     return reflection
+
+
+def _diagonal(blocks: Sequence[Floats]) -> Floats:
+    """Return a matrix of square blocks along its diagonal."""
+    ends = np.cumsum([block.shape[0] for block in blocks])
+    whole = np.zeros((ends[-1], ends[-1]))
+    for block, end in zip(blocks, ends, strict=True):
+        whole[end - block.shape[0] : end, end - block.shape[0] : end] = block
+    return whole

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 from imuwb.arrays import Floats, Integers
 from imuwb.geodesy.attitude import euler_of_rotation, rotation_of_quaternion
@@ -59,6 +58,8 @@ def backward_pass(solution: Solution) -> tuple[Integers, Floats, Floats]:
     Raises:
         ValueError: the solution does not have what the smoother needs.
     """
+    from scipy.linalg import cho_factor, cho_solve  # noqa: PLC0415 - scipy is slow to import
+
     track, before = solution.track, solution.track.before
     if not before.state.shape[0]:
         raise ValueError("the solution does not have what a smoother needs; use solve(..., smooth=True)")

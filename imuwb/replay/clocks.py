@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import optimize
 
 from imuwb.arrays import Booleans, Floats
 from imuwb.errors import MissingDataError
@@ -114,6 +113,7 @@ def _changed(model: FilterModel, x: Floats) -> FilterModel:
 def _minimum(objective: Callable[[Floats], float], start: Floats, steps: Floats) -> Floats:
     n = start.size
     options = {"initial_simplex": np.vstack([np.zeros(n), np.eye(n)]), "xatol": CLOSE, "fatol": 0.05, "maxfev": 300}
+    from scipy import optimize  # noqa: PLC0415 - scipy is slow to import
 
     def moved(x: Floats) -> float:
         return objective(start + steps * x)

@@ -21,7 +21,6 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import optimize
 
 from imuwb.arrays import Booleans, Floats
 from imuwb.errors import MissingDataError
@@ -218,6 +217,8 @@ class _Fit:
             return -float(values[0]), -(values[1:] - values[0]) / STEP
 
         bounds = [(x - WIDE, x + WIDE) for x in START]
+        from scipy import optimize  # noqa: PLC0415 - scipy is slow to import
+
         best = optimize.minimize(
             misfit, start, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": ITERATIONS, "ftol": 1e-6}
         )

@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from imuwb.arrays import Floats
 from imuwb.errors import UsageError
@@ -60,7 +59,7 @@ class ReferenceTrack:
             time: (...,) s from the log's start.
         """
         rates = self.velocity / ned_scale(self.position[:, 0], self.position[:, 2])
-        position = CubicHermiteSpline(self.time, self.position, rates, extrapolate=False)(time)
+        position = _between(self.time, self.position, rates, np.asarray(time, dtype=np.float64))
         velocity = np.stack([np.interp(time, self.time, self.velocity[:, i]) for i in range(3)], axis=-1)
         sigma = np.stack([np.interp(time, self.time, self.sigma[:, i]) for i in range(3)], axis=-1)
         heading = np.full(np.shape(time), np.nan) if self.heading is None else np.interp(time, self.time, self.heading)
@@ -206,3 +205,13 @@ def _fixed(log: Log, gnss: GnssStream, solution: Solution) -> ReferenceTrack:
     if gnss.position_sigma is not None:
         sigma = np.nan_to_num(gnss.position_sigma[kept], nan=FIXED_SIGMA)
     return ReferenceTrack(f"RTK-fixed positions of {gnss.name}", "fixed", time, position, velocity, None, sigma)
+
+
+def _between(at: Floats, value: Floats, rate: Floats, time: Floats) -> Floats:
+    """Return the cubic Hermite polynomials through values and rates, (..., 3), at some times; nan outside."""
+    low = np.clip(np.searchsorted(at, time, side="right") - 1, 0, at.size - 2)
+    x = ((time - at[low]) / (at[low + 1] - at[low]))[..., None]
+    step = (at[low + 1] - at[low])[..., None]
+    start = (1 + 2 * x) * (1 - x) ** 2 * value[low] + x * (1 - x) ** 2 * step * rate[low]
+    end = x**2 * (3 - 2 * x) * value[low + 1] + x**2 * (x - 1) * step * rate[low + 1]
+    return np.where((x >= 0) & (x <= 1), start + end, np.nan)

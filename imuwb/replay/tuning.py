@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import optimize
 
 from imuwb.arrays import Floats
 from imuwb.navigation.filter_model import FilterModel
@@ -71,6 +70,8 @@ def tune(prepared: Prepared, model: FilterModel, reference: str) -> tuple[Filter
 
     start = np.zeros(4)
     options = {"initial_simplex": np.vstack([start, np.eye(4) * STEP]), "xatol": 0.02, "fatol": 0.02, "maxfev": 160}
+    from scipy import optimize  # noqa: PLC0415 - scipy is slow to import
+
     best = optimize.minimize(misfit, start, method="Nelder-Mead", options=options)
     tuned, after = _scored(prepared, model, best.x, late, track)
     _, before = _scored(prepared, model, start, late, track)
