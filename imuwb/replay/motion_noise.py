@@ -31,7 +31,7 @@ from imuwb.replay.added_noise import with_added
 from imuwb.replay.prepared import Prepared, run
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit
-from imuwb.stochastic import ImuErrorModel, Sum, WhiteNoise
+from imuwb.stochastic import AxisModel, ImuErrorModel, RandomWalk, Sum, WhiteNoise
 
 NAME = "motion"  #: of the filter
 UNITS = ("rad/s/√Hz", "m/s²/√Hz", "rad/s/√s", "m/s²/√s", "m", "m/s")
@@ -164,9 +164,27 @@ def usual_in_motion(model: FilterModel) -> FilterModel:
     return replace(model, error_model=with_added(model.error_model, (white_g, white_a), (walk_g, walk_a)))
 
 
-def in_motion(model: FilterModel) -> ImuErrorModel:
-    """Return the error model of a filter with noise in motion; noise that grows with vibration has its usual density."""
-    return with_added(model.error_model, model.vibration.white, (0.0, 0.0))
+def in_motion(model: FilterModel, noise: MotionNoise) -> ImuErrorModel:
+    """Return the error model of a filter with noise in motion, with the intervals of white noise and random walks.
+
+    White noise that grows with vibration has its mean density over the drive.
+    """
+    whole = with_added(model.error_model, model.vibration.white, (0.0, 0.0))
+
+    def axis(name: str, own: AxisModel) -> AxisModel:
+        sensor, intervals = int(name.startswith("accel")), dict[str, tuple[float, float]]()
+        for i, term in enumerate(own.processes.terms):
+            if isinstance(term, WhiteNoise):
+                letter, value, added, bench = "N", term.N, noise.white[sensor], noise.bench[name]
+            elif isinstance(term, RandomWalk):
+                letter, value, added, bench = "K", term.K, noise.walk[sensor], 0.0
+            else:
+                continue
+            lower, upper = (math.hypot(end, bench) for end in (added.lower, added.upper))
+            intervals[f"{i}.{letter}"] = min(lower, value), max(upper, value)
+        return replace(own, intervals=intervals)
+
+    return replace(whole, axes={name: axis(name, own) for name, own in whole.axes.items()})
 
 
 @dataclass(frozen=True, eq=False, slots=True)

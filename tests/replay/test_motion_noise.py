@@ -47,7 +47,11 @@ def test_the_added_noise_is_found(shaken):
 
 @pytest.mark.slow
 def test_the_filter_has_the_noise_and_its_innovations_fit(shaken):
-    (n,) = noise_of(in_motion(shaken.found_model), "gyro_x", WhiteNoise, "N")
+    whole = in_motion(shaken.found_model, shaken.found)
+    (n,) = noise_of(whole, "gyro_x", WhiteNoise, "N")
+    low, high = whole.axes["gyro_x"].intervals["0.N"]
+    assert low <= TRUE.white[0] <= high
+    assert low <= n <= high
     (bench,) = noise_of(shaken.model.error_model, "gyro_x", WhiteNoise, "N")
     assert n >= np.hypot(shaken.found.white[0].value, bench) * 0.999
     before, after = (run(m, shaken.prepared).fix_nis for m in (shaken.model, shaken.found_model))

@@ -26,6 +26,7 @@ from imuwb_plugins.outage.parameters import PAPER, Parameters
 class Filters:
     """The filters of a replay; None: not wanted, or not possible."""
 
+    log: str
     models: tuple[FilterModel, ...]
     failed: dict[str, str]  #: filter that cannot be made from the error model -> reason
     motion: MotionNoise | None
@@ -36,8 +37,17 @@ class Filters:
     def error_model(self) -> ImuErrorModel | None:
         """Return the error model in motion, or the tuned one; None: no such filter."""
         found = {model.name: model for model in self.models}
-        own = found.get("tuned") or found.get("motion")
-        return None if own is None else in_motion(own)
+        if "tuned" in found:
+            own, analysis = found["tuned"].error_model, "imuwb outage --tune: noise by the errors in outages of a drive"
+        elif "motion" in found and self.motion is not None:
+            own, analysis = (
+                in_motion(found["motion"], self.motion),
+                "imuwb outage: noise in motion, by the innovations of a drive",
+            )
+        else:
+            return None
+        before = {f"bench {key}": text for key, text in own.provenance.items()}
+        return replace(own, provenance={"log": self.log, "analysis": analysis, **before})
 
 
 def named(name: str, base: FilterModel, interval: float, parameters: Parameters) -> tuple[FilterModel, tuple[str, ...]]:
@@ -97,7 +107,7 @@ def filters_of(base: FilterModel, prepared: Prepared, parameters: Parameters) ->
         except ValueError as error:
             raise MissingDataError(str(error)) from error
         models.append(replace(better, name="tuned"))
-    return Filters(tuple(models), failed, motion, tuned, _carried(carried))
+    return Filters(prepared.log.provenance.path, tuple(models), failed, motion, tuned, _carried(carried))
 
 
 def _denoised(base: FilterModel, interval: float, parameters: Parameters) -> list[FilterModel]:

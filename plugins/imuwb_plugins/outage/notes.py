@@ -65,7 +65,7 @@ def motion_notes(noise: MotionNoise) -> tuple[Note, ...]:
             f", besides scale factors that err by about {noise.scale_factor * 100:.0f} %, which the innovations show "
             f"(log-likelihood + {noise.scale_factor_gain:.0f})"
         )
-    remedy = "the filter motion has this noise, from the innovations alone; --save-model FILE.toml writes it for your estimator"
+    remedy = "the filter motion has this noise, from the innovations alone; --save-model FILE.toml writes it, and imuwb model compare shows it beside the bench's"
     return Note("motion-noise", text), Note("motion-remedy", remedy)
 
 
