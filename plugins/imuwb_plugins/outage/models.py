@@ -107,7 +107,14 @@ def filters_of(base: FilterModel, prepared: Prepared, parameters: Parameters) ->
         except ValueError as error:
             raise MissingDataError(str(error)) from error
         models.append(replace(better, name="tuned"))
-    return Filters(prepared.log.provenance.path, tuple(models), failed, motion, tuned, _carried(carried))
+    return Filters(
+        f"{prepared.log.provenance.path} {prepared.log.provenance.hash}",
+        tuple(models),
+        failed,
+        motion,
+        tuned,
+        _carried(carried),
+    )
 
 
 def _denoised(base: FilterModel, interval: float, parameters: Parameters) -> list[FilterModel]:
