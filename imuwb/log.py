@@ -28,7 +28,7 @@ from imuwb.units import SECOND, Epoch
 
 Nanoseconds: TypeAlias = Integers
 #: What the rows of a stream are. Readers also yield "velocity" and "fix" rows, which assembly joins to a receiver.
-Kind = Literal["imu", "gnss", "velocity", "fix", "speed", "temperature", "reference", "pose"]
+Kind = Literal["imu", "gnss", "velocity", "fix", "speed", "temperature", "reference", "pose", "orientation"]
 #: What a repair did to a stream: it left rows out, replaced times, changed the order of rows, or made values doubtful.
 Effect = Literal["lost", "time", "order", "value"]
 
@@ -243,6 +243,23 @@ class Reference(_Timed):
         _freeze_columns(self, (*columns, "position_sigma", "velocity_sigma", "attitude_sigma"), known=columns)
 
 
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
+class Orientation(_Timed):
+    """The attitude that an IMU states itself, for example with a magnetometer; its north may be any direction."""
+
+    name: str  #: that of the IMU
+    time: Nanoseconds  #: (n,) ns
+    quaternion: Floats  #: (n, 4) w, x, y, z of the IMU's FRD axes relative to NED
+    sigma: Floats | None = None  #: (n, 3) rad, about north, east and down, stated by the IMU; nan: not stated
+    origin: Origin = field(default_factory=Origin)
+
+    def __post_init__(self) -> None:
+        """Check and freeze the arrays."""
+        _freeze_columns(self, ("sigma",))
+        quaternion = _frozen(self.quaternion, np.float64, (self.time.size, 4), f"{self.name} quaternion")
+        _store(self, quaternion=quaternion)
+
+
 @dataclass(frozen=True, slots=True)
 class Provenance:
     """The file that a log was read from, and its reader's format."""
@@ -278,6 +295,7 @@ class Log:
     references: tuple[Reference, ...] = ()
     notes: tuple[str, ...] = ()
     poses: tuple[LocalTrack, ...] = ()  #: trajectories in frames of their own, such as those of odometry
+    orientations: tuple[Orientation, ...] = ()  #: attitudes that IMUs state themselves
     zero: int | None = None  #: ns; start of "seconds from the log's start", also for a part of the log
     conditioning: tuple[Conditioning, ...] = ()  #: in the order in which they were applied
     #: parameters that a simulator put in, apart from the sensor's error model: name -> value with its SI unit

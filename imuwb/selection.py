@@ -7,11 +7,11 @@ from typing import TypeVar
 import numpy as np
 
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.log import GnssStream, ImuStream, Log, Reference, Scalars, Triad
+from imuwb.log import GnssStream, ImuStream, Log, Orientation, Reference, Scalars, Triad
 from imuwb.notes import Note
 from imuwb.units import SECOND, unix_nanoseconds
 
-Timed = TypeVar("Timed", Triad, Scalars, GnssStream, Reference)
+Timed = TypeVar("Timed", Triad, Scalars, GnssStream, Reference, Orientation)
 FAR = np.iinfo(np.int64).max
 RULE = "A+B takes the gyro of A and the accelerometer of B"
 LONGEST = 1e9  #: s, thirty years
@@ -47,6 +47,7 @@ def select(log: Log, imu: str | None = None, start: str | None = None, end: str 
         gnss=_kept(log.gnss, first, last),
         speeds=_kept(log.speeds, first, last),
         references=_kept(log.references, first, last),
+        orientations=_kept(log.orientations, first, last),
         provenance=replace(log.provenance, selection=f"{start or 'start'} to {end or 'end'}"),
     )
     _check_not_empty(log, cut)

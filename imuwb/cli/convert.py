@@ -43,12 +43,22 @@ def convert(
     files = places(content, output)
     check_places(files, sources, force=force)
     show = shower(data=False)
-    for note in (*content.notes, *baked_in(content)):
+    for note in (*content.notes, *baked_in(content), *_left_out(content, output)):
         show(note)
     with progress(f"writing {output.name}") as report:
         write(content, output, report)
     for file in files:
         typer.echo(f"wrote {file}", err=True)
+
+
+def _left_out(log: Log, output: Path) -> Iterator[str]:
+    """Yield notes on the orientations that the format cannot hold."""
+    from imuwb.notes import Note  # noqa: PLC0415 - help must be fast
+
+    if output.suffix == ".csv":
+        for orientation in log.orientations:
+            text = f"{orientation.name}: its orientation is not written: CSV has no columns for it; MCAP has"
+            yield Note("orientation-not-written", text)
 
 
 def baked_in(log: Log) -> Iterator[str]:

@@ -75,6 +75,20 @@ def rotation_of_quaternion(quaternion: Floats) -> Floats:
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
+def swapped_axes(quaternion: Floats, *, body: bool = True) -> Floats:
+    """Return the quaternion of FRD relative to NED for one of FLU relative to east-north-up (REP 103), or the reverse.
+
+    Args:
+        quaternion: (..., 4), of length one.
+        body: whether the axes of the body change too, from FLU to FRD or the reverse.
+    """
+    w, x, y, z = np.moveaxis(np.asarray(quaternion, dtype=np.float64), -1, 0)
+    if body:  # half a turn about the forward axis
+        w, x, y, z = -x, w, z, -y
+    # half a turn about the line between east and north
+    return np.stack([-x - y, w + z, w - z, y - x], axis=-1) / np.sqrt(2)
+
+
 def euler_of_quaternion(quaternion: Floats) -> Floats:
     """Return roll, pitch and heading of quaternions, rad; heading in (-pi, pi].
 

@@ -21,6 +21,7 @@ class Batch:
     * gnss: ``position``, ``velocity``, ``position_sigma``, ``velocity_sigma`` (n, 3), ``fix_type`` (n,);
     * reference: ``position``, ``velocity``, ``attitude``, ``position_sigma``, ``velocity_sigma``, ``attitude_sigma`` (n, 3);
     * pose: ``position`` (n, 3) m and ``quaternion`` (n, 4) w, x, y, z in a frame of their own, ``position_sigma`` (n, 3) m;
+    * orientation: ``quaternion`` (n, 4) w, x, y, z of FRD relative to NED, ``sigma`` (n, 3) rad about north, east and down;
     * speed: ``speed`` (n,); temperature: ``temperature`` (n,);
     * velocity and fix: ``velocity`` and ``velocity_sigma`` (n, 3), or ``fix_type`` (n,): values of a receiver whose positions
       are in another stream.

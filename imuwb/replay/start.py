@@ -15,6 +15,7 @@ from imuwb.navigation.measurement import Measurement, measurement_of
 from imuwb.navigation.standstill import standstills
 from imuwb.notes import Note
 from imuwb.replay.heading_search import search_heading
+from imuwb.replay.logged_heading import LoggedHeading, logged_heading
 from imuwb.replay.prepared import receiver_of
 from imuwb.replay.straight_course import straight_course
 
@@ -70,7 +71,7 @@ def find_start(log: Log, model: FilterModel, receiver: str | None = None, source
     """Return how the filters start, or None if the velocity of a fast fix gives the heading.
 
     ``auto`` takes the first source that gives a heading: the velocity of a fast fix; a spread of starts; the heading that the log
-    states; the course over a straight baseline, which assumes that the vehicle moves ahead.
+    states, in a trajectory or by its IMU, unless that of the IMU contradicts the course; the course over a straight baseline, which assumes that the vehicle moves ahead.
 
     Args:
         log: an IMU and a receiver.
@@ -91,7 +92,7 @@ def find_start(log: Log, model: FilterModel, receiver: str | None = None, source
         try:
             align(measurement, corrections, stills, model)
         except MissingDataError as slow:
-            found = _searched(parts, TRUSTED) or _logged(parts) or _course(parts)
+            found = _searched(parts, TRUSTED) or _logged(parts, agreeing=True) or _course(parts)
             if found is None:
                 raise MissingDataError(f"{slow}; or state the heading at the start with --heading") from slow
             return found
@@ -104,7 +105,7 @@ def find_start(log: Log, model: FilterModel, receiver: str | None = None, source
     if found is None:
         why = {
             "search": "no heading at the start is more likely than the others: the vehicle accelerates too little",
-            "log": "the log states no attitude within the time of the IMU and the fixes",
+            "log": "the log states no attitude that agrees with gravity within the time of the IMU and the fixes",
             "course": "the positions have no straight baseline that is long enough for a course",
         }[source]
         raise MissingDataError(f"{log.provenance.path}: {why}; state the heading at the start with --heading DEG")
@@ -122,8 +123,8 @@ def _searched(parts: _Parts, most: float) -> Start | None:
     return Start(found.time, found.heading, found.sigma, Note("heading-searched", text))
 
 
-def _logged(parts: _Parts) -> Start | None:
-    """Return the heading that the first trajectory with an attitude states."""
+def _logged(parts: _Parts, *, agreeing: bool = False) -> Start | None:
+    """Return the heading that the first trajectory with an attitude states, or else the IMU; if ``agreeing``, with the course."""
     for reference in parts.log.references:
         if reference.attitude is None or not len(reference):
             continue
@@ -137,7 +138,38 @@ def _logged(parts: _Parts) -> Start | None:
             f"the heading at the start is that of {reference.name} in the log: {heading:.0f} deg, sigma {LOGGED:g} deg"
         )
         return Start(float(inside[0]), heading, LOGGED, Note("heading-of-log", text))
-    return None
+    found = _of_imu(parts)
+    if found is None or (agreeing and found.contradicted):
+        return None
+    origin = "as the IMU states it" if found.stated else "assumed, because the IMU states none"
+    text = (
+        f"the heading at the start is that of the orientation of {found.name}: {found.heading:.0f} deg, sigma "
+        f"{found.sigma:.2g} deg, {origin}; it is taken as relative to north (REP 103: yaw 0 is east){_compared(found)}"
+    )
+    heading, sigma = found.aligned or (found.heading, found.sigma)
+    if found.contradicted:
+        text += ": its zero is not east, the mounting is not the true one, or the vehicle does not move ahead; check these, or state --heading"
+    if found.aligned is not None:
+        text += (
+            f"; the heading is turned by {-found.difference:.0f} deg to {heading:.0f} deg, sigma {sigma:.2g} deg, so that it agrees "
+            "with the courses: this is right only if the vehicle moves ahead"
+        )
+    return Start(found.time, heading, sigma, Note("heading-of-orientation", text))
+
+
+def _of_imu(parts: _Parts) -> LoggedHeading | None:
+    return logged_heading(parts.log, parts.corrections, parts.model.installation.mounting)
+
+
+def _compared(found: LoggedHeading) -> str:
+    """Return how a heading differs from the courses, as the end of a sentence."""
+    if not found.courses:
+        return ""
+    verb = "contradicts" if found.contradicted else "agrees with"
+    return (
+        f"; it {verb} the courses over {found.courses} straight baselines: it differs by {found.difference:.0f} deg in the "
+        f"median, with a scatter of {found.scatter:.0f} deg"
+    )
 
 
 def _course(parts: _Parts) -> Start | None:
@@ -148,4 +180,7 @@ def _course(parts: _Parts) -> Start | None:
         f"the heading at the start is the course over {found.length:.1f} m in {found.span:.0f} s, {found.course:.0f} deg, sigma "
         f"{found.sigma:.2g} deg: this is right only if the vehicle moves ahead"
     )
+    stated = _of_imu(parts)
+    if stated is not None and stated.contradicted:
+        text += f"; the orientation of {stated.name} is not used{_compared(stated)}"
     return Start(found.time, found.course, found.sigma, Note("heading-of-course", text), MOVING_TILT)

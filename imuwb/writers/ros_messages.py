@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from imuwb.log import GnssStream, ImuStream, Log, Nanoseconds, Reference, Scalars
+from imuwb.geodesy import swapped_axes
+from imuwb.log import GnssStream, ImuStream, Log, Nanoseconds, Orientation, Reference, Scalars
 from imuwb.ros import ABSENT, UNKNOWN
 
 Fill = Callable[[NDArray[np.void], slice], None]
@@ -59,7 +60,7 @@ class Topic:
 def topics(log: Log) -> list[Topic]:
     """Return all streams of a log as messages."""
     return [
-        *(topic for imu in log.imus for topic in _imu(imu)),
+        *(topic for imu in log.imus for topic in _imu(imu, log.orientations)),
         *(topic for gnss in log.gnss for topic in _gnss(gnss)),
         *map(_speed, log.speeds),
         *map(_reference, log.references),
@@ -82,25 +83,49 @@ def stamped(topic: Topic, channel: int, part: slice, opcode: int) -> NDArray[np.
     return rows
 
 
-def _imu(imu: ImuStream) -> Iterator[Topic]:
+def _imu(imu: ImuStream, orientations: tuple[Orientation, ...]) -> Iterator[Topic]:
     rate, force = imu.angular_rate, imu.specific_force
     together = rate is None or force is None or np.array_equal(rate.time, force.time)
     for sensor, triad in (("gyro", rate), ("accel", force)):
         if triad is None or (together and sensor == "accel" and rate is not None):
             continue
 
-        def motion(rows: NDArray[np.void], part: slice, *, own: str = sensor) -> None:
+        # Sensors with different clocks are two topics, which a reader joins.
+        name = imu.name if together else f"{imu.name}/{sensor}"
+
+        def motion(
+            rows: NDArray[np.void],
+            part: slice,
+            *,
+            own: str = sensor,
+            topic: str = name,
+            time: Nanoseconds = triad.time,
+        ) -> None:
             rows["orientation_covariance"][:, 0] = ABSENT
+            for orientation in orientations:
+                if orientation.name == topic:
+                    _orient(rows, time[part], orientation)
             for name, values, field in (("gyro", rate, "rate"), ("accel", force, "force")):
                 if values is None or (not together and name != own):
                     rows[f"{field}_covariance"][:, 0] = ABSENT
                 else:
                     rows[field] = values.value[part] * FRD_TO_FLU
 
-        # Sensors with different clocks are two topics, which a reader joins.
-        yield Topic(imu.name if together else f"{imu.name}/{sensor}", "sensor_msgs/msg/Imu", triad.time, _IMU, motion)
+        yield Topic(name, "sensor_msgs/msg/Imu", triad.time, _IMU, motion)
     if imu.temperature is not None:
         yield _temperature(imu.name, imu.temperature)
+
+
+def _orient(rows: NDArray[np.void], time: Nanoseconds, orientation: Orientation) -> None:
+    """Set the orientation of the messages at whose times there is one."""
+    at = np.minimum(np.searchsorted(orientation.time, time), len(orientation) - 1)
+    same = np.flatnonzero(orientation.time[at] == time)
+    at = at[same]
+    rows["orientation"][same] = swapped_axes(orientation.quaternion[at])[:, [1, 2, 3, 0]]
+    covariance = np.zeros((same.size, 9))  # 0: not known
+    if orientation.sigma is not None:
+        covariance[:, [4, 0, 8]] = np.nan_to_num(orientation.sigma[at]) ** 2
+    rows["orientation_covariance"][same] = covariance
 
 
 def _temperature(imu: str, celsius: Scalars) -> Topic:

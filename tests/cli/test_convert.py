@@ -1,10 +1,12 @@
 """``imuwb convert``: from any log to MCAP or CSV, whole or in part."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from imuwb import read
-from imuwb.log import SECOND, GnssStream, ImuStream, Log, Origin, Provenance, Reference, Scalars, Triad
+from imuwb.log import SECOND, GnssStream, ImuStream, Log, Orientation, Origin, Provenance, Reference, Scalars, Triad
 from imuwb.writers import write
 
 ZERO = 1_714_564_800 * SECOND  # 2024-05-01T12:00:00Z
@@ -65,6 +67,19 @@ def test_csv_becomes_mcap_and_back_the_same_bytes(imuwb, single, tmp_path):
     assert imuwb("convert", "a.csv", "-o", "b.mcap").code == 0
     assert imuwb("convert", "b.mcap", "-o", "c.csv").code == 0
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "c.csv").read_bytes()
+
+
+def test_csv_has_no_room_for_an_orientation_and_mcap_has(imuwb, tmp_path):
+    log = log_of()
+    time = log.imus[0].angular_rate.time
+    turned = Orientation("/imu", time, np.tile([0.6, 0.0, 0.0, 0.8], (time.size, 1)))
+    write(replace(log, orientations=(turned,)), tmp_path / "turned.mcap")
+    done = imuwb("convert", "turned.mcap", "-o", "out.csv")
+    assert done.code == 0
+    assert "/imu: its orientation is not written" in " ".join(done.err.split())
+    done = imuwb("convert", "turned.mcap", "-o", "again.mcap")
+    assert "not written" not in done.err
+    assert len(read(tmp_path / "again.mcap").orientations[0]) == time.size
 
 
 def test_a_whole_log_goes_from_mcap_to_mcap(imuwb, two, tmp_path):

@@ -15,6 +15,7 @@ from imuwb.log import (
     ImuStream,
     Kind,
     Log,
+    Orientation,
     Provenance,
     Reference,
     Repair,
@@ -34,6 +35,7 @@ _COLUMNS = {
     "gnss": ("position", "velocity", "position_sigma", "velocity_sigma", "fix_type"),
     "reference": ("position", "velocity", "attitude", "position_sigma", "velocity_sigma", "attitude_sigma"),
     "pose": ("position", "quaternion", "position_sigma"),
+    "orientation": ("quaternion", "sigma"),
     "velocity": ("velocity", "velocity_sigma"),
     "fix": ("fix_type",),
     "speed": ("speed",),
@@ -44,6 +46,7 @@ _SIGMAS = ("position_sigma", "velocity_sigma")
 _MAY_BE_UNKNOWN: dict[Kind, tuple[str, ...]] = {
     "gnss": ("velocity", *_SIGMAS, "fix_type"), "velocity": ("velocity", *_SIGMAS, "fix_type"),
     "reference": (*_SIGMAS, "attitude_sigma"), "pose": _SIGMAS,
+    "orientation": ("sigma",),
 }  # fmt: skip
 NOT_FINITE = Repair(Note("not_finite", "rows with a value that is not a number left out"), 0)
 
@@ -133,8 +136,8 @@ def _finite(kind: Kind, rows: int, columns: dict[str, Floats]) -> Booleans:
 
 def _repair_notes(streams: list[Batch], unused: dict[str, list[Repair]]) -> Iterator[Note]:
     """Yield the repairs of streams whose repairs a summary does not show, and the repairs of streams without rows."""
-    # The poses of an odometry are rows of its speed too, whose repairs are the same.
-    shown = {(r.stream, r.kind) for r in streams if r.kind in ("imu", "gnss", "pose")}
+    # The poses of an odometry are rows of its speed too, and an orientation's those of its IMU; the repairs are the same.
+    shown = {(r.stream, r.kind) for r in streams if r.kind in ("imu", "gnss", "pose", "orientation")}
     hidden = [(r.stream, repair) for r in streams if (r.stream, r.kind) not in shown for repair in r.origin.repairs]
     for stream, repair in (*hidden, *((stream, repair) for stream, repairs in unused.items() for repair in repairs)):
         yield Note(getattr(repair.what, "id", "repair"), f"{stream}: {repair.what} ({repair.count})")
@@ -156,6 +159,7 @@ def _log(provenance: Provenance, streams: list[Batch], notes: list[str]) -> Log:
         gnss=gnss,
         references=tuple(map(_reference, of["reference"])),
         poses=tuple(map(_pose, of["pose"])),
+        orientations=tuple(Orientation(r.stream, r.time, origin=r.origin, **r.columns) for r in of["orientation"]),
         speeds=tuple(_scalars(r, "speed") for r in of["speed"]),
         notes=(*notes, *imu_notes, *gnss_notes),
     )

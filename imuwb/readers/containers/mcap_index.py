@@ -66,7 +66,7 @@ def _streams(file: BinaryIO, summary: Summary, above: set[str]) -> Iterator[Stre
         start, end = min(c.message_start_time for c in chunks), max(c.message_end_time for c in chunks)
         rate = (count - 1) / (end - start) * SECOND if end > start else None
         recipes = shapes.recognise(fields, ours.name if ours else "", channel.topic)
-        for recipe in (r for r in recipes if r.kind != "pose"):  # a pose is no stream of the summary
+        for recipe in (r for r in recipes if r.kind not in ("pose", "orientation")):  # no streams of the summary
             schema_name = ours.name if ours else ""
             origin = origin_of(recipe.kind, None, above_sea=channel.topic in above, schema=schema_name)
             epoch = "unix" if start > UNIX else "log"

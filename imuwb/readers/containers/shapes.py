@@ -5,15 +5,17 @@ one of these, the name has a prefix. A recipe states which fields make which col
 """
 
 import re
-from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from imuwb.arrays import Floats, Integers
+from imuwb.geodesy import swapped_axes
 from imuwb.log import SECOND, Kind
+from imuwb.readers.batch import Batch
 from imuwb.ros import ABSENT, UNKNOWN
 
 Values = Mapping[str, Floats]
@@ -26,6 +28,7 @@ STAMPS = (
     ("timestamp.sec", "timestamp.nanosec"),
     ("timestamp.seconds", "timestamp.nanos"),
 )
+NEAR_ONE = 0.05  #: a quaternion whose length differs from one by more is no attitude
 LATEST = 9.2e9  #: s; later nanoseconds do not fit into int64
 
 
@@ -102,6 +105,32 @@ def _imu(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
     return columns
 
 
+def _orientation(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
+    """Return the quaternions, nan where the message states none, and their sigmas."""
+    quaternion = np.stack([values[f"{prefix}orientation.{part}"] for part in "wxyz"], axis=1)
+    length = np.linalg.norm(quaternion, axis=1, keepdims=True)
+    covariance = values.get(f"{prefix}orientation_covariance")
+    whole = covariance is not None and covariance.shape[1:] == (9,)
+    stated = np.abs(length - 1) < NEAR_ONE
+    if covariance is not None and whole:
+        stated &= covariance[:, :1] != ABSENT
+    quaternion /= np.where(stated, length, np.nan)
+    # An IMU whose axes are stated as FRD is taken to state its attitude relative to NED as well.
+    columns = {"quaternion": swapped_axes(quaternion) if frame == "FLU" else quaternion}
+    return columns | (_sigmas("sigma", covariance, 3) if whole else {})
+
+
+def stated_orientation(batch: Batch) -> Iterator[Batch]:
+    """Yield the rows of a batch that have an orientation, if any has; an orientation that is always the identity is not set."""
+    quaternion = batch.columns["quaternion"]
+    known = np.isfinite(quaternion).all(axis=1)
+    unset = swapped_axes(np.array([1.0, 0, 0, 0])), np.array([1.0, 0, 0, 0])
+    if not known.any() or any((np.abs(quaternion[known]) == np.abs(row)).all() for row in unset):
+        return
+    columns = {name: values[known] for name, values in batch.columns.items()}
+    yield replace(batch, time=batch.time[known], columns=columns)
+
+
 def _gnss(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
     latitude = values[f"{prefix}latitude"]
     height = values.get(f"{prefix}altitude", np.zeros_like(latitude))
@@ -172,6 +201,7 @@ REFERENCE = ("latitude_longitude_height", "velocity_north_east_down", "roll_pitc
 REFERENCE_SIGMAS = ("position_sigma", "velocity_sigma", "attitude_sigma")
 _TRIADS = tuple(f"{field}.{axis}" for field in ("angular_velocity", "linear_acceleration") for axis in "xyz")
 _COVARIANCES = ("angular_velocity_covariance[0]", "linear_acceleration_covariance[0]")
+_ORIENTATION = ("angular_velocity.x", *(f"orientation.{part}" for part in "xyzw"))
 _RECEIVER = re.compile(r"(?:^|[/_.])(?:gps|gnss|fix|navsat|ublox)")
 
 
@@ -195,6 +225,7 @@ _SCHEMAS: dict[Kind, Callable[[str, str], bool]] = {
 #: (key, kind, required fields, optional fields, recipe)
 _SHAPES: tuple[tuple[str, Kind, tuple[str, ...], tuple[str, ...], Callable[..., dict[str, Floats]]], ...] = (
     ("angular_velocity.x", "imu", _TRIADS, _COVARIANCES, _imu),
+    ("angular_velocity.x", "orientation", _ORIENTATION, ("orientation_covariance",), _orientation),
     ("latitude", "gnss", ("latitude", "longitude"), ("altitude", "position_covariance", "status.status", *_COURSE), _gnss),
     ("temperature", "temperature", ("temperature",), (), _single("temperature", "temperature")),
     ("twist.linear.x", "velocity", _LINEAR, ("covariance",), _velocity),

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from imuwb.arrays import Integers
+from imuwb.arrays import Floats, Integers
 from imuwb.errors import UnreadableLogError
 from imuwb.log import BY_FILTER, MEAN_SEA_LEVEL, Effect, Kind, Origin
 from imuwb.notes import Note
@@ -20,6 +20,7 @@ from imuwb.readers.containers.messages import Channel, Container, Messages, Sche
 from imuwb.readers.containers.shapes import Recipe
 from imuwb.readers.read_options import ReadOptions
 
+SAMPLED = 16  #: messages of a buffer that are examined for an orientation
 PATIENCE = 100  #: number of messages; a channel without a known field in these is not examined again
 UNIX = 10**17  #: ns; a later stamp (after March 1973) counts from 1970
 ESTIMATE = "/FilterEstimate"  #: end of the name of imuwb's message for an estimate of the vehicle's own filter
@@ -32,7 +33,7 @@ _EFFECTS: dict[Note, Effect] = {NO_HEIGHT: "value", NO_STAMP: "time"}
 _STORED: dict[Kind, tuple[str, str]] = {
     "imu": ("rad/s, m/s²", "FLU (REP 145)"), "gnss": ("deg, m", "ENU"), "velocity": ("m/s", "ENU"), "speed": ("m/s", "forward"),
     "reference": ("rad, m, m/s", "NED"), "temperature": ("°C", ""), "fix": ("", ""),
-    "pose": ("m", "of its own"),
+    "pose": ("m", "of its own"), "orientation": ("", "FLU relative to ENU (REP 103)"),
 }  # fmt: skip
 
 
@@ -133,13 +134,17 @@ class _Topic:
         if self.decoder is None:
             return
         for recipe in self.recipes:
+            if recipe.kind == "orientation" and not self._oriented(recipe, messages, rows):
+                continue
+            faults = self.faults if recipe.kind != "orientation" else Counter[Note]()  # they are those of the IMU
             pieces = list(self.decoder.decode(messages, rows, recipe.paths))
             lost = rows.size - sum(decoded.size for _, decoded in pieces)
             if lost:
-                self.faults[NO_FIT] += lost
+                faults[NO_FIT] += lost
             if pieces:
                 values, decoded = _in_order(pieces) if len(pieces) > 1 else pieces[0]
-                yield self._batch(recipe, values, messages, decoded)
+                batch = self._batch(recipe, values, messages, decoded, faults)
+                yield from (batch,) if recipe.kind != "orientation" else shapes.stated_orientation(batch)
 
     def remarks(self) -> Iterator[Remark]:
         if self.why:
@@ -150,19 +155,42 @@ class _Topic:
         for fault, count in self.faults.items():
             yield Remark(fault, self.name, count, _EFFECTS.get(fault, "lost"))
 
-    def _batch(self, recipe: Recipe, values: Mapping[str, NDArray[Any]], messages: Messages, rows: Integers) -> Batch:
+    def _oriented(self, recipe: Recipe, messages: Messages, rows: Integers) -> bool:
+        """Return whether some of the messages state an orientation: most IMUs have none, and their fields need not be decoded."""
+        some = rows[:: max(1, rows.size // SAMPLED)]
+        pieces = self.decoder.decode(messages, some, recipe.paths) if self.decoder is not None else ()
+        return any(bool(np.isfinite(self._columns(recipe, values)["quaternion"]).any()) for values, _ in pieces)
+
+    def _columns(self, recipe: Recipe, values: Mapping[str, NDArray[Any]]) -> dict[str, Floats]:
         numbers = {path: np.asarray(array, dtype=np.float64) for path, array in values.items()}
-        columns = recipe.columns(numbers, recipe.prefix, self.options.frame or "FLU")
+        return recipe.columns(numbers, recipe.prefix, self.options.frame or "FLU")
+
+    def _batch(
+        self,
+        recipe: Recipe,
+        values: Mapping[str, NDArray[Any]],
+        messages: Messages,
+        rows: Integers,
+        faults: Counter[Note],
+    ) -> Batch:
+        columns = self._columns(recipe, values)
         if recipe.kind == "gnss" and f"{recipe.prefix}altitude" not in values:
-            self.faults[NO_HEIGHT] += rows.size
-        time = self._time(recipe, values, messages, rows)
+            faults[NO_HEIGHT] += rows.size
+        time = self._time(recipe, values, messages, rows, faults)
         alone = sum(other.kind == recipe.kind for other in self.recipes) == 1
         name = self.name if alone else f"{self.name}.{recipe.prefix.rstrip('.')}"
         unix = bool(time.size) and time[0] > UNIX
         origin = origin_of(recipe.kind, self.options.frame, above_sea=self.above_sea, unix=unix, schema=self.schema)
         return Batch(name, recipe.kind, time, columns, origin, messages.bytes_read)
 
-    def _time(self, recipe: Recipe, values: Mapping[str, NDArray[Any]], messages: Messages, rows: Integers) -> Integers:
+    def _time(
+        self,
+        recipe: Recipe,
+        values: Mapping[str, NDArray[Any]],
+        messages: Messages,
+        rows: Integers,
+        faults: Counter[Note],
+    ) -> Integers:
         """Return the times that the options ask for; a message without a stamp has the recorder's time."""
         if self.options.time_source == "publish":
             return messages.publish_time[rows]
@@ -174,7 +202,7 @@ class _Topic:
         if stamps is not None and stamps.max() < UNIX:
             unset[:] = not stamps.any()  # the clock of a simulation may begin at 0
         if unset.any():
-            self.faults[NO_STAMP] += int(unset.sum())
+            faults[NO_STAMP] += int(unset.sum())
         return recorded if stamps is None else np.where(unset, recorded, stamps)
 
 

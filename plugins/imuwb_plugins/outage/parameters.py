@@ -121,7 +121,7 @@ class Parameters:
     heading: Annotated[
         Literal["auto", "search", "course", "log"] | float,
         "Heading of the vehicle at the start (deg), or where it comes from: a spread of starts (search), the course over a straight "
-        "baseline, the attitude in the log; auto: the velocity of a fast fix, or else the first of these that gives one.",
+        "baseline, the attitude or the orientation of the IMU in the log (log); auto: the velocity of a fast fix, or else the first of these that gives one.",
         Between(-360, 360), Form("DEG|auto|search|course|log", "75"),
     ] = "auto"  # fmt: skip
     heading_sigma: Annotated[
