@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.errors import MissingDataError
 from imuwb.log import SECOND, GnssStream, Log
-from imuwb.navigation.filter_model import FilterModel, Settings
+from imuwb.navigation.filter_model import FilterModel, Settings, receiver_variance
 from imuwb.navigation.measurement import Measurement
 from imuwb.navigation.tables import FIX, SPEED, STILL, STRAIGHT, Events
 from imuwb.notes import Note
@@ -23,6 +23,7 @@ EACH = 1.0  #: s between two events of an aid
 JITTER = (
     0.25  #: usual intervals between fixes; a fix that is early by this much is still far enough from the fix before
 )
+LEAST_WHITE = 0.01  #: of a position's stated variance, which is white at least, whatever its correlated error
 LEAST_SIGMA = (0.005, 0.005)  #: m and m/s; smaller sigmas of a receiver are raised to this
 
 
@@ -110,6 +111,27 @@ def raised(corrections: Corrections, floor: tuple[float, float]) -> Corrections:
     events = corrections.events
     added = np.where((events.kind == FIX)[:, None] & (events.variance > 0), floor_variance(floor), 0.0)
     return replace(corrections, events=events._replace(variance=events.variance + added))
+
+
+def uncorrelated(corrections: Corrections, sigma: float) -> tuple[Corrections, Floats]:
+    """Return corrections without the part of their positions' variances that a correlated error explains.
+
+    A receiver states the sigma of its whole error. With states for the correlated part, only the rest is white: what it states
+    minus the variance of the correlated part, but at least ``LEAST_WHITE`` of what it states.
+
+    Args:
+        corrections: the corrections.
+        sigma: m, horizontal, of the correlated error.
+
+    Returns:
+        The corrections, and by how much the variance of white and correlated errors exceeds what each event states, (E, 3) m².
+    """
+    events = corrections.events
+    part, stated = receiver_variance(sigma), events.variance[:, :3]
+    known = (events.kind == FIX)[:, None] & (stated > 0)
+    white = np.where(known, np.maximum(stated - part, LEAST_WHITE * stated), stated)
+    variance = np.column_stack([white, events.variance[:, 3:]])
+    return replace(corrections, events=events._replace(variance=variance)), white + part - stated
 
 
 def _usable_rows(

@@ -12,7 +12,7 @@ from imuwb.navigation import kernel
 from imuwb.navigation.alignment import Alignment
 from imuwb.navigation.corrections import Corrections
 from imuwb.navigation.covariance import NAVIGATION, flat
-from imuwb.navigation.filter_model import FilterModel
+from imuwb.navigation.filter_model import FilterModel, receiver_variance
 from imuwb.navigation.initial import axis_start
 from imuwb.navigation.measurement import Measurement
 from imuwb.navigation.strapdown import QUATERNION, SIZE, VELOCITY, navigation_state
@@ -262,6 +262,12 @@ def _axes_at_start(
                 gain = prior.cross / (prior.variance + noise)
                 states[place.start - NAVIGATION : place.stop - NAVIGATION] = gain * alignment.gyro_bias[axis]
                 covariance[place, place] -= np.outer(gain, prior.cross)
-        if place.stop < first[axis + 1]:
+        if model.scale_factor[axis // 3]:
             covariance[place.stop, place.stop] = model.scale_factor[axis // 3] ** 2
+    if tables.receiver[0]:
+        # The filter starts at a fix, so that the error of its position is the receiver's error plus white noise.
+        for i, (s, variance) in enumerate(
+            zip(tables.receiver, receiver_variance(model.settings.gnss_correlation[0]), strict=True)
+        ):
+            covariance[s, s] = covariance[i, s] = covariance[s, i] = variance
     return states, covariance

@@ -15,6 +15,7 @@ from imuwb.navigation.tables import AxisTables
 from imuwb.navigation.workspace import MOST_STATES
 from imuwb.stochastic import AxisModel, ImuErrorModel, Sinusoid, Sum
 
+RECEIVER = "receiver"  #: in the names of the states of a receiver's error
 NAVIGATION_STATES = (
     *(f"position {axis}, m" for axis in ("north", "east", "down")),
     *(f"velocity {axis}, m/s" for axis in ("north", "east", "down")),
@@ -70,6 +71,9 @@ class Settings:
     sigma_scale: tuple[float, float] = (1.0, 1.0)  #: factors of the receiver's own sigmas of positions and velocities
     #: m and m/s; the squares are added to the variances of positions and velocities, four times for a height
     sigma_floor: tuple[float, float] = (0.0, 0.0)
+    #: m and s, sigma (horizontal; a height's is twice as large) and correlation time of a first-order Gauss-Markov error of the
+    #: receiver's position, which is a part of the sigmas of its fixes and has three states; 0: there is no such error
+    gnss_correlation: tuple[float, float] = (0.0, 0.0)
     spacing: float = 0.0  #: s between two fixes that are used, at least; 0: all are used
     tilt: float = 1.0  #: deg, sigma of roll and pitch at the alignment
     heading: float = 3.0  #: deg, sigma of heading at the alignment; the velocity's sigma adds to it
@@ -148,7 +152,7 @@ class FilterModel:
         if not any(lines):
             return ()
         orders = [self._shaping(*own).order for own in zip(AXES, axes, [dt] * len(AXES), lines, strict=True)]
-        taken = NAVIGATION + sum(orders) + sum(scale > 0 for scale in self._scales())
+        taken = NAVIGATION + sum(orders) + sum(scale > 0 for scale in self._scales()) + sum(self._received())
         return left_out(axes, max(MOST_STATES - taken, 0) // 2, self.settings.horizons)
 
     def _axis(self, axis: str) -> AxisModel:
@@ -171,9 +175,16 @@ class FilterModel:
     def states(self, dt: float) -> tuple[str, ...]:
         """Return the name of each error state (Quinchia, table 8)."""
         units = ("rad/s",) * 3 + ("m/s²",) * 3
+        received = zip(self._received(), ("", "", "", "north", "east", "down"), strict=True)
         axes = [
-            [*(f"{axis}: {state}, {unit}" for state in own.states), *((f"{axis}: scale factor",) if scale else ())]
-            for axis, unit, own, scale in zip(AXES, units, self.shapings(dt), self._scales(), strict=True)
+            [
+                *(f"{axis}: {state}, {unit}" for state in own.states),
+                *((f"{axis}: scale factor",) if scale else ()),
+                *((f"{RECEIVER}: position error {name}, m",) if correlated else ()),
+            ]
+            for axis, unit, own, scale, (correlated, name) in zip(
+                AXES, units, self.shapings(dt), self._scales(), received, strict=True
+            )
         ]
         return (*NAVIGATION_STATES, *(state for axis in axes for state in axis))
 
@@ -183,6 +194,16 @@ class FilterModel:
 
     def _scales(self) -> tuple[float, ...]:
         return (self.scale_factor[0],) * 3 + (self.scale_factor[1],) * 3
+
+    def _received(self) -> tuple[bool, ...]:
+        """Return whether a state of the receiver's error follows the states of each axis: those of accelerometers have one."""
+        sigma, time = self.settings.gnss_correlation
+        if sigma < 0 or time < 0 or (sigma > 0) != (time > 0):
+            raise UsageError(
+                f"{self.name}: the receiver's correlated error has a sigma of {sigma:g} m and a correlation time of {time:g} s; both "
+                "must be above 0, or both 0"
+            )
+        return (False,) * 3 + (sigma > 0,) * 3
 
     def tables(self, dt: float, celsius: tuple[float | None, ...] = (None,)) -> tuple[AxisTables, Floats]:
         """Return the tables for the kernels, and the covariance of the axes' states at the log's start.
@@ -196,8 +217,8 @@ class FilterModel:
         """
         each = {t: self.shapings(dt, t) for t in dict.fromkeys(celsius)}
         regimes = [each[t] for t in celsius]
-        scales = self._scales()
-        orders = [own.order + (scale > 0) for own, scale in zip(regimes[0], scales, strict=True)]
+        scales, received = self._scales(), self._received()
+        orders = [own.order + (s > 0) + more for own, s, more in zip(regimes[0], scales, received, strict=True)]
         tables = self._empty_tables(len(celsius), orders)
         start = np.zeros((sum(orders), sum(orders)))
         for r, axes in enumerate(regimes):
@@ -205,12 +226,16 @@ class FilterModel:
                 _copy(tables, same, r)
                 continue
             for i, (own, scale) in enumerate(zip(axes, scales, strict=True)):
-                low, high = int(tables.first[i]) - NAVIGATION, int(tables.first[i + 1]) - NAVIGATION
-                _fill(tables, r, i, own, slice(low, low + own.order))
+                low = int(tables.first[i]) - NAVIGATION
+                high = low + own.order
+                _fill(tables, r, i, own, slice(low, high))
                 if scale:
-                    tables.step[r, high - 1], tables.output[r, :, high - 1], tables.scale[high - 1] = 1.0, 1.0, True
+                    tables.step[r, high], tables.output[r, :, high], tables.scale[high] = 1.0, 1.0, True
                     tables.transition[r, :, i, own.order, own.order] = 1.0
-                    start[high - 1, high - 1] = scale**2
+                    start[high, high] = scale**2
+                if received[i]:
+                    place = int(tables.first[i + 1]) - 1 - NAVIGATION
+                    start[place, place] = _receive(tables, r, i, self.settings.gnss_correlation, dt)
                 if r == 0:
                     start[low : low + own.order, low : low + own.order] = own.P0
         return tables, start
@@ -227,6 +252,7 @@ class FilterModel:
             first=first, step=np.zeros((regimes, count)), scale=np.zeros(count, dtype=bool),
             output=np.zeros((regimes, spans, count)), transition=np.zeros(shape), noise=np.zeros(shape),
             inside=np.zeros((regimes, spans, 6)), cross=np.zeros((regimes, spans, count)), white=np.zeros((regimes, 6)),
+            receiver=np.where(self._received()[3:], first[4:] - 1, 0),
         )  # fmt: skip
 
 
@@ -242,6 +268,26 @@ def _copy(tables: AxisTables, regime: int, to: int) -> None:
         tables.white,
     ):
         part[to] = part[regime]
+
+
+def _receive(tables: AxisTables, regime: int, axis: int, correlation: tuple[float, float], dt: float) -> float:
+    """Write the tables of the receiver's error that follows an axis's states; return its variance, m².
+
+    The error is first-order Gauss-Markov: over h seconds it decays by a = exp(-h/tau), and noise of the variance
+    sigma² (1 - a²) is added (Groves, 3.2.4). It is no error of the axis: the axis's output does not depend on it.
+    """
+    sigma, time = correlation
+    variance = receiver_variance(sigma)[axis - 3]
+    at = int(tables.first[axis + 1] - tables.first[axis]) - 1
+    decay = np.exp(-dt / time * np.arange(tables.output.shape[1]))
+    tables.transition[regime, :, axis, at, at] = decay
+    tables.noise[regime, :, axis, at, at] = variance * (1 - decay**2)
+    return float(variance)
+
+
+def receiver_variance(sigma: float) -> Floats:
+    """Return the variances of a receiver's correlated position error, (3,) m² NED; a height's sigma is twice as large."""
+    return np.square([sigma, sigma, 2 * sigma])
 
 
 def _fill(tables: AxisTables, regime: int, axis: int, shaping: Shaping, place: slice) -> None:

@@ -29,6 +29,7 @@ class AxisTables(NamedTuple):
     inside: Floats  #: (R, M + 1, 6) variance that this noise adds to the sum of the span's errors
     cross: Floats  #: (R, M + 1, K) covariance of the states' noise and that sum
     white: Floats  #: (R, 6) density of white noise, unit²/Hz, two-sided
+    receiver: Integers  #: (3,) index among all error states of the receiver's position errors, NED; 0: there are no such states
 
 
 class Samples(NamedTuple):

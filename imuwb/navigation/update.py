@@ -177,6 +177,12 @@ def update(
     trend = space.trend
     regime = int(samples.regime[events.at[e]])
     _measure(state, kind, events.late[e], events.value[e], rules.lever, rules.point, tables, regime, space)
+    if kind == FIX and tables.receiver[0] > 0:
+        # The receiver shows the position plus its own correlated error, whose estimate is one of the axes' states.
+        for i in range(3):
+            s = tables.receiver[i]
+            residual[i] += axes[s - NAVIGATION]
+            rows[i, s] = -1.0
     for i in range(n):
         error[i] = guess[i] = 0.0
     for i in range(6):

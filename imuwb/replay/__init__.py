@@ -5,6 +5,7 @@ from imuwb.replay.choice import Choice, FilterCandidate, choose
 from imuwb.replay.clocks import Clocks, estimate_clocks
 from imuwb.replay.degraded import Degradation, degraded
 from imuwb.replay.external import Placing, external_reference
+from imuwb.replay.gnss_correlation import GnssCorrelation, estimate_gnss_correlation
 from imuwb.replay.models import NAMES, TURN_ON, model_named
 from imuwb.replay.motion import motion_classes
 from imuwb.replay.motion_noise import MotionNoise, estimate_motion_noise, in_motion, usual_in_motion
@@ -37,6 +38,7 @@ __all__ = [
     "DriftCurve",
     "FilterCandidate",
     "FilterRun",
+    "GnssCorrelation",
     "MotionNoise",
     "Mounting",
     "Outage",
@@ -58,6 +60,7 @@ __all__ = [
     "drift_curve",
     "effective_count",
     "estimate_clocks",
+    "estimate_gnss_correlation",
     "estimate_motion_noise",
     "estimate_mounting",
     "events_of",

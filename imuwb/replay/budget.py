@@ -14,6 +14,7 @@ from imuwb.arrays import Floats, Integers
 from imuwb.log import AXES
 from imuwb.navigation.covariance import NAVIGATION
 from imuwb.navigation.filter import Solution
+from imuwb.navigation.filter_model import RECEIVER
 from imuwb.navigation.outages import drift, seconds_of
 from imuwb.navigation.tables import AxisTables
 
@@ -71,6 +72,9 @@ def _groups(solution: Solution) -> Iterator[tuple[str, Integers]]:
     kinds: dict[str, list[int]] = {}
     for i, name in enumerate(solution.model.states(solution.measurement.interval)[NAVIGATION:]):
         axis, _, rest = name.partition(": ")
+        if axis == RECEIVER:
+            kinds.setdefault("correlated error of the receiver, at the start", []).append(NAVIGATION + i)
+            continue
         kind = rest.partition(",")[0]
         kind = kind.rstrip("0123456789 ") if kind.startswith("AR(") else kind
         sensor = SENSORS[int(axis.startswith("accel"))]

@@ -139,7 +139,8 @@ class _Runs:
     def _log_likelihood(self, start: tuple[float, float, tuple[float, float], tuple[float, float]]) -> float:
         heading, step, white, floor = start
         settings = self._model.settings
-        settings = replace(settings, known_start=(settings.known_start[0], heading, SPREAD * step), sigma_floor=floor)
+        known = settings.known_start[0], heading, SPREAD * step
+        settings = replace(settings, known_start=known, sigma_floor=floor, gnss_correlation=(0.0, 0.0))
         model = replace(self._model, error_model=self._noise(white), settings=settings)
         alignment = align(self._measurement, self._corrections, self._stills, model)
         try:

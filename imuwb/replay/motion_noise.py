@@ -95,7 +95,7 @@ def estimate_motion_noise(prepared: Prepared, model: FilterModel, level: float) 
         MissingDataError: too few fixes.
         ValueError: a filter that cannot be written with states.
     """
-    counted = _counted(prepared)
+    counted = counted_fixes(prepared)
     fit = _Fit(prepared, model, counted)
     found, vibrating = _better(fit.maximum(START), [replace(fit, vibrating=usual_vibration(prepared.measurement))])
     scales = () if any(model.scale_factor) else SCALES
@@ -123,7 +123,7 @@ def estimate_motion_noise(prepared: Prepared, model: FilterModel, level: float) 
     return fit.model(widened), noise
 
 
-def _counted(prepared: Prepared) -> Booleans:
+def counted_fixes(prepared: Prepared) -> Booleans:
     """Return which corrections count: fixes after the filter has settled."""
     corrections = prepared.corrections
     counted = (corrections.events.kind == FIX) & (corrections.time > prepared.start_time + SETTLED)
@@ -246,7 +246,7 @@ class _Fit:
     def sigma(self, theta: Floats) -> tuple[Floats, int]:
         """Return the sigmas of the logarithms, (6,), from scores in blocks, and the number of blocks."""
         n, unit = theta.size, np.eye(theta.size)
-        inverse = np.linalg.inv(_curvature(self.values, theta))
+        inverse = np.linalg.inv(curvature_of(self.values, theta))
         moved = self.terms([theta + side * STEP * u for u in unit for side in (1, -1)])
         scores = (moved[::2] - moved[1::2]) / (2 * STEP)  # (6, c)
         time = self.prepared.corrections.time[self.counted]
@@ -277,9 +277,9 @@ def _better(found: _Found, others: Sequence[_Fit]) -> tuple[_Found, float]:
     return (best if gain > BETTER else found), gain
 
 
-def _curvature(values: Callable[[Sequence[Floats]], Floats], at: Floats) -> Floats:
-    """Return the negative second derivatives of a function at its maximum, made positive definite."""
-    n, unit = at.size, np.eye(at.size) * CURVE
+def curvature_of(values: Callable[[Sequence[Floats]], Floats], at: Floats, step: float = CURVE) -> Floats:
+    """Return the negative second derivatives of a function at its maximum, by differences, made positive definite."""
+    n, unit = at.size, np.eye(at.size) * step
     pairs = [(i, j) for i in range(n) for j in range(i)]
     plus, minus = [at + u for u in unit], [at - u for u in unit]
     both = [at + side * (unit[i] + unit[j]) for i, j in pairs for side in (1, -1)]
@@ -288,6 +288,6 @@ def _curvature(values: Callable[[Sequence[Floats]], Floats], at: Floats) -> Floa
     curvature = np.diag(2 * centre - up - down)
     for (i, j), total in zip(pairs, mixed, strict=True):
         curvature[i, j] = curvature[j, i] = -(total - up[i] - down[i] - up[j] - down[j] + 2 * centre) / 2
-    value, vector = np.linalg.eigh(curvature / CURVE**2)
+    value, vector = np.linalg.eigh(curvature / step**2)
     least = 1 / PRIOR**2  # the prior's curvature
     return (vector * np.maximum(value, least)) @ vector.T

@@ -9,7 +9,7 @@ from imuwb.conditioning import corrected_log
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.log import GnssStream, Log
 from imuwb.navigation.alignment import Alignment, align
-from imuwb.navigation.corrections import Corrections, corrections_of, floor_variance, raised
+from imuwb.navigation.corrections import Corrections, corrections_of, floor_variance, raised, uncorrelated
 from imuwb.navigation.covariance import NAVIGATION
 from imuwb.navigation.filter import Solution, solve
 from imuwb.navigation.filter_model import FilterModel
@@ -124,6 +124,11 @@ def run(model: FilterModel, prepared: Prepared, *, smooth: bool = False) -> Solu
         measurement = denoised(measurement, model.wavelet_levels)
     if any(model.vibration.white):
         measurement = with_classes(measurement, model.vibration)
+    if correlated := model.settings.gnss_correlation[0]:
+        corrections, more = uncorrelated(corrections, correlated)
+        added = np.zeros(NAVIGATION)
+        added[:3] = more[alignment.event]
+        alignment = replace(alignment, covariance=alignment.covariance + np.diag(added))
     if any(floor := model.settings.sigma_floor):
         corrections = raised(corrections, floor)
         added = np.zeros(NAVIGATION)

@@ -16,7 +16,7 @@ def test_a_filter_is_read_as_it_is_written(tmp_path):
     model = replace(
         model_named("18AVWD", BASE, interval=0.01, turn_on=(1e-3, 0.05)), reading="as printed", scale_factor=(0.01, 0.02),
         installation=Installation((180.0, -6.79, 185.35), (0.0, -0.05, 0.0), -0.12, 0.13, 1.000275, 0.001),
-        settings=Settings(every=5, gate=30.0, settling=20.0), aids=Aids(0.2, 0.05, 0.1),
+        settings=Settings(every=5, gate=30.0, settling=20.0, gnss_correlation=(1.5, 60.0)), aids=Aids(0.2, 0.05, 0.1),
     )  # fmt: skip
     file = tmp_path / "filter.toml"
     file.write_text(filter_text(model), "utf-8")

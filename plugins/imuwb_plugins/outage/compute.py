@@ -69,8 +69,8 @@ def _result(replayed: Replay, parameters: Parameters, own: Installed, chosen: Fi
     return Result(
         outages, summary.listed(outages), durations, summary.samples(replayed), summary.published(outages), infos,
         filters.budget(replayed), replayed.reference.name, tuple(dict.fromkeys(verdicts)),
-        notes.notes(replayed, durations, infos, own, chosen), own.clocks, own.mounting, chosen.motion, chosen.tuned,
-        chosen.error_model,
+        notes.notes(replayed, durations, infos, own, chosen), own.clocks, own.mounting, chosen.motion,
+        own.correlation, chosen.tuned, chosen.error_model,
         filters.sensor_errors(replayed), replayed.reference.position, tracks.tracks(replayed), parameters.map,
         tracks.navigation(replayed), replayed.failed, replayed,
     )  # fmt: skip

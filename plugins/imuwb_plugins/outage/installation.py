@@ -6,7 +6,17 @@ from imuwb.errors import MissingDataError, UsageError
 from imuwb.log import Log
 from imuwb.navigation import Aids, FilterModel, Installation, Settings, read_filter
 from imuwb.notes import Note
-from imuwb.replay import HORIZONS, Clocks, Mounting, estimate_clocks, estimate_mounting, prepare, usual_in_motion
+from imuwb.replay import (
+    HORIZONS,
+    Clocks,
+    GnssCorrelation,
+    Mounting,
+    estimate_clocks,
+    estimate_gnss_correlation,
+    estimate_mounting,
+    prepare,
+    usual_in_motion,
+)
 from imuwb.stochastic import ImuErrorModel
 from imuwb_plugins.outage.models import named
 from imuwb_plugins.outage.outage_list import given
@@ -26,6 +36,7 @@ class Installed:
     base: FilterModel
     mounting: Mounting | None
     clocks: Clocks | None
+    correlation: GnssCorrelation | None
     notes: tuple[Note, ...]
 
 
@@ -39,11 +50,12 @@ def installed(log: Log, parameters: Parameters) -> Installed:
     base = base_of(parameters)
     if parameters.filter is not None:
         base, of_start = started(log, base, parameters)
-        return Installed(base, None, None, of_start)
+        return Installed(base, None, None, None, of_start)
     base, mounting, of_mounting = _mounted(log, base, parameters)
     base, of_start = started(log, base, parameters)
     base, clocks, of_clocks = _timed(log, base, parameters)
-    return Installed(base, mounting, clocks, (*of_mounting, *of_start, *of_clocks))
+    base, correlation, of_receiver = _correlated(log, base, parameters)
+    return Installed(base, mounting, clocks, correlation, (*of_mounting, *of_start, *of_clocks, *of_receiver))
 
 
 def base_of(parameters: Parameters) -> FilterModel:
@@ -73,6 +85,7 @@ def base_of(parameters: Parameters) -> FilterModel:
         settings=Settings(
             every=parameters.every, settling=parameters.settling, horizons=_horizons(parameters), sigma_stated=parameters.gnss_sigma,
             sigma_scale=parameters.gnss_scale, sigma_floor=parameters.gnss_floor, spacing=parameters.spacing,
+            gnss_correlation=(0.0, 0.0) if parameters.gnss_correlation == "auto" else parameters.gnss_correlation,
         ),
         aids=Aids(parameters.straight, parameters.still, parameters.speed),
     )  # fmt: skip
@@ -130,6 +143,34 @@ def _timed(log: Log, base: FilterModel, parameters: Parameters) -> tuple[FilterM
         text = "the innovations show no delay of the fixes and no error of the IMU's clock; none is assumed"
         return base, None, (Note("clocks-agree", text),)
     return _with_clocks(base, clocks), clocks, ()
+
+
+def _correlated(
+    log: Log, base: FilterModel, parameters: Parameters
+) -> tuple[FilterModel, GnssCorrelation | None, tuple[Note, ...]]:
+    """Return the filter with the receiver's correlated error, the estimate of it if the log shows one, and a note."""
+    if parameters.gnss_correlation != "auto":
+        return base, None, ()
+    prepared = prepare(log, base, parameters.receiver)
+    largest = _largest(base, prepared.measurement.interval, parameters)
+    try:
+        found = estimate_gnss_correlation(prepared, (largest, usual_in_motion(largest)), parameters.level)
+    except MissingDataError as error:
+        text = f"errors of the fixes are taken as independent of each other: {error}"
+        return base, None, (Note("gnss-correlation-unknown", text),)
+    if not found.shown:
+        text = (
+            "the innovations show no correlated error of the positions (the log-likelihood rises by "
+            f"{max(found.gain, 0.0):.1f}, not by more than 5); none is assumed"
+        )
+        return base, None, (Note("gnss-uncorrelated", text),)
+    text = (
+        f"the errors of the positions are correlated in time: a Gauss-Markov error of {found.sigma} (horizontal; vertical twice "
+        f"that) with a correlation time of {found.time} raises the log-likelihood of the innovations by {found.gain:.0f}; the filters "
+        "have three states for it"
+    )
+    settings = replace(base.settings, gnss_correlation=(found.sigma.value, found.time.value))
+    return replace(base, settings=settings), found, (Note("gnss-correlated", text),)
 
 
 def _with_clocks(model: FilterModel, clocks: Clocks | None) -> FilterModel:

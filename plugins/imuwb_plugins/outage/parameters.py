@@ -154,6 +154,11 @@ class Parameters:
         tuple[float, float], "Sigmas added in squares to those of positions (m) and velocities (m/s).",
         NOT_NEGATIVE, Form("M,M/S", "0.3,0.05"),
     ] = (0.0, 0.0)  # fmt: skip
+    gnss_correlation: Annotated[
+        Literal["auto"] | tuple[float, float],
+        "Sigma (m, horizontal) and correlation time (s) of a Gauss-Markov error that is part of the fixes' positions, or auto: from "
+        "the log; a height's sigma is twice as large; 0,0: none.", Between(0, 1e6), Form("M,S|auto", "1.5,60"),
+    ] = (0.0, 0.0)  # fmt: skip
     spacing: Annotated[
         float, "Time between two fixes that are used, at least (s); errors of nearer fixes are alike. 0: all are used.",
         Between(0, 60),
@@ -203,6 +208,7 @@ class Parameters:
         if "paper" in self.models and len(self.models) > 1:
             raise ValueError(f"models is {text_of(self.models)!r}; paper stands for {','.join(PAPER)}; give it alone")
         self._check_truth()
+        self._check_correlation()
         if not self.durations:
             raise ValueError("durations is empty; it must have one or more durations, such as 30,60")
         for outage in given(self.at):
@@ -217,6 +223,13 @@ class Parameters:
         ):
             if value not in between:
                 raise ValueError(f"turn_on is {value:g} {unit}; it must be {between}")
+
+    def _check_correlation(self) -> None:
+        """Raise ValueError if only one of the sigma and the correlation time is 0."""
+        if self.gnss_correlation != "auto" and (self.gnss_correlation[0] > 0) != (self.gnss_correlation[1] > 0):
+            raise ValueError(
+                f"gnss_correlation is {text_of(self.gnss_correlation)}; sigma and correlation time must both be above 0, or both 0"
+            )
 
     def _check_truth(self) -> None:
         """Raise ValueError if an option of --truth is given without --truth."""

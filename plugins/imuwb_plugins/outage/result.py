@@ -5,7 +5,18 @@ from dataclasses import dataclass, field
 from imuwb.arrays import Floats, Integers
 from imuwb.log import Reference
 from imuwb.notes import Note
-from imuwb.replay import Choice, Clocks, Consistency, DriftCurve, MotionNoise, Mounting, Paired, Replay, Tuned
+from imuwb.replay import (
+    Choice,
+    Clocks,
+    Consistency,
+    DriftCurve,
+    GnssCorrelation,
+    MotionNoise,
+    Mounting,
+    Paired,
+    Replay,
+    Tuned,
+)
 from imuwb.statistics import Estimate
 from imuwb.stochastic import ImuErrorModel
 
@@ -202,6 +213,7 @@ class Result:
     clocks: Clocks | None  #: None: given, not estimated
     mounting: Mounting | None  #: None: given, not estimated
     motion: MotionNoise | None  #: None: no filter has it
+    gnss_correlation: GnssCorrelation | None  #: None: given, or not shown by the log
     tuned: Tuned | None
     error_model: ImuErrorModel | None = field(metadata=HELD)  #: in motion, or tuned; None: no such filter
     sensor_errors: SensorErrors = field(metadata=HELD)
