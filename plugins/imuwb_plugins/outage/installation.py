@@ -152,9 +152,9 @@ def _correlated(
     if parameters.gnss_correlation != "auto":
         return base, None, ()
     prepared = prepare(log, base, parameters.receiver)
-    largest = _largest(base, prepared.measurement.interval, parameters)
+    small = _small(base, prepared.measurement.interval, parameters)
     try:
-        found = estimate_gnss_correlation(prepared, (largest, usual_in_motion(largest)), parameters.level)
+        found = estimate_gnss_correlation(prepared, (small, usual_in_motion(small)), parameters.level)
     except MissingDataError as error:
         text = f"errors of the fixes are taken as independent of each other: {error}"
         return base, None, (Note("gnss-correlation-unknown", text),)
