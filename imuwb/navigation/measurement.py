@@ -1,6 +1,7 @@
 """An IMU's samples in the form that a filter needs: even steps without gaps, in the vehicle's axes."""
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -61,9 +62,13 @@ def measurement_of(log: Log, imu: ImuStream, installation: Installation, *, ther
     Raises:
         MissingDataError: no gyros, no accelerometers, or too few samples.
     """
-    gyro, accel = _triads(log, imu)
+    return _measured(imu, log.zero or 0, log.provenance.path, installation, thermal)
+
+
+@lru_cache(maxsize=1)  # a start, clocks and filters are found one after the other from the same samples
+def _measured(imu: ImuStream, zero: int, path: str, installation: Installation, thermal: bool) -> Measurement:  # noqa: FBT001
+    gyro, accel = _triads(path, imu)
     notes: list[Note] = []
-    zero = log.zero or 0
     time, other = (gyro.time - zero) / SECOND, (accel.time - zero) / SECOND - installation.skew
     part = _longest(time, notes)
     own, interval, present = even_clock(time[part])
@@ -121,11 +126,11 @@ def denoised(measurement: Measurement, levels: tuple[int, ...]) -> Measurement:
     return replace(measurement, samples=samples._replace(angle=angle, velocity=velocity))
 
 
-def _triads(log: Log, imu: ImuStream) -> tuple[Triad, Triad]:
+def _triads(path: str, imu: ImuStream) -> tuple[Triad, Triad]:
     gyro, accel = imu.angular_rate, imu.specific_force
     if gyro is None or accel is None or min(len(gyro), len(accel)) < LEAST:
         raise MissingDataError(
-            f"{log.provenance.path}: {imu.name} has fewer than {LEAST} samples of gyros or accelerometers; navigation "
+            f"{path}: {imu.name} has fewer than {LEAST} samples of gyros or accelerometers; navigation "
             f"needs at least {LEAST} of each; choose another IMU with --imu"
         )
     return gyro, accel
