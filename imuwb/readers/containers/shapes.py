@@ -108,6 +108,9 @@ def _imu(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
 def _orientation(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
     """Return the quaternions, nan where the message states none, and their sigmas."""
     quaternion = np.stack([values[f"{prefix}orientation.{part}"] for part in "wxyz"], axis=1)
+    quaternion[(~(np.abs(quaternion) < 1 + NEAR_ONE)).any(axis=1)] = (
+        np.nan
+    )  # damaged numbers may be too large to be squared
     length = np.linalg.norm(quaternion, axis=1, keepdims=True)
     covariance = values.get(f"{prefix}orientation_covariance")
     whole = covariance is not None and covariance.shape[1:] == (9,)
