@@ -1,6 +1,6 @@
 """The filter that all others are made from: error model, settings, and an installation that is given or estimated from the log."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.log import Log
@@ -25,6 +25,11 @@ from imuwb_plugins.outage.starts import started
 
 ALIGNED = 1.5  #: deg; roll and pitch below which axes that agree in heading count as those of the vehicle
 BETTER = 5.0  #: rise of the log-likelihood from which estimated delays and rates are used
+#: options that are settings of a given filter
+OF_A_FILTER = (
+    "mounting", "lever_arm", "vehicle_arm", "gnss_delay", "velocity_delay", "clock_rate", "skew", "scale_factor", "settling", "every",
+    "straight", "still", "speed", "gnss_sigma", "gnss_scale", "gnss_floor", "gnss_correlation", "spacing",
+)  # fmt: skip
 CLEAR_RATE = 2e-4  #: half the width of the interval of a clock rate that is used
 HEADING = 3.0  #: deg, usual sigma of the heading at the start
 
@@ -50,12 +55,23 @@ def installed(log: Log, parameters: Parameters) -> Installed:
     base = base_of(parameters)
     if parameters.filter is not None:
         base, of_start = started(log, base, parameters)
-        return Installed(base, None, None, None, of_start)
+        return Installed(base, None, None, None, (*_without_effect(parameters), *of_start))
     base, mounting, of_mounting = _mounted(log, base, parameters)
     base, of_start = started(log, base, parameters)
     base, clocks, of_clocks = _timed(log, base, parameters)
     base, correlation, of_receiver = _correlated(log, base, parameters)
     return Installed(base, mounting, clocks, correlation, (*of_mounting, *of_start, *of_clocks, *of_receiver))
+
+
+def _without_effect(parameters: Parameters) -> tuple[Note, ...]:
+    """Return a note on the options that are given although a filter's own settings apply."""
+    given = [f.name for f in fields(parameters) if f.name in OF_A_FILTER and getattr(parameters, f.name) != f.default]
+    if not given:
+        return ()
+    names = ", ".join(f"--{name.replace('_', '-')}" for name in given)
+    return (
+        Note("filter-settings", f"{names} have no effect: the settings of {parameters.filter} apply to all filters"),
+    )
 
 
 def base_of(parameters: Parameters) -> FilterModel:

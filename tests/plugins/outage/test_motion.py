@@ -72,3 +72,14 @@ def test_a_bench_record_without_slow_noise_gives_a_random_walk_at_its_limit(log,
     paper = outage.run([log], stated(error_model=path, models="paper", at="150:10"))
     assert "unidentified-carried" not in ids(paper.notes)
     assert [f.name for f in paper.filters][-1] == "full"
+
+
+def test_options_that_a_given_filter_overrides_are_named(log, toml, tmp_path):
+    first = outage.run([log], stated(error_model=toml, models="none", at="150:10"))
+    path = tmp_path / "f.toml"
+    path.write_text(first.filters[0].document, "utf-8")
+    found = outage.run([log], Parameters(filter=path, models="none", at="150:10", gnss_floor="1,0.1", straight=0.2))
+    (note,) = (note for note in found.notes if "filter-settings" in ids([note]))
+    assert "--gnss-floor" in note
+    assert "--straight" in note
+    assert "--mounting" not in note
