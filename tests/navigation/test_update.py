@@ -244,7 +244,7 @@ def test_velocities_that_agree_leave_the_other_states(filtered):
 
 
 def test_fixes_that_scatter_are_doubted_and_not_the_filter(filtered):
-    """Residuals to and fro: the fix has its residual as its sigma, and the state hardly moves."""
+    """Residuals of alternating signs: the fix has its residual as its sigma, and the state hardly moves."""
     other = VALUES[FIX] - np.array([1e-4, 0, 0, 0, 0, 0])
     refused = np.array([0, 0, 2, 0, 0])
     out = refused_often(filtered, [FAR, other, FAR, other], refused)
