@@ -8,6 +8,8 @@ import pytest
 
 from imuwb.stochastic import ImuErrorModel
 
+pytestmark = pytest.mark.slow
+
 N, RATE = 6000, 100.0
 
 

@@ -14,6 +14,8 @@ from imuwb_plugins.outage import Parameters
 
 from .made import Shown, sensor, stated
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[3]
 
 

@@ -16,6 +16,8 @@ from imuwb_plugins.outage import Parameters
 
 from .made import Shown, sensor, stated
 
+pytestmark = pytest.mark.slow
+
 
 def named(log, path):
     return replace(log, provenance=replace(log.provenance, path=path))

@@ -18,6 +18,8 @@ from imuwb_plugins import outage
 
 from .made import Shown, stated
 
+pytestmark = pytest.mark.slow
+
 AT = "130:10,150:10,170:10"
 #: Repeats the last fix with its velocity; its sigma grows by 1 m/s. The last argument is a text that makes it fail.
 ENGINE = """

@@ -13,6 +13,8 @@ from imuwb_plugins import outage
 from imuwb_plugins.outage import Parameters
 from imuwb_plugins.outage.output import outputs, write_outputs
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def result(log, toml):

@@ -17,6 +17,8 @@ from imuwb_plugins import outage
 
 from .made import stated
 
+pytestmark = pytest.mark.slow
+
 AT = {"models": "none", "at": "130:10,150:10"}
 
 
