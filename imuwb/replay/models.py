@@ -24,6 +24,7 @@ from imuwb.log import AXES
 from imuwb.navigation.filter_model import FilterModel
 from imuwb.navigation.shaping import Reading
 from imuwb.stochastic import (
+    FLICKER_LEVEL,
     Autoregressive,
     AxisModel,
     Constant,
@@ -37,7 +38,6 @@ from imuwb.stochastic import (
 )
 
 NAMES = ("none", "15AV", "18AV", "18AVWD", "15AR", "27AR", "full")
-FLOOR = float(np.sqrt(2 * np.log(2) / np.pi))  #: ratio of flicker noise's flat Allan deviation to B
 #: For a Gauss-Markov process: ratio of the largest Allan deviation to sigma, and of its averaging time to Tc.
 PEAK, PEAK_AT = 0.6174, 1.892
 LONGEST, SHORTEST = 2000.0, 1.0  #: s, range of averaging times in which the flat part of an Allan curve is searched
@@ -125,7 +125,7 @@ def gauss_markov(processes: Sum, reading: Reading) -> tuple[GaussMarkov, ...]:
     flicker = [term for term in processes.terms if isinstance(term, FlickerNoise) and term.B > 0]
     if own or not flicker:
         return own
-    level, middle = FLOOR * flicker[0].B, flat_middle(processes)
+    level, middle = FLICKER_LEVEL * flicker[0].B, flat_middle(processes)
     if reading == "as printed":
         return (GaussMarkov(level, middle),)
     return (GaussMarkov(level / PEAK, middle / PEAK_AT),)

@@ -47,7 +47,7 @@ BLOCK = 60.0  #: s, of a block of scores
 LEAST_TIME = 60.0  #: s of fixes
 SCALES = (0.01, 0.03)  #: sigmas of the scale factors that are tried: usual for calibrated and for uncalibrated MEMS
 DOUBT = 0.5  #: largest variance of a logarithm that widens the filter's noise
-BETTER = 5.0  #: rise of the likelihood for which states of scale factors are kept
+BETTER = 5.0  #: rise of the log-likelihood for which one more cause is kept
 SHOWN = (
     2.0  #: an amplitude whose logarithm falls this far below its start, or is this uncertain, is not shown by the log
 )

@@ -6,8 +6,7 @@ without them holds its biases for constants, and after some minutes it refuses f
 
 from dataclasses import replace
 
-from imuwb.replay.models import FLOOR
-from imuwb.stochastic import AxisModel, FlickerNoise, GaussMarkov, ImuErrorModel, RandomWalk, Sum
+from imuwb.stochastic import FLICKER_LEVEL, AxisModel, FlickerNoise, GaussMarkov, ImuErrorModel, RandomWalk, Sum
 
 HORIZON = 60.0  #: s, of an outage: the random walk has the deviation of the limits after this time
 SLOW = (FlickerNoise, GaussMarkov, RandomWalk)
@@ -40,4 +39,4 @@ def with_unidentified(model: ImuErrorModel, source: ImuErrorModel) -> tuple[ImuE
 def _walk(axis: AxisModel) -> float:
     """Return K, unit/√s, of the random walk that the limits of a record allow; 0: no limits."""
     k, b = axis.limits.get("K", 0.0), axis.limits.get("B", 0.0)
-    return max(k, FLOOR * b / (HORIZON / 3) ** 0.5)
+    return max(k, FLICKER_LEVEL * b / (HORIZON / 3) ** 0.5)

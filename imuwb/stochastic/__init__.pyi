@@ -6,6 +6,7 @@ from .deterministic import is_ideal as is_ideal
 from .deterministic import is_thermal as is_thermal
 from .deterministic import shown as shown
 from .error_model import ImuErrorModel as ImuErrorModel
+from .flicker import FLICKER_LEVEL as FLICKER_LEVEL
 from .flicker import FlickerApproximation as FlickerApproximation
 from .flicker import FlickerNoise as FlickerNoise
 from .gauss_markov import GaussMarkov as GaussMarkov

@@ -16,13 +16,12 @@ from typing import Any, cast
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.stochastic.axis_model import AxisModel
 from imuwb.stochastic.error_model import ImuErrorModel
-from imuwb.stochastic.flicker import FlickerNoise
+from imuwb.stochastic.flicker import FLICKER_LEVEL, FlickerNoise
 from imuwb.stochastic.gauss_markov import GaussMarkov
 from imuwb.stochastic.processes import Constant, RandomWalk, WhiteNoise
 
 SENSORS = ("gyro", "accel")
 UNEVEN = 1.5  #: ratio of the largest axis to the smallest, above which a comment states it
-FLAT = math.sqrt(2 * math.log(2) / math.pi)  #: flat Allan deviation of flicker over its B
 PEAK = 0.6174  #: largest Allan deviation of a Gauss-Markov process over its sigma
 
 
@@ -105,7 +104,7 @@ def _walk_or_stated(sensor: Sensor, notes: list[str], horizon: float) -> float:
             f"{sensor.name}: no random walk was identified; K is chosen so that the Allan deviation of the walk reaches the flat level of B at "
             f"{horizon:g} s (--horizon), √3 · 0.664 B / √horizon"
         )
-        return math.sqrt(3 / horizon) * FLAT * b
+        return math.sqrt(3 / horizon) * FLICKER_LEVEL * b
     return sensor.largest("K (random walk)", sensor.walk, notes)
 
 
@@ -123,7 +122,7 @@ def _bias(sensor: Sensor, notes: list[str]) -> tuple[list[float], float]:
         notes.append(
             f"{sensor.name}: sigma is 1.076 B: the Allan deviation of this Gauss-Markov process peaks at the flat level of B; set the correlation time to your horizon"
         )
-        return [FLAT / PEAK * b for b in sensor.flicker if b], math.nan
+        return [FLICKER_LEVEL / PEAK * b for b in sensor.flicker if b], math.nan
     raise MissingDataError(
         f"the model lacks a Gauss-Markov process or a bias instability on an axis of the {sensor.name}; KF-GINS needs one on all three; 0 would be wrong"
     )

@@ -10,6 +10,7 @@ from imuwb.stochastic.elementary import Elementary
 from imuwb.stochastic.gauss_markov import GaussMarkov
 from imuwb.stochastic.sums import Sum
 
+FLICKER_LEVEL = float(np.sqrt(2 * np.log(2) / np.pi))  #: flat Allan deviation of flicker noise over its B, 0.664
 SERIES = 64  #: lag from which the increments' autocovariance is computed as a series
 
 

@@ -12,7 +12,7 @@ from imuwb.navigation.filter_model import Aids, FilterModel, Installation, Setti
 from imuwb.navigation.measurement import measurement_of
 from imuwb.navigation.tables import FIX, SPEED, STILL, STRAIGHT
 from imuwb.notes import ids
-from imuwb.simulation import Odometer, drive, mixed_route
+from imuwb.simulation import Odometer, Receiver, drive, mixed_route
 
 from . import drives
 
@@ -54,6 +54,24 @@ def test_fixes_come_as_they_are_at_the_nearest_sample(town, measurement):
     assert np.abs(found.events.late).max() < 1e-6
     assert measurement.time[found.events.at] == pytest.approx(found.fix, abs=1e-6)
     assert found.notes == ()
+
+
+def test_spaced_fixes_are_the_same_whatever_their_delay():
+    """Likelihoods of two delays can be compared only if they count the same fixes."""
+    log = drive(MODEL.error_model, ROUTE, 2, receiver=Receiver(rate=10.0))
+    samples = measurement_of(log, log.imu(), Installation())
+    used = [
+        set(
+            taken(
+                log, samples, replace(MODEL, installation=Installation(gnss_delay=d), settings=Settings(spacing=1.0))
+            ).fix
+        )
+        for d in (0.0, 0.1337, -0.25)
+    ]
+    assert all(len(a ^ b) <= 1 for a in used for b in used)  # the end of the log may cut one off
+    rows = np.array(sorted(used[0]))
+    assert set(np.diff(rows)) == {10}
+    assert "spaced-fixes" in ids(taken(log, samples, replace(MODEL, settings=Settings(spacing=1.0))).notes)
 
 
 @pytest.mark.parametrize("delay", [0.1337, -0.004])

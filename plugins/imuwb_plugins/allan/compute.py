@@ -17,7 +17,7 @@ from imuwb.log import Log, source_of
 from imuwb.noise_results import ModelCurves, line_result
 from imuwb.notes import Note
 from imuwb.statistics import UNKNOWN, Coefficient
-from imuwb.stochastic import AxisModel, ImuErrorModel, Sinusoid, Sum, of_either_sign
+from imuwb.stochastic import FLICKER_LEVEL, AxisModel, ImuErrorModel, Sinusoid, Sum, of_either_sign
 from imuwb.units import coefficient_units
 from imuwb_plugins.allan.doubts import doubts_of
 from imuwb_plugins.allan.notes import notes_of
@@ -33,7 +33,6 @@ from imuwb_plugins.allan.result import (
 
 FEWEST = 100  #: samples; fewer have no useful curve
 POINTS = 200  #: averaging times of the model's curves in the figure
-FLAT = 0.6643  #: ratio of the Allan deviation's flat level to B, √(2 ln 2/π)
 
 
 def run(logs: Sequence[Log], parameters: Parameters) -> Result:
@@ -121,7 +120,7 @@ def _fitted(axis: str, noise: NoiseIdentification) -> AllanAxis:
 def _read_outs(coefficients: Mapping[str, Coefficient], averaging_time: Floats) -> tuple[ReadOut, ...]:
     return tuple(
         ReadOut(letter, c.at, factor * c.value)
-        for letter, factor in (("N", 1.0), ("K", 1.0), ("B", FLAT))
+        for letter, factor in (("N", 1.0), ("K", 1.0), ("B", FLICKER_LEVEL))
         if (c := coefficients[letter]).value is not None
         and c.at is not None
         and averaging_time[0] <= c.at <= averaging_time[-1]
