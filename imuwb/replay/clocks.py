@@ -9,6 +9,7 @@ from imuwb.arrays import Booleans, Floats
 from imuwb.errors import MissingDataError
 from imuwb.log import Log
 from imuwb.navigation.filter_model import FilterModel
+from imuwb.replay.motion_noise import BETTER
 from imuwb.replay.prepared import prepare, run, with_clocks
 from imuwb.replay.scaled import scaled
 from imuwb.statistics import Estimate
@@ -36,6 +37,11 @@ class Clocks:
     rate: Estimate | None  #: true seconds in a second of the IMU's clock
     noise: float  #: factor of the model's white noise with the largest likelihood
     gain: float  #: rise of the log-likelihood over that of the delays and the rate at which the search began
+
+    @property
+    def shown(self) -> bool:
+        """Whether the log shows the estimates: the log-likelihood rises by more than ``BETTER``."""
+        return self.gain > BETTER
 
     def __str__(self) -> str:
         """Return the estimates in a line."""

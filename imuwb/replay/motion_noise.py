@@ -71,6 +71,11 @@ class MotionNoise:
     fixes: int  #: that count
     blocks: int  #: of a minute
 
+    @property
+    def grows(self) -> bool:
+        """Whether the white noise grows with vibration."""
+        return self.vibration_gain > BETTER
+
     def __repr__(self) -> str:
         """Return the white noise and its factors in a line."""
         gyro, accel = (_range(self.factors, kind) for kind in ("gyro", "accel"))

@@ -7,7 +7,7 @@ import pytest
 
 from imuwb.errors import MissingDataError
 from imuwb.log import Scalars
-from imuwb.navigation.corrections import LEAST_SIGMA, corrections_of
+from imuwb.navigation.corrections import LEAST_SIGMA, corrections_of, raised
 from imuwb.navigation.filter_model import Aids, FilterModel, Installation, Settings
 from imuwb.navigation.measurement import measurement_of
 from imuwb.navigation.tables import FIX, SPEED, STILL, STRAIGHT
@@ -213,3 +213,20 @@ def test_without_an_odometer_there_is_no_speed(town, measurement):
     assert (taken(replace(town, speeds=()), measurement, model).events.kind == FIX).all()
     short = replace(town, speeds=(Scalars("v", town.speeds[0].time[:25], town.speeds[0].value[:25]),))
     assert (taken(short, measurement, model).events.kind == SPEED).sum() == 3
+
+
+def test_stated_sigmas_replace_the_receivers_and_are_scaled(town, measurement):
+    settings = Settings(sigma_stated=(0.5, 0.2), sigma_scale=(3.0, 2.0))
+    found = taken(town, measurement, replace(MODEL, settings=settings))
+    assert np.sqrt(found.events.variance[0]) == pytest.approx([1.5, 1.5, 3.0, 0.4, 0.4, 0.4])
+
+
+def test_a_floor_adds_variance_to_what_is_measured_only(town, measurement):
+    velocity = array(town, "velocity")
+    velocity[5] = np.nan
+    found = taken(town, measurement, velocity=velocity)
+    more = raised(found, (0.3, 0.05)).events.variance - found.events.variance
+    known = found.events.variance > 0
+    expected = np.tile(np.square([0.3, 0.3, 0.6, 0.05, 0.05, 0.05]), (len(more), 1))
+    assert more == pytest.approx(np.where(known, expected, 0.0))
+    assert not known.all()

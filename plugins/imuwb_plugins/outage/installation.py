@@ -24,7 +24,6 @@ from imuwb_plugins.outage.parameters import Parameters
 from imuwb_plugins.outage.starts import started
 
 ALIGNED = 1.5  #: deg; roll and pitch below which axes that agree in heading count as those of the vehicle
-BETTER = 5.0  #: rise of the log-likelihood from which estimated delays and rates are used
 #: options that are settings of a given filter
 OF_A_FILTER = (
     "mounting", "lever_arm", "vehicle_arm", "gnss_delay", "velocity_delay", "clock_rate", "skew", "scale_factor", "settling", "every",
@@ -147,14 +146,14 @@ def _timed(log: Log, base: FilterModel, parameters: Parameters) -> tuple[FilterM
         return estimate_clocks(log, start, parameters.receiver, parameters.level, with_delay=with_delay, with_rate=rate)
 
     clocks = estimated(small, rate=False) if with_delay else None
-    if clocks is not None and clocks.gain < BETTER:
+    if clocks is not None and not clocks.shown:
         clocks = None
     if with_rate:
         # A rate is used where it is clear: over a short or slow drive, it stands in for other errors.
         both = estimated(_with_clocks(small, clocks), rate=True)
         rate = both.rate
         clear = rate is not None and rate.upper - rate.lower < 2 * CLEAR_RATE and not rate.lower <= 1.0 <= rate.upper
-        clocks = both if clear and both.gain > BETTER else clocks
+        clocks = both if clear and both.shown else clocks
     if clocks is None:
         text = "the innovations show no delay of the fixes and no error of the IMU's clock; none is assumed"
         return base, None, (Note("clocks-agree", text),)

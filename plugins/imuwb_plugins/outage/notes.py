@@ -10,7 +10,7 @@ from imuwb.replay import Clocks, MotionNoise, Replay, Tuned, refusal_note
 from imuwb.statistics import Estimate
 from imuwb.texts import converted_text, number_text
 from imuwb.units import coefficient_units
-from imuwb_plugins.outage.installation import BETTER, Installed
+from imuwb_plugins.outage.installation import Installed
 from imuwb_plugins.outage.left_out import left_out
 from imuwb_plugins.outage.models import Filters
 from imuwb_plugins.outage.result import DurationSummary, FilterInfo
@@ -58,7 +58,7 @@ def motion_notes(noise: MotionNoise) -> tuple[Note, ...]:
     causes = [cause for kind in ("gyro", "accel") if (cause := _noisier(noise, kind))]
     if not causes:
         return (Note("motion-as-bench", "in motion, the innovations show no more noise than the bench record does"),)
-    grows = ", in proportion to the square of the vibration" if noise.vibration_gain > BETTER else ""
+    grows = ", in proportion to the square of the vibration" if noise.grows else ""
     text = f"in motion, {' and '.join(causes)} than on the bench{grows}"
     if noise.scale_factor:
         text += (
