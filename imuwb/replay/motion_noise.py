@@ -108,7 +108,7 @@ def estimate_motion_noise(prepared: Prepared, model: FilterModel, level: float) 
     fit, theta = found.fit, found.theta
     sigma, blocks = fit.sigma(theta)
     limit = normal_limit(level)
-    amplitudes = [_estimate(theta[i], sigma[i], limit, UNITS[i]) for i in range(theta.size)]
+    amplitudes = [_estimate(i, theta[i], sigma[i], limit) for i in range(theta.size)]
     bench = {axis: _white(own.processes) for axis, own in model.error_model.axes.items()}
     white, walk, floor = ((amplitudes[i], amplitudes[i + 1]) for i in (0, 2, 4))
     noise = MotionNoise(
@@ -141,11 +141,12 @@ def counted_fixes(prepared: Prepared) -> Booleans:
     return counted
 
 
-def _estimate(log: float, sigma: float, limit: float, unit: str) -> Estimate:
+def _estimate(i: int, log: float, sigma: float, limit: float) -> Estimate:
     value = math.exp(log)
     lower, upper = (math.exp(log + side * limit * sigma) for side in (-1, 1))
-    # No evidence for the amplitude: only its upper end is known.
-    return Estimate(value, 0.0 if sigma > SHOWN / limit else lower, upper, value * sigma, unit)
+    # No evidence for the amplitude, or the search ended at the lower end of its range: only the upper end is known.
+    unknown = sigma > SHOWN / limit or log < START[i] - WIDE + STEP
+    return Estimate(value, 0.0 if unknown else lower, upper, value * sigma, UNITS[i])
 
 
 def _white(processes: Sum) -> float:
