@@ -1,6 +1,6 @@
 """What a reader yields: pieces of streams in SI units and FRD axes, in the file's order."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
@@ -54,6 +54,11 @@ class Remark:
     )  #: parameters that a simulator wrote, as in ``Log``
 
 
+def unused(names: Iterable[str], reason: str) -> Remark:
+    """Return the remark that columns, topics or messages are not used, and why."""
+    return Remark(Note("unused", f"not used: {', '.join(names)} ({reason})"))
+
+
 def simulated(truth: Mapping[str, str]) -> Remark:
     """Return the remark of a log that states the parameters of its simulation."""
     parts = ", ".join(dict.fromkeys(name.partition(".")[0] for name in truth))
@@ -64,8 +69,9 @@ def simulated(truth: Mapping[str, str]) -> Remark:
 class Reader(Protocol):
     """One file format: a module, or any object, with these names.
 
-    Two more names are optional. ``describe(path) -> LogSummary | None`` returns the summary that the file's index states, or None
+    Three more names are optional. ``describe(path) -> LogSummary | None`` returns the summary that the file's index states, or None
     without an index. ``uses`` lists the names of the options that the format uses; a note names the others if they are set.
+    ``probe_folder(folder) -> bool`` returns whether a folder is a log of this format; ``stream`` then gets the folder.
     """
 
     format: str

@@ -1,7 +1,7 @@
 """Reads a file of any known format as a Log, a stream of pieces, or a summary."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields, replace
 from pathlib import Path
@@ -24,18 +24,21 @@ ORDER = {"mcap": -1, "tlog": 1, "csv": 2}
 
 
 def reader_of(path: str | Path) -> Reader:
-    """Return the reader whose format the file's leading bytes show.
+    """Return the reader whose format the file's leading bytes show; of a folder, the reader of logs that are folders.
 
     Raises:
-        UnreadableLogError: the file is missing, empty, a directory, or of no known format.
+        UnreadableLogError: the file is missing, empty, or of no known format, or no reader knows the folder.
     """
     path = Path(path)
+    points = registry.installed(registry.READERS)
+    names = sorted(points, key=lambda name: ORDER.get(name, 0))
+    readers = (reader for name in names if (reader := cast("Reader | None", registry.load(points[name]))) is not None)
+    if path.is_dir():
+        return _reader_of_folder(path, readers)
     source.check(path)
     head = source.head(path)
-    points = registry.installed(registry.READERS)
-    for name in sorted(points, key=lambda name: ORDER.get(name, 0)):
-        reader = cast("Reader | None", registry.load(points[name]))
-        if reader is not None and reader.probe(head):
+    for reader in readers:
+        if reader.probe(head):
             return reader
     if not head:
         raise UnreadableLogError(
@@ -43,6 +46,16 @@ def reader_of(path: str | Path) -> Reader:
         )
     raise UnreadableLogError(
         f"{path}: no known log format begins with {head[:8]!r}; the known formats are {', '.join(points)}"
+    )
+
+
+def _reader_of_folder(folder: Path, readers: Iterable[Reader]) -> Reader:
+    for reader in readers:
+        known = getattr(reader, "probe_folder", None)
+        if known is not None and known(folder):
+            return reader
+    raise UnreadableLogError(
+        f"{folder}: this is a directory, and no log that consists of several files; name a file in it"
     )
 
 
@@ -63,7 +76,7 @@ def _parts(
     if unused:
         names = ", ".join(f"--{name.replace('_', '-')}" for name in unused)
         yield Remark(Note("options_unused", f"{names} not used: a {reader.format} log states this itself"))
-    size = path.stat().st_size
+    size = source.size(path)
     for part in reader.stream(path, options):
         if progress is not None and isinstance(part, Batch):
             progress(part.bytes_read, size)
@@ -87,7 +100,7 @@ def read(path: str | Path, options: ReadOptions | None = None, progress: Progres
     with ThreadPoolExecutor(1) as pool:
         fingerprint = pool.submit(source.fingerprint, path)
         parts = _parts(reader, path, options or ReadOptions(), progress)
-        log = assemble(parts, Provenance(_text(path), reader.format, "", path.stat().st_size))
+        log = assemble(parts, Provenance(_text(path), reader.format, "", source.size(path)))
         return replace(log, provenance=replace(log.provenance, hash=fingerprint.result()))
 
 

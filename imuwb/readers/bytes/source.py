@@ -152,7 +152,24 @@ def head(path: Path) -> bytes:
     return first[:HEAD]
 
 
+def size(path: Path) -> int:
+    """Return the bytes of a file, or of all files in a folder."""
+    return sum(file.stat().st_size for file in _files(path))
+
+
 def fingerprint(path: Path) -> str:
-    """Return ``sha256:...`` of the file's bytes on disk."""
-    with path.open("rb") as file:
-        return f"sha256:{hashlib.file_digest(file, 'sha256').hexdigest()}"
+    """Return ``sha256:...`` of a file's bytes on disk; of a folder, of the names and the hashes of its files."""
+    if not path.is_dir():
+        return f"sha256:{_digest(path)}"
+    lines = "".join(f"{_digest(file)} {file.relative_to(path).as_posix()}\n" for file in _files(path))
+    return f"sha256:{hashlib.sha256(lines.encode('utf-8', 'surrogateescape')).hexdigest()}"
+
+
+def _files(path: Path) -> list[Path]:
+    """Return a file, or the files in a folder in the order of their names."""
+    return sorted(file for file in path.rglob("*") if file.is_file()) if path.is_dir() else [path]
+
+
+def _digest(file: Path) -> str:
+    with file.open("rb") as content:
+        return hashlib.file_digest(content, "sha256").hexdigest()
