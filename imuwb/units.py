@@ -46,15 +46,16 @@ class Unit:
 _TABLE: dict[str, dict[str, float]] = {
     "time": {"s": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60, "h": _H},
     "frequency": {"Hz": 1, "kHz": 1e3},
-    "length": {"m": 1, "cm": 1e-2, "mm": 1e-3, "km": 1e3},
+    "length": {"m": 1, "cm": 1e-2, "mm": 1e-3, "km": 1e3, "ft": 0.3048},
     "angle": {"rad": 1, "mrad": 1e-3, "deg": _DEG, "arcsec": _DEG / _H, "degE7": _DEG * 1e-7},
-    "speed": {"m/s": 1, "km/h": 1 / 3.6, "cm/s": 1e-2, "mm/s": 1e-3, "knot": 1852 / _H},
+    "speed": {"m/s": 1, "km/h": 1 / 3.6, "cm/s": 1e-2, "mm/s": 1e-3, "knot": 1852 / _H, "ft/s": 0.3048, "mph": 1609.344 / _H},
     "angular_rate": {
-        "rad/s": 1, "mrad/s": 1e-3, "deg/s": _DEG, "mdeg/s": _DEG * 1e-3, "deg/h": _DEG / _H,
-        "rpm": math.pi / 30,
+        "rad/s": 1, "mrad/s": 1e-3, "µrad/s": 1e-6, "deg/s": _DEG, "mdeg/s": _DEG * 1e-3, "deg/h": _DEG / _H,
+        "arcsec/s": _DEG / _H, "rpm": math.pi / 30,
     },
     "specific_force": {
         "m/s²": 1, "g": _G, "mg": _G * 1e-3, "µg": _G * 1e-6, "m/s/h": 1 / _H, "cm/s²": 1e-2,
+        "mGal": 1e-5, "µGal": 1e-8, "mm/s²": 1e-3, "ft/s²": 0.3048,
     },
     # N: a white-noise density. rad/s/√Hz and rad/√s are equal.
     "angular_rate_density": {
@@ -97,6 +98,9 @@ _ALIASES = {
     "usec": "us", "µs": "us", "μs": "us", "nsec": "ns", "degc": "°C", "c": "°C", "celsius": "°C",
     "degf": "°F", "f": "°F", "fahrenheit": "°F",
     "degree": "deg", "degrees": "deg", "°": "deg", "mps": "m/s", "kmh": "km/h", "kph": "km/h",
+    "radpersec": "rad/s", "degpersec": "deg/s", "mdps": "mdeg/s", "ugal": "µGal", "gal": "cm/s²", "m/^s": "m/s²",
+    "as/s": "arcsec/s", "arcseconds": "arcsec", "knots": "knot", "kts": "knot", "kt": "knot", "kn": "knot", "kmph": "km/h",
+    "1e-7deg": "degE7", "deg*1e-7": "degE7", "degx1e-7": "degE7", "deg*10^-7": "degE7", "10^-7deg": "degE7", "urad/s": "µrad/s",
     "deg/√hr": "deg/√h", "°/√h": "deg/√h", "m/s/√hr": "m/s/√h", "degs": "deg/s", "": "1",
 }  # fmt: skip
 _FOLDED = {name.lower(): name for name in UNITS}  # only "K" would differ by case alone
@@ -108,6 +112,25 @@ def _canonical(text: str) -> str:
     return text.replace("^2", "²").replace("^3", "³").replace("^(3/2)", "^1.5").replace("·", "")
 
 
+#: word of a spelled unit -> its sign
+_WORDS = {
+    "radian": "rad", "degree": "deg", "second": "s", "sec": "s", "hour": "h", "hr": "h", "meter": "m", "metre": "m", "per": "/",
+    "millisecond": "ms", "microsecond": "us", "nanosecond": "ns", "arcsecond": "arcsec", "squared": "²", "°": "deg", "dgr": "deg",
+}  # fmt: skip
+_EXPONENT = re.compile(r"[.*⋅]?(s|h)\^?[-−⁻]([12¹²])$")
+
+
+def _spelled(name: str) -> str | None:
+    """Return a unit that is written with words or negative exponents: ``rad s^-1``, ``m.s-2``, ``degrees per second``."""
+    text = re.sub(
+        r"[a-z°]+", lambda word: _WORDS.get(word[0]) or _WORDS.get(word[0].removesuffix("s"), word[0]), name.lower()
+    )
+    text = _canonical(text)
+    text = _EXPONENT.sub(lambda found: f"/{found[1]}" + ("²" if found[2] in "2²" else ""), text)
+    text = re.sub(r"(?<=/)\(s²?\)$|(?<=/s)2$", lambda found: found[0].strip("()").replace("2", "²"), text)
+    return text if text in UNITS else _FOLDED.get(text) or _ALIASES.get(text)
+
+
 def unit(name: str) -> Unit:
     """Return the unit of that name, in any common spelling.
 
@@ -116,7 +139,7 @@ def unit(name: str) -> Unit:
     """
     text = _canonical(name)
     folded = text.lower()
-    known = text if text in UNITS else _FOLDED.get(folded) or _ALIASES.get(folded)
+    known = text if text in UNITS else _FOLDED.get(folded) or _ALIASES.get(folded) or _spelled(name)
     if known is None:
         raise UsageError(f"unknown unit {name!r}; write one of: {', '.join(UNITS)}")
     return UNITS[known]

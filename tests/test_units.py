@@ -95,3 +95,21 @@ def test_coefficients_are_shown_in_a_unit_of_their_dimension(axis, coefficient):
 
 def test_densities_and_walks_are_told_apart():
     assert unit("deg/√h").dimension != unit("deg/h").dimension != unit("deg/h^1.5").dimension
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("rad s^-1", "rad/s"), ("m s^-2", "m/s²"), ("m.s^-2", "m/s²"), ("deg.s^-1", "deg/s"), ("m/^s", "m/s²"), ("m·s⁻²", "m/s²"),
+        ("degrees per second", "deg/s"), ("metre per second squared", "m/s²"), ("meters/second^2", "m/s²"), ("Mps2", "m/s²"),
+        ("RadPerSec", "rad/s"), ("knots", "knot"), ("Kmh", "km/h"), ("1e-7 deg", "degE7"), ("mgal", "mGal"), ("rad s-1", "rad/s"),
+    ],
+)  # fmt: skip
+def test_spellings_of_files(text, name):
+    assert unit(text) is UNITS[name]
+
+
+@pytest.mark.parametrize("text", ["m^2/s", "gs", "rad s^-3", "per second", "s^-1"])
+def test_other_texts_are_no_units(text):
+    with pytest.raises(UsageError):
+        unit(text)

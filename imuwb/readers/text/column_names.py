@@ -1,29 +1,32 @@
-"""The quantity and the unit that a text file's column name states: ``gyro_x_deg_s``, ``ax [g]``, ``wx(rad/s)``."""
+"""The quantity and the unit that a text file's column name states: ``gyro_x_deg_s``, ``ax [g]``, ``/imu/angular_velocity/x``."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from imuwb.errors import ImuwbError, UsageError
 from imuwb.readers.quantities import DIMENSIONS
 from imuwb.units import Unit, unit
 
-_AXIS = r"[_ .\[]*([xyz])\]?"
+_GYRO = r"gyro(?:scope)?s?|gyr|omega|ang(?:ular)?[_ .]?(?:vel(?:ocity)?|rate)|rotation[_ .]?rate"
+_ACCEL = r"accel(?:erometer|eration)?s?|acc|specific[_ .]?force|lin(?:ear)?[_ .]?acc(?:el(?:eration)?)?"
+_VARIANT = r"(?:(?P<variant>raw|uncal(?:ibrated)?|uncomp(?:ensated)?)[_ .]?)?"
+_AXIS = r"(?P<number>\d*)[_ .\[]*(?P<axis>[xyz])\]?"
+_FIRST = r"(?P<first>[xyz])[_ .]*"
 #: quantity -> pattern of its column names, in lower case and without the unit
 _NAMES: dict[str, str] = {
-    "gyro": rf"(?:imu[_ .])?(?:gyro(?:scope)?s?|gyr|g|omega|w|ang(?:ular)?[_ .]?(?:vel(?:ocity)?|rate)){_AXIS}",
-    "accel": rf"(?:imu[_ .])?(?:accel(?:erometer|eration)?s?|acc|a|f|sf|specific[_ .]?force"
-    rf"|lin(?:ear)?[_ .]?acc(?:el(?:eration)?)?){_AXIS}",
+    "gyro": rf"(?:imu[_ .])?{_VARIANT}(?:(?:{_GYRO}|g|w){_AXIS}|{_FIRST}(?:{_GYRO}|rate))",
+    "accel": rf"(?:imu[_ .])?{_VARIANT}(?:(?:{_ACCEL}|a|f|sf){_AXIS}|{_FIRST}(?:{_ACCEL}))",
     "time": r"t|gpst|time|timestamp|time[_ .]?stamp|stamp|t[_ ].*|time[_ ].*|.*[_ ]time|seconds?|utc|unix.*|(?:gps[_ .]?)?(?:tow|sow)|gps[_ .]?(?:s|sec|seconds?)"
-    r"|(?:seconds?|time)[_ ]of[_ ](?:the[_ ])?week",
+    r"|(?:seconds?|time)[_ ]of[_ ](?:the[_ ])?week|(?:.+\.)?header\.stamp",
     "temperature": r"temp(?:erature)?|t[_ ]?imu|imu[_ .]temp(?:erature)?",
     "latitude": r"(?:gnss[_ .]|gps[_ .])?lat(?:itude)?",
     "longitude": r"(?:gnss[_ .]|gps[_ .])?(?:lon|lng|long|longitude)",
     "height": r"(?:gnss[_ .]|gps[_ .])?(?:h|hgt|height|alt|altitude|ellipsoidal[_ ]height)(?:[_ .]?a?msl)?|a?msl",
-    "velocity_north": r"vn|v_?north|(?:gnss[_ .])?velocity[_ .]north",
-    "velocity_east": r"ve|v_?east|(?:gnss[_ .])?velocity[_ .]east",
-    "velocity_down": r"vd|v_?down|(?:gnss[_ .])?velocity[_ .]down",
-    "velocity_up": r"vu|v_?up|(?:gnss[_ .])?velocity[_ .]up",
+    "velocity_north": r"vn|v_?north|(?:gnss[_ .])?vel(?:ocity)?[_ .](?:north|n)",
+    "velocity_east": r"ve|v_?east|(?:gnss[_ .])?vel(?:ocity)?[_ .](?:east|e)",
+    "velocity_down": r"vd|v_?down|(?:gnss[_ .])?vel(?:ocity)?[_ .](?:down|d)",
+    "velocity_up": r"vu|v_?up|(?:gnss[_ .])?vel(?:ocity)?[_ .](?:up|u)",
     "sigma_north": r"(?:position[_ ])?(?:sigma|std|sd)[_ .]?n(?:orth)?",
     "sigma_east": r"(?:position[_ ])?(?:sigma|std|sd)[_ .]?e(?:ast)?",
     "sigma_down": r"(?:position[_ ])?(?:sigma|std|sd)[_ .]?d(?:own)?",
@@ -33,20 +36,33 @@ _NAMES: dict[str, str] = {
     "sigma_attitude_north": r"sigma[_ ]attitude[_ ]north", "sigma_attitude_east": r"sigma[_ ]attitude[_ ]east",
     "sigma_attitude_down": r"sigma[_ ]attitude[_ ]down",
     "fix_type": r"fix(?:[_ ]?type)?",
-    "speed": r"(?:wheel[_ .]|odo(?:meter)?[_ .]|vehicle[_ .]|forward[_ .])?speed|odometer",
+    "speed": r"(?:wheel[_ .]|odo(?:meter)?[_ .]|vehicle[_ .]|forward[_ .])?speed|(?:wheel|odo(?:meter)?)[_ .]velocity|odometer",
     "roll": r"roll", "pitch": r"pitch", "heading": r"heading|yaw",
     "week": r"(?:gps[_ .]?)?week(?:[_ ]?(?:no|number))?",
 }  # fmt: skip
+_PATTERNS = {quantity: re.compile(pattern) for quantity, pattern in _NAMES.items()}
+#: quantities whose name may have the name of a sensor or topic before it
+_NESTED = ("gyro", "accel", "temperature", "latitude", "longitude", "height")
+#: a sensor's whole name, which may also have a word and an underscore before it
+_WORDS = re.compile(rf"(?P<prefix>\w+?)_(?P<rest>(?:{_GYRO}|{_ACCEL}){_AXIS})")
+#: words before a quantity that make it another one: a bias, a deviation, an acceleration without gravity
+_OTHERS = re.compile(
+    r"free|user|dynamic|gravity|world|earth|bias|std|sigma|cov|var|err|offset|scale|noise|cmd|command|setpoint|desired|target|delta|mag"
+)
 _ABOVE_SEA = re.compile(r"(?:^|[^a-z])(?:height|alt)?a?msl(?:[^a-z]|$)")
 _OF_WEEK = re.compile(r"tow|sow|of[_ ](?:the[_ ])?week|gps")
+_SEPARATORS = re.compile(r"[/.:\s\[\]]+")
 #: end of a name -> unit, for names without brackets
 _SUFFIXES = {
     "deg_s": "deg/s", "degs": "deg/s", "dps": "deg/s", "deg_per_s": "deg/s", "rad_s": "rad/s", "rads": "rad/s",
     "rad_per_s": "rad/s", "mrad_s": "mrad/s", "deg_h": "deg/h", "m_s2": "m/s²", "m_s_2": "m/s²", "ms2": "m/s²",
-    "mps2": "m/s²", "m_per_s2": "m/s²", "mg": "mg", "g": "g", "s": "s", "sec": "s", "ms": "ms", "us": "us",
+    "mps2": "m/s²", "m_per_s2": "m/s²", "mg": "mg", "ug": "µg", "mgal": "mGal", "g": "g", "s": "s", "sec": "s", "ms": "ms", "us": "us",
     "ns": "ns", "c": "°C", "degc": "°C", "deg_c": "°C", "k": "K", "degf": "°F", "deg_f": "°F", "f": "°F", "deg": "deg", "rad": "rad", "m": "m", "mm": "mm",
-    "m_s": "m/s", "mps": "m/s", "dege7": "degE7",
+    "m_s": "m/s", "mps": "m/s", "dege7": "degE7", "mdps": "mdeg/s", "arcsec_s": "arcsec/s", "kmh": "km/h", "knots": "knot",
 }  # fmt: skip
+_LONGEST_FIRST = sorted(_SUFFIXES, key=len, reverse=True)
+_JOINED = re.compile(r"(.+?)(Mps2|RadPerSec|DegPerSec|Nanos|Millis)")  #: a unit that only a capital letter shows
+_JOINED_UNITS = {"Mps2": "m/s²", "RadPerSec": "rad/s", "DegPerSec": "deg/s", "Nanos": "ns", "Millis": "ms"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +74,8 @@ class Column:
     quantity: str  #: a key of DIMENSIONS
     axis: int  #: 0, 1, 2 for x, y, z; 0 for a quantity without axes
     unit: Unit | None  #: None: unknown
+    stream: str = ""  #: name of the sensor or topic that stands before the quantity; empty in most files
+    sign: int = 1  #: -1: the column has the quantity with the other sign
 
 
 def above_sea(column: Column) -> bool:
@@ -79,14 +97,14 @@ def columns(names: tuple[str, ...], units: Mapping[str, str]) -> tuple[Column, .
         units: {quantity: unit}; they override the units in the names.
 
     Raises:
-        UsageError: two columns have the same quantity and axis.
+        UsageError: two columns of one sensor have the same quantity and axis.
     """
     known = [column for i, name in enumerate(names) if (column := _column(i, name, units)) is not None]
-    first: dict[tuple[str, int], Column] = {}
+    first: dict[tuple[str, str, int], Column] = {}
     # With a GPS week, the time of week is preferred to any other time.
     weeks = any(column.quantity == "week" for column in known)
     for column in sorted(known, key=lambda c: weeks and c.quantity == "time" and not _OF_WEEK.search(c.name.lower())):
-        other = first.setdefault((column.quantity, column.axis), column)
+        other = first.setdefault((column.stream, column.quantity, column.axis), column)
         if other is not column and column.quantity != "time":
             raise UsageError(
                 f"columns {other.name!r} and {column.name!r} are both {column.quantity}; name the columns with --columns"
@@ -94,35 +112,83 @@ def columns(names: tuple[str, ...], units: Mapping[str, str]) -> tuple[Column, .
     return tuple(first.values())
 
 
+def parts_of(name: str) -> tuple[str, ...]:
+    """Return the parts of a column's name in lower case, without brackets and separators: ``("imu", "gyro", "x")``."""
+    return tuple(part for part in _SEPARATORS.split(name.strip().strip('"').lower()) if part)
+
+
+def before(name: str, count: int) -> str:
+    """Return the text of a name's first parts, as the file has it."""
+    ends = [match.end() for match in re.finditer(r"[^/.:\s\[\]]+", name)]
+    return name[: ends[count - 1]].strip() if count else ""
+
+
+def with_units(name: str) -> Iterator[tuple[str, Unit | None]]:
+    """Yield the ways to read a name: without the unit at its end and the unit, and last as it is, without a unit."""
+    text = name.strip()
+    bracketed = re.fullmatch(r"(.+?)\s*[\[(]\s*([^\])]*?)\s*[\])]\s*", text)
+    if bracketed and not re.fullmatch(r"[xyz]|\d+", bracketed[2].lower()):
+        yield bracketed[1].strip(), _unit_or_none(bracketed[2])
+    elif joined := _JOINED.fullmatch(text):
+        yield joined[1], unit(_JOINED_UNITS[joined[2]])
+    else:
+        low = text.lower()
+        for suffix in _LONGEST_FIRST:
+            if low.endswith(f"_{suffix}") and len(text) > len(suffix) + 1:
+                yield text[: -len(suffix) - 1], unit(_SUFFIXES[suffix])
+                break
+        base, _, last = text.rpartition(" ")
+        measure = _unit_or_none(last) if base else None
+        if measure is not None and last.lower() not in "xyz":
+            yield base.strip().removesuffix(" in"), measure
+    yield text, None
+
+
+def _unit_or_none(text: str) -> Unit | None:
+    try:
+        return unit(text) if text else None
+    except ImuwbError:
+        return None
+
+
 def _column(index: int, name: str, units: Mapping[str, str]) -> Column | None:
     """Return the column of a name; None for an unknown quantity."""
-    base, stated = _parted(name)
-    for quantity, pattern in _NAMES.items():
-        for text in dict.fromkeys((base, name.strip().lower())):
-            match = re.fullmatch(pattern, text)
-            if match is None:
+    ways = tuple(with_units(name))
+    for quantity in _PATTERNS:
+        for text, stated in ways:
+            found = _matched(quantity, text)
+            if found is None:
                 continue
-            axis = "xyz".index(match[1]) if match.lastindex else 0
+            stream, axis = found
             # The end of a name such as "g_x" or "vd" may look like a unit: then the whole name matches, without a unit.
-            measure = unit(units[quantity]) if quantity in units else stated if text == base else None
+            measure = unit(units[quantity]) if quantity in units else stated
             if quantity in ("fix_type", "week"):
                 measure = unit("1")
             if measure is None or measure.dimension == DIMENSIONS[quantity]:
-                return Column(index, name, quantity, axis, measure)
+                return Column(index, name, quantity, axis, measure, stream)
     return None
 
 
-def _parted(name: str) -> tuple[str, Unit | None]:
-    """Return a column's name without its unit, and the unit; None if the name has no known unit."""
-    text = name.strip()
-    bracketed = re.fullmatch(r"(.+?)\s*[\[(]\s*([^\])]+?)\s*[\])]", text)
-    if bracketed and bracketed[2].lower() not in "xyz":
-        try:
-            return bracketed[1].strip().lower(), unit(bracketed[2])
-        except ImuwbError:
-            return bracketed[1].strip().lower(), None
-    text = text.lower()
-    for suffix in sorted(_SUFFIXES, key=len, reverse=True):
-        if text.endswith(f"_{suffix}") and len(text) > len(suffix) + 1:
-            return text[: -len(suffix) - 1], unit(_SUFFIXES[suffix])
-    return text, None
+def _matched(quantity: str, text: str) -> tuple[str, int] | None:
+    """Return the sensor before a quantity's name, and the axis; None if the text is no name of the quantity."""
+    low = text.strip().strip('"').lower()
+    if match := _PATTERNS[quantity].fullmatch(low):
+        return _place("", match)
+    if quantity not in _NESTED:
+        return None
+    parts = parts_of(text)
+    for count in range(1, len(parts)):
+        if match := _PATTERNS[quantity].fullmatch(".".join(parts[count:])):
+            prefix = before(text, count)
+            return None if _OTHERS.search(prefix.lower()) else _place(prefix, match)
+    if (match := _WORDS.fullmatch(low)) and not _OTHERS.search(match["prefix"]):
+        inner = _PATTERNS[quantity].fullmatch(match["rest"])
+        return _place(text.strip()[: len(match["prefix"])], inner) if inner else None
+    return None
+
+
+def _place(prefix: str, match: re.Match[str]) -> tuple[str, int]:
+    found = match.groupdict()
+    axis = found.get("axis") or found.get("first")
+    sensor = f"{found.get('variant') or ''}{found.get('number') or ''}"
+    return ".".join(filter(None, (prefix, sensor))), "xyz".index(axis) if axis else 0

@@ -28,7 +28,46 @@ def test_names_and_their_units(name, quantity, axis, unit):
     assert meaning(name) == [(quantity, axis, unit)]
 
 
-@pytest.mark.parametrize("name", ["-", "battery_v", "mag_x", "humidity", "", "row"])
+@pytest.mark.parametrize(
+    ("name", "quantity", "axis", "unit", "stream"),
+    [
+        ("/imu/data/angular_velocity/x", "gyro", 0, None, "/imu/data"), ("imu_a/gyro_y", "gyro", 1, None, "imu_a"),
+        ("field.linear_acceleration.z", "accel", 2, None, "field"), ("Acc1_X", "accel", 0, None, "1"),
+        ("IMU::UncompAccel::X [m/s^2]", "accel", 0, "m/s²", "IMU.uncomp"), ("UncompGyro.Y", "gyro", 1, None, "uncomp"),
+        ("raw_gyro_x", "gyro", 0, None, "raw"), ("/gps/fix/latitude", "latitude", 0, None, "/gps/fix"),
+        ("xRate (deg/s)", "gyro", 0, "deg/s", ""), ("Y Accel", "accel", 1, None, ""), ("Gyro X deg/s", "gyro", 0, "deg/s", ""),
+        ("GyroZRadPerSec", "gyro", 2, "rad/s", ""), ("ax (m s^-2)", "accel", 0, "m/s²", ""), ("wz [arcsec/s]", "gyro", 2, "arcsec/s", ""),
+    ],
+)  # fmt: skip
+def test_nested_names(name, quantity, axis, unit, stream):
+    (column,) = columns((name,), {})
+    found = (column.quantity, column.axis, column.unit.name if column.unit else None, column.stream)
+    assert found == (quantity, axis, unit, stream)
+
+
+def test_two_sensors_in_one_file_are_no_contradiction():
+    names = [f"/imu_{i}/{sensor}/{axis}" for i in "ab" for sensor in ("gyro", "accel") for axis in "xyz"]
+    found = columns(tuple(names), {})
+    assert len(found) == 12
+    assert {c.stream for c in found} == {"/imu_a", "/imu_b"}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "FreeAcc_X",
+        "user_acceleration.x",
+        "bias_gyro_x",
+        "imu/sigma/accel/x",
+        "orientation.w",
+        "-",
+        "battery_v",
+        "mag_x",
+        "humidity",
+        "",
+        "row",
+    ],
+)
 def test_other_names_mean_nothing(name):
     assert meaning(name) == []
 
