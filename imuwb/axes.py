@@ -9,6 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from imuwb.arrays import Floats
+from imuwb.errors import MissingDataError
 from imuwb.log import ImuStream, Nanoseconds
 from imuwb.notes import Note
 from imuwb.progress import tracked
@@ -46,8 +47,24 @@ class Axis:
 def axes_of(imu: ImuStream) -> dict[str, Axis]:
     """Return the axes of an IMU whose sensors have at least two samples each."""
     series = imu.axes()
-    clocks = {sensor: sampling(series[f"{sensor}_x"][0]) for sensor in ("gyro", "accel") if f"{sensor}_x" in series}
+    times = {name.partition("_")[0]: time for name, (time, _) in series.items()}
+    clocks = {sensor: sampling(time) for sensor, time in times.items()}
     return {name: Axis(name, time, values, clocks[name.partition("_")[0]]) for name, (time, values) in series.items()}
+
+
+def check_three_axes(path: str, imu: ImuStream, what: str) -> None:
+    """Raise MissingDataError, which names the axes that exist, if a sensor of an IMU lacks an axis.
+
+    Args:
+        path: the log's path.
+        imu: the IMU.
+        what: what needs three axes, for the message.
+    """
+    triads = [triad for triad in (imu.angular_rate, imu.specific_force) if triad is not None]
+    if any(triad.axes != "xyz" for triad in triads):
+        raise MissingDataError(
+            f"{path}: {imu.name} has only {', '.join(imu.axes())}; {what} needs three axes of each sensor"
+        )
 
 
 def rates(axes: Mapping[str, Axis]) -> dict[str, float]:

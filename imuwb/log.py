@@ -44,10 +44,12 @@ def _frozen(
     array = np.ascontiguousarray(values, dtype=dtype).view()
     if array.ndim != len(shape) or any(n not in (None, m) for n, m in zip(shape, array.shape, strict=True)):
         raise ValueError(f"{name} has shape {array.shape}; it must be {shape}")
-    if dtype is np.float64 and not (np.isfinite(array) | (np.isnan(array) if unknown else False)).all():
-        raise ValueError(
-            f"{name} has {np.count_nonzero(~np.isfinite(array))} values that are not finite; remove their rows"
-        )
+    if dtype is np.float64:
+        allowed = np.isfinite(array)
+        if unknown and not allowed.all():
+            allowed |= np.isnan(array)
+        if missing := int(allowed.size - np.count_nonzero(allowed)):
+            raise ValueError(f"{name} has {missing} values that are not finite; remove their rows")
     array.flags.writeable = False
     return array
 
@@ -104,15 +106,29 @@ class _Timed:
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Triad(_Timed):
-    """Three orthogonal sensors with one clock."""
+    """Three orthogonal sensors with one clock, or one or two of them, such as a single fibre-optic gyro."""
 
     time: Nanoseconds  #: (n,) ns
-    value: Floats  #: (n, 3) rad/s or m/s², FRD
+    value: Floats  #: (n, 3) rad/s or m/s², FRD; an axis that the sensor does not have is nan throughout
 
     def __post_init__(self) -> None:
         """Check and freeze the arrays."""
         time = _frozen_time(self.time, "triad")
-        _store(self, time=time, value=_frozen(self.value, np.float64, (time.size, 3), "triad value"))
+        value = _frozen(self.value, np.float64, (time.size, 3), "triad value", unknown=True)
+        _store(self, time=time, value=value)
+        if not (value.size and np.isnan(value.min())):
+            return
+        unknown = np.isnan(value)
+        absent = unknown.all(axis=0)
+        missing = int(np.count_nonzero(unknown if absent.all() else unknown[:, ~absent]))
+        if missing:
+            raise ValueError(f"triad value has {missing} values that are not finite; remove their rows")
+
+    @property
+    def axes(self) -> str:
+        """Return the letters of the axes that the sensor has: "xyz", or fewer."""
+        first = self.value[0].tolist() if len(self) else (0.0, 0.0, 0.0)
+        return "".join(axis for axis, value in zip("xyz", first, strict=True) if not math.isnan(value))
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -169,13 +185,14 @@ class ImuStream:
     origin: Origin = field(default_factory=Origin)
 
     def axes(self) -> dict[str, tuple[Nanoseconds, Floats]]:
-        """Return {axis: (time, values)}, from ``gyro_x`` to ``accel_z``; a missing sensor has no axes."""
+        """Return {axis: (time, values)}, from ``gyro_x`` to ``accel_z``, of the axes that the IMU has."""
         triads = {"gyro": self.angular_rate, "accel": self.specific_force}
         return {
             f"{sensor}_{axis}": (triad.time, triad.value[:, column])
             for sensor, triad in triads.items()
             if triad is not None
             for column, axis in enumerate("xyz")
+            if axis in triad.axes
         }
 
     def sensors(self) -> dict[str, Triad]:
@@ -188,8 +205,11 @@ class ImuStream:
 
     def __repr__(self) -> str:
         """Return each clock of the IMU in a line: name, kind, rows, rate, duration, gaps, units and frame."""
-        origin = self.origin
-        lines = [_line(name, "imu", triad.time, origin.units, origin.frame) for name, triad in self.sensors().items()]
+        origin, axes = self.origin, self.axes()
+        only = "" if len(axes) % 3 == 0 else f"only {', '.join(axes)}"
+        lines = [
+            _line(name, "imu", triad.time, origin.units, origin.frame, only) for name, triad in self.sensors().items()
+        ]
         if self.temperature is not None:
             lines.append(_line(self.temperature.name, "temperature", self.temperature.time, "°C"))
         return "\n".join(lines) or f"{self.name}: imu without samples"

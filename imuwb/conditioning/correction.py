@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from imuwb.arrays import Floats
+from imuwb.axes import check_three_axes
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.log import Conditioning, ImuStream, Log, Nanoseconds, Triad
 from imuwb.notes import Note, ids
@@ -65,6 +66,8 @@ def correct(log: Log, model: ImuErrorModel, step: tuple[str, str] | None = None)
         raise MissingDataError(
             f"{where} has no accelerometer, and the error model {model.name} has a g-sensitivity: the gyros cannot be corrected without the force"
         )
+    if {"cross-coupling", "g-sensitivity"} & terms.keys():
+        check_three_axes(log.provenance.path, imu, f"a correction by the model's {_listed(tuple(terms))}")
     try:
         changed = replace(imu, angular_rate=_rate(imu, model), specific_force=_force(imu, model))
     except ValueError as error:
@@ -96,16 +99,23 @@ def _force(imu: ImuStream, model: ImuErrorModel) -> Triad | None:
     accel = imu.specific_force
     if accel is None:
         return None
-    force = corrected(model, (np.zeros_like(accel.value), accel.value), _celsius(imu, accel.time))[1]
-    return Triad(accel.time, force)
+    value = _known(accel.value)
+    force = corrected(model, (np.zeros_like(value), value), _celsius(imu, accel.time))[1]
+    return Triad(accel.time, np.where(np.isnan(accel.value), np.nan, force))
 
 
 def _rate(imu: ImuStream, model: ImuErrorModel) -> Triad | None:
     gyro, accel = imu.angular_rate, imu.specific_force
     if gyro is None:
         return None
-    felt = np.zeros_like(gyro.value) if accel is None else _held(accel.time, accel.value, gyro.time)
-    return Triad(gyro.time, corrected(model, (gyro.value, felt), _celsius(imu, gyro.time))[0])
+    felt = np.zeros_like(gyro.value) if accel is None else _held(accel.time, _known(accel.value), gyro.time)
+    rate = corrected(model, (_known(gyro.value), felt), _celsius(imu, gyro.time))[0]
+    return Triad(gyro.time, np.where(np.isnan(gyro.value), np.nan, rate))
+
+
+def _known(values: Floats) -> Floats:
+    """Return a triad's values with 0 for an axis that it does not have; no other axis depends on it then."""
+    return np.nan_to_num(values)
 
 
 def _celsius(imu: ImuStream, time: Nanoseconds) -> Floats | None:

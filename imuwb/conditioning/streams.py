@@ -14,7 +14,7 @@ from imuwb.sampling import sampling
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A change of evenly spaced samples (n, 3)."""
+    """A change of evenly spaced samples (n, 3); an axis that a sensor does not have is nan throughout, and stays so."""
 
     apply: Callable[[Floats], Floats]  #: (n, 3) -> (n - first - last, 3), or every ``step``-th of those
     shortest: int = 1  #: samples of a part between gaps; shorter parts are dropped

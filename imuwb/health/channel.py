@@ -49,8 +49,8 @@ def channels(log: Log, imu: ImuStream) -> dict[str, Channel]:
         if triad is None or not len(triad):
             continue
         time, clock = log.seconds(triad.time), sampling(triad.time)
-        for column, letter in enumerate("xyz"):
-            axis, values = f"{sensor}_{letter}", triad.value[:, column]
+        for letter in triad.axes:
+            axis, values = f"{sensor}_{letter}", triad.value[:, "xyz".index(letter)]
             if np.ptp(values) > 0:
                 by_axis[axis] = Channel(axis, f"{imu.name} {axis}", time, values, clock, np.unique(values[:LOOKED_AT]))
     return by_axis

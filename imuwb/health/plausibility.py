@@ -30,12 +30,13 @@ def implausible(log: Log, imu: ImuStream, segments: Sequence[Segment]) -> Iterat
     if longest is None or longest.length < STILL_ENOUGH:
         return
     rate = _mean(log, imu.angular_rate, longest)
-    if rate is not None and float(np.abs(rate).max()) > BIAS:
-        worst = float(rate[int(np.argmax(np.abs(rate)))])
+    if rate is not None and float(np.nanmax(np.abs(rate))) > BIAS:
+        worst = float(rate[int(np.nanargmax(np.abs(rate)))])
         yield Fault(f"{imu.name} gyros", "rate", f"turns by {np.degrees(worst):.3g} deg/s while still", "warning", 1,
                     longest.start, longest.length, "subtract this bias, unless the IMU turns at a constant rate")  # fmt: skip
     force = _mean(log, imu.specific_force, longest)
-    size = STANDARD_GRAVITY if force is None else float(np.linalg.norm(force))
+    # One or two axes do not show the size of gravity.
+    size = STANDARD_GRAVITY if force is None or np.isnan(force).any() else float(np.linalg.norm(force))
     off = size / STANDARD_GRAVITY - 1
     if abs(off) > GRAVITY:
         wrong = abs(off) > WRONG
@@ -57,7 +58,7 @@ def _temperature(log: Log, imu: ImuStream) -> Iterator[Fault]:
 
 
 def _mean(log: Log, triad: Triad | None, segment: Segment) -> Floats | None:
-    """Return a triad's mean over a segment, (3,); None if the triad has no sample there."""
+    """Return a triad's mean over a segment, (3,), nan for an axis that it lacks; None if it has no sample there."""
     if triad is None:
         return None
     time = log.seconds(triad.time)

@@ -6,6 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from imuwb.arrays import Floats, Integers
+from imuwb.axes import check_three_axes
 from imuwb.conditioning import denoise
 from imuwb.errors import MissingDataError
 from imuwb.geodesy.attitude import rotation_of_euler
@@ -133,6 +134,7 @@ def _triads(path: str, imu: ImuStream) -> tuple[Triad, Triad]:
             f"{path}: {imu.name} has fewer than {LEAST} samples of gyros or accelerometers; navigation "
             f"needs at least {LEAST} of each; choose another IMU with --imu"
         )
+    check_three_axes(path, imu, "navigation")
     return gyro, accel
 
 

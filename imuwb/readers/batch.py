@@ -17,7 +17,8 @@ class Batch:
 
     ``columns`` depends on the kind:
 
-    * imu: ``angular_rate`` and ``specific_force`` (n, 3), ``temperature`` (n,);
+    * imu: ``angular_rate`` and ``specific_force`` (n, 3), ``temperature`` (n,); an axis that the sensor does not have is nan
+      in all batches;
     * gnss: ``position``, ``velocity``, ``position_sigma``, ``velocity_sigma`` (n, 3), ``fix_type`` (n,);
     * reference: ``position``, ``velocity``, ``attitude``, ``position_sigma``, ``velocity_sigma``, ``attitude_sigma`` (n, 3);
     * pose: ``position`` (n, 3) m and ``quaternion`` (n, 4) w, x, y, z in a frame of their own, ``position_sigma`` (n, 3) m;

@@ -50,15 +50,16 @@ def _streams(log: Log, review: Review) -> None:
 
 def _triad(imu: ImuStream, triad: Triad, quantity: str, sensor: str, unit: str, scale: float) -> Series:
     """Return three axes over time, without their medians if the sensor is still, because different medians would hide the noise."""
-    values = triad.value * scale
+    axes = triad.axes
+    values = triad.value[:, ["xyz".index(axis) for axis in axes]] * scale if axes != "xyz" else triad.value * scale
     sample = values[:: max(len(values) // SAMPLES, 1)]
     median = np.median(sample, axis=0)
     spread = np.quantile(np.abs(sample - median), SPREAD, axis=0).max()
-    names = tuple(f"{sensor} {axis}" for axis in "xyz")
+    names = tuple(f"{sensor} {axis}" for axis in axes)
     title = f"{imu.name} {quantity}"
     if spread < STILL * np.ptp(median):
         values = values - median
         names = tuple(f"{name}, about {m:.3f}" for name, m in zip(names, median, strict=True))
         title += ", each axis about its median"
-    colors = tuple((*AXIS_COLORS[axis], ALPHA) for axis in "xyz")
+    colors = tuple((*AXIS_COLORS[axis], ALPHA) for axis in axes)
     return Series(title, unit, triad.time, values, names, colors, imu.origin.epoch)

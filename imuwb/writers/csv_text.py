@@ -142,7 +142,8 @@ def _table(imu: ImuStream) -> pa.Table:
             raise MissingDataError(
                 f"{imu.name}: gyro and accelerometer have different clocks, and a CSV table has one; write .mcap"
             )
-        for column, axis in enumerate("xyz"):
+        for axis in triad.axes:
+            column = "xyz".index(axis)
             columns[name.format(axis)] = np.ascontiguousarray(triad.value[:, column])
     if imu.temperature is not None:
         place = np.searchsorted(time, imu.temperature.time).clip(0, time.size - 1)

@@ -29,9 +29,10 @@ from imuwb.readers.batch import Batch, Remark
 
 Key = tuple[str, Kind, tuple[str, ...]]
 
+TRIADS = ("angular_rate", "specific_force")
 #: kind -> the columns it may have
 _COLUMNS = {
-    "imu": ("angular_rate", "specific_force", "temperature"),
+    "imu": (*TRIADS, "temperature"),
     "gnss": ("position", "velocity", "position_sigma", "velocity_sigma", "fix_type"),
     "reference": ("position", "velocity", "attitude", "position_sigma", "velocity_sigma", "attitude_sigma"),
     "pose": ("position", "quaternion", "position_sigma"),
@@ -129,9 +130,22 @@ def _finite(kind: Kind, rows: int, columns: dict[str, Floats]) -> Booleans:
     finite = np.ones(rows, dtype=bool)
     for name, values in columns.items():
         known = np.isfinite(values)
-        if not known.all() and name not in _MAY_BE_UNKNOWN.get(kind, ()):
-            finite &= known if values.ndim == 1 else known.all(axis=1)
+        if known.all() or name in _MAY_BE_UNKNOWN.get(kind, ()):
+            continue
+        if name in TRIADS:
+            there = ~np.isnan(values).all(axis=0)  # a sensor may have one axis or two
+            known = known[:, there] if there.any() else known
+        finite &= known if values.ndim == 1 else known.all(axis=1)
     return finite
+
+
+def _axes_notes(imus: Iterable[ImuStream]) -> Iterator[Note]:
+    """Yield a note for each IMU with a sensor that lacks an axis."""
+    for imu in imus:
+        if any(triad is not None and triad.axes != "xyz" for triad in (imu.angular_rate, imu.specific_force)):
+            lacks = imu.specific_force is not None and imu.specific_force.axes != "xyz"
+            more = "; without three axes of an accelerometer |f| cannot be compared with gravity" if lacks else ""
+            yield Note("axes_missing", f"{imu.name}: it has only {', '.join(imu.axes())}{more}")
 
 
 def _repair_notes(streams: list[Batch], unused: dict[str, list[Repair]]) -> Iterator[Note]:
@@ -181,17 +195,13 @@ def _imus(streams: list[Batch], temperatures: list[Scalars]) -> tuple[tuple[ImuS
         imus[name] = replace(imus[name], temperature=temperature)
         notes.append(Note("temperature_joined", f"{temperature.name}: taken as the temperature of {name}"))
     whole, part_notes = with_parts_joined(tuple(imus.values()))
-    return whole, [*notes, *part_notes]
+    return whole, [*notes, *part_notes, *_axes_notes(whole)]
 
 
 def _with_rows(imu: ImuStream, rows: Batch) -> ImuStream:
     """Return an IMU with the sensors of some rows, and their repairs."""
     repairs = imu.origin.repairs + tuple(x for x in rows.origin.repairs if x not in imu.origin.repairs)
-    triads = {
-        name: Triad(rows.time, rows.columns[name])
-        for name in ("angular_rate", "specific_force")
-        if name in rows.columns
-    }
+    triads = {name: Triad(rows.time, rows.columns[name]) for name in TRIADS if name in rows.columns}
     imu = replace(imu, origin=replace(imu.origin, repairs=repairs), **triads)
     if "temperature" not in rows.columns:
         return imu

@@ -29,7 +29,7 @@ def streams_of(values: Mapping[Column, Floats], frame: str) -> Iterator[Stream]:
     imu = {
         field: triad * signs
         for quantity, field in (("gyro", "angular_rate"), ("accel", "specific_force"))
-        if (triad := _stacked(si, [(quantity, axis) for axis in range(3)])) is not None
+        if (triad := _triad(si, quantity)) is not None
     }
     if imu:
         yield "imu", imu, None
@@ -71,6 +71,15 @@ def _north_east_down(si: Values, prefix: str) -> Floats | None:
         up = si.get((f"{prefix}up", 0))
         down = np.full_like(north, np.nan) if up is None else -up
     return np.stack([north, east, down], axis=1)
+
+
+def _triad(si: Values, quantity: str) -> Floats | None:
+    """Return the axes of a sensor as (n, 3), nan for an axis without a column; None if there is no axis."""
+    there = {axis: si[quantity, axis] for axis in range(3) if (quantity, axis) in si}
+    if not there:
+        return None
+    unknown = np.full_like(next(iter(there.values())), np.nan)
+    return np.stack([there.get(axis, unknown) for axis in range(3)], axis=1)
 
 
 def _stacked(si: Values, keys: list[tuple[str, int]]) -> Floats | None:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from imuwb.arrays import Floats
+from imuwb.axes import check_three_axes
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.calibration import clipped, shared, steady
 from imuwb.log import ImuStream, Log, Triad
@@ -49,6 +50,7 @@ def still_positions(logs: Sequence[Log], shortest: float) -> tuple[list[SteadySt
                 f"{log.provenance.path}: {imu.name} has no accelerometer; still positions calibrate accelerometers, "
                 "and gyros alone need a rate table"
             )
+        check_three_axes(log.provenance.path, imu, "a calibration")
     with_gyro = all(imu.angular_rate is not None and len(imu.angular_rate) >= FEWEST for imu in imus)
     lacking = not with_gyro and any(imu.angular_rate is not None for imu in imus)
     notes = [Note("no-gyro", "not every log has gyro samples: gyros are left out")] if lacking else []
@@ -85,6 +87,7 @@ def steps_of(log: Log, shortest: float, raw: str) -> list[SteadyStretch]:
         raise MissingDataError(
             f"{log.provenance.path}: {imu.name} has no gyro; a rate table calibrates gyros, and accelerometers need positions"
         )
+    check_three_axes(log.provenance.path, imu, "a calibration")
     _check_turns(log, gyro, raw)
     span = np.full(3, float(np.ptp(gyro.value, axis=0).max()))
     spans = _spans(log, gyro, shortest, span)

@@ -12,7 +12,6 @@ from imuwb.identification.record.suitable import unsuitable
 from imuwb.log import Log
 
 SHALLOW = 3  #: levels of the second curve, as in Quinchia's figure 17
-SHOWN = ("gyro_z", "accel_z")
 FEWEST = 4096  #: samples
 SEGMENT = 1 << 16
 DEEPEST = 1e-6  #: share of the lowest raw density; a lower density is outside the figure
@@ -36,7 +35,7 @@ class Denoised:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Denoising:
-    """The z axes before and after denoising."""
+    """The last axis of each sensor before and after denoising."""
 
     rate_hz: dict[str, float]
     curves: tuple[Denoised, ...]
@@ -44,8 +43,9 @@ class Denoising:
 
 
 def denoising(log: Log, levels: int) -> Denoising | None:
-    """Return the z axes before and after denoising; None if the log is too short."""
-    axes = {name: axis for name, axis in axes_of(log.imu()).items() if name in SHOWN}
+    """Return the last axis of each sensor, z if it has three, before and after denoising; None if the log is too short."""
+    axes = {axis.sensor: axis for axis in axes_of(log.imu()).values()}
+    axes = {axis.name: axis for axis in axes.values()}
     axes = {name: axis for name, axis in axes.items() if unsuitable(axis.longest, FEWEST) is None}
     depths = sorted({0, min(SHALLOW, levels), levels})
     jobs = [(axis, k) for axis in axes.values() for k in depths]

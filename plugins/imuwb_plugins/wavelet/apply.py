@@ -59,7 +59,9 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, Applied]:
 
         def apply(values: Floats) -> Floats:
             columns = zip(names, values.T, strict=True)
-            return np.stack([axis(np.ascontiguousarray(column), name, rate) for name, column in columns], axis=1)
+            return np.stack(
+                [c if np.isnan(c[0]) else axis(np.ascontiguousarray(c), name, rate) for name, c in columns], axis=1
+            )
 
         return Change(apply, SHORTEST)
 
