@@ -17,7 +17,7 @@ from imuwb.arrays import Booleans, Floats
 from imuwb.notes import Note
 from imuwb.readers.text import lines
 from imuwb.readers.text.column_names import Column
-from imuwb.readers.text.lines import Layout
+from imuwb.readers.text.layout import Layout
 from imuwb.readers.text.trust import is_number
 from imuwb.units import unix_nanoseconds
 

@@ -18,7 +18,7 @@ from imuwb.readers.gps_time import ahead_of_utc, leap_seconds, unix_of_gps
 from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text import cells
 from imuwb.readers.text.column_names import Column, scale_of
-from imuwb.readers.text.lines import Layout
+from imuwb.readers.text.layout import Layout
 from imuwb.readers.text.time_tag import TagClock, tag_clock
 from imuwb.readers.text.trust import is_number
 from imuwb.units import SECOND, Epoch, Unit, unit

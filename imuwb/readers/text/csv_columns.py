@@ -10,7 +10,7 @@ from imuwb.errors import UnreadableLogError, UsageError
 from imuwb.readers.quantities import DIMENSIONS, units_by_quantity
 from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text.column_names import Column, columns
-from imuwb.readers.text.lines import Layout
+from imuwb.readers.text.layout import Layout
 from imuwb.readers.text.trust import is_number
 from imuwb.units import STANDARD_GRAVITY, UNITS, unit
 

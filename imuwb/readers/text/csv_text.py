@@ -13,13 +13,13 @@ from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes.source import damaged
 from imuwb.readers.read_options import ReadOptions
-from imuwb.readers.text import lines
 from imuwb.readers.text.cells import CELLS, LINES, blocks, floats
 from imuwb.readers.text.clock import Clock, clock_of
 from imuwb.readers.text.column_names import Column, above_sea, columns
 from imuwb.readers.text.csv_columns import check_gravity, used_columns
 from imuwb.readers.text.csv_streams import streams_of
-from imuwb.readers.text.lines import Layout
+from imuwb.readers.text.encoding import encoding_of, head_text
+from imuwb.readers.text.layout import Layout, layout_of
 from imuwb.readers.text.sidecar import with_sidecar
 from imuwb.units import SECOND
 
@@ -35,7 +35,8 @@ MOST_UNUSABLE = 0.5  #: share of rows; if more rows are unusable, the file is no
 
 
 def probe(head: bytes) -> bool:
-    """Return whether the file begins with text that has digits."""
+    """Return whether the file begins with text that has digits, in UTF-8 or UTF-16."""
+    head = head_text(head, encoding_of(head))
     if b"\0" in head or not any(digit in head for digit in b"0123456789"):
         return False
     printable = sum(byte >= ord(" ") or byte in b"\t\r\n\f" for byte in head)
@@ -50,7 +51,7 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
         UnreadableLogError: the file has no row of numbers, or the numbers contradict their stated unit.
     """
     options, remarks = with_sidecar(path, options)
-    layout = lines.layout(path)
+    layout = layout_of(path)
     used = used_columns(path, layout, options)
     clock = clock_of(path, layout, used, options)
     yield from (*remarks, *map(Remark, (*_layout_notes(layout, used), *clock.notes)))

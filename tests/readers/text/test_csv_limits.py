@@ -7,7 +7,7 @@ import pytest
 from imuwb.errors import UnreadableLogError, UsageError
 from imuwb.readers import read
 from imuwb.readers.text import csv_text
-from imuwb.readers.text.lines import layout
+from imuwb.readers.text.layout import layout_of
 from tests.readers.repairs import repairs
 from tests.readers.text.csv_writer import HEADER, NAMES, ROW, UNITS, timed
 
@@ -22,7 +22,7 @@ def test_one_byte_in_a_hundred_may_be_no_text(odd, text):
 @pytest.mark.parametrize(("numbers", "names"), [(1, 4), (2, 0)])
 def test_a_row_of_which_half_the_cells_are_numbers_is_no_header(text_log, numbers, names):
     first = ",".join(["name"] * (4 - numbers) + ["7"] * numbers)
-    assert len(layout(text_log(f"{first}\n" + "1,2,3,4\n" * 5)).names) == names
+    assert len(layout_of(text_log(f"{first}\n" + "1,2,3,4\n" * 5)).names) == names
 
 
 @pytest.mark.parametrize(("before", "kept"), [(100, True), (101, False)])
