@@ -44,6 +44,7 @@ class Health:
     segments_of: str | None
     still: float  #: s; total time during which that IMU is still
     moving: float  #: s; total time during which that IMU moves
+    even: float  #: s; the part of ``moving`` that only a receiver or an odometer shows
 
     def __repr__(self) -> str:
         """Return the verdict of each stream, and the faults; one line for each."""
@@ -64,8 +65,9 @@ def check(log: Log, *, lines: bool = True, samples: bool = True) -> Health:
         faults += repair_faults(name, repairs, time.size)
         faults += clock_faults(name, log.seconds(time), inertial=inertial)
     by_imu: dict[str, tuple[Segment, ...]] = {}
+    travelled = _travelled(log) if samples else np.empty((0, 2))
     for imu in log.imus if samples else ():
-        by_imu[imu.name], own = _examined(log, imu, lines=lines)
+        by_imu[imu.name], own = _examined(log, imu, travelled, lines=lines)
         faults += own
     for gnss in log.gnss:
         faults += receiver_faults(log, gnss)
@@ -75,17 +77,25 @@ def check(log: Log, *, lines: bool = True, samples: bool = True) -> Health:
     shown = next((name for name, own in by_imu.items() if own), next(iter(by_imu), None))
     spans = () if shown is None else by_imu[shown]
     still, moving = (sum(s.length for s in spans if s.moving == moves) for moves in (False, True))
-    return Health(streams, tuple(faults), spans, shown, still, moving)
+    even = sum(s.length for s in spans if s.even)
+    return Health(streams, tuple(faults), spans, shown, still, moving, even)
 
 
-def _examined(log: Log, imu: ImuStream, *, lines: bool) -> tuple[tuple[Segment, ...], list[Fault]]:
+def _travelled(log: Log) -> Floats:
+    """Return when the vehicle travels, (k, 2) s."""
+    from imuwb.navigation.travel import travels  # noqa: PLC0415 - clocks and receivers need no scipy
+
+    return travels(log) if log.imus else np.empty((0, 2))
+
+
+def _examined(log: Log, imu: ImuStream, travelled: Floats, *, lines: bool) -> tuple[tuple[Segment, ...], list[Fault]]:
     """Return when an IMU is still and when it moves, and what is wrong with its samples."""
     from imuwb.health.inertial import inertial_faults  # noqa: PLC0415 - clocks and receivers need no compiler
     from imuwb.health.motion import segments  # noqa: PLC0415
 
     axes = channels(log, imu)
     lone = {axis: lone_samples(channel) for axis, channel in axes.items()}
-    spans = segments(axes, lone)
+    spans = segments(axes, lone, travelled)
     return spans, [*inertial_faults(imu, axes, lone, spans, lines=lines), *implausible(log, imu, spans)]
 
 

@@ -98,11 +98,11 @@ def _saturated(channel: Channel) -> Iterator[Fault]:
 
 
 def _struck(channel: Channel, lone: Lone, segments: Sequence[Segment]) -> Iterator[Fault]:
-    """Yield the lone samples of a channel while the IMU is still: during a motion they may be part of the motion."""
+    """Yield the lone samples of a channel while the IMU is quiet: during a motion they may be part of the motion."""
     at = channel.time[lone.rows]
     still = np.zeros(at.size, dtype=bool)
     for segment in segments:
-        if not segment.moving:
+        if not segment.moving or segment.even:
             still |= (at >= segment.start) & (at <= segment.end)
     if still.any():
         what = f"lone samples that differ from their neighbours by up to {value_text(channel.axis, float(lone.off[still].max()))}"

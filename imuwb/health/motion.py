@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from imuwb import identification
+from imuwb.arrays import Floats
 from imuwb.health.channel import Channel
 from imuwb.health.lone import Lone
 
@@ -17,6 +18,7 @@ class Segment:
     start: float  #: s from the log's start
     end: float
     moving: bool
+    even: bool = False  #: moving, but so evenly that only a receiver or an odometer shows it
 
     @property
     def length(self) -> float:
@@ -24,29 +26,32 @@ class Segment:
         return self.end - self.start
 
 
-def segments(channels: Mapping[str, Channel], lone: Mapping[str, Lone]) -> tuple[Segment, ...]:
+def segments(channels: Mapping[str, Channel], lone: Mapping[str, Lone], travels: Floats) -> tuple[Segment, ...]:
     """Return when the IMU is still and when it moves; no segment if the record does not show it.
 
     Args:
         channels: its axes whose samples are not all equal.
         lone: the lone samples of each channel; they are not taken as motion.
+        travels: (k, 2) s, spans in which the vehicle travels, as ``imuwb.navigation.travel`` finds them.
     """
     axes = {axis: (channel.time, lone[axis].without(channel.values)) for axis, channel in channels.items()}
-    record = identification.stillness(axes) if axes else None
+    record = identification.stillness(axes, travels) if axes else None
     return () if record is None else tuple(_segments(record))
 
 
 def _segments(record: identification.Stillness) -> Iterator[Segment]:
-    """Yield the spans between the disturbances, and the disturbances, of each recorded part."""
+    """Yield the spans between the motions, and the motions, of each recorded part."""
+    shaken = ((span.start, span.end, False) for span in record.disturbances)
+    motions = sorted((*shaken, *((*span, True) for span in record.even)))
     for begin, end in record.recorded:
         at = begin
-        for span in record.disturbances:
-            start, stop = max(span.start, at), min(span.end, end)
+        for first, last, even in motions:
+            start, stop = max(first, at), min(last, end)
             if stop <= start:
                 continue
             if start > at:
                 yield Segment(at, start, moving=False)
-            yield Segment(start, stop, moving=True)
+            yield Segment(start, stop, moving=True, even=even)
             at = stop
         if end > at:
             yield Segment(at, end, moving=False)

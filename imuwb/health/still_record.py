@@ -12,9 +12,10 @@ from imuwb import identification
 from imuwb.health.channel import channels, value_text
 from imuwb.health.lone import lone_samples
 from imuwb.log import ImuStream, Log
+from imuwb.navigation.travel import travels
 from imuwb.notes import Note
 from imuwb.stochastic import Autoregressive, ImuErrorModel, WhiteNoise
-from imuwb.texts import number_text
+from imuwb.texts import number_text, seconds_text
 
 #: rad/s and m/s²; no gyro and no accelerometer measures more (57 000 deg/s and 10 000 g)
 LARGEST = {"gyro": 1e3, "accel": 1e5}
@@ -66,7 +67,7 @@ def stillness_of(log: Log) -> identification.Stillness | None:
     axes = {
         name: (log.seconds(time), values) for name, (time, values) in log.imu().axes().items() if np.ptp(values) > 0
     }
-    return identification.stillness(axes) if axes else None
+    return identification.stillness(axes, travels(log)) if axes else None
 
 
 def _stillness_note(still: identification.Stillness | None) -> tuple[bool, Note | None]:
@@ -81,9 +82,20 @@ def _stillness_note(still: identification.Stillness | None) -> tuple[bool, Note 
     quiet = (
         f"analyse the longest quiet part: --start {math.ceil(still.quiet_start)} --end {math.floor(still.quiet_end)}"
     )
+    if still.quiet_end - still.quiet_start < 1:
+        quiet = "no part of the record is quiet"
+    even = sum(end - start for start, end in still.even)
     if still.moving:
-        text = f"the IMU moves in most of the record, so the coefficients are not those of the sensor's noise; {quiet}"
-        return True, Note("moving", text)
+        text = "the IMU moves in most of the record"
+        if even:
+            text += f" (a receiver or an odometer shows even motion for {seconds_text(even)}, which the samples do not show)"
+        return True, Note("moving", f"{text}, so the coefficients are not those of the sensor's noise; {quiet}")
+    if even:
+        text = (
+            f"a receiver or an odometer shows even motion for {seconds_text(even)}, which the samples do not show; the "
+            f"coefficients are also those of the motion; {quiet}"
+        )
+        return False, Note("even-motion", text)
     if not still.disturbances:
         return False, None
     worst = max(still.disturbances, key=lambda d: d.largest)

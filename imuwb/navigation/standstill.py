@@ -2,16 +2,11 @@
 
 import numpy as np
 
-from imuwb.arrays import Booleans, Floats
-from imuwb.geodesy.earth import ned_scale
+from imuwb.arrays import Floats
 from imuwb.log import SECOND, GnssStream, Log
 from imuwb.navigation.measurement import Measurement
+from imuwb.navigation.travel import SLOW, TURNING, displaced
 
-SLOW = 0.5  #: m/s; below this speed a receiver may stand still
-TURNING = 0.1  #: m/s; above this speed the wheels turn
-WINDOW = 5.0  #: s before and after a second, between which the positions must not move
-UNMOVED = 4.0  #: sigmas of a displacement, beyond which the receiver has moved
-USUAL = 2.5  #: m, sigma of a position without a sigma
 QUIET = 4.0  #: ratio of the scatter of a still second, at most, to that of the quietest tenth of all seconds
 
 
@@ -40,22 +35,10 @@ def standstills(measurement: Measurement, log: Log, gnss: GnssStream | None) -> 
             time = (gnss.time - (log.zero or 0)) / SECOND
             still &= np.interp(begin + 0.5, time[known], speed[known]) < SLOW
     elif gnss is not None and len(gnss) > 1:
-        still &= ~_displaced(begin + 0.5, (gnss.time - (log.zero or 0)) / SECOND, gnss)
+        still &= ~displaced(begin + 0.5, (gnss.time - (log.zero or 0)) / SECOND, gnss)
     for odometer in log.speeds:
         moving = (odometer.time[np.abs(odometer.value) > TURNING] - (log.zero or 0)) / SECOND
         still &= np.searchsorted(moving, begin) == np.searchsorted(moving, begin + count * measurement.interval)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(np.int8)))
     ends = np.append(begin, begin[-1] + count * measurement.interval)
     return np.stack([ends[edges[::2]], ends[edges[1::2]]], axis=1)
-
-
-def _displaced(middle: Floats, time: Floats, gnss: GnssStream) -> Booleans:
-    """Return around which times the positions move by more than their sigmas explain."""
-    sigma = USUAL
-    if gnss.position_sigma is not None and np.isfinite(gnss.position_sigma[:, :2]).any():
-        sigma = float(np.nanmedian(gnss.position_sigma[:, :2]))
-    north_east = ((gnss.position - gnss.position[0]) * ned_scale(gnss.position[0, 0], gnss.position[0, 2]))[:, :2]
-    ends = [
-        np.stack([np.interp(middle + side, time, north_east[:, i]) for i in range(2)]) for side in (-WINDOW, WINDOW)
-    ]
-    return np.hypot(*(ends[1] - ends[0])) > max(UNMOVED * np.sqrt(2) * sigma, SLOW)

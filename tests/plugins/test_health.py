@@ -36,7 +36,7 @@ def test_the_document_on_stdout_holds_streams_faults_and_segments(command):
     document = json.loads(out)
     assert (code, document["analysis"], document["params"]) == (0, "health", {"lines": True})
     result = document["result"]
-    assert set(result) == {"streams", "faults", "segments", "segments_of", "still", "moving"}
+    assert set(result) == {"streams", "faults", "segments", "segments_of", "still", "moving", "even"}
     (stream,) = result["streams"]
     assert (stream["name"], stream["verdict"]) == ("/imu/data", "good")
     assert len(stream["rate"]) == len(stream["time"]) == 400

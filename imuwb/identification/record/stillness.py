@@ -45,6 +45,8 @@ class Stillness:
     excess: float = (
         0.0  #: share by which the disturbances raise the mean square within seconds, or between seconds, of some axis
     )
+    #: s, (start, end) of the spans whose samples are quiet although the vehicle travels: it moves evenly
+    even: tuple[tuple[float, float], ...] = ()
 
     @property
     def spoilt(self) -> bool:
@@ -57,7 +59,7 @@ class Stillness:
         return f"{state}; longest quiet part from {self.quiet_start:.0f} to {self.quiet_end:.0f} s"
 
 
-def stillness(axes: Mapping[str, tuple[Floats, Floats]]) -> Stillness | None:
+def stillness(axes: Mapping[str, tuple[Floats, Floats]], travels: Floats | None = None) -> Stillness | None:
     """Return the disturbances of a record of several axes; None where the record is too short, or its rate too low.
 
     A block of one second is disturbed if its standard deviation is three times the usual one of the record, or if its mean is
@@ -65,12 +67,14 @@ def stillness(axes: Mapping[str, tuple[Floats, Floats]]) -> Stillness | None:
 
     Args:
         axes: name -> (time in s, values); the axes need not share a clock, and may have gaps.
+        travels: (k, 2) s on the same clock, spans in which the vehicle is known to travel; they are never quiet.
     """
     begin = min(float(time[0]) for time, _ in axes.values())
     finish = max(float(time[-1]) for time, _ in axes.values())
     blocks = _occupied([time for time, _ in axes.values()], begin, finish)
     count = blocks.size
-    starts, ends = begin + BLOCK * blocks, begin + BLOCK * (blocks + 1)
+    starts: Floats = begin + BLOCK * blocks.astype(np.float64)
+    ends = starts + BLOCK
     # No samples lie between two blocks, so the rows of a block end where those of the next block begin.
     edges = np.append(starts, ends[-1:])
     rows = {axis: np.searchsorted(time, edges) for axis, (time, _) in axes.items()}
@@ -83,26 +87,40 @@ def stillness(axes: Mapping[str, tuple[Floats, Floats]]) -> Stillness | None:
     worst = np.max(list(scores.values()), axis=0)
     bad = ndimage.binary_closing(worst > 1, iterations=JOIN) | (worst > 1)
     first, length = runs(bad)
+    last_end = finish if finish < ends[-1] + JOIN * BLOCK else float(ends[-1])
+    until = np.append(ends[:-1], last_end)  # what is left of a second at the end is like the second before it
     disturbances = tuple(
         Disturbance(
-            float(starts[start]), float(ends[stop - 1]),
+            float(starts[start]), float(until[stop - 1]),
             tuple(axis for axis, score in scores.items() if score[start:stop].max() > 1),
             float(worst[start:stop].max() * SCATTER),
         )
         for start, stop in zip(first, first + length, strict=True)
     )  # fmt: skip
+    even = ~bad & _within(starts + BLOCK / 2, travels)
+    first, length = runs(even)
+    spans = tuple((float(starts[a]), float(until[a + n - 1])) for a, n in zip(first, length, strict=True))
     far = np.flatnonzero(np.diff(blocks) > JOIN)
-    last_end = finish if finish < ends[-1] + JOIN * BLOCK else float(ends[-1])
     recorded = tuple(zip(starts[np.append(0, far + 1)].tolist(), [*ends[far].tolist(), last_end], strict=True))
-    calm, length = runs(~bad)
+    calm, length = runs(~(bad | even))
     if not calm.size:
-        return Stillness(disturbances, begin, begin, moving=True, recorded=recorded)
+        return Stillness(disturbances, begin, begin, moving=True, recorded=recorded, even=spans)
     longest = int(np.argmax(length))
     last = calm[longest] + length[longest]
-    moving |= float(bad.mean()) > MOVING
+    moving |= float((bad | even).mean()) > MOVING
     end = finish if last == count else float(starts[last])
     excess = max(own.excess(bad) for own in scored.values())
-    return Stillness(disturbances, float(starts[calm[longest]]), end, moving=moving, recorded=recorded, excess=excess)
+    return Stillness(
+        disturbances, float(starts[calm[longest]]), end, moving=moving, recorded=recorded, excess=excess, even=spans
+    )
+
+
+def _within(at: Floats, spans: Floats | None) -> Booleans:
+    """Return which times are within a span."""
+    if spans is None or not len(spans):
+        return np.zeros(at.size, dtype=bool)
+    before = np.searchsorted(spans[:, 0], at, "right") - 1
+    return (before >= 0) & (at < spans[before.clip(0), 1])
 
 
 def _occupied(times: Iterable[Floats], begin: float, finish: float) -> Integers:

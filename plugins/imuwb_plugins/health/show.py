@@ -11,6 +11,7 @@ from imuwb.texts import seconds_text
 MARKED = 6  #: faults whose place is marked in the figure
 STREAMS = 8  #: in the figure: as many as there are colours
 APART = 5.0  #: smallest ratio of the rates of two streams that makes their axis logarithmic
+EVEN = 0.5  #: height of even motion in the figure of motion, between still and moving
 ABOVE = {"log": 1.6, "linear": 1.12}  #: each mark over the one before
 
 
@@ -28,6 +29,8 @@ def draw(result: Health, review: Review) -> None:
     if result.segments:
         review.figure(_motion(result))
         text = f"{result.segments_of} is still for {seconds_text(result.still)} and moves for {seconds_text(result.moving)}"
+        if result.even:
+            text += f": {seconds_text(result.even)} of it are even motion, which only a receiver or an odometer shows"
         review.note(Note("motion", text))
     elif result.segments_of is not None:
         text = f"{result.segments_of}: the record is too short or too slow to show whether the IMU is still or moves"
@@ -59,9 +62,9 @@ def _rates(result: Health) -> Figure:
 
 def _motion(result: Health) -> Figure:
     x = np.array([edge for s in result.segments for edge in (s.start, s.end)])
-    y = np.array([float(s.moving) for s in result.segments for _ in range(2)])
+    y = np.array([EVEN if s.even else float(s.moving) for s in result.segments for _ in range(2)])
     return Figure(
-        "Still (0) and moving (1)", "time from the log's start [s]", "moving [1]",
+        "Still (0), moving (1), and moving evenly (0.5)", "time from the log's start [s]", "moving [1]",
         (Curve(result.segments_of or "IMU", x, y, BLUE, style="curve"),),
         x_scale="linear", y_scale="linear", y_limits=(-0.2, 1.2),
     )  # fmt: skip
