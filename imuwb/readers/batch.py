@@ -36,6 +36,7 @@ class Batch:
     columns: Mapping[str, Floats]
     origin: Origin = field(default_factory=Origin)
     bytes_read: int = 0  #: the reader's position in the file
+    exact: bool = False  #: the times are the sensor's own; times of arrival, or in a log of unknown making, are not
 
     def __repr__(self) -> str:
         """Return stream, kind, rows and columns in a line."""

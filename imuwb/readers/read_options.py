@@ -28,8 +28,15 @@ class ReadOptions:
         "Time stamp of a message: its own (header), or the time of recording (log) or of sending (publish).",
     ] = "header"
     rate: Annotated[
-        float | None, "Sampling rate of a text log without a time column (Hz).", Between(1e-6, 1e8), Form("HZ", "100")
+        float | None,
+        "Sampling rate of the IMU (Hz), if the log has no times or wrong ones; it beats the log's own times.",
+        Between(1e-6, 1e8),
+        Form("HZ", "100"),
     ] = None
+    even: Annotated[
+        bool,
+        "The IMU samples evenly, whatever the log's times look like: each count of samples takes equally long.",
+    ] = False
     columns: Annotated[
         tuple[str, ...],
         "Names of a text log's columns, in order; - for a column that is not used.",

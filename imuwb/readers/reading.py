@@ -21,6 +21,7 @@ from imuwb.summary import LogSummary, summarize
 #: Readers are asked in the order of their names, with these exceptions: MCAP is first; telemetry and text are last, after the
 #: formats with a magic number. Only the readers that are asked are imported.
 ORDER = {"mcap": -1, "tlog": 1, "csv": 2}
+OF_ALL = ("rate", "even")  #: options that apply to the logs of every reader
 
 
 def reader_of(path: str | Path) -> Reader:
@@ -72,7 +73,7 @@ def stream(path: str | Path, options: ReadOptions | None = None) -> Iterator[Bat
 def _parts(
     reader: Reader, path: Path, options: ReadOptions, progress: Progress | None = None
 ) -> Iterator[Batch | Remark]:
-    unused = options.unused(getattr(reader, "uses", [f.name for f in fields(ReadOptions)]))
+    unused = options.unused((*getattr(reader, "uses", [f.name for f in fields(ReadOptions)]), *OF_ALL))
     if unused:
         names = ", ".join(f"--{name.replace('_', '-')}" for name in unused)
         yield Remark(Note("options_unused", f"{names} not used: a {reader.format} log states this itself"))
@@ -99,8 +100,10 @@ def read(path: str | Path, options: ReadOptions | None = None, progress: Progres
     reader = reader_of(path)
     with ThreadPoolExecutor(1) as pool:
         fingerprint = pool.submit(source.fingerprint, path)
-        parts = _parts(reader, path, options or ReadOptions(), progress)
-        log = assemble(parts, Provenance(_text(path), reader.format, "", source.size(path)))
+        options = options or ReadOptions()
+        parts = _parts(reader, path, options, progress)
+        file = Provenance(_text(path), reader.format, "", source.size(path))
+        log = assemble(parts, file, rate=options.rate, even=options.even)
         return replace(log, provenance=replace(log.provenance, hash=fingerprint.result()))
 
 

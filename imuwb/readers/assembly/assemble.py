@@ -23,6 +23,8 @@ from imuwb.log import (
     Triad,
 )
 from imuwb.notes import Note
+from imuwb.readers.assembly.interleaved import sensors_in_turn, turns
+from imuwb.readers.assembly.sample_times import Clock, sample_times
 from imuwb.readers.assembly.siblings import sibling, with_fix_rows, with_parts_joined
 from imuwb.readers.assembly.time_order import in_order, taken
 from imuwb.readers.batch import Batch, Remark
@@ -52,12 +54,21 @@ _MAY_BE_UNKNOWN: dict[Kind, tuple[str, ...]] = {
 NOT_FINITE = Repair(Note("not_finite", "rows with a value that is not a number left out"), 0)
 
 
-def assemble(parts: Iterable[Batch | Remark], provenance: Provenance) -> Log:
+def assemble(
+    parts: Iterable[Batch | Remark], provenance: Provenance, *, rate: float | None = None, even: bool = False
+) -> Log:
     """Return the log of a reader's batches and remarks.
 
-    Rows with a value that is not finite are left out. Rows that are out of order by less than a second are sorted. Of rows
-    with the same time the first is kept. If a clock is set back by more than a second, the time after it goes on by one usual step.
-    Each repair is counted in the stream's ``origin``.
+    Rows with a value that is not finite are left out. Rows that are out of order by less than a second are sorted. A row that
+    repeats the time and all values of the row before is left out. If a clock is set back by more than a second, the time after it
+    goes on by one usual step. Even samples whose stamps are not even get even times. Each repair is counted in the stream's
+    ``origin``.
+
+    Args:
+        parts: what the reader yields.
+        provenance: the file.
+        rate: Hz, the rate of the IMUs, if the user states it; it beats their stamps.
+        even: the samples of the IMUs are even, as the user states.
     """
     truth: dict[str, str] = {}
     groups, repairs, notes = _grouped(_without_truth(parts, truth))
@@ -65,11 +76,15 @@ def assemble(parts: Iterable[Batch | Remark], provenance: Provenance) -> Log:
     for (stream, kind, _), batches in groups.items():
         rows = _joined(batches, repairs.pop(stream, []))
         batches.clear()  # the pieces are freed as soon as they are joined, so a log is in memory once, not twice
-        if rows.time.size:
-            streams.append(rows)
-        else:
+        if not rows.time.size:
             lost = sum(repair.count for repair in rows.origin.repairs)
             notes.append(Note("no_usable_row", f"{stream} ({kind}): none of its {lost} rows can be used"))
+            continue
+        sensors = _parted(rows)
+        if len(sensors) > 1:
+            text = f"{stream}: its rows are those of {len(sensors)} sensors that take turns at equal stamps"
+            notes.append(Note("in_turn", f"{text}; they are read as {', '.join(rows.stream for rows in sensors)}"))
+        streams.extend(_timed(sensor, rate, even=even) for sensor in sensors)
     notes.extend(_repair_notes(streams, repairs))
     return replace(_log(provenance, streams, notes), truth=truth)
 
@@ -123,6 +138,26 @@ def _joined(batches: list[Batch], repairs: list[Repair]) -> Batch:
     time, columns = in_order(time, columns, repairs)
     origin = replace(first.origin, repairs=tuple(repairs))
     return replace(first, time=time, columns=columns, origin=origin)
+
+
+def _parted(rows: Batch) -> list[Batch]:
+    """Return the rows of an IMU sensor by sensor, where several take turns."""
+    sensors = sensors_in_turn(rows.time, dict(rows.columns)) if rows.kind == "imu" else 1
+    if sensors == 1:
+        return [rows]
+    turn = turns(rows.time, sensors)
+    parts: list[Batch] = []
+    for sensor in range(sensors):
+        time, columns = taken(rows.time, dict(rows.columns), turn == sensor)
+        parts.append(replace(rows, stream=f"{rows.stream}.{sensor}", time=time, columns=columns))
+    return parts
+
+
+def _timed(rows: Batch, rate: float | None, *, even: bool) -> Batch:
+    """Return the rows with their times, and the repairs of these."""
+    repairs = list(rows.origin.repairs)
+    time, columns = sample_times(rows.time, dict(rows.columns), Clock(rows.kind, rows.exact, rate, even), repairs)
+    return replace(rows, time=time, columns=columns, origin=replace(rows.origin, repairs=tuple(repairs)))
 
 
 def _finite(kind: Kind, rows: int, columns: dict[str, Floats]) -> Booleans:

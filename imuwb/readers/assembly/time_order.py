@@ -1,4 +1,4 @@
-"""Makes the time of rows strictly increase: repairs damaged stamps, clocks set back, late rows and repeated rows."""
+"""Puts rows in the order of their time: repairs damaged stamps, clocks set back, late rows and repeated rows."""
 
 from dataclasses import replace
 
@@ -15,6 +15,7 @@ ALONE = Repair(Note("lone_time", "rows whose time is far from that of both neigh
 SET_BACK = Repair(Note("set_back", "clock set back: the time after it goes on by one usual step"), 0, "time")
 LATE = Repair(Note("out_of_order", "rows out of order sorted by time"), 0, "order")
 REPEATED = Repair(Note("repeated_time", "rows with the same time as the row before left out"), 0)
+TWICE = Repair(Note("repeated_row", "rows that repeat the row before, time and values, left out"), 0)
 
 LATEST = 2**62  #: ns from the epoch, the year 2116; differences of such times fit into int64
 CLOCK_STEP = SECOND  #: ns; a row that is older than its predecessor by more shows a clock set back; one that is older by less is late
@@ -28,7 +29,7 @@ ROWS_PER_STEP = 100  #: a clock may be set back once in so many rows; rows that 
 def in_order(
     time: Nanoseconds, columns: dict[str, Floats], repairs: list[Repair]
 ) -> tuple[Nanoseconds, dict[str, Floats]]:
-    """Return rows whose time strictly increases, and add the repairs."""
+    """Return rows whose time does not fall, and add the repairs; of equal rows that follow each other, the first is kept."""
     time, columns = _without(np.abs(time) >= LATEST, IMPOSSIBLE, time, columns, repairs)
     steps = np.diff(time)
     if steps.size and steps.min() > 0 and steps.max() <= CLOCK_STEP:
@@ -44,7 +45,18 @@ def in_order(
     if late:
         repairs.append(replace(LATE, count=late))
         time, columns = taken(time, columns, np.argsort(time, kind="stable"))
-    return _without(np.diff(time, prepend=time[0] - 1) == 0, REPEATED, time, columns, repairs)
+    return _without(_repeats(time, columns), TWICE, time, columns, repairs)
+
+
+def _repeats(time: Nanoseconds, columns: dict[str, Floats]) -> Booleans:
+    """Return which rows have the time and all values of the row before."""
+    repeats = np.diff(time, prepend=time[0] - 1) == 0
+    rows = np.flatnonzero(repeats)
+    for values in columns.values():
+        now, before = values[rows], values[rows - 1]
+        same = (now == before) | (np.isnan(now) & np.isnan(before))
+        repeats[rows] &= same if same.ndim == 1 else same.all(axis=1)
+    return repeats
 
 
 def taken(

@@ -178,11 +178,27 @@ class _Streams:
             yield Remark(note, stream, int(np.count_nonzero(~possible)))
         time, origin = self._time(columns), self._imu_origin
         if possible.any():
-            yield Batch(stream, "imu", time[possible], {k: v[possible] for k, v in values.items()}, origin, self._size)
+            yield Batch(
+                stream,
+                "imu",
+                time[possible],
+                {k: v[possible] for k, v in values.items()},
+                origin,
+                self._size,
+                exact=True,
+            )
         temperature = columns.get("T")
         if temperature is not None and temperature.any():
             rows = possible & (np.abs(temperature) < HOTTEST)
-            yield Batch(stream, "imu", time[rows], {"temperature": temperature[rows].astype(float)}, origin, self._size)
+            yield Batch(
+                stream,
+                "imu",
+                time[rows],
+                {"temperature": temperature[rows].astype(float)},
+                origin,
+                self._size,
+                exact=True,
+            )
 
     def _high_rate(self) -> Iterator[Batch | Remark]:
         """Yield the high-rate batches: samples of one sensor at its full rate, for a short time."""
@@ -204,7 +220,7 @@ class _Streams:
             time = start + np.rint(np.arange(len(values)) * (SECOND / rate)).astype(np.int64)
             quantity = "specific_force" if int(head["type"]) == ACCEL else "angular_rate"
             columns = {quantity: values / multiplier}
-            yield Batch(f"ISB.{int(head['instance'])}", "imu", time, columns, self._imu_origin, self._size)
+            yield Batch(f"ISB.{int(head['instance'])}", "imu", time, columns, self._imu_origin, self._size, exact=True)
         if lost:
             yield Remark(Note("cut_batch", f"{lost} incomplete high-rate batches left out"))
 

@@ -125,11 +125,19 @@ class _Streams:
         for sensor in np.unique(instance):
             rows = instance == sensor
             stream = name if not sensor else f"{name}.{sensor}"
-            yield Batch(stream, "imu", time[rows], {k: v[rows] for k, v in columns.items()}, origin, self._bytes_read)
+            yield Batch(
+                stream,
+                "imu",
+                time[rows],
+                {k: v[rows] for k, v in columns.items()},
+                origin,
+                self._bytes_read,
+                exact=True,
+            )
             measured = rows & (temperature != 0)  # 0: no thermometer
             if measured.any():
                 warm = {"temperature": temperature[measured]}
-                yield Batch(stream, "imu", time[measured], warm, origin, self._bytes_read)
+                yield Batch(stream, "imu", time[measured], warm, origin, self._bytes_read, exact=True)
 
     def _receiver(self, name: str, time: Nanoseconds, values: Values) -> Iterator[Batch | Remark]:
         def known(field: str, unknown: int, factor: float) -> Floats:

@@ -61,7 +61,9 @@ def located(
         return
     if lost:
         yield Remark(Note("no_position", text), name, lost)
-    yield Batch(name, kind, time[rows], {key: column[rows] for key, column in columns.items()}, origin, bytes_read)
+    yield Batch(
+        name, kind, time[rows], {key: column[rows] for key, column in columns.items()}, origin, bytes_read, exact=True
+    )
 
 
 def interpolated(time: Nanoseconds, at: Nanoseconds, values: Floats) -> Floats:

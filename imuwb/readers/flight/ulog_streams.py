@@ -125,7 +125,7 @@ class _Streams:
 
     def _imu_batch(self, name: str, boot: Nanoseconds, quantity: str, values: Floats, units: str = IMU_UNITS) -> Batch:
         time, origin = boot + (self._offset or 0), Origin(units, "FRD", self._epoch)
-        return Batch(name, "imu", time, {quantity: values}, origin, self._size)
+        return Batch(name, "imu", time, {quantity: values}, origin, self._size, exact=True)
 
     def _sensors(self) -> Iterator[Batch]:
         """Yield the single sensors: gyro and accelerometer of one number are one IMU, each with its own clock."""
@@ -227,7 +227,7 @@ class _Streams:
         origin = Origin(f"deg, m{ABOVE_SEA}, m/s", trajectory.ESTIMATED, self._epoch)
         # Rows without a position are normal here: the solution begins before the first fix.
         kept = {key: column[rows] for key, column in columns.items()}
-        yield Batch(name, "reference", boot[rows] + (self._offset or 0), kept, origin, self._size)
+        yield Batch(name, "reference", boot[rows] + (self._offset or 0), kept, origin, self._size, exact=True)
 
 
 def _nanoseconds(microseconds: NDArray[Any]) -> Nanoseconds:

@@ -92,14 +92,12 @@ def clock_of(path: Path, layout: Layout, used: tuple[Column, ...], options: Read
                 f"{path}: there is no time column among {', '.join(c.name for c in used)}; state --rate HZ"
             )
         return Clock(None, pa.null(), options.epoch or "log", options.rate)
-    notes = (Note("rate_unused", "--rate not used: the file has a time column"),) if options.rate else ()
     first = layout.first[column.index].strip().strip('"')
     if _ISO.match(first):
-        return Clock(column, pa.timestamp("ns", "UTC" if _ZONE.search(first) else None), "unix", notes=notes)
+        return Clock(column, pa.timestamp("ns", "UTC" if _ZONE.search(first) else None), "unix")
     if not is_number(first):
         raise UsageError(f"{path}: time column {column.name!r} has {first!r}; it must be a number or an ISO date")
-    clock = _week_clock(layout, used, column, first) or _number_clock(path, layout, column, first, options)
-    return replace(clock, notes=(*notes, *clock.notes))
+    return _week_clock(layout, used, column, first) or _number_clock(path, layout, column, first, options)
 
 
 def _week_clock(layout: Layout, used: tuple[Column, ...], column: Column, first: str) -> Clock | None:

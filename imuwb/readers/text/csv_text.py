@@ -95,7 +95,9 @@ class _Rows:
                     checked = check_gravity(self._path, fields["specific_force"], self._used)
                 any_stream = True
                 kept = fields if rows is None else {name: array[rows] for name, array in fields.items()}
-                yield Batch(kind, kind, time if rows is None else time[rows], kept, self._origin(kind), bytes_read)
+                timed = time if rows is None else time[rows]
+                exact = self._clock.column is None  # the times come from the rate
+                yield Batch(kind, kind, timed, kept, self._origin(kind), bytes_read, exact)
         if not any_stream and self._rows:
             names = ", ".join(column.name for column in self._used) or "none that is known"
             text = (

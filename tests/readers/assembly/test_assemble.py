@@ -1,4 +1,5 @@
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from tests.readers.repairs import repairs
 
 FILE = Provenance("file", "test", "", 0)
 SORTED, ALONE, REPEATED, SET_BACK, NOT_FINITE = "out_of_order", "lone_time", "repeated_time", "set_back", "not_finite"
+TWICE, SPREAD = "repeated_row", "repeated_stamps"
 
 
 def batch(time, marks=None, name="imu"):
@@ -52,10 +54,61 @@ def test_order_is_mended_across_pieces():
     assert marks(imu) == [0, 1, 2, 3]
 
 
-def test_of_repeated_times_the_first_row_is_kept():
-    imu = imu_of(batch([0, 10, 10, 10, 20]))
-    assert marks(imu) == [0, 1, 4]
-    assert repairs(imu) == {REPEATED: 2}
+def test_rows_with_one_stamp_are_samples_and_rows_that_repeat_are_not():
+    imu = imu_of(batch([0, 12, 12, 12, 12, 24], marks=[0, 1, 1, 2, 3, 4]))
+    assert imu.angular_rate.time.tolist() == [0, 12, 16, 20, 24]
+    assert marks(imu) == [0, 1, 2, 3, 4]
+    assert repairs(imu) == {TWICE: 1, SPREAD: 2}
+
+
+def test_of_references_and_thermometers_one_row_of_a_stamp_is_enough():
+    time = np.array([0, 10, 10, 20])
+    warm = Batch("imu", "imu", time, {"temperature": np.array([1.0, 2, 3, 4])})
+    position = Batch("truth", "reference", time, {"position": np.arange(12.0).reshape(4, 3)})
+    log = assemble([batch([0, 10, 20]), warm, position], FILE)
+    assert log.imus[0].temperature.value.tolist() == [1, 2, 4]
+    assert repairs(log.imus[0]) == {}
+    assert repairs(log.references[0]) == {REPEATED: 1}
+
+
+def test_times_of_the_sensor_itself_are_kept_however_uneven_they_are():
+    time = np.sort(np.random.default_rng(0).integers(0, 60 * SECOND, 600))
+    even = np.arange(600) * (SECOND // 10) + np.tile([0, SECOND // 30], 300)
+    for stamps in (time, even):
+        imu = assemble([replace(batch(stamps), exact=True)], FILE).imus[0]
+        assert imu.angular_rate.time.tolist() == stamps.tolist()
+    assert repairs(imu_of(batch(even))) == {"uneven_stamps": 600}
+
+
+def test_sensors_that_take_turns_at_equal_stamps_are_several_imus():
+    rng = np.random.default_rng(0)
+    time = np.repeat(np.arange(400) * (SECOND // 100), 3)
+    value = rng.normal(0, 0.03, (1200, 3)) + np.tile([[0.1, 0, -9.8], [0, 0.05, -9.8], [0, 0, -9.7]], (400, 1))
+    turns = Batch("imu", "imu", time, {"specific_force": value, "temperature": np.tile([30.0, 31, 32], 400)})
+    log = assemble([turns], FILE)
+    assert [imu.name for imu in log.imus] == ["imu.0", "imu.1", "imu.2"]
+    for turn, imu in enumerate(log.imus):
+        np.testing.assert_array_equal(imu.specific_force.value, value[turn::3])
+        np.testing.assert_array_equal(imu.specific_force.time, time[::3])
+        assert imu.temperature.value[0] == 30 + turn
+    assert "in_turn" in ids(log.notes)
+    one = Batch("imu", "imu", time, {"specific_force": rng.normal(0, 0.03, (1200, 3)) - [0, 0, 9.8]})
+    (imu,) = assemble([one], FILE).imus
+    assert len(imu.specific_force) == 1200
+
+
+def test_a_stated_rate_beats_the_stamps_and_is_recorded():
+    time = np.concatenate([np.arange(50), np.arange(50) + 900]) * (SECOND // 10)
+    (imu,) = assemble([batch(time)], FILE, rate=20.0).imus
+    np.testing.assert_array_equal(np.diff(imu.angular_rate.time), SECOND // 20)
+    assert repairs(imu) == {"stated_rate": 100}
+
+
+def test_samples_that_the_user_calls_even_have_no_gaps_between_batches():
+    time = (np.arange(1000) // 100) * SECOND + (np.arange(1000) % 100) * (SECOND // 1000)
+    assert np.diff(imu_of(batch(time)).angular_rate.time).max() > SECOND // 2
+    (imu,) = assemble([batch(time)], FILE, even=True).imus
+    assert np.diff(imu.angular_rate.time).max() == SECOND // 100
 
 
 def test_behind_a_clock_that_is_set_back_time_goes_on():
@@ -158,7 +211,7 @@ def test_fixes_and_speeds_have_their_streams():
 def test_any_times_become_increasing_and_every_row_is_accounted_for(time):
     imu = imu_of(batch(time))
     assert (np.diff(imu.angular_rate.time) > 0).all()
-    assert len(imu.angular_rate) + repairs(imu).get(REPEATED, 0) + repairs(imu).get(ALONE, 0) == len(time)
+    assert len(imu.angular_rate) + repairs(imu).get(TWICE, 0) + repairs(imu).get(ALONE, 0) == len(time)
     assert sorted(set(marks(imu))) == sorted(marks(imu))
 
 

@@ -87,18 +87,20 @@ def test_a_unix_time_has_the_unit_of_its_size(text_log, cell, ns, unit):
     assert f" {unit} " in note
 
 
-def test_a_rate_beside_a_time_column_is_not_used_and_noted(text_log):
-    log = read(text_log(timed("time_s", "0.0", "0.1")), ReadOptions(rate=3.0))
-    assert log.imus[0].angular_rate.time[1] == 100_000_000
-    assert "rate_unused" in ids(log.notes)
+def test_a_stated_rate_beats_the_time_column_and_is_recorded(text_log):
+    (imu,) = read(text_log(timed("time_s", "5.0", "5.1")), ReadOptions(rate=4.0)).imus
+    assert imu.angular_rate.time.tolist() == [5_000_000_000, 5_250_000_000]
+    assert repairs(imu) == {"stated_rate": 2}
 
 
 def test_rows_out_of_order_are_sorted_with_their_values_and_repeats_dropped(imu_of):
-    rows = "".join(f"{time},{i},0,0,0,0,-1\n" for i, time in enumerate(("0.0", "0.2", "0.1", "0.1", "0.3")))
+    rows = "".join(
+        f"{time},{i},0,0,0,0,-1\n" for i, time in ((0, "0.0"), (1, "0.2"), (2, "0.1"), (2, "0.1"), (4, "0.3"))
+    )
     imu = imu_of(f"time_s,{HEADER}\n{rows}")
     assert imu.angular_rate.time.tolist() == [0, 100_000_000, 200_000_000, 300_000_000]
     np.testing.assert_allclose(imu.angular_rate.value[:, 0] / DEG, [0, 2, 1, 4])
-    assert {"out_of_order", "repeated_time"} == set(repairs(imu))
+    assert {"out_of_order", "repeated_row"} == set(repairs(imu))
 
 
 class TestTimeScale:

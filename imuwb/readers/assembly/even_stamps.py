@@ -1,0 +1,268 @@
+"""Gives even samples even times, where their stamps are times of arrival, or those of a coarse clock.
+
+A sensor samples evenly; what a log states is often when the rows arrived (several at a time over a serial line or a radio), or
+a clock that ticks more slowly than the sensor samples. Then single steps say nothing, while counts over durations do. With a
+period p and m_k the number of sample k, the stamps T_k are explained if T_k - p m_k is bounded. Where samples are lost, this
+residual rises by a whole number of periods and stays there; where rows are only late, it returns. So the lower edge of the
+residual (the upper one for a clock that ticks) shows the losses, and it is the line through the times of sampling.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from imuwb.arrays import Booleans, Floats, Integers
+from imuwb.sampling import runs
+from imuwb.units import SECOND
+
+Cause = Literal["arrival", "coarse", "jitter"]
+
+FEWEST = 40  #: rows; fewer do not show whether they are even
+CALM = 0.05  #: share of the period; steps that scatter by less are left as they are
+ENOUGH = 100_000  #: steps that are looked at for whether they scatter
+PAUSE, PAUSES = 2.0 * SECOND, 20.0  #: ns, and periods; after a longer step, the recording begins again
+SHORT = 0.5  #: share of the period; a shorter step is one within a burst
+BATCH = 8  #: rows; bursts of so many rows, all of one size and with even steps, are batches of a sensor, with real gaps between
+SAME, EVEN = 0.1, 0.02  #: largest relative scatter of the sizes of batches, and of the steps within them
+BLOCK = 32  #: rows at least, in which an edge of the residual is looked for
+BURSTS = 4  #: bursts at least, in such a block
+STAYS = 4  #: blocks over which the residual must stay higher after a loss
+NEAR = 0.45  #: periods; steps that differ from a whole number of periods by less show the numbers of the samples
+LATE = 0.3  #: quantile of the durations of equal counts that no loss prolongs
+ROUNDS = 3  #: the period and the losses are found in turn, so often
+CLEAR = 4.0  #: standard deviations of the edge; a rise of the residual by more is a loss
+SHARP, OF_BURST = (
+    0.35,
+    0.1,
+)  #: shares of the period, and of a burst; where the edge scatters by more, the samples are not even
+LEAST_BLOCKS, LARGER = 8, 4  #: blocks that a stream must have; factor by which blocks grow until the edge is sharp
+LOST = 0.3  #: largest share of lost samples
+STRAIGHT = 0.5  #: periods; if the edge is within so much of a straight line, the times are exactly even
+KNOTS = 8  #: blocks between the knots of an edge that is not straight
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class EvenStamps:
+    """Even times of samples."""
+
+    time: Integers  #: (n,) ns, rising
+    cause: Cause  #: why the stamps are not even
+    scatter: float  #: s, standard deviation of the stamps about the times
+    latest: float  #: s, largest difference of a stamp from its time
+    lost: int  #: samples that are missing
+
+
+def even_stamps(stamps: Integers, *, forced: bool = False) -> EvenStamps | None:
+    """Return even times of samples; None if the stamps are even, or if they do not show that the samples are.
+
+    Args:
+        stamps: (n,) ns, not falling; rows with equal stamps are different samples.
+        forced: the samples are even, as the user states; then batches have no gaps between them.
+    """
+    if stamps.size < FEWEST:
+        return None
+    steps = np.diff(stamps)
+    period = _usual_period(stamps, steps)
+    if not period or (_is_calm(steps, period) and not forced):
+        return None
+    parts = np.split(stamps, np.flatnonzero(steps > max(PAUSE, PAUSES * period)) + 1)
+    bursts = _Bursts.of(steps, period)
+    if bursts.are_batches and not forced:
+        return None
+    found = [_even_part(part, period, bursts, forced=forced) for part in parts]
+    whole = [part for part in found if part is not None]
+    if len(whole) < len(found):
+        return None
+    time = np.concatenate([part.time for part in whole])
+    off = stamps - time
+    latest = float(np.abs(off).max())
+    if latest <= CALM * period and steps.min() > 0:
+        return None
+    return EvenStamps(time, bursts.cause, float(off.std()) / SECOND, latest / SECOND, sum(part.lost for part in whole))
+
+
+def spread_stamps(stamps: Integers) -> Integers:
+    """Return rising times: rows with equal stamps are spread evenly over the time up to the next stamp.
+
+    Args:
+        stamps: (n,) ns, not falling.
+    """
+    first, groups, counts = np.unique(stamps, return_inverse=True, return_counts=True)
+    usual = np.median(np.diff(first)) if first.size > 1 else SECOND
+    room = np.append(np.diff(first), int(usual))
+    begin = np.cumsum(counts) - counts
+    within = np.arange(stamps.size) - begin[groups]
+    spread = stamps + (within * (np.minimum(room, usual) / counts)[groups]).astype(np.int64)
+    return np.maximum.accumulate(spread - np.arange(stamps.size)) + np.arange(stamps.size)
+
+
+def _usual_period(stamps: Integers, steps: Integers) -> float:
+    """Return the duration of a sample, ns, from counts of rows over durations; 0: all stamps are equal."""
+    mean = float(stamps[-1] - stamps[0]) / steps.size
+    if float(steps.max() - steps.min()) <= CALM * mean:
+        return mean  # nearly all logs
+    count = max(BLOCK, BURSTS * _Bursts.of(steps, mean).rows)
+    count = min(count, stamps.size // 2)
+    return float(np.quantile(stamps[count:] - stamps[:-count], LATE)) / count or mean
+
+
+def _is_calm(steps: Integers, period: float) -> bool:
+    """Return whether nearly all steps are one period."""
+    if steps.min() <= 0:
+        return False
+    low, middle, high = np.quantile(steps[:: steps.size // ENOUGH * 2 + 1], (CALM, 0.5, 1 - CALM))
+    return bool(high - low <= CALM * period and abs(middle - period) <= CALM * period)
+
+
+@dataclass(frozen=True, slots=True)
+class _Bursts:
+    """How rows follow each other."""
+
+    rows: int  #: in a large burst; 1: there are none
+    grain: float  #: ns, of a clock that ticks; 0: the stamps are finer than a period
+    are_batches: bool  #: whether the bursts are batches of a sensor's own clock, with real gaps between them
+
+    @property
+    def cause(self) -> Cause:
+        return "coarse" if self.grain else "arrival" if self.rows > 1 else "jitter"
+
+    @staticmethod
+    def of(steps: Integers, period: float) -> "_Bursts":
+        within: Booleans = steps < SHORT * period
+        _, lengths = runs(within)
+        if lengths.sum() * 10 < steps.size:  # a few rows of a stream that is late now and then
+            lengths = lengths[:0]
+        sizes = lengths[1:-1] + 1 if lengths.size > 3 else lengths + 1  # noqa: PLR2004 - the first and the last may be cut
+        grain = float(np.gcd.reduce(steps))
+        positive = steps[steps > 0]
+        ticks = bool(
+            positive.size and grain >= CALM * period and grain >= SHORT / 2 * float(np.quantile(positive, CALM))
+        )
+        rows = int(np.quantile(sizes, 0.9)) if sizes.size else 1
+        inner = steps[within]
+        even = bool(inner.size and inner.min() > 0 and inner.std() <= EVEN * inner.mean())
+        same = bool(sizes.size and sizes.std() <= SAME * sizes.mean())
+        return _Bursts(rows, grain if ticks else 0.0, even and same and rows >= BATCH)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Part:
+    time: Integers
+    lost: int
+
+
+def _even_part(stamps: Integers, period: float, bursts: _Bursts, *, forced: bool) -> _Part | None:
+    """Return the even times of a part without pauses; None if its stamps do not show that the samples are even."""
+    if stamps.size < FEWEST:
+        return _Part(_rising(stamps[0], period * np.arange(stamps.size, dtype=np.float64)), 0)
+    if bursts.grain:  # a clock that ticks is early, not late: backwards in time, its stamps are late
+        part = _late(-stamps[::-1], period, bursts, forced=forced)
+        return None if part is None else _Part(-part.time[::-1], part.lost)
+    return _late(stamps, period, bursts, forced=forced)
+
+
+def _late(stamps: Integers, period: float, bursts: _Bursts, *, forced: bool) -> _Part | None:
+    """Return the even times of samples whose stamps are late."""
+    since = (stamps - stamps[0]).astype(np.float64)
+    rows = max(BLOCK, BURSTS * bursts.rows)
+    edge = _edge(since, period, min(rows, stamps.size // 4))
+    while edge.scatter > SHARP * edge.period and (rows := rows * LARGER) * LEAST_BLOCKS <= stamps.size:
+        edge = min(edge, _edge(since, period, rows), key=lambda one: one.scatter)
+    missing = round(float(edge.number[-1])) - (stamps.size - 1)
+    blurred = edge.scatter > max(SHARP, OF_BURST * bursts.rows) * edge.period
+    if not forced and (blurred or missing > LOST * stamps.size):
+        return None
+    line = edge.line(since)
+    if bursts.cause == "jitter":
+        line += float(np.mean(since - line))
+    return _Part(_rising(stamps[0], line), missing)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Edge:
+    """The line through the stamps that are nearest to the times of their samples."""
+
+    number: Floats  #: (n,) of each sample; lost samples have numbers too
+    period: float  #: ns
+    scatter: float  #: ns, of the edge from block to block
+    rows: Integers  #: (b,) rows on the edge
+
+    def line(self, since: Floats) -> Floats:
+        """Return the times of all samples, ns: on a straight line, or where the edge is not straight, on one with knots."""
+        at, on = self.number[self.rows], since[self.rows]
+        middle = float(np.median(on - self.period * at))
+        if np.abs(on - self.period * at - middle).max() <= max(STRAIGHT * self.period, CLEAR * self.scatter):
+            return self.period * self.number + middle
+        knots = max(2, at.size // KNOTS)
+        at, on = (np.array([part.mean() for part in np.array_split(x, knots)]) for x in (at, on))
+        first, last = ((on[i + 1] - on[i]) / (at[i + 1] - at[i]) for i in (0, -2))
+        ends = self.number[[0, -1]]
+        on = np.r_[on[0] + first * (ends[0] - at[0]), on, on[-1] + last * (ends[1] - at[-1])]
+        return np.interp(self.number, np.r_[ends[0], at, ends[1]], on)
+
+
+def _edge(since: Floats, period: float, rows: int) -> _Edge:
+    """Return the lower edge of stamps, found in blocks of some rows."""
+    blocks = np.arange(0, since.size - rows + 1, rows)
+    edge = _Edge(_counted(since, period), period, np.inf, blocks)
+    for _ in range(ROUNDS):
+        edge = _sharper(since, edge.period, blocks, rows)
+    return edge
+
+
+def _sharper(since: Floats, period: float, blocks: Integers, rows: int) -> _Edge:
+    """Return the edge by a period, and the period by that edge."""
+    counted = _counted(since, period)
+    residual = since - period * counted
+    at = np.array([b + int(np.argmin(residual[b : b + rows])) for b in blocks])
+    low = residual[at]
+    rises = np.diff(low)
+    drift = float(np.median(rises))
+    scatter = 1.4826 * float(np.median(np.abs(rises - drift)))
+    shift = np.zeros(since.size)
+    for block, rise in _rises(low - drift * np.arange(low.size), max(period / 2, CLEAR * scatter)):
+        # The samples are lost after the last row that is still near the old edge.
+        inside = residual[blocks[block] : blocks[block + 1] + rows]
+        last = inside.size - int(np.argmax(inside[::-1] < low[block] + rise / 2))
+        shift[blocks[block] + last] += round(rise / period)
+    number = counted + np.cumsum(shift)
+    return _Edge(number, _slope(number[at], since[at]), scatter, at)
+
+
+def _counted(since: Floats, period: float) -> Floats:
+    """Return the number of each sample: by the length of each step where all are near whole periods, else by counting rows."""
+    steps = np.diff(since) / period
+    whole = np.rint(steps)
+    if steps.min() > SHORT and np.abs(steps - whole).max() < NEAR:
+        return np.concatenate([[0.0], np.cumsum(whole)])
+    return np.arange(since.size, dtype=np.float64)
+
+
+def _rises(low: Floats, least: float) -> Iterator[tuple[int, float]]:
+    """Yield each block after which the edge stays higher, and by how much.
+
+    A block whose rows are all late is high too, but the blocks after it are low again: so levels are the lowest of several blocks.
+    """
+    padded = np.pad(low, STAYS, mode="edge")
+    lowest = np.lib.stride_tricks.sliding_window_view(padded, STAYS).min(axis=1)
+    first = 0
+    for block in np.flatnonzero(lowest[STAYS + 1 : low.size + STAYS] - lowest[1 : low.size] > least):
+        before = low[max(first, block + 1 - STAYS) : block + 1].min()
+        rise = float(low[block + 1 : block + 1 + STAYS].min() - before)
+        if rise > least:
+            yield int(block), rise
+            first = int(block) + 1
+
+
+def _slope(x: Floats, y: Floats) -> float:
+    """Return the slope of a line through points, of which some are off: the median over pairs half the points apart."""
+    half = max(x.size // 2, 1)
+    return float(np.median((y[half:] - y[:-half]) / (x[half:] - x[:-half])))
+
+
+def _rising(start: int, since: Floats) -> Integers:
+    """Return times in ns that strictly increase."""
+    index = np.arange(since.size)
+    return np.maximum.accumulate(start + np.rint(since).astype(np.int64) - index) + index

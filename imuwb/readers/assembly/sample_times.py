@@ -1,0 +1,90 @@
+"""Gives the rows of a stream their times: their stamps, or even times where the stamps are not those of the samples."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from imuwb.arrays import Floats
+from imuwb.log import Kind, Nanoseconds, Repair
+from imuwb.notes import Note
+from imuwb.readers.assembly.even_stamps import EvenStamps, even_stamps, spread_stamps
+from imuwb.readers.assembly.time_order import REPEATED, taken
+from imuwb.units import SECOND
+
+#: kinds of which rows with equal stamps are samples; of other streams, the first row is enough
+_SAMPLED: tuple[Kind, ...] = ("imu", "speed", "gnss", "velocity")
+SPREAD = Repair(
+    Note("repeated_stamps", "stamps that several samples have: the samples are spread up to the next stamp"), 0, "time"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Clock:
+    """What is known about the stamps of a stream."""
+
+    kind: Kind
+    exact: bool = False  #: they are the sensor's own times
+    rate: float | None = None  #: Hz, as the user states
+    even: bool = False  #: the samples are even, as the user states
+
+
+def sample_times(
+    time: Nanoseconds, columns: dict[str, Floats], clock: Clock, repairs: list[Repair]
+) -> tuple[Nanoseconds, dict[str, Floats]]:
+    """Return the rows with rising times, and add the repairs.
+
+    Args:
+        time: (n,) ns, not falling; no row repeats the row before it.
+        columns: the values of the rows.
+        clock: what is known about the stamps.
+        repairs: of the stream; they are added to.
+    """
+    if time.size < 2:  # noqa: PLR2004 - a step needs two rows
+        return time, columns
+    inertial = clock.kind == "imu" and set(columns) != {"temperature"}
+    if inertial and clock.rate is not None:
+        return _stated(time, clock.rate, repairs), columns
+    steps = np.diff(time)
+    repeated = int(np.count_nonzero(steps == 0))
+    if not clock.exact and (inertial or (repeated and clock.kind in _SAMPLED)):
+        even = even_stamps(time, forced=clock.even and inertial)
+        if even is not None:
+            repairs.append(Repair(_note(even), time.size, "time"))
+            return even.time, columns
+    if not repeated:
+        return time, columns
+    if inertial and not clock.exact:
+        repairs.append(replace(SPREAD, count=repeated))
+        return spread_stamps(time), columns
+    if set(columns) != {"temperature"}:
+        repairs.append(replace(REPEATED, count=repeated))
+    return taken(time, columns, np.concatenate([[True], steps > 0]))
+
+
+def _stated(time: Nanoseconds, rate: float, repairs: list[Repair]) -> Nanoseconds:
+    """Return times from the first stamp on, one period of the stated rate after the other."""
+    stated = time[0] + np.rint(np.arange(time.size) * (SECOND / rate)).astype(np.int64)
+    if np.abs(stated - time).max() > SECOND / rate / 2:
+        mean = (time.size - 1) * SECOND / max(int(time[-1] - time[0]), 1)
+        text = f"times by the stated rate of {rate:.6g} Hz, not by the stamps, which have {mean:.6g} rows a second"
+        repairs.append(Repair(Note("stated_rate", text), time.size, "time"))
+    return stated
+
+
+def _note(even: EvenStamps) -> Note:
+    """Return the note on even times: why, how far the stamps are off, and the rate."""
+    seconds = float(even.time[-1] - even.time[0]) / SECOND
+    rate = (even.time.size - 1 + even.lost) / max(seconds, 1e-9)
+    about = f"even times at {rate:.6g} Hz; the stamps scatter by {_duration(even.scatter)}, at most {_duration(even.latest)}"
+    lost = f"; {even.lost} samples are missing" if even.lost else "; no sample is missing"
+    why = {
+        "arrival": ("arrival_stamps", "stamps of arrival, several samples at once"),
+        "coarse": ("coarse_stamps", "stamps of a clock that ticks coarsely"),
+        "jitter": ("uneven_stamps", "stamps that scatter about even times"),
+    }
+    name, text = why[even.cause]
+    return Note(name, f"{text}: {about}{lost}")
+
+
+def _duration(seconds: float) -> str:
+    return f"{seconds:.3g} s" if seconds >= 1 else f"{1e3 * seconds:.3g} ms"
