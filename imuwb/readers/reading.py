@@ -20,7 +20,7 @@ from imuwb.summary import LogSummary, summarize
 
 #: Readers are asked in the order of their names, with these exceptions: MCAP is first; telemetry and text are last, after the
 #: formats with a magic number. Only the readers that are asked are imported.
-ORDER = {"mcap": -1, "tlog": 1, "csv": 2}
+ORDER = {"mcap": -1, "ubx": 1, "nmea": 2, "tlog": 3, "csv": 5}
 OF_ALL = ("rate", "even")  #: options that apply to the logs of every reader
 
 

@@ -34,7 +34,7 @@ def streamed(sentences: Sentences, bytes_read: int) -> Iterator[Batch | Remark]:
     lost = int(np.count_nonzero(~timed))
     if lost:
         yield Remark(Note("no_time", "sentences without a usable time left out"), "gnss", lost)
-    fixes = {name: values[timed] for name, values in fixes.items()}
+    time, fixes = time[timed], {name: values[timed] for name, values in fixes.items()}
     columns, told = _columns(kind, fixes)
     above_sea = f" ({MEAN_SEA_LEVEL})" if "above_sea" in (note.id for note in told) else ""
     used = {kind, *calendar.kinds}
@@ -123,9 +123,11 @@ def _columns(kind: bytes, rows: Columns) -> tuple[dict[str, Floats], list[Note]]
         height = _heights(rows, notes)
         fix = _modes(rows["mode"]) if kind == b"GNS" else _qualities(rows["quality"])
     position = trajectory.positions(rows["latitude"], rows["longitude"], height)
-    known: Booleans = np.isfinite(position).all(axis=1)
-    # A receiver without a fix leaves the cells empty: such a row has no position.
-    return {"position": np.where(known.reshape(-1, 1), position, 0.0), "fix_type": fix}, notes
+    unknown = np.isnan(position).any(axis=1)
+    position[np.flatnonzero(unknown)] = (
+        0.0  # a receiver without a fix leaves the cells empty: such a row has no position
+    )
+    return {"position": position, "fix_type": fix}, notes
 
 
 def _qualities(quality: Floats) -> Floats:
