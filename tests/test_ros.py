@@ -1,14 +1,18 @@
 """Definitions of our own equal those that rosbags has, field for field."""
 
+import re
+
 import pytest
 
 from imuwb import ros
 from imuwb.readers.containers import ros_layout
 
-MESSAGES = (
-    "sensor_msgs/msg/Imu", "sensor_msgs/msg/NavSatFix", "sensor_msgs/msg/Temperature", "geometry_msgs/msg/TwistStamped",
-    "geometry_msgs/msg/TwistWithCovarianceStamped", "nav_msgs/msg/Odometry",
-)  # fmt: skip
+#: packages that rosbags knows
+PACKAGES = ("builtin_interfaces", "std_msgs", "geometry_msgs", "sensor_msgs", "nav_msgs")
+MESSAGES = [name for name in ros.known() if name.startswith(tuple(f"{package}/" for package in PACKAGES))]
+KINDS = {"float64": "f8", "float32": "f4", "bool": "u1", "octet": "u1"} | {
+    f"{u}int{8 * n}": f"{u or 'i'}{n}" for u in ("u", "") for n in (1, 2, 4, 8)
+}
 
 
 @pytest.fixture(scope="module")
@@ -32,36 +36,65 @@ def told(store, name, prefix=""):
             yield path, base[0], count
 
 
-def test_every_message_that_is_listed_is_compared():
-    listed = {name for name in ros._MESSAGES if not name.startswith("imuwb_msgs")}  # noqa: SLF001
-    assert {name.replace("/msg/", "/") for name in MESSAGES} == listed
+def ros_2(name):
+    return name.replace("/", "/msg/")
 
 
 @pytest.mark.parametrize("name", MESSAGES)
 def test_a_definition_is_that_of_rosbags(store, name):
     plan = ros_layout.plan(name, ros.definition(name))
-    wanted = list(told(store, name))
-    assert len(wanted) >= 5
+    wanted = list(told(store, ros_2(name)))
     assert [step.path for step in plan] == [path for path, _, _ in wanted]
-    sizes = {
-        "float64": "f8",
-        "float32": "f4",
-        **{f"{u}int{8 * n}": f"{u or 'i'}{n}" for u in ("u", "") for n in (1, 2, 4, 8)},
-    }
     for step, (path, kind, count) in zip(plan, wanted, strict=True):
         if isinstance(step, ros_layout.Jump):
             assert (step.path, kind, step.size) == (path, "string", 1)
         else:
-            assert (step.path, step.kind, step.count) == (path, sizes[kind], count)
+            assert (step.path, step.kind, step.count) == (path, KINDS[kind], count)
 
 
-@pytest.mark.parametrize("name", MESSAGES)
-def test_rosbags_takes_the_definition_for_the_same_message(store, name):
+def test_rosbags_takes_the_definitions_for_the_same_messages(store):
     from rosbags.typesys import get_types_from_msg
 
-    types = get_types_from_msg(ros.definition(name), name)
-    for part, (_, parsed) in types.items():
-        assert parsed == store.fielddefs[part][1]
+    for name in MESSAGES:
+        for part, (_, parsed) in get_types_from_msg(ros.definition(name), ros_2(name)).items():
+            assert parsed == store.fielddefs[part][1], name
+
+
+@pytest.mark.parametrize("name", ros.known())
+def test_every_form_of_every_message_is_whole(name):
+    forms = list(ros.definitions(name))
+    assert forms
+    assert len(set(forms)) == len(forms)
+    for text in forms:
+        steps, whole = ros_layout.whole_plan(name, text)
+        assert whole or "string[]" in text
+        assert steps
+    assert len({step.path for step in steps}) == len(steps)
+
+
+def test_every_type_that_a_message_contains_is_known():
+    kinds = {
+        field.split()[0].partition("[")[0]
+        for forms in ros.known().values()
+        for text in forms
+        for field in text.split(";")
+    }
+    assert {kind for kind in kinds if "/" in kind} <= ros.known().keys()
+    assert {kind for kind in kinds if "/" not in kind} <= {*KINDS, "string"}
+    assert all(re.fullmatch(r"\w+(\[\d*\])?", kind) for kind in kinds if "/" not in kind)
+
+
+def test_a_message_that_has_changed_has_its_newest_form_first():
+    newest, *older = ros.definitions("px4_msgs/msg/SensorGps")
+    assert len(older) == 4
+    assert "antenna_offset_x" in newest
+    assert all("antenna_offset_x" not in text for text in older)
+    assert [("latitude_deg" in text) for text in (newest, *older)] == [True, True, True, False, False]
+
+
+def test_the_header_of_ros_1_is_a_form_of_its_own():
+    first, second = ros.definitions("sensor_msgs/Temperature")
+    assert ("seq" in first, "seq" in second) == (False, True)
 
 
 @pytest.mark.parametrize("name", ["sensor_msgs/msg/Image", "Imu", "", "sensor_msgs/Imu/msg/"])

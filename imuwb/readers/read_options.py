@@ -5,6 +5,7 @@ from collections.abc import (
     Mapping,
 )
 from dataclasses import dataclass, field, fields
+from pathlib import Path
 from typing import Annotated, Literal
 
 from imuwb.errors import UsageError
@@ -52,6 +53,12 @@ class ReadOptions:
     epoch: Annotated[
         Epoch | None,
         "Start of a text log's time: 1970 UTC (unix), power-up (boot), or the log's own start (log).",
+    ] = None
+
+    messages: Annotated[
+        Path | None,
+        "Definitions of a ROS log's messages, if the log does not hold them: a folder with .msg files, or one of them.",
+        Form("DIR", "my_msgs/msg"),
     ] = None
 
     def __post_init__(self) -> None:

@@ -8,7 +8,7 @@ from imuwb.readers.containers.messages import BAG_MAGIC
 from imuwb.readers.read_options import ReadOptions
 
 format = "bag"  # noqa: A001 - the contract's name
-uses = ("time_source", "frame")
+uses = ("time_source", "frame", "messages")
 
 
 def probe(head: bytes) -> bool:

@@ -7,15 +7,20 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from imuwb import ros
 from imuwb.arrays import Bytes, Integers
 from imuwb.readers.bytes.gather import Field, gather
-from imuwb.readers.containers import ros_layout
+from imuwb.readers.containers import ros_idl, ros_layout
 from imuwb.readers.containers.messages import Channel, Messages, Schema
+from imuwb.readers.containers.ros_definitions import Definitions
 from imuwb.readers.containers.shapes import REFERENCE, REFERENCE_SIGMAS
+from imuwb.readers.containers.unused_topics import NO_QUANTITY
 
 Piece = tuple[Mapping[str, NDArray[Any]], Integers]
 
 ARRAYS = ("covariance", *REFERENCE, *REFERENCE_SIGMAS)  #: the names of fields that are arrays end with one of these
+IDL = ("ros2idl", "omgidl")  #: names of the other language of definitions
+GIVE = "give its .msg files with --messages DIR"
 FIRST = 16  #: number of messages that are tried for the fields of a channel without a definition
 
 
@@ -24,29 +29,72 @@ class CannotDecodeError(Exception):
 
 
 class _RosDecoder:
-    def __init__(self, schema: Schema | None, wire: ros_layout.Wire) -> None:
-        if schema is None or schema.encoding not in ("ros2msg", "ros1msg"):
-            raise CannotDecodeError(
-                f"schema encoding {schema.encoding if schema else 'none'!r} is not supported; ros1msg and ros2msg are"
-            )
-        definition = schema.data.decode("utf-8", "replace")
-        if any(line.strip() == "---" for line in definition.splitlines()):
-            raise CannotDecodeError("these are events of a service, not measurements")
-        try:
-            self._plan = ros_layout.plan(schema.name, definition)
-        except ros_layout.UnknownLayoutError as error:
-            raise CannotDecodeError(str(error)) from error
+    """Decodes by the definition that the log holds, or else by the definition elsewhere that fits the messages."""
+
+    def __init__(self, schema: Schema | None, wire: ros_layout.Wire, definitions: Definitions) -> None:
+        if schema is None:
+            raise CannotDecodeError("it has no schema, which states the type of its messages")
         self._wire: ros_layout.Wire = wire
+        own = _own_definition(schema)
+        if any(line.strip() == "---" for line in own.splitlines()):
+            raise CannotDecodeError("these are events of a service, not measurements")
+        self._plan: ros_layout.Plan | None = None  #: None until messages show which form fits them
+        self._forms: list[tuple[ros_layout.Plan, bool]] = []
+        why = _no_definition(schema)
+        for text in (own,) if own else definitions.whole(schema.name):
+            try:
+                self._forms.append(ros_layout.whole_plan(schema.name, text, definitions.part))
+            except ros_layout.UnknownLayoutError as error:
+                why = f"{error}; {GIVE}" if "not defined" in str(error) else str(error)
+        if not self._forms:
+            raise CannotDecodeError(why)
+        if own:
+            self._plan = self._forms[0][0]
 
     def fields(self, messages: Messages, rows: Integers) -> list[str]:
+        if self._plan is None:
+            self._plan = self._fitting(messages, rows[:FIRST])
         fields = [step for step in self._plan if isinstance(step, ros_layout.LayoutField)]
         # An array is not a number: a "latitude" of two numbers is not a latitude.
         return [f.path for f in fields if not f.count or f.path.rpartition(".")[2].endswith(ARRAYS)]
 
+    def _fitting(self, messages: Messages, rows: Integers) -> ros_layout.Plan:
+        payloads = [_payload(messages, row) for row in rows]
+        found: dict[int, ros_layout.Plan] = {}
+        for steps, whole in self._forms:
+            rests = [ros_layout.surplus(steps, self._wire, payload, whole=whole) for payload in payloads]
+            known = [rest for rest in rests if rest is not None]
+            if len(known) == len(rests):
+                found.setdefault(sum(known), steps)
+        if not found:
+            raise CannotDecodeError(f"no definition that is known fits its messages; {GIVE}")
+        return found[min(found)]
+
     def decode(self, messages: Messages, rows: Integers, paths: tuple[str, ...]) -> Iterator[Piece]:
         start, length = messages.start[rows], messages.length[rows]
-        for group in ros_layout.groups(self._plan, paths, self._wire, messages.buffer, start, length):
+        for group in ros_layout.groups(self._plan or (), paths, self._wire, messages.buffer, start, length):
             yield _gathered(messages.buffer, start[group.rows], group.places), rows[group.rows]
+
+
+def _own_definition(schema: Schema) -> str:
+    """Return the definition that the log holds, in ROS's own language; an empty text if it holds none."""
+    text = schema.data.decode("utf-8", "replace")
+    if schema.encoding in ("ros2msg", "ros1msg"):
+        return text if text.strip() else ""
+    if schema.encoding not in IDL:
+        return ""
+    types = ros_idl.converted(text)
+    main = types.pop(ros.short(schema.name), "")
+    return "===\n".join([main, *(f"MSG: {name}\n{fields}" for name, fields in types.items())]) if main else ""
+
+
+def _no_definition(schema: Schema) -> str:
+    """Return why a type without a definition is not used."""
+    if ros.short(schema.name).partition("/")[0] in ros.WELL_KNOWN:
+        return NO_QUANTITY
+    if schema.data and schema.encoding not in ("", "none", "ros2msg", "ros1msg"):
+        return f"its definition in the language {schema.encoding!r} is not read; {GIVE}"
+    return f"the log does not hold its definition; {GIVE}"
 
 
 def _gathered(buffer: Bytes, at: Integers, places: tuple[Field, ...]) -> dict[str, NDArray[Any]]:
@@ -107,15 +155,20 @@ class _ObjectDecoder:
 Decoder = _RosDecoder | _ObjectDecoder
 
 
-def decoder_of(channel: Channel, schema: Schema | None) -> Decoder:
+def decoder_of(channel: Channel, schema: Schema | None, definitions: Definitions) -> Decoder:
     """Return the decoder of a channel.
+
+    Args:
+        channel: the channel.
+        schema: the definition of its messages in the log.
+        definitions: definitions elsewhere, for a log that does not hold them.
 
     Raises:
         CannotDecodeError: the channel has no decoder.
     """
     encoding = channel.message_encoding
     if encoding in ("cdr", "ros1"):
-        return _RosDecoder(schema, encoding)
+        return _RosDecoder(schema, encoding, definitions)
     if encoding == "json":
         return _ObjectDecoder(json.loads)
     if encoding == "protobuf":

@@ -15,6 +15,7 @@ from imuwb.readers.containers import shapes
 from imuwb.readers.containers.decoders import CannotDecodeError, decoder_of
 from imuwb.readers.containers.mcap_records import HEADER, MESSAGE, PREFIX, above_sea_level, metadata, unpacked_chunk
 from imuwb.readers.containers.messages import Channel, Messages, Schema
+from imuwb.readers.containers.ros_definitions import Definitions
 from imuwb.readers.containers.topics import UNIX, origin_of
 from imuwb.ros import TRUTH
 from imuwb.summary import LogSummary, StreamSummary
@@ -56,7 +57,9 @@ def _streams(file: BinaryIO, summary: Summary, above: set[str]) -> Iterator[Stre
         channel, schema = summary.channels[number], summary.schemas.get(summary.channels[number].schema_id)
         ours = None if schema is None else Schema(schema.name, schema.encoding, schema.data)
         try:
-            decoder = decoder_of(Channel(channel.topic, channel.message_encoding, channel.schema_id), ours)
+            decoder = decoder_of(
+                Channel(channel.topic, channel.message_encoding, channel.schema_id), ours, Definitions()
+            )
         except CannotDecodeError:
             continue
         chunks = [chunk for chunk in summary.chunk_indexes if number in chunk.message_index_offsets]

@@ -9,7 +9,7 @@ from imuwb.ros import MCAP_MAGIC
 from imuwb.summary import LogSummary
 
 format = "mcap"  # noqa: A001 - the contract's name
-uses = ("time_source", "frame")
+uses = ("time_source", "frame", "messages")
 
 
 def probe(head: bytes) -> bool:

@@ -6,7 +6,7 @@ operations. No code is made or run from a log's definitions.
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -14,6 +14,7 @@ import numpy as np
 
 from imuwb.arrays import Bytes, Integers
 from imuwb.readers.bytes.gather import Field, alike, gather
+from imuwb.ros import short
 
 Wire = Literal["cdr", "ros1"]
 
@@ -36,6 +37,7 @@ LARGEST_ARRAY = 64  #: messages in an array; larger arrays have no stamp, rate o
 DEEPEST = 16  #: levels of nested messages
 DIGITS = 6  #: digits of the length of a fixed array; a number with more digits is damage
 LONGEST_PLAN = 4096  #: fields
+PADDING = 3  #: bytes at most after a message, with which some middleware fills it up to a multiple of 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,32 +71,65 @@ def plan(name: str, definition: str) -> Plan:
     Raises:
         UnknownLayoutError: a type is not defined, or the definition nests without end.
     """
-    texts = dict(_sections(_short(name), definition))
+    return whole_plan(name, definition)[0]
+
+
+def whole_plan(name: str, definition: str, part: Callable[[str], str] = lambda _: "") -> tuple[Plan, bool]:
+    """Return the plan of message ``name``, and whether it reaches the message's end.
+
+    Args:
+        name: the message's type.
+        definition: its definition, with those of the types that it contains.
+        part: returns the fields of a type (``package/Type``) that the definition omits; an empty text if it is not known.
+
+    Raises:
+        UnknownLayoutError: a type is not defined, or the definition nests without end.
+    """
+    texts = _Texts({**_KNOWN, **dict(sections(short(name), definition))}, part)
     steps: list[LayoutField | Jump] = []
-    _flatten(texts, _short(name), "", steps, 0)
-    return tuple(steps)
+    whole = _flatten(texts, short(name), "", steps, 0)
+    return tuple(steps), whole
 
 
-def _sections(name: str, definition: str) -> Iterator[tuple[str, str]]:
-    yield from _KNOWN.items()
+def sections(name: str, definition: str) -> Iterator[tuple[str, str]]:
+    """Yield (type, fields) of a definition: of the message ``name`` itself, then of the types that follow it."""
     main, *others = re.split(r"^=+\s*$", definition, flags=re.MULTILINE)
     yield name, main
     for other in others:
         head, _, body = other.lstrip().partition("\n")
         if head.startswith("MSG:"):
-            yield _short(head.removeprefix("MSG:").strip()), body
+            yield short(head.removeprefix("MSG:").strip()), body
 
 
-def _short(name: str) -> str:
-    """Return ``package/Type``, the form common to ROS 1 and ROS 2."""
-    return name.replace("/msg/", "/")
+@dataclass(frozen=True, slots=True)
+class _Texts:
+    """The definitions of a message and of the types that it contains."""
+
+    own: dict[str, str]
+    part: Callable[[str], str]
+
+    def find(self, kind: str, parent: str) -> str:
+        """Return the whole name of a type that is used in another."""
+        package = parent.rpartition("/")[0]
+        names = (short(kind), f"{package}/{kind}", *(("std_msgs/Header",) if kind == "Header" else ()))
+        for name in names:
+            if name in self.own:
+                return name
+        for name in names:
+            if text := self.part(name):
+                self.own[name] = text
+                return name
+        for name in self.own:
+            if name.rpartition("/")[2] == kind:
+                return name
+        raise UnknownLayoutError(f"type {kind!r}, used in {parent}, is not defined")
 
 
-def _flatten(texts: dict[str, str], name: str, prefix: str, steps: list[LayoutField | Jump], depth: int) -> bool:
+def _flatten(texts: _Texts, name: str, prefix: str, steps: list[LayoutField | Jump], depth: int) -> bool:
     """Append the fields of a message; return False if later fields have no common offset."""
     if depth > DEEPEST or len(steps) > LONGEST_PLAN:
         raise UnknownLayoutError(f"{name} has too many levels or too many fields")
-    for line in texts[name].splitlines():
+    for line in texts.own[name].splitlines():
         match = _FIELD.match(line.split("#", 1)[0].strip())
         if match is None or match[7].startswith("="):  # blank, or a constant
             continue
@@ -110,20 +145,11 @@ def _flatten(texts: dict[str, str], name: str, prefix: str, steps: list[LayoutFi
         elif kind in ("string", "wstring") or (array and (fixed is None or fixed > LARGEST_ARRAY)):
             return False
         else:
-            child = _resolve(texts, kind, name)
+            child = texts.find(kind, name)
             places = [f"{path}.{i}." for i in range(fixed or 0)] if array else [f"{path}."]
             if not all(_flatten(texts, child, place, steps, depth + 1) for place in places):
                 return False
     return True
-
-
-def _resolve(texts: dict[str, str], kind: str, parent: str) -> str:
-    package = parent.rpartition("/")[0]
-    ends = [name for name in texts if name.rpartition("/")[2] == kind]
-    for name in (_short(kind), f"{package}/{kind}", "std_msgs/Header" if kind == "Header" else "", *ends):
-        if name in texts:
-            return name
-    raise UnknownLayoutError(f"type {kind!r}, used in {parent}, is not defined")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -182,6 +208,37 @@ def _split(
     rows = rows[length[rows] >= max((place.end for place in places), default=0)]
     if rows.size and len(places) == len(wanted):
         yield Group(rows, places)
+
+
+def surplus(steps: Plan, wire: Wire, message: bytes, *, whole: bool) -> int | None:
+    """Return by how many bytes a message is longer than a plan, up to its padding; None if the plan does not fit it.
+
+    Args:
+        steps: the plan.
+        wire: how the message is written.
+        message: its bytes.
+        whole: whether the plan reaches the message's end; otherwise the message may be longer.
+    """
+    order, align, body = "<", 1, 0
+    if wire == "cdr":
+        code = int.from_bytes(message[:2], "big")
+        if len(message) < 4 or code not in _ENCAPSULATIONS:  # noqa: PLR2004 - the encapsulation header of CDR
+            return None
+        (order, align), body = _ENCAPSULATIONS[code], 4
+    size, at = len(message) - body, 0
+    for step in steps:
+        if isinstance(step, LayoutField):
+            width = int(step.kind[1])
+            at = _aligned(at, min(width, align)) + width * max(step.count, 1)
+            continue
+        at = _aligned(at, min(4, align))
+        count = int.from_bytes(message[body + at : body + at + 4], "little" if order == "<" else "big")
+        at += 4
+        if count:
+            at = _aligned(at, min(step.align, align)) + count * step.size
+        if at > size:
+            return None
+    return size - at if 0 <= size - at <= (PADDING if whole else size) else None
 
 
 def _aligned(at: int, size: int) -> int:

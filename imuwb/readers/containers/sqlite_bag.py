@@ -13,10 +13,9 @@ from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.containers.messages import Channel, Container, Messages, Schema
 from imuwb.readers.containers.topics import streamed
 from imuwb.readers.read_options import ReadOptions
-from imuwb.ros import definition
 
 format = "db3"  # noqa: A001 - the contract's name
-uses = ("time_source", "frame")
+uses = ("time_source", "frame", "messages")
 ROWS = 4096  #: number of messages that are read at a time
 MAGIC = b"SQLite format 3\0"
 LARGEST = 64 << 20  #: bytes; larger messages, such as images, are not read
@@ -66,20 +65,17 @@ def _missing(path: Path) -> int:
 
 
 def _declare(database: sqlite3.Connection, channels: dict[int, Channel], schemas: dict[int, Schema]) -> None:
-    definitions: dict[str, str] = {}
+    definitions: dict[str, tuple[str, str]] = {}
     tables = {str(name) for (name,) in database.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
     if "message_definitions" in tables:
-        rows = database.execute(
-            "SELECT topic_type, encoded_message_definition FROM message_definitions WHERE encoding = 'ros2msg'"
-        )
-        definitions = {str(name): str(text) for name, text in rows}
+        rows = database.execute("SELECT topic_type, encoding, encoded_message_definition FROM message_definitions")
+        definitions = {str(name): (str(language), str(text)) for name, language, text in rows}
     for number, topic, kind, encoding in database.execute("SELECT id, name, type, serialization_format FROM topics"):
         if not isinstance(number, int) or abs(number) >= LATEST:
             continue
         channels[number] = Channel(str(topic), str(encoding), number)
-        text = definitions.get(str(kind)) or definition(str(kind))
-        # Without a definition the topic cannot be read; a note then gives its type.
-        schemas[number] = Schema(str(kind), "ros2msg" if text else "none", text.encode())
+        language, text = definitions.get(str(kind), ("none", ""))
+        schemas[number] = Schema(str(kind), language, text.encode())
 
 
 def _messages(database: sqlite3.Connection, size: int) -> Iterator[Messages]:

@@ -17,7 +17,9 @@ from imuwb.readers.bytes.gather import alike
 from imuwb.readers.containers import shapes
 from imuwb.readers.containers.decoders import CannotDecodeError, Decoder, Piece, decoder_of
 from imuwb.readers.containers.messages import Channel, Container, Messages, Schema
+from imuwb.readers.containers.ros_definitions import Definitions
 from imuwb.readers.containers.shapes import Recipe
+from imuwb.readers.containers.unused_topics import NO_QUANTITY, Unused, unused_topics
 from imuwb.readers.read_options import ReadOptions
 
 SAMPLED = 16  #: messages of a buffer that are examined for an orientation
@@ -78,6 +80,7 @@ class Topics:
         """Set the container; nothing is read yet."""
         self.count = 0  #: messages so far
         self._container, self._options = container, options
+        self._definitions = Definitions(options.messages)
         self._topics: dict[tuple[str, ...], _Topic] = {}
         self._undeclared = Counter[int]()
 
@@ -96,7 +99,8 @@ class Topics:
             rows_of[key].append(rows)
             if key not in self._topics:
                 above_sea = channel.topic in self._container.above_sea
-                self._topics[key] = _Topic(channel, schema, self._options, above_sea=above_sea)
+                decoding = (channel, schema, self._definitions)
+                self._topics[key] = _Topic(decoding, self._options, above_sea=above_sea)
         for key, parts in rows_of.items():
             rows = parts[0] if len(parts) == 1 else np.sort(np.concatenate(parts))
             yield from self._topics[key].batches(messages, rows)
@@ -107,29 +111,33 @@ class Topics:
             yield Remark(Note("undeclared", f"{lost} messages of channel {number}, which is not declared, left out"))
         for topic in self._topics.values():
             yield from topic.remarks()
+        yield from unused_topics(topic.unused() for topic in self._topics.values() if topic.why)
 
 
 class _Topic:
     """One topic: its decoder, its recipes, and its faults so far."""
 
-    def __init__(self, channel: Channel, schema: Schema | None, options: ReadOptions, *, above_sea: bool) -> None:
+    def __init__(
+        self, decoding: tuple[Channel, Schema | None, Definitions], options: ReadOptions, *, above_sea: bool
+    ) -> None:
+        channel, schema, _ = decoding
         self.above_sea = above_sea
         self.name = channel.topic
         self.schema = schema.name if schema else ""
         self.options = options
         self.recipes: tuple[Recipe, ...] = ()
         self.decoder: Decoder | None = None
-        self.why = ""  #: why the topic cannot be decoded
+        self.why = NO_QUANTITY  #: why the topic is not used; empty if it is
         self.messages = 0
         self.faults: Counter[Note] = Counter()
         try:
-            self.decoder = decoder_of(channel, schema)
+            self.decoder = decoder_of(*decoding)
         except CannotDecodeError as error:
             self.why = str(error)
 
     def batches(self, messages: Messages, rows: Integers) -> Iterator[Batch]:
         if self.decoder is not None and not self.recipes and self.messages < PATIENCE:
-            self.recipes = shapes.recognise(self.decoder.fields(messages, rows), self.schema, self.name)
+            self._recognise(self.decoder, messages, rows)
         self.messages += rows.size
         if self.decoder is None:
             return
@@ -146,12 +154,18 @@ class _Topic:
                 batch = self._batch(recipe, values, messages, decoded, faults)
                 yield from (batch,) if recipe.kind != "orientation" else shapes.stated_orientation(batch)
 
+    def _recognise(self, decoder: Decoder, messages: Messages, rows: Integers) -> None:
+        try:
+            self.recipes = shapes.recognise(decoder.fields(messages, rows), self.schema, self.name)
+        except CannotDecodeError as error:
+            self.decoder, self.why = None, str(error)
+        if self.recipes:
+            self.why = ""
+
+    def unused(self) -> Unused:
+        return Unused(self.name, self.schema, self.messages, self.why)
+
     def remarks(self) -> Iterator[Remark]:
-        if self.why:
-            yield Remark(Note("not_decoded", f"{self.name}: {self.messages} messages not read: {self.why}"))
-        elif not self.recipes:
-            text = f"{self.name}: {self.messages} messages of {self.schema or 'no schema'}, not used"
-            yield Remark(Note("not_used", text))
         for fault, count in self.faults.items():
             yield Remark(fault, self.name, count, _EFFECTS.get(fault, "lost"))
 

@@ -116,8 +116,8 @@ def test_a_topic_that_is_no_measurement_is_noted(by_hand, declared, some):
     other = connection(1, "string data\n", "/chat", "std_msgs/String")
     log = read(by_hand(declared, other, some(0), message(1, T, struct.pack("<I", 2) + b"hi")))
     assert numbers(log) == [0, 1, 2, 3]
-    assert ids(log.notes) == ("not_used",)
-    assert log.notes[0].startswith("/chat: 1 messages of std_msgs/String")
+    assert ids(log.notes) == ("unused",)
+    assert "/chat: 1 messages of std_msgs/String" in log.notes[0]
 
 
 @pytest.mark.parametrize("block", [1, 100, 5000])
@@ -283,11 +283,17 @@ def test_a_connection_may_lack_its_inner_topic(ros, by_hand, some):
 
 
 def test_a_connection_without_a_definition_is_noted(by_hand, declared, some, imu):
-    bad = record(fields(type=b"sensor_msgs/Imu", topic=b"/bare"), op=b"\x07", conn=struct.pack("<I", 5), topic=b"/bare")
-    log = read(by_hand(declared, bad, some(0), message(5, T, imu(9))))
+    bare = record(fields(type=b"my_msgs/Own", topic=b"/bare"), op=b"\x07", conn=struct.pack("<I", 5), topic=b"/bare")
+    log = read(by_hand(declared, bare, some(0), message(5, T, imu(9))))
     assert numbers(log) == [0, 1, 2, 3]
-    assert ids(log.notes) == ("not_used",)
-    assert log.notes[0].startswith("/bare: 1 messages of sensor_msgs/Imu")
+    assert ids(log.notes) == ("unused",)
+    assert "/bare: 1 messages of my_msgs/Own" in log.notes[0]
+    assert "--messages" in log.notes[0]
+
+
+def test_a_connection_of_a_known_type_needs_no_definition(by_hand, some):
+    bare = record(fields(type=b"sensor_msgs/Imu", topic=b"/imu"), op=b"\x07", conn=bytes(4), topic=b"/imu")
+    assert numbers(read(by_hand(bare, some(0)))) == [0, 1, 2, 3]
 
 
 @pytest.mark.parametrize("header", [{}, {"conn": bytes(4)}, {"time": bytes(8)}, {"conn": bytes(3), "time": bytes(8)}])

@@ -239,7 +239,9 @@ def test_temperatures_that_are_no_numbers_are_noted(mcap, ros):
     ("change", "why"),
     [
         ({"encoding": "flatbuffer"}, "'flatbuffer'"),
-        ({"schema_encoding": "ros2idl"}, "'ros2idl'"),
+        ({"schema_encoding": "another", "schema": "my_msgs/msg/Own"}, "'another'"),
+        ({"schema_encoding": "", "definition": "", "schema": "my_msgs/msg/Own"}, "--messages"),
+        ({"schema_encoding": "", "definition": ""}, "fits"),
         ({"definition": "float64 a\n---\nfloat64 b\n"}, "service"),
         ({"definition": "Foo foo\n"}, "'Foo', used in sensor_msgs/Imu"),
         ({"encoding": "protobuf", "schema_encoding": "protobuf", "definition": b"\xff\xff"}, "schema"),
@@ -248,15 +250,15 @@ def test_temperatures_that_are_no_numbers_are_noted(mcap, ros):
 def test_a_channel_that_cannot_be_decoded_is_noted_with_its_count(mcap, change, why):
     log = read(mcap.write(mcap.Topic([(T, b"\x00\x01\x00\x00"), (T, b"")], **change)))
     assert log.imus == ()
-    assert ids(log.notes) == ("not_decoded",)
-    assert log.notes[0].startswith("/imu: 2 messages")
+    assert ids(log.notes) == ("unused",)
+    assert log.notes[0].startswith("not used: /imu: 2 messages")
     assert why in log.notes[0]
 
 
 def test_a_message_of_another_kind_is_noted(mcap, ros):
     topic = mcap.Topic([(T, ros.encode([("str", "hello")]))], "/chatter", "std_msgs/msg/String", "string data\n")
     (note,) = read(mcap.write(topic)).notes
-    assert (note.id, note.startswith("/chatter: 1 messages of std_msgs/msg/String")) == ("not_used", True)
+    assert (note.id, "/chatter: 1 messages of std_msgs/msg/String" in note) == ("unused", True)
 
 
 def test_one_bad_channel_does_not_stop_another(mcap, ros):

@@ -13,19 +13,11 @@ from imuwb.readers import ReadOptions, read, reader_of
 from imuwb.readers.containers import sqlite_bag
 from imuwb.ros import definition
 
+from .db3_writer import NEW, OLD, write_db3
+
 T = 1_714_564_800 * 10**9
 IMU, FIX, TEMPERATURE = "sensor_msgs/msg/Imu", "sensor_msgs/msg/NavSatFix", "sensor_msgs/msg/Temperature"
 TWIST, ODOMETRY, IMAGE = "geometry_msgs/msg/TwistStamped", "nav_msgs/msg/Odometry", "sensor_msgs/msg/Image"
-#: Tables as rosbag2 makes them, before and since it keeps definitions.
-OLD = (
-    "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, serialization_format TEXT NOT "
-    "NULL, offered_qos_profiles TEXT NOT NULL); CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, "
-    "timestamp INTEGER NOT NULL, data BLOB NOT NULL); CREATE INDEX timestamp_idx ON messages (timestamp ASC);"
-)
-NEW = OLD + (
-    "CREATE TABLE message_definitions(id INTEGER PRIMARY KEY, topic_type TEXT NOT NULL, encoding TEXT NOT NULL, "
-    "encoded_message_definition TEXT NOT NULL, type_description_hash TEXT NOT NULL);"
-)
 
 
 @pytest.fixture(scope="module")
@@ -85,20 +77,7 @@ def by_hand(fresh):
     """Return a function that writes a database as rosbag2 does."""
 
     def write(topics, tables=OLD, definitions=(), page=4096):
-        path = fresh("log.db3")
-        with closing(sqlite3.connect(path)) as base:
-            base.execute(f"PRAGMA page_size={page}")
-            base.executescript(tables)
-            rows = []
-            for number, (topic, (kind, messages)) in enumerate(topics.items(), 1):
-                base.execute("INSERT INTO topics VALUES(?, ?, ?, 'cdr', '')", (number, topic, kind))
-                rows += [(t, number, payload) for t, payload in messages]
-            for t, number, payload in sorted(rows):
-                base.execute("INSERT INTO messages(topic_id, timestamp, data) VALUES(?, ?, ?)", (number, t, payload))
-            for row in definitions:
-                base.execute("INSERT INTO message_definitions VALUES(NULL, ?, ?, ?, '')", row)
-            base.commit()
-        return path
+        return write_db3(fresh("log.db3"), topics, tables, definitions, page)
 
     return write
 
@@ -177,7 +156,8 @@ def test_topics_of_unknown_types_are_noted(recording, by_hand):
     found = read(by_hand({**recording, "/camera": (IMAGE, [(T + i, b"\0\1\0\0pixels") for i in range(7)])}))
     assert len(found.imu().angular_rate) == 100
     (note,) = (note for note in found.notes if "/camera" in note)
-    assert "7 messages not read" in note
+    assert "7 messages of sensor_msgs/msg/Image" in note
+    assert "--messages" not in note  # it has no quantity, whatever its definition
 
 
 def test_the_recorders_time_counts_where_it_is_asked_for(recording, by_hand):
