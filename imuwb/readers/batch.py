@@ -71,9 +71,12 @@ def simulated(truth: Mapping[str, str]) -> Remark:
 class Reader(Protocol):
     """One file format: a module, or any object, with these names.
 
-    Three more names are optional. ``describe(path) -> LogSummary | None`` returns the summary that the file's index states, or None
+    Some names are optional. ``describe(path) -> LogSummary | None`` returns the summary that the file's index states, or None
     without an index. ``uses`` lists the names of the options that the format uses; a note names the others if they are set.
     ``probe_folder(folder) -> bool`` returns whether a folder is a log of this format; ``stream`` then gets the folder.
+    ``ranged = True`` states that the reader opens logs only by ``imuwb.readers.bytes.source.opened``, so that ``stream`` and
+    ``describe`` may get a remote log in place of a path; other readers get the path of a copy. ``beside(name)`` returns the names
+    of files that the reader looks for beside a log of some name; they are copied with a remote log.
     """
 
     format: str

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import cast
@@ -15,6 +16,9 @@ from imuwb.progress import Progress
 from imuwb.readers.assembly.assemble import assemble
 from imuwb.readers.batch import Batch, Reader, Remark
 from imuwb.readers.bytes import source
+from imuwb.readers.bytes.address import Place
+from imuwb.readers.bytes.remote import RemoteLog
+from imuwb.readers.bytes.source import Source
 from imuwb.readers.read_options import ReadOptions
 from imuwb.summary import LogSummary, summarize
 
@@ -24,17 +28,21 @@ ORDER = {"mcap": -1, "ubx": 1, "nmea": 2, "tlog": 3, "csv": 5}
 OF_ALL = ("rate", "even")  #: options that apply to the logs of every reader
 
 
-def reader_of(path: str | Path) -> Reader:
+def reader_of(place: str | Place | RemoteLog) -> Reader:
     """Return the reader whose format the file's leading bytes show; of a folder, the reader of logs that are folders.
 
     Raises:
         UnreadableLogError: the file is missing, empty, or of no known format, or no reader knows the folder.
     """
-    path = Path(path)
+    with source.accessed(place) as path:
+        return _reader_of(path)
+
+
+def _reader_of(path: Source) -> Reader:
     points = registry.installed(registry.READERS)
     names = sorted(points, key=lambda name: ORDER.get(name, 0))
     readers = (reader for name in names if (reader := cast("Reader | None", registry.load(points[name]))) is not None)
-    if path.is_dir():
+    if isinstance(path, Path) and path.is_dir():
         return _reader_of_folder(path, readers)
     source.check(path)
     head = source.head(path)
@@ -60,35 +68,53 @@ def _reader_of_folder(folder: Path, readers: Iterable[Reader]) -> Reader:
     )
 
 
-def stream(path: str | Path, options: ReadOptions | None = None) -> Iterator[Batch | Remark]:
+def stream(place: str | Place | RemoteLog, options: ReadOptions | None = None) -> Iterator[Batch | Remark]:
     """Yield a log piece by piece in the file's order; memory is bounded by the size of a piece.
 
     Raises:
         UnreadableLogError: the file cannot be read.
         UsageError: the file needs an option, such as its rate or its units.
     """
-    return _parts(reader_of(path), Path(path), options or ReadOptions())
+    with ExitStack() as closing:
+        path = closing.enter_context(source.accessed(place))
+        return _closed_after(_parts(_reader_of(path), path, options or ReadOptions()), closing.pop_all())
+
+
+def _closed_after(parts: Iterator[Batch | Remark], closing: ExitStack) -> Iterator[Batch | Remark]:
+    with closing:
+        yield from parts
 
 
 def _parts(
-    reader: Reader, path: Path, options: ReadOptions, progress: Progress | None = None
+    reader: Reader, path: Source, options: ReadOptions, progress: Progress | None = None
 ) -> Iterator[Batch | Remark]:
     unused = options.unused((*getattr(reader, "uses", [f.name for f in fields(ReadOptions)]), *OF_ALL))
     if unused:
         names = ", ".join(f"--{name.replace('_', '-')}" for name in unused)
         yield Remark(Note("options_unused", f"{names} not used: a {reader.format} log states this itself"))
     size = source.size(path)
-    for part in reader.stream(path, options):
-        if progress is not None and isinstance(part, Batch):
-            progress(part.bytes_read, size)
-        yield part
+    with source.named(path):
+        for part in reader.stream(_readable(reader, path, progress), options):
+            if progress is not None and isinstance(part, Batch):
+                progress(part.bytes_read, size)
+            yield part
+    if isinstance(path, RemoteLog):
+        yield from map(Remark, path.notes)
 
 
-def read(path: str | Path, options: ReadOptions | None = None, progress: Progress | None = None) -> Log:
+def _readable(reader: Reader, path: Source, progress: Progress | None = None) -> Path:
+    """Return what a reader reads: the log, or a copy on disk of a remote log whose reader needs a file."""
+    if isinstance(path, RemoteLog) and not (path.ranged and getattr(reader, "ranged", False)):
+        beside = getattr(reader, "beside", None)
+        return path.copied(beside(path.name) if beside is not None else (), progress)
+    return cast("Path", path)  # a reader of ranges knows remote logs
+
+
+def read(place: str | Place | RemoteLog, options: ReadOptions | None = None, progress: Progress | None = None) -> Log:
     """Return the whole log.
 
     Args:
-        path: a file of any known format; its leading bytes decide which.
+        place: a file of any known format, or its address; its leading bytes decide which format.
         options: what the file does not state itself, such as rate, columns, and units.
         progress: called from time to time with (bytes read, bytes of the file).
 
@@ -96,18 +122,19 @@ def read(path: str | Path, options: ReadOptions | None = None, progress: Progres
         UnreadableLogError: the file cannot be read, or contradicts its stated units.
         UsageError: the file needs an option, such as its rate or its units.
     """
-    path = Path(path)
-    reader = reader_of(path)
-    with ThreadPoolExecutor(1) as pool:
-        fingerprint = pool.submit(source.fingerprint, path)
+    with source.accessed(place) as path, ThreadPoolExecutor(1) as pool:
+        reader = _reader_of(path)
+        # A file is hashed beside the reading; the bytes of a remote log come only once, so their hash is known after it.
+        fingerprint = pool.submit(source.fingerprint, path) if isinstance(path, Path) else None
         options = options or ReadOptions()
         parts = _parts(reader, path, options, progress)
         file = Provenance(_text(path), reader.format, "", source.size(path))
         log = assemble(parts, file, rate=options.rate, even=options.even)
-        return replace(log, provenance=replace(log.provenance, hash=fingerprint.result()))
+        digest = fingerprint.result() if fingerprint is not None else source.fingerprint(path)
+        return replace(log, provenance=replace(log.provenance, hash=digest))
 
 
-def describe(path: str | Path, options: ReadOptions | None = None) -> LogSummary:
+def describe(place: str | Place | RemoteLog, options: ReadOptions | None = None) -> LogSummary:
     """Return a summary of a log, from the file's index where it has one, else by reading the log.
 
     An index states neither gaps nor repairs; a note of the summary says so. ``summarize(read(path))`` always reads.
@@ -116,11 +143,13 @@ def describe(path: str | Path, options: ReadOptions | None = None) -> LogSummary
         UnreadableLogError: the file cannot be read.
         UsageError: the file needs an option, such as its rate or its units.
     """
-    from_index = getattr(reader_of(path), "describe", None)
-    summary = cast("LogSummary | None", from_index(Path(path))) if from_index is not None else None
-    return summary if summary is not None else summarize(read(path, options))
+    with source.accessed(place) as path:
+        reader = _reader_of(path)
+        from_index = getattr(reader, "describe", None)
+        summary = cast("LogSummary | None", from_index(_readable(reader, path))) if from_index is not None else None
+        return summary if summary is not None else summarize(read(path, options))
 
 
-def _text(path: str | Path) -> str:
+def _text(path: Source) -> str:
     """Return a path as text that documents can hold: bytes of a name that are no UTF-8 are replaced."""
-    return os.fsencode(path).decode("utf-8", "replace")
+    return os.fsencode(str(path)).decode("utf-8", "replace")

@@ -1,17 +1,22 @@
-"""Opens a file, unpacks gzip, reads the first bytes and blocks, and computes the fingerprint."""
+"""Opens a file or a remote log, unpacks gzip, reads the first bytes and blocks, and computes the fingerprint."""
 
 import gzip
 import hashlib
 import zlib
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager, nullcontext
 from io import BufferedReader
 from pathlib import Path
-from typing import BinaryIO, cast
+from typing import BinaryIO, TypeAlias, cast
 
 from isal import isal_zlib
 
 from imuwb.errors import UnreadableLogError
 from imuwb.notes import Note
+from imuwb.readers.bytes.address import Place, place_of
+from imuwb.readers.bytes.remote import RemoteLog, is_web_page
+
+Source: TypeAlias = Path | RemoteLog  #: what a log is read from
 
 HEAD = 1 << 16  #: bytes from which a format is recognised
 PIECE = 1 << 16  #: bytes read at a time from a packed file
@@ -21,8 +26,40 @@ GZIP_WINDOW = 31  #: bits: the largest window, after gzip's own header
 GZIP_MAGIC = b"\x1f\x8b"
 
 
-def check(path: str | Path) -> None:
-    """Raise UnreadableLogError unless ``path`` is a file that is not empty."""
+@contextmanager
+def accessed(place: str | Place | RemoteLog) -> Generator[Source]:
+    """Yield what a log is read from: a file, or a remote log, which is closed afterwards; an open one stays open.
+
+    Raises:
+        UnreadableLogError: the remote log cannot be read.
+        UsageError: an address that is not read.
+    """
+    if isinstance(place, RemoteLog):
+        yield place
+    elif isinstance(found := place_of(place), Path):
+        yield found
+    else:
+        with RemoteLog(found) as log:
+            yield log
+
+
+@contextmanager
+def named(path: Source) -> Generator[None]:
+    """Name the address of a remote log in errors, and not its copy."""
+    with path.named() if isinstance(path, RemoteLog) else nullcontext():
+        yield
+
+
+def check(path: str | Source) -> None:
+    """Raise UnreadableLogError unless ``path`` is a log that is not empty."""
+    if isinstance(path, RemoteLog):
+        if not path.size:
+            raise UnreadableLogError(f"{path}: the object is empty")
+        if is_web_page(path.part(0, HEAD)):
+            raise UnreadableLogError(
+                f"{path}: its host sends a web page and no log; check the address, and whether it needs a login"
+            )
+        return
     path = Path(path)
     try:
         if path.is_dir():
@@ -51,16 +88,23 @@ class _Unpacked(gzip.GzipFile):
         self.packed.close()
 
 
-def open_unpacked(path: Path) -> BinaryIO:
-    """Open a file for reading; a gzip file is unpacked as it is read.
+def opened(path: Source) -> BinaryIO:
+    """Open a log for reading; the bytes of a remote log come as they are read.
 
     Raises:
         UnreadableLogError: the file cannot be opened.
     """
+    if isinstance(path, RemoteLog):
+        return path.open()
     try:
-        file = path.open("rb")
+        return path.open("rb")
     except OSError as error:
         raise UnreadableLogError(f"{path}: the file cannot be opened: {error.strerror}") from error
+
+
+def open_unpacked(path: Source) -> BinaryIO:
+    """Open a log for reading; a gzip file is unpacked as it is read. Errors as in ``opened``."""
+    file = opened(path)
     magic = file.read(2)
     file.seek(0)
     return cast("BinaryIO", _Unpacked(file)) if magic == GZIP_MAGIC else file
@@ -141,7 +185,7 @@ def extended(file: BinaryIO, rest: bytes, whole: int, left: int) -> bytes | None
     return rest + more if more else None
 
 
-def head(path: Path) -> bytes:
+def head(path: Source) -> bytes:
     """Return the first 64 KiB, unpacked; a gzip file that is cut may give less."""
     first = b""
     with open_unpacked(path) as file:
@@ -152,13 +196,18 @@ def head(path: Path) -> bytes:
     return first[:HEAD]
 
 
-def size(path: Path) -> int:
-    """Return the bytes of a file, or of all files in a folder."""
-    return sum(file.stat().st_size for file in _files(path))
+def size(path: Source) -> int:
+    """Return the bytes of a log, or of all files in a folder."""
+    return path.size if isinstance(path, RemoteLog) else sum(file.stat().st_size for file in _files(path))
 
 
-def fingerprint(path: Path) -> str:
-    """Return ``sha256:...`` of a file's bytes on disk; of a folder, of the names and the hashes of its files."""
+def fingerprint(path: Source) -> str:
+    """Return ``sha256:...`` of a log's stored bytes; of a folder, of the names and the hashes of its files.
+
+    Of a remote log it is that of the bytes that were read; it is empty if only parts of them were.
+    """
+    if isinstance(path, RemoteLog):
+        return path.fingerprint()
     if not path.is_dir():
         return f"sha256:{_digest(path)}"
     lines = "".join(f"{_digest(file)} {file.relative_to(path).as_posix()}\n" for file in _files(path))

@@ -1,14 +1,15 @@
 """ROS 1 bags: IMU, GNSS, temperature and speed messages of any topic, recognised by the names of their fields."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.bytes.source import Source
 from imuwb.readers.containers.messages import BAG_MAGIC
 from imuwb.readers.read_options import ReadOptions
 
 format = "bag"  # noqa: A001 - the contract's name
 uses = ("time_source", "frame", "messages")
+ranged = True
 
 
 def probe(head: bytes) -> bool:
@@ -16,7 +17,7 @@ def probe(head: bytes) -> bool:
     return head.startswith(BAG_MAGIC)
 
 
-def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
+def stream(path: Source, options: ReadOptions) -> Iterator[Batch | Remark]:
     """Return the messages chunk by chunk.
 
     Raises:

@@ -16,6 +16,7 @@ import numpy as np
 from imuwb.arrays import Bytes, Integers
 from imuwb.compiled import compiled
 from imuwb.notes import Note
+from imuwb.readers.bytes import source
 from imuwb.readers.bytes.gather import gather
 from imuwb.readers.bytes.source import extended
 from imuwb.readers.bytes.unpack import unpack, unpack_front
@@ -101,8 +102,8 @@ class Bag(RecordFile[Records]):
         return walk(buffer)
 
     def _pieces(self) -> Iterator[Piece[Records]]:
-        with self.path.open("rb") as file:
-            size = self.path.stat().st_size
+        with source.opened(self.log) as file:
+            size = source.size(self.log)
             file.seek(len(MAGIC))
             rest, offset = b"", len(MAGIC)
             while (block := extended(file, rest, _whole(rest), size - offset)) is not None:

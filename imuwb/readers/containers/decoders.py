@@ -51,6 +51,11 @@ class _RosDecoder:
         if own:
             self._plan = self._forms[0][0]
 
+    @property
+    def defined(self) -> bool:
+        """Whether the fields are known without a message."""
+        return self._plan is not None
+
     def fields(self, messages: Messages, rows: Integers) -> list[str]:
         if self._plan is None:
             self._plan = self._fitting(messages, rows[:FIRST])
@@ -120,6 +125,8 @@ def _continues(place: Field, after: Field) -> bool:
 
 class _ObjectDecoder:
     """Decodes each payload to an object; the first that decodes shows the fields."""
+
+    defined = False
 
     def __init__(self, unpack: Callable[[bytes], object]) -> None:
         self._unpack = unpack

@@ -3,21 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 from mcap.reader import make_reader
 
+from imuwb.errors import ImuwbError
 from imuwb.notes import Note
+from imuwb.readers.bytes import source
+from imuwb.readers.bytes.source import Source
 from imuwb.readers.bytes.unpack import LARGEST
 from imuwb.readers.containers import shapes
 from imuwb.readers.containers.decoders import CannotDecodeError, decoder_of
-from imuwb.readers.containers.mcap_records import HEADER, MESSAGE, PREFIX, above_sea_level, metadata, unpacked_chunk
+from imuwb.readers.containers.mcap_records import (
+    HEADER,
+    MESSAGE,
+    PREFIX,
+    above_sea_level,
+    metadata,
+    unpacked_chunk,
+    unpacked_front,
+)
 from imuwb.readers.containers.messages import Channel, Messages, Schema
 from imuwb.readers.containers.ros_definitions import Definitions
 from imuwb.readers.containers.topics import UNIX, origin_of
-from imuwb.ros import TRUTH
+from imuwb.ros import OURS, TRUTH
 from imuwb.summary import LogSummary, StreamSummary
 from imuwb.units import SECOND
 
@@ -25,22 +35,28 @@ if TYPE_CHECKING:
     from mcap.records import ChunkIndex, MetadataIndex
     from mcap.summary import Summary
 
+FRONT = 1 << 16  #: bytes of a chunk that are read first
+_NOTHING = np.zeros(0, np.int64)
+_NO_MESSAGES = Messages(_NOTHING.astype(np.uint8), _NOTHING, _NOTHING, _NOTHING, _NOTHING, _NOTHING, 0)
 
-def describe(path: Path) -> LogSummary | None:
+
+def describe(path: Source) -> LogSummary | None:
     """Return the summary from the index; None without an index.
 
     The times are those of the recorder; their resolution is a chunk. Only the messages show gaps and repairs.
     """
-    with path.open("rb") as file:
+    with source.opened(path) as file:
         try:
             reader = make_reader(file)
             summary = reader.get_summary()
             if summary is None or summary.statistics is None or not summary.chunk_indexes:
                 return None
-            records = [_metadata(file, index) for index in summary.metadata_indexes]
+            records = [_metadata(file, index) for index in summary.metadata_indexes if index.name in (OURS, TRUTH)]
             above = set[str]().union(*map(above_sea_level, records))
             truth = next((entries for name, entries in records if name == TRUTH), {})
             streams = tuple(_streams(file, summary, above))
+        except ImuwbError:  # the transfer of a remote log ended
+            raise
         except Exception:  # noqa: BLE001 - a damaged index may raise anything in the library
             return None  # the reader of the messages reports the damage, and uses the whole messages
     text = "from the file's index: the times are when messages were recorded; --scan also finds gaps and repairs"
@@ -65,7 +81,8 @@ def _streams(file: BinaryIO, summary: Summary, above: set[str]) -> Iterator[Stre
         chunks = [chunk for chunk in summary.chunk_indexes if number in chunk.message_index_offsets]
         if not chunks or not count:
             continue
-        fields = decoder.fields(_first(file, chunks[0], number), np.zeros(1, np.int64))
+        shown = _NO_MESSAGES if decoder.defined else _first(file, chunks[0], number)
+        fields = decoder.fields(shown, np.zeros(1, np.int64))
         start, end = min(c.message_start_time for c in chunks), max(c.message_end_time for c in chunks)
         rate = (count - 1) / (end - start) * SECOND if end > start else None
         recipes = shapes.recognise(fields, ours.name if ours else "", channel.topic)
@@ -79,16 +96,28 @@ def _streams(file: BinaryIO, summary: Summary, above: set[str]) -> Iterator[Stre
 
 
 def _first(file: BinaryIO, chunk: ChunkIndex, number: int) -> Messages:
-    """Return a channel's first message in a chunk."""
-    file.seek(chunk.chunk_start_offset)
-    records = unpacked_chunk(memoryview(file.read(min(chunk.chunk_length, LARGEST)))[PREFIX:])
+    """Return a channel's first message in a chunk; of a large chunk only the front with the message is read."""
+    size, part = min(chunk.chunk_length, LARGEST) - PREFIX, FRONT
+    while True:
+        file.seek(chunk.chunk_start_offset + PREFIX)
+        content = file.read(min(part, size))
+        found = _message(unpacked_chunk(memoryview(content)) if part >= size else unpacked_front(content), number)
+        if found is not None:
+            return found
+        if part >= size:
+            at = chunk.chunk_start_offset
+            raise ValueError(f"the index states a message of channel {number} in the chunk at byte {at}; there is none")
+        part *= 4
+
+
+def _message(records: bytes | memoryview, number: int) -> Messages | None:
+    """Return a channel's first whole message among records."""
     at = 0
     while at + PREFIX <= len(records):
         opcode, content = records[at], at + PREFIX
         at = content + int.from_bytes(records[at + 1 : content], "little")
-        if opcode == MESSAGE and int.from_bytes(records[content : content + 2], "little") == number:
+        ours = opcode == MESSAGE and int.from_bytes(records[content : content + 2], "little") == number
+        if ours and at <= len(records):
             payload, zero = np.frombuffer(records[content + HEADER : at], np.uint8), np.zeros(1, np.int64)
             return Messages(payload, zero.astype(np.uint16), zero, zero, zero, zero + payload.size, 0)
-    raise ValueError(
-        f"the index states a message of channel {number} in the chunk at byte {chunk.chunk_start_offset}; there is none"
-    )
+    return None

@@ -1,15 +1,16 @@
 """MCAP logs: IMU, GNSS, temperature and speed messages of any topic, recognised by the names of their fields."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 from imuwb.readers.batch import Batch, Remark, simulated
+from imuwb.readers.bytes.source import Source
 from imuwb.readers.read_options import ReadOptions
 from imuwb.ros import MCAP_MAGIC
 from imuwb.summary import LogSummary
 
 format = "mcap"  # noqa: A001 - the contract's name
 uses = ("time_source", "frame", "messages")
+ranged = True
 
 
 def probe(head: bytes) -> bool:
@@ -17,14 +18,14 @@ def probe(head: bytes) -> bool:
     return head.startswith(MCAP_MAGIC)
 
 
-def describe(path: Path) -> LogSummary | None:
+def describe(path: Source) -> LogSummary | None:
     """Return a summary from the file's index, without reading its messages; None without an index."""
     from imuwb.readers.containers import mcap_index  # noqa: PLC0415 - only large files are summarised this way
 
     return mcap_index.describe(path)
 
 
-def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
+def stream(path: Source, options: ReadOptions) -> Iterator[Batch | Remark]:
     """Return the messages chunk by chunk.
 
     Raises:

@@ -10,7 +10,6 @@ Specification: https://mcap.dev/spec
 import struct
 from collections.abc import Iterator
 from functools import partial
-from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
 import numpy as np
@@ -19,9 +18,10 @@ from isal import isal_zlib
 from imuwb.arrays import Bytes, Integers
 from imuwb.log import MEAN_SEA_LEVEL
 from imuwb.notes import Note
+from imuwb.readers.bytes import source
 from imuwb.readers.bytes.gather import gather
 from imuwb.readers.bytes.loops import compiled_loop, worth_compiling
-from imuwb.readers.bytes.source import extended
+from imuwb.readers.bytes.source import Source, extended
 from imuwb.readers.bytes.unpack import unpack, unpack_front
 from imuwb.readers.containers.messages import Channel, Messages, Piece, RecordFile, Schema
 from imuwb.ros import MCAP_MAGIC as MAGIC
@@ -152,9 +152,9 @@ class Recording(RecordFile[Records]):
 
     damaged = 0  #: messages left out because their time is impossible
 
-    def __init__(self, path: Path) -> None:
-        """Set the file; nothing is read yet."""
-        super().__init__(path)
+    def __init__(self, log: Source) -> None:
+        """Set the file, or the remote log; nothing is read yet."""
+        super().__init__(log)
         self.truth: dict[str, str] = {}  #: parameters of a simulated log, by metadata that imuwb wrote
 
     def messages(self) -> Iterator[Messages]:
@@ -168,8 +168,8 @@ class Recording(RecordFile[Records]):
         return walk(buffer)
 
     def _pieces(self) -> Iterator[Piece[Records]]:
-        with self.path.open("rb") as file:
-            size = self.path.stat().st_size
+        with source.opened(self.log) as file:
+            size = source.size(self.log)
             file.seek(len(MAGIC))
             rest, offset = b"", len(MAGIC)
             while True:

@@ -3,7 +3,6 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from imuwb.arrays import Bytes, Integers
 from imuwb.notes import Note
 from imuwb.readers.bytes.ahead import ahead
+from imuwb.readers.bytes.source import Source
 
 BAG_MAGIC = b"#ROSBAG V2.0\n"
 AHEAD = 2  #: pieces that are unpacked while another is decoded
@@ -69,9 +69,8 @@ class Piece(Generic[Records]):
 class Container(ABC):
     """A file of messages, read from its beginning to its end; schemas and channels are added on the way."""
 
-    def __init__(self, path: Path) -> None:
-        """Set the file; nothing is read yet."""
-        self.path = path
+    def __init__(self) -> None:
+        """Nothing is read yet."""
         self.schemas: dict[int, Schema] = {}
         self.channels: dict[int, Channel] = {}
         self.notes: list[Note] = []  #: notes on the faults of the part that is read
@@ -84,6 +83,11 @@ class Container(ABC):
 
 class RecordFile(Container, Generic[Records]):
     """A container whose messages are records of bytes, in chunks or not."""
+
+    def __init__(self, log: Source) -> None:
+        """Set the file, or the remote log; nothing is read yet."""
+        super().__init__()
+        self.log = log
 
     def messages(self) -> Iterator[Messages]:
         """Yield the messages of each chunk, or, in a file without chunks, of each block."""

@@ -39,6 +39,11 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
 class Database(Container):
     """A recording in SQLite. It does not state whether heights are above mean sea level."""
 
+    def __init__(self, path: Path) -> None:
+        """Set the file; nothing is read yet."""
+        super().__init__()
+        self.path = path
+
     def messages(self) -> Iterator[Messages]:
         """Yield the messages, some thousand at a time."""
         uri = f"file:{quote(str(self.path.resolve()))}?mode=ro&immutable=1"

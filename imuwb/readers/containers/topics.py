@@ -2,7 +2,6 @@
 
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from imuwb.log import BY_FILTER, MEAN_SEA_LEVEL, Effect, Kind, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes.gather import alike
+from imuwb.readers.bytes.source import Source
 from imuwb.readers.containers import shapes
 from imuwb.readers.containers.decoders import CannotDecodeError, Decoder, Piece, decoder_of
 from imuwb.readers.containers.messages import Channel, Container, Messages, Schema
@@ -39,7 +39,7 @@ _STORED: dict[Kind, tuple[str, str]] = {
 }  # fmt: skip
 
 
-def streamed(path: Path, container: Container, options: ReadOptions) -> Iterator[Batch | Remark]:
+def streamed(path: Source, container: Container, options: ReadOptions) -> Iterator[Batch | Remark]:
     """Yield the streams of a container's messages, then notes on its faults.
 
     Raises:
