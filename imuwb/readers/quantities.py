@@ -15,6 +15,10 @@ DIMENSIONS = {
     "sigma_attitude_north": "angle", "sigma_attitude_east": "angle", "sigma_attitude_down": "angle",
     "fix_type": "dimensionless", "speed": "speed", "roll": "angle", "pitch": "angle", "heading": "angle",
     "week": "dimensionless",
+    # of known shapes alone: increments over a step, heights above the sea, velocities along a course, and what tells rows apart
+    "attitude_increment": "angle", "velocity_increment": "speed", "step": "time", "height_msl": "length", "undulation": "length",
+    "sigma_horizontal": "length", "sigma_vertical": "length", "sigma_speed": "speed", "ground_speed": "speed", "course": "angle",
+    "instance": "dimensionless", "counter": "dimensionless",
 }  # fmt: skip
 #: The unit of one of these names is the unit of several quantities.
 GROUPS = {

@@ -10,7 +10,9 @@ from imuwb.errors import UnreadableLogError, UsageError
 from imuwb.readers.quantities import DIMENSIONS, units_by_quantity
 from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text.column_names import Column, columns
+from imuwb.readers.text.increments import RATES
 from imuwb.readers.text.layout import Layout
+from imuwb.readers.text.shapes.application import Shaped
 from imuwb.readers.text.trust import is_number
 from imuwb.units import STANDARD_GRAVITY, UNITS, unit
 
@@ -21,12 +23,18 @@ WRONG = 2.0  #: factor between the specific force and one gravity, beyond which 
 DAMAGED = 1e9  #: a larger number is damage, whatever its unit
 
 
-def used_columns(path: Path, layout: Layout, options: ReadOptions) -> tuple[Column, ...]:
+def used_columns(path: Path, layout: Layout, options: ReadOptions, shape: Shaped | None = None) -> tuple[Column, ...]:
     """Return the columns that are used, each with its unit.
 
     Raises:
         UsageError: names or units of the columns are unknown.
+        UnreadableLogError: the log has nothing but columns that are refused, such as an acceleration without gravity.
     """
+    if shape is not None:
+        if shape.refused and not any(column.quantity not in ("time", "week") for column in shape.columns):
+            names, why = ", ".join(shape.refused), next(iter(shape.refused.values()))
+            raise UnreadableLogError(f"{path}: nothing can be used ({shape.shape.name}): {names}: {why}")
+        return tuple(_with_unit(path, column, shape.columns, layout) for column in shape.columns)
     names = options.columns or layout.names
     if not names:
         raise UsageError(
@@ -47,10 +55,10 @@ def _with_unit(path: Path, column: Column, known: tuple[Column, ...], layout: La
     if column.unit is not None or column.quantity == "time":
         return column
     usual = _USUAL.get(DIMENSIONS[column.quantity])
-    if usual is not None:
+    if usual is not None and column.quantity not in RATES:
         return replace(column, unit=unit(usual))
     group = [other for other in known if other.quantity == column.quantity]
-    hint = "deg/s or rad/s"
+    hint = {"attitude_increment": "rad or deg", "velocity_increment": "m/s"}.get(column.quantity, "deg/s or rad/s")
     if column.quantity == "accel":
         cells = [layout.first[other.index] for other in group]
         norm = float(np.linalg.norm([float(cell) for cell in cells])) if all(map(_is_small, cells)) else 0.0

@@ -1,17 +1,19 @@
 """The streams that the columns of a text log make up, in SI and FRD."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from typing import cast
 
 import numpy as np
 
 from imuwb.arrays import Booleans, Floats
 from imuwb.log import Kind
-from imuwb.readers.text.column_names import Column
+from imuwb.readers.text.column_names import Column, above_sea
 from imuwb.units import Unit
 
 Stream = tuple[Kind, dict[str, Floats], Booleans | None]
 Values = Mapping[tuple[str, int], Floats]
 
+_ACCURACIES = ("sigma_horizontal", "sigma_vertical", "sigma_speed")
 _WAYS = ("north", "east", "down")
 #: column of a receiver -> beginning of the names of its quantities
 _TRIPLES = {"velocity": "velocity_", "position_sigma": "sigma_", "velocity_sigma": "sigma_velocity_"}
@@ -24,7 +26,7 @@ def streams_of(values: Mapping[Column, Floats], frame: str) -> Iterator[Stream]:
         values: cells of each column, in its unit.
         frame: frame of the IMU, ``FRD`` or ``FLU``.
     """
-    si = {(c.quantity, c.axis): _si(v, c.unit) for c, v in values.items() if c.unit is not None}
+    si = {(c.quantity, c.axis): _si(v, c) for c, v in values.items() if c.unit is not None}
     signs = np.array([1.0, -1.0, -1.0]) if frame == "FLU" else np.ones(3)
     imu = {
         field: triad * signs
@@ -45,7 +47,10 @@ def streams_of(values: Mapping[Column, Floats], frame: str) -> Iterator[Stream]:
 def _position_stream(si: Values, rows: Booleans | None) -> Stream:
     """Return a receiver's fixes, or a reference if there is an attitude, because receivers have no attitude."""
     latitude, longitude = si["latitude", 0], si["longitude", 0]
-    columns = {"position": np.stack([latitude, longitude, si.get(("height", 0), np.zeros_like(latitude))], axis=1)}
+    columns = {"position": np.stack([latitude, longitude, _height(si, latitude)], axis=1), **_sigmas(si)}
+    along = _velocity_along_course(si)
+    if along is not None:
+        columns["velocity"] = along
     for field, prefix in _TRIPLES.items():
         triple = _north_east_down(si, prefix)
         if triple is not None:
@@ -87,7 +92,47 @@ def _stacked(si: Values, keys: list[tuple[str, int]]) -> Floats | None:
     return np.stack([si[key] for key in keys], axis=1) if all(key in si for key in keys) else None
 
 
-def _si(values: Floats, measure: Unit) -> Floats:
+def _si(values: Floats, column: Column) -> Floats:
+    measure = cast("Unit", column.unit)
     with np.errstate(over="ignore"):
-        scaled = values * measure.factor
+        scaled = values * (column.sign * measure.factor)
     return scaled + measure.offset if measure.offset else scaled  # adding 0 would turn -0 into +0
+
+
+def heights_above_sea(used: Iterable[Column]) -> bool:
+    """Return whether a log has heights above mean sea level alone."""
+    heights = {c.quantity: c for c in used if c.quantity in ("height", "height_msl", "undulation")}
+    return (
+        above_sea(heights["height"]) if "height" in heights else "height_msl" in heights and "undulation" not in heights
+    )
+
+
+def _height(si: Values, like: Floats) -> Floats:
+    """Return heights above the ellipsoid, those above mean sea level if only these are known, and else 0."""
+    if ("height", 0) in si:
+        return si["height", 0]
+    if ("height_msl", 0) in si:
+        return si["height_msl", 0] + si.get(("undulation", 0), 0.0)
+    return np.zeros_like(like)
+
+
+def _velocity_along_course(si: Values) -> Floats | None:
+    """Return velocities, (n, 3), of speeds over ground and courses; None without them."""
+    speed, course = si.get(("ground_speed", 0)), si.get(("course", 0))
+    if speed is None or course is None:
+        return None
+    down = si.get(("velocity_down", 0), np.full_like(speed, np.nan))
+    return np.stack([speed * np.cos(course), speed * np.sin(course), down], axis=1)
+
+
+def _sigmas(si: Values) -> dict[str, Floats]:
+    """Return the sigmas, (n, 3), of horizontal and vertical accuracies, and of the accuracy of a speed; a negative one is none."""
+    known = {name: np.where(si[name, 0] > 0, si[name, 0], np.nan) for name in _ACCURACIES if (name, 0) in si}
+    found = dict[str, Floats]()
+    if "sigma_horizontal" in known:
+        horizontal = known["sigma_horizontal"]
+        vertical = known.get("sigma_vertical", np.full_like(horizontal, np.nan))
+        found["position_sigma"] = np.stack([horizontal, horizontal, vertical], axis=1)
+    if "sigma_speed" in known:
+        found["velocity_sigma"] = np.stack([known["sigma_speed"]] * 3, axis=1)
+    return found

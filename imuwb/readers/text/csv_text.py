@@ -1,12 +1,12 @@
 """Text logs: separated numbers, with units in the header, on the command line, or in a sidecar."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
 
-from imuwb.arrays import Floats, Integers
+from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.errors import UnreadableLogError
 from imuwb.log import MEAN_SEA_LEVEL, Kind, Origin
 from imuwb.notes import Note
@@ -15,11 +15,15 @@ from imuwb.readers.bytes.source import damaged
 from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text.cells import CELLS, LINES, blocks, floats
 from imuwb.readers.text.clock import Clock, clock_of
-from imuwb.readers.text.column_names import Column, above_sea, columns
+from imuwb.readers.text.column_names import Column, columns
 from imuwb.readers.text.csv_columns import check_gravity, used_columns
-from imuwb.readers.text.csv_streams import streams_of
+from imuwb.readers.text.csv_streams import heights_above_sea, streams_of
 from imuwb.readers.text.encoding import encoding_of, head_text
+from imuwb.readers.text.increments import RATES, Increments
 from imuwb.readers.text.layout import Layout, layout_of
+from imuwb.readers.text.left_out import left_over, no_stream, unused_columns
+from imuwb.readers.text.sensors import Sensor, sensors_of, stream_name
+from imuwb.readers.text.shapes.application import Shaped, shape_of_log
 from imuwb.readers.text.sidecar import with_sidecar
 from imuwb.units import SECOND
 
@@ -52,13 +56,19 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     """
     options, remarks = with_sidecar(path, options)
     layout = layout_of(path)
-    used = used_columns(path, layout, options)
+    shape = shape_of_log(path, layout, options)
+    used = used_columns(path, layout, options, shape)
+    if shape is not None:
+        options = shape.completing(options)
     clock = clock_of(path, layout, used, options)
-    yield from (*remarks, *map(Remark, (*_layout_notes(layout, used), *clock.notes)))
-    yield from _Rows(path, layout, used, clock, options).batches()
+    yield from (*remarks, *map(Remark, (*_layout_notes(layout, used, shape), *clock.notes)))
+    yield from unused_columns(layout.names, used, shape)
+    yield from _Rows(path, layout, used, clock, options, shape).batches()
 
 
-def _layout_notes(layout: Layout, used: tuple[Column, ...]) -> Iterator[Note]:
+def _layout_notes(layout: Layout, used: tuple[Column, ...], shape: Shaped | None) -> Iterator[Note]:
+    if shape is not None:
+        yield Note("shape", "; ".join(filter(None, (f"read as {shape.shape.name}", shape.shape.remark))))
     if layout.cut_first:
         yield Note("first_line_cut", "first line left out: it has fewer cells than the others")
     for column in used:
@@ -77,36 +87,50 @@ class _Rows:
     """The rows of a text log, and the faults found so far."""
 
     def __init__(
-        self, path: Path, layout: Layout, used: tuple[Column, ...], clock: Clock, options: ReadOptions
+        self,
+        path: Path,
+        layout: Layout,
+        used: tuple[Column, ...],
+        clock: Clock,
+        options: ReadOptions,
+        shape: Shaped | None,
     ) -> None:
         self._path, self._layout, self._used, self._clock, self._options = path, layout, used, clock, options
+        self._shape, self._increments = shape, Increments()
+        self._name = ""  # of the first stream
+        self._fields, self._checked = set[str](), set[str]()  # fields so far, and streams whose gravity is checked
         self._faults = Counter[str]()
         self._rows = self._unusable = 0  # rows with a time, and the rows among them that have no sample of the IMU
 
     def batches(self) -> Iterator[Batch | Remark]:
         """Yield the streams of each piece of the file, then its faults."""
-        any_stream = checked = False
         for time, values, bytes_read in self._pieces():
             self._rows += time.size
-            missing = [~np.isfinite(cells) for column, cells in values.items() if column.quantity in ("gyro", "accel")]
-            self._unusable += int(np.count_nonzero(np.any(missing, axis=0))) if missing else 0
-            for kind, fields, rows in streams_of(values, self._options.frame or "FRD"):
-                if not checked and "specific_force" in fields:
-                    checked = check_gravity(self._path, fields["specific_force"], self._used)
-                any_stream = True
-                kept = fields if rows is None else {name: array[rows] for name, array in fields.items()}
-                timed = time if rows is None else time[rows]
-                exact = self._clock.column is None  # the times come from the rate
-                yield Batch(kind, kind, timed, kept, self._origin(kind), bytes_read, exact)
-        if not any_stream and self._rows:
-            names = ", ".join(column.name for column in self._used) or "none that is known"
-            text = (
-                f"no stream in this file (known columns: {names}); an IMU needs x, y and z of a sensor, and a fix latitude "
-                "and longitude; name the columns with --columns"
-            )
-            yield Remark(Note("no_stream", text))
+            sparse = self._shape is not None and self._shape.shape.sparse
+            sensors = list(sensors_of(self._increments.as_rates(time, values), sparse=sparse))
+            self._unusable += 0 if sparse else _incomplete(sensors)
+            for sensor, rows, part in sensors:
+                yield from self._sensor(sensor, *_taken(time, part, rows), bytes_read)
+        if self._fields:
+            yield from left_over(self._used, self._fields)
+        elif self._rows:
+            yield Remark(no_stream(self._layout.names, self._used))
         self._check_usable()
         yield from self._repairs()
+
+    def _sensor(self, sensor: str, time: Integers, values: Mapping[Column, Floats], bytes_read: int) -> Iterator[Batch]:
+        """Yield the streams of one sensor in one piece."""
+        for kind, fields, rows in streams_of(values, self._options.frame or "FRD"):
+            name = stream_name(kind, sensor)
+            unchecked = name not in self._checked and "specific_force" in fields
+            if unchecked and check_gravity(self._path, fields["specific_force"], tuple(values)):
+                self._checked.add(name)
+            self._fields.update(fields)
+            self._name = self._name or name
+            kept = fields if rows is None else {field: array[rows] for field, array in fields.items()}
+            exact = self._clock.column is None  # the times come from the rate
+            timed = time if rows is None else time[rows]
+            yield Batch(name, kind, timed, kept, self._origin(kind), bytes_read, exact)
 
     def _pieces(self) -> Iterator[Piece]:
         """Yield the rows that have a time; the rows of a damaged file only up to a jump in time."""
@@ -125,14 +149,23 @@ class _Rows:
             before = int(time[-1]) if time.size else before
 
     def _origin(self, kind: Kind) -> Origin:
-        quantities = ("gyro", "accel") if kind == "imu" else ("latitude", "height")
+        quantities = ("gyro", "accel", *RATES) if kind == "imu" else ("latitude", "height", "height_msl")
         used = (c.unit.name for c in self._used if c.unit is not None and c.quantity in quantities)
         units = ", ".join(dict.fromkeys(used))
         if kind != "imu":
-            above = f" ({MEAN_SEA_LEVEL})" if any(map(above_sea, self._used)) else ""
+            above = f" ({MEAN_SEA_LEVEL})" if heights_above_sea(self._used) else ""
             return Origin(units + above, "NED", self._clock.epoch)
-        stated = self._options.frame
-        return Origin(units, f"{stated} (stated)" if stated else "FRD (assumed)", self._clock.epoch)
+        if any(column.quantity in RATES for column in self._used):
+            units += " (increments)"
+        return Origin(units, self._frame(), self._clock.epoch)
+
+    def _frame(self) -> str:
+        if self._options.frame:
+            return f"{self._options.frame} (stated)"
+        if self._shape is None:
+            return "FRD (assumed)"
+        frame, name = self._shape.frame, self._shape.shape.name
+        return f"{frame} ({name})" if frame else f"FRD (assumed; {name})"
 
     def _check_usable(self) -> None:
         faults = self._faults
@@ -146,13 +179,30 @@ class _Rows:
         )
 
     def _repairs(self) -> Iterator[Remark]:
-        name = "imu" if any(column.quantity in ("gyro", "accel") for column in self._used) else "gnss"
+        name = self._name or ("imu" if any(c.quantity in ("gyro", "accel", *RATES) for c in self._used) else "gnss")
         if self._layout.fault and not any(getattr(fault, "id", "") == "packed_damaged" for fault in self._faults):
             note = damaged(self._layout.fault, "no row shows where, so any row may be wrong")
             yield Remark(note, name, self._rows, "value")
         for fault, count in self._faults.items():
             if count:
                 yield Remark(fault, name, count, "value" if fault == CELLS else "lost")
+
+
+def _taken(
+    time: Integers, values: Mapping[Column, Floats], rows: Booleans | None
+) -> tuple[Integers, Mapping[Column, Floats]]:
+    """Return some rows of time and columns; None: all."""
+    return (time, values) if rows is None else (time[rows], {column: cells[rows] for column, cells in values.items()})
+
+
+def _incomplete(sensors: Iterable[Sensor]) -> int:
+    """Return how many rows have no sample of any IMU, because a cell is no number."""
+    missing = [
+        np.any(cells, axis=0)
+        for _, _, part in sensors
+        if (cells := [~np.isfinite(x) for column, x in part.items() if column.quantity in ("gyro", "accel")])
+    ]
+    return int(np.count_nonzero(np.all(missing, axis=0))) if missing else 0
 
 
 def _rising(time: Integers, before: int | None) -> int:

@@ -1,0 +1,65 @@
+"""Finds the shape of a text log from its name, its header, and its first rows."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from imuwb.readers.text.column_names import parts_of, with_units
+from imuwb.readers.text.layout import Layout
+from imuwb.readers.text.shapes.shape import Shape, shapes
+from imuwb.readers.text.trust import is_number
+from imuwb.units import Unit
+
+
+@dataclass(frozen=True, slots=True)
+class Head:
+    """What a shape is recognised by."""
+
+    file: str  #: name of the file
+    text: str  #: the lines before its first row
+    names: tuple[str, ...]  #: of the columns; empty without a header
+    rows: tuple[tuple[float, ...], ...]  #: the first rows of numbers, nan for another cell
+
+
+def head_of(path: Path, layout: Layout) -> Head:
+    """Return the head of a log."""
+    text = "\n".join((*layout.comments, ",".join(layout.names)))
+    rows = layout.sample or (layout.first,)
+    return Head(path.name, text, layout.names, tuple(tuple(map(_number, row)) for row in rows))
+
+
+def shape_of(head: Head) -> Shape | None:
+    """Return the shape of a log; None for an unknown one."""
+    names = {end for name in head.names for end, _, _ in ends_of(name)}
+    return next((shape for shape in shapes() if _fits(shape, head, names)), None)
+
+
+def ends_of(name: str) -> Iterator[tuple[str, int, Unit | None]]:
+    """Yield the ends of a column's name, the longest first, each with the number of parts before it and the unit of the name."""
+    for text, measure in with_units(name.lstrip("#% ")):
+        parts = parts_of(text)
+        for count in range(len(parts)):
+            yield ".".join(parts[count:]), count, measure
+
+
+def _fits(shape: Shape, head: Head, names: set[str]) -> bool:
+    if shape.row:
+        if head.names or len(head.rows[0]) != shape.cells or not _in_ranges(shape, head):
+            return False
+    elif not (names and names.issuperset(shape.header) and names.isdisjoint(shape.absent)):
+        return False
+    if shape.file and not re.search(shape.file, head.file, re.IGNORECASE):
+        return False
+    return not shape.text or re.search(shape.text, head.text, re.MULTILINE) is not None
+
+
+def _in_ranges(shape: Shape, head: Head) -> bool:
+    """Return whether all first rows have the values of a shape, and its time does not step back."""
+    within = all(low <= row[cell] <= high for row in head.rows for cell, (low, high) in shape.ranges.items())
+    time = next((cell for cell, meaning in enumerate(shape.row) if meaning and meaning.quantity == "time"), None)
+    return within and (time is None or all(a[time] < b[time] for a, b in zip(head.rows, head.rows[1:], strict=False)))
+
+
+def _number(cell: str) -> float:
+    return float(cell) if is_number(cell) else float("nan")
