@@ -20,11 +20,13 @@ from imuwb.readers.bytes.address import Place
 from imuwb.readers.bytes.remote import RemoteLog
 from imuwb.readers.bytes.source import Source
 from imuwb.readers.read_options import ReadOptions
+from imuwb.readers.unread import unread_binary, unread_text
 from imuwb.summary import LogSummary, summarize
 
 #: Readers are asked in the order of their names, with these exceptions: MCAP is first; telemetry and text are last, after the
 #: formats with a magic number. Only the readers that are asked are imported.
 ORDER = {"mcap": -1, "ubx": 1, "nmea": 2, "tlog": 3, "csv": 5}
+TEXT = "csv"  #: format of the reader that takes any text with digits
 OF_ALL = ("rate", "even")  #: options that apply to the logs of every reader
 
 
@@ -48,11 +50,15 @@ def _reader_of(path: Source) -> Reader:
     head = source.head(path)
     for reader in readers:
         if reader.probe(head):
+            if reader.format == TEXT and (told := unread_text(head)) is not None:
+                raise UnreadableLogError(f"{path}: {told}")
             return reader
     if not head:
         raise UnreadableLogError(
             f"{path}: a gzip file whose first bytes cannot be unpacked; it is cut or damaged: copy it again"
         )
+    if (told := unread_binary(head)) is not None:
+        raise UnreadableLogError(f"{path}: {told}")
     raise UnreadableLogError(
         f"{path}: no known log format begins with {head[:8]!r}; the known formats are {', '.join(points)}"
     )
