@@ -13,7 +13,8 @@ from imuwb.options import Between, Form, check
 from imuwb.readers.quantities import units_by_quantity
 from imuwb.units import Epoch
 
-TimeSource = Literal["header", "log", "publish"]
+#: Words for whose time stamp of a message is used; for a text log also the name of a column.
+TIME_SOURCES = ("header", "log", "publish")
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,8 +26,10 @@ class ReadOptions:
     """
 
     time_source: Annotated[
-        TimeSource,
-        "Time stamp of a message: its own (header), or the time of recording (log) or of sending (publish).",
+        str,
+        "Time stamp of a message: its own (header), or the time of recording (log) or of sending (publish); "
+        "of a text log also the name of a column.",
+        Form("header|log|publish|COLUMN"),
     ] = "header"
     rate: Annotated[
         float | None,

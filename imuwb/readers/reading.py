@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import cast
 
 from imuwb import registry
-from imuwb.errors import UnreadableLogError
+from imuwb.errors import UnreadableLogError, UsageError
 from imuwb.log import Log, Provenance
 from imuwb.notes import Note
 from imuwb.progress import Progress
@@ -19,7 +19,7 @@ from imuwb.readers.bytes import source
 from imuwb.readers.bytes.address import Place
 from imuwb.readers.bytes.remote import RemoteLog
 from imuwb.readers.bytes.source import Source
-from imuwb.readers.read_options import ReadOptions
+from imuwb.readers.read_options import TIME_SOURCES, ReadOptions
 from imuwb.readers.unread import unread_binary, unread_text
 from imuwb.summary import LogSummary, summarize
 
@@ -94,7 +94,12 @@ def _closed_after(parts: Iterator[Batch | Remark], closing: ExitStack) -> Iterat
 def _parts(
     reader: Reader, path: Source, options: ReadOptions, progress: Progress | None = None
 ) -> Iterator[Batch | Remark]:
-    unused = options.unused((*getattr(reader, "uses", [f.name for f in fields(ReadOptions)]), *OF_ALL))
+    uses = getattr(reader, "uses", [f.name for f in fields(ReadOptions)])
+    if options.time_source not in TIME_SOURCES and "columns" not in uses:
+        raise UsageError(
+            f"time_source is {options.time_source!r}; for a {reader.format} log it must be {' or '.join(TIME_SOURCES)}"
+        )
+    unused = options.unused((*uses, *OF_ALL))
     if unused:
         names = ", ".join(f"--{name.replace('_', '-')}" for name in unused)
         yield Remark(Note("options_unused", f"{names} not used: a {reader.format} log states this itself"))

@@ -50,7 +50,6 @@ def test_another_rate_is_refused(rate):
         ("frame", "frd", "FRD or FLU"),
         ("frame", "", "FRD or FLU"),
         ("epoch", "gps", "unix or boot or log"),
-        ("time_source", "message", "header or log or publish"),
         ("rate", "fast", "a number"),
         ("units", "gyro", "gyro=deg/s"),
     ],

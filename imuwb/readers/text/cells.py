@@ -16,7 +16,6 @@ from pyarrow import csv
 from imuwb.arrays import Booleans, Floats
 from imuwb.notes import Note
 from imuwb.readers.text import lines
-from imuwb.readers.text.column_names import Column
 from imuwb.readers.text.layout import Layout
 from imuwb.readers.text.trust import is_number
 from imuwb.units import unix_nanoseconds
@@ -27,33 +26,41 @@ CELLS = Note("not_a_number", "cells that are not numbers are taken as missing")
 
 
 def blocks(
-    path: Path, layout: Layout, used: tuple[Column, ...], time_kind: pa.DataType, faults: Counter[str]
+    path: Path, layout: Layout, kinds: Mapping[int, pa.DataType], faults: Counter[str]
 ) -> Iterator[tuple[pa.RecordBatch, int]]:
-    """Yield the used columns in blocks, each with the bytes read; the time column has its own type.
+    """Yield the columns of ``kinds``, {index: type}, in blocks, each with the bytes read; ``of`` returns a column of a block.
 
     The parser stops at a cell that is not a number. From there on cells are read as text: this is slower, but
     finds and counts such cells.
     """
-    kinds = {c.name: time_kind if c.quantity == "time" else pa.float64() for c in used}
-    names = [f"unused {i}" for i in range(len(layout.first))]
-    for column in used:
-        names[column.index] = column.name
+    named = {_key(index): kind for index, kind in kinds.items()}
+    names = [_key(i) for i in range(len(layout.first))]
     rows = 0
     try:
-        for block, bytes_read in _parsed(path, layout, names, kinds, faults):
+        for block, bytes_read in _parsed(path, layout, names, named, faults):
             yield block, bytes_read
             rows += block.num_rows
     except (pa.ArrowInvalid, ValueError):
         faults.clear()
-        yield from _read_as_text(path, layout, names, kinds, faults, rows)
+        yield from _read_as_text(path, layout, names, named, faults, rows)
+
+
+def _key(index: int) -> str:
+    """Return the name of a column for the parser; the names in a file may be equal."""
+    return str(index)
+
+
+def of(block: pa.RecordBatch, index: int) -> pa.Array[Any]:
+    """Return the cells of a column of a block."""
+    return block.column(_key(index))
 
 
 def _read_as_text(
     path: Path, layout: Layout, names: list[str], kinds: Mapping[str, pa.DataType], faults: Counter[str], skip: int
 ) -> Iterator[tuple[pa.RecordBatch, int]]:
     """Yield the columns after the first ``skip`` rows, each cell read as text first."""
-    texts = dict.fromkeys(kinds, pa.binary())
-    for block, bytes_read in _parsed(path, layout, names, texts, faults):
+    as_text = dict.fromkeys(kinds, pa.binary())
+    for block, bytes_read in _parsed(path, layout, names, as_text, faults):
         rest = block.slice(min(skip, block.num_rows))
         skip -= block.num_rows - rest.num_rows
         if rest.num_rows:
@@ -90,14 +97,15 @@ def _parsed(
 
 def _converted(cells: pa.Array[Any], kind: pa.DataType, faults: Counter[str]) -> pa.Array[Any]:
     """Return cells of bytes as numbers or times; null for cells that are neither."""
+    if pa.types.is_binary(kind):
+        return cells
     try:
         return cells.cast(pa.string()).cast(kind)
     except pa.ArrowInvalid:
         pass
-    texts = [None if cell is None else cell.decode("utf-8", "replace").strip().strip('"') for cell in cells.to_pylist()]
-    instants = pa.types.is_timestamp(kind)
-    numbers = [(_instant(text) if instants else text if is_number(text) else None) if text else None for text in texts]
-    faults[CELLS] += sum(bool(text) and number is None for text, number in zip(texts, numbers, strict=True))
+    found, instants = texts(cells), pa.types.is_timestamp(kind)
+    numbers = [(_instant(text) if instants else text if is_number(text) else None) if text else None for text in found]
+    faults[CELLS] += sum(bool(text) and number is None for text, number in zip(found, numbers, strict=True))
     if instants:
         return pa.array(numbers, pa.int64()).cast(kind)
     try:
@@ -131,6 +139,11 @@ def memory(cells: pa.Array[Any], kind: str, count: int = 1) -> NDArray[Any]:
     """Return the memory of cells as numbers of a numpy kind, (n, count); undefined for null."""
     table = np.frombuffer(cells.buffers()[1], kind).reshape(-1, count)
     return table[cells.offset : cells.offset + len(cells)]
+
+
+def texts(cells: pa.Array[Any]) -> list[str]:
+    """Return cells of bytes as texts without blanks and quotes around them; an empty text for null."""
+    return ["" if cell is None else cell.decode("utf-8", "replace").strip().strip('"') for cell in cells.to_pylist()]
 
 
 def floats(cells: pa.Array[Any]) -> Floats:

@@ -1,9 +1,10 @@
-"""The time of a text log's rows: from a column of numbers or ISO dates, or from a rate."""
+"""The time of a text log's rows: from columns of numbers, dates, or GPS weeks, or from a rate."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, cast
@@ -18,7 +19,10 @@ from imuwb.readers.gps_time import ahead_of_utc, leap_seconds, unix_of_gps
 from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text import cells
 from imuwb.readers.text.column_names import Column, scale_of
+from imuwb.readers.text.instants import Days, Form, nanoseconds
 from imuwb.readers.text.layout import Layout
+from imuwb.readers.text.stamp_choice import chosen
+from imuwb.readers.text.stamps import Stamp
 from imuwb.readers.text.time_tag import TagClock, tag_clock
 from imuwb.readers.text.trust import is_number
 from imuwb.units import SECOND, Epoch, Unit, unit
@@ -30,7 +34,8 @@ LATEST_WEEK = 10_000  #: GPS week of the year 2171
 LATEST = 2**63 - 1025  #: ns, the largest double below the end of int64
 OUR_DAYS = (5e8, 3e9)  #: s since 1970 (years 1985 and 2065); a time in between counts from 1970
 DIGITS = {"s": 9, "ms": 6, "us": 3, "ns": 0}  #: decimals of each unit, down to 1 ns
-_ISO = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d")
+LONGEST_STEP = 1.0  #: s; samples of an IMU that are further apart show that the unit is a shorter one
+_ISO = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d(:\d\d(\.\d{1,9})?)?(Z|[+-]\d\d(:?\d\d)?)?")
 _ZONE = re.compile(r"(Z|[+-]\d\d(:?\d\d)?)$")
 
 
@@ -38,31 +43,90 @@ _ZONE = re.compile(r"(Z|[+-]\d\d(:?\d\d)?)$")
 class Clock:
     """How the time of a row is found."""
 
-    column: Column | None  #: None: the time comes from the rate
-    kind: pa.DataType  #: type of the parsed column
     epoch: Epoch
+    stamp: Stamp | None = None  #: None: the time comes from the rate
+    kinds: Mapping[int, pa.DataType] = field(default_factory=dict[int, pa.DataType])  #: column -> type when parsed
     rate: float = 0.0  #: Hz
     notes: tuple[Note, ...] = ()
-    week: Column | None = None  #: GPS week; the column is then the time of week
+    others: tuple[Column, ...] = ()  #: columns of times that are not used; a note names them
     ahead: int = 0  #: s by which GPS time is ahead of UTC in the whole log
     tag: TagClock | None = None  #: of a log with a time tag
+    days: Days = field(default_factory=Days)  #: of times of day
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """The columns that the time is made of."""
+        stamp = self.stamp
+        return () if stamp is None else (*stamp.columns, *((stamp.week,) if stamp.week is not None else ()))
 
     def time(self, block: pa.RecordBatch, first_row: int) -> Times:
         """Return the time (ns) of the rows that have one, and which rows these are."""
-        if self.column is None:
+        stamp = self.stamp
+        if stamp is None:
             row = np.arange(first_row, first_row + block.num_rows)
             return np.rint(row * (SECOND / self.rate)).astype(np.int64), np.ones(row.size, dtype=bool)
-        stamps = block.column(self.column.name)
-        time, possible = _nanoseconds(stamps, self.column.unit)
-        timed = possible & cells.known(stamps)
+        if stamp.form is not None and not pa.types.is_timestamp(self.kinds[stamp.columns[0].index]):
+            return self._of_texts(block, stamp, stamp.form)
+        if stamp.kind == "calendar":
+            return _of_calendar(block, stamp)
+        time, timed = _number(block, stamp.columns[0])
+        for column in stamp.columns[1:]:
+            rest, known = _number(block, column)
+            timed &= known & (rest >= 0) & (rest < SECOND)  # a part of a second
+            time = time + rest
         if self.tag is not None:
             return self.tag.unix(time[timed]), timed
-        if self.week is None:
+        if stamp.week is None:
             return time[timed] - self.ahead * SECOND, timed
-        weeks = cells.floats(block.column(self.week.name))
+        weeks = cells.floats(cells.of(block, stamp.week.index))
         timed &= (weeks >= 0) & (weeks < LATEST_WEEK)
         milliseconds, rest = np.divmod(time[timed], 1_000_000)
         return unix_of_gps(weeks[timed].astype(np.int64), milliseconds, self.ahead) + rest, timed
+
+    def _of_texts(self, block: pa.RecordBatch, stamp: Stamp, form: Form) -> Times:
+        columns = [cells.texts(cells.of(block, column.index)) for column in stamp.columns]
+        rows = ("T".join(row) if all(row) else "" for row in zip(*columns, strict=True))
+        found = [nanoseconds(text, form) for text in rows]
+        timed = np.array([time is not None for time in found], dtype=bool)
+        times = [time for time in found if time is not None]
+        if not form.dated:
+            times = [self.days.continued(time) for time in times]
+        return np.array(times, np.int64), timed
+
+
+def _number(block: pa.RecordBatch, column: Column) -> Times:
+    """Return a column of numbers in ns, and which rows have one."""
+    numbers = cells.of(block, column.index)
+    time, possible = _nanoseconds(numbers, column.unit)
+    return time, possible & cells.known(numbers)
+
+
+def _of_calendar(block: pa.RecordBatch, stamp: Stamp) -> Times:
+    """Return the time of rows with a year, month, day, hour, minute and second, and perhaps a part of a second."""
+    year, month, day, hour, minute, second, *rest = (cells.floats(cells.of(block, c.index)) for c in stamp.columns)
+    timed = np.isfinite(sum(rest, year + month + day + hour + minute + second))
+    for values, least, most in (
+        (year, 1970, 2200),
+        (month, 1, 12),
+        (day, 1, 31),
+        (hour, 0, 24),
+        (minute, 0, 59),
+        (second, 0, 61),
+    ):
+        timed &= (values >= least) & (values <= most)
+    months = ((year - 1970) * 12 + month - 1)[timed].astype("M8[M]")
+    days = months.astype("M8[D]").astype(np.int64) + day[timed].astype(np.int64) - 1
+    seconds = second[timed]
+    part = sum(
+        (
+            column.unit.factor * values[timed]
+            for column, values in zip(stamp.columns[6:], rest, strict=True)
+            if column.unit
+        ),
+        0 * seconds,
+    )
+    minutes = (days * 24 + hour[timed].astype(np.int64)) * 60 + minute[timed].astype(np.int64)
+    return minutes * 60 * SECOND + np.rint((seconds + part) * SECOND).astype(np.int64), timed
 
 
 def _nanoseconds(stamps: pa.Array[Any], measure: Unit | None) -> Times:
@@ -79,45 +143,107 @@ def _nanoseconds(stamps: pa.Array[Any], measure: Unit | None) -> Times:
     return np.rint(np.where(possible, numbers, 0.0)).astype(np.int64), possible
 
 
-def clock_of(path: Path, layout: Layout, used: tuple[Column, ...], options: ReadOptions) -> Clock:
+def clock_of(path: Path, layout: Layout, options: ReadOptions, known: Sequence[Column] = ()) -> Clock:
     """Return how the rows of a log are timed.
+
+    Args:
+        path: the log.
+        layout: of the log.
+        options: what the user states.
+        known: the columns of time and week that the log's known shape has.
 
     Raises:
         UsageError: there is neither a time column nor a rate, or the unit of the time column is unknown.
     """
-    column = next((column for column in used if column.quantity == "time"), None)
-    if column is None:
+    stamp, others, notes = chosen(path, layout, options, known)
+    if stamp is None:
         if not options.rate:
-            raise UsageError(
-                f"{path}: there is no time column among {', '.join(c.name for c in used)}; state --rate HZ"
-            )
-        return Clock(None, pa.null(), options.epoch or "log", options.rate)
-    first = layout.first[column.index].strip().strip('"')
-    if _ISO.match(first):
-        return Clock(column, pa.timestamp("ns", "UTC" if _ZONE.search(first) else None), "unix")
-    if not is_number(first):
-        raise UsageError(f"{path}: time column {column.name!r} has {first!r}; it must be a number or an ISO date")
-    return _week_clock(layout, used, column, first) or _number_clock(path, layout, column, first, options)
+            names = ", ".join(name for name in options.columns or layout.names if name and name != "-")
+            raise UsageError(f"{path}: there is no time column among {names}; state --rate HZ")
+        return Clock(options.epoch or "log", rate=options.rate, notes=notes)
+    clock = _clock(path, layout, stamp, options)
+    return replace(clock, notes=(*notes, *clock.notes), others=others)
 
 
-def _week_clock(layout: Layout, used: tuple[Column, ...], column: Column, first: str) -> Clock | None:
+def _clock(path: Path, layout: Layout, stamp: Stamp, options: ReadOptions) -> Clock:
+    if stamp.kind == "calendar":
+        return Clock("unix", stamp, {column.index: pa.float64() for column in stamp.columns})
+    if stamp.kind == "text":
+        return _text_clock(path, layout, stamp)
+    return _week_clock(layout, stamp) or _number_clock(path, layout, stamp, options)
+
+
+def _text_clock(path: Path, layout: Layout, stamp: Stamp) -> Clock:
+    """Return a clock of dates and times of day."""
+    form, first = stamp.form, layout.first[stamp.columns[0].index]
+    if form is None:
+        raise UsageError(
+            f"{path}: time column {stamp.name!r} has {first!r}; it must be a number, or a date and time such as "
+            "2024-05-01T12:00:00.25Z"
+        )
+    if form.ambiguous:
+        raise UsageError(
+            f"{path}: time column {stamp.name!r} has {first!r}, whose day and month may be exchanged; write the year first, as in "
+            "2024-05-01, or state another column with --time-source, or leave it out with --columns, and state --rate HZ"
+        )
+    if len(stamp.columns) == 1 and _ISO.fullmatch(first):
+        kind = pa.timestamp("ns", "UTC" if _ZONE.search(first) else None)
+        return Clock("unix", stamp, {stamp.columns[0].index: kind})
+    kinds = {column.index: pa.binary() for column in stamp.columns}
+    if form.dated:
+        return Clock("unix", stamp, kinds)
+    text = f"time column {stamp.name!r} has times of day without a date; times count from the first midnight"
+    return Clock("log", stamp, kinds, notes=(Note("time_of_day", text),))
+
+
+def _kinds(layout: Layout, stamp: Stamp) -> dict[int, pa.DataType]:
+    """Return the types of the columns of a stamp: decimals where these are exact to 1 ns, else doubles."""
+    kinds: dict[int, pa.DataType] = {}
+    for column in stamp.columns:
+        texts, digits = (
+            [cell for cell in layout.cells(column.index) if is_number(cell)],
+            DIGITS.get(cast("Unit", column.unit).name),
+        )
+        exact = digits is not None and not any(
+            "e" in cell.lower() or len(cell.partition(".")[2]) > digits for cell in texts
+        )
+        kinds[column.index] = pa.decimal128(28, digits) if exact and digits is not None else pa.float64()
+    if stamp.week is not None:
+        kinds[stamp.week.index] = pa.float64()
+    return kinds
+
+
+def _first(layout: Layout, column: Column) -> str:
+    """Return the first number of a column."""
+    return next((cell for cell in layout.cells(column.index) if is_number(cell)), "nan")
+
+
+def _week_clock(layout: Layout, stamp: Stamp) -> Clock | None:
     """Return a clock of GPS weeks and times of week; None for a log without these."""
-    week = next((column for column in used if column.quantity == "week"), None)
-    number = layout.first[week.index].strip() if week is not None else ""
-    value = float(first)
-    if not (is_number(number) and 0 <= float(number) < LATEST_WEEK and value < WEEK_END * 1000):
+    if stamp.week is None:
         return None
-    measure = column.unit or unit("s" if value < WEEK_END else "ms")
-    kind = pa.decimal128(28, 9) if measure.name == "s" and "e" not in first.lower() else pa.float64()
-    ahead = leap_seconds(int(float(number)), int(value * measure.factor * 1000))
+    column = stamp.columns[0]
+    week, value = float(_first(layout, stamp.week)), float(_first(layout, column))
+    measure = column.unit or _unit_of_week(layout, column)
+    if not (0 <= week < LATEST_WEEK and measure is not None and 0 <= value * measure.factor < WEEK_END):
+        return None
+    stamp = replace(stamp, columns=(replace(column, unit=measure), *stamp.columns[1:]))
+    ahead = leap_seconds(int(week), int(value * measure.factor * 1000))
     note = Note("gps_time", f"GPS week and time of week converted to UTC with {ahead} leap seconds")
-    return Clock(replace(column, unit=measure), kind, "unix", notes=(note,), week=week, ahead=ahead)
+    return Clock("unix", stamp, _kinds(layout, stamp), notes=(note,), ahead=ahead)
 
 
-def _number_clock(path: Path, layout: Layout, column: Column, first: str, options: ReadOptions) -> Clock:
+def _unit_of_week(layout: Layout, column: Column) -> Unit | None:
+    """Return the longest unit in which a time lies within the week; None if there is none."""
+    value = float(_first(layout, column))
+    return next((unit(name) for name in DIGITS if value * unit(name).factor < WEEK_END), None)
+
+
+def _number_clock(path: Path, layout: Layout, stamp: Stamp, options: ReadOptions) -> Clock:
     """Return a clock of numbers in a unit of time."""
-    value, notes = float(first), list[Note]()
-    measure = column.unit
+    column = stamp.columns[0]
+    value, notes = float(_first(layout, column)), list[Note]()
+    measure = unit(options.units["time"]) if "time" in options.units and len(stamp.columns) == 1 else column.unit
     if measure is None:
         measure = next((u for u in map(unit, DIGITS) if OUR_DAYS[0] < value * u.factor < OUR_DAYS[1]), None)
         if measure is None:
@@ -130,16 +256,14 @@ def _number_clock(path: Path, layout: Layout, column: Column, first: str, option
     epoch, ahead = options.epoch or "log", 0
     if options.epoch is None and OUR_DAYS[0] < value * measure.factor < OUR_DAYS[1]:
         epoch, ahead = "unix", _ahead_of_utc(column, value * measure.factor, notes)
-    decimals = len(first.partition(".")[2])
-    exact = measure.name in DIGITS and "e" not in first.lower() and decimals <= DIGITS[measure.name]
-    kind = pa.decimal128(28, DIGITS[measure.name]) if exact else pa.float64()
-    clock = Clock(replace(column, unit=measure), kind, epoch, notes=tuple(notes), ahead=ahead)
+    stamp = replace(stamp, week=None, columns=(replace(column, unit=measure), *stamp.columns[1:]))
+    clock = Clock(epoch, stamp, _kinds(layout, stamp), notes=tuple(notes), ahead=ahead)
     return _tagged(clock, path, layout) if options.epoch is None and epoch == "log" else clock
 
 
 def _tagged(clock: Clock, path: Path, layout: Layout) -> Clock:
     """Return a clock with the time tag beside the log, if there is one that fits."""
-    column = cast("Column", clock.column)
+    column = cast("Stamp", clock.stamp).columns[0]
     tag = tag_clock(path, column.index, layout.delimiter, cast("Unit", column.unit).factor)
     if tag is None:
         return clock

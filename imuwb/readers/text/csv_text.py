@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
+from pyarrow import float64
 
 from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.errors import UnreadableLogError
@@ -13,7 +14,7 @@ from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes.source import damaged
 from imuwb.readers.read_options import ReadOptions
-from imuwb.readers.text.cells import CELLS, LINES, blocks, floats
+from imuwb.readers.text.cells import CELLS, LINES, blocks, floats, of
 from imuwb.readers.text.clock import Clock, clock_of
 from imuwb.readers.text.column_names import Column, columns
 from imuwb.readers.text.csv_columns import check_gravity, used_columns
@@ -30,7 +31,7 @@ from imuwb.units import SECOND
 Piece = tuple[Integers, dict[Column, Floats], int]
 
 format = "csv"  # noqa: A001 - the contract's name
-uses = ("rate", "columns", "units", "frame", "epoch")
+uses = ("time_source", "rate", "columns", "units", "frame", "epoch")
 UNTIMED = Note("no_time", "rows without a usable time left out")
 INCOMPLETE = Note("incomplete", "rows without a number in every used column")
 PRINTABLE = 0.99  #: least share of printable bytes in text
@@ -57,12 +58,13 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     options, remarks = with_sidecar(path, options)
     layout = layout_of(path)
     shape = shape_of_log(path, layout, options)
-    used = used_columns(path, layout, options, shape)
+    found = used_columns(path, layout, options, shape)
     if shape is not None:
         options = shape.completing(options)
-    clock = clock_of(path, layout, used, options)
+    clock = clock_of(path, layout, options, found if shape is not None else ())
+    used = tuple(column for column in found if column.quantity not in ("time", "week"))
     yield from (*remarks, *map(Remark, (*_layout_notes(layout, used, shape), *clock.notes)))
-    yield from unused_columns(layout.names, used, shape)
+    yield from unused_columns(layout.names, (*used, *clock.columns, *clock.others), shape)
     yield from _Rows(path, layout, used, clock, options, shape).batches()
 
 
@@ -114,7 +116,7 @@ class _Rows:
         if self._fields:
             yield from left_over(self._used, self._fields)
         elif self._rows:
-            yield Remark(no_stream(self._layout.names, self._used))
+            yield Remark(no_stream(self._layout.names, (*self._clock.columns, *self._used)))
         self._check_usable()
         yield from self._repairs()
 
@@ -128,19 +130,20 @@ class _Rows:
             self._fields.update(fields)
             self._name = self._name or name
             kept = fields if rows is None else {field: array[rows] for field, array in fields.items()}
-            exact = self._clock.column is None  # the times come from the rate
+            exact = self._clock.stamp is None  # the times come from the rate
             timed = time if rows is None else time[rows]
             yield Batch(name, kind, timed, kept, self._origin(kind), bytes_read, exact)
 
     def _pieces(self) -> Iterator[Piece]:
         """Yield the rows that have a time; the rows of a damaged file only up to a jump in time."""
         first_row, before = 0, None
-        for block, bytes_read in blocks(self._path, self._layout, self._used, self._clock.kind, self._faults):
+        kinds = {**{column.index: float64() for column in self._used}, **self._clock.kinds}
+        for block, bytes_read in blocks(self._path, self._layout, kinds, self._faults):
             time, timed = self._clock.time(block, first_row)
             first_row += block.num_rows
             self._faults[UNTIMED] += int(np.count_nonzero(~timed))
             good = _rising(time, before) if self._layout.fault else time.size
-            values = {c: floats(block.column(c.name))[timed][:good] for c in self._used if c.quantity != "time"}
+            values = {c: floats(of(block, c.index))[timed][:good] for c in self._used}
             yield time[:good], values, bytes_read
             if good < time.size:
                 text = "the damage shows at a jump in time; all later rows are left out"
