@@ -23,6 +23,7 @@ def test_each_option_has_a_help_text_and_a_name_that_scripts_use():
     assert [option.name for option in options] == [
         "time_source",
         "rate",
+        "even",
         "columns",
         "units",
         "frame",

@@ -255,7 +255,7 @@ def _number_clock(path: Path, layout: Layout, stamp: Stamp, options: ReadOptions
         notes.append(Note("time_unit_guessed", text))
     epoch, ahead = options.epoch or "log", 0
     if options.epoch is None and OUR_DAYS[0] < value * measure.factor < OUR_DAYS[1]:
-        epoch, ahead = "unix", _ahead_of_utc(column, value * measure.factor, notes)
+        epoch, ahead = "unix", _ahead_of_utc(replace(column, name=stamp.name), value * measure.factor, notes)
     stamp = replace(stamp, week=None, columns=(replace(column, unit=measure), *stamp.columns[1:]))
     clock = Clock(epoch, stamp, _kinds(layout, stamp), notes=tuple(notes), ahead=ahead)
     return _tagged(clock, path, layout) if options.epoch is None and epoch == "log" else clock

@@ -25,7 +25,7 @@ _TIMES = {
 #: words of a name that show something else: a duration, an accuracy, a state
 _NO_TIMES = {
     "accuracy", "acc", "err", "error", "offset", "delta", "dt", "diff", "latency", "delay", "status", "valid", "validity", "uncertainty",
-    "duration", "zone", "type", "flags", "exposure", "period", "interval", "rate", "mode", "bias", "temp", "temperature", "frame", "seq",
+    "duration", "zone", "type", "flags", "exposure", "period", "interval", "rate", "mode", "temp", "temperature", "frame", "seq",
     "relative", "integral", "integration", "sync", "constant", "drift", "source",
 }  # fmt: skip
 #: words of times that another computer took when the message arrived, or was written to a file
