@@ -72,7 +72,9 @@ def _of_shape(known: Sequence[Column], stamps: Sequence[Stamp]) -> list[Stamp]:
     if not times:
         return []
     column = times[0]
-    found = next((s for s in stamps if s.columns[0].index == column.index), None)
+    found = next((s for s in stamps if column.index in {c.index for c in s.columns}), None)
+    if found is not None and found.kind != "week":
+        week = None  # a GPS week beside a time that is not its time of week
     if found is not None and (column.unit is None or len(found.columns) > 1 or found.kind != "number") and week is None:
         return [found]
     return [Stamp(column.name, "number" if week is None else "week", (column,), week=week)]
