@@ -1,15 +1,20 @@
 """Finds the shape of a text log from its name, its header, and its first rows."""
 
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
+from statistics import median
 
 from imuwb.readers.text.column_names import parts_of, with_units
 from imuwb.readers.text.layout import Layout
 from imuwb.readers.text.shapes.shape import Shape, shapes
 from imuwb.readers.text.trust import is_number
-from imuwb.units import Unit
+from imuwb.units import STANDARD_GRAVITY, Unit
+
+DIFFERENT = 2.0  #: factor between the median specific force of a vehicle and one gravity
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +63,19 @@ def _in_ranges(shape: Shape, head: Head) -> bool:
     """Return whether all first rows have the values of a shape, and its time does not step back."""
     within = all(low <= row[cell] <= high for row in head.rows for cell, (low, high) in shape.ranges.items())
     time = next((cell for cell, meaning in enumerate(shape.row) if meaning and meaning.quantity == "time"), None)
-    return within and (time is None or all(a[time] < b[time] for a, b in zip(head.rows, head.rows[1:], strict=False)))
+    if not within or time is None:
+        return within
+    steps = [after[time] - before[time] for before, after in pairwise(head.rows)]
+    return all(step > 0 for step in steps) and (not steps or _is_gravity(shape, head, median(steps)))
+
+
+def _is_gravity(shape: Shape, head: Head, step: float) -> bool:
+    """Return whether the velocity increments over a step (s) are about one gravity; True for a shape without them."""
+    cells = [cell for cell, meaning in enumerate(shape.row) if meaning and meaning.quantity == "velocity_increment"]
+    if not cells:
+        return True
+    force = median(math.hypot(*(row[cell] for cell in cells)) for row in head.rows) / step
+    return STANDARD_GRAVITY / DIFFERENT < force < STANDARD_GRAVITY * DIFFERENT
 
 
 def _number(cell: str) -> float:

@@ -1,0 +1,139 @@
+"""Each known shape of text logs, read without an option: rates, units, frame, times and values."""
+
+import numpy as np
+import pytest
+
+from imuwb.errors import UnreadableLogError, UsageError
+from imuwb.notes import ids
+from imuwb.readers import ReadOptions, read
+from imuwb.readers.text.shapes.shape import shapes
+from tests.readers.text.shapes.truth import (
+    ACCEL,
+    FIX_TIME,
+    GYRO,
+    HEIGHT,
+    LATITUDE,
+    LONGITUDE,
+    RATE_HZ,
+    TIME,
+    VELOCITY,
+    axes,
+    decimals,
+    gps,
+    table,
+)
+from tests.readers.text.shapes.writers import RECEIVERS, WRITERS
+
+MICROSECOND = 1000
+
+
+def opened(text_log, file):
+    return read(text_log(file.text, name=file.name))
+
+
+@pytest.mark.parametrize("writer", WRITERS, ids=lambda writer: writer.__name__)
+def test_an_imu_of_a_known_shape(text_log, writer):
+    file = writer()
+    log = opened(text_log, file)
+    assert tuple(imu.name for imu in log.imus) == file.streams
+    expected = TIME if file.time is None else file.time
+    for imu in log.imus:
+        assert imu.origin.epoch == file.epoch
+        assert imu.origin.frame.startswith(file.frame)
+        assert imu.origin.repairs == ()
+        triads = {"gyro": (imu.angular_rate, GYRO), "accel": (imu.specific_force, ACCEL)}
+        for sensor, (triad, truth) in triads.items():
+            assert (triad is not None) == (sensor in file.sensors.split())
+            if triad is not None:
+                assert np.abs(triad.time - expected).max() <= MICROSECOND
+                assert (len(triad) - 1) / (triad.time[-1] - triad.time[0]) * 1e9 == pytest.approx(RATE_HZ, rel=1e-6)
+                np.testing.assert_allclose(triad.value[file.first :], truth[file.first :], rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("writer", RECEIVERS, ids=lambda writer: writer.__name__)
+def test_a_receiver_of_a_known_shape(text_log, writer):
+    file = writer()
+    (fix,) = opened(text_log, file).gnss
+    assert fix.origin.epoch == file.epoch
+    assert np.abs(fix.time - (FIX_TIME if file.time is None else file.time)).max() <= MICROSECOND
+    np.testing.assert_allclose(
+        fix.position[:, :2], np.radians([*zip(LATITUDE, LONGITUDE, strict=True)]), rtol=0, atol=1e-9
+    )
+    np.testing.assert_allclose(fix.position[:, 2], HEIGHT, rtol=0, atol=1e-3)
+    assert fix.origin.above_sea == ("above_sea" in file.sensors)
+    assert (fix.position_sigma is not None) == ("sigma" in file.sensors)
+    if "velocity" in file.sensors:
+        axes_known = 2 if "level" in file.sensors else 3
+        np.testing.assert_allclose(fix.velocity[:, :axes_known], VELOCITY[:, :axes_known], rtol=0, atol=1e-6)
+    else:
+        assert fix.velocity is None
+
+
+@pytest.mark.parametrize(
+    ("header", "name"),
+    [
+        ("time,seconds_elapsed,z,y,x", "Accelerometer.csv"),
+        ('"Time (s)","Linear Acceleration x (m/s^2)","Linear Acceleration y (m/s^2)","Linear Acceleration z (m/s^2)"', "Linear.csv"),
+    ],
+)  # fmt: skip
+def test_an_acceleration_without_gravity_is_no_specific_force(text_log, header, name):
+    columns = [TIME, (TIME - TIME[0]) / 1e9] if "elapsed" in header else [decimals(TIME - TIME[0])]
+    with pytest.raises(UnreadableLogError, match="gravity is removed"):
+        read(text_log(table(header, *columns, ACCEL - [0, 0, -9.8]), name=name))
+
+
+def test_a_unit_that_a_user_wrote_into_the_header_is_taken(text_log):
+    head = '"Time (s)","Gyroscope x (deg/s)","Gyroscope y (deg/s)","Gyroscope z (deg/s)","Absolute (deg/s)"'
+    degrees = np.degrees(axes(GYRO, "FLU"))
+    log = read(text_log(table(head, decimals(TIME - TIME[0]), degrees, np.linalg.norm(degrees, axis=1))))
+    np.testing.assert_allclose(log.imus[0].angular_rate.value, GYRO, rtol=0, atol=1e-9)
+
+
+def test_a_stated_frame_goes_before_that_of_the_shape(text_log):
+    head = "timestamp," + ",".join(f"{s}[{i}]" for s in ("gyro_rad", "accelerometer_m_s2") for i in range(3))
+    text = table(head, (TIME - TIME[0]) // 1000, axes(GYRO, "FLU"), axes(ACCEL, "FLU"))
+    imu = read(text_log(text), ReadOptions(frame="FLU")).imus[0]
+    np.testing.assert_allclose(imu.specific_force.value, ACCEL, rtol=0, atol=1e-9)
+    assert imu.origin.frame == "FLU (stated)"
+
+
+def test_a_fixed_unit_that_gravity_contradicts_is_refused(text_log):
+    names = ",".join(f"{s}_{a}" for s in ("omega", "alpha") for a in "xyz")
+    with pytest.raises(UnreadableLogError, match=r"\|f\|.*accel=g"):
+        read(text_log(table(f"timestamp,{names}", TIME, GYRO, ACCEL / 9.8)))
+
+
+def test_seven_numbers_without_gravity_are_no_increments(text_log):
+    with pytest.raises(UsageError, match="7 columns"):
+        read(text_log(table("", decimals(TIME - TIME[0]), GYRO * 0.01, ACCEL * 0.001, mark=" ")))
+
+
+def test_the_increment_after_a_gap_covers_one_step(text_log):
+    _, tow = gps(TIME)
+    there = np.r_[0:100, 105:300]
+    text = table("", decimals(tow[there]), GYRO[there] * 0.01, ACCEL[there] * 0.01, mark=" ")
+    imu = read(text_log(text)).imus[0]
+    np.testing.assert_allclose(imu.angular_rate.value, GYRO[there], rtol=0, atol=1e-6)
+
+
+def test_what_is_not_used_is_named(text_log):
+    text = table(
+        "timestamp,omega_x,omega_y,omega_z,alpha_x,alpha_y,alpha_z,humidity,course",
+        TIME,
+        GYRO,
+        ACCEL,
+        np.ones((len(TIME), 2)),
+    )
+    notes = read(text_log(text)).notes
+    assert [note for note in notes if note.id == "unused" and "humidity, course" in note]
+    assert "shape" in ids(notes)
+
+
+def test_of_a_file_that_is_not_known_every_column_is_named(text_log):
+    (note,) = (n for n in read(text_log("time_s,roll_deg,depth\n0.1,2,3\n0.2,3,4\n")).notes if n.id == "no_stream")
+    assert all(text in note for text in ("roll_deg (roll)", "depth", "axes of a gyro"))
+
+
+def test_every_shape_states_its_source():
+    assert len(shapes()) > 40
+    assert all(shape.source and (shape.row or shape.header or shape.text) for shape in shapes())

@@ -1,0 +1,411 @@
+"""A small writer for each shape of text logs; each makes its file of the record in ``truth``."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tests.readers.text.shapes.truth import (
+    ACCEL,
+    DEG,
+    FIX_TIME,
+    GYRO,
+    HEIGHT,
+    LATITUDE,
+    LONGITUDE,
+    START,
+    STEP,
+    TIME,
+    UNDULATION,
+    VELOCITY,
+    G,
+    N,
+    axes,
+    decimals,
+    gps,
+    table,
+)  # fmt: skip
+
+BOOT = 5_000_000_000  # ns from power-up to the first sample
+ZEROS = np.zeros((N, 9), dtype=int)
+
+
+@dataclass(frozen=True)
+class File:
+    """A file of a shape, and what a reader must make of it."""
+
+    text: str
+    name: str = "log.csv"
+    time: np.ndarray | None = None  #: (n,) ns that the reader returns; None: since 1970
+    epoch: str = "unix"
+    gyro: np.ndarray | None = None  #: (n, 3) FRD; None: the truth
+    accel: np.ndarray | None = None
+    sensors: str = "gyro accel"
+    rate: float | None = None  #: option --rate
+    frame: str = ""  #: begins ``Origin.frame``
+    streams: tuple[str, ...] = ("imu",)
+    first: int = 0  #: rows before are not compared
+
+
+def euroc():
+    names = [f"{s}_RS_S_{a} [{u}]" for s, u in (("w", "rad s^-1"), ("a", "m s^-2")) for a in "xyz"]
+    return File(table("#timestamp [ns]," + ",".join(names), TIME, GYRO, ACCEL), "data.csv")
+
+
+def kalibr():
+    names = ",".join(f"{s}_{a}" for s in ("omega", "alpha") for a in "xyz")
+    return File(table(f"timestamp,{names}", TIME, GYRO, ACCEL), "imu0.csv")
+
+
+def rostopic():
+    parts = [f"orientation.{a}" for a in "xyzw"] + [f"orientation_covariance{i}" for i in range(9)]
+    for field in ("angular_velocity", "linear_acceleration"):
+        parts += [f"{field}.{a}" for a in "xyz"] + [f"{field}_covariance{i}" for i in range(9)]
+    head = ",".join(f"field.{part}" for part in ("header.seq", "header.stamp", "header.frame_id", *parts))
+    rate, force = axes(GYRO, "FLU"), axes(ACCEL, "FLU")
+    arrival = TIME + 7_000_000 + 1000 * np.arange(N) % 3_000_000
+    text = table(
+        f"%time,{head}",
+        arrival,
+        np.arange(N),
+        TIME,
+        ["imu_link"] * N,
+        np.tile([0, 0, 0, 1], (N, 1)),
+        ZEROS,
+        rate,
+        ZEROS,
+        force,
+        ZEROS,
+    )
+    return File(text, frame="FLU")
+
+
+def ros_dotted():
+    names = [f"{f}.{a}" for f in ("angular_velocity", "linear_acceleration") for a in "xyz"]
+    head = ",".join(["time", *(f"imu.{name}" for name in names)])
+    return File(table(head, decimals(TIME), axes(GYRO, "FLU"), axes(ACCEL, "FLU")), frame="FLU")
+
+
+def ros_flat():
+    names = [f"orientation_{a}" for a in "xyzw"]
+    names += [f"{f}_{a}" for f in ("angular_velocity", "linear_acceleration") for a in "xyz"]
+    columns = np.tile([0, 0, 0, 1], (N, 1)), axes(GYRO, "FLU"), axes(ACCEL, "FLU")
+    return File(table("timestamp," + ",".join(names), TIME, *columns), frame="FLU")
+
+
+def plotjuggler():
+    """Rows of an IMU's topic, and rows of another one between them."""
+    names = [f"/imu/data/{f}/{a}" for f in ("angular_velocity", "linear_acceleration") for a in "xyz"]
+    values = np.hstack([axes(GYRO, "FLU"), axes(ACCEL, "FLU")]).tolist()
+    rows = []
+    for stamp, row in zip(TIME.tolist(), values, strict=True):
+        rows += [f"{decimals([stamp])[0]},{','.join(map(repr, row))},", f"{decimals([stamp + 3_000_000])[0]},,,,,,,1.5"]
+    return File("\n".join(["__time," + ",".join(names) + ",/battery/voltage", *rows, ""]), frame="FLU")
+
+
+def two_imus():
+    names = [f"/imu_{i}/{f}/{a}" for i in "ab" for f in ("angular_velocity", "linear_acceleration") for a in "xyz"]
+    rate, force = axes(GYRO, "FLU"), axes(ACCEL, "FLU")
+    text = table("time," + ",".join(names), decimals(TIME), rate, force, rate, force)
+    return File(text, frame="FLU", streams=("/imu_a", "/imu_b"))
+
+
+def ppc():
+    week, tow = gps(TIME)
+    head = "GPS TOW (s), GPS Week, Acc X (m/s^2), Acc Y (m/s^2), Acc Z (m/s^2), Ang Rate X (deg/s),  Ang Rate Y (deg/s),  Ang Rate Z (deg/s)"
+    columns = decimals(tow), week, axes(ACCEL, "FLU"), axes(GYRO, "FLU") / DEG
+    return File(table(head, *columns), "imu.csv", frame="FLU")
+
+
+def ppc_as_documented():
+    week, tow = gps(TIME)
+    head = "GPS TOW (s), GPS Week, Acc X (m/s^2), Acc Y (m/s^2), Acc Z (m/s^2), Ang Rate X (deg/s),  Ang Rate Y (deg/s),  Ang Rate Z (deg/s)"
+    return File(table(head, decimals(tow), week, ACCEL, GYRO / DEG), "imu.csv", frame="FRD")
+
+
+def urban_nav():
+    week, tow = gps(TIME)
+    head = "GPS TOW (s), GPS Week, Acceleration X (m/s^2), Acceleration Y (m/s^2), Acceleration Z (m/s^2), "
+    head += "Angular rate X (rad/s), Angular rate Y (rad/s), Angular rate Z (rad/s), Wheel velocity (m/s)"
+    columns = decimals(tow), week, axes(ACCEL, "FLU"), axes(GYRO, "FLU"), np.full(N, 7.5)
+    return File(table(head, *columns), "imu.csv", frame="FLU")
+
+
+def kf_gins(odometer=False):
+    """Increments over the step before each stamp, time of week without a week."""
+    _, tow = gps(TIME)
+    step = STEP / 1e9
+    more = [np.full(N, 7.5)] if odometer else []
+    text = table("", decimals(tow), GYRO * step, ACCEL * step, *more, mark=" ")
+    return File(text, "ADIS16465.txt", time=tow, epoch="log", frame="FRD")
+
+
+def kf_gins_odometer():
+    return kf_gins(odometer=True)
+
+
+def nclt():
+    text = table("", TIME // 1000, np.tile([0.2, -0.1, 0.4], (N, 1)), ACCEL, GYRO)
+    return File(text, "ms25.csv")
+
+
+def picoquake():
+    head = "# device_id: D00F0150\n# acc_range: 16 g\n# gyro_range: 2000 dps\n# data_rate: 100 Hz\n"
+    text = head + table("count,a_x,a_y,a_z,g_x,g_y,g_z", np.arange(N), ACCEL / G, GYRO / DEG)
+    return File(text, time=STEP * np.arange(N), epoch="log")
+
+
+def sensor_combined():
+    names = [*(f"gyro_rad[{i}]" for i in range(3)), "gyro_integral_dt", "accelerometer_timestamp_relative"]
+    names += [*(f"accelerometer_m_s2[{i}]" for i in range(3)), "accelerometer_integral_dt"]
+    boot = BOOT + STEP * np.arange(N)
+    columns = boot // 1000, GYRO, np.full(N, 5000), np.zeros(N, int), ACCEL, np.full(N, 5000)
+    return File(table("timestamp," + ",".join(names), *columns), "log_sensor_combined_0.csv", boot, "boot", frame="FRD")
+
+
+def _px4(topic, values, sensors):
+    boot = BOOT + STEP * np.arange(N)
+    columns = boot // 1000 + 300, boot // 1000, np.full(N, 131074), values, np.full(N, 41.5), np.zeros(N, int)
+    text = table("timestamp,timestamp_sample,device_id,x,y,z,temperature,error_count", *columns)
+    return File(text, f"log_{topic}_0.csv", boot, "boot", sensors=sensors, frame="FRD")
+
+
+def sensor_gyro():
+    return _px4("sensor_gyro", GYRO, "gyro")
+
+
+def sensor_accel():
+    return _px4("sensor_accel", ACCEL, "accel")
+
+
+def mavlogdump():
+    """Three IMUs with equal stamps."""
+    rows = []
+    for i in range(N):
+        values = ",".join(map(repr, [*GYRO[i].tolist(), *ACCEL[i].tolist()]))
+        stamp = f"{TIME[i] / 1e9:.8f}"
+        rows += [f"{stamp},{(BOOT + STEP * i) // 1000},{k},{values},0,0,45.{k},1,1,100,100" for k in range(3)]
+    head = "timestamp,TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,EG,EA,T,GH,AH,GHz,AHz"
+    return File("\n".join([head, *rows, ""]), frame="FRD", streams=("imu0", "imu1", "imu2"))
+
+
+def betaflight():
+    """With the units that blackbox_decode writes on request."""
+    boot = BOOT + STEP * np.arange(N)
+    head = "loopIteration, time (us), gyroADC[0] (deg/s), gyroADC[1] (deg/s), gyroADC[2] (deg/s)"
+    head += ", accSmooth[0] (g), accSmooth[1] (g), accSmooth[2] (g)"
+    columns = np.arange(N), boot // 1000, GYRO / DEG, ACCEL / G
+    return File(table(head, *columns, mark=", "), time=boot, epoch="boot")
+
+
+def _sensor_logger(name, values, sensors):
+    text = table("time,seconds_elapsed,z,y,x", TIME, (TIME - START) / 1e9, axes(values, "FLU")[:, ::-1])
+    return File(text, name, sensors=sensors, frame="FLU")
+
+
+def sensor_logger_gyro():
+    return _sensor_logger("Gyroscope.csv", GYRO, "gyro")
+
+
+def sensor_logger_accel():
+    return _sensor_logger("TotalAcceleration.csv", ACCEL, "accel")
+
+
+def phyphox_gyro():
+    head = '"Time (s)","Gyroscope x (rad/s)","Gyroscope y (rad/s)","Gyroscope z (rad/s)","Absolute (rad/s)"'
+    rate = axes(GYRO, "FLU")
+    columns = (f"{x:.15E}" for x in STEP * np.arange(N) / 1e9), rate, np.linalg.norm(rate, axis=1)
+    text = table(head, list(columns[0]), *columns[1:])
+    return File(text, "Gyroscope.csv", STEP * np.arange(N), "log", sensors="gyro", frame="FLU")
+
+
+def phyphox_accel():
+    head = '"Time (s)","Acceleration x (m/s^2)","Acceleration y (m/s^2)","Acceleration z (m/s^2)","Absolute acceleration (m/s^2)"'
+    force = axes(ACCEL, "FLU")
+    text = table(head, decimals(STEP * np.arange(N)), force, np.linalg.norm(force, axis=1), mark="\t")
+    return File(text, "Accelerometer.csv", STEP * np.arange(N), "log", sensors="accel", frame="FLU")
+
+
+def physics_toolbox():
+    force = axes(ACCEL, "FLU") / G
+    text = table("time,gFx,gFy,gFz,TgF", decimals(STEP * np.arange(N)), force, np.linalg.norm(force, axis=1), mark=";")
+    return File(text, time=STEP * np.arange(N), epoch="log", sensors="accel", frame="FLU")
+
+
+def androsensor():
+    names = [f"{s} {a} ({u})" for s, u in (("ACCELEROMETER", "m/s²"), ("GRAVITY", "m/s²"), ("LINEAR ACCELERATION", "m/s²"), ("GYROSCOPE", "rad/s")) for a in "XYZ"]  # fmt: skip
+    head = "sep=;\n" + ";".join([*names, "Time since start in ms ", "YYYY-MO-DD HH-MI-SS_SSS"])
+    stamps = [f"2023-11-14 22:13:{20 + i // 100:02d}:{i % 100 * 10:03d}" for i in range(N)]
+    force = axes(ACCEL, "FLU")
+    columns = force, np.tile([0, 0, 9.8], (N, 1)), force - [0, 0, 9.8], axes(GYRO, "FLU"), 10 * np.arange(N), stamps
+    return File(table(head, *columns, mark=";"), time=STEP * np.arange(N), epoch="log", frame="FLU")
+
+
+def vectornav():
+    week, tow = gps(TIME)
+    names = ["GpsCycle", "GpsWeek", "GpsTow", "TimeStartup"]
+    names += [f"Uncomp{s}.{a}" for s in ("Mag", "Accel", "Gyro") for a in "XYZ"]
+    boot = BOOT + STEP * np.arange(N)
+    text = table(
+        ",".join([*names, "Temperature"]), week // 1024, week, tow, boot, ZEROS[:, :3], ACCEL, GYRO, np.full(N, 25.5)
+    )
+    return File(text, time=boot, epoch="boot")
+
+
+def xsens():
+    """The time column is empty; the counter wraps once."""
+    head = "// Start Time: Unknown\n// Update Rate: 100.0Hz\n// Filter Profile: human (46.1)\n// Option Flags: AHS Disabled\n"
+    head += "\t".join(
+        ["PacketCounter", "SampleTimeFine", *(f"{s}_{a}" for s in ("Acc", "FreeAcc", "Gyr") for a in "XYZ")]
+    )
+    force = axes(ACCEL, "FLU")
+    counter = 1000 + np.arange(N)
+    text = table(head, counter, [""] * N, force, force - [0, 0, 9.8], axes(GYRO, "FLU"), mark="\t")
+    return File(text, "MT_0000-000.txt", counter * STEP, "log", frame="FLU")
+
+
+def sbg():
+    head = "timestamp\tstatus\taccelX\taccelY\taccelZ\tgyroX\tgyroY\tgyroZ\ttemperature\n"
+    head += "(us)\t(na)\t(m.s^-2)\t(m.s^-2)\t(m.s^-2)\t(deg.s^-1)\t(deg.s^-1)\t(deg.s^-1)\t(degC)"
+    boot = BOOT + STEP * np.arange(N)
+    text = table(head, boot // 1000, np.full(N, 63), ACCEL, GYRO / DEG, np.full(N, 31.25), mark="\t")
+    return File(text, "imuData.txt", boot, "boot", frame="FRD")
+
+
+def microstrain():
+    week, tow = gps(TIME)
+    head = "FILE_INFO\nListSeparator=,\nDecimalSeparator=.\n\nSESSION_INFO\nTimestampUTC=1700000000\n\nDEVICE_INFO\nModel=3DM-GX5\n\nDATA_START\n"
+    names = [f"{a} {s} [{d}]" for s, d in (("Accel", "x8004"), ("Gyro", "x8005")) for a in "XYZ"]
+    text = table(
+        head + ",".join(["GPS TFlags", "GPS Week", "GPS TOW", *names]),
+        np.full(N, 7),
+        week,
+        decimals(tow),
+        ACCEL / G,
+        GYRO,
+    )
+    return File(text, frame="FRD")
+
+
+def pimu():
+    boot, step = BOOT + STEP * np.arange(N), STEP / 1e9
+    head = ",".join(["_ID_", "time", *(f"{s}[{i}]" for s in ("theta", "vel") for i in range(3)), "dt", "status"])
+    text = table(head, ["DID_PIMU"] * N, decimals(boot), GYRO * step, ACCEL * step, np.full(N, step), ZEROS[:, 0])
+    return File(text, "LOG_SN1_PIMU.csv", boot, "boot", frame="FRD")
+
+
+def openimu():
+    head = "timeCntr (msec),time (s),xAccel (m/s^2),yAccel (m/s^2),zAccel (m/s^2),xRate (deg/s),yRate (deg/s),zRate (deg/s),temp (degC)"
+    boot = BOOT + STEP * np.arange(N)
+    text = table(head, boot // 10**6, decimals(boot), ACCEL, GYRO / DEG, np.full(N, 30.5))
+    return File(text, "s1.csv", boot, "boot")
+
+
+def x_imu3():
+    head = "Time (s),Gyroscope X (deg/s),Gyroscope Y (deg/s),Gyroscope Z (deg/s),Accelerometer X (g),Accelerometer Y (g),Accelerometer Z (g)"
+    return File(
+        table(head, decimals(STEP * np.arange(N)), GYRO / DEG, ACCEL / G), time=STEP * np.arange(N), epoch="log"
+    )
+
+
+WRITERS = (
+    euroc, kalibr, rostopic, ros_dotted, ros_flat, plotjuggler, two_imus, ppc, ppc_as_documented, urban_nav, kf_gins, kf_gins_odometer,
+    nclt, picoquake, sensor_combined, sensor_gyro, sensor_accel, mavlogdump, betaflight, sensor_logger_gyro, sensor_logger_accel,
+    phyphox_gyro, phyphox_accel, physics_toolbox, androsensor, vectornav, xsens, sbg, microstrain, pimu, openimu, x_imu3,
+)  # fmt: skip
+
+
+# Receivers
+
+
+def navsat_fix():
+    names = ["header.seq", "header.stamp", "header.frame_id", "status.status", "latitude", "longitude", "altitude"]
+    head = "%time," + ",".join(f"field.{name}" for name in names)
+    n = FIX_TIME.size
+    return File(
+        table(head, FIX_TIME + 9000, np.arange(n), FIX_TIME, ["gps"] * n, np.zeros(n, int), LATITUDE, LONGITUDE, HEIGHT)
+    )
+
+
+def kf_gins_gnss():
+    _, tow = gps(FIX_TIME)
+    text = table("", decimals(tow), LATITUDE, LONGITUDE, HEIGHT, np.tile([0.01, 0.02, 0.05], (30, 1)), mark=" ")
+    return File(text, "GNSS_RTK.pos", tow, "log", sensors="sigma")
+
+
+def px4_gps():
+    boot = BOOT + FIX_TIME - START
+    names = "timestamp,time_utc_usec,lat,lon,alt,alt_ellipsoid,s_variance_m_s,eph,epv,vel_m_s,vel_n_m_s,vel_e_m_s,vel_d_m_s,fix_type"
+    degrees = [np.rint(x * 1e7).astype(int) for x in (LATITUDE, LONGITUDE)]
+    heights = [np.rint(x * 1000).astype(int) for x in (HEIGHT - UNDULATION, HEIGHT)]
+    columns = *degrees, *heights, np.full(30, 0.2), np.full(30, 0.9), np.full(30, 1.1), np.ones(30), VELOCITY
+    text = table(names, boot // 1000, FIX_TIME // 1000, *columns, np.full(30, 3))
+    return File(text, "log_vehicle_gps_position_0.csv", boot, "boot", sensors="velocity sigma")
+
+
+def px4_sensor_gps():
+    boot = BOOT + FIX_TIME - START
+    names = "timestamp,latitude_deg,longitude_deg,altitude_msl_m,altitude_ellipsoid_m,eph,epv,vel_n_m_s,vel_e_m_s,vel_d_m_s,fix_type"
+    columns = (
+        LATITUDE,
+        LONGITUDE,
+        HEIGHT - UNDULATION,
+        HEIGHT,
+        np.full(30, 0.9),
+        np.full(30, 1.1),
+        VELOCITY,
+        np.full(30, 3),
+    )
+    return File(table(names, boot // 1000, *columns), time=boot, epoch="boot", sensors="velocity sigma")
+
+
+def mavlogdump_gps():
+    speed, course = np.hypot(*VELOCITY[:, :2].T), np.degrees(np.arctan2(VELOCITY[:, 1], VELOCITY[:, 0])) % 360
+    stamps = [f"{t / 1e9:.8f}" for t in FIX_TIME.tolist()]
+    columns = (
+        np.full(30, 3),
+        np.zeros(30, int),
+        np.full(30, 2288),
+        LATITUDE,
+        LONGITUDE,
+        HEIGHT,
+        speed,
+        course,
+        VELOCITY[:, 2],
+    )
+    text = table(
+        "timestamp,TimeUS,I,Status,GMS,GWk,Lat,Lng,Alt,Spd,GCrs,VZ",
+        stamps,
+        FIX_TIME // 1000,
+        np.zeros(30, int),
+        *columns,
+    )
+    return File(text, sensors="velocity above_sea", streams=("gnss0",))
+
+
+def sensor_logger_location():
+    head = "time,seconds_elapsed,speedAccuracy,verticalAccuracy,horizontalAccuracy,speed,bearing,altitude,longitude,latitude"
+    speed, course = np.hypot(*VELOCITY[:, :2].T), np.degrees(np.arctan2(VELOCITY[:, 1], VELOCITY[:, 0])) % 360
+    columns = np.full(30, 0.3), np.full(30, 4.0), np.full(30, 3.0), speed, course, HEIGHT, LONGITUDE, LATITUDE
+    return File(
+        table(head, FIX_TIME, (FIX_TIME - START) / 1e9, *columns), "Location.csv", sensors="level_velocity sigma"
+    )
+
+
+def flysight_gnss():
+    head = "time,lat,lon,hMSL,velN,velE,velD,hAcc,vAcc,sAcc,gpsFix,numSV\n,(deg),(deg),(m),(m/s),(m/s),(m/s),(m),(m),(m/s),,"
+    stamps = [str(np.datetime64(t, "ns"))[:22] + "Z" for t in FIX_TIME.tolist()]
+    columns = (
+        LATITUDE,
+        LONGITUDE,
+        HEIGHT,
+        VELOCITY,
+        np.full(30, 2.0),
+        np.full(30, 3.0),
+        np.full(30, 0.2),
+        np.full(30, 3),
+        np.full(30, 9),
+    )
+    return File(table(head, stamps, *columns), sensors="velocity sigma above_sea")
+
+
+RECEIVERS = (navsat_fix, kf_gins_gnss, px4_gps, px4_sensor_gps, mavlogdump_gps, sensor_logger_location, flysight_gnss)
