@@ -17,6 +17,7 @@ GAP = 1.5  #: intervals; a longer step misses at least one sample
 UNEVEN = 1.8  #: intervals; a step up to this may belong to an uneven clock that misses no sample
 ENDS = 0.05  #: share of the sums of SPAN steps, at each end, that may contain gaps
 EVEN = 0.01  #: intervals; a step that differs from the interval by less is not rounded
+SCATTERED, FAR = 0.25, 3.0  #: intervals; where steps scatter by more than the first, only steps of so many long ones are gaps
 ROUNDED = 0.9  #: share of steps near the interval; with a smaller share the stamps are rounded
 
 
@@ -90,8 +91,11 @@ def sampling(time: Integers) -> Sampling:
         return Sampling(mean / SECOND, (), (), float(steps.std()) / mean)
     interval, rounding = _interval(time, steps)
     long = steps > GAP * interval + rounding
-    breaks = np.flatnonzero(long) + 1
     usual = steps[~long]
+    if not rounding and usual.size and usual.std() > SCATTERED * usual.mean():  # an uneven clock, which has no usual step
+        long = steps > FAR * float(np.quantile(steps, 1 - ENDS))
+        usual = steps[~long]
+    breaks = np.flatnonzero(long) + 1
     mean = float(usual.mean()) if usual.size else float(steps.mean())
     gaps = tuple((float(time[i - 1] - time[0]) / SECOND, float(steps[i - 1]) / SECOND) for i in breaks)
     jitter = float(usual.std()) / mean if usual.size else 0.0
