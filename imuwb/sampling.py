@@ -17,7 +17,10 @@ GAP = 1.5  #: intervals; a longer step misses at least one sample
 UNEVEN = 1.8  #: intervals; a step up to this may belong to an uneven clock that misses no sample
 ENDS = 0.05  #: share of the sums of SPAN steps, at each end, that may contain gaps
 EVEN = 0.01  #: intervals; a step that differs from the interval by less is not rounded
-SCATTERED, FAR = 0.25, 3.0  #: intervals; where steps scatter by more than the first, only steps of so many long ones are gaps
+SCATTERED, FAR = (
+    0.25,
+    3.0,
+)  #: intervals; where steps scatter by more than the first, only steps of so many long ones are gaps
 ROUNDED = 0.9  #: share of steps near the interval; with a smaller share the stamps are rounded
 
 
@@ -92,7 +95,9 @@ def sampling(time: Integers) -> Sampling:
     interval, rounding = _interval(time, steps)
     long = steps > GAP * interval + rounding
     usual = steps[~long]
-    if not rounding and usual.size and usual.std() > SCATTERED * usual.mean():  # an uneven clock, which has no usual step
+    if (
+        not rounding and usual.size and usual.std() > SCATTERED * usual.mean()
+    ):  # an uneven clock, which has no usual step
         long = steps > FAR * float(np.quantile(steps, 1 - ENDS))
         usual = steps[~long]
     breaks = np.flatnonzero(long) + 1

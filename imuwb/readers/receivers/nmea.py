@@ -1,15 +1,16 @@
 """NMEA 0183 sentences of a receiver, as text, with stamps of a host before them or binary data between them."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 from imuwb.errors import UnreadableLogError
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.bytes.source import Source
 from imuwb.readers.read_options import ReadOptions
 
 format = "nmea"  # noqa: A001 - the contract's name
 uses: tuple[str, ...] = ()
+ranged = True
 LEAST = 0.25  #: share of the first bytes that must be sentences; a log of an IMU may hold some of a receiver's, too
 
 
@@ -25,7 +26,7 @@ def probe(head: bytes) -> bool:
     return positions > 0 and len(head) - sentences.other >= LEAST * len(head)
 
 
-def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
+def stream(path: Source, options: ReadOptions) -> Iterator[Batch | Remark]:
     """Yield the fixes; the whole file is read first, for its dates.
 
     Raises:

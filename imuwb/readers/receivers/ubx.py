@@ -1,13 +1,14 @@
 """u-blox receivers' own protocol (.ubx): fixes, and the inertial sensors of receivers that have some; NMEA may be in between."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.bytes.source import Source
 from imuwb.readers.read_options import ReadOptions
 
 format = "ubx"  # noqa: A001 - the contract's name
 uses = ("frame",)
+ranged = True
 SYNC = b"\xb5\x62"
 LEAST = 0.25  #: share of the first bytes that must be frames: other logs may hold some of a receiver's frames, too
 
@@ -24,7 +25,7 @@ def probe(head: bytes) -> bool:
     return int((frames.length + 8).sum()) >= LEAST * len(head)
 
 
-def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
+def stream(path: Source, options: ReadOptions) -> Iterator[Batch | Remark]:
     """Return the streams; the whole file is read first, for its clock.
 
     Raises:

@@ -2,7 +2,6 @@
 
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,7 @@ TAG_VALID = 8  #: flag of ESF-MEAS: the last four bytes are a second time tag
 class UbxLog:
     """A u-blox log, read to its end."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: source.Source) -> None:
         """Read the file."""
         self.failed = self.short = self.frames = self.bytes_read = 0
         self.counts = Counter[int]()  #: messages of each kind

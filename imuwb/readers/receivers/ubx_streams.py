@@ -1,7 +1,6 @@
 """The streams of a u-blox log: one receiver with the best of each message, and its inertial sensors."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 
@@ -10,6 +9,7 @@ from imuwb.errors import UnreadableLogError
 from imuwb.log import Nanoseconds, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark, unused
+from imuwb.readers.bytes.source import Source
 from imuwb.readers.flight import trajectory
 from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.receivers import nmea_streams
@@ -37,7 +37,7 @@ RECKONED, COMBINED = 1, 4
 Columns = dict[str, Floats]
 
 
-def streamed(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
+def streamed(path: Source, options: ReadOptions) -> Iterator[Batch | Remark]:
     """Yield the receiver, then its sensors, then notes.
 
     Raises:

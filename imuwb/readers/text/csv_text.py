@@ -1,11 +1,11 @@
 """Text logs: separated numbers, with units in the header, on the command line, or in a sidecar."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
-from pyarrow import float64
+from pyarrow import DataType, RecordBatch, float64
 
 from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.errors import UnreadableLogError
@@ -28,6 +28,8 @@ from imuwb.readers.text.shapes.application import Shaped, shape_of_log
 from imuwb.readers.text.sidecar import with_sidecar
 from imuwb.units import SECOND
 
+#: yields some columns of a table, {index: type}, in blocks, each with the bytes read, and counts faults
+Blocks = Callable[[Path, Layout, Mapping[int, DataType], Counter[str]], Iterator[tuple[RecordBatch, int]]]
 Piece = tuple[Integers, dict[Column, Floats], int]
 
 format = "csv"  # noqa: A001 - the contract's name
@@ -55,8 +57,23 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
         UsageError: the columns, units or rate of the file are unknown.
         UnreadableLogError: the file has no row of numbers, or the numbers contradict their stated unit.
     """
+    yield from table(path, layout_of(path), options, blocks)
+
+
+def table(path: Path, layout: Layout, options: ReadOptions, rows: Blocks) -> Iterator[Batch | Remark]:
+    """Yield the streams of a table of named columns, of text or of another kind.
+
+    Args:
+        path: the file; messages name it, and a sidecar may lie beside it.
+        layout: names of its columns, and the cells of its first rows.
+        options: what the file does not state itself.
+        rows: as ``imuwb.readers.text.cells.blocks``; called once.
+
+    Raises:
+        UsageError: the columns, units or rate of the file are unknown.
+        UnreadableLogError: the file has no row of numbers, or the numbers contradict their stated unit.
+    """
     options, remarks = with_sidecar(path, options)
-    layout = layout_of(path)
     shape = shape_of_log(path, layout, options)
     found = used_columns(path, layout, options, shape)
     if shape is not None:
@@ -65,7 +82,7 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     used = tuple(column for column in found if column.quantity not in ("time", "week"))
     yield from (*remarks, *map(Remark, (*_layout_notes(layout, used, shape), *clock.notes)))
     yield from unused_columns(layout.names, (*used, *clock.columns, *clock.others), shape)
-    yield from _Rows(path, layout, used, clock, options, shape).batches()
+    yield from _Rows(path, layout, used, clock, options, shape, rows).batches()
 
 
 def _layout_notes(layout: Layout, used: tuple[Column, ...], shape: Shaped | None) -> Iterator[Note]:
@@ -96,7 +113,9 @@ class _Rows:
         clock: Clock,
         options: ReadOptions,
         shape: Shaped | None,
+        rows: Blocks,
     ) -> None:
+        self._blocks = rows
         self._path, self._layout, self._used, self._clock, self._options = path, layout, used, clock, options
         self._shape, self._increments = shape, Increments()
         self._name = ""  # of the first stream
@@ -138,7 +157,7 @@ class _Rows:
         """Yield the rows that have a time; the rows of a damaged file only up to a jump in time."""
         first_row, before = 0, None
         kinds = {**{column.index: float64() for column in self._used}, **self._clock.kinds}
-        for block, bytes_read in blocks(self._path, self._layout, kinds, self._faults):
+        for block, bytes_read in self._blocks(self._path, self._layout, kinds, self._faults):
             time, timed = self._clock.time(block, first_row)
             first_row += block.num_rows
             self._faults[UNTIMED] += int(np.count_nonzero(~timed))
