@@ -1,24 +1,28 @@
 """All faults of a log, and a verdict for each stream."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from imuwb.arrays import Floats
-from imuwb.health.channel import channels
-from imuwb.health.clocks import clock_faults
-from imuwb.health.fault import RANK, Fault, repair_faults
+from imuwb.health.apart import apart
+from imuwb.health.channel import Channel, channels
+from imuwb.health.clocks import SHORT, clock_faults
+from imuwb.health.fault import LOST, RANK, Fault, repair_faults
 from imuwb.health.lone import lone_samples
 from imuwb.health.motion import Segment
 from imuwb.health.plausibility import implausible
 from imuwb.health.receivers import receiver_faults
+from imuwb.health.thermometer import thermometer_faults, thermometer_name
 from imuwb.log import ImuStream, Log, Nanoseconds, Repair
 
 WINDOWS = 400  #: number of windows of a log in which the rate of a stream is counted
 FEWEST = 20  #: least number of rows in a window
+FEWEST_READINGS = 10  #: rows; no stream can be judged by fewer
 #: the verdict for each severity of the worst fault, from a note to a fault
 VERDICTS = ("good", "usable, with warnings", "not usable as it is")
+TOO_SHORT = "too short to judge"  #: the verdict on a stream of so few rows that the checks see no fault
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -66,14 +70,28 @@ def check(log: Log, *, lines: bool = True, samples: bool = True) -> Health:
         faults += clock_faults(name, log.seconds(time), inertial=inertial)
     by_imu: dict[str, tuple[Segment, ...]] = {}
     travelled = _travelled(log) if samples else np.empty((0, 2))
-    for imu in log.imus if samples else ():
-        by_imu[imu.name], own = _examined(log, imu, travelled, lines=lines)
-        faults += own
+    for imu in log.imus:
+        axes = channels(log, imu) if samples else {}
+        faults += thermometer_faults(log, imu, axes)
+        if samples:
+            by_imu[imu.name], own = _examined(log, imu, axes, travelled, lines=lines)
+            faults += own
     for gnss in log.gnss:
         faults += receiver_faults(log, gnss)
-    faults += _apart(log)
-    faults.sort(key=lambda fault: -RANK[fault.severity])
-    streams = tuple(_stream(log, name, time, faults) for name, time, _, _ in clocks)
+    faults += apart(log)
+    faults.sort(key=lambda fault: (-RANK[fault.severity], fault.kind != LOST))
+    thermometers = (
+        (thermometer_name(imu), t.time) for imu in log.imus if (t := imu.temperature) is not None and len(t)
+    )
+    timed = (*((name, time) for name, time, _, _ in clocks), *thermometers)
+    streams = tuple(_stream(log, name, time, faults) for name, time in timed)
+    return _health(streams, faults, by_imu)
+
+
+def _health(
+    streams: tuple[StreamHealth, ...], faults: Sequence[Fault], by_imu: Mapping[str, tuple[Segment, ...]]
+) -> Health:
+    """Return the health of a log; the motion is that of the first IMU whose record shows it."""
     shown = next((name for name, own in by_imu.items() if own), next(iter(by_imu), None))
     spans = () if shown is None else by_imu[shown]
     still, moving = (sum(s.length for s in spans if s.moving == moves) for moves in (False, True))
@@ -88,12 +106,13 @@ def _travelled(log: Log) -> Floats:
     return travels(log) if log.imus else np.empty((0, 2))
 
 
-def _examined(log: Log, imu: ImuStream, travelled: Floats, *, lines: bool) -> tuple[tuple[Segment, ...], list[Fault]]:
+def _examined(
+    log: Log, imu: ImuStream, axes: Mapping[str, Channel], travelled: Floats, *, lines: bool
+) -> tuple[tuple[Segment, ...], list[Fault]]:
     """Return when an IMU is still and when it moves, and what is wrong with its samples."""
     from imuwb.health.inertial import inertial_faults  # noqa: PLC0415 - clocks and receivers need no compiler
     from imuwb.health.motion import segments  # noqa: PLC0415
 
-    axes = channels(log, imu)
     lone = {axis: lone_samples(channel) for axis, channel in axes.items()}
     spans = segments(axes, lone, travelled)
     return spans, [*inertial_faults(imu, axes, lone, spans, lines=lines), *implausible(log, imu, spans)]
@@ -113,27 +132,21 @@ def _clocks(log: Log) -> Iterator[tuple[str, Nanoseconds, tuple[Repair, ...], bo
         yield speed.name, speed.time, (), False
 
 
-def _apart(log: Log) -> Iterator[Fault]:
-    """Yield receivers whose times do not overlap the IMU's: two clocks in one file."""
-    spans = [
-        (t.time[0], t.time[-1]) for imu in log.imus for t in (imu.angular_rate, imu.specific_force) if t is not None
-    ]
-    for gnss in log.gnss:
-        if spans and not any(gnss.time[0] <= end and gnss.time[-1] >= start for start, end in spans):
-            yield Fault(gnss.name, "two clocks", "its times do not overlap the IMU's: two clocks in one file", "fault",
-                        consequence="shift one of them before both are used together")  # fmt: skip
-
-
 def is_of(fault: Fault, stream: str) -> bool:
     """Return whether a fault belongs to a stream or to one of its axes."""
     imu, _, sensor = stream.rpartition(" ")
-    axes = {"gyros": f"{imu} gyro_", "accelerometers": f"{imu} accel_"}.get(sensor, f"{stream} ")
-    return fault.stream == stream or fault.stream.startswith(axes)
+    of_sensor = {"gyros": (f"{imu} gyro_",), "accelerometers": (f"{imu} accel_",), "thermometer": ()}
+    return fault.stream == stream or fault.stream.startswith(
+        of_sensor.get(sensor, (f"{stream} gyro", f"{stream} accel"))
+    )
 
 
 def _stream(log: Log, name: str, time: Nanoseconds, faults: Sequence[Fault]) -> StreamHealth:
     own = [fault for fault in faults if is_of(fault, name)]
     worst = max((RANK[fault.severity] for fault in own), default=0)
+    verdict = VERDICTS[worst]
+    if worst < RANK["fault"] and (time.size < FEWEST_READINGS or any(fault.kind == SHORT for fault in own)):
+        verdict = TOO_SHORT
     at = log.seconds(time)
     count = int(min(WINDOWS, max(time.size // FEWEST, 1)))
     edges = np.linspace(float(at[0]), float(at[-1]), count + 1)
@@ -141,4 +154,4 @@ def _stream(log: Log, name: str, time: Nanoseconds, faults: Sequence[Fault]) -> 
     rows = np.diff(np.searchsorted(at, edges)).astype(float)
     rate = rows / width if width > 0 else np.zeros(count)
     middle = (edges[:-1] + edges[1:]) / 2
-    return StreamHealth(name, VERDICTS[worst], len(own), float(np.median(rate)), middle, rate)
+    return StreamHealth(name, verdict, len(own), float(np.median(rate)), middle, rate)

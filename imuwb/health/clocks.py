@@ -7,7 +7,11 @@ import numpy as np
 from imuwb.arrays import Floats, Integers
 from imuwb.health.fault import Fault
 from imuwb.sampling import Sampling, runs, sampling
+from imuwb.texts import seconds_text
 
+SHORT = "short"  #: the kind of fault of a stream that is too short to judge
+#: least number of rows of an IMU's stream, and of another stream, that can be judged
+FEWEST = {True: 100, False: 10}
 JITTER = 0.2  #: share of the interval; a larger scatter of the stamps is a fault
 DROPPED = 1.5  #: times the usual step; a window with longer steps shows a drop of the rate
 WINDOW = 50  #: steps in a window
@@ -15,6 +19,7 @@ WINDOWS = 4  #: least number of windows from which the usual step of a stream is
 MOSTLY = 0.5  #: share of missing time; a stream with a larger share was recorded in batches
 MANY = 100  #: gaps; if a stream whose rate drops has more gaps, they are the steps of the lower rate
 MUCH = 0.01  #: share of missing time; a larger share is a fault
+CUT_OFF = 0.01  #: share of the rows; as few rows at an end of a stream can be left out
 DAY, YEAR = 86_400.0, 31_557_600.0  #: s
 FAR = 10.0  #: times the recorded time; a longer step is a jump of the clock
 
@@ -30,6 +35,9 @@ def clock_faults(name: str, time: Floats, *, inertial: bool) -> Iterator[Fault]:
     if time.size < 2:  # noqa: PLR2004 - a step needs two rows
         yield Fault(name, "single row", "a single row", "fault", consequence="there is nothing to analyse")
         return
+    if time.size < FEWEST[inertial]:
+        what = f"{time.size} rows in {seconds_text(float(time[-1] - time[0]))} are too few to judge"
+        yield Fault(name, SHORT, what, "warning", consequence=f"at least {FEWEST[inertial]} rows show what is wrong")
     jumps = _jumps(time)
     for at in jumps:
         length = float(time[at] - time[at - 1])
@@ -75,8 +83,31 @@ def _gaps(name: str, time: Floats, clock: Sampling, *, inertial: bool) -> Fault:
     if inertial:
         consequence = f"averaging times above {whole / 2:.3g} s span gaps"
     kind, text = ("batches", "recorded in batches") if lost > MOSTLY else ("gaps", "gaps")
-    severity = "note" if lost > MOSTLY else "fault" if lost > MUCH else "warning"
+    # A filter goes on between the fixes of a receiver; noise and attitude do not go on between the samples of an IMU.
+    severity = "note" if lost > MOSTLY else "fault" if lost > MUCH and inertial else "warning"
+    first, last = _core(edges)
+    if severity == "fault" and (first, last) != (0, time.size):
+        length = float(time[last - 1] - time[first])
+        inside = length - (last - first - 1) * clock.interval
+        if inside <= MUCH * length:
+            severity = "warning"
+            consequence = f"all but {time.size - last + first} rows are from {time[first]:.2f} to {time[last - 1]:.2f} s: leave the others out"
     return Fault(name, kind, f"{text}: {what}", severity, len(clock.gaps), float(time[0]) + at, longest, consequence)  # fmt: skip
+
+
+def _core(edges: Integers) -> tuple[int, int]:
+    """Return the first row, and the row after the last, without the few rows that gaps cut off at the ends of a stream.
+
+    Args:
+        edges: 0, the rows before which samples are missing, and the number of rows.
+    """
+    few = max(CUT_OFF * float(edges[-1]), 1.0)
+    first, last = 0, edges.size - 1
+    while last - first > 1 and edges[first + 1] - edges[0] <= few:
+        first += 1
+    while last - first > 1 and edges[-1] - edges[last - 1] <= few:
+        last -= 1
+    return int(edges[first]), int(edges[last])
 
 
 def _rate_drops(name: str, time: Floats) -> Iterator[Fault]:

@@ -8,7 +8,8 @@ from imuwb.log import Effect, Repair
 
 Severity = Literal["note", "warning", "fault"]
 RANK: dict[Severity, int] = {"note": 0, "warning": 1, "fault": 2}
-MUCH = 0.01  #: share of a stream; if more of it was repaired, the severity is higher
+LOST = "lost rows"  #: the kind of a repair that left out so many rows that it is a fault
+MUCH = 0.01  #: share of a stream; if more of it was repaired, or as much lost, the severity is higher
 #: effect -> severity of few repairs, severity of many, consequence
 _MEANING: dict[Effect, tuple[Severity, Severity, str]] = {
     "lost": ("warning", "fault", "the rows that were left out are missing: results span the gaps"),
@@ -42,5 +43,9 @@ def repair_faults(name: str, repairs: Iterable[Repair], rows: int) -> Iterator[F
     """Yield a fault for each repair of a stream with ``rows`` rows."""
     for repair in repairs:
         few, many, consequence = _MEANING[repair.effect]
-        severity = many if repair.count > MUCH * rows else few
-        yield Fault(name, "repair", repair.what, severity, repair.count, consequence=consequence)
+        lost = repair.effect == "lost"
+        whole = rows + repair.count if lost else rows
+        much = repair.count > MUCH * whole or (lost and repair.count == MUCH * whole)
+        share = f" ({100 * repair.count / whole:.2g} % of its rows)" if lost and much else ""
+        kind = LOST if lost and much else "repair"
+        yield Fault(name, kind, f"{repair.what}{share}", many if much else few, repair.count, consequence=consequence)

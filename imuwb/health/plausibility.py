@@ -1,4 +1,4 @@
-"""Finds values that a still IMU cannot measure: a wrong gravity, a large rate, a temperature that never changes."""
+"""Finds values that a still IMU cannot measure: a wrong gravity, a large rate."""
 
 from collections.abc import Iterator, Sequence
 
@@ -13,7 +13,6 @@ from imuwb.units import STANDARD_GRAVITY
 GRAVITY = 0.02  #: share of standard gravity; a still accelerometer may differ from gravity by this
 WRONG = 0.1  #: share of standard gravity; no bias explains a larger difference
 BIAS = 0.05  #: rad/s; a larger rate of a still gyro is a fault
-CONSTANT = 600.0  #: s; over a longer time a temperature must change
 STILL_ENOUGH = 5.0  #: s; shortest still segment that is examined
 
 
@@ -25,7 +24,6 @@ def implausible(log: Log, imu: ImuStream, segments: Sequence[Segment]) -> Iterat
         imu: the IMU.
         segments: when it is still and when it moves; empty where the record does not show it.
     """
-    yield from _temperature(log, imu)
     longest = max((s for s in segments if not s.moving), key=lambda s: s.length, default=None)
     if longest is None or longest.length < STILL_ENOUGH:
         return
@@ -44,17 +42,6 @@ def implausible(log: Log, imu: ImuStream, segments: Sequence[Segment]) -> Iterat
                     "fault" if wrong else "warning", 1, longest.start, longest.length,
                     "units or scale are wrong, or the stream is no accelerometer" if wrong
                     else f"off by {1000 * off:+.0f} mg: a bias or a scale factor to be calibrated")  # fmt: skip
-
-
-def _temperature(log: Log, imu: ImuStream) -> Iterator[Fault]:
-    if imu.temperature is None or not len(imu.temperature):
-        return
-    time, celsius = log.seconds(imu.temperature.time), imu.temperature.value
-    length = float(time[-1] - time[0])
-    if np.ptp(celsius) == 0 and length > CONSTANT:
-        what = f"temperature stays at {celsius[0]:g} °C for {length / 60:.0f} min"
-        consequence = "probably not measured; the log shows nothing about temperature"
-        yield Fault(imu.name, "constant temperature", what, "note", consequence=consequence)
 
 
 def _mean(log: Log, triad: Triad | None, segment: Segment) -> Floats | None:

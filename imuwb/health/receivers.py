@@ -14,7 +14,10 @@ FIXED_3D = 3
 FEWEST = 3  #: least number of fixes that can be compared
 FAST = 30.0  #: m/s; a spike exceeds the speeds before and after it by more
 JUMP, TIMES = 20.0, 3.0  #: m/s, and times the speed: positions may change with up to the sum of both
+#: sigmas of the changes of the position, at least, of a jump; and the sigma of normal values over the median of their sizes
+SCATTERS, CONSISTENT = 6.0, 1.4826
 HELD = 0.02  #: share of fixes; if more fixes repeat the position before, this is a fault
+RESOLVED = 0.03  #: m; a position in digits of 1e-7 deg changes where the receiver moves by more from fix to fix
 GATED = "a filter must reject them (innovation gate)"
 
 
@@ -25,7 +28,7 @@ def receiver_faults(log: Log, gnss: GnssStream) -> Iterator[Fault]:
         yield from _fix_types(gnss.name, gnss.fix_type, time)
     if len(gnss) < FEWEST:
         return
-    held = (np.diff(gnss.position, axis=0) == 0).all(axis=1)
+    held = (np.diff(gnss.position, axis=0) == 0).all(axis=1) & ~_rests(gnss, time)
     if held.mean() > HELD:
         yield Fault(gnss.name, "held rows", "rows that repeat the position before", "warning", int(held.sum()),
                     float(time[int(np.argmax(held)) + 1]), consequence="the receiver is slower than its rows: use each fix once")  # fmt: skip
@@ -36,6 +39,14 @@ def receiver_faults(log: Log, gnss: GnssStream) -> Iterator[Fault]:
             text = f"the receiver reports no sigma of its {what}"
             need = "a filter needs one: state it in the filter's settings"
             yield Fault(gnss.name, f"no {what} sigma", text, "note", consequence=need)
+
+
+def _rests(gnss: GnssStream, time: Floats) -> Booleans:
+    """Return at which fixes but the first a receiver moves too slowly for its position to change, by its own velocity."""
+    if gnss.velocity is None:
+        return np.zeros(time.size - 1, dtype=bool)
+    moved = np.linalg.norm(gnss.velocity[1:, :2], axis=1) * np.diff(time)
+    return moved < RESOLVED  # nan is not below it
 
 
 def _fix_types(name: str, fix_type: Integers, time: Floats) -> Iterator[Fault]:
@@ -81,7 +92,11 @@ def _jumps(gnss: GnssStream, time: Floats, held: Booleans) -> Iterator[Fault]:
     else:
         moving = pace if gnss.velocity is not None else pace[~held]
         expected = np.full(pace.size, float(np.median(moving)) if moving.size else 0.0)
-    jumps = np.flatnonzero(pace > TIMES * expected + JUMP)
+    off = np.abs(distance - expected * np.diff(time))
+    scatter = CONSISTENT * float(np.median(off))
+    if gnss.position_sigma is not None and np.isfinite(gnss.position_sigma[:, :2]).any():
+        scatter = max(scatter, float(np.nanmedian(gnss.position_sigma[:, :2])))
+    jumps = np.flatnonzero((pace > TIMES * expected + JUMP) & (off > SCATTERS * scatter))
     if jumps.size:
         what = f"jumps of the position, up to {distance[jumps].max():.3g} m"
         yield Fault(gnss.name, "position jumps", what, "fault", int(jumps.size), float(time[jumps[0] + 1]), consequence=GATED)  # fmt: skip
