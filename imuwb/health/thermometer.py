@@ -1,15 +1,16 @@
 """Faults of an IMU's thermometer: another unit than °C, spikes, and readings that are stuck while the sensor warms or cools."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from imuwb.arrays import Booleans, Floats
-from imuwb.health.channel import Channel
+from imuwb.health.channel import Channel, channels
 from imuwb.health.fault import Fault, Severity
 from imuwb.log import ImuStream, Log, Scalars
 from imuwb.sampling import runs
+from imuwb.units import UNITS
 
 COLDEST, HOTTEST = -60.0, 125.0  #: °C; no IMU works beyond
 SPECIFIED = 85.0  #: °C; most IMUs are specified up to this temperature
@@ -54,13 +55,23 @@ def thermometer_name(imu: ImuStream) -> str:
     return f"{imu.name} thermometer"
 
 
-def thermometer_faults(log: Log, imu: ImuStream, channels: Mapping[str, Channel]) -> Iterator[Fault]:
+def sound_thermometer(log: Log) -> tuple[Scalars | None, tuple[Fault, ...]]:
+    """Return the thermometer of the log's (first) IMU without its spikes, and its faults; None: it has no thermometer."""
+    imu = log.imu()
+    if imu.temperature is None or not len(imu.temperature):
+        return None, ()
+    kept = ~spikes(imu.temperature)
+    readings = Scalars(imu.temperature.name, imu.temperature.time[kept], imu.temperature.value[kept])
+    return readings, tuple(thermometer_faults(log, imu, channels(log, imu)))
+
+
+def thermometer_faults(log: Log, imu: ImuStream, axes: Mapping[str, Channel]) -> Iterator[Fault]:
     """Yield what is wrong with the thermometer of an IMU.
 
     Args:
         log: the log.
         imu: the IMU.
-        channels: its axes whose samples are not all equal; without them a stuck thermometer is found by its readings alone.
+        axes: those whose samples are not all equal; without them a stuck thermometer is found by its readings alone.
     """
     thermometer, name = imu.temperature, thermometer_name(imu)
     if thermometer is None or not len(thermometer):
@@ -70,19 +81,20 @@ def thermometer_faults(log: Log, imu: ImuStream, channels: Mapping[str, Channel]
     if odd.any():
         text = f"spikes of the temperature, to {_range(thermometer.value[odd])} °C"
         yield Fault(name, "temperature spikes", text, "fault", int(odd.sum()), float(time[np.argmax(odd)]),
-                    consequence="these readings are no temperatures; imuwb temperature leaves them out")  # fmt: skip
+                    consequence="these readings are no temperatures: leave them out")  # fmt: skip
     usual = thermometer.value[~odd]
     if unit := unlikely_unit(usual):
         yield Fault(name, "temperature unit", f"the temperature is {_range(usual)} °C, which no IMU survives", "fault",
-                    consequence=f"the unit is likely {unit}, not °C")  # fmt: skip
+                    consequence=f"the unit is likely {unit}, not °C" + (f": --units temperature={unit}" if unit in UNITS else ""))  # fmt: skip
     elif np.quantile(usual, 1 - OUTER) > SPECIFIED:
         yield Fault(name, "hot", f"the temperature is {_range(usual)} °C", "warning",
                     consequence="most IMUs are specified up to 85 °C; are these °F?")  # fmt: skip
-    stuck = stuck_thermometer(log, imu, channels)
+    without = replace(imu, temperature=Scalars(thermometer.name, thermometer.time[~odd], usual))
+    stuck = stuck_thermometer(log, without, axes)
     if stuck is not None:
         what = f"temperature stays at {stuck.value:g} °C for {(stuck.end - stuck.start) / 60:.0f} min"
         what += f", while the biases show a change by {stuck.change:.2g} °C" if stuck.change else ""
-        consequence = "leave this span out: biases over temperature are wrong there"
+        consequence = "biases over temperature are wrong there: leave this span out with --start and --end"
         if stuck.severity == "note":
             consequence = "very steady, or stuck"
         if stuck.whole:
@@ -121,7 +133,7 @@ def unlikely_unit(celsius: Floats) -> str:
     return next(fitting, "unknown")
 
 
-def stuck_thermometer(log: Log, imu: ImuStream, channels: Mapping[str, Channel]) -> Stuck | None:
+def stuck_thermometer(log: Log, imu: ImuStream, axes: Mapping[str, Channel]) -> Stuck | None:
     """Return the longest span in which a thermometer does not change, if it is longer than a temperature stays.
 
     It is a fault if the biases of the axes, which follow the readings at other times, show that the temperature changes during
@@ -147,7 +159,7 @@ def stuck_thermometer(log: Log, imu: ImuStream, channels: Mapping[str, Channel])
     usual = float(np.median(np.concatenate([spans, np.zeros(celsius.size - 1 - int(length.sum()))])))
     if end - start <= LONGER * usual:
         return None
-    change = _change(time, celsius, channels, (start, end))
+    change = _change(time, celsius, axes, (start, end))
     severity = "fault" if change or (_step(celsius) < FINE and end - start > HOUR) else "note"
     return Stuck(start, end, value, whole=False, change=change, severity=severity)
 
@@ -159,10 +171,10 @@ def _step(celsius: Floats) -> float:
     return float(gaps.min()) if gaps.size else 0.0
 
 
-def _change(time: Floats, celsius: Floats, channels: Mapping[str, Channel], span: tuple[float, float]) -> float:
+def _change(time: Floats, celsius: Floats, axes: Mapping[str, Channel], span: tuple[float, float]) -> float:
     """Return the largest change of temperature (°C) that a bias shows in the second half of a span; 0: none shows any."""
     most = 0.0
-    for channel in channels.values():
+    for channel in axes.values():
         size = max(channel.values.size // BLOCKS, 1)
         count = channel.values.size // size
         mean = np.median(channel.values[: count * size].reshape(count, size), axis=1)

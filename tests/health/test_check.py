@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from imuwb.health import check
-from imuwb.health.check import VERDICTS
+from imuwb.health.check import TOO_SHORT, VERDICTS
 from imuwb.log import SECOND, GnssStream, ImuStream, Log, Origin, Provenance, Reference, Repair, Scalars, Triad
 from imuwb.readers import read
 
@@ -138,7 +138,9 @@ def test_a_real_flight_is_full_of_gaps(shared):
     notes = {f.kind for f in found.faults if f.stream == "GPS_RAW_INT" and f.severity == "note"}
     assert notes == {"no position sigma", "no velocity sigma"}
     assert any(f.kind == "step" and " 1 mg" in f.what and f.stream == "RAW_IMU accel_x" for f in found.faults)
-    assert {s.verdict for s in found.streams if s.name in names} == {BAD}
+    assert {s.name: s.verdict for s in found.streams if s.name in names} == {
+        "RAW_IMU": BAD, "SCALED_IMU2": BAD, "GPS_RAW_INT": USABLE
+    }  # fmt: skip
     ranks = [("note", "warning", "fault").index(f.severity) for f in found.faults]
     assert ranks == sorted(ranks, reverse=True)
 
@@ -177,3 +179,45 @@ def test_health_prints_a_line_for_each_stream_and_fault():
     assert stream == f"/imu: {BAD}"
     assert "19.99 s" in fault
     assert [s.faults for s in health.streams] == [1]
+
+
+def rows_of(count, rate=100, gnss=0):
+    imu = imu_of(keep=np.arange(N) < count)
+    return log_of(imu, gnss=(gnss_of(n=gnss),) if gnss else ())
+
+
+@pytest.mark.parametrize(("rows", "verdict"), [(99, TOO_SHORT), (100, GOOD)])
+def test_an_imu_of_few_rows_is_too_short_to_judge(rows, verdict):
+    assert verdicts(rows_of(rows)) == {"/imu": verdict}
+
+
+@pytest.mark.parametrize(("rows", "verdict"), [(6, TOO_SHORT), (10, GOOD)])
+def test_a_receiver_of_few_rows_is_too_short_to_judge(rows, verdict):
+    assert verdicts(rows_of(N, gnss=rows))["/fix"] == verdict
+
+
+def test_a_fault_of_few_rows_is_a_fault_all_the_same():
+    imu = imu_of(keep=np.arange(N) < 50)
+    zeroed = replace(imu, angular_rate=Triad(imu.angular_rate.time, imu.angular_rate.value * [0, 1, 1]))
+    assert verdicts(log_of(zeroed)) == {"/imu": BAD}
+
+
+@pytest.mark.parametrize("hole", [(1, 80), (10, 90), (N - 90, N - 1)])
+def test_a_gap_that_cuts_a_few_rows_off_leaves_the_imu_usable(hole):
+    log = log_of(imu_of(keep=holes(hole)))
+    (fault,) = check(log).faults
+    assert (fault.kind, fault.severity) == ("gaps", "warning")
+    assert verdicts(log) == {"/imu": USABLE}
+    assert verdicts(log_of(imu_of(keep=holes(hole, (3000, 3100))))) == {"/imu": BAD}
+
+
+@pytest.mark.parametrize(("shift", "kind"), [(20, None), (40, "little overlap"), (61, "two clocks")])
+def test_a_receiver_of_another_time_is_named(shift, kind):
+    assert [f.kind for f in check(log_of(imu_of(), gnss=(gnss_of(shift),))).faults] == ([kind] if kind else [])
+
+
+@pytest.mark.parametrize(("count", "first"), [(59, "repair"), (60, "lost rows")])
+def test_a_hundredth_of_the_rows_lost_comes_before_other_faults(count, first):
+    imu = replace(imu_of(keep=holes((3000, 3100))), origin=Origin(repairs=(Repair("rows left out", count),)))
+    kinds = [f.kind for f in check(log_of(imu)).faults]
+    assert kinds == (["lost rows", "gaps"] if first == "lost rows" else ["gaps", "repair"])

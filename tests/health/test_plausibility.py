@@ -1,9 +1,7 @@
-"""A gravity, a rate or a temperature that a still IMU cannot measure."""
+"""A gravity or a rate that a still IMU cannot measure."""
 
 import numpy as np
 import pytest
-
-from imuwb.log import Scalars
 
 from .records import G, faults, motion, still
 
@@ -44,21 +42,3 @@ def test_gravity_is_judged_where_the_imu_is_still():
     assert faults(gyro + moving[:, :3], accel + 3 * moving[:, 3:], "gravity") == []
     (fault,) = faults(gyro + moving[:, :3], accel + 3 * moving[:, 3:] + [0, 0, 0.5], "gravity")
     assert fault.length == pytest.approx(40, abs=2)
-
-
-def warmth(minutes, values=25.0):
-    time = np.arange(0, int(minutes * 60) + 1) * 10**9
-    return Scalars("/imu/temperature", time, np.broadcast_to(values, time.shape).copy())
-
-
-def test_a_temperature_that_stays_for_more_than_ten_minutes_is_noted():
-    (note,) = faults(*still(), temperature=warmth(10.5))
-    assert (note.severity, note.kind) == ("note", "constant temperature")
-    assert "25 °C for 10 min" in note.what
-
-
-def test_a_temperature_that_changes_or_is_short_is_not():
-    assert faults(*still(), temperature=warmth(9.5)) == []
-    warm = warmth(10.5).value.copy()
-    warm[-1] += 0.1
-    assert faults(*still(), temperature=warmth(10.5, warm)) == []

@@ -194,8 +194,8 @@ def receiver_kinds(**changes):
     position[300:, 1] += step * changes.get("jump", 0.0)
     for k in range(changes.get("held", 0)):
         position[10 * k + 5] = position[10 * k + 4]
-    ones = np.ones((n, 3))
-    gnss = GnssStream("/fix", np.arange(n) * (SECOND // 5), position, velocity, ones, ones)
+    ones, sigma = np.ones((n, 3)), changes.get("sigma", 0.1)
+    gnss = GnssStream("/fix", np.arange(n) * (SECOND // 5), position, velocity, sigma * ones, ones)
     return [fault.kind for fault in receiver_faults(Log(Provenance("made.csv", "csv", "", 0), gnss=(gnss,)), gnss)]
 
 
@@ -211,9 +211,19 @@ def test_a_position_jumps_faster_than_20_m_s_and_three_times_the_speed(speed):
     assert receiver_kinds(speed=speed, jump=1.05 * limit) == ["position jumps"]
 
 
+@pytest.mark.parametrize(("sigmas", "found"), [(5.7, []), (6.3, ["position jumps"])])
+def test_a_position_jumps_by_more_than_six_sigmas(sigmas, found):
+    assert receiver_kinds(jump=2 * sigmas, sigma=2.0) == found
+
+
 @pytest.mark.parametrize(("held", "found"), [(11, []), (13, ["held rows"])])
 def test_two_of_a_hundred_rows_may_be_held(held, found):
     assert receiver_kinds(speed=0.5, held=held) == found
+
+
+@pytest.mark.parametrize(("speed", "found"), [(0.1, []), (0.2, ["held rows"])])
+def test_a_receiver_at_rest_may_repeat_its_position(speed, found):
+    assert receiver_kinds(speed=speed, held=50) == found  # 0.02 and 0.04 m from fix to fix
 
 
 def clock_kinds(steps):

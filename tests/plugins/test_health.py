@@ -37,8 +37,9 @@ def test_the_document_on_stdout_holds_streams_faults_and_segments(command):
     assert (code, document["analysis"], document["params"]) == (0, "health", {"lines": True})
     result = document["result"]
     assert set(result) == {"streams", "faults", "segments", "segments_of", "still", "moving", "even"}
-    (stream,) = result["streams"]
+    stream, thermometer = result["streams"]
     assert (stream["name"], stream["verdict"]) == ("/imu/data", "good")
+    assert (thermometer["name"], thermometer["verdict"]) == ("/imu/data thermometer", "good")
     assert len(stream["rate"]) == len(stream["time"]) == 400
     assert np.mean(stream["rate"]) == pytest.approx(20, rel=1e-3)
     (fault,) = result["faults"]

@@ -25,7 +25,7 @@ from imuwb.notes import Note
 from imuwb.progress import tracked
 from imuwb.stochastic import ImuErrorModel
 from imuwb_plugins.temperature.axis_result import axis_result
-from imuwb_plugins.temperature.log_checks import check_thermometers, check_together
+from imuwb_plugins.temperature.log_checks import check_thermometers, check_together, with_sound_thermometers
 from imuwb_plugins.temperature.parameters import Parameters
 from imuwb_plugins.temperature.records import FEWEST, LogPart, grouped, parts_of
 from imuwb_plugins.temperature.result import CONVENTION, Result
@@ -43,6 +43,8 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
         UsageError: logs that do not belong together, or options that do not suit the logs.
     """
     notes = [*check_together(logs, parameters), *check_thermometers(logs, parameters)]
+    logs, thermometer_notes = with_sound_thermometers(logs, parameters)
+    notes += thermometer_notes
     cuts, groups, part_notes, doubts = _groups(logs, parameters)
     notes += [*doubts.all, *part_notes]
     names = [axis for axis in AXES if any(axis in p.axes for group in groups for p in group)]

@@ -1,9 +1,11 @@
 """Whether logs suit an analysis over temperature: rates, duplicates, names and thermometers."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from imuwb.axes import axes_of
 from imuwb.errors import MissingDataError, UsageError
+from imuwb.health import sound_thermometer
 from imuwb.log import Log
 from imuwb.notes import Note
 from imuwb_plugins.temperature.parameters import Parameters
@@ -48,6 +50,37 @@ def _check_rates(logs: Sequence[Log]) -> None:
                     f"{axis.sensor}: {known:.6g} Hz in {first_path}, {rate:.6g} Hz in {path}; AR(1) and sigma are valid at one rate "
                     f"only: bring the logs to one rate with --through decimate:rate={min(rate, known):.4g}"
                 )
+
+
+#: kinds of faults of a thermometer with which temperatures are wrong
+WRONG = ("temperature unit", "stuck thermometer")
+
+
+def with_sound_thermometers(logs: Sequence[Log], parameters: Parameters) -> tuple[list[Log], list[Note]]:
+    """Return the logs without the spikes of their thermometers, and notes on them.
+
+    Raises:
+        MissingDataError: readings of another unit than °C, or a thermometer that is stuck for a part of its log.
+    """
+    if parameters.celsius:
+        return list(logs), []
+    sound: list[Log] = []
+    notes: list[Note] = []
+    for log in logs:
+        thermometer, faults = sound_thermometer(log)
+        path = log.provenance.path
+        for fault in faults:
+            if fault.kind in WRONG and fault.severity == "fault":
+                span = "" if fault.start is None else f" from {fault.start:.0f} s on"
+                raise MissingDataError(f"{path}: {fault.what}{span}; {fault.consequence}; or state --celsius")
+            if fault.kind == "temperature spikes":
+                text = f"{path}: {fault.what}, at {fault.count} of its readings, the first at {fault.start:.2f} s; they are left out"
+                notes.append(Note("thermometer-spikes", text))
+            elif fault.severity != "note" or fault.kind in WRONG:
+                notes.append(Note("thermometer", f"{path}: {fault.what}: {fault.consequence}"))
+        imu = replace(log.imu(), temperature=thermometer)
+        sound.append(log if thermometer is None else replace(log, imus=(imu, *log.imus[1:])))
+    return sound, notes
 
 
 def check_thermometers(logs: Sequence[Log], parameters: Parameters) -> list[Note]:
