@@ -2,8 +2,9 @@
 
 import csv
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from operator import le
 from pathlib import Path
 
 from imuwb.errors import ImuwbError, UnreadableLogError
@@ -15,7 +16,7 @@ from imuwb.units import unit
 
 COMMENT = ("#", "%", "//")
 DELIMITER_ROWS = 50  #: number of last rows of the file's head in which the delimiter is found
-SAMPLE = 256  #: rows whose cells are kept
+SAMPLE = 1024  #: rows whose cells are kept
 _MARK = re.compile(r"^\s*(?:#+|%+|//+)\s*")
 LONGEST_NAME = 120  #: characters
 #: (delimiter, decimal mark); of two that fit equally well, the first. A blank means any run of blanks.
@@ -83,16 +84,26 @@ def _layout(path: Path, texts: list[str]) -> Layout:
             "a log has numbers separated by commas, semicolons, tabs or blanks"
         )
     usual = max(set(sizes := [len(cells[i]) for i in numeric]), key=sizes.count)
-    first = next(i for i in numeric if len(cells[i]) == usual)
-    before = [i for i in filled if i < numeric[0]]
-    header = _header([texts[i] for i in before], delimiter, usual, ends_empty=all(not cells[i][-1] for i in numeric))
+    whole = [i for i in numeric if len(cells[i]) == usual]
+    first = _first_like_others(whole, cells)
+    before = [i for i in filled if i < first]
+    header = _header([texts[i] for i in before], delimiter, usual, ends_empty=all(not cells[i][-1] for i in whole))
+    if not header.names:
+        first, before = whole[0], [i for i in filled if i < numeric[0]]
     return Layout(
         delimiter, first, header.names, tuple(cells[first]),
         cut_first=not header.names and len(cells[numeric[0]]) < usual,
         decimal=decimal, marked=marked,
-        sample=tuple(tuple(cells[i]) for i in numeric if len(cells[i]) == usual)[:SAMPLE],
+        sample=tuple(tuple(cells[i]) for i in whole if i >= first)[:SAMPLE],
         comments=tuple(texts[i] for k, i in enumerate(before) if k not in header.lines),
     )  # fmt: skip
+
+
+def _first_like_others(whole: list[int], cells: Mapping[int, list[str]]) -> int:
+    """Return the first row that has no text where most rows have numbers: lines such as ``Serial,1234`` may be before a header."""
+    texts = [[bool(cell) and not is_number(cell) for cell in cells[i]] for i in whole]
+    usual = [2 * sum(column) > len(whole) for column in zip(*texts, strict=True)]
+    return next((i for i, row in zip(whole, texts, strict=True) if all(map(le, row, usual))), whole[0])
 
 
 def is_comment(text: str) -> bool:

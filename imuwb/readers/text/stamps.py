@@ -64,6 +64,8 @@ _CALENDAR_WORDS = {
 _BRACKETS = re.compile(r"[\[(].*?[\])]")
 _SHORT_NAMES = {("sec",), ("secs",), ("second",), ("gps", "s"), ("gps", "sec"), ("gps", "second")}
 _WEEK = {"week", "weeks", "wn", "weekno"}
+FIRST = 256  #: number of first rows in which the numbers of a column are looked at
+SOUND = 0.9  #: least share of the first rows that show what a column is; the others may be damaged
 COARSE = 0.5  #: share of the steps that are 0 from which a stamp does not time single rows
 
 
@@ -131,7 +133,7 @@ def _named(index: int, name: str, layout: Layout) -> _Named:
     words = words_of(base)
     if measure is None and len(words) > 1 and words[-1] in ("us", "ms", "ns"):
         measure, words = UNITS[words[-1]], words[:-1]
-    cells = [cell for cell in layout.cells(index) if cell]
+    cells = [cell for cell in layout.cells(index)[:FIRST] if cell]
     known = sum(map(is_number, cells))
     numbers = tuple(float(cell) if is_number(cell) else math.nan for cell in cells) if 2 * known > len(cells) else ()
     return _Named(Column(index, name, "time", 0, measure), words, words_of(_BRACKETS.sub("", name)), numbers)
@@ -220,13 +222,13 @@ def _is_fraction(part: _Named) -> bool:
     """Return whether all numbers of a column are parts of a second."""
     factor = UNITS[_PARTS[part.words[-1]]].factor
     known = [number for number in part.numbers if math.isfinite(number)]
-    return bool(known) and all(0 <= number * factor < 1 for number in known)
+    return bool(known) and sum(0 <= number * factor < 1 for number in known) >= SOUND * len(known)
 
 
 def _is_whole(part: _Named, prefix: tuple[str, ...]) -> bool:
     """Return whether a column has whole seconds, and a name that belongs to a fraction with some words before its unit."""
     known = [number for number in part.numbers if math.isfinite(number)]
-    if not known or any(number != int(number) for number in known):
+    if not known or sum(number == int(number) for number in known) < SOUND * len(known):
         return False
     words = part.words
     base = words[:-1] if words and words[-1] in _SECONDS else words
