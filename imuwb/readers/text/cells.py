@@ -64,7 +64,7 @@ def _read_as_text(
         rest = block.slice(min(skip, block.num_rows))
         skip -= block.num_rows - rest.num_rows
         if rest.num_rows:
-            columns = [_converted(rest.column(name), kind, faults) for name, kind in kinds.items()]
+            columns = [converted(rest.column(name), kind, faults) for name, kind in kinds.items()]
             yield pa.RecordBatch.from_arrays(columns, names=list(kinds)), bytes_read
 
 
@@ -95,7 +95,7 @@ def _parsed(
                 faults[fault] = max(faults[fault], 1)
 
 
-def _converted(cells: pa.Array[Any], kind: pa.DataType, faults: Counter[str]) -> pa.Array[Any]:
+def converted(cells: pa.Array[Any], kind: pa.DataType, faults: Counter[str]) -> pa.Array[Any]:
     """Return cells of bytes as numbers or times; null for cells that are neither."""
     if pa.types.is_binary(kind):
         return cells

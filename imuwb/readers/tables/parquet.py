@@ -1,0 +1,28 @@
+"""Parquet files: named columns, each with its unit in its name or in its metadata."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.read_options import ReadOptions
+
+format = "parquet"  # noqa: A001 - the contract's name
+uses = ("columns", "units", "frame", "epoch")
+MAGIC = b"PAR1"
+
+
+def probe(head: bytes) -> bool:
+    """Return whether the file begins with Parquet's magic."""
+    return head.startswith(MAGIC)
+
+
+def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
+    """Return the streams of its columns, some thousand rows at a time.
+
+    Raises:
+        UnreadableLogError: the file is cut or damaged, or has no row of numbers.
+        UsageError: the columns, units or rate of the file are unknown.
+    """
+    from imuwb.readers.tables.arrow_tables import parquet_pieces, streamed  # noqa: PLC0415 - a probe needs no pyarrow
+
+    return streamed(path, options, parquet_pieces)
