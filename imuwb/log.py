@@ -286,7 +286,7 @@ class Provenance:
 
     path: str
     format: str
-    hash: str  #: "sha256:..." of the file's bytes
+    hash: str  #: "sha256:..." of the file's bytes; of a part of a large file, "sha256-ends:..." of its size, first and last MiB
     size: int  #: bytes
     selection: str = ""  #: the part in time that was kept, as text; empty: all
 

@@ -1,20 +1,30 @@
 """Keeps one IMU of a log, or the part between two times."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import TypeVar
 
 import numpy as np
 
 from imuwb.errors import MissingDataError, UsageError
+from imuwb.geodesy.local_track import LocalTrack
 from imuwb.log import GnssStream, ImuStream, Log, Orientation, Reference, Scalars, Triad
 from imuwb.notes import Note
 from imuwb.units import SECOND, unix_nanoseconds
 
-Timed = TypeVar("Timed", Triad, Scalars, GnssStream, Reference, Orientation)
+Timed = TypeVar("Timed", Triad, Scalars, GnssStream, Reference, LocalTrack, Orientation)
 FAR = np.iinfo(np.int64).max
 RULE = "A+B takes the gyro of A and the accelerometer of B"
 LONGEST = 1e9  #: s, thirty years
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """The part of a log that is wanted, as ``select`` takes it; without a value it is the whole log."""
+
+    imu: str | None = None
+    start: str | None = None
+    end: str | None = None
 
 
 def select(log: Log, imu: str | None = None, start: str | None = None, end: str | None = None) -> Log:
@@ -36,22 +46,37 @@ def select(log: Log, imu: str | None = None, start: str | None = None, end: str 
         log = _with_one_imu(log, imu)
     if start is None and end is None:
         return log
-    zero, epoch = log.zero or 0, _epoch(log)
-    first = -FAR if start is None else _instant(start, zero, epoch)
-    last = FAR if end is None else _instant(end, zero, epoch)
-    if last <= first:
-        raise UsageError(f"--end {end} must be after --start {start}")
+    first, last = limits(Part(None, start, end), log.zero or 0, _epoch(log))
     cut = replace(
         log,
         imus=tuple(x for x in (_cut_imu(x, first, last) for x in log.imus) if x.axes()),
         gnss=_kept(log.gnss, first, last),
         speeds=_kept(log.speeds, first, last),
         references=_kept(log.references, first, last),
+        poses=_kept(log.poses, first, last),
         orientations=_kept(log.orientations, first, last),
         provenance=replace(log.provenance, selection=f"{start or 'start'} to {end or 'end'}"),
     )
     _check_not_empty(log, cut)
     return cut
+
+
+def limits(part: Part, zero: int, epoch: str) -> tuple[int, int]:
+    """Return the first time of a part, and the time before which it ends, ns on the log's clock.
+
+    Raises:
+        UsageError: ``start`` or ``end`` is no time on this clock, or ``end`` is not after ``start``.
+    """
+    first = -FAR if part.start is None else _instant(part.start, zero, epoch)
+    last = FAR if part.end is None else _instant(part.end, zero, epoch)
+    if last <= first:
+        raise UsageError(f"--end {part.end} must be after --start {part.start}")
+    return first, last
+
+
+def separations(name: str) -> list[tuple[str, str]]:
+    """Return what ``A+B`` may stand for, because a name may itself contain "+": each "+" separates two names."""
+    return [(name[:at], name[at + 1 :]) for at, letter in enumerate(name) if letter == "+"]
 
 
 def _check_not_empty(log: Log, cut: Log) -> None:
@@ -68,9 +93,8 @@ def _with_one_imu(log: Log, name: str) -> Log:
     for imu in log.imus:
         if imu.name == name:
             return replace(log, imus=(imu,))
-    # A name may itself contain "+", so each "+" is tried as the separator.
     parts = {part: imu for imu in log.imus for part in (imu.name, *imu.name.split("+"))}
-    pairs = [(name[:at], name[at + 1 :]) for at, letter in enumerate(name) if letter == "+"]
+    pairs = separations(name)
     if any(first and first == second for first, second in pairs):
         raise UsageError(f"--imu {name} names the same IMU twice; the name alone selects both sensors")
     for first, second in pairs:
@@ -144,7 +168,7 @@ def _date(text: str, epoch: str) -> int:
 
 
 def _kept(streams: tuple[Timed, ...], first: int, last: int) -> tuple[Timed, ...]:
-    return tuple(part for stream in streams if len(part := _cut(stream, first, last)))
+    return tuple(part for stream in streams if (part := _cut(stream, first, last)).time.size)
 
 
 def _cut(stream: Timed, first: int, last: int) -> Timed:

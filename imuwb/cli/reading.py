@@ -1,5 +1,6 @@
 """Reads the log of a command, and cuts it to the part that the user wants."""
 
+from dataclasses import replace
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import Literal
@@ -15,17 +16,22 @@ LARGEST_SHIFT = 4e9  #: s
 
 
 def read_log(path: Path, reading: ReadOptions, part: Part | None = None) -> Log:
-    """Return a log, joined with the log of the GNSS receiver if there is one, and cut to a part."""
-    log = _read(path, reading)
+    """Return a log, or a part of it, joined with the log of the GNSS receiver if there is one."""
     if part is None:
-        return log
+        return _read(path, reading)
     shift = None if part.gnss_shift is None else _shift(part.gnss_shift)
+    wanted = selection.Part(part.imu, part.start, part.end)
+    if shift is None or (part.gnss is not None and shift != "start"):
+        log = _read(path, reading, wanted)
+        wanted = replace(wanted, imu=None)  # the IMU is chosen; a receiver's log is cut below
+    else:  # the shift depends on the whole log
+        log = _read(path, reading)
     if part.gnss is not None:
         other = _read(part.gnss, ReadOptions())
         log = joining.joined(log, other if shift is None else joining.shifted(other, shift, log))
     elif shift is not None:
         log = joining.shifted(log, shift, log)
-    return selection.select(log, part.imu, part.start, part.end)
+    return selection.select(log, wanted.imu, wanted.start, wanted.end)
 
 
 def _shift(text: str) -> int | Literal["start"]:
@@ -41,6 +47,6 @@ def _shift(text: str) -> int | Literal["start"]:
     return int((seconds * SECOND).to_integral_value())
 
 
-def _read(path: Path, reading: ReadOptions) -> Log:
+def _read(path: Path, reading: ReadOptions, part: selection.Part | None = None) -> Log:
     with progress(f"reading {path.name}") as report:
-        return readers.read(path, reading, report)
+        return readers.read(path, reading, report, part)

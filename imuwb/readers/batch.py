@@ -1,9 +1,9 @@
 """What a reader yields: pieces of streams in SI units and FRD axes, in the file's order."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 from imuwb.arrays import Floats, Integers
 from imuwb.log import Effect, Kind, Origin
@@ -56,6 +56,14 @@ class Remark:
     )  #: parameters that a simulator wrote, as in ``Log``
 
 
+#: From the first rows of all streams to the first time of the wanted part and the time after its end, ns, with margins.
+Limits: TypeAlias = Callable[[Iterable[Batch]], tuple[int, int]]
+
+
+class CannotSeekError(Exception):
+    """A reader cannot find the part that is wanted without reading the whole file; the file is then read from its beginning."""
+
+
 def unused(names: Iterable[str], reason: str) -> Remark:
     """Return the remark that columns, topics or messages are not used, and why."""
     return Remark(Note("unused", f"not used: {', '.join(names)} ({reason})"))
@@ -73,6 +81,8 @@ class Reader(Protocol):
 
     Some names are optional. ``describe(path) -> LogSummary | None`` returns the summary that the file's index states, or None
     without an index. ``uses`` lists the names of the options that the format uses; a note names the others if they are set.
+    ``part(path, options, limits)`` yields, as ``stream`` does, the first rows of each stream and those rows, of all streams, that lie
+    within ``limits``, or more, in the file's order; it raises ``CannotSeekError``, at any time, where the file does not allow this.
     ``probe_folder(folder) -> bool`` returns whether a folder is a log of this format; ``stream`` then gets the folder.
     ``ranged = True`` states that the reader opens logs only by ``imuwb.readers.bytes.source.opened``, so that ``stream`` and
     ``describe`` may get a remote log in place of a path; other readers get the path of a copy. ``beside(name)`` returns the names

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import fields, replace
+from functools import partial
 from pathlib import Path
 from typing import cast
 
@@ -14,13 +15,15 @@ from imuwb.log import Log, Provenance
 from imuwb.notes import Note
 from imuwb.progress import Progress
 from imuwb.readers.assembly.assemble import assemble
-from imuwb.readers.batch import Batch, Reader, Remark
+from imuwb.readers.batch import Batch, Limits, Reader, Remark
 from imuwb.readers.bytes import source
 from imuwb.readers.bytes.address import Place
 from imuwb.readers.bytes.remote import RemoteLog
 from imuwb.readers.bytes.source import Source
+from imuwb.readers.part_reading import read_part
 from imuwb.readers.read_options import TIME_SOURCES, ReadOptions
 from imuwb.readers.unread import unread_binary, unread_text
+from imuwb.selection import Part
 from imuwb.summary import LogSummary, summarize
 
 #: Readers are asked in the order of their names, with these exceptions: MCAP is first; telemetry and text are last, after the
@@ -28,6 +31,8 @@ from imuwb.summary import LogSummary, summarize
 ORDER = {"mcap": -1, "ubx": 1, "nmea": 2, "tlog": 3, "csv": 5}
 TEXT = "csv"  #: format of the reader that takes any text with digits
 OF_ALL = ("rate", "even")  #: options that apply to the logs of every reader
+#: bytes; a part of a larger file has the fingerprint of the file's ends
+HASHED = 1 << 28
 
 
 def reader_of(place: str | Place | RemoteLog) -> Reader:
@@ -92,7 +97,7 @@ def _closed_after(parts: Iterator[Batch | Remark], closing: ExitStack) -> Iterat
 
 
 def _parts(
-    reader: Reader, path: Source, options: ReadOptions, progress: Progress | None = None
+    reader: Reader, path: Source, options: ReadOptions, progress: Progress | None = None, limits: Limits | None = None
 ) -> Iterator[Batch | Remark]:
     uses = getattr(reader, "uses", [f.name for f in fields(ReadOptions)])
     if options.time_source not in TIME_SOURCES and "columns" not in uses:
@@ -104,8 +109,10 @@ def _parts(
         names = ", ".join(f"--{name.replace('_', '-')}" for name in unused)
         yield Remark(Note("options_unused", f"{names} not used: a {reader.format} log states this itself"))
     size = source.size(path)
+    sought = getattr(reader, "part", None) if limits is not None else None
     with source.named(path):
-        for part in reader.stream(_readable(reader, path, progress), options):
+        file = _readable(reader, path, progress)
+        for part in reader.stream(file, options) if sought is None else sought(file, options, limits):
             if progress is not None and isinstance(part, Batch):
                 progress(part.bytes_read, size)
             yield part
@@ -121,28 +128,42 @@ def _readable(reader: Reader, path: Source, progress: Progress | None = None) ->
     return cast("Path", path)  # a reader of ranges knows remote logs
 
 
-def read(place: str | Place | RemoteLog, options: ReadOptions | None = None, progress: Progress | None = None) -> Log:
-    """Return the whole log.
+def read(
+    place: str | Place | RemoteLog,
+    options: ReadOptions | None = None,
+    progress: Progress | None = None,
+    part: Part | None = None,
+) -> Log:
+    """Return the whole log, or a part of it.
+
+    The streams of a part are those that ``select`` returns of the whole log, but memory follows the part, and so does time where the
+    file has an index or can be searched by time.
 
     Args:
         place: a file of any known format, or its address; its leading bytes decide which format.
         options: what the file does not state itself, such as rate, columns, and units.
         progress: called from time to time with (bytes read, bytes of the file).
+        part: the part between two times, or of one IMU; None: the whole log.
 
     Raises:
         UnreadableLogError: the file cannot be read, or contradicts its stated units.
-        UsageError: the file needs an option, such as its rate or its units.
+        UsageError: the file needs an option, such as its rate or its units; or the part's times are none.
+        MissingDataError: the log has no such part.
     """
+    part = None if part == Part() else part
     with source.accessed(place) as path, ThreadPoolExecutor(1) as pool:
         reader = _reader_of(path)
+        # To hash all of a large file takes longer than to find a part of it.
+        hashed = source.fingerprint if part is None or source.size(path) <= HASHED else source.ends_fingerprint
         # A file is hashed beside the reading; the bytes of a remote log come only once, so their hash is known after it.
-        fingerprint = pool.submit(source.fingerprint, path) if isinstance(path, Path) else None
+        fingerprint = pool.submit(hashed, path) if isinstance(path, Path) else None
         options = options or ReadOptions()
-        parts = _parts(reader, path, options, progress)
+        opened = partial(_parts, reader, path, options, progress)
         file = Provenance(_text(path), reader.format, "", source.size(path))
-        log = assemble(parts, file, rate=options.rate, even=options.even)
+        made = partial(assemble, provenance=file, rate=options.rate, even=options.even)
+        log = made(opened()) if part is None else read_part(opened, made, part, counted=options.rate is not None)
         digest = fingerprint.result() if fingerprint is not None else source.fingerprint(path)
-        return replace(log, provenance=replace(log.provenance, hash=digest))
+        return replace(log, provenance=replace(log.provenance, hash=digest or source.ends_fingerprint(path)))
 
 
 def describe(place: str | Place | RemoteLog, options: ReadOptions | None = None) -> LogSummary:

@@ -1,7 +1,7 @@
 """Makes a Log from a reader's batches: joins them, repairs their times, and counts every repair."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -131,7 +131,7 @@ def _joined(batches: list[Batch], repairs: list[Repair]) -> Batch:
     time = np.concatenate([batch.time for batch in batches])
     columns = {name: np.concatenate([batch.columns[name] for batch in batches]) for name in first.columns}
     repairs = [*first.origin.repairs, *repairs]
-    finite = _finite(first.kind, time.size, columns)
+    finite = finite_rows(first.kind, time.size, columns)
     if not finite.all():
         repairs.append(replace(NOT_FINITE, count=int(np.count_nonzero(~finite))))
         time, columns = taken(time, columns, finite)
@@ -160,7 +160,7 @@ def _timed(rows: Batch, rate: float | None, *, even: bool) -> Batch:
     return replace(rows, time=time, columns=columns, origin=replace(rows.origin, repairs=tuple(repairs)))
 
 
-def _finite(kind: Kind, rows: int, columns: dict[str, Floats]) -> Booleans:
+def finite_rows(kind: Kind, rows: int, columns: Mapping[str, Floats]) -> Booleans:
     """Return which rows are finite in all columns, except the columns that may be unknown."""
     finite = np.ones(rows, dtype=bool)
     for name, values in columns.items():

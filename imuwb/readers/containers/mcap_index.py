@@ -51,7 +51,7 @@ def describe(path: Source) -> LogSummary | None:
             summary = reader.get_summary()
             if summary is None or summary.statistics is None or not summary.chunk_indexes:
                 return None
-            records = [_metadata(file, index) for index in summary.metadata_indexes if index.name in (OURS, TRUTH)]
+            records = [metadata_at(file, index) for index in summary.metadata_indexes if index.name in (OURS, TRUTH)]
             above = set[str]().union(*map(above_sea_level, records))
             truth = next((entries for name, entries in records if name == TRUTH), {})
             streams = tuple(_streams(file, summary, above))
@@ -63,7 +63,8 @@ def describe(path: Source) -> LogSummary | None:
     return LogSummary(str(path), "mcap", "", streams, (Note("from_index", text),), truth)
 
 
-def _metadata(file: BinaryIO, index: MetadataIndex) -> tuple[str, dict[str, str]]:
+def metadata_at(file: BinaryIO, index: MetadataIndex) -> tuple[str, dict[str, str]]:
+    """Return the name and the entries of the metadata at a place of the index."""
     file.seek(index.offset + PREFIX)
     return metadata(file.read(min(index.length - PREFIX, LARGEST)))
 

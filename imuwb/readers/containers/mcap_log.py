@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from imuwb.readers.batch import Batch, Remark, simulated
+from imuwb.readers.batch import Batch, Limits, Remark, simulated
 from imuwb.readers.bytes.source import Source
 from imuwb.readers.read_options import ReadOptions
 from imuwb.ros import MCAP_MAGIC
@@ -38,3 +38,14 @@ def stream(path: Source, options: ReadOptions) -> Iterator[Batch | Remark]:
     yield from streamed(path, recording, options)
     if recording.truth:
         yield simulated(recording.truth)
+
+
+def part(path: Source, options: ReadOptions, limits: Limits) -> Iterator[Batch | Remark]:
+    """Return the messages of the chunks that have rows of a part, by the file's index.
+
+    Raises:
+        CannotSeekError: the file has no index, or its chunks are in no order of time.
+    """
+    from imuwb.readers.containers import mcap_part  # noqa: PLC0415 - a probe needs neither the library nor compiled code
+
+    return mcap_part.part(path, options, limits)

@@ -105,6 +105,11 @@ class Topics:
             rows = parts[0] if len(parts) == 1 else np.sort(np.concatenate(parts))
             yield from self._topics[key].batches(messages, rows)
 
+    @property
+    def lags(self) -> dict[str, tuple[int, int]]:
+        """Return {topic: (least, largest) time of a row less the time of its recording, ns} of the topics with streams."""
+        return {topic.name: topic.lag for topic in self._topics.values() if topic.lag is not None}
+
     def remarks(self) -> Iterator[Remark]:
         """Yield the faults of each channel."""
         for number, lost in self._undeclared.items():
@@ -130,6 +135,7 @@ class _Topic:
         self.why = NO_QUANTITY  #: why the topic is not used; empty if it is
         self.messages = 0
         self.faults: Counter[Note] = Counter()
+        self.lag: tuple[int, int] | None = None  #: as in ``Topics.lags``
         try:
             self.decoder = decoder_of(*decoding)
         except CannotDecodeError as error:
@@ -191,11 +197,17 @@ class _Topic:
         if recipe.kind == "gnss" and f"{recipe.prefix}altitude" not in values:
             faults[NO_HEIGHT] += rows.size
         time = self._time(recipe, values, messages, rows, faults)
+        self._note_lag(time - messages.log_time[rows])
         alone = sum(other.kind == recipe.kind for other in self.recipes) == 1
         name = self.name if alone else f"{self.name}.{recipe.prefix.rstrip('.')}"
         unix = bool(time.size) and time[0] > UNIX
         origin = origin_of(recipe.kind, self.options.frame, above_sea=self.above_sea, unix=unix, schema=self.schema)
         return Batch(name, recipe.kind, time, columns, origin, messages.bytes_read)
+
+    def _note_lag(self, lag: Integers) -> None:
+        if lag.size:
+            least, largest = self.lag or (lag[0], lag[0])
+            self.lag = min(int(least), int(lag.min())), max(int(largest), int(lag.max()))
 
     def _time(
         self,

@@ -1,0 +1,140 @@
+"""A part that is read alone is the part of the whole log, in every container and with every fault of the clock."""
+
+from collections import defaultdict
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+
+from imuwb.errors import MissingDataError, UsageError
+from imuwb.log import SECOND, Origin
+from imuwb.notes import ids
+from imuwb.readers import Batch, ReadOptions, read
+from imuwb.readers.containers import mcap_part
+from imuwb.readers.part_rows import PartRows
+from imuwb.selection import Part
+from tests.readers import part_logs
+from tests.readers.flight import dataflash_writer, ulog_writer
+from tests.readers.part_logs import FAULTS, T, assert_alike, parts_of, samples
+
+CONTAINERS = {
+    "mcap": part_logs.as_mcap, "loose.mcap": part_logs.as_loose_mcap, "db3": part_logs.as_db3, "bag": part_logs.as_bag,
+    "csv": part_logs.as_csv,
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def written(fresh, ros):
+    """Return a function that writes a log of samples in a container."""
+
+    def write(container, made, **options):
+        return CONTAINERS[container](fresh(f"log.{container.rpartition('.')[2]}"), ros, made, **options)
+
+    return write
+
+
+@pytest.mark.parametrize(
+    ("container", "fault"),
+    [*(("mcap", fault) for fault in FAULTS), *(("csv", fault) for fault in FAULTS), ("loose.mcap", "late"), ("db3", "gap"),
+     ("bag", "late")],
+)  # fmt: skip
+def test_a_part_is_the_part_of_the_whole(written, container, fault):
+    path = written(container, samples(fault, seed=3))
+    whole = read(path)
+    for part in parts_of(whole, 3, seed=len(fault)):
+        found = assert_alike(path, part, whole)
+        assert found is None or part == Part() or "part" in ids(found.notes)
+
+
+def test_even_times_of_a_part_are_near_those_of_the_whole(written):
+    path = written("csv", part_logs.bursts())
+    whole, found = read(path).imus[0].angular_rate, read(path, part=Part(start="30", end="40"))
+    part = found.imus[0].angular_rate
+    row = round(float(part.value[0, 0]) * 1e4)
+    assert abs(len(part) - 1000) <= 1
+    assert np.abs(part.time - whole.time[row : row + len(part)]).max() < 0.02 * SECOND
+    assert any("even times" in note for note in found.notes if getattr(note, "id", "") == "part")
+
+
+def test_a_stated_rate_counts_from_the_first_row(written):
+    path, options = written("csv", samples("lost")), ReadOptions(rate=10.0)
+    assert_alike(path, Part(start="20", end="30"), read(path, options), options)
+
+
+@pytest.mark.parametrize("source", ["log", "publish"])
+def test_a_part_by_other_times(written, source):
+    path, options = written("mcap", samples("late")), ReadOptions(time_source=source)
+    whole = read(path, options)
+    for part in parts_of(whole, 3):
+        assert_alike(path, part, whole, options)
+
+
+@pytest.mark.parametrize("rows", [dataflash_writer.binary, dataflash_writer.text])
+def test_parts_of_a_dataflash_log(fresh, rows):
+    path = fresh("log.bin")
+    path.write_bytes(rows(dataflash_writer.flight(1500)))
+    whole = read(path)
+    for part in parts_of(whole, 6):
+        assert_alike(path, part, whole)
+
+
+def test_parts_of_a_ulog(fresh):
+    path = fresh("log.ulg")
+    path.write_bytes(ulog_writer.flight())
+    whole = read(path)
+    for part in parts_of(whole, 3):
+        assert_alike(path, part, whole)
+
+
+def test_dates_limit_a_part(written):
+    path = written("mcap", samples())
+    part = Part(start="2024-05-01T12:00:20", end="2024-05-01T12:00:21.5Z")
+    found = assert_alike(path, part, read(path))
+    assert found.imus[0].angular_rate.time[0] == T + 20 * SECOND
+
+
+def test_a_part_has_the_errors_of_the_whole(written):
+    path = written("mcap", samples())
+    with pytest.raises(MissingDataError, match="the log has: /a, /b"):
+        read(path, part=Part(imu="nobody", end="1"))
+    with pytest.raises(UsageError, match="'soon'"):
+        read(path, part=Part(start="soon"))
+    with pytest.raises(UsageError, match="after"):
+        read(path, part=Part(start="5", end="4"))
+
+
+def test_two_imus_are_joined_in_a_part(written):
+    path = written("mcap", samples())
+    found = assert_alike(path, Part(imu="/a+/b", start="40", end="50"), read(path))
+    assert (len(found.imus[0].angular_rate), len(found.imus[0].specific_force)) == (100, 50)
+
+
+def test_a_clock_set_back_is_read_as_a_whole(written):
+    path = written("mcap", samples("set back"))
+    assert any("whole" in note for note in read(path, part=Part(start="60", end="70")).notes if note.id == "part")
+
+
+def test_only_chunks_of_the_part_are_read(written, monkeypatch):
+    path = written("mcap", samples())
+    unpacked, unpack = [], mcap_part.unpacked_chunk
+    monkeypatch.setattr(mcap_part, "unpacked_chunk", lambda chunk: unpacked.append(len(chunk)) or unpack(chunk))
+    assert_alike(path, Part(start="70", end="71"), read(path))
+    with path.open("rb") as file:
+        chunks = len(make_reader(file).get_summary().chunk_indexes)
+    assert chunks > 40
+    assert 0 < len(unpacked) < 0.5 * chunks
+
+
+def test_rows_outside_the_part_are_not_kept():
+    origin, values = Origin(epoch="log"), np.zeros((1000, 3))
+    batches = [
+        Batch(name, "imu", i * SECOND + np.arange(1000) * (SECOND // 1000), {"angular_rate": values}, origin)
+        for i in range(500)
+        for name in ("left", "right")
+    ]
+    rows = defaultdict(int)
+    for batch in PartRows(Part("left", "200", "210")).kept(batches):
+        rows[batch.stream] += batch.time.size
+    # The part, 10 s before and after it, and the first 10 s.
+    assert 40_000 <= rows["left"] < 41_100
+    assert 10_000 <= rows["right"] < 11_100
