@@ -16,6 +16,7 @@ from imuwb.identification.lssa.constituents import Constituents
 from imuwb.identification.lssa.equations import Equations, equations, right_sides
 from imuwb.identification.lssa.noise import Noise, NoiseFit, fitted_noise
 from imuwb.identification.lssa.trigonometric import ROUNDED, Grid, Lattice, grid_of, lattice_of
+from imuwb.sampling import sampling
 
 FEWEST = 16  #: least number of rows minus number of constituents
 RANK = 1e-6  #: share of a column's length that must remain when the columns before it are projected out
@@ -128,7 +129,7 @@ def adjust(
         values: (n,) in any unit.
         constituents: the known constituents.
         noise: structure of the noise; parameters that are not given are estimated.
-        interval: s, usual sampling interval; None: the median step.
+        interval: s, usual sampling interval; None: that of ``sampling``, which leaves gaps out.
         weights: (n,) inverse variances up to a factor; with white noise only.
 
     Raises:
@@ -139,9 +140,8 @@ def adjust(
     columns, names = constituents.columns(time), constituents.names
     if noise.kind == "random-walk" and names[:1] == ("constant",):
         columns, names = columns[:, 1:], names[1:]  # the level of a random walk is part of the noise
-    steps = np.diff(time)
     time = time - time[0]
-    usual = float(np.median(steps)) if interval is None else interval
+    usual = sampling(np.rint(time * 1e9).astype(np.int64)).interval if interval is None else interval
     lattice = lattice_of(time, usual)
     if lattice is None and noise.kind == "autoregressive":
         lattice = lattice_of(time, usual, ROUNDED)  # the time stamps of even samples may be rounded

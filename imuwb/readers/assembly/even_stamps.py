@@ -29,14 +29,14 @@ SAME, EVEN = 0.1, 0.02  #: largest relative scatter of the sizes of batches, and
 BLOCK = 32  #: rows at least, in which an edge of the residual is looked for
 BURSTS = 4  #: bursts at least, in such a block
 STAYS = 4  #: blocks over which the residual must stay higher after a loss
+ALIKE = 0.02  #: largest relative difference of these numbers from the whole duration
 NEAR = 0.45  #: periods; steps that differ from a whole number of periods by less show the numbers of the samples
 LATE = 0.3  #: quantile of the durations of equal counts that no loss prolongs
 ROUNDS = 3  #: the period and the losses are found in turn, so often
 CLEAR = 4.0  #: standard deviations of the edge; a rise of the residual by more is a loss
-SHARP, OF_BURST = (
-    0.35,
-    0.1,
-)  #: shares of the period, and of a burst; where the edge scatters by more, the samples are not even
+HALF = 0.5  #: periods; a loss is a larger rise
+ONE_TICK = 1.5  #: the same for a clock that ticks once in several samples, which is off by up to one period itself
+SHARP, OF_BURST = 0.35, 0.1  #: shares of a period, of a burst; samples whose edge scatters by more are not even
 LEAST_BLOCKS, LARGER = 8, 4  #: blocks that a stream must have; factor by which blocks grow until the edge is sharp
 LOST = 0.3  #: largest share of lost samples
 STRAIGHT = 0.5  #: periods; if the edge is within so much of a straight line, the times are exactly even
@@ -103,9 +103,14 @@ def _usual_period(stamps: Integers, steps: Integers) -> float:
     mean = float(stamps[-1] - stamps[0]) / steps.size
     if float(steps.max() - steps.min()) <= CALM * mean:
         return mean  # nearly all logs
-    count = max(BLOCK, BURSTS * _Bursts.of(steps, mean).rows)
-    count = min(count, stamps.size // 2)
-    return float(np.quantile(stamps[count:] - stamps[:-count], LATE)) / count or mean
+    bursts = _Bursts.of(steps, mean)
+    count = min(max(BLOCK, BURSTS * bursts.rows), stamps.size // 2)
+    durations = stamps[count:] - stamps[:-count]
+    if bursts.grain:  # ticks are right on average only
+        usual = float(durations[durations <= np.median(durations) + 2 * bursts.grain].mean())
+    else:
+        usual = float(np.quantile(durations, LATE))
+    return usual / count or mean
 
 
 def _is_calm(steps: Integers, period: float) -> bool:
@@ -167,9 +172,10 @@ def _late(stamps: Integers, period: float, bursts: _Bursts, *, forced: bool) -> 
     """Return the even times of samples whose stamps are late."""
     since = (stamps - stamps[0]).astype(np.float64)
     rows = max(BLOCK, BURSTS * bursts.rows)
-    edge = _edge(since, period, min(rows, stamps.size // 4))
+    least = ONE_TICK if bursts.grain and bursts.rows > 1 else HALF
+    edge = _edge(since, period, min(rows, stamps.size // 4), least)
     while edge.scatter > SHARP * edge.period and (rows := rows * LARGER) * LEAST_BLOCKS <= stamps.size:
-        edge = min(edge, _edge(since, period, rows), key=lambda one: one.scatter)
+        edge = min(edge, _edge(since, period, rows, least), key=lambda one: one.scatter)
     missing = round(float(edge.number[-1])) - (stamps.size - 1)
     blurred = edge.scatter > max(SHARP, OF_BURST * bursts.rows) * edge.period
     if not forced and (blurred or missing > LOST * stamps.size):
@@ -203,16 +209,16 @@ class _Edge:
         return np.interp(self.number, np.r_[ends[0], at, ends[1]], on)
 
 
-def _edge(since: Floats, period: float, rows: int) -> _Edge:
-    """Return the lower edge of stamps, found in blocks of some rows."""
+def _edge(since: Floats, period: float, rows: int, least: float) -> _Edge:
+    """Return the lower edge of stamps, found in blocks of some rows; it rises by at least so many periods where samples are lost."""
     blocks = np.arange(0, since.size - rows + 1, rows)
     edge = _Edge(_counted(since, period), period, np.inf, blocks)
     for _ in range(ROUNDS):
-        edge = _sharper(since, edge.period, blocks, rows)
+        edge = _sharper(since, edge.period, blocks, rows, least)
     return edge
 
 
-def _sharper(since: Floats, period: float, blocks: Integers, rows: int) -> _Edge:
+def _sharper(since: Floats, period: float, blocks: Integers, rows: int, least: float) -> _Edge:
     """Return the edge by a period, and the period by that edge."""
     counted = _counted(since, period)
     residual = since - period * counted
@@ -222,7 +228,7 @@ def _sharper(since: Floats, period: float, blocks: Integers, rows: int) -> _Edge
     drift = float(np.median(rises))
     scatter = 1.4826 * float(np.median(np.abs(rises - drift)))
     shift = np.zeros(since.size)
-    for block, rise in _rises(low - drift * np.arange(low.size), max(period / 2, CLEAR * scatter)):
+    for block, rise in _rises(low - drift * np.arange(low.size), max(least * period, CLEAR * scatter)):
         # The samples are lost after the last row that is still near the old edge.
         inside = residual[blocks[block] : blocks[block + 1] + rows]
         last = inside.size - int(np.argmax(inside[::-1] < low[block] + rise / 2))
@@ -235,7 +241,8 @@ def _counted(since: Floats, period: float) -> Floats:
     """Return the number of each sample: by the length of each step where all are near whole periods, else by counting rows."""
     steps = np.diff(since) / period
     whole = np.rint(steps)
-    if steps.min() > SHORT and np.abs(steps - whole).max() < NEAR:
+    like = abs(whole.sum() / steps.sum() - 1) < ALIKE  # else the longer steps are those of a slow clock
+    if like and steps.min() > SHORT and np.abs(steps - whole).max() < NEAR:
         return np.concatenate([[0.0], np.cumsum(whole)])
     return np.arange(since.size, dtype=np.float64)
 

@@ -277,3 +277,15 @@ def test_autoregressive_noise_needs_more_than_about_even_stamps():
     time = np.arange(2000) * DT + rng.uniform(-0.1, 0.1, 2000) * DT
     with pytest.raises(ValueError, match="evenly spaced"):
         adjust(time, rng.standard_normal(2000), Constituents(), Noise("autoregressive", 2))
+
+
+@pytest.mark.parametrize("law", ["uniform", "exponential", "missing"])
+def test_the_density_of_white_noise_at_uneven_times_is_that_of_its_samples(law):
+    rng = np.random.default_rng(5)
+    steps = {
+        "uniform": rng.uniform(0.002, 0.018, 6000), "exponential": rng.exponential(0.01, 6000),
+        "missing": 0.01 * rng.geometric(0.8, 6000),
+    }  # fmt: skip
+    time, values = np.cumsum(steps[law]), rng.normal(0, 1, 6000)
+    found = least_squares_spectrum(adjust(time, values, Constituents()), highest=20.0, oversampling=1)
+    assert found.density.mean() == pytest.approx(2 * 0.01, rel=0.06)

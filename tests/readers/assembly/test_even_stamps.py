@@ -68,12 +68,31 @@ def test_lost_samples_are_gaps_among_samples_that_arrive_in_bursts():
 
 @pytest.mark.parametrize(
     ("rate", "tick"),
-    [(300, 0.001), (1600, 0.001), (100, 1.0), (99.3, 1.0), (128, 0.01), (100, 1 / 64)],
+    [
+        (300, 0.001),
+        (1600, 0.001),
+        (100, 1.0),
+        (99.3, 1.0),
+        (128, 0.01),
+        (100, 1 / 64),
+        (100, 0.008),
+        (100, 0.009),
+        (100, 0.0055),
+    ],
 )
 def test_a_coarse_clock_is_made_fine(rate, tick):
     time = even(rate, 12_000)
     found = assert_even(nanoseconds(np.floor(time / tick) * tick), time, "coarse", within=0.02 / rate)
     assert sampling(found.time).rate == pytest.approx(rate, rel=1e-4)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_the_ticks_of_a_clock_are_no_lost_samples(seed):
+    rng = np.random.default_rng(seed)
+    rate = 100 * (1 + rng.uniform(-0.01, 0.01))
+    time = even(rate, 8000, seed)
+    found = assert_even(nanoseconds(np.floor(time)), time, "coarse", within=0.8 / rate)
+    assert sampling(found.time).rate == pytest.approx(rate, rel=2e-4)
 
 
 def test_lost_samples_of_a_coarse_clock_are_gaps_of_whole_samples():
@@ -137,11 +156,18 @@ def test_uneven_samples_are_not_called_even():
     assert even_stamps(nanoseconds(np.cumsum(rng.exponential(0.01, 20_000)))) is None
 
 
-def test_each_part_between_pauses_is_even_for_itself():
-    time = np.concatenate([even(100, 3000), 100 + even(100, 3000, 1)])
-    found = even_stamps(in_bursts(time, np.random.default_rng(7), (2, 7), 0.0019))
-    assert found is not None
-    assert len(sampling(found.time).gaps) == 1
+@pytest.mark.parametrize("pause", [1.5, 5, 100])
+def test_parts_between_pauses_are_even(pause):
+    time = even(100, 3000)
+    time = np.concatenate([time, time[-1] + pause + np.arange(3000) / 100])
+    bursty = in_bursts(time, np.random.default_rng(7), (2, 7), 0.0019)
+    for stamps in (bursty, nanoseconds(np.floor(time * 125) / 125), nanoseconds(np.floor(time * 2) / 2)):
+        found = even_stamps(stamps)
+        assert found is not None
+        clock = sampling(found.time)
+        assert clock.rate == pytest.approx(100, rel=1e-3)
+        ((_, length),) = clock.gaps
+        assert length == pytest.approx(pause, abs=0.52)
 
 
 def test_few_rows_show_nothing():
