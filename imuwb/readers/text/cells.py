@@ -22,6 +22,7 @@ from imuwb.units import unix_nanoseconds
 
 BLOCK = 4 << 20
 LINES = Note("cell_count", "lines without the usual number of cells left out")
+CHECKSUM = Note("checksum", "lines with a wrong checksum left out")
 CELLS = Note("not_a_number", "cells that are not numbers are taken as missing")
 
 
@@ -93,6 +94,8 @@ def _parsed(
         finally:
             for fault in rows.faults:
                 faults[fault] = max(faults[fault], 1)
+            if rows.unsound:
+                faults[CHECKSUM] = rows.unsound
 
 
 def converted(cells: pa.Array[Any], kind: pa.DataType, faults: Counter[str]) -> pa.Array[Any]:

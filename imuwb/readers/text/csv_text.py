@@ -1,17 +1,17 @@
 """Text logs: separated numbers, with units in the header, on the command line, or in a sidecar."""
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 from pyarrow import DataType, RecordBatch, float64
 
 from imuwb.arrays import Booleans, Floats, Integers
-from imuwb.errors import UnreadableLogError
+from imuwb.errors import ImuwbError, UnreadableLogError, UsageError
 from imuwb.log import MEAN_SEA_LEVEL, Kind, Origin
 from imuwb.notes import Note
-from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.batch import Batch, Remark, unused
 from imuwb.readers.bytes.source import damaged
 from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text.cells import CELLS, LINES, blocks, floats, of
@@ -21,11 +21,12 @@ from imuwb.readers.text.csv_columns import check_gravity, used_columns
 from imuwb.readers.text.csv_streams import heights_above_sea, streams_of
 from imuwb.readers.text.encoding import encoding_of, head_text
 from imuwb.readers.text.increments import RATES, Increments
-from imuwb.readers.text.layout import Layout, layout_of
-from imuwb.readers.text.left_out import left_over, no_stream, unused_columns
+from imuwb.readers.text.layout import Layout
+from imuwb.readers.text.left_out import UNKNOWN, left_over, no_stream, unused_columns
 from imuwb.readers.text.sensors import Sensor, sensors_of, stream_name
 from imuwb.readers.text.shapes.application import Shaped, shape_of_log
 from imuwb.readers.text.sidecar import with_sidecar
+from imuwb.readers.text.tables import layouts_of, name_of, tag_counts
 from imuwb.units import SECOND
 
 #: yields some columns of a table, {index: type}, in blocks, each with the bytes read, and counts faults
@@ -38,6 +39,8 @@ UNTIMED = Note("no_time", "rows without a usable time left out")
 INCOMPLETE = Note("incomplete", "rows without a number in every used column")
 PRINTABLE = 0.99  #: least share of printable bytes in text
 JUMP = 3600 * SECOND  #: ns; in a damaged packed file, a longer step forward shows where the damage begins
+STREAMS = ("gyro", "accel", "latitude", "speed", "temperature", *RATES)  #: quantities that make a stream
+MOST_NAMED = 20  #: number of tags that a note names
 MOST_UNUSABLE = 0.5  #: share of rows; if more rows are unusable, the file is not a log with these columns
 
 
@@ -57,7 +60,42 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
         UsageError: the columns, units or rate of the file are unknown.
         UnreadableLogError: the file has no row of numbers, or the numbers contradict their stated unit.
     """
-    yield from table(path, layout_of(path), options, blocks)
+    options, remarks = with_sidecar(path, options)
+    layouts = layouts_of(path, options)
+    yield from remarks
+    if layouts[0].tag is None:
+        yield from _Table(path, layouts[0], options, blocks).parts()
+    else:
+        yield from _several(path, layouts, options)
+
+
+def _several(path: Path, layouts: Sequence[Layout], options: ReadOptions) -> Iterator[Batch | Remark]:
+    """Yield the streams of all tables of a file that can be used, and name the other tables."""
+    opened, refused = list[_Table](), dict[str, str]()
+    errors = list[ImuwbError]()
+    for layout in layouts:
+        try:
+            opened.append(_Table(path, layout, options, blocks))
+        except (UsageError, UnreadableLogError) as error:
+            errors.append(error)
+            refused[name_of(layout)] = str(error).removeprefix(f"{path}: ")
+    usable = [table for table in opened if table.has_stream]
+    if not usable and errors:
+        raise errors[0]
+    refused |= {name_of(table.layout): UNKNOWN for table in opened if table not in usable}
+    quantities = Counter(key for table in usable for key in table.keys)
+    for table in usable or opened[:1]:
+        alone = all(quantities[key] == 1 for key in table.keys)
+        yield from table.parts("" if alone else name_of(table.layout))
+    counts = tag_counts(path, layouts[0])
+    for layout in layouts:
+        counts.pop(layout.tag.text if layout.tag is not None else "", None)
+    for why in dict.fromkeys(refused.values()):
+        yield unused((name for name, reason in refused.items() if reason == why), why)
+    others = [(tag, count) for tag, count in counts.items() if tag]
+    if others:
+        lines = sum(count for _, count in others)
+        yield unused([tag for tag, _ in others[:MOST_NAMED]], f"{lines} lines of no table with numbers")
 
 
 def table(path: Path, layout: Layout, options: ReadOptions, rows: Blocks) -> Iterator[Batch | Remark]:
@@ -74,15 +112,37 @@ def table(path: Path, layout: Layout, options: ReadOptions, rows: Blocks) -> Ite
         UnreadableLogError: the file has no row of numbers, or the numbers contradict their stated unit.
     """
     options, remarks = with_sidecar(path, options)
-    shape = shape_of_log(path, layout, options)
-    found = used_columns(path, layout, options, shape)
-    if shape is not None:
-        options = shape.completing(options)
-    clock = clock_of(path, layout, options, found if shape is not None else ())
-    used = tuple(column for column in found if column.quantity not in ("time", "week"))
-    yield from (*remarks, *map(Remark, (*_layout_notes(layout, used, shape), *clock.notes)))
-    yield from unused_columns(layout.names, (*used, *clock.columns, *clock.others), shape)
-    yield from _Rows(path, layout, used, clock, options, shape, rows).batches()
+    yield from remarks
+    yield from _Table(path, layout, options, rows).parts()
+
+
+class _Table:
+    """A table whose columns and clock are known."""
+
+    def __init__(self, path: Path, layout: Layout, options: ReadOptions, rows: Blocks) -> None:
+        shape = shape_of_log(path, layout, options)
+        found = used_columns(path, layout, options, shape)
+        if shape is not None:
+            options = shape.completing(options)
+        self.layout, self._shape = layout, shape
+        self._clock = clock_of(path, layout, options, found if shape is not None else ())
+        self._used = tuple(column for column in found if column.quantity not in ("time", "week"))
+        self._rows = _Rows(path, layout, self._used, self._clock, options, shape, rows)
+        #: what each column measures, in which stream
+        self.keys = {(c.stream, RATES.get(c.quantity, c.quantity), c.axis) for c in self._used if c.quantity in STREAMS}
+
+    @property
+    def has_stream(self) -> bool:
+        """Whether a stream can be made of the columns."""
+        return bool(self.keys)
+
+    def parts(self, label: str = "") -> Iterator[Batch | Remark]:
+        """Yield the streams, under a name if the file has several of a kind."""
+        clock, used, shape = self._clock, self._used, self._shape
+        notes = (*_layout_notes(self.layout, used, shape), *clock.notes)
+        yield from map(Remark, notes)
+        yield from unused_columns(self.layout.names, (*used, *clock.columns, *clock.others), shape)
+        yield from self._rows.batches(label)
 
 
 def _layout_notes(layout: Layout, used: tuple[Column, ...], shape: Shaped | None) -> Iterator[Note]:
@@ -123,15 +183,15 @@ class _Rows:
         self._faults = Counter[str]()
         self._rows = self._unusable = 0  # rows with a time, and the rows among them that have no sample of the IMU
 
-    def batches(self) -> Iterator[Batch | Remark]:
-        """Yield the streams of each piece of the file, then its faults."""
+    def batches(self, label: str = "") -> Iterator[Batch | Remark]:
+        """Yield the streams of each piece of the file, under a name if it is given, then its faults."""
         for time, values, bytes_read in self._pieces():
             self._rows += time.size
             sparse = self._shape is not None and self._shape.shape.sparse
             sensors = list(sensors_of(self._increments.as_rates(time, values), sparse=sparse))
             self._unusable += 0 if sparse else _incomplete(sensors)
             for sensor, rows, part in sensors:
-                yield from self._sensor(sensor, *_taken(time, part, rows), bytes_read)
+                yield from self._sensor(sensor or label, *_taken(time, part, rows), bytes_read)
         if self._fields:
             yield from left_over(self._used, self._fields)
         elif self._rows:

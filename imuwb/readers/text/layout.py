@@ -26,6 +26,15 @@ _MARKS = (
 
 
 @dataclass(frozen=True, slots=True)
+class Tag:
+    """What the rows of one table have in common in a file of several."""
+
+    column: int
+    text: str  #: the cell of that column
+    checked: bool = False  #: rows end with the checksum of NMEA 0183, ``*5F``
+
+
+@dataclass(frozen=True, slots=True)
 class Layout:
     """The delimiter, header and first rows of a text file."""
 
@@ -40,6 +49,7 @@ class Layout:
     sample: tuple[tuple[str, ...], ...] = ()  #: the cells of the first rows
     comments: tuple[str, ...] = ()  #: the lines before the first row, apart from the header
     encoding: Encoding = field(default_factory=Encoding)
+    tag: Tag | None = None  #: of a table in a file of several
 
     @property
     def parsed_delimiter(self) -> str:
@@ -57,13 +67,17 @@ def layout_of(path: Path) -> Layout:
     Raises:
         UnreadableLogError: these lines have no row of numbers.
     """
-    head = source.head(path)
-    encoding = encoding_of(head)
-    lines = head_text(head, encoding).split(b"\n")
-    lines = lines[:-1] if len(lines) > 1 else lines  # the last one may continue after the head
-    texts = [line.decode("utf-8", "replace").strip("\r") for line in lines]
-    found = _layout(path, texts)
+    encoding = encoding_of(source.head(path))
+    found = _layout(path, head_lines(path))
     return replace(found, fault=source.packed_fault(path), encoding=encoding)
+
+
+def head_lines(path: Path) -> list[str]:
+    """Return the lines of a file's head."""
+    head = source.head(path)
+    lines = head_text(head, encoding_of(head)).split(b"\n")
+    lines = lines[:-1] if len(lines) > 1 else lines  # the last one may continue after the head
+    return [line.decode("utf-8", "replace").strip("\r") for line in lines]
 
 
 def _layout(path: Path, texts: list[str]) -> Layout:

@@ -2,6 +2,8 @@
 
 import io
 import re
+from functools import reduce
+from operator import xor
 from pathlib import Path
 
 from imuwb.notes import Note
@@ -30,6 +32,7 @@ class Rows(io.RawIOBase):
         super().__init__()
         self.faults: list[str] = []
         self.bytes_read = 0
+        self.unsound = 0  #: lines left out because their checksum is wrong
         self._file = source.open_unpacked(path)
         self._layout = layout
         self._delimiter = layout.parsed_delimiter.encode()
@@ -88,7 +91,7 @@ class Rows(io.RawIOBase):
         while self._skip and data:
             _, _, data = data.partition(b"\n")
             self._skip -= 1
-        data = self._separated(self._without_comments(data))
+        data = self._separated(self._of_tag(data) if self._layout.tag is not None else self._without_comments(data))
         if self._layout.fault:
             data = self._trusted(data)
         self._remember_sizes(data)
@@ -102,6 +105,23 @@ class Rows(io.RawIOBase):
             return b"".join(x for x in data.splitlines(keepends=True) if not x.lstrip().startswith(_COMMENTS))
         return data
 
+    def _of_tag(self, data: bytes) -> bytes:
+        """Return the lines with the tag of the layout, without their checksum; a line whose checksum is wrong is left out."""
+        tag = self._layout.tag
+        if tag is None:
+            return data
+        mark = b"[ \\t]+" if self._layout.delimiter == " " else b"[ \\t]*" + re.escape(self._delimiter)
+        cell = b"[^ \\t\\n]+" if self._layout.delimiter == " " else b"[^" + re.escape(self._delimiter) + b"\\n]*"
+        before = b"(?:" + cell + mark + b"){%d}[ \\t]*" % tag.column
+        lines = re.findall(
+            b"(?m)^[ \\t]*" + before + b'"?' + re.escape(tag.text.encode()) + b'"?' + mark + b".*(?:\\n|$)", data
+        )
+        if tag.checked:
+            sound = [line for line in lines if is_sound(line)]
+            self.unsound += len(lines) - len(sound)
+            lines = [line[: line.rindex(b"*")] + b"\n" for line in sound]
+        return b"".join(lines)
+
     def _separated(self, data: bytes) -> bytes:
         """Return the lines with the delimiter and the decimal point that the parser expects."""
         if self._layout.decimal == ",":
@@ -113,7 +133,8 @@ class Rows(io.RawIOBase):
     def _without_cut_end(self, data: bytes, cut: int) -> bytes:
         """Return the file's end without a last line that has too few cells, or a last cell shorter than in all rows before."""
         last = data[cut:]
-        if not last.strip() or self._least is None:
+        other = self._layout.tag is not None and not self._of_tag(last)
+        if not last.strip() or self._least is None or other:
             return data
         cells = last.split() if self._layout.delimiter == " " else last.strip().split(self._delimiter)
         if (len(cells), len(cells[-1].strip())) >= self._least:
@@ -140,3 +161,12 @@ class Rows(io.RawIOBase):
             self.faults.append(source.damaged(self._layout.fault, text))
             self._pieces, self._tail = iter(()), b""
         return b"".join(lines[:good])
+
+
+def is_sound(sentence: bytes) -> bool:
+    """Return whether the checksum of a sentence is right: the exclusive or of the bytes between ``$`` and ``*``."""
+    body, star, stated = sentence.strip().rpartition(b"*")
+    try:
+        return bool(star) and reduce(xor, body[body.find(b"$") + 1 :], 0) == int(stated, 16)
+    except ValueError:
+        return False

@@ -21,7 +21,7 @@ DIFFERENT = 2.0  #: factor between the median specific force of a vehicle and on
 class Head:
     """What a shape is recognised by."""
 
-    file: str  #: name of the file
+    file: str  #: name of the file; of a table in a file of several, its tag
     text: str  #: the lines before its first row
     names: tuple[str, ...]  #: of the columns; empty without a header
     rows: tuple[tuple[float, ...], ...]  #: the first rows of numbers, nan for another cell
@@ -31,7 +31,8 @@ def head_of(path: Path, layout: Layout) -> Head:
     """Return the head of a log."""
     text = "\n".join((*layout.comments, ",".join(layout.names)))
     rows = layout.sample or (layout.first,)
-    return Head(path.name, text, layout.names, tuple(tuple(map(_number, row)) for row in rows))
+    file = path.name if layout.tag is None else layout.tag.text
+    return Head(file, text, layout.names, tuple(tuple(map(_number, row)) for row in rows))
 
 
 def shape_of(head: Head) -> Shape | None:

@@ -1,0 +1,184 @@
+"""Text files that hold several tables: the rows of each begin with a tag, or have it in a column of their own.
+
+``ACCE;12.5;0.1;0.2;9.8;3`` and ``GYRO;12.5;...``, ``$VNIMU,...*5F``, ``UncalAccel,...``: the rows of each tag are a table with a header
+of its own, and are read as a file of their own.
+"""
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from imuwb.errors import UnreadableLogError
+from imuwb.readers.bytes import source
+from imuwb.readers.read_options import ReadOptions
+from imuwb.readers.text.encoding import plain
+from imuwb.readers.text.layout import Layout, Tag, cells_of, head_lines, is_numeric, layout_of
+from imuwb.readers.text.shapes.application import shape_of_log
+from imuwb.readers.text.stamps import words_of
+from imuwb.readers.text.trust import is_number
+
+TAGGED = 0.6  #: least share of the lines of a tagged file that have a tag and numbers
+MOST = 64  #: number of tags; more different texts are values, not tags
+REPEATED = 3  #: rows that a tag has on average, at least
+_TAG = re.compile(r"[$#%!@]?[A-Za-z_][\w/.\-]{0,40}")
+_CHECKSUM = re.compile(r"\*[0-9A-Fa-f]{2}$")
+#: names of a column that tells the rows of several sensors apart
+_TAG_NAMES = {
+    "sensor", "sensorname", "sensortype", "sensorid", "type", "tag", "message", "msg", "msgtype", "topic", "device", "deviceid", "devicename",
+    "instance", "i", "imu", "imuid", "imuname", "node", "unit",
+}  # fmt: skip
+#: words for a sensor in the name of a table whose columns are x, y and z alone
+_SENSORS = {
+    **dict.fromkeys(("gyro", "gyros", "gyroscope", "gyroscopes", "gyr", "gyroscop"), "gyro"),
+    **dict.fromkeys(("accel", "accels", "accelerometer", "accelerometers", "acc", "acce", "acceleration"), "accel"),
+}  # fmt: skip
+_NO_FORCE = {"linear", "user", "gravity", "free", "mag", "magnetometer", "magnetic"}
+
+
+def layouts_of(path: Path, options: ReadOptions) -> tuple[Layout, ...]:
+    """Return the layout of a file of one table, or a layout for each tag of a file of several.
+
+    Raises:
+        UnreadableLogError: the file's first lines have no row of numbers.
+    """
+    lines = head_lines(path)
+    try:
+        layout = layout_of(path)
+    except UnreadableLogError:
+        tables = tuple(_by_first_cells(lines, Layout(",", 0, (), ())))
+        if not tables:
+            raise
+        return tables
+    if options.columns:
+        return (layout,)
+    whole = named_axes(layout, path.stem)
+    shape = shape_of_log(path, whole, options)
+    if shape is not None and any(column.quantity == "instance" for column in shape.columns):
+        return (whole,)
+    return tuple(_by_first_cells(lines, layout)) or tuple(_by_column(layout)) or (whole,)
+
+
+def name_of(table: Layout) -> str:
+    """Return the name of a table: its tag without a mark."""
+    return "" if table.tag is None else table.tag.text.lstrip("$#%!@")
+
+
+def named_axes(layout: Layout, name: str) -> Layout:
+    """Return a layout in which axes without a sensor's name, x, y and z alone, have that in the name of the file or the tag."""
+    words = words_of(name)
+    sensor = next((_SENSORS[word] for word in words if word in _SENSORS), None)
+    bare = [column for column in layout.names if _axis(column)]
+    if sensor is None or len(bare) != 3 or set(words) & _NO_FORCE:  # noqa: PLR2004 - x, y and z
+        return layout
+    return replace(layout, names=tuple(f"{sensor}.{column}" if _axis(column) else column for column in layout.names))
+
+
+def _axis(name: str) -> bool:
+    return re.fullmatch(r"[xyzXYZ](?:\s*[\[(].*[\])])?|(?:value|axis|v)[_ .]?[xyz012]", name.strip()) is not None
+
+
+def _by_first_cells(lines: Sequence[str], layout: Layout) -> Iterator[Layout]:
+    """Yield the tables of a file whose rows have a tag in one of the first two cells."""
+    filled = [line for line in lines if line.strip()]
+    for delimiter, place in ((d, p) for p in (0, 1) for d in (",", ";", "\t", " ")):
+        rows = [(cells, line) for line in filled if _has_tag(cells := cells_of(line, delimiter), place)]
+        tags = list(dict.fromkeys(cells[place] for cells, _ in rows))
+        if len(rows) < TAGGED * len(filled) or not 0 < len(tags) <= min(MOST, max(1, len(rows) // REPEATED)):
+            continue
+        others = [line for line in filled if not _has_tag(cells_of(line, delimiter), place)]
+        sizes = {tag: {len(cells) for cells, _ in rows if cells[place] == tag} for tag in tags}
+        marked = all(tag[0] in "$#%!@" for tag in tags)
+        named = layout.names[place] if len(layout.names) > place else ""
+        one_header = bool(named) and named not in tags and len({max(s) for s in sizes.values()}) == 1
+        if (len(tags) < 2 and not marked) or (one_header and not marked and not _is_tag_name(named)):  # noqa: PLR2004
+            return
+        for tag in tags:
+            yield _table(tag, place, delimiter, [cells for cells, _ in rows if cells[place] == tag], others, layout)
+        return
+
+
+def _has_tag(cells: list[str], place: int) -> bool:
+    """Return whether a line has a tag at a place, a number or nothing before it, and numbers after it."""
+    if len(cells) < place + 2 or not _TAG.fullmatch(cells[place]):
+        return False
+    rest = [_CHECKSUM.sub("", cell) for cell in cells[place + 1 :]]
+    return is_numeric(rest) and all(map(is_number, cells[:place]))
+
+
+def _table(
+    tag: str, place: int, delimiter: str, rows: list[list[str]], others: Sequence[str], layout: Layout
+) -> Layout:
+    """Return the layout of the rows of one tag."""
+    usual = max(set(sizes := [len(cells) for cells in rows]), key=sizes.count)
+    whole = [cells for cells in rows if len(cells) == usual]
+    checked = 2 * sum(bool(_CHECKSUM.search(cells[-1])) for cells in whole) > len(whole)
+    sample = tuple((*cells[:-1], _CHECKSUM.sub("", cells[-1])) for cells in whole)
+    names = _own_names(tag, place, delimiter, usual, others) or (
+        layout.names if len(layout.names) == usual and layout.delimiter == delimiter else ()
+    )
+    table = Layout(
+        delimiter, 0, names, sample[0], decimal="." if delimiter == "," else layout.decimal, sample=sample, comments=tuple(others),
+        encoding=layout.encoding, fault=layout.fault, tag=Tag(place, tag, checked=checked),
+    )  # fmt: skip
+    return named_axes(table, tag)
+
+
+def _own_names(tag: str, place: int, delimiter: str, usual: int, others: Sequence[str]) -> tuple[str, ...]:
+    """Return the names that a line states for the rows of a tag: the tag, then a name for each cell, and perhaps a line of units."""
+    stated = list[list[str]]()
+    start = re.compile(rf"(?<![\w$]){re.escape(tag.lstrip('$#%!@'))}\s*{re.escape(delimiter)}")
+    for line in others:
+        match = start.search(line)
+        cells = cells_of(line[match.start() :].rstrip().rstrip("'\""), delimiter) if match else []
+        if len(cells) == usual - place and not is_numeric(cells[1:]):
+            stated.append(cells[1:])
+    if not stated:
+        return ()
+    units = stated[1] if len(stated) > 1 else [""] * len(stated[0])
+    names = (f"{name} [{measure}]" if measure else name for name, measure in zip(stated[0], units, strict=True))
+    return (*["time"] * place, "-", *names)
+
+
+def _by_column(layout: Layout) -> Iterator[Layout]:
+    """Yield the tables of a file with a column whose name and values tell sensors apart."""
+    for place, name in enumerate(layout.names):
+        cells = layout.cells(place)
+        values = list(dict.fromkeys(cells))
+        few = 1 < len(values) <= min(MOST, len(cells) // REPEATED)
+        if not few or not _is_tag_name(name) or not all(_is_value(value) for value in values):
+            continue
+        for value in values:
+            sample = tuple(row for row in layout.sample if row[place] == value)
+            names = tuple("-" if i == place else other for i, other in enumerate(layout.names))
+            table = replace(layout, names=names, sample=sample, first=sample[0], tag=Tag(place, value))
+            yield named_axes(table, value)
+        return
+
+
+def _is_tag_name(name: str) -> bool:
+    return re.sub(r"[^a-z]", "", name.lower()) in _TAG_NAMES
+
+
+def _is_value(value: str) -> bool:
+    """Return whether a cell may name a sensor: a word, or a whole number."""
+    return re.fullmatch(r"\d+|[$#]?[A-Za-z_][\w/.\- ]*", value) is not None
+
+
+def tag_counts(path: Path, layout: Layout) -> Counter[str]:
+    """Return how many lines of a whole file have each text in the place of a table's tag."""
+    counts = Counter[bytes]()
+    place = layout.tag.column if layout.tag is not None else 0
+    mark = rb"[ \t]+" if layout.delimiter == " " else re.escape(layout.delimiter.encode())
+    cell = rb"[^ \t\n]*" if layout.delimiter == " " else rb"[^" + mark + rb"\n]*"
+    pattern = re.compile(rb"(?m)^[ \t]*(?:" + cell + mark + rb"){" + str(place).encode() + rb"}[ \t]*(" + cell + rb")")
+    rest = b""
+    with source.open_unpacked(path) as file:
+        for piece in plain(source.pieces(file, []), layout.encoding):
+            data = rest + piece
+            cut = data.rfind(b"\n") + 1
+            counts.update(pattern.findall(data[:cut]))
+            rest = data[cut:]
+    counts.update(pattern.findall(rest))
+    return Counter({tag.decode("utf-8", "replace").strip().strip('"'): n for tag, n in counts.items()})
