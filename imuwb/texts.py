@@ -28,6 +28,12 @@ def seconds_text(seconds: float) -> str:
     return f"{number_text(seconds / 3600)} h" if seconds >= HOURS * 3600 else f"{number_text(seconds)} s"
 
 
+def names_text(names: Sequence[str], most: int = 12) -> str:
+    """Return names, and how many more there are if there are many: a, b, c and 28 more."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
+
+
 def rows_text(rows: int, rate: float | None, seconds: float, gaps: Sequence[tuple[float, float]]) -> str:
     """Return how much of a stream there is: 901 rows, 100 Hz, 9.02 s, 1 gap (longest 0.02 s).
 

@@ -32,8 +32,9 @@ def info(
     from imuwb.review.tables import streams_table, truth_table  # noqa: PLC0415
     from imuwb.summary import summarize  # noqa: PLC0415
 
-    source.check(log)
-    whole = read_log(log, reading) if scan or log.stat().st_size <= LARGE else None
+    if not log.is_dir():
+        source.check(log)
+    whole = read_log(log, reading) if scan or source.size(log) <= LARGE else None
     summary = readers.describe(log) if whole is None else summarize(whole)
     if json:
         from imuwb.review.document import json_text  # noqa: PLC0415 - only here

@@ -33,7 +33,8 @@ class Places:
         Raises:
             UsageError: the name of the recording does not end in .rrd.
         """
-        recording = outputs.output or logs[0].with_name(f"{stem(logs[0])}.rrd")
+        first = logs[0] if logs[0].name.strip(".") else logs[0].resolve()  # "." and ".." are folders of another name
+        recording = outputs.output or first.with_name(f"{stem(first)}.rrd")
         if recording.suffix != ".rrd":
             raise UsageError(f"--output {recording}: the name of a recording must end in .rrd")
         model = outputs.save_model

@@ -60,7 +60,7 @@ def _reader_of(path: Source) -> Reader:
             return reader
     if not head:
         raise UnreadableLogError(
-            f"{path}: a gzip file whose first bytes cannot be unpacked; it is cut or damaged: copy it again"
+            f"{path}: a packed file whose first bytes cannot be unpacked; it is cut or damaged: copy it again"
         )
     if (told := unread_binary(head)) is not None:
         raise UnreadableLogError(f"{path}: {told}")

@@ -1,4 +1,4 @@
-"""Opens a file or a remote log, unpacks gzip, reads the first bytes and blocks, and computes the fingerprint."""
+"""Opens a file or a remote log, unpacks gzip and Zstandard, reads the first bytes and blocks, and computes the fingerprint."""
 
 import gzip
 import hashlib
@@ -25,6 +25,7 @@ _UNPACKING = cast("type[Exception]", isal_zlib.error)  # the library's type hint
 GZIP_WINDOW = 31  #: bits: the largest window, after gzip's own header
 END = 1 << 20  #: bytes at each end of a file, for the fingerprint of a file that is not read as a whole
 GZIP_MAGIC = b"\x1f\x8b"
+ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 
 
 @contextmanager
@@ -104,11 +105,15 @@ def opened(path: Source) -> BinaryIO:
 
 
 def open_unpacked(path: Source) -> BinaryIO:
-    """Open a log for reading; a gzip file is unpacked as it is read. Errors as in ``opened``."""
+    """Open a log for reading; a log in gzip or Zstandard is unpacked as it is read. Errors as in ``opened``."""
     file = opened(path)
-    magic = file.read(2)
+    magic = file.read(4)
     file.seek(0)
-    return cast("BinaryIO", _Unpacked(file)) if magic == GZIP_MAGIC else file
+    if magic == ZSTD_MAGIC:
+        from imuwb.readers.bytes.zstd_file import ZstdFile  # noqa: PLC0415 - few files need the library
+
+        return cast("BinaryIO", ZstdFile(file))
+    return cast("BinaryIO", _Unpacked(file)) if magic.startswith(GZIP_MAGIC) else file
 
 
 def packed_fault(path: Path) -> str:
@@ -136,16 +141,16 @@ def damaged(fault: str, text: str) -> Note:
 
 def is_packed(file: BinaryIO) -> bool:
     """Return whether the file is unpacked as it is read."""
-    return isinstance(file, _Unpacked)
+    return hasattr(file, "packed")
 
 
 def position(file: BinaryIO) -> int:
     """Return how many bytes of the file on disk are read."""
-    return file.packed.tell() if isinstance(file, _Unpacked) else file.tell()
+    return cast("_Unpacked", file).packed.tell() if is_packed(file) else file.tell()
 
 
 def pieces(file: BinaryIO, faults: list[str]) -> Iterator[bytes]:
-    """Yield a file in small pieces; a gzip file that is cut is unpacked as far as possible.
+    """Yield a file in small pieces; a packed file that is cut is unpacked as far as possible.
 
     Notes on what is wrong with the file are added to ``faults``.
     """

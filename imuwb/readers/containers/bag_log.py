@@ -1,10 +1,12 @@
 """ROS 1 bags: IMU, GNSS, temperature and speed messages of any topic, recognised by the names of their fields."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes.source import Source
 from imuwb.readers.containers.messages import BAG_MAGIC
+from imuwb.readers.containers.recording_folder import Form, has_recording
 from imuwb.readers.read_options import ReadOptions
 
 format = "bag"  # noqa: A001 - the contract's name
@@ -17,6 +19,14 @@ def probe(head: bytes) -> bool:
     return head.startswith(BAG_MAGIC)
 
 
+FORM = Form(".bag", probe)
+
+
+def probe_folder(folder: Path) -> bool:
+    """Return whether a folder has bags, such as the parts of a split one."""
+    return has_recording(folder, FORM)
+
+
 def stream(path: Source, options: ReadOptions) -> Iterator[Batch | Remark]:
     """Return the messages chunk by chunk.
 
@@ -24,6 +34,7 @@ def stream(path: Source, options: ReadOptions) -> Iterator[Batch | Remark]:
         UnreadableLogError: the file has no whole message.
     """
     from imuwb.readers.containers.bag_records import Bag  # noqa: PLC0415 - a probe needs no compiled code
+    from imuwb.readers.containers.split import container_of  # noqa: PLC0415
     from imuwb.readers.containers.topics import streamed  # noqa: PLC0415
 
-    return streamed(path, Bag(path), options)
+    return streamed(path, container_of(path, FORM, Bag), options)

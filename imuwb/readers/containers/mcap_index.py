@@ -15,18 +15,12 @@ from imuwb.readers.bytes.source import Source
 from imuwb.readers.bytes.unpack import LARGEST
 from imuwb.readers.containers import shapes
 from imuwb.readers.containers.decoders import CannotDecodeError, decoder_of
-from imuwb.readers.containers.mcap_records import (
-    HEADER,
-    MESSAGE,
-    PREFIX,
-    above_sea_level,
-    metadata,
-    unpacked_chunk,
-    unpacked_front,
-)
+from imuwb.readers.containers.mcap_extras import above_sea_level, attachment_text, extras_note, metadata
+from imuwb.readers.containers.mcap_records import HEADER, MESSAGE, PREFIX, unpacked_chunk, unpacked_front
 from imuwb.readers.containers.messages import Channel, Messages, Schema
 from imuwb.readers.containers.ros_definitions import Definitions
 from imuwb.readers.containers.topics import UNIX, origin_of
+from imuwb.readers.containers.unused_topics import NO_QUANTITY, Unused, unused_topics
 from imuwb.ros import OURS, TRUTH
 from imuwb.summary import LogSummary, StreamSummary
 from imuwb.units import SECOND
@@ -54,13 +48,18 @@ def describe(path: Source) -> LogSummary | None:
             records = [metadata_at(file, index) for index in summary.metadata_indexes if index.name in (OURS, TRUTH)]
             above = set[str]().union(*map(above_sea_level, records))
             truth = next((entries for name, entries in records if name == TRUTH), {})
-            streams = tuple(_streams(file, summary, above))
+            extras = [f"metadata {index.name}" for index in summary.metadata_indexes if index.name not in (OURS, TRUTH)]
+            extras += [attachment_text(a.name, a.media_type, a.data_size) for a in summary.attachment_indexes]
+            unused: list[Unused] = []
+            streams = tuple(_streams(file, summary, above, unused))
         except ImuwbError:  # the transfer of a remote log ended
             raise
         except Exception:  # noqa: BLE001 - a damaged index may raise anything in the library
             return None  # the reader of the messages reports the damage, and uses the whole messages
     text = "from the file's index: the times are when messages were recorded; --scan also finds gaps and repairs"
-    return LogSummary(str(path), "mcap", "", streams, (Note("from_index", text),), truth)
+    notes = [Note("from_index", text), *([extras_note(extras)] if extras else [])]
+    notes += [Note("unused", remark.text) for remark in unused_topics(unused)]
+    return LogSummary(str(path), "mcap", "", streams, tuple(notes), truth)
 
 
 def metadata_at(file: BinaryIO, index: MetadataIndex) -> tuple[str, dict[str, str]]:
@@ -69,27 +68,30 @@ def metadata_at(file: BinaryIO, index: MetadataIndex) -> tuple[str, dict[str, st
     return metadata(file.read(min(index.length - PREFIX, LARGEST)))
 
 
-def _streams(file: BinaryIO, summary: Summary, above: set[str]) -> Iterator[StreamSummary]:
+def _streams(file: BinaryIO, summary: Summary, above: set[str], unused: list[Unused]) -> Iterator[StreamSummary]:
+    """Yield the streams; topics that are none are added to ``unused``."""
     for number, count in (summary.statistics.channel_message_counts if summary.statistics else {}).items():
         channel, schema = summary.channels[number], summary.schemas.get(summary.channels[number].schema_id)
         ours = None if schema is None else Schema(schema.name, schema.encoding, schema.data)
-        try:
-            decoder = decoder_of(
-                Channel(channel.topic, channel.message_encoding, channel.schema_id), ours, Definitions()
-            )
-        except CannotDecodeError:
-            continue
+        name = ours.name if ours else ""
         chunks = [chunk for chunk in summary.chunk_indexes if number in chunk.message_index_offsets]
         if not chunks or not count:
             continue
-        shown = _NO_MESSAGES if decoder.defined else _first(file, chunks[0], number)
-        fields = decoder.fields(shown, np.zeros(1, np.int64))
+        declared = Channel(channel.topic, channel.message_encoding, channel.schema_id)
+        try:
+            decoder = decoder_of(declared, ours, Definitions())
+            shown = _NO_MESSAGES if decoder.defined else _first(file, chunks[0], number)
+            fields = decoder.fields(shown, np.zeros(1, np.int64))
+        except CannotDecodeError as error:
+            unused.append(Unused(channel.topic, name, count, str(error)))
+            continue
         start, end = min(c.message_start_time for c in chunks), max(c.message_end_time for c in chunks)
         rate = (count - 1) / (end - start) * SECOND if end > start else None
-        recipes = shapes.recognise(fields, ours.name if ours else "", channel.topic)
+        recipes = shapes.recognise(fields, name, channel.topic)
+        if not recipes:
+            unused.append(Unused(channel.topic, name, count, NO_QUANTITY))
         for recipe in (r for r in recipes if r.kind not in ("pose", "orientation")):  # no streams of the summary
-            schema_name = ours.name if ours else ""
-            origin = origin_of(recipe.kind, None, above_sea=channel.topic in above, schema=schema_name)
+            origin = origin_of(recipe.kind, None, above_sea=channel.topic in above, schema=name)
             epoch = "unix" if start > UNIX else "log"
             yield StreamSummary(
                 channel.topic, recipe.kind, count, rate, start, end, epoch, (), (), origin.units, origin.frame

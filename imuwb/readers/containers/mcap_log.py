@@ -1,9 +1,11 @@
 """MCAP logs: IMU, GNSS, temperature and speed messages of any topic, recognised by the names of their fields."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
-from imuwb.readers.batch import Batch, Limits, Remark, simulated
+from imuwb.readers.batch import Batch, CannotSeekError, Limits, Remark
 from imuwb.readers.bytes.source import Source
+from imuwb.readers.containers.recording_folder import Form, has_recording
 from imuwb.readers.read_options import ReadOptions
 from imuwb.ros import MCAP_MAGIC
 from imuwb.summary import LogSummary
@@ -18,11 +20,19 @@ def probe(head: bytes) -> bool:
     return head.startswith(MCAP_MAGIC)
 
 
+FORM = Form(".mcap", probe)
+
+
+def probe_folder(folder: Path) -> bool:
+    """Return whether a folder has MCAP files, such as that of a rosbag2 recording."""
+    return has_recording(folder, FORM)
+
+
 def describe(path: Source) -> LogSummary | None:
     """Return a summary from the file's index, without reading its messages; None without an index."""
     from imuwb.readers.containers import mcap_index  # noqa: PLC0415 - only large files are summarised this way
 
-    return mcap_index.describe(path)
+    return None if isinstance(path, Path) and path.is_dir() else mcap_index.describe(path)
 
 
 def stream(path: Source, options: ReadOptions) -> Iterator[Batch | Remark]:
@@ -32,12 +42,10 @@ def stream(path: Source, options: ReadOptions) -> Iterator[Batch | Remark]:
         UnreadableLogError: the file has no whole message.
     """
     from imuwb.readers.containers.mcap_records import Recording  # noqa: PLC0415 - a probe and an index need no compiled code
+    from imuwb.readers.containers.split import container_of  # noqa: PLC0415
     from imuwb.readers.containers.topics import streamed  # noqa: PLC0415
 
-    recording = Recording(path)
-    yield from streamed(path, recording, options)
-    if recording.truth:
-        yield simulated(recording.truth)
+    return streamed(path, container_of(path, FORM, Recording), options)
 
 
 def part(path: Source, options: ReadOptions, limits: Limits) -> Iterator[Batch | Remark]:
@@ -46,6 +54,8 @@ def part(path: Source, options: ReadOptions, limits: Limits) -> Iterator[Batch |
     Raises:
         CannotSeekError: the file has no index, or its chunks are in no order of time.
     """
+    if isinstance(path, Path) and path.is_dir():
+        raise CannotSeekError
     from imuwb.readers.containers import mcap_part  # noqa: PLC0415 - a probe needs neither the library nor compiled code
 
     return mcap_part.part(path, options, limits)

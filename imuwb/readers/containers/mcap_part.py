@@ -18,6 +18,7 @@ from imuwb.readers.batch import Batch, CannotSeekError, Limits, Remark, simulate
 from imuwb.readers.bytes.ahead import ahead
 from imuwb.readers.bytes.source import Source, opened
 from imuwb.readers.bytes.unpack import LARGEST
+from imuwb.readers.containers.mcap_extras import above_sea_level, attachment_text, extras_note
 from imuwb.readers.containers.mcap_index import metadata_at
 from imuwb.readers.containers.mcap_records import (
     CHUNK,
@@ -26,7 +27,6 @@ from imuwb.readers.containers.mcap_records import (
     PREFIX,
     Recording,
     Records,
-    above_sea_level,
     unpacked_chunk,
 )
 from imuwb.readers.containers.messages import AHEAD, Channel, Messages, Piece, Schema
@@ -113,6 +113,10 @@ class _Chunks(Recording):
         for name, entries in (metadata_at(file, i) for i in summary.metadata_indexes if i.name in (OURS, TRUTH)):
             self.above_sea |= above_sea_level((name, entries))
             self.truth |= entries if name == TRUTH else {}
+        extras = [f"metadata {index.name}" for index in summary.metadata_indexes if index.name not in (OURS, TRUTH)]
+        extras += [attachment_text(a.name, a.media_type, a.data_size) for a in summary.attachment_indexes]
+        if extras:
+            self.notes.append(extras_note(extras))
 
     def first(self) -> list[int]:
         """Return the places of the chunks at the beginning, and of the first chunk of each channel."""

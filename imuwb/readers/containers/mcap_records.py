@@ -16,22 +16,31 @@ import numpy as np
 from isal import isal_zlib
 
 from imuwb.arrays import Bytes, Integers
-from imuwb.log import MEAN_SEA_LEVEL
 from imuwb.notes import Note
 from imuwb.readers.bytes import source
 from imuwb.readers.bytes.gather import gather
 from imuwb.readers.bytes.loops import compiled_loop, worth_compiling
 from imuwb.readers.bytes.source import Source, extended
 from imuwb.readers.bytes.unpack import unpack, unpack_front
+from imuwb.readers.containers.mcap_extras import (
+    above_sea_level,
+    attachment,
+    attachment_text,
+    extras_note,
+    metadata,
+    metadata_text,
+    text,
+)
 from imuwb.readers.containers.messages import Channel, Messages, Piece, RecordFile, Schema
 from imuwb.ros import MCAP_MAGIC as MAGIC
 from imuwb.ros import OURS, TRUTH
 
-FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, METADATA, DATA_END = 0x02, 0x03, 0x04, 0x05, 0x06, 0x0C, 0x0F
+FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, ATTACHMENT, METADATA, DATA_END = 0x02, 0x03, 0x04, 0x05, 0x06, 0x09, 0x0C, 0x0F
 PREFIX = 9  #: bytes of a record before its content: opcode u8, length u64
 HEADER = 22  #: bytes of a message before its payload: channel u16, sequence u32, log time u64, publish time u64
 LATEST = np.uint64(2**62)  #: ns; a later time (after 2116) is damage
 LOG_TIME, PUBLISH_TIME = 6, 14  #: offsets in a message
+ATTACHMENT_HEAD = 1 << 16  #: bytes of an attachment that are looked at
 CHUNK_HEADER = 40  #: bytes of a chunk before its records, at least
 
 
@@ -79,39 +88,6 @@ def walk(buffer: Bytes, start: int = 0) -> Records:
     return Records(*tables, end)
 
 
-def text(content: bytes, at: int) -> tuple[str, int]:
-    """Return a text that is stored after its length, and the offset of its end.
-
-    Raises:
-        ValueError: the text is longer than its record.
-    """
-    size = struct.unpack_from("<I", content, at)[0]
-    if at + 4 + size > len(content):
-        raise ValueError(f"a text of {size} bytes is longer than its record")
-    return content[at + 4 : at + 4 + size].decode("utf-8", "replace"), at + 4 + size
-
-
-def metadata(content: bytes) -> tuple[str, dict[str, str]]:
-    """Return a metadata record's name and entries.
-
-    Raises:
-        ValueError, struct.error: the record is damaged.
-    """
-    name, at = text(content, 0)
-    end = at + 4 + struct.unpack_from("<I", content, at)[0]
-    at, entries = at + 4, dict[str, str]()
-    while at < min(end, len(content)):
-        key, at = text(content, at)
-        entries[key], at = text(content, at)
-    return name, entries
-
-
-def above_sea_level(record: tuple[str, dict[str, str]]) -> set[str]:
-    """Return the topics whose heights are above mean sea level, according to metadata that imuwb wrote."""
-    name, entries = record
-    return {topic for topic, text in entries.items() if MEAN_SEA_LEVEL in text} if name == OURS else set()
-
-
 def unpacked_chunk(chunk: memoryview) -> bytes | memoryview:
     """Return the unpacked records of a chunk; their checksum is tested.
 
@@ -155,11 +131,13 @@ class Recording(RecordFile[Records]):
     def __init__(self, log: Source) -> None:
         """Set the file, or the remote log; nothing is read yet."""
         super().__init__(log)
-        self.truth: dict[str, str] = {}  #: parameters of a simulated log, by metadata that imuwb wrote
+        self.extras: list[str] = []  #: attachments and metadata that are not used
 
     def messages(self) -> Iterator[Messages]:
         """Yield the messages of each chunk, or, in a file without chunks, of each block."""
         yield from super().messages()
+        if self.extras:
+            self.notes.append(extras_note(self.extras))
         if self.damaged:
             text = f"{self.damaged} messages with an impossible recorded time left out"
             self.notes.append(Note("impossible_time", text))
@@ -209,8 +187,10 @@ class Recording(RecordFile[Records]):
     def _messages(self, piece: Piece[Records]) -> Iterator[Messages]:
         opcode, content, length, _ = piece.records
         raw = piece.buffer.data
-        for i in np.flatnonzero(np.isin(opcode, (SCHEMA, CHANNEL, METADATA))):
-            self._declare(int(opcode[i]), bytes(raw[content[i] : content[i] + length[i]]))
+        for i in np.flatnonzero(np.isin(opcode, (SCHEMA, CHANNEL, METADATA, ATTACHMENT))):
+            # Of an attachment, which may be large, only its beginning is needed.
+            size = min(length[i], ATTACHMENT_HEAD) if opcode[i] == ATTACHMENT else length[i]
+            self._declare(int(opcode[i]), bytes(raw[content[i] : content[i] + size]))
         plain = (opcode == MESSAGE) & (length >= HEADER)
         at, sizes = content[plain], length[plain]
         log_time = gather(piece.buffer, at + LOG_TIME, "<u8")
@@ -238,6 +218,10 @@ class Recording(RecordFile[Records]):
                 self.above_sea |= above_sea_level(record)
                 if record[0] == TRUTH:
                     self.truth |= record[1]
+                elif record[0] != OURS:
+                    self.extras.append(metadata_text(record))
+            elif opcode == ATTACHMENT:
+                self.extras.append(attachment_text(*attachment(content)))
             else:
                 number, schema = struct.unpack_from("<HH", content)
                 topic, at = text(content, 4)

@@ -74,6 +74,7 @@ class Container(ABC):
         self.schemas: dict[int, Schema] = {}
         self.channels: dict[int, Channel] = {}
         self.notes: list[Note] = []  #: notes on the faults of the part that is read
+        self.truth: dict[str, str] = {}  #: parameters of a simulated log, by metadata that imuwb wrote
         self.above_sea: set[str] = set()  #: topics whose heights are above mean sea level, as far as the file states it
 
     @abstractmethod

@@ -2,29 +2,42 @@
 
 import sqlite3
 from collections.abc import Iterator
-from contextlib import closing
 from pathlib import Path
-from urllib.parse import quote
 
 import numpy as np
 
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.containers.messages import Channel, Container, Messages, Schema
+from imuwb.readers.containers.recording_folder import Form, has_recording
+from imuwb.readers.containers.split import container_of
+from imuwb.readers.containers.sqlite_file import MAGIC, in_wal_mode, opened
 from imuwb.readers.containers.topics import streamed
 from imuwb.readers.read_options import ReadOptions
 
 format = "db3"  # noqa: A001 - the contract's name
 uses = ("time_source", "frame", "messages")
 ROWS = 4096  #: number of messages that are read at a time
-MAGIC = b"SQLite format 3\0"
 LARGEST = 64 << 20  #: bytes; larger messages, such as images, are not read
 EARLIEST, LATEST = 0, 2**62  #: ns; a time outside these limits is damage
 
 
 def probe(head: bytes) -> bool:
-    """Return whether the file begins as an SQLite database with topics."""
-    return head.startswith(MAGIC) and b"topics" in head
+    """Return whether the file begins as an SQLite database with topics; they may be in its write-ahead log alone."""
+    return head.startswith(MAGIC) and (b"topics" in head or in_wal_mode(head))
+
+
+FORM = Form(".db3", probe)
+
+
+def probe_folder(folder: Path) -> bool:
+    """Return whether a folder has databases, such as that of a rosbag2 recording."""
+    return has_recording(folder, FORM)
+
+
+def beside(name: str) -> tuple[str, ...]:
+    """Return the names of the files beside a database that hold a part of it."""
+    return f"{name}-wal", f"{name}-journal"
 
 
 def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
@@ -33,7 +46,7 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     Raises:
         UnreadableLogError: the database is no recording of ROS 2, or has no readable message.
     """
-    return streamed(path, Database(path), options)
+    return streamed(path, container_of(path, FORM, Database), options)
 
 
 class Database(Container):
@@ -46,9 +59,8 @@ class Database(Container):
 
     def messages(self) -> Iterator[Messages]:
         """Yield the messages, some thousand at a time."""
-        uri = f"file:{quote(str(self.path.resolve()))}?mode=ro&immutable=1"
         try:
-            with closing(sqlite3.connect(uri, uri=True)) as database:
+            with opened(self.path, self.notes) as database:
                 database.execute("PRAGMA writable_schema=ON")  # otherwise a cut file is not opened at all
                 _declare(database, self.channels, self.schemas)
                 yield from _messages(database, self.path.stat().st_size)

@@ -11,7 +11,7 @@ from imuwb.arrays import Floats, Integers
 from imuwb.errors import UnreadableLogError
 from imuwb.log import BY_FILTER, MEAN_SEA_LEVEL, Effect, Kind, Origin
 from imuwb.notes import Note
-from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.batch import Batch, Remark, simulated
 from imuwb.readers.bytes.gather import alike
 from imuwb.readers.bytes.source import Source
 from imuwb.readers.containers import shapes
@@ -53,6 +53,8 @@ def streamed(path: Source, container: Container, options: ReadOptions) -> Iterat
         raise UnreadableLogError(f"{path}: no message can be read: {why}")
     yield from map(Remark, container.notes)
     yield from topics.remarks()
+    if container.truth:
+        yield simulated(container.truth)
 
 
 def origin_of(kind: Kind, frame: str | None, *, above_sea: bool, unix: bool = False, schema: str = "") -> Origin:

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from imuwb.readers.batch import Remark, unused
+from imuwb.texts import names_text
 
 NO_QUANTITY = "no quantity that imuwb reads"
 MOST_NAMES = 12  #: topics of a type that are named; the others are counted
@@ -36,7 +37,6 @@ def unused_topics(topics: Iterable[Unused]) -> Iterator[Remark]:
 
 def _of_a_type(schema: str, topics: list[Unused]) -> str:
     """Return the topics of one type, with the number of their messages."""
-    names = ", ".join(topic.topic for topic in topics[:MOST_NAMES])
-    more = f" and {len(topics) - MOST_NAMES} more topics" if len(topics) > MOST_NAMES else ""
+    names = names_text([topic.topic for topic in topics], MOST_NAMES)
     count = sum(topic.messages for topic in topics)
-    return f"{names}{more}: {count} messages of {schema or 'no schema'}"
+    return f"{names}: {count} messages of {schema or 'no schema'}"

@@ -72,7 +72,7 @@ def sidecar_of(path: Path) -> Path | None:
 def _candidates(path: Path) -> list[Path]:
     """Return the files that may be the sidecar of a log."""
     names = dict.fromkeys((f"{path.name}.toml", f"{path.name.split('.')[0]}.toml"))
-    return [place for name in names if (place := path.with_name(name)).is_file()]
+    return [place for name in names if (place := path.parent / name).is_file()]
 
 
 def _content(sidecar: Path) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from imuwb.readers.containers.mcap_records import MAGIC, Recording, walk
 
 T = 1_714_564_800 * 10**9
 COUNT = 40
-FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, METADATA, DATA_END = 2, 3, 4, 5, 6, 12, 15
+FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, ATTACHMENT, METADATA, DATA_END = 2, 3, 4, 5, 6, 9, 12, 15
 PACK = {"": bytes, "zstd": zstandard.compress, "lz4": lz4.frame.compress}
 
 
@@ -321,12 +321,38 @@ def test_the_end_after_the_messages_is_checked(whole, change, text):
     assert [(note.id, text in note) for note in log.notes] == ([("end_damaged", True)] if text else [])
 
 
-def test_damaged_metadata_are_noted_and_others_ignored(by_hand, declared, some):
-    others = record(METADATA, text("theirs") + struct.pack("<I", 0))
+def test_damaged_metadata_are_noted(by_hand, declared, some):
     damaged = record(METADATA, text("imuwb") + struct.pack("<I", 50) + text("/fix") + struct.pack("<I", 99))
-    log = read(by_hand(declared, others, damaged, some(0)))
+    log = read(by_hand(declared, damaged, some(0)))
     assert numbers(log) == [0, 1, 2, 3]
     assert ids(log.notes) == ("damaged_record",)
+
+
+def attachment(name, media_type, data):
+    content = struct.pack("<QQ", 0, 0) + text(name) + text(media_type) + struct.pack("<Q", len(data)) + data
+    return record(ATTACHMENT, content + bytes(4))
+
+
+def test_metadata_and_attachments_of_others_are_named_in_one_note(by_hand, declared, some):
+    entries = text("driver") + text("1.2") + text("vehicle") + text("van")
+    others = [
+        record(METADATA, text("theirs") + struct.pack("<I", len(entries)) + entries),
+        attachment("calibration.yaml", "text/yaml", bytes(100)),
+        attachment("map", "", bytes(200_000)),
+    ]
+    log = read(by_hand(declared, *others, some(0)))
+    assert numbers(log) == [0, 1, 2, 3]
+    assert ids(log.notes) == ("unused",)
+    for part in ("theirs (driver, vehicle)", "calibration.yaml (text/yaml, 100 bytes)", "map (200000 bytes)"):
+        assert part in log.notes[0]
+
+
+@pytest.mark.parametrize("size", [8, 30, 60])
+def test_a_damaged_attachment_is_noted(by_hand, declared, some, size):
+    whole = attachment("calibration.yaml", "text/yaml", bytes(100))
+    log = read(by_hand(declared, record(ATTACHMENT, whole[9 : 9 + size]), some(0)))
+    assert numbers(log) == [0, 1, 2, 3]
+    assert len(log.notes) == 1
 
 
 def test_records_are_found_the_same_with_and_without_the_compiler(declared, some, monkeypatch):
