@@ -5,17 +5,13 @@ file, so they are searched first. A record is used only if another begins right 
 """
 
 import re
-from collections import defaultdict
-from collections.abc import Collection
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from imuwb.arrays import Bytes, Integers
 from imuwb.compiled import compiled
-from imuwb.readers.bytes.gather import Field, columns
+from imuwb.readers.bytes.gather import Field
 
 HEAD = b"\xa3\x95"
 FMT, FMT_SIZE = 128, 89
@@ -52,12 +48,12 @@ def formats(buffer: Bytes) -> dict[int, RecordFormat]:
     data = buffer.tobytes()
     for match in re.finditer(HEAD + bytes([FMT]), data):
         at = match.start()
-        if at + FMT_SIZE <= len(data) and (described := _format(data[at + 3 : at + FMT_SIZE])) is not None:
-            known.setdefault(data[at + 3], described)
+        if at + FMT_SIZE <= len(data) and (found := described(data[at + 3 : at + FMT_SIZE])) is not None:
+            known.setdefault(data[at + 3], found)
     return known
 
 
-def _format(body: bytes) -> RecordFormat | None:
+def described(body: bytes) -> RecordFormat | None:
     """Return the format that an FMT record's body describes; None for another body."""
     size, name, letters, names = body[1], body[2:6], body[6:22].rstrip(b"\0"), body[22:86].rstrip(b"\0")
     if not _NAME.fullmatch(name) or not all(chr(letter) in _KINDS for letter in letters):
@@ -79,9 +75,9 @@ def _walk(
     sizes: Integers,
     number: Bytes,
     start: Integers,
-) -> tuple[int, int, int]:  # pragma: no cover - compiled
-    """Fill the tables; return the number of records, where the search ended, and the bytes between records."""
-    count, at, skipped, end = 0, 0, 0, buffer.size
+) -> tuple[int, int]:  # pragma: no cover - compiled
+    """Fill the tables; return the number of records, and where the search ended."""
+    count, at, end = 0, 0, buffer.size
     while at + 3 <= end and count < number.size:
         size = sizes[buffer[at + 2]] if buffer[at] == 0xA3 and buffer[at + 1] == 0x95 else 0  # noqa: PLR2004 - HEAD
         after = at + int(size)
@@ -97,42 +93,18 @@ def _walk(
             at = after
         else:
             at += 1
-            skipped += 1
-    return count, at, skipped
+    return count, at
 
 
-@dataclass(slots=True)
-class Tables:
-    """Records by name, column by column; the file is taken block by block."""
+def walk(buffer: Bytes, *, last: bool, sizes: Integers) -> tuple[Bytes, Integers, int]:
+    """Return the number and the place of each record of a block, and where the search ended.
 
-    formats: dict[int, RecordFormat]
-    wanted: Collection[str]
-    records: int = 0
-    skipped: int = 0  #: bytes that belong to no record
-    _pieces: dict[str, list[dict[str, NDArray[Any]]]] = field(default_factory=lambda: defaultdict(list))
-
-    def take(self, buffer: Bytes, *, last: bool) -> int:
-        """Keep the records of a block; return where the next block begins."""
-        sizes = np.zeros(256, np.int64)
-        for number, described in self.formats.items():
-            sizes[number] = described.size
-        room = buffer.size // 3 + 1
-        numbers, starts = np.empty(room, np.uint8), np.empty(room, np.int64)
-        count, end, skipped = _walk(buffer, last, sizes, numbers, starts)
-        self.records += count
-        self.skipped += skipped + (buffer.size - end if last else 0)
-        for number, described in self.formats.items():
-            if described.name in self.wanted:
-                rows = starts[:count][numbers[:count] == number]
-                if rows.size:
-                    raw = columns(described.fields, buffer, rows)
-                    scaled = {f.name: raw[f.name] * f.factor for f in described.fields if f.factor != 1}
-                    self._pieces[described.name].append(raw | scaled)
-        return end
-
-    def table(self, name: str) -> dict[str, NDArray[Any]] | None:
-        """Return a record's columns, {field: (n,) or (n, count)}; None without such a record."""
-        pieces = self._pieces.get(name)
-        if not pieces:
-            return None
-        return {key: np.concatenate([piece[key] for piece in pieces]) for key in pieces[0]}
+    Args:
+        buffer: bytes.
+        last: whether nothing follows this block.
+        sizes: (256,) bytes of the records of each number; 0 for a number without a format.
+    """
+    room = buffer.size // 3 + 1
+    numbers, starts = np.empty(room, np.uint8), np.empty(room, np.int64)
+    count, end = _walk(buffer, last, sizes, numbers, starts)
+    return numbers[:count], starts[:count], end

@@ -7,34 +7,39 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from imuwb.arrays import Floats
+from imuwb.arrays import Booleans, Floats
 from imuwb.errors import UnreadableLogError
 from imuwb.log import MEAN_SEA_LEVEL, Epoch, Nanoseconds, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes import source
 from imuwb.readers.flight import trajectory
-from imuwb.readers.flight.dataflash_records import FMT_SIZE, Tables, formats
+from imuwb.readers.flight.dataflash_batches import high_rate
+from imuwb.readers.flight.dataflash_records import FMT_SIZE, formats
+from imuwb.readers.flight.dataflash_tables import Tables
 from imuwb.readers.flight.dataflash_text import TextTables
 from imuwb.readers.flight.dataflash_units import si_factors
+from imuwb.readers.flight.left_out import dataflash_left_out
 from imuwb.readers.gps_time import unix_of_gps
 from imuwb.sampling import nearest
-from imuwb.units import SECOND
 
 Columns = Mapping[str, NDArray[Any]]
 
 IMUS, RECEIVERS, ACCURACIES = ("IMU", "IMU2", "IMU3"), ("GPS", "GPS2"), ("GPA", "GPA2")
+#: single sensors at their full rate, of one IMU: accelerometer and gyro, now with an instance, earlier with a number
+SENSORS = (("ACC", "GYR"), ("ACC1", "GYR1"), ("ACC2", "GYR2"), ("ACC3", "GYR3"))
 SOLUTIONS = ("XKF1", "NKF1", "EKF1")
-WANTED = {*IMUS, *RECEIVERS, *ACCURACIES, *SOLUTIONS, "POS", "ATT", "ISBH", "ISBD", "FMTU", "UNIT", "MULT"}
+WANTED = {
+    *IMUS, *RECEIVERS, *ACCURACIES, *SOLUTIONS, *(name for pair in SENSORS for name in pair),
+    "POS", "ATT", "ISBH", "ISBD", "FMTU", "UNIT", "MULT",
+}  # fmt: skip
+DESCRIPTIONS = ("FMT", "FMTU", "UNIT", "MULT")  #: records about records
 HOTTEST = 300.0  #: °C; a temperature beyond is damage
 FASTEST, STRONGEST = 200.0, 5000.0  #: rad/s and m/s²; a sample beyond is damage
 NEAR = 500_000_000  #: ns; a fix takes an accuracy whose time differs by less
-BATCH_SIZE = 32  #: samples in a record of a high-rate batch
-ACCEL = 0  #: kind of a high-rate batch; gyro is 1
 FIXED = 3  #: least status of a fix in three dimensions
 WEEKS = (1000, 5000)  #: GPS weeks of 1999 and 2075; a receiver with a week outside does not know the week
 IMU_UNITS, POSITION_UNITS = "rad/s, m/s²", f"deg, m ({MEAN_SEA_LEVEL}), m/s"
-_HEAD = ("N", "type", "instance", "mul", "smp_cnt", "SampleUS", "smp_rate")
 _TRIADS = {"angular_rate": ("GyrX", "GyrY", "GyrZ"), "specific_force": ("AccX", "AccY", "AccZ")}
 
 
@@ -50,8 +55,10 @@ def streamed(path: Path, *, binary: bool) -> Iterator[Batch | Remark]:
         raise UnreadableLogError(
             f"{path}: no record has one of the formats that the file describes; it is cut or damaged"
         )
-    yield from (Remark(note) for note in notes)
-    yield from _Streams(tables, path.stat().st_size).all()
+    yield from (Remark(note) for note in (*notes, *_layout_notes(tables)))
+    streams = _Streams(tables, path.stat().st_size)
+    yield from streams.all()
+    yield from dataflash_left_out(tables.counts, tables.labels, streams.used)
 
 
 def _binary_tables(path: Path, notes: list[str]) -> Tables:
@@ -87,12 +94,25 @@ def _text_tables(path: Path, notes: list[str]) -> TextTables:
     return tables
 
 
+def _layout_notes(tables: Tables | TextTables) -> Iterator[Note]:
+    """Yield a note for each used record that the log describes in several ways."""
+    for name in sorted(WANTED):
+        labels = tables.labels_of(name)
+        if len(labels) > 1:
+            listed = "; ".join(",".join(one) for one in labels)
+            yield Note(
+                "several_layouts", f"{name} records have {len(labels)} layouts, and each is read by its own: {listed}"
+            )
+
+
 class _Streams:
     """Makes batches from the tables of records."""
 
     def __init__(self, tables: Tables | TextTables, size: int) -> None:
         self._tables, self._size = tables, size
-        self._factors = si_factors(tables)
+        self.used: set[str] = {*DESCRIPTIONS}  #: names of the records that are used
+        fields = {field for triad in _TRIADS.values() for field in triad}
+        self._factors = {key: factor for key, factor in si_factors(tables).items() if key[1] in fields}
         self._offset = self._unix_offset()
         self._epoch: Epoch = "boot" if self._offset is None else "unix"
         self._imu_origin = Origin(IMU_UNITS, "FRD", self._epoch)
@@ -102,7 +122,8 @@ class _Streams:
         """Yield all streams, then a note on the clock."""
         for name in IMUS:
             for stream, columns in self._instances(name):
-                yield from self._imu(stream, name, columns)
+                yield from self._imu(stream, columns)
+        yield from self._single_sensors()
         yield from self._high_rate()
         for name, accuracy in zip(RECEIVERS, ACCURACIES, strict=True):
             accuracies = dict(self._instances(accuracy))
@@ -117,7 +138,7 @@ class _Streams:
 
     def _table(self, name: str) -> Columns | None:
         """Return the columns of a kind of record; None if the log has no such record, or none with a time."""
-        table = self._tables.table(name)
+        table = self._tables.table(name, self._factors)
         if table is None:
             return None
         if name not in ("ISBH", "ISBD"):  # a damaged format may state arrays where there are none
@@ -132,16 +153,21 @@ class _Streams:
         if "I" not in table:
             yield name, table
             return
-        for instance in np.unique(table["I"]):
-            rows = table["I"] == instance
-            yield f"{name}.{int(instance)}", {key: column[rows] for key, column in table.items()}
+        instance = table["I"].astype(np.float64)
+        for one in np.unique(instance):  # nan: records of a layout without an instance
+            rows = np.isnan(instance) if np.isnan(one) else instance == one
+            stream = name if np.isnan(one) else f"{name}.{int(one)}"
+            yield stream, {key: column[rows] for key, column in table.items()}
 
     def _boot(self, columns: Columns) -> Nanoseconds:
         """Return the time since power-up."""
-        ticks, unit = (columns["TimeUS"], 1000) if "TimeUS" in columns else (columns["TimeMS"], 1_000_000)
-        if "TimeUS" not in columns and {"Week", "T"} <= columns.keys():  # TimeMS of an old fix is its time of week
-            ticks = columns["T"]
-        return ticks.astype(np.int64).clip(0, 2**62 // unit) * unit
+        # TimeMS of an old fix is its time of week
+        old = columns.get("T" if {"Week", "T"} <= columns.keys() else "TimeMS")
+        ticks = columns.get("TimeUS")
+        if ticks is None or (old is not None and np.isnan(ticks).any()):  # of records in two layouts, some have each
+            assert old is not None  # noqa: S101 - _table has checked
+            ticks = old.astype(np.float64) * 1000 if ticks is None else np.where(np.isnan(ticks), old * 1000.0, ticks)
+        return _microseconds(ticks)
 
     def _time(self, columns: Columns) -> Nanoseconds:
         return self._boot(columns) + (self._offset or 0)
@@ -150,32 +176,26 @@ class _Streams:
         """Return the offset (ns) of Unix time from the time since power-up; None if no fix states the date."""
         offsets = [np.empty(0, np.int64)]
         for table in filter(None, map(self._table, RECEIVERS)):
-            week = next((table[key] for key in ("GWk", "Week") if key in table), None)
-            milliseconds = next((table[key] for key in ("GMS", "TimeMS") if key in table), None)
+            week, milliseconds = _either(table, "GWk", "Week"), _either(table, "GMS", "TimeMS")
             if week is None or milliseconds is None or not ("TimeUS" in table or "T" in table):
                 continue
             first, last = WEEKS
-            dated = (week > first) & (week < last) & (table.get("Status", week * 0 + FIXED) >= FIXED)
+            dated = (week > first) & (week < last) & np.isfinite(milliseconds)
+            dated &= table.get("Status", np.full(week.size, FIXED)) >= FIXED
             unix = unix_of_gps(week[dated].astype(np.int64), milliseconds[dated].astype(np.int64))
             offsets.append(unix - self._boot(table)[dated])
         every = np.concatenate(offsets)
         return int(np.median(every)) if every.size else None
 
-    def _imu(self, stream: str, name: str, columns: Columns) -> Iterator[Batch | Remark]:
+    def _imu(self, stream: str, columns: Columns) -> Iterator[Batch | Remark]:
         if not all(field in columns for fields in _TRIADS.values() for field in fields):
             text = f"{stream}: not used: it lacks an axis of the gyro or the accelerometer"
             yield Remark(Note("missing_axis", text))
             return
-        values = {
-            key: trajectory.triples(columns, fields)
-            * np.array([self._factors.get((name, field), 1.0) for field in fields])
-            for key, fields in _TRIADS.items()
-        }
-        possible = (np.abs(values["angular_rate"]) < FASTEST).all(axis=1)
-        possible &= (np.abs(values["specific_force"]) < STRONGEST).all(axis=1)
-        if not possible.all():
-            note = Note("impossible_value", "rows with values beyond any sensor's range left out")
-            yield Remark(note, stream, int(np.count_nonzero(~possible)))
+        self.used.add(stream.partition(".")[0])
+        values = {key: trajectory.triples(columns, fields) for key, fields in _TRIADS.items()}
+        possible = _possible(values)
+        yield from _impossible(stream, possible)
         time, origin = self._time(columns), self._imu_origin
         if possible.any():
             yield Batch(
@@ -200,33 +220,35 @@ class _Streams:
                 exact=True,
             )
 
+    def _single_sensors(self) -> Iterator[Batch | Remark]:
+        """Yield accelerometers and gyros that are logged at their full rate, each with the clock of its samples."""
+        for names in SENSORS:
+            for name, key in zip(names, ("specific_force", "angular_rate"), strict=True):
+                for stream, columns in self._instances(name):
+                    if not set(_TRIADS[key]) <= columns.keys():
+                        yield Remark(Note("missing_axis", f"{stream}: not used: it lacks an axis"))
+                        continue
+                    self.used.add(name)
+                    imu = "+".join(stream.replace(name, one) for one in names)
+                    values = {key: trajectory.triples(columns, _TRIADS[key])}
+                    possible = _possible(values)
+                    yield from _impossible(imu, possible)
+                    sampled = columns.get("SampleUS", np.zeros(1))
+                    time = _microseconds(sampled) + (self._offset or 0) if sampled.all() else self._time(columns)
+                    if possible.any():
+                        kept = {key: values[key][possible]}
+                        yield Batch(imu, "imu", time[possible], kept, self._imu_origin, self._size, exact=True)
+
     def _high_rate(self) -> Iterator[Batch | Remark]:
-        """Yield the high-rate batches: samples of one sensor at its full rate, for a short time."""
         heads, data = self._table("ISBH"), self._table("ISBD")
-        if heads is None or data is None or not _is_high_rate(heads, data):
-            return
-        order = np.lexsort((data["seqno"], data["N"]))
-        number = data["N"][order]
-        samples = np.stack([data[axis][order] for axis in "xyz"], axis=-1).reshape(-1, BATCH_SIZE, 3)
-        lost = 0
-        for i in range(heads["N"].size):
-            head = {key: heads[key][i] for key in _HEAD}
-            first, last = np.searchsorted(number, head["N"]), np.searchsorted(number, head["N"], side="right")
-            values, rate, multiplier = samples[first:last].reshape(-1, 3), float(head["smp_rate"]), float(head["mul"])
-            if not (len(values) == int(head["smp_cnt"]) and rate > 0 and multiplier > 0):
-                lost += 1
-                continue
-            start = int(head["SampleUS"]) * 1000 + (self._offset or 0)
-            time = start + np.rint(np.arange(len(values)) * (SECOND / rate)).astype(np.int64)
-            quantity = "specific_force" if int(head["type"]) == ACCEL else "angular_rate"
-            columns = {quantity: values / multiplier}
-            yield Batch(f"ISB.{int(head['instance'])}", "imu", time, columns, self._imu_origin, self._size, exact=True)
-        if lost:
-            yield Remark(Note("cut_batch", f"{lost} incomplete high-rate batches left out"))
+        if heads is not None and data is not None:
+            self.used |= {"ISBH", "ISBD"}
+            yield from high_rate(heads, data, self._offset or 0, self._imu_origin, self._size)
 
     def _receiver(self, stream: str, columns: Columns, accuracy: Columns | None) -> Iterator[Batch | Remark]:
         if not {"Lat", "Lng", "Alt", "Spd"} <= columns.keys():
             return
+        self.used |= {stream.partition(".")[0], *(ACCURACIES if accuracy is not None else ())}
         unknown = np.full(columns["Lat"].size, np.nan)
         fields = {name: columns.get(name, unknown).astype(float) for name in ("Spd", "GCrs", "VZ", "Status")}
         sigmas = {name: self._accuracies(columns, accuracy, name) for name in ("HAcc", "VAcc", "SAcc")}
@@ -253,11 +275,14 @@ class _Streams:
         place = self._table("POS")
         if place is None or not {"Lat", "Lng", "Alt"} <= place.keys():
             return
+        self.used.add("POS")
         boot = self._boot(place)
         columns = {"position": trajectory.positions(place["Lat"], place["Lng"], place["Alt"])}
         names = ("VN", "VE", "VD")
-        for table in filter(None, map(self._table, SOLUTIONS)):
-            if set(names) <= table.keys():
+        for name in SOLUTIONS:
+            table = self._table(name)
+            if table is not None and set(names) <= table.keys():
+                self.used.add(name)
                 rows = table["C"] == table["C"][0] if "C" in table else np.ones(table["VN"].size, dtype=bool)
                 columns["velocity"] = trajectory.interpolated(
                     boot, self._boot(table)[rows], trajectory.triples(table, names)[rows]
@@ -265,15 +290,35 @@ class _Streams:
                 break
         attitude = self._table("ATT")
         if attitude is not None and {"Roll", "Pitch", "Yaw"} <= attitude.keys():
+            self.used.add("ATT")
             angles = np.radians(trajectory.triples(attitude, ("Roll", "Pitch", "Yaw")))
             columns |= trajectory.attitudes(boot, self._boot(attitude), angles)
         origin = Origin(POSITION_UNITS, trajectory.ESTIMATED, self._epoch)
         yield from trajectory.located("POS", "reference", self._time(place), columns, origin, self._size)
 
 
-def _is_high_rate(heads: Columns, data: Columns) -> bool:
-    """Return whether the records of high-rate batches have all their fields."""
-    nothing = np.empty(0)
-    if any(heads.get(key, nothing).ndim != 1 or not heads.get(key, nothing).size for key in _HEAD):
-        return False
-    return {"N", "seqno", "x", "y", "z"} <= data.keys() and all(data[axis].ndim == 2 for axis in "xyz")  # noqa: PLR2004
+def _microseconds(ticks: NDArray[Any]) -> Nanoseconds:
+    """Return microseconds as nanoseconds; a damaged number becomes a time that later is found to be impossible."""
+    if ticks.dtype.kind == "f":
+        ticks = np.nan_to_num(ticks)
+    return ticks.clip(0, 2**62 // 1000).astype(np.int64) * 1000
+
+
+def _either(table: Columns, name: str, other: str) -> NDArray[Any] | None:
+    """Return a column, and where it is missing or nan the other; None if the table has neither."""
+    first, second = table.get(name), table.get(other)
+    if first is None or second is None:
+        return second if first is None else first
+    return np.where(np.isnan(first), second, first)
+
+
+def _possible(values: Mapping[str, Floats]) -> Booleans:
+    """Return which rows a sensor can have measured."""
+    limits = {"angular_rate": FASTEST, "specific_force": STRONGEST}
+    return np.all([(np.abs(columns) < limits[key]).all(axis=1) for key, columns in values.items()], axis=0)
+
+
+def _impossible(stream: str, possible: Booleans) -> Iterator[Remark]:
+    if not possible.all():
+        note = Note("impossible_value", "rows with values beyond any sensor's range left out")
+        yield Remark(note, stream, int(np.count_nonzero(~possible)))

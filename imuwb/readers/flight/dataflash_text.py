@@ -2,12 +2,10 @@
 
 from collections import defaultdict
 from collections.abc import Collection, Iterable
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from imuwb.arrays import Floats
+from imuwb.readers.flight.dataflash_tables import Factors, Table, stacked
 
 STATED = ("FMTU", "UNIT", "MULT")  #: records that are text
 LARGEST = 2.0**53  #: a larger time (µs) or instance is damage
@@ -15,16 +13,21 @@ BATCH = 1 << 16  #: number of rows that become an array at a time
 
 
 class TextTables:
-    """Records by name, column by column."""
+    """Records by name, column by column.
+
+    A record may be described again with other fields: a row has the latest description with its number of cells.
+    """
 
     def __init__(self, wanted: Collection[str]) -> None:
         """Set the names of the records to keep."""
         self.records = 0
         self.bad = 0  #: lines of a wanted record that are cut, or have a text in place of a number
+        self.counts: dict[str, int] = defaultdict(int)  #: records by name
         self._wanted = wanted
-        self._names: dict[str, tuple[str, ...]] = {}
+        self._described: dict[str, list[tuple[str, ...]]] = defaultdict(list)
+        self._labels: dict[str, tuple[str, ...]] = {}  #: of the rows that are not yet packed
         self._rows: dict[str, list[list[float]]] = defaultdict(list)
-        self._arrays: dict[str, list[Floats]] = defaultdict(list)
+        self._tables: dict[str, list[Table]] = defaultdict(list)
 
     def take(self, lines: Iterable[bytes], *, to_first_bad: bool = False) -> None:
         """Keep the records of some lines; on request, stop at the first bad line."""
@@ -33,35 +36,50 @@ class TextTables:
             record = name.strip().decode("ascii", "replace")
             if record == "FMT":
                 cells = [cell.strip() for cell in rest.decode("ascii", "replace").split(",")]
-                if len(cells) >= 5:  # noqa: PLR2004 - number, size, name, letters, at least one field
-                    self._names.setdefault(cells[2], tuple(cells[4:]))
-            elif record in self._names and record in self._wanted and record not in STATED:
+                if len(cells) >= 5 and tuple(cells[4:]) not in self._described[cells[2]][-1:]:  # noqa: PLR2004 - number, size, name, letters, at least one field
+                    self._described[cells[2]].append(tuple(cells[4:]))
+            elif record in self._described and record in self._wanted and record not in STATED:
                 self._row(record, rest)
             self.records += bool(record)
+            if record in self._described or record in self._wanted or record == "FMT":
+                self.counts[record] += 1
             if to_first_bad and self.bad:
                 return
 
-    def table(self, name: str) -> dict[str, NDArray[Any]] | None:
-        """Return a record's columns, {field: (n,)}; None without such a record."""
+    @property
+    def labels(self) -> dict[str, tuple[str, ...]]:
+        """Return the fields of the records of each name."""
+        return {name: described[-1] for name, described in self._described.items() if described}
+
+    def labels_of(self, name: str) -> list[tuple[str, ...]]:
+        """Return the fields of each layout of the records of a name."""
         self._pack(name)
-        if not self._arrays[name]:
-            return None
-        rows = np.concatenate(self._arrays[name])
-        return {label: rows[:, i] for i, label in enumerate(self._names[name])}
+        return list(dict.fromkeys(tuple(table) for table in self._tables.get(name, ())))
+
+    def table(self, name: str, factors: Factors | None = None) -> Table | None:
+        """Return a record's columns, {field: (n,)}; None without such a record; a text log has its fields in SI."""
+        del factors
+        self._pack(name)
+        return stacked(self._tables[name]) if self._tables[name] else None
 
     def _row(self, record: str, rest: bytes) -> None:
         cells = rest.split(b",")
+        labels = next((one for one in reversed(self._described[record]) if len(one) == len(cells)), None)
         try:
             row = [float(cell) for cell in cells]
         except ValueError:
             row = []
-        if len(row) != len(self._names[record]) or not all(abs(x) < LARGEST for x in row[:2]):  # time and instance
+        if not row or labels is None or not all(abs(x) < LARGEST for x in row[:2]):  # time and instance
             self.bad += 1
             return
+        if self._labels.setdefault(record, labels) != labels:
+            self._pack(record)
+            self._labels[record] = labels
         self._rows[record].append(row)
         if len(self._rows[record]) == BATCH:
             self._pack(record)
 
     def _pack(self, record: str) -> None:
-        if self._rows[record]:
-            self._arrays[record].append(np.array(self._rows.pop(record)))
+        if self._rows.get(record):
+            rows = np.array(self._rows.pop(record))
+            self._tables[record].append({label: rows[:, i] for i, label in enumerate(self._labels[record])})

@@ -39,6 +39,7 @@ class Telemetry:
         """Read the file."""
         self.frames = self.failed = self.unknown = self.skipped = self.impossible = self.bytes_read = 0
         self.notes: list[str] = []  #: notes on the packed file
+        self.counts: dict[int, int] = defaultdict(int)  #: sound frames by the number of their message
         self._pieces: dict[Key, list[Rows]] = defaultdict(list)  #: block by block
         with source.open_unpacked(path) as file:
             rest, offset = b"", 0
@@ -78,6 +79,8 @@ class Telemetry:
         recorded = gather(buffer, frames.record, ">u8")
         possible = (recorded > EARLIEST) & (recorded < LATEST)
         self.impossible += int(np.count_nonzero(~possible))
+        for number, count in zip(*np.unique(frames.number, return_counts=True), strict=True):
+            self.counts[int(number)] += int(count)
         key = (frames.system << 40) | (frames.component << 32) | frames.number
         wanted = np.flatnonzero(possible & np.isin(frames.number, list(LAYOUTS)))
         for message in np.unique(key[wanted]):

@@ -12,6 +12,7 @@ from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.flight import trajectory
 from imuwb.readers.flight.boot_clock import BootClock, boot_clock
+from imuwb.readers.flight.left_out import mavlink_left_out
 from imuwb.readers.flight.mavlink_fields import LAYOUTS
 from imuwb.readers.flight.telemetry import EARLIEST, LATEST, MICRO, Key, Rows, Telemetry, Values
 from imuwb.readers.read_options import ReadOptions
@@ -47,8 +48,10 @@ def streamed(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
             f"{log.skipped} bytes belong to no frame"
         )
     yield from (Remark(note) for note in log.notes)
-    yield from _Streams(log, own_time=options.time_source == "header").all()
+    streams = _Streams(log, own_time=options.time_source == "header")
+    yield from streams.all()
     yield from (Remark(note) for note in log.faults())
+    yield from mavlink_left_out(log.counts, streams.used)
 
 
 class _Streams:
@@ -57,6 +60,13 @@ class _Streams:
     def __init__(self, log: Telemetry, *, own_time: bool) -> None:
         self._bytes_read, self._own_time = log.bytes_read, own_time
         self._rows = log.rows()
+        self.used = {
+            *IMUS,
+            *RECEIVERS,
+            SYSTEM_TIME,
+            SOLUTION,
+        }  #: messages that are used; an attitude is, with a solution
+        self.used |= {ATTITUDE} if any(key[2] == SOLUTION for key in self._rows) else set()
         clocks = {part: _clock(self._rows, part) for part in dict.fromkeys((s, c) for s, c, _ in self._rows)}
         # The recorder has one clock, so what one component states about it is true for all.
         ahead = next((clock.ahead for clock in clocks.values() if clock.known), None)

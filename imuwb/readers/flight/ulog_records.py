@@ -43,6 +43,7 @@ class ULogFile:
     data: int = 0  #: messages of all topics, wanted or not
     skipped: int = 0  #: bytes that belong to no message
     misfits: int = 0  #: messages that are shorter than their topic's definition
+    counts: dict[str, int] = field(default_factory=lambda: defaultdict(int))  #: messages by topic
     _topics: dict[int, tuple[str, int]] = field(default_factory=dict[int, tuple[str, int]])
     _columns: dict[tuple[str, int], list[dict[str, NDArray[Any]]]] = field(default_factory=lambda: defaultdict(list))
 
@@ -59,6 +60,8 @@ class ULogFile:
             self.data += data.size
             for number, rows in alike(gather(buffer, at[data], "<u2"), data):
                 topic = self._topics.get(number)
+                if topic is not None:
+                    self.counts[topic[0]] += rows.size
                 if topic is not None and topic[0] in wanted:
                     self._gather(topic, buffer, at[rows] + 2, size[rows] - 2)
 

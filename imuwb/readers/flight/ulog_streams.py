@@ -16,22 +16,17 @@ from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes import source
 from imuwb.readers.flight import trajectory
 from imuwb.readers.flight.boot_clock import EARLIEST
+from imuwb.readers.flight.left_out import ulog_left_out
+from imuwb.readers.flight.ulog_imus import COMBINED, FIFOS, INCREMENTS, MICRO, SELECTION, SENSORS, PX4Imus
 from imuwb.readers.flight.ulog_records import ULogFile
 
 Columns = Mapping[str, NDArray[Any]]
 
-COMBINED, INCREMENTS = "sensor_combined", "vehicle_imu"
 RECEIVERS = ("sensor_gps", "vehicle_gps_position")
 GLOBAL, LOCAL, ATTITUDE = "vehicle_global_position", "vehicle_local_position", "vehicle_attitude"
-SENSORS = {"angular_rate": "sensor_gyro", "specific_force": "sensor_accel"}
-FIFOS = tuple(f"{name}_fifo" for name in SENSORS.values())
-WANTED = frozenset((COMBINED, INCREMENTS, *RECEIVERS, GLOBAL, LOCAL, ATTITUDE, *SENSORS.values(), *FIFOS))
+WANTED = frozenset((COMBINED, INCREMENTS, SELECTION, *RECEIVERS, GLOBAL, LOCAL, ATTITUDE, *SENSORS.values(), *FIFOS))
 #: shape of a row of each field that is no single number; a field of another shape is not PX4's
 _SHAPES = {"q": (4,), **dict.fromkeys(("gyro_rad", "accelerometer_m_s2", "delta_angle", "delta_velocity"), (3,))}
-LONGEST_STEP = 1e6  #: µs between the samples in a sensor's own buffer; a larger one is damage
-INVALID = 2**31 - 1  #: relative stamp of a sample that is not valid
-MICRO = 1000  #: ns
-IMU_UNITS = "rad/s, m/s²"
 ABOVE_SEA = f" ({MEAN_SEA_LEVEL})"  #: for the heights of PX4's own solution, and of receivers in its oldest logs
 
 
@@ -47,8 +42,10 @@ def streamed(path: Path) -> Iterator[Batch | Remark]:
     if not log.data:
         raise UnreadableLogError(f"{path}: this PX4 log has no whole message of data; it is cut or damaged")
     yield from (Remark(note) for note in notes)
-    yield from _Streams(log, path.stat().st_size).all()
+    streams = _Streams(log, path.stat().st_size)
+    yield from streams.all()
     yield from map(Remark, _faults(log))
+    yield from ulog_left_out(log.counts, streams.used)
 
 
 def _faults(log: ULogFile) -> Iterator[Note]:
@@ -73,19 +70,22 @@ class _Streams:
 
     def __init__(self, log: ULogFile, size: int) -> None:
         self._log, self._size = log, size
+        self.used = set[str]()  #: topics that are used
         self._offset = self._unix_offset()
         self._epoch: Epoch = "boot" if self._offset is None else "unix"
 
     def all(self) -> Iterator[Batch | Remark]:
         """Yield all streams, the IMU with most samples first, then a note on the clock."""
-        imus = [*self._sensors(), *self._combined(), *self._increments()]
+        parts = [*PX4Imus(self._topics, self._boot, self._offset or 0, self._epoch, self._size, self.used).all()]
+        imus = [part for part in parts if isinstance(part, Batch)]
         rows: dict[str, int] = {}
         for batch in imus:
             rows[batch.stream] = max(rows.get(batch.stream, 0), batch.time.size)
         yield from sorted(imus, key=lambda batch: -rows[batch.stream])
+        yield from (part for part in parts if isinstance(part, Remark))
         for topic in RECEIVERS:
             for name, columns in self._topics(topic):
-                yield from self._receiver(name, columns)
+                yield from self._receiver(topic, name, columns)
         yield from self._solution()
         if self._offset is None:
             yield Remark(Note("no_date", "times count from power-up: no fix states the date"))
@@ -123,64 +123,11 @@ class _Streams:
         offsets = np.concatenate([np.empty(0, np.int64), *((unix - boot)[unix > EARLIEST] for unix, boot in times)])
         return int(np.median(offsets)) if offsets.size else None
 
-    def _imu_batch(self, name: str, boot: Nanoseconds, quantity: str, values: Floats, units: str = IMU_UNITS) -> Batch:
-        time, origin = boot + (self._offset or 0), Origin(units, "FRD", self._epoch)
-        return Batch(name, "imu", time, {quantity: values}, origin, self._size, exact=True)
-
-    def _sensors(self) -> Iterator[Batch]:
-        """Yield the single sensors: gyro and accelerometer of one number are one IMU, each with its own clock."""
-        for suffix in ("_fifo", ""):
-            topics = {quantity: dict(self._topics(name + suffix)) for quantity, name in SENSORS.items()}
-            names = {quantity: {_instance(name): name for name in streams} for quantity, streams in topics.items()}
-            for instance in sorted({i for numbered in names.values() for i in numbered}):
-                parts = {quantity: names[quantity][instance] for quantity in SENSORS if instance in names[quantity]}
-                imu = "+".join(sorted(parts.values()))
-                for quantity, name in parts.items():
-                    yield from self._sensor(imu, quantity, topics[quantity][name], fifo=bool(suffix))
-
-    def _sensor(self, imu: str, quantity: str, columns: Columns, *, fifo: bool) -> Iterator[Batch]:
-        shapes = {columns[axis].shape if axis in columns else () for axis in "xyz"}
-        if len(shapes) > 1 or () in shapes:
-            return
-        boot = self._boot(columns)
-        if fifo:
-            if {"samples", "dt", "scale"} <= columns.keys():
-                yield self._imu_batch(imu, *_unrolled(boot, columns, quantity))
-            return
-        yield self._imu_batch(imu, boot, quantity, trajectory.triples(columns, "xyz"))
-        temperature = columns.get("temperature")
-        if temperature is not None and quantity == "specific_force" and np.isfinite(temperature).any():
-            yield self._imu_batch(imu, boot, "temperature", temperature.astype(float))
-
-    def _combined(self) -> Iterator[Batch]:
-        for name, columns in self._topics(COMBINED):
-            boot = self._boot(columns)
-            if "gyro_rad" in columns:
-                yield self._imu_batch(name, boot, "angular_rate", columns["gyro_rad"].astype(float))
-            force = columns.get("accelerometer_m_s2")
-            if force is None:
-                continue
-            relative = columns.get("accelerometer_timestamp_relative", np.zeros(boot.size, np.int32))
-            valid = np.abs(relative.astype(float)) < INVALID  # with a damaged definition these may be any numbers
-            time = boot + np.where(valid, relative, 0).astype(np.int64) * MICRO
-            yield self._imu_batch(name, time[valid], "specific_force", force[valid].astype(float))
-
-    def _increments(self) -> Iterator[Batch]:
-        """Yield increments of angle and velocity as the mean rates over their spans."""
-        for name, columns in self._topics(INCREMENTS):
-            for quantity, delta in (("angular_rate", "delta_angle"), ("specific_force", "delta_velocity")):
-                if not {delta, f"{delta}_dt"} <= columns.keys():
-                    continue
-                span = columns[f"{delta}_dt"].astype(float)  # µs, but s in the oldest logs
-                span = np.where(span > 1, span * 1e-6, span)
-                rows = span > 0
-                values = columns[delta].astype(float)[rows] / span[rows, None]
-                yield self._imu_batch(name, self._boot(columns)[rows], quantity, values, "rad, m/s (increments)")
-
-    def _receiver(self, name: str, columns: Columns) -> Iterator[Batch | Remark]:
+    def _receiver(self, topic: str, name: str, columns: Columns) -> Iterator[Batch | Remark]:
         place = _receiver_position(columns)
         if place is None:
             return
+        self.used.add(topic)
         position, above_sea = place
         known = {"position": position}
         velocity = ("vel_n_m_s", "vel_e_m_s", "vel_d_m_s")
@@ -211,16 +158,19 @@ class _Streams:
         rows, boot = trajectory.usable(position), self._boot(source)
         if not rows.any():
             return
+        self.used.add(name)
         columns = {"position": position}
         if {"eph", "epv"} <= source.keys():
             sigmas = trajectory.sigmas(_positive(source["eph"]), _positive(source["epv"]))
             columns["position_sigma"] = sigmas
         if local is not None and {"vx", "vy", "vz"} <= local.keys():
+            self.used.add(LOCAL)
             columns["velocity"] = trajectory.interpolated(
                 boot, self._boot(local), trajectory.triples(local, ("vx", "vy", "vz"))
             )
         attitude = self._topic(ATTITUDE)
         if attitude is not None and "q" in attitude:
+            self.used.add(ATTITUDE)
             with np.errstate(invalid="ignore"):  # damaged numbers may be infinite
                 angles = euler_of_quaternion(attitude["q"].astype(float))
             columns |= trajectory.attitudes(boot, self._boot(attitude), angles)
@@ -238,23 +188,6 @@ def _wide(values: NDArray[Any]) -> NDArray[Any]:
     """Return single precision as double; damaged numbers may be signalling nans, for which numpy warns."""
     with np.errstate(invalid="ignore"):
         return values.astype(np.float64) if values.dtype == np.float32 else values
-
-
-def _instance(stream: str) -> int:
-    _, _, number = stream.rpartition(".")
-    return int(number) if number.isdigit() else 0
-
-
-def _unrolled(boot: Nanoseconds, columns: Columns, quantity: str) -> tuple[Nanoseconds, str, Floats]:
-    """Return time, quantity and values of the samples in a sensor's own buffer; a message's stamp is that of its last sample."""
-    values = np.stack([columns[axis].astype(float) for axis in "xyz"], axis=2)  # message, sample, axis
-    step = np.where((columns["dt"] >= 0) & (columns["dt"] < LONGEST_STEP), columns["dt"], np.nan) * MICRO
-    count = np.where(np.isfinite(step), columns["samples"].astype(np.int64).clip(0, values.shape[1]), 0)
-    step = np.nan_to_num(step)
-    sample = np.arange(values.shape[1])[None, :]
-    used = sample < count[:, None]
-    time = boot[:, None] - np.rint((count[:, None] - 1 - sample) * step[:, None]).astype(np.int64)
-    return time[used], quantity, (values * columns["scale"].astype(float)[:, None, None])[used]
 
 
 def _receiver_position(columns: Columns) -> tuple[Floats, str] | None:

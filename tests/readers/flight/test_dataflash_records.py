@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from imuwb.readers.flight.dataflash_records import Tables, formats
+from imuwb.readers.flight.dataflash_records import formats
 from imuwb.readers.flight.dataflash_streams import WANTED
+from imuwb.readers.flight.dataflash_tables import LAYOUT, Tables
 from tests.readers.flight import dataflash_writer as log
 
 FILES = ("ardusub_small.BIN", "mavparser_00000081.BIN", "pymavlink_test.BIN")
@@ -55,6 +56,7 @@ def test_every_column_equals_pymavlinks(real):
     compared = 0
     for name in WANTED & wanted.keys():
         columns = tables.table(name)
+        columns.pop(LAYOUT, None)
         assert list(columns) == wanted[name][0].get_fieldnames()
         for field, values in columns.items():
             told = [plain(getattr(message, field)) for message in wanted[name]]
@@ -101,12 +103,44 @@ def test_a_format_that_comes_late_counts_for_what_stood_before():
     assert tables.skipped == 0
 
 
-def test_of_two_formats_of_one_number_the_first_counts_and_the_rest_is_skipped():
-    other = log.Format(log.IMU.number, "IMU", "Qffffff", "TimeUS,GyrX,GyrY,GyrZ,AccX,AccY,AccZ")
-    rows = [(other, (10**9, *[77.0] * 6))] * 5
-    tables = tables_of(log.binary([*log.declared(), *(log.imu(i) for i in range(5)), *log.declared(other), *rows]))
-    assert tables.table("IMU")["TimeUS"].tolist() == [log.imu(i)[1][0] for i in range(5)]
-    assert tables.skipped == 5 * other.size
+OTHER = log.Format(log.IMU.number, "IMU", "Qffffff", "TimeUS,GyrX,GyrY,GyrZ,AccX,AccY,AccZ")
+
+
+@pytest.mark.parametrize("pieces", [(), (700,), (1000, 1010, 1100), range(90, 2000, 7)])
+def test_a_format_that_replaces_another_of_its_number_counts_from_its_place_on(pieces):
+    """Two logs of different firmware in one file: numbers have other records in the second."""
+    again = [log.Format(log.GPS.number, "ATT", log.ATT.letters, log.ATT.labels), OTHER]
+    rows = [(OTHER, (10**9 + i, *[77.0] * 6)) for i in range(5)]
+    turned = [(again[0], (10**9 + i, *[5.0] * 6)) for i in range(3)]
+    data = log.binary([
+        *log.declared(), *(log.imu(i) for i in range(5)), log.fix(0), *log.declared(*again), *rows, *turned,
+    ])  # fmt: skip
+    tables = tables_of(data, pieces=[p for p in pieces if p < len(data)])
+    imu = tables.table("IMU")
+    assert imu["TimeUS"].tolist() == [log.imu(i)[1][0] for i in range(5)] + [10**9 + i for i in range(5)]
+    assert imu["GyrX"].tolist() == [log.imu(i)[1][2] for i in range(5)] + [77.0] * 5
+    np.testing.assert_array_equal(imu["I"], [0] * 5 + [np.nan] * 5)
+    assert len(tables.table("GPS")["TimeUS"]) == 1
+    assert tables.table("ATT")["Yaw"].tolist() == [5.0] * 3
+    assert (tables.skipped, len(tables.labels_of("IMU"))) == (0, 2)
+    assert dict(tables.counts) == {"FMT": 16, "IMU": 10, "GPS": 1, "ATT": 3}
+
+
+def test_two_numbers_of_one_name_are_read_in_the_order_of_the_file():
+    other = log.Format(200, "IMU", "QBffffff", "TimeUS,I,AccX,AccY,AccZ,GyrX,GyrY,GyrZ")
+    rows = [log.imu(i) if i % 3 else (other, (log.START + 40_000 * i, 0, 4, 5, 6, 1, 2, 3)) for i in range(30)]
+    tables = tables_of(log.binary([*log.declared(log.IMU, other), *rows]), {"IMU"})
+    imu = tables.table("IMU")
+    assert imu["TimeUS"].tolist() == [log.START + 40_000 * i for i in range(30)]
+    assert imu["GyrX"][::3].tolist() == [1] * 10
+    assert np.isnan(imu["T"]).tolist() == [i % 3 == 0 for i in range(30)]
+
+
+def test_formats_that_change_for_ever_end():
+    rows = [one for i in range(300) for one in (*log.declared((log.IMU, OTHER)[i % 2])[1:], log.fix(i))]
+    tables = tables_of(log.binary([*log.declared(), *rows]))
+    assert len(tables.layouts) <= 16 + 64
+    assert len(tables.table("GPS")["TimeUS"]) == 300
 
 
 @pytest.mark.parametrize("size", [1, 500, 5000])
