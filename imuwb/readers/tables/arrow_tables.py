@@ -77,8 +77,16 @@ def feather_pieces(path: Path) -> Table:
     return Table(schema, 0, pieces)
 
 
-def streamed(path: Path, options: ReadOptions, opened: Callable[[Path], Table]) -> Iterator[Batch | Remark]:
+def streamed(
+    path: Path, options: ReadOptions, opened: Callable[[Path], Table], *, named: bool = True
+) -> Iterator[Batch | Remark]:
     """Yield the streams of a file of columns.
+
+    Args:
+        path: the file.
+        options: what the file does not state itself.
+        opened: opens the file; it is called twice.
+        named: whether the columns have names; without names the known shapes of rows are tried.
 
     Raises:
         UnreadableLogError: the file is cut or damaged, or has no row of numbers.
@@ -97,7 +105,7 @@ def streamed(path: Path, options: ReadOptions, opened: Callable[[Path], Table]) 
         ) from error
     if not leaves:
         raise UnreadableLogError(f"{path}: the table has no row, or no column of numbers, times or texts")
-    layout = _layout(leaves)
+    layout = _layout(leaves, named=named)
 
     def blocks(_: Path, __: Layout, kinds: Mapping[int, pa.DataType], faults: Counter[str]) -> Pieces:
         wanted = list(dict.fromkeys(leaves[index].top for index in kinds))
@@ -197,10 +205,10 @@ def _texts(cells: pa.Array[Any]) -> list[str]:
     return ["" if text is None else text for text in cells.cast(pa.string()).to_pylist()]
 
 
-def _layout(leaves: list[_Leaf]) -> Layout:
+def _layout(leaves: list[_Leaf], *, named: bool) -> Layout:
     sample = tuple(zip(*(leaf.cells for leaf in leaves), strict=True))
     first = max(sample, key=lambda row: sum(bool(cell) and cell != "nan" for cell in row))
-    return Layout(",", 0, tuple(leaf.shown for leaf in leaves), first, sample=sample)
+    return Layout(",", 0, tuple(leaf.shown for leaf in leaves) if named else (), first, sample=sample)
 
 
 def _as(cells: pa.Array[Any], kind: pa.DataType, faults: Counter[str]) -> pa.Array[Any]:
