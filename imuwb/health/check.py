@@ -112,10 +112,16 @@ def _examined(
     """Return when an IMU is still and when it moves, and what is wrong with its samples."""
     from imuwb.health.inertial import inertial_faults  # noqa: PLC0415 - clocks and receivers need no compiler
     from imuwb.health.motion import segments  # noqa: PLC0415
+    from imuwb.health.turning import turning_faults  # noqa: PLC0415
 
     lone = {axis: lone_samples(channel) for axis, channel in axes.items()}
     spans = segments(axes, lone, travelled)
-    return spans, [*inertial_faults(imu, axes, lone, spans, lines=lines), *implausible(log, imu, spans)]
+    own = (
+        inertial_faults(imu, axes, lone, spans, lines=lines),
+        implausible(log, imu, spans),
+        turning_faults(log, imu, spans),
+    )
+    return spans, [fault for faults in own for fault in faults]
 
 
 def _clocks(log: Log) -> Iterator[tuple[str, Nanoseconds, tuple[Repair, ...], bool]]:

@@ -100,7 +100,8 @@ def thermometer_faults(log: Log, imu: ImuStream, axes: Mapping[str, Channel]) ->
         if stuck.whole:
             consequence = "probably not measured; the log shows nothing about temperature"
         kind = "constant temperature" if stuck.whole else "stuck thermometer"
-        yield Fault(name, kind, what, stuck.severity, 1, stuck.start, stuck.end - stuck.start, consequence)
+        place = (None, None) if stuck.whole else (stuck.start, stuck.end - stuck.start)
+        yield Fault(name, kind, what, stuck.severity, 1, *place, consequence)
 
 
 def spikes(thermometer: Scalars) -> Booleans:
