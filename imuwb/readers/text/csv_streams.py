@@ -61,7 +61,7 @@ def _position_stream(si: Values, rows: Booleans | None) -> Stream:
         columns |= {"attitude": attitude} | ({} if sigma is None else {"attitude_sigma": sigma})
         if not {("velocity_down", 0), ("velocity_up", 0)} & si.keys():
             columns.pop("velocity", None)  # a reference has all three parts of a velocity, or none
-        return "reference", {name: x for name, x in columns.items() if np.isfinite(x).any()}, rows
+        return "reference", {n: x for n, x in columns.items() if n == "position" or np.isfinite(x).any()}, rows
     if ("fix_type", 0) in si:
         columns["fix_type"] = si["fix_type", 0]
     return "gnss", columns, rows

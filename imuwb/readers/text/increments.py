@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from imuwb.arrays import Floats, Integers
+from imuwb.readers.quantities import DIMENSIONS
 from imuwb.readers.text.column_names import Column
-from imuwb.units import SECOND, unit
+from imuwb.units import SECOND, Unit
 
 #: quantity of an increment -> quantity of its rate
 RATES = {"attitude_increment": "gyro", "velocity_increment": "accel"}
@@ -19,7 +20,9 @@ def rate_column(column: Column) -> Column:
     """Return the column of the rate of an increment; any other column as it is."""
     if column.quantity not in RATES or column.unit is None:
         return column
-    return replace(column, quantity=RATES[column.quantity], unit=unit(f"{column.unit.name}/s"))
+    quantity, measure = RATES[column.quantity], column.unit
+    rate = Unit(f"{measure.name}/s".replace("m/s/s", "m/s²"), DIMENSIONS[quantity], measure.factor)
+    return replace(column, quantity=quantity, unit=rate)
 
 
 class Increments:

@@ -7,6 +7,8 @@ from imuwb.errors import UnreadableLogError, UsageError
 from imuwb.notes import ids
 from imuwb.readers import ReadOptions, read
 from imuwb.readers.text.shapes.shape import shapes
+from tests.readers.text.shapes.receiver_writers import RECEIVERS
+from tests.readers.text.shapes.sentence_writers import RECEIVERS_OF_SENTENCES, REFERENCES, SENTENCES
 from tests.readers.text.shapes.truth import (
     ACCEL,
     FIX_TIME,
@@ -22,16 +24,16 @@ from tests.readers.text.shapes.truth import (
     gps,
     table,
 )
-from tests.readers.text.shapes.writers import RECEIVERS, WRITERS
+from tests.readers.text.shapes.writers import WRITERS
 
 MICROSECOND = 1000
 
 
 def opened(text_log, file):
-    return read(text_log(file.text, name=file.name))
+    return read(text_log(file.text, name=file.name), ReadOptions(rate=file.rate))
 
 
-@pytest.mark.parametrize("writer", WRITERS, ids=lambda writer: writer.__name__)
+@pytest.mark.parametrize("writer", [*WRITERS, *SENTENCES], ids=lambda writer: writer.__name__)
 def test_an_imu_of_a_known_shape(text_log, writer):
     file = writer()
     log = opened(text_log, file)
@@ -47,10 +49,10 @@ def test_an_imu_of_a_known_shape(text_log, writer):
             if triad is not None:
                 assert np.abs(triad.time - expected).max() <= MICROSECOND
                 assert (len(triad) - 1) / (triad.time[-1] - triad.time[0]) * 1e9 == pytest.approx(RATE_HZ, rel=1e-6)
-                np.testing.assert_allclose(triad.value[file.first :], truth[file.first :], rtol=0, atol=1e-6)
+                np.testing.assert_allclose(triad.value, truth, rtol=0, atol=1e-6 + file.resolution)
 
 
-@pytest.mark.parametrize("writer", RECEIVERS, ids=lambda writer: writer.__name__)
+@pytest.mark.parametrize("writer", [*RECEIVERS, *RECEIVERS_OF_SENTENCES], ids=lambda writer: writer.__name__)
 def test_a_receiver_of_a_known_shape(text_log, writer):
     file = writer()
     (fix,) = opened(text_log, file).gnss
@@ -67,6 +69,19 @@ def test_a_receiver_of_a_known_shape(text_log, writer):
         np.testing.assert_allclose(fix.velocity[:, :axes_known], VELOCITY[:, :axes_known], rtol=0, atol=1e-6)
     else:
         assert fix.velocity is None
+
+
+@pytest.mark.parametrize("writer", REFERENCES, ids=lambda writer: writer.__name__)
+def test_the_solution_of_an_ins(text_log, writer):
+    log = opened(text_log, writer())
+    (solution,) = log.references
+    assert log.gnss == ()
+    assert solution.origin.by_filter
+    assert not solution.origin.above_sea
+    assert np.abs(solution.time - FIX_TIME).max() <= MICROSECOND
+    np.testing.assert_allclose(solution.position[:, 2], HEIGHT, rtol=0, atol=1e-3)
+    np.testing.assert_allclose(solution.velocity, VELOCITY, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(np.degrees(solution.attitude), [[1, -2, 30]] * 30, rtol=0, atol=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 """A record whose truth is known, in FRD axes and SI units, from which each writer makes a file of its shape."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 N, RATE_HZ = 300, 100
@@ -58,3 +60,20 @@ def _flat(parts):
             yield from part
         else:
             yield part
+
+
+@dataclass(frozen=True)
+class File:
+    """A file of a shape, and what a reader must make of it."""
+
+    text: str
+    name: str = "log.csv"
+    time: np.ndarray | None = None  #: (n,) ns that the reader returns; None: since 1970
+    epoch: str = "unix"
+    gyro: np.ndarray | None = None  #: (n, 3) FRD; None: the truth
+    accel: np.ndarray | None = None
+    sensors: str = "gyro accel"
+    rate: float | None = None  #: option --rate
+    frame: str = ""  #: begins ``Origin.frame``
+    streams: tuple[str, ...] = ("imu",)
+    resolution: float = 0.0  #: rad/s or m/s², a count
