@@ -20,7 +20,7 @@ from imuwb.readers.text.shapes.shape import Meaning, Shape, shapes
 from imuwb.units import SECOND
 
 BAD_CHECK = Note("bad_checksum", "sentences with a wrong checksum left out")
-SHORT = Note("short_sentence", "sentences with too few cells left out")
+SHORT = Note("odd_sentence", "sentences with another number of cells, or with impossible numbers, left out")
 ROWS = 20_000  #: sentences that are decoded at once
 #: FlySight's sentences about the file itself
 _ABOUT = {DESCRIBED, "$UNIT", "$FLYS", "$VAR", "$DATA", "$TIME"}
@@ -60,7 +60,7 @@ class SentenceLog:
         if sentence is None:
             self._unknown.update([line.tag] if line.tag not in _ABOUT else [])
             return
-        if not line.sound or len(line.cells) < sentence.needed:
+        if not line.sound or not sentence.fits(line.cells):
             self._faults[line.tag, BAD_CHECK if not line.sound else SHORT] += 1
             return
         if any(line.cells[cell].upper() != text for cell, text in sentence.only.items()):

@@ -54,7 +54,7 @@ class SentenceRows:
             offset: ns since 1970 of the zero of a clock that counts from power-up; None: unknown.
 
         Raises:
-            UsageError: the scale of the numbers is unknown.
+            UsageError: the scale or the unit of the numbers is unknown.
         """
         found = shaped(sentence.shape, Head("", "", (), ()), options)
         self.sentence, self._path, self._options = sentence, path, options

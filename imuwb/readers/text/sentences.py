@@ -27,8 +27,9 @@ def probe(head: bytes) -> bool:
         line = line_of(text)
         if line is not None and line.tag == DESCRIBED:
             return True
-        if line is not None and line.sound and len(line.cells) >= LEAST:
-            count += line.tag in known.refused or line.tag in known.by_tag
+        if line is not None and line.sound:
+            sentence = known.by_tag.get(line.tag)
+            count += line.tag in known.refused if sentence is None else sentence.fits(line.cells)
     return count >= LEAST
 
 

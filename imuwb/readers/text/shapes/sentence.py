@@ -1,13 +1,14 @@
 """What is known of sentences: lines of text that begin with a tag, such as ``$VNIMU`` or ``#RAWIMUSXA``."""
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
 from typing import Any
 
 from imuwb.readers.text.shapes.shape import Shape, shape_from
+from imuwb.readers.text.trust import is_number
 
 TABLE = "sentences.toml"
 DESCRIBED = "$COL"  #: tag of the sentence with which a file names the cells of another one
@@ -30,6 +31,15 @@ class Sentence:
     def needed(self) -> int:
         """Number of cells up to the last one that has a meaning."""
         return max(cell for cell, meaning in enumerate(self.shape.row) if meaning is not None) + 1
+
+    def fits(self, cells: Sequence[str]) -> bool:
+        """Return whether a line with the tag has the cells that the sentence has: their number, and the ranges of some."""
+        if len(cells) < self.needed or (self.shape.cells and len(cells) != self.shape.cells):
+            return False
+        return all(
+            is_number(cells[cell]) and low <= float(cells[cell]) <= high
+            for cell, (low, high) in self.shape.ranges.items()
+        )
 
 
 @dataclass(frozen=True, slots=True)
