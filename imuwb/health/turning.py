@@ -17,7 +17,7 @@ from imuwb.health.fault import Fault
 from imuwb.health.motion import Segment
 from imuwb.log import GnssStream, ImuStream, Log, Orientation, Triad
 from imuwb.sampling import sampling
-from imuwb.units import STANDARD_GRAVITY
+from imuwb.units import SECOND, STANDARD_GRAVITY
 
 DEGREES = 180 / np.pi
 BLOCK = 0.1  #: s; samples are averaged over this time
@@ -80,7 +80,8 @@ def turning_faults(log: Log, imu: ImuStream, segments: tuple[Segment, ...]) -> I
     rate, force = imu.angular_rate, imu.specific_force
     if rate is None or force is None or len(rate.axes) + len(force.axes) < 6:  # noqa: PLR2004 - two triads
         return
-    if not 1 / sampling(rate.time).interval >= SLOWEST:
+    blocks = float(rate.time[-1] - rate.time[0]) / SECOND / BLOCK
+    if not 1 / sampling(rate.time).interval >= SLOWEST or blocks > len(rate):  # too slow, or the clock jumps
         return
     blocks = _Blocks.of(log, rate, force)
     measured = [*(_gravity(blocks, window) for window in WINDOWS), *(_course(log, gnss, blocks) for gnss in log.gnss)]
