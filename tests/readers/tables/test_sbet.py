@@ -83,7 +83,7 @@ def test_a_cut_file(log_of):
 def test_other_doubles_are_no_trajectory(tmp_path, column):
     path = tmp_path / "doubles"
     table = rows()
-    table[2, column] = 1e6
+    table[2, column] = 1e9
     path.write_bytes(table.tobytes())
     with pytest.raises(ImuwbError, match="doubles"):
         reader_of(path)
