@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
+from imuwb.errors import MissingDataError, UnreadableLogError
 from imuwb.log import Log
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, CannotSeekError, Limits, Remark
@@ -29,29 +30,45 @@ def read_part(opened: Opened, assembled: Assembled, part: Part, *, counted: bool
 
     Errors are those of ``select``, and of the reader.
     """
-    text, log = (COUNTED, None) if counted else (SET_BACK, _alone(opened, assembled, part))
+    if counted:
+        return _cut(assembled(opened(None)), part, COUNTED)
+    rows, log = _alone(opened, assembled, part)
     if log is None:
-        log = assembled(opened(None))
-    else:
-        evened = any(repair.effect == "time" for imu in log.imus for repair in imu.origin.repairs)
-        text = PART + (EVENED if evened else "")
-    log = replace(log, notes=(*log.notes, Note("part", text)))
+        return _cut(assembled(opened(None)), part, SET_BACK)
+    try:
+        return _cut(log, part, PART)
+    except MissingDataError:
+        if not rows.sought:
+            raise
+    # What was not read may have what is missing, or be named in the error.
+    _, log = _alone(lambda _: opened(None), assembled, part)
+    return _cut(assembled(opened(None)), part, SET_BACK) if log is None else _cut(log, part, PART)
+
+
+def _cut(log: Log, part: Part, text: str) -> Log:
+    """Return the part of a log, with a note on how it was read."""
+    evened = text == PART and any(repair.effect == "time" for imu in log.imus for repair in imu.origin.repairs)
+    log = replace(log, notes=(*log.notes, Note("part", text + (EVENED if evened else ""))))
     return select(log, part.imu, part.start, part.end)
 
 
-def _alone(opened: Opened, assembled: Assembled, part: Part) -> Log | None:
+def _alone(opened: Opened, assembled: Assembled, part: Part) -> tuple[PartRows, Log | None]:
     """Return a log with the rows of the part, and with the first rows of all streams; None if other rows change these."""
     rows = PartRows(part)
     log = _read(opened, assembled, rows)
     if rows.in_order and not (rows.near(log) and rows.whole_imu(log)):
         rows = PartRows(part, zero=log.zero, every_imu=not rows.whole_imu(log))
         log = _read(opened, assembled, rows)
-    return log if rows.in_order and rows.near(log) else None
+    return rows, log if rows.in_order and rows.near(log) else None
 
 
 def _read(opened: Opened, assembled: Assembled, rows: PartRows) -> Log:
     try:
         return assembled(rows.kept(opened(rows.limits)))
     except CannotSeekError:
-        rows.reset()
-        return assembled(rows.kept(opened(None)))
+        pass
+    except UnreadableLogError:  # a log may be readable though a part of it is not
+        if not rows.sought:
+            raise
+    rows.reset()
+    return assembled(rows.kept(opened(None)))

@@ -57,9 +57,8 @@ class PartRows:
         self._earliest = FAR  #: ns; first time so far
         self._epochs: set[str] = set()
         self._zeros: set[int] = set()  #: the starts with which rows were left out
-        self.in_order = (
-            True  #: whether no clock was set back and no stamp is damaged, so that rows repair each other only nearby
-        )
+        self.sought = False  #: whether the reader asked for the limits, so that it may read only the part
+        self.in_order = True  #: whether no clock was set back and no stamp is damaged
 
     def kept(self, parts: Iterable[Batch | Remark]) -> Iterator[Batch | Remark]:
         """Yield the remarks, and the rows of the part with their margins."""
@@ -80,6 +79,7 @@ class PartRows:
         Args:
             batches: the first rows of all streams, which show the log's start and clock.
         """
+        self.sought = True
         for batch in batches:
             self._note_start(batch)
         self._zero = self._earliest if self._zero is None else self._zero

@@ -12,6 +12,7 @@ from imuwb.notes import ids
 from imuwb.readers import Batch, ReadOptions, read
 from imuwb.readers.containers import mcap_part
 from imuwb.readers.part_rows import PartRows
+from imuwb.readers.text import csv_part
 from imuwb.selection import Part
 from tests.readers import part_logs
 from tests.readers.flight import dataflash_writer, ulog_writer
@@ -59,6 +60,37 @@ def test_even_times_of_a_part_are_near_those_of_the_whole(written):
 def test_a_stated_rate_counts_from_the_first_row(written):
     path, options = written("csv", samples("lost")), ReadOptions(rate=10.0)
     assert_alike(path, Part(start="20", end="30"), read(path, options), options)
+
+
+@pytest.fixture
+def searched(monkeypatch):
+    """Search small text files as large ones."""
+    for name, value in {"FEWEST": 0, "PLACES": 16, "LOOKED_AT": 512, "FINE": 256}.items():
+        monkeypatch.setattr(csv_part, name, value)
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_part_of_a_text_log_is_found_by_its_time(written, searched, fault):
+    path = written("csv", samples(fault, seed=4))
+    whole = read(path)
+    for part in parts_of(whole, 4, seed=1):
+        assert_alike(path, part, whole)
+
+
+def test_only_rows_of_the_part_of_a_text_log_are_parsed(written, searched, monkeypatch):
+    path, rows = written("csv", samples()), []
+    parse = csv_part.blocks
+
+    def counted(*given, span):
+        for block, bytes_read in parse(*given, span=span):
+            rows.append(block.num_rows)
+            yield block, bytes_read
+
+    monkeypatch.setattr(csv_part, "blocks", counted)
+    found = assert_alike(path, Part(start="50", end="51"), read(path))
+    assert len(found.imus[0].angular_rate) == 10
+    # 12 s of the beginning, the part, and 10 s before and after it, and what is looked at: of 800 rows.
+    assert 320 < sum(rows) < 700
 
 
 @pytest.mark.parametrize("source", ["log", "publish"])

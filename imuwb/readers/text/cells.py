@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -27,23 +28,27 @@ CELLS = Note("not_a_number", "cells that are not numbers are taken as missing")
 
 
 def blocks(
-    path: Path, layout: Layout, kinds: Mapping[int, pa.DataType], faults: Counter[str]
+    path: Path,
+    layout: Layout,
+    kinds: Mapping[int, pa.DataType],
+    faults: Counter[str],
+    span: lines.Span | None = None,
 ) -> Iterator[tuple[pa.RecordBatch, int]]:
     """Yield the columns of ``kinds``, {index: type}, in blocks, each with the bytes read; ``of`` returns a column of a block.
 
-    The parser stops at a cell that is not a number. From there on cells are read as text: this is slower, but
+    With a ``span`` only its rows are read. The parser stops at a cell that is not a number. From there on cells are read as text: this is slower, but
     finds and counts such cells.
     """
     named = {_key(index): kind for index, kind in kinds.items()}
     names = [_key(i) for i in range(len(layout.first))]
     rows = 0
     try:
-        for block, bytes_read in _parsed(path, layout, names, named, faults):
+        for block, bytes_read in _parsed(partial(lines.Rows, path, layout, span), layout, names, named, faults):
             yield block, bytes_read
             rows += block.num_rows
     except (pa.ArrowInvalid, ValueError):
         faults.clear()
-        yield from _read_as_text(path, layout, names, named, faults, rows)
+        yield from _read_as_text(partial(lines.Rows, path, layout, span), layout, names, named, faults, rows)
 
 
 def _key(index: int) -> str:
@@ -57,11 +62,16 @@ def of(block: pa.RecordBatch, index: int) -> pa.Array[Any]:
 
 
 def _read_as_text(
-    path: Path, layout: Layout, names: list[str], kinds: Mapping[str, pa.DataType], faults: Counter[str], skip: int
+    opened: Callable[[], lines.Rows],
+    layout: Layout,
+    names: list[str],
+    kinds: Mapping[str, pa.DataType],
+    faults: Counter[str],
+    skip: int,
 ) -> Iterator[tuple[pa.RecordBatch, int]]:
     """Yield the columns after the first ``skip`` rows, each cell read as text first."""
     as_text = dict.fromkeys(kinds, pa.binary())
-    for block, bytes_read in _parsed(path, layout, names, as_text, faults):
+    for block, bytes_read in _parsed(opened, layout, names, as_text, faults):
         rest = block.slice(min(skip, block.num_rows))
         skip -= block.num_rows - rest.num_rows
         if rest.num_rows:
@@ -70,13 +80,17 @@ def _read_as_text(
 
 
 def _parsed(
-    path: Path, layout: Layout, names: list[str], kinds: Mapping[str, pa.DataType], faults: Counter[str]
+    opened: Callable[[], lines.Rows],
+    layout: Layout,
+    names: list[str],
+    kinds: Mapping[str, pa.DataType],
+    faults: Counter[str],
 ) -> Iterator[tuple[pa.RecordBatch, int]]:
     def skip(row: object) -> str:
         faults[LINES] += 1
         return "skip"
 
-    with lines.Rows(path, layout) as rows:
+    with opened() as rows:
         try:
             if rows.is_empty():
                 return

@@ -11,13 +11,14 @@ from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.errors import ImuwbError, UnreadableLogError, UsageError
 from imuwb.log import MEAN_SEA_LEVEL, Kind, Origin
 from imuwb.notes import Note
-from imuwb.readers.batch import Batch, Remark, unused
+from imuwb.readers.batch import Batch, CannotSeekError, Limits, Remark, unused
 from imuwb.readers.bytes.source import damaged
 from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text.cells import CELLS, LINES, blocks, floats, of
 from imuwb.readers.text.clock import Clock, clock_of
 from imuwb.readers.text.column_names import Column, columns
 from imuwb.readers.text.csv_columns import check_gravity, used_columns
+from imuwb.readers.text.csv_part import Search
 from imuwb.readers.text.csv_streams import heights_above_sea, streams_of
 from imuwb.readers.text.encoding import encoding_of, head_text
 from imuwb.readers.text.increments import RATES, Increments
@@ -98,6 +99,20 @@ def _several(path: Path, layouts: Sequence[Layout], options: ReadOptions) -> Ite
         yield unused([tag for tag, _ in others[:MOST_NAMED]], f"{lines} lines of no table with numbers")
 
 
+def part(path: Path, options: ReadOptions, limits: Limits) -> Iterator[Batch | Remark]:
+    """Yield the first rows of a text log, and those of a part, found by bisection of the file.
+
+    Raises:
+        CannotSeekError: the file cannot be searched by time. Other errors are those of ``stream``.
+    """
+    options, remarks = with_sidecar(path, options)
+    layouts = layouts_of(path, options)
+    if layouts[0].tag is not None:
+        raise CannotSeekError
+    yield from remarks
+    yield from _Table(path, layouts[0], options, blocks, limits).parts()
+
+
 def table(path: Path, layout: Layout, options: ReadOptions, rows: Blocks) -> Iterator[Batch | Remark]:
     """Yield the streams of a table of named columns, of text or of another kind.
 
@@ -119,7 +134,9 @@ def table(path: Path, layout: Layout, options: ReadOptions, rows: Blocks) -> Ite
 class _Table:
     """A table whose columns and clock are known."""
 
-    def __init__(self, path: Path, layout: Layout, options: ReadOptions, rows: Blocks) -> None:
+    def __init__(
+        self, path: Path, layout: Layout, options: ReadOptions, rows: Blocks, limits: Limits | None = None
+    ) -> None:
         shape = shape_of_log(path, layout, options)
         found = used_columns(path, layout, options, shape)
         if shape is not None:
@@ -127,6 +144,10 @@ class _Table:
         self.layout, self._shape = layout, shape
         self._clock = clock_of(path, layout, options, found if shape is not None else ())
         self._used = tuple(column for column in found if column.quantity not in ("time", "week"))
+        if limits is not None:
+            if any(column.quantity in RATES for column in found):  # an increment covers the step from the row before
+                raise CannotSeekError
+            rows = Search(self._clock, limits).blocks
         self._rows = _Rows(path, layout, self._used, self._clock, options, shape, rows)
         #: what each column measures, in which stream
         self.keys = {(c.stream, RATES.get(c.quantity, c.quantity), c.axis) for c in self._used if c.quantity in STREAMS}

@@ -2,6 +2,8 @@
 
 import io
 import re
+from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import reduce
 from operator import xor
 from pathlib import Path
@@ -20,6 +22,14 @@ _QUOTED_COMMA = re.compile(rb'"([^",]*),([^",]*)"')
 ROWS_COMPARED = 100  #: number of rows with which a last line without its end is compared
 
 
+@dataclass(frozen=True, slots=True)
+class Span:
+    """A part of a file between the ends of two lines, bytes."""
+
+    start: int
+    end: int
+
+
 class Rows(io.RawIOBase):
     """The rows of numbers of a text file, as bytes that end with a whole line.
 
@@ -27,8 +37,8 @@ class Rows(io.RawIOBase):
     everything from the first damaged line on is left out. ``faults`` has a note on each fault.
     """
 
-    def __init__(self, path: Path, layout: Layout) -> None:
-        """Open the file before its first row."""
+    def __init__(self, path: Path, layout: Layout, span: Span | None = None) -> None:
+        """Open the file before its first row, or before the first row of a span of it."""
         super().__init__()
         self.faults: list[str] = []
         self.bytes_read = 0
@@ -38,9 +48,12 @@ class Rows(io.RawIOBase):
         self._delimiter = layout.parsed_delimiter.encode()
         self._tail = b""
         self._out = b""
-        self._skip = layout.skip
+        self._skip = layout.skip if span is None or not span.start else 0
         # For a damaged file, the note on the first damaged line replaces the note on the end of the unpacked data.
         pieces = source.pieces(self._file, [] if layout.fault else self.faults)
+        if span is not None:
+            self._file.seek(span.start)
+            pieces = _within(pieces, span.end - span.start)
         self._pieces = plain(pieces, layout.encoding)
         self._good = 0  # rows so far of a damaged file
         self._least: tuple[int, int] | None = None  # fewest cells and shortest last cell of the last whole rows
@@ -170,3 +183,12 @@ def is_sound(sentence: bytes) -> bool:
         return bool(star) and reduce(xor, body[body.find(b"$") + 1 :], 0) == int(stated, 16)
     except ValueError:
         return False
+
+
+def _within(pieces: Iterator[bytes], size: int) -> Iterator[bytes]:
+    """Yield the first bytes of a file."""
+    for piece in pieces:
+        yield piece[:size]
+        size -= len(piece)
+        if size <= 0:
+            return
