@@ -1,15 +1,16 @@
 """The quantity and the unit that a text file's column name states: ``gyro_x_deg_s``, ``ax [g]``, ``/imu/angular_velocity/x``."""
 
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from imuwb.errors import ImuwbError, UsageError
 from imuwb.readers.quantities import DIMENSIONS
 from imuwb.units import Unit, unit
 
-_GYRO = r"gyro(?:scope)?s?|gyr|omega|ang(?:ular)?[_ .]?(?:vel(?:ocity)?|rate)|rotation[_ .]?rate"
-_ACCEL = r"accel(?:erometer|eration)?s?|acc|specific[_ .]?force|lin(?:ear)?[_ .]?acc(?:el(?:eration)?)?"
+_DATA = r"(?:[_ .]?(?:readings?|data|meas(?:urements?)?))?"
+_GYRO = rf"gyro(?:scope)?s?{_DATA}|gyr|omega|ang(?:ular)?[_ .]?(?:vel(?:ocity)?|rate)|rotation[_ .]?rate"
+_ACCEL = rf"accel(?:erometer|eration)?s?{_DATA}|acc|specific[_ .]?force|lin(?:ear)?[_ .]?acc(?:el(?:eration)?)?"
 _VARIANT = r"(?:(?P<variant>raw|uncal(?:ibrated)?|uncomp(?:ensated)?)[_ .]?)?"
 _AXIS = r"(?P<number>\d*)[_ .\[]*(?P<axis>[xyz])\]?"
 _FIRST = r"(?P<first>[xyz])[_ .]*"
@@ -63,6 +64,11 @@ _SUFFIXES = {
     "m_s": "m/s", "mps": "m/s", "dege7": "degE7", "mdps": "mdeg/s", "arcsec_s": "arcsec/s", "kmh": "km/h", "knots": "knot",
 }  # fmt: skip
 _LONGEST_FIRST = sorted(_SUFFIXES, key=len, reverse=True)
+#: a name whose axis is a number, perhaps with a unit after it
+_NUMBERED = re.compile(
+    r"(?P<base>.*?(?:[A-Za-z]|\d(?=[_ .\[(])))[_ .\[(]*(?P<number>[0-3])[\])]?(?P<rest>(?:[ _]?[\[(].*[\])])?)"
+)
+_INNER = re.compile(rf"(.+?)_({'|'.join(_LONGEST_FIRST)})_([xyz])")  #: a unit between the quantity and the axis
 _JOINED = re.compile(r"(.+?)(Mps2|RadPerSec|DegPerSec|Nanos|Millis)")  #: a unit that only a capital letter shows
 _JOINED_UNITS = {"Mps2": "m/s²", "RadPerSec": "rad/s", "DegPerSec": "deg/s", "Nanos": "ns", "Millis": "ms"}
 
@@ -101,7 +107,12 @@ def columns(names: tuple[str, ...], units: Mapping[str, str]) -> tuple[Column, .
     Raises:
         UsageError: two columns of one sensor have the same quantity and axis.
     """
-    known = [column for i, name in enumerate(names) if (column := _column(i, name, units)) is not None]
+    lettered = _with_letters(names)
+    known = [
+        replace(column, name=name)
+        for i, name in enumerate(names)
+        if (column := _column(i, lettered.get(name, name), units)) is not None
+    ]
     first: dict[tuple[str, str, int], Column] = {}
     # With a GPS week, the time of week is preferred to any other time.
     weeks = any(column.quantity == "week" for column in known)
@@ -112,6 +123,20 @@ def columns(names: tuple[str, ...], units: Mapping[str, str]) -> tuple[Column, .
                 f"columns {other.name!r} and {column.name!r} are both {column.quantity}; name the columns with --columns"
             )
     return tuple(first.values())
+
+
+def _with_letters(names: Sequence[str]) -> dict[str, str]:
+    """Return names whose axes have numbers with letters: ``gyro_1``, ``gyro_2`` and ``gyro_3``, or 0 to 2, if all three are there."""
+    found: dict[tuple[str, str], dict[str, str]] = {}
+    for name in names:
+        if match := _NUMBERED.fullmatch(name.strip()):
+            found.setdefault((match["base"], match["rest"]), {})[match["number"]] = name
+    return {
+        name: f"{base}_{'xyz'[place]}{rest}"
+        for (base, rest), axes in found.items()
+        if "".join(sorted(axes)) in ("123", "012")
+        for place, (_, name) in enumerate(sorted(axes.items()))
+    }
 
 
 def parts_of(name: str) -> tuple[str, ...]:
@@ -143,6 +168,8 @@ def with_units(name: str) -> Iterator[tuple[str, Unit | None]]:
         measure = _unit_or_none(last) if base else None
         if measure is not None and last.lower() not in "xyz":
             yield base.strip().removesuffix(" in"), measure
+        if inner := _INNER.fullmatch(low):
+            yield f"{text[: inner.start(2) - 1]}_{inner[3]}", unit(_SUFFIXES[inner[2]])
     yield text, None
 
 

@@ -71,6 +71,9 @@ def _of_shape(known: Sequence[Column], stamps: Sequence[Stamp]) -> list[Stamp]:
     week = next((column for column in known if column.quantity == "week"), None)
     if not times:
         return []
+    if len(times) > 1:  # whole seconds and parts of a second
+        name = " ".join(column.name for column in times)
+        return [Stamp(name, "number" if week is None else "week", tuple(times), week=week)]
     column = times[0]
     found = next((s for s in stamps if column.index in {c.index for c in s.columns}), None)
     if found is not None and found.kind != "week":

@@ -45,6 +45,20 @@ def test_nested_names(name, quantity, axis, unit, stream):
     assert found == (quantity, axis, unit, stream)
 
 
+@pytest.mark.parametrize(
+    ("names", "quantity", "unit"),
+    [
+        (("accel_m_s2_1", "accel_m_s2_2", "accel_m_s2_3"), "accel", "m/s²"), (("gyro[0]", "gyro[1]", "gyro[2]"), "gyro", None),
+        (("accelReadings_1", "accelReadings_2", "accelReadings_3"), "accel", None),
+        (("Gyro_1 (rad/s)", "Gyro_2 (rad/s)", "Gyro_3 (rad/s)"), "gyro", "rad/s"),
+        (("gyro_deg_s_x", "gyro_deg_s_y", "gyro_deg_s_z"), "gyro", "deg/s"),
+    ],
+)  # fmt: skip
+def test_axes_with_numbers_and_units_before_them(names, quantity, unit):
+    found = [(c.name, c.quantity, c.axis, c.unit.name if c.unit else None) for c in columns(names, {})]
+    assert found == [(name, quantity, axis, unit) for axis, name in enumerate(names)]
+
+
 def test_two_sensors_in_one_file_are_no_contradiction():
     names = [f"/imu_{i}/{sensor}/{axis}" for i in "ab" for sensor in ("gyro", "accel") for axis in "xyz"]
     found = columns(tuple(names), {})

@@ -61,11 +61,15 @@ def shaped(shape: Shape, head: Head, options: ReadOptions) -> Shaped:
 def _by_place(shape: Shape, units: Mapping[str, str]) -> tuple[Column, ...]:
     """Return the columns of a log without a header."""
     return tuple(
-        _column(i, _place_name(meaning), meaning, units) for i, meaning in enumerate(shape.row) if meaning is not None
+        _column(i, _place_name(i, meaning), meaning, units)
+        for i, meaning in enumerate(shape.row)
+        if meaning is not None
     )
 
 
-def _place_name(meaning: Meaning) -> str:
+def _place_name(index: int, meaning: Meaning) -> str:
+    if meaning.quantity == "time":
+        return f"time ({meaning.unit}) in column {index + 1}"
     return f"{meaning.quantity}_{'xyz'[meaning.axis]}" if meaning.quantity in TRIADS else meaning.quantity
 
 
@@ -80,7 +84,7 @@ def _by_name(shape: Shape, names: Sequence[str], units: Mapping[str, str]) -> tu
     taken = {column.index for column, _ in known} | {i for i, name in enumerate(names) if _reason(shape, name)}
     quantities = {column.quantity for column in found.values()}
     for column in columns(tuple("-" if i in taken else name for i, name in enumerate(names)), units):
-        if column.quantity not in quantities:
+        if column.quantity not in quantities and column.quantity not in ("time", "week"):  # the clock finds other times
             found[column.stream, column.quantity, column.axis] = column
     return tuple(found.values())
 

@@ -12,7 +12,7 @@ from imuwb.readers.text.column_names import parts_of, with_units
 from imuwb.readers.text.layout import Layout
 from imuwb.readers.text.shapes.shape import Shape, shapes
 from imuwb.readers.text.trust import is_number
-from imuwb.units import STANDARD_GRAVITY, Unit
+from imuwb.units import STANDARD_GRAVITY, Unit, unit
 
 DIFFERENT = 2.0  #: factor between the median specific force of a vehicle and one gravity
 
@@ -63,10 +63,11 @@ def _fits(shape: Shape, head: Head, names: set[str]) -> bool:
 def _in_ranges(shape: Shape, head: Head) -> bool:
     """Return whether all first rows have the values of a shape, and its time does not step back."""
     within = all(low <= row[cell] <= high for row in head.rows for cell, (low, high) in shape.ranges.items())
-    time = next((cell for cell, meaning in enumerate(shape.row) if meaning and meaning.quantity == "time"), None)
-    if not within or time is None:
+    times = {cell: unit(m.unit).factor for cell, m in enumerate(shape.row) if m and m.quantity == "time"}
+    if not within or not times:
         return within
-    steps = [after[time] - before[time] for before, after in pairwise(head.rows)]
+    stamps = [sum(factor * row[cell] for cell, factor in times.items()) for row in head.rows]
+    steps = [after - before for before, after in pairwise(stamps)]
     return all(step > 0 for step in steps) and (not steps or _is_gravity(shape, head, median(steps)))
 
 

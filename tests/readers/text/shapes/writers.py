@@ -68,6 +68,47 @@ def ros_flat():
     return File(table("timestamp," + ",".join(names), TIME, *columns), frame="FLU")
 
 
+def ros2_echo():
+    """Without a header, and with the name of the frame."""
+    rate, force = axes(GYRO, "FLU"), axes(ACCEL, "FLU")
+    stamp = TIME // 10**9, TIME % 10**9
+    text = table("", *stamp, ["imu_link"] * N, np.tile([0, 0, 0, 1], (N, 1)), ZEROS, rate, ZEROS, force, ZEROS)
+    return File(text, frame="FLU")
+
+
+def mcap_cat():
+    names = ["header.stamp.sec", "header.stamp.nanosec", "header.frame_id"]
+    names += [f"{f}.{a}" for f in ("angular_velocity", "linear_acceleration") for a in "xyz"]
+    logged = [f"{np.datetime64(t + 4_000_000, 'ns')}Z" for t in TIME.tolist()]
+    columns = (
+        logged,
+        logged,
+        np.arange(N),
+        TIME // 10**9,
+        TIME % 10**9,
+        ["imu"] * N,
+        axes(GYRO, "FLU"),
+        axes(ACCEL, "FLU"),
+    )
+    return File(table("log_time,publish_time,sequence," + ",".join(names), *columns), frame="FLU")
+
+
+def tex_cup():
+    week, tow = gps(TIME)
+    text = table("", week, tow // 10**9, tow % 10**9 / 1e9, ACCEL, GYRO / DEG)
+    return File(text, "lord.log")
+
+
+def matlab():
+    """Variables of three columns, as writetable parts them."""
+    names = [f"{name}_{i}" for name in ("accel_m_s2", "gyro_rad_s") for i in (1, 2, 3)]
+    return File(
+        table("t_s," + ",".join(names), decimals(STEP * np.arange(N)), ACCEL, GYRO),
+        time=STEP * np.arange(N),
+        epoch="log",
+    )
+
+
 def plotjuggler():
     """Rows of an IMU's topic, and rows of another one between them."""
     names = [f"/imu/data/{f}/{a}" for f in ("angular_velocity", "linear_acceleration") for a in "xyz"]
@@ -284,7 +325,7 @@ def x_imu3():
 
 
 WRITERS = (
-    euroc, kalibr, rostopic, ros_dotted, ros_flat, plotjuggler, two_imus, ppc, ppc_as_documented, urban_nav, kf_gins, kf_gins_odometer,
+    euroc, kalibr, rostopic, ros_dotted, ros_flat, ros2_echo, mcap_cat, tex_cup, matlab, plotjuggler, two_imus, ppc, ppc_as_documented, urban_nav, kf_gins, kf_gins_odometer,
     nclt, picoquake, sensor_combined, sensor_gyro, sensor_accel, mavlogdump, betaflight, sensor_logger_gyro, sensor_logger_accel,
     phyphox_gyro, phyphox_accel, physics_toolbox, androsensor, vectornav, xsens, sbg, microstrain, pimu, openimu, x_imu3,
 )  # fmt: skip
