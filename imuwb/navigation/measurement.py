@@ -63,6 +63,10 @@ def measurement_of(log: Log, imu: ImuStream, installation: Installation, *, ther
     Raises:
         MissingDataError: no gyros, no accelerometers, or too few samples.
     """
+    if imu.angular_rate is None or imu.specific_force is None:
+        lacks = "gyro" if imu.angular_rate is None else "accelerometer"
+        remedy = next((n for n in log.notes if getattr(n, "id", "") == "parts_apart"), "choose another IMU with --imu")
+        raise MissingDataError(f"{log.provenance.path}: {imu.name} has no {lacks}, and navigation needs both; {remedy}")
     return _measured(imu, log.zero or 0, log.provenance.path, installation, thermal)
 
 

@@ -1,7 +1,7 @@
 """Joins streams that belong together: a temperature and its IMU, a gyro and its accelerometer, a velocity and its receiver."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +11,12 @@ from imuwb.log import GnssStream, ImuStream, Nanoseconds
 from imuwb.notes import Note
 from imuwb.sampling import nearest
 
-_SENSOR = re.compile(r"(?<=/)(gyro|accel)(?=/|$)")
+#: a sensor's word in a name: /camera/gyro/sample, imu_accelerometer, Gyro_0, angular_velocity
+_SENSOR = re.compile(
+    r"(?<![a-z])(gyro(?:scope|meter)?s?|gyr|angular_?(?:velocity|rate)|accel(?:erometer|eration)?s?|acc|linear_?acceleration)(?![a-z])",
+    re.IGNORECASE,
+)
+MOST = 4  #: proposals that a note lists
 MATCHED = 0.9  #: least share of the fixes that must have a row nearby
 
 
@@ -29,25 +34,61 @@ def sibling(topic: str, names: Sequence[str]) -> str | None:
 
 
 def with_parts_joined(imus: tuple[ImuStream, ...]) -> tuple[tuple[ImuStream, ...], list[str]]:
-    """Return the IMUs; a gyro and an accelerometer whose topics differ only in the sensor's name become one IMU."""
-    named = {imu: _SENSOR.sub("*", imu.name) for imu in imus if _SENSOR.search(imu.name)}
-    gyros = {name: imu for imu, name in named.items() if imu.angular_rate is not None and imu.specific_force is None}
-    accels = {name: imu for imu, name in named.items() if imu.specific_force is not None and imu.angular_rate is None}
+    """Return the IMUs, of which halves are joined, and notes.
+
+    A gyro and an accelerometer become one IMU if their names differ only in the sensor's word, and no other halves have these names.
+    Halves that are left are proposed as ``--imu A+B`` with their names.
+    """
     streams, notes = list(imus), list[str]()
-    for pattern, gyro in gyros.items():
-        accel = accels.get(pattern)
-        if accel is None:
+    gyros = [imu for imu in imus if imu.angular_rate is not None and imu.specific_force is None]
+    accels = [imu for imu in imus if imu.specific_force is not None and imu.angular_rate is None]
+    for pattern in dict.fromkeys(map(_pattern, gyros)):
+        own, others = ([imu for imu in halves if _pattern(imu) == pattern] for halves in (gyros, accels))
+        name = _joined_name(pattern)
+        if (
+            len(own) != 1
+            or len(others) != 1
+            or any(imu.name == name for imu in imus)
+            or not _overlap(own[0], others[0])
+        ):
             continue
-        name = pattern.removesuffix("/*").replace("*", "imu")
-        if any(imu.name == name for imu in imus):
-            continue
-        repairs = (*gyro.origin.repairs, *(r for r in accel.origin.repairs if r not in gyro.origin.repairs))
-        temperature, origin = gyro.temperature or accel.temperature, replace(gyro.origin, repairs=repairs)
-        streams[streams.index(gyro)] = ImuStream(name, gyro.angular_rate, accel.specific_force, temperature, origin)
-        streams.remove(accel)
-        text = f"{gyro.name} and {accel.name}: taken as the gyro and the accelerometer of one IMU, {name}"
+        streams[streams.index(own[0])] = _joined(name, own[0], others[0])
+        streams.remove(others[0])
+        text = f"{own[0].name} and {others[0].name}: taken as the gyro and the accelerometer of one IMU, {name}"
         notes.append(Note("parts_joined", text))
-    return tuple(streams), notes
+    return tuple(streams), [*notes, *_proposals(streams)]
+
+
+def _pattern(imu: ImuStream) -> str:
+    """Return a name with a star in place of the sensor's last word; a name without such a word is its own pattern."""
+    words = [*_SENSOR.finditer(imu.name)]
+    return f"{imu.name[: words[-1].start()]}*{imu.name[words[-1].end() :]}" if words else imu.name
+
+
+def _joined_name(pattern: str) -> str:
+    return pattern.removesuffix("/*").replace("*", "imu") if pattern != "*" else "imu"
+
+
+def _overlap(one: ImuStream, other: ImuStream) -> bool:
+    """Return whether two halves were recorded at the same time."""
+    spans = [t.time[[0, -1]] for imu in (one, other) for t in (imu.angular_rate, imu.specific_force) if t is not None]
+    return bool(spans[0][0] <= spans[1][1] and spans[1][0] <= spans[0][1])
+
+
+def _joined(name: str, gyro: ImuStream, accel: ImuStream) -> ImuStream:
+    repairs = (*gyro.origin.repairs, *(r for r in accel.origin.repairs if r not in gyro.origin.repairs))
+    origin = replace(gyro.origin, repairs=repairs)
+    return ImuStream(name, gyro.angular_rate, accel.specific_force, gyro.temperature or accel.temperature, origin)
+
+
+def _proposals(streams: Sequence[ImuStream]) -> Iterator[Note]:
+    """Yield how each gyro that has no accelerometer can be used with one that has no gyro."""
+    gyros = [imu for imu in streams if imu.angular_rate is not None and imu.specific_force is None]
+    accels = [imu for imu in streams if imu.specific_force is not None and imu.angular_rate is None]
+    pairs = [f"--imu {g.name}+{a.name}" for g in gyros for a in accels if _overlap(g, a)]
+    if pairs:
+        text = f"{len(gyros)} gyros and {len(accels)} accelerometers alone; to use two as one IMU: {' or '.join(pairs[:MOST])}"
+        yield Note("parts_apart", text + (f" ({len(pairs)} pairs in all)" if len(pairs) > MOST else ""))
 
 
 def with_fix_rows(
