@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
-pytest_plugins = ["tests.recordings"]
+pytest_plugins = ["tests.recordings", "tests.servers"]
 
 _HEADER = "MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
 _HEADER_1 = "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"

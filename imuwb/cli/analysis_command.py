@@ -2,13 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import fields
-from pathlib import Path
 from typing import Annotated, Any
 
 from imuwb.analysis import Analysis, offers
 from imuwb.cli.options import LOG_ARGUMENT, PANELS, Conditions, Outputs, Part, Request
 from imuwb.cli.parameters import expanded
 from imuwb.errors import UsageError
+from imuwb.readers.bytes.address import place_of
 
 #: a shared option -> the part that an analysis must offer for it
 NEEDED = {"save_model": "error_model", "force_model": "objections", "study": "study"}
@@ -23,12 +23,12 @@ def command_function(name: str, analysis: Analysis) -> Callable[..., None]:
     from imuwb.readers.read_options import ReadOptions  # noqa: PLC0415 - the list of commands does not need it
 
     def command(
-        *, logs: Annotated[list[Path], LOG_ARGUMENT], parameters: Any, part: Part, reading: ReadOptions,  # noqa: ANN401 - the plugin's
+        *, logs: Annotated[list[str], LOG_ARGUMENT], parameters: Any, part: Part, reading: ReadOptions,  # noqa: ANN401 - the plugin's
         conditions: Conditions, outputs: Outputs,
     ) -> None:  # fmt: skip
         from imuwb.cli.perform import perform  # noqa: PLC0415 - help must not wait for numpy and rerun
 
-        perform(name, analysis, logs, parameters, Request(reading, part, conditions, outputs))
+        perform(name, analysis, list(map(place_of, logs)), parameters, Request(reading, part, conditions, outputs))
 
     left_out = {option for option, needed in NEEDED.items() if not offers(analysis, needed)}
     shared = {f.name for kind in (Part, ReadOptions, Conditions, Outputs) for f in fields(kind)} - left_out

@@ -12,6 +12,7 @@ from imuwb.analysis import Analysis, offers
 from imuwb.cli.options import PANELS
 from imuwb.cli.parameters import expanded
 from imuwb.errors import UsageError
+from imuwb.readers.bytes.address import is_address, place_of
 
 LOGS, ANALYSES, RESULTS = "Logs", "Analyses", "Results"
 #: command of the core -> its panel and its line in the list of commands, in the order of that list. Each command is in the
@@ -50,6 +51,8 @@ def _add_analyses(app: typer.Typer, name: str) -> None:
     """Add the analysis of that name or file; or, if the name is that of no analysis, list all commands."""
     from imuwb import registry  # noqa: PLC0415 - commands of the core do without the installed metadata
 
+    if is_address(name):
+        raise UsageError(f"{place_of(name)}: this is a log and no command; to see its streams, write info before it")
     if name.endswith(".py"):
         _add(app, name, cast("Analysis", registry.load_file(Path(name))), name)
         return

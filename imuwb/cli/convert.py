@@ -9,11 +9,12 @@ import typer
 from imuwb.cli.options import LOG_ARGUMENT, Force, Part, output_option
 from imuwb.errors import UsageError
 from imuwb.log import Log
+from imuwb.readers.bytes.address import place_of
 from imuwb.readers.read_options import ReadOptions
 
 
 def convert(
-    log: Annotated[Path, LOG_ARGUMENT],
+    log: Annotated[str, LOG_ARGUMENT],
     part: Part,
     reading: ReadOptions,
     *,
@@ -36,9 +37,9 @@ def convert(
 
     if output.suffix not in SUFFIXES:
         raise UsageError(f"--output {output}: the name of the new log must end in {' or '.join(SUFFIXES)}")
-    sources = [log, *([part.gnss] if part.gnss is not None else [])]
+    sources = [place_of(text) for text in (log, part.gnss) if text is not None]
     check_places([output], sources, force=force)
-    content = read_log(log, reading, part)
+    content = read_log(sources[0], reading, part)
     content.streams()
     files = places(content, output)
     check_places(files, sources, force=force)

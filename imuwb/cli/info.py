@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, cast
 
 import typer
 
@@ -13,29 +13,37 @@ from imuwb.log import Log
 from imuwb.readers.read_options import ReadOptions
 
 LARGE = 256 << 20  #: bytes; a larger log is summarized from its index, if it has one
+LARGE_REMOTE = 16 << 20  #: bytes; likewise of a remote log
 
 
 def info(
-    log: Annotated[Path, LOG_ARGUMENT],
+    log: Annotated[str, LOG_ARGUMENT],
     reading: ReadOptions,
     *,
     json: Annotated[bool, typer.Option("--json", help="Print JSON on stdout.")] = False,
     scan: Annotated[
-        bool, typer.Option("--scan", help="Read every message of a log above 256 MB, not only its index.")
+        bool,
+        typer.Option(
+            "--scan", help="Read every message of a log above 256 MB, or 16 MB if it is remote, not only its index."
+        ),
     ] = False,
 ) -> None:
     """Show the streams of a log: rates, gaps, clocks, units, frames and repairs."""
-    from imuwb import readers  # noqa: PLC0415 - help must not wait for numpy
-    from imuwb.cli.reading import read_log  # noqa: PLC0415
+    from imuwb.cli.reading import read_log  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.terminal import shower  # noqa: PLC0415
     from imuwb.readers.bytes import source  # noqa: PLC0415
+    from imuwb.readers.reading import indexed  # noqa: PLC0415
     from imuwb.review.tables import streams_table, truth_table  # noqa: PLC0415
     from imuwb.summary import summarize  # noqa: PLC0415
 
-    if not log.is_dir():
-        source.check(log)
-    whole = read_log(log, reading) if scan or source.size(log) <= LARGE else None
-    summary = readers.describe(log) if whole is None else summarize(whole)
+    with source.accessed(log) as place:
+        local = isinstance(place, Path)
+        if not local or not place.is_dir():
+            source.check(place)
+        small = source.size(place) <= (LARGE if local else LARGE_REMOTE)
+        stated = None if scan or small else indexed(place)
+        whole = read_log(place, reading) if stated is None else None
+    summary = stated or summarize(cast("Log", whole))
     if json:
         from imuwb.review.document import json_text  # noqa: PLC0415 - only here
 

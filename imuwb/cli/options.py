@@ -20,8 +20,8 @@ PANELS = {
     "Conditions": "Conditioners",
     "Outputs": "Output",
 }
-LOG_HELP = "A log: MCAP, ROS bag, db3, tlog, bin, ulg, CSV or RTKLIB .pos."
-#: ``Annotated[Path, LOG_ARGUMENT]``: the log of a command, or its logs.
+LOG_HELP = "A log, or its address (https, s3, gs, az, file): MCAP, ROS bag, db3, tlog, bin, ulg, CSV or RTKLIB .pos."
+#: ``Annotated[str, LOG_ARGUMENT]``: the log of a command, or its logs.
 LOG_ARGUMENT = typer.Argument(help=LOG_HELP, metavar="LOG")
 
 
@@ -49,7 +49,7 @@ class Part:
         str | None, "End of the part: seconds from the log's start, or a date and time (ISO 8601).", Form("TIME")
     ] = None
     gnss: Annotated[
-        Path | None,
+        str | None,
         "Second log with the fixes of the GNSS receiver, such as RTKLIB .pos or CSV.",
         Form("LOG"),
     ] = None

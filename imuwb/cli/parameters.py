@@ -1,6 +1,7 @@
 """From dataclasses of options to the command line: an option for each field, a panel of the help for each dataclass."""
 
 import inspect
+import re
 import types
 import typing
 from collections.abc import Callable, Collection, Mapping
@@ -16,6 +17,7 @@ from imuwb.errors import UsageError
 from imuwb.options import Option, options_of, read, text_of
 from imuwb.units import UNITS
 
+_ADDRESS = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:[/\\]")  # a path has one slash of the two
 #: Types that typer reads itself. ``imuwb.options`` reads all others from their texts.
 NATIVE = (bool, int, float, str, Path, list[str], list[Path])
 
@@ -103,6 +105,7 @@ def expanded(
 
     @wraps(function)
     def command(**values: Any) -> None:  # noqa: ANN401 - each option has its own type
+        _check_local(values)
         made = {
             group: make(kind, {name: values.pop(name) for name in names}) for group, (kind, names) in groups.items()
         }
@@ -111,6 +114,14 @@ def expanded(
     cast("Any", command).__signature__ = inspect.Signature(expansion)
     command.__annotations__ = {parameter.name: parameter.annotation for parameter in expansion}
     return command
+
+
+def _check_local(values: Mapping[str, object]) -> None:
+    """Raise UsageError for an address in place of a file; the message does not repeat it, because it may have secrets."""
+    for name, value in values.items():
+        if isinstance(value, Path) and _ADDRESS.match(str(value)):
+            option = f"--{name.replace('_', '-')}"
+            raise UsageError(f"{option} is an address; only logs are read from addresses: name a file of this machine")
 
 
 def _sentence(text: str) -> str:

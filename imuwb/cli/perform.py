@@ -21,6 +21,7 @@ from imuwb.cli.through import Step, conditioned, step
 from imuwb.errors import ImuwbError, MissingDataError, UsageError
 from imuwb.log import Log
 from imuwb.progress import watched
+from imuwb.readers.bytes.address import Place, place_of
 from imuwb.review.document import document
 from imuwb.review.overview import overview
 from imuwb.review.recording import RecordingReview
@@ -29,7 +30,7 @@ from imuwb.writers import write_text
 VIEWER = "rerun+http://127.0.0.1:9876/proxy"
 
 
-def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: object, request: Request) -> None:
+def perform(name: str, analysis: Analysis, paths: Sequence[Place], parameters: object, request: Request) -> None:
     """Read the logs, condition them, run the analysis, and write its results."""
     plugin = cast("Any", analysis)
     check_count(name, analysis, paths)
@@ -37,7 +38,7 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Path], parameters: ob
         step(text)
     grid(request.conditions.study)
     places = Places.of(analysis, paths, request.outputs, parameters)
-    gnss = [request.part.gnss] if request.part.gnss is not None else []
+    gnss = [place_of(request.part.gnss)] if request.part.gnss is not None else []
     check_places(places.all(), [*paths, *gnss], force=request.outputs.force)
 
     through = [conditioned(read_log(path, request.reading, request.part), request.conditions.through) for path in paths]
@@ -90,7 +91,7 @@ def _objections(analysis: Analysis, result: object, places: Places, request: Req
     return cast("Any", analysis).objections(result)
 
 
-def check_count(name: str, analysis: Analysis, paths: Sequence[Path]) -> None:
+def check_count(name: str, analysis: Analysis, paths: Sequence[Place]) -> None:
     """Raise UsageError unless the analysis takes that many logs."""
     fewest, most = cast("tuple[int, int | None]", getattr(analysis, "LOGS", (1, 1)))
     if len(paths) < fewest or (most is not None and len(paths) > most):

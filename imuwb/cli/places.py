@@ -11,6 +11,7 @@ from typing import Any, cast
 from imuwb.analysis import Analysis, offers
 from imuwb.cli.options import Outputs
 from imuwb.errors import ImuwbError, UsageError
+from imuwb.readers.bytes.address import Place
 from imuwb.readers.text.sidecar import sidecar_of
 
 SUFFIXES = (".rrd", ".gz", ".csv", ".txt", ".mcap", ".pos", ".bin", ".tlog", ".ulg", ".log")
@@ -27,14 +28,13 @@ class Places:
     own: tuple[Path, ...] = ()  #: files that the analysis itself writes
 
     @staticmethod
-    def of(analysis: Analysis, logs: Sequence[Path], outputs: Outputs, parameters: object) -> Places:
-        """Return the places that the user gives, or the default places beside the first log.
+    def of(analysis: Analysis, logs: Sequence[Place], outputs: Outputs, parameters: object) -> Places:
+        """Return the places that the user gives, or the default places beside the first log; in the working folder if it is remote.
 
         Raises:
             UsageError: the name of the recording does not end in .rrd.
         """
-        first = logs[0] if logs[0].name.strip(".") else logs[0].resolve()  # "." and ".." are folders of another name
-        recording = outputs.output or first.with_name(f"{stem(first)}.rrd")
+        recording = outputs.output or _beside(logs[0])
         if recording.suffix != ".rrd":
             raise UsageError(f"--output {recording}: the name of a recording must end in .rrd")
         model = outputs.save_model
@@ -50,23 +50,32 @@ class Places:
         return [file for file in (self.recording, self.document, self.model, *self.own) if file is not None]
 
 
-def stem(path: Path) -> str:
-    """Return a file's name without its suffixes: static for static.csv.gz."""
-    name = path.name
+def stem(place: Place) -> str:
+    """Return a log's name without its suffixes: static for static.csv.gz."""
+    whole = name = place.name if isinstance(place, Path) else place.file_name
     for suffix in SUFFIXES:
         name = name.removesuffix(suffix)
-    return name or path.name
+    return name or whole
 
 
-def check_places(files: Sequence[Path], logs: Sequence[Path], *, force: bool) -> None:
+def _beside(log: Place) -> Path:
+    """Return the default recording of a log: beside it, or in the working folder if the log is remote."""
+    if not isinstance(log, Path):
+        return Path(f"{stem(log)}.rrd")
+    named = log if log.name.strip(".") else log.resolve()  # "." and ".." are folders of another name
+    return named.with_name(f"{stem(named)}.rrd")
+
+
+def check_places(files: Sequence[Path], logs: Sequence[Place], *, force: bool) -> None:
     """Check that all outputs can be written, that no two outputs have the same path, and that no output is a log that is read.
 
     Raises:
         UsageError: two outputs have the same name, or a file exists and ``force`` is not set.
         ImuwbError: a file cannot be written.
     """
-    taken = {log.resolve() for log in logs}
-    sidecars = {sidecar.resolve(): log for log in logs if (sidecar := sidecar_of(log)) is not None}
+    local = [log for log in logs if isinstance(log, Path)]
+    taken = {log.resolve() for log in local}
+    sidecars = {sidecar.resolve(): log for log in local if (sidecar := sidecar_of(log)) is not None}
     for file in files:
         if (log := sidecars.get(file.resolve())) is not None:
             raise UsageError(

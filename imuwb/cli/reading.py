@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from decimal import Decimal, InvalidOperation
-from pathlib import Path
 from typing import Literal
 
 from imuwb import joining, readers, selection
@@ -10,24 +9,26 @@ from imuwb.cli.options import Part
 from imuwb.cli.terminal import progress
 from imuwb.errors import UsageError
 from imuwb.log import SECOND, Log
+from imuwb.readers.bytes.address import Place, place_of
+from imuwb.readers.bytes.remote import RemoteLog
 from imuwb.readers.read_options import ReadOptions
 
 LARGEST_SHIFT = 4e9  #: s
 
 
-def read_log(path: Path, reading: ReadOptions, part: Part | None = None) -> Log:
+def read_log(place: Place | RemoteLog, reading: ReadOptions, part: Part | None = None) -> Log:
     """Return a log, or a part of it, joined with the log of the GNSS receiver if there is one."""
     if part is None:
-        return _read(path, reading)
+        return _read(place, reading)
     shift = None if part.gnss_shift is None else _shift(part.gnss_shift)
     wanted = selection.Part(part.imu, part.start, part.end)
     if shift is None or (part.gnss is not None and shift != "start"):
-        log = _read(path, reading, wanted)
+        log = _read(place, reading, wanted)
         wanted = replace(wanted, imu=None)  # the IMU is chosen; a receiver's log is cut below
     else:  # the shift depends on the whole log
-        log = _read(path, reading)
+        log = _read(place, reading)
     if part.gnss is not None:
-        other = _read(part.gnss, ReadOptions())
+        other = _read(place_of(part.gnss), ReadOptions())
         log = joining.joined(log, other if shift is None else joining.shifted(other, shift, log))
     elif shift is not None:
         log = joining.shifted(log, shift, log)
@@ -47,6 +48,6 @@ def _shift(text: str) -> int | Literal["start"]:
     return int((seconds * SECOND).to_integral_value())
 
 
-def _read(path: Path, reading: ReadOptions, part: selection.Part | None = None) -> Log:
-    with progress(f"reading {path.name}") as report:
-        return readers.read(path, reading, report, part)
+def _read(place: Place | RemoteLog, reading: ReadOptions, part: selection.Part | None = None) -> Log:
+    with progress(f"reading {place.name}") as report:
+        return readers.read(place, reading, report, part)

@@ -176,10 +176,16 @@ def describe(place: str | Place | RemoteLog, options: ReadOptions | None = None)
         UsageError: the file needs an option, such as its rate or its units.
     """
     with source.accessed(place) as path:
+        summary = indexed(path)
+        return summary if summary is not None else summarize(read(path, options))
+
+
+def indexed(place: str | Place | RemoteLog) -> LogSummary | None:
+    """Return the summary that a log's index states; None for a log without an index. Errors as in ``describe``."""
+    with source.accessed(place) as path:
         reader = _reader_of(path)
         from_index = getattr(reader, "describe", None)
-        summary = cast("LogSummary | None", from_index(_readable(reader, path))) if from_index is not None else None
-        return summary if summary is not None else summarize(read(path, options))
+        return cast("LogSummary | None", from_index(_readable(reader, path))) if from_index is not None else None
 
 
 def _text(path: Source) -> str:

@@ -10,6 +10,7 @@ from imuwb.errors import UsageError
 
 WEB = ("http", "https")
 STORES = ("s3", "gs", "az")
+LONGEST = 100  #: letters of the name of a file
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+)://")  # one letter is a drive of Windows
 _HOST = re.compile(r"(\[[0-9A-Fa-f:.]+\]|[^:@/\s]+)(:\d+)?")
 _QUERY = re.compile(r"[?#]")
@@ -81,6 +82,12 @@ class Address:
         return (unquote(last) if self.scheme in WEB else last) or self.host
 
     @property
+    def file_name(self) -> str:
+        """The name that a file of this machine gets."""
+        safe = "".join(c if c.isalnum() or c in "._-+ " else "_" for c in self.name).strip(". ")
+        return safe[-LONGEST:] or "log"
+
+    @property
     def signed(self) -> bool:
         """Whether the address has a query, which is valid for this object only."""
         return self.scheme in WEB and "?" in self.url
@@ -106,6 +113,11 @@ class Address:
 
 
 Place: TypeAlias = Path | Address
+
+
+def is_address(text: str) -> bool:
+    """Return whether a text is an address and no path."""
+    return bool(_scheme(text))
 
 
 def place_of(text: "str | Place") -> Place:

@@ -111,7 +111,7 @@ class RemoteLog:
         """
         if self._copy is None:
             self._folder = tempfile.TemporaryDirectory(prefix="imuwb-", ignore_cleanup_errors=True)
-            copy = Path(self._folder.name) / _file_name(self.name)
+            copy = Path(self._folder.name) / self.address.file_name
             with copy.open("wb") as file:
                 for piece in self._in_order():
                     if not file.tell():
@@ -204,22 +204,21 @@ class RemoteLog:
     def _copy_beside(self, copy: Path, name: str) -> None:
         from imuwb.readers.bytes.transfer import AbsentError, Transfer  # noqa: PLC0415 - as above
 
-        place = copy.with_name(_file_name(name))
+        address = self.address.beside(name)
+        place = copy.with_name(address.file_name)
         if self.address.signed or place.exists():
             return
-        transfer = Transfer(self.address.beside(name), ranged=False)
+        transfer = Transfer(address, ranged=False)
         content = bytearray()
         try:
             for piece in transfer.pieces():
                 content += piece
                 if (transfer.size or 0) > BESIDE:
-                    self.notes.append(
-                        Note("beside-not-read", f"{transfer.address} is not read: it has {transfer.size} bytes")
-                    )
+                    self.notes.append(Note("beside-not-read", f"{address} is not read: it has {transfer.size} bytes"))
                     return
         except AbsentError as error:
             if error.denied:  # S3 also answers so where there is no object, if the user may not list the bucket
-                text = f"{transfer.address} is not read: access is denied, so it may exist; if it does not, this is of no matter"
+                text = f"{address} is not read: access is denied, so it may exist; if it does not, this is of no matter"
                 self.notes.append(Note("beside-not-read", text))
             return
         if not is_web_page(content):  # a server may answer every address with its own page
@@ -256,9 +255,3 @@ class _RemoteFile(io.RawIOBase):
         buffer[: len(piece)] = piece
         self._at += len(piece)
         return len(piece)
-
-
-def _file_name(name: str) -> str:
-    """Return a name that every file system allows, with the same suffix."""
-    safe = "".join(c if c.isalnum() or c in "._-+ " else "_" for c in name).strip(". ")
-    return safe[-100:] or "log"

@@ -20,7 +20,7 @@ from imuwb.readers.bytes.address import WEB, Address
 SILENCE = timedelta(seconds=30)  #: a server that sends nothing for so long has failed
 CONNECTING = timedelta(seconds=10)
 #: no limit for a whole transfer: an object may be large and a line slow
-_TIMES = {"read_timeout": SILENCE, "connect_timeout": CONNECTING, "timeout": timedelta(days=30)}
+TIMES = {"read_timeout": SILENCE, "connect_timeout": CONNECTING, "timeout": timedelta(days=30)}
 _NO_RETRY: Any = {"max_retries": 0}  # ``transfer`` retries, because it knows how many bytes have come
 #: scheme -> the variables that show that the environment has credentials
 _CREDENTIALS = {
@@ -63,7 +63,7 @@ def store_of(address: Address) -> tuple[ObjectStore, str]:
 
 
 def _client(url: str, **more: Any) -> Any:  # noqa: ANN401 - obstore's own dictionary
-    return {"allow_http": url.lower().startswith("http://"), **_TIMES, **more}
+    return {"allow_http": url.lower().startswith("http://"), **TIMES, **more}
 
 
 def _web(address: Address) -> HTTPStore:

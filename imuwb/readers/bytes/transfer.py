@@ -13,7 +13,7 @@ from imuwb.errors import UnreadableLogError, UsageError
 from imuwb.readers.bytes.address import Address
 from imuwb.readers.bytes.stores import REMEDIES, SILENCE, store_of
 
-PIECE = 1 << 20  #: bytes that are passed on at a time
+PIECE = 1  #: bytes that must have come before they are passed on: those that wait are lost when the connection is cut
 ATTEMPTS = 5  #: requests in a row without progress, after which a transfer ends
 PROGRESS = 1 << 20  #: bytes after which the attempts are counted anew
 NO_SUCH_RANGE = 416  #: status; an empty object has no range
@@ -30,9 +30,10 @@ _FAULTS = {
     "kind: Connect": "its host cannot be reached; check the address, the port and the network",
     "kind: Interrupted": "the connection was cut",
     "MissingContentLength": "its host does not state the length of the object; download it first",
+    "MissingLastModified": "its host does not state when the object was written; download it first",
     "BareRedirect": "it is in another region; state AWS_REGION",
 }
-_LASTING = ("dns error", "InvalidCertificate", "MissingContentLength", "BareRedirect")
+_LASTING = ("dns error", "InvalidCertificate", "MissingContentLength", "MissingLastModified", "BareRedirect")
 
 
 class NoRangesError(Exception):

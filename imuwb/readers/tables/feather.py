@@ -5,9 +5,11 @@ from pathlib import Path
 
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.read_options import ReadOptions
+from imuwb.readers.text.sidecar import names_of
 
 format = "feather"  # noqa: A001 - the contract's name
 uses = ("columns", "units", "frame", "epoch")
+beside = names_of
 MAGIC = b"ARROW1"
 
 

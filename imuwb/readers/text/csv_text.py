@@ -14,6 +14,7 @@ from imuwb.notes import Note
 from imuwb.readers.batch import Batch, CannotSeekError, Limits, Remark, unused
 from imuwb.readers.bytes.source import damaged
 from imuwb.readers.read_options import ReadOptions
+from imuwb.readers.text import time_tag
 from imuwb.readers.text.cells import CELLS, LINES, blocks, floats, of
 from imuwb.readers.text.clock import Clock, clock_of
 from imuwb.readers.text.column_names import Column, columns
@@ -26,7 +27,7 @@ from imuwb.readers.text.layout import Layout
 from imuwb.readers.text.left_out import UNKNOWN, left_over, no_stream, unused_columns
 from imuwb.readers.text.sensors import Sensor, sensors_of, stream_name
 from imuwb.readers.text.shapes.application import Shaped, shape_of_log
-from imuwb.readers.text.sidecar import with_sidecar
+from imuwb.readers.text.sidecar import names_of, with_sidecar
 from imuwb.readers.text.tables import layouts_of, name_of, tag_counts
 from imuwb.units import SECOND
 
@@ -52,6 +53,11 @@ def probe(head: bytes) -> bool:
         return False
     printable = sum(byte >= ord(" ") or byte in b"\t\r\n\f" for byte in head)
     return printable >= PRINTABLE * len(head)
+
+
+def beside(name: str) -> tuple[str, ...]:
+    """Return the names of the files that may lie beside a log: its sidecar and its time tag."""
+    return *names_of(name), time_tag.name_of(name)
 
 
 def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:

@@ -71,8 +71,12 @@ def sidecar_of(path: Path) -> Path | None:
 
 def _candidates(path: Path) -> list[Path]:
     """Return the files that may be the sidecar of a log."""
-    names = dict.fromkeys((f"{path.name}.toml", f"{path.name.split('.')[0]}.toml"))
-    return [place for name in names if (place := path.parent / name).is_file()]
+    return [place for name in names_of(path.name) if (place := path.parent / name).is_file()]
+
+
+def names_of(log: str) -> tuple[str, ...]:
+    """Return the names that the sidecar of a log of some name may have."""
+    return tuple(dict.fromkeys((f"{log}.toml", f"{log.split('.', maxsplit=1)[0]}.toml")))
 
 
 def _content(sidecar: Path) -> dict[str, Any]:

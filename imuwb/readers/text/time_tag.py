@@ -48,6 +48,11 @@ class TagClock:
         return self.start + np.rint(passed).astype(np.int64)
 
 
+def name_of(log: str) -> str:
+    """Return the name of the tag of a log of some name."""
+    return f"{log}.tag"
+
+
 def tag_clock(path: Path, column: int, delimiter: str, factor: float) -> TagClock | Note | None:
     """Return the clock that the tag beside a log gives; a note if the tag does not fit the log; None without a tag.
 
@@ -57,7 +62,7 @@ def tag_clock(path: Path, column: int, delimiter: str, factor: float) -> TagCloc
         delimiter: of the columns; a blank means any run of blanks.
         factor: s in the unit of that column.
     """
-    tag = path.with_name(f"{path.name}.tag")
+    tag = path.with_name(name_of(path.name))
     head = _head(tag)
     if head is None:
         return None
