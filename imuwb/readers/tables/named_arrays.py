@@ -40,6 +40,11 @@ NAVEGO = {
     "vel": ("velocity_north [m/s]", "velocity_east [m/s]", "velocity_down [m/s]"),
     "roll": ("roll [rad]",), "pitch": ("pitch [rad]",), "yaw": ("heading [rad]",),
 }  # fmt: skip
+#: NaveGo's deviations, one for each axis or one row for each fix -> names of their columns
+NAVEGO_SIGMAS = {
+    "stdm": ("sigma_north [m]", "sigma_east [m]", "sigma_down [m]"),
+    "stdv": ("sigma_velocity_north [m/s]", "sigma_velocity_east [m/s]", "sigma_velocity_down [m/s]"),
+}
 SIGNATURES = (
     {"t", "fb", "wb"},
     {"t", "lat", "lon", "h", "vel"},
@@ -200,7 +205,13 @@ def _navego(name: str, arrays: dict[str, Array]) -> _Table:
             found |= dict(zip(shown, [array] if array.ndim == 1 else array.T, strict=True))
     if "latitude [rad]" in found and np.nanmax(np.abs(found["latitude [rad]"])) > np.pi / 2:
         found = {key.replace("itude [rad]", "itude [deg]"): array for key, array in found.items()}
-    left = tuple(key for key in arrays if key not in NAVEGO)
+    for key, shown in NAVEGO_SIGMAS.items():
+        if "lat" in arrays and key in arrays and arrays[key].size in (AXES, AXES * count):
+            sigma = (
+                np.broadcast_to(arrays[key], (count, AXES)) if arrays[key].size == AXES else _rows(arrays[key], count)
+            )
+            found |= dict(zip(shown, sigma.T, strict=True)) if sigma is not None else {}
+    left = tuple(key for key in arrays if key not in NAVEGO and not (key in NAVEGO_SIGMAS and "lat" in arrays))
     return _Table(name, found, left, "a structure of NaveGo")
 
 

@@ -23,7 +23,8 @@ GNSS = {
     "lon": PLACE[:, 1:2],
     "h": PLACE[:, 2:],
     "vel": VELOCITY,
-    "stdm": np.ones((1, 3)),
+    "stdm": np.array([[1.0, 2.0, 3.0]]),
+    "stdv": np.full((M, 3), 0.1),
     "freq": 5.0,
 }
 REF = GNSS | {"roll": np.zeros((M, 1)), "pitch": np.full((M, 1), 0.1), "yaw": np.linspace(0, 1, M)[:, None]}
@@ -72,6 +73,8 @@ def test_structures_of_navego(log_of):
     assert log.imus[0].name == "imu1"
     np.testing.assert_allclose(log.gnss[0].position, PLACE, rtol=1e-15)
     np.testing.assert_allclose(log.gnss[0].velocity, VELOCITY, rtol=1e-15)
+    assert log.gnss[0].position_sigma.tolist() == [[1, 2, 3]] * M
+    assert log.gnss[0].velocity_sigma.tolist() == [[0.1] * 3] * M
     np.testing.assert_allclose(log.references[0].attitude[:, 2], np.linspace(0, 1, M), atol=1e-15)
     assert log.imus[0].origin.epoch == "log"
     assert any(note.id == "unused" and "imu1.vrw" in note for note in log.notes)
