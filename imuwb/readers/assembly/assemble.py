@@ -108,7 +108,7 @@ def _grouped(parts: Iterable[Batch | Remark]) -> tuple[dict[Key, list[Batch]], d
                 groups[piece.stream, piece.kind, tuple(piece.columns)].append(piece)
         elif part.stream:
             repairs[part.stream].append(Repair(part.text, part.count, part.effect))
-        else:
+        elif part.text not in notes:  # files that are one log may give one note
             notes.append(part.text)
     return groups, repairs, notes
 
@@ -237,7 +237,8 @@ def _with_rows(imu: ImuStream, rows: Batch) -> ImuStream:
     """Return an IMU with the sensors of some rows, and their repairs."""
     repairs = imu.origin.repairs + tuple(x for x in rows.origin.repairs if x not in imu.origin.repairs)
     triads = {name: Triad(rows.time, rows.columns[name]) for name in TRIADS if name in rows.columns}
-    imu = replace(imu, origin=replace(imu.origin, repairs=repairs), **triads)
+    units = ", ".join(dict.fromkeys((*imu.origin.units.split(", "), *rows.origin.units.split(", "))))
+    imu = replace(imu, origin=replace(imu.origin, repairs=repairs, units=units), **triads)
     if "temperature" not in rows.columns:
         return imu
     return replace(imu, temperature=Scalars(rows.stream, rows.time, rows.columns["temperature"]))

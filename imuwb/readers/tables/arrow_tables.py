@@ -21,9 +21,9 @@ from imuwb.readers.batch import Batch, Remark, unused
 from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text.cells import converted
 from imuwb.readers.text.column_names import with_units
-from imuwb.readers.text.csv_text import table
 from imuwb.readers.text.layout import SAMPLE, Layout
 from imuwb.readers.text.stamps import words_of
+from imuwb.readers.text.text_table import table
 
 ROWS = 32_768  #: in a piece
 AXES = 3  #: numbers of a list that are x, y and z

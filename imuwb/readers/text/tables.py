@@ -15,8 +15,8 @@ from imuwb.readers.bytes import source
 from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text.encoding import plain
 from imuwb.readers.text.layout import Layout, Tag, cells_of, head_lines, is_numeric, layout_of
+from imuwb.readers.text.sensor_files import named_axes, stem
 from imuwb.readers.text.shapes.application import shape_of_log
-from imuwb.readers.text.stamps import words_of
 from imuwb.readers.text.trust import is_number
 
 TAGGED = 0.6  #: least share of the lines of a tagged file that have a tag and numbers
@@ -29,12 +29,6 @@ _TAG_NAMES = {
     "sensor", "sensorname", "sensortype", "sensorid", "type", "tag", "message", "msg", "msgtype", "topic", "device", "deviceid", "devicename",
     "instance", "i", "imu", "imuid", "imuname", "node", "unit",
 }  # fmt: skip
-#: words for a sensor in the name of a table whose columns are x, y and z alone
-_SENSORS = {
-    **dict.fromkeys(("gyro", "gyros", "gyroscope", "gyroscopes", "gyr", "gyroscop"), "gyro"),
-    **dict.fromkeys(("accel", "accels", "accelerometer", "accelerometers", "acc", "acce", "acceleration"), "accel"),
-}  # fmt: skip
-_NO_FORCE = {"linear", "user", "gravity", "free", "mag", "magnetometer", "magnetic"}
 
 
 def layouts_of(path: Path, options: ReadOptions) -> tuple[Layout, ...]:
@@ -53,7 +47,7 @@ def layouts_of(path: Path, options: ReadOptions) -> tuple[Layout, ...]:
         return tables
     if options.columns:
         return (layout,)
-    whole = named_axes(layout, path.stem)
+    whole = named_axes(layout, stem(path))
     shape = shape_of_log(path, whole, options)
     if shape is not None and any(column.quantity == "instance" for column in shape.columns):
         return (whole,)
@@ -63,20 +57,6 @@ def layouts_of(path: Path, options: ReadOptions) -> tuple[Layout, ...]:
 def name_of(table: Layout) -> str:
     """Return the name of a table: its tag without a mark."""
     return "" if table.tag is None else table.tag.text.lstrip("$#%!@")
-
-
-def named_axes(layout: Layout, name: str) -> Layout:
-    """Return a layout in which axes without a sensor's name, x, y and z alone, have that in the name of the file or the tag."""
-    words = words_of(name)
-    sensor = next((_SENSORS[word] for word in words if word in _SENSORS), None)
-    bare = [column for column in layout.names if _axis(column)]
-    if sensor is None or len(bare) != 3 or set(words) & _NO_FORCE:  # noqa: PLR2004 - x, y and z
-        return layout
-    return replace(layout, names=tuple(f"{sensor}.{column}" if _axis(column) else column for column in layout.names))
-
-
-def _axis(name: str) -> bool:
-    return re.fullmatch(r"[xyzXYZ](?:\s*[\[(].*[\])])?|(?:value|axis|v)[_ .]?[xyz012]", name.strip()) is not None
 
 
 def _by_first_cells(lines: Sequence[str], layout: Layout) -> Iterator[Layout]:

@@ -1,0 +1,120 @@
+"""Several tables of text as one log: the files of a folder or zip file, the tags of a file, and a file with its partner."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from imuwb.errors import ImuwbError, UnreadableLogError, UsageError
+from imuwb.notes import Note
+from imuwb.readers.batch import Batch, Remark, unused
+from imuwb.readers.bytes import source
+from imuwb.readers.read_options import ReadOptions
+from imuwb.readers.text.cells import blocks
+from imuwb.readers.text.encoding import is_text
+from imuwb.readers.text.layout import Layout
+from imuwb.readers.text.left_out import UNKNOWN
+from imuwb.readers.text.sensor_files import files_in, partners_of
+from imuwb.readers.text.sidecar import with_sidecar
+from imuwb.readers.text.tables import layouts_of, name_of, tag_counts
+from imuwb.readers.text.text_table import Table
+from imuwb.readers.text.zipped import unpacked
+from imuwb.units import SECOND
+
+TOGETHER = 600.0  #: s; files of one record begin within this time
+MOST_NAMED = 20  #: number of tags that a note names
+
+
+def of_zip(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
+    """Yield the streams of the text files in a zip file as one log; errors name the zip file."""
+    with unpacked(path) as folder:
+        try:
+            yield from of_folder(folder, options)
+        except ImuwbError as error:
+            raise type(error)(str(error).replace(str(folder), str(path))) from error
+
+
+def of_folder(folder: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
+    """Yield the streams of the text files in a folder as one log."""
+    opened, errors = list[Table](), dict[str, ImuwbError]()
+    for file in files_in(folder):
+        try:
+            if not is_text(source.head(file)):
+                continue
+            own, remarks = with_sidecar(file, options)
+            yield from remarks
+            opened += [Table(file, layout, own, blocks) for layout in layouts_of(file, own)]
+        except (UsageError, UnreadableLogError) as error:
+            errors[file.name] = error
+    for part in _together(opened, errors):  # the bytes read of one file are none of the folder's
+        yield replace(part, bytes_read=0) if isinstance(part, Batch) else part
+
+
+def of_tags(path: Path, layouts: Sequence[Layout], options: ReadOptions) -> Iterator[Batch | Remark]:
+    """Yield the streams of the tables of one file, and name the lines of no table."""
+    opened, errors = list[Table](), dict[str, ImuwbError]()
+    for layout in layouts:
+        try:
+            opened.append(Table(path, layout, options, blocks))
+        except (UsageError, UnreadableLogError) as error:
+            errors[name_of(layout)] = error
+    yield from _together(opened, errors)
+    counts = tag_counts(path, layouts[0])
+    for layout in layouts:
+        counts.pop(layout.tag.text if layout.tag is not None else "", None)
+    others = [(tag, count) for tag, count in counts.items() if tag]
+    if others:
+        lines = sum(count for _, count in others)
+        yield unused([tag for tag, _ in others[:MOST_NAMED]], f"{lines} lines of no table with numbers")
+
+
+def _together(opened: Sequence[Table], errors: Mapping[str, ImuwbError]) -> Iterator[Batch | Remark]:
+    """Yield the streams of several tables as one log, and name those that are not used.
+
+    Tables of one sensor each belong together; those with the same further words in their names, such as ``Uncalibrated``, are an
+    IMU of their own if two tables have the same sensor.
+    """
+    refused = {name: str(error).partition(": ")[2] for name, error in errors.items()}
+    usable = [table for table in opened if table.has_stream]
+    if not usable and errors:
+        raise next(iter(errors.values()))
+    refused |= {table.name: UNKNOWN for table in opened if table not in usable}
+    several = max(Counter(key for table in usable for key in table.keys).values(), default=1) > 1
+    taken = dict[tuple[str, object], str]()
+    for table in sorted(usable, key=lambda table: table.preference) or opened[:1]:
+        label = table.label if several else ""
+        other = next((taken[label, key] for key in table.keys if (label, key) in taken), None)
+        if other is not None:
+            refused[table.name] = f"{other} has the same quantities"
+            continue
+        taken |= dict.fromkeys(((label, key) for key in table.keys), table.name)
+        yield from table.parts(label)
+    for why in dict.fromkeys(refused.values()):
+        yield unused((name for name, reason in refused.items() if reason == why), why)
+
+
+def of_partner(alone: Table, options: ReadOptions) -> Iterator[Batch | Remark]:
+    """Yield the streams of the file beside one of a gyro or an accelerometer alone that has the other sensor of the same record."""
+    if len(alone.sensors) != 1:
+        return
+    for file in partners_of(alone.path):
+        try:
+            other = Table(file, layouts_of(file, options)[0], options, blocks)
+        except (UsageError, UnreadableLogError) as error:
+            yield Remark(
+                Note(
+                    "partner_left_out",
+                    f"{file.name} beside the log is not joined: {str(error).removeprefix(f'{file}: ')}",
+                )
+            )
+            continue
+        if len(other.sensors) != 1 or other.sensors == alone.sensors:
+            continue
+        apart = abs(other.start - alone.start) / SECOND
+        if other.epoch != alone.epoch or apart > TOGETHER:
+            text = f"{file.name} beside the log is not joined: it begins {apart:.0f} s apart ({other.epoch} time, {alone.epoch} time)"
+            yield Remark(Note("partner_left_out", text))
+            continue
+        yield Remark(Note("partner", f"{file.name} beside the log is joined to it, by the name of the file"))
+        yield from other.parts()
+        return
