@@ -10,6 +10,7 @@ from imuwb.sampling import Sampling, sampling
 from imuwb.units import coefficient_units
 
 LOOKED_AT = 200_000  #: number of samples that show the properties that do not change during a log
+SINGLE = 2.0**-21  #: share of a value; a smaller difference may be one of a number of single precision
 ROUNDING = 1e-9  #: share of the largest value; a smaller difference is due to rounding
 
 
@@ -37,9 +38,14 @@ class Channel:
 
     @property
     def gaps(self) -> Floats:
-        """Return the differences between neighbouring values, without the differences that are due to rounding."""
+        """Return the differences between neighbouring values, without the differences that are due to rounding.
+
+        Numbers of single precision are multiples of about 2⁻²³ of their size; such a difference is one of the number format, not
+        of the sensor.
+        """
         gaps = np.diff(self.levels)
-        return gaps[gaps > ROUNDING * max(abs(float(self.levels[0])), abs(float(self.levels[-1])), 1e-12)]
+        size = np.maximum(np.abs(self.levels[1:]), np.abs(self.levels[:-1]))
+        return gaps[gaps > np.maximum(SINGLE * size, ROUNDING * max(float(size.max(initial=0.0)), 1e-12))]
 
 
 def channels(log: Log, imu: ImuStream) -> dict[str, Channel]:

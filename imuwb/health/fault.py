@@ -10,12 +10,21 @@ Severity = Literal["note", "warning", "fault"]
 RANK: dict[Severity, int] = {"note": 0, "warning": 1, "fault": 2}
 LOST = "lost rows"  #: the kind of a repair that left out so many rows that it is a fault
 MUCH = 0.01  #: share of a stream; if more of it was repaired, or as much lost, the severity is higher
+HARDLY = 1e-4  #: share of a stream; where fewer rows are lost, such as a last line that is cut, this is only a note
 #: effect -> severity of few repairs, severity of many, consequence
 _MEANING: dict[Effect, tuple[Severity, Severity, str]] = {
     "lost": ("warning", "fault", "the rows that were left out are missing: results span the gaps"),
     "time": ("warning", "warning", "these times are not the sensor's own: do not trust intervals, rates and delays near one step"),
     "order": ("note", "warning", "nothing is lost; a program that reads the file row by row must sort the rows too"),
     "value": ("warning", "fault", "the sensor did not measure these values"),
+}  # fmt: skip
+#: id of a reader's note -> severity and consequence of a repair that leaves the results right, or nearly
+_HARMLESS: dict[str, tuple[Severity, str]] = {
+    "arrival_stamps": ("warning", "rates and noise are right; how late the stamps are beside those of a receiver is not known"),
+    "coarse_stamps": ("note", "rates and noise are right"),
+    "uneven_stamps": ("note", "rates and noise are right"),
+    "stated_rate": ("note", "rates and noise are as right as the stated rate"),
+    "repeated_row": ("note", "nothing is lost"),
 }  # fmt: skip
 
 
@@ -42,10 +51,18 @@ class Fault:
 def repair_faults(name: str, repairs: Iterable[Repair], rows: int) -> Iterator[Fault]:
     """Yield a fault for each repair of a stream with ``rows`` rows."""
     for repair in repairs:
+        name_of_note = getattr(repair.what, "id", "")
+        if name_of_note in _HARMLESS:
+            severity, consequence = _HARMLESS[name_of_note]
+            yield Fault(
+                name, name_of_note.replace("_", " "), repair.what, severity, repair.count, consequence=consequence
+            )
+            continue
         few, many, consequence = _MEANING[repair.effect]
         lost = repair.effect == "lost"
         whole = rows + repair.count if lost else rows
         much = repair.count > MUCH * whole or (lost and repair.count == MUCH * whole)
         share = f" ({100 * repair.count / whole:.2g} % of its rows)" if lost and much else ""
         kind = LOST if lost and much else "repair"
-        yield Fault(name, kind, f"{repair.what}{share}", many if much else few, repair.count, consequence=consequence)
+        severity: Severity = many if much else "note" if lost and repair.count < HARDLY * whole else few
+        yield Fault(name, kind, f"{repair.what}{share}", severity, repair.count, consequence=consequence)

@@ -4,10 +4,13 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from imuwb.arrays import Booleans
 from imuwb.health.channel import LOOKED_AT, Channel, value_text
 from imuwb.health.fault import Fault
 from imuwb.health.lone import Lone
 from imuwb.health.motion import Segment
+from imuwb.health.tails import FAR as FAR_OFF
+from imuwb.health.tails import tails
 from imuwb.identification import find_lines
 from imuwb.log import ImuStream
 from imuwb.sampling import runs
@@ -23,7 +26,8 @@ FAR = 4.0  #: standard deviations; the end of the range of a coarse channel is f
 COARSE = 50  #: samples for each different value; with at least as many, the step of a channel is reported
 #: steps: a difference that is nearer to a whole number of steps is on the grid; and the least share of differences on the grid
 GRID, MOSTLY = 0.1, 0.9
-MOVES = 0.2  #: share of a record; if the IMU moves for longer, the lines may be those of the motion
+SPOILT = 0.5  #: share by which tails may raise the mean square; a coefficient is then wrong by a quarter
+MOVES = 0.2  #: share of a record; if the IMU moves for longer, lines and tails may be those of the motion
 MOST_LINES = 3  #: largest number of lines that are reported for an axis
 
 
@@ -44,7 +48,7 @@ def inertial_faults(
         segments: when the IMU is still and when it moves; empty where the record does not show it.
         lines: look for periodic lines too, where the IMU hardly moves.
     """
-    whole, moving = (sum(s.length for s in segments if s.moving >= least) for least in (False, True))
+    whole, moving, shaken = (sum(s.length for s in part) for part in _parts(segments))
     lines = lines and moving < MOVES * whole
     for axis, (_, values) in imu.axes().items():
         channel = channels.get(axis)
@@ -55,7 +59,10 @@ def inertial_faults(
             continue
         yield from _stuck(channel)
         yield from _saturated(channel)
-        yield from _struck(channel, lone[axis], segments)
+        quiet = _quiet(channel, segments)
+        yield from _struck(channel, lone[axis], quiet)
+        if shaken < MOVES * whole:  # the seconds beside a motion are not quite quiet
+            yield from _tails(channel, lone[axis], quiet)
         yield from _coarse(channel)
         if lines and not channel.breaks.size:
             yield from _lines(channel)
@@ -97,17 +104,38 @@ def _saturated(channel: Channel) -> Iterator[Fault]:
                         float(channel.time[first[0]]), consequence="larger values are lost; attitude and velocity are wrong from there on")  # fmt: skip
 
 
-def _struck(channel: Channel, lone: Lone, segments: Sequence[Segment]) -> Iterator[Fault]:
-    """Yield the lone samples of a channel while the IMU is quiet: during a motion they may be part of the motion."""
-    at = channel.time[lone.rows]
-    still = np.zeros(at.size, dtype=bool)
+def _parts(segments: Sequence[Segment]) -> tuple[list[Segment], list[Segment], list[Segment]]:
+    """Return all segments, those that move, and those whose motion the samples show."""
+    moving = [segment for segment in segments if segment.moving]
+    return list(segments), moving, [segment for segment in moving if not segment.even]
+
+
+def _quiet(channel: Channel, segments: Sequence[Segment]) -> Booleans:
+    """Return which samples are of a quiet time: during a motion, samples that are far off may be part of the motion."""
+    quiet = np.zeros(channel.time.size, dtype=bool)
     for segment in segments:
         if not segment.moving or segment.even:
-            still |= (at >= segment.start) & (at <= segment.end)
-    if still.any():
-        what = f"lone samples that differ from their neighbours by up to {value_text(channel.axis, float(lone.off[still].max()))}"
-        yield Fault(channel.where, "lone samples", what, "warning", int(still.sum()), float(at[still][0]),
+            quiet[slice(*np.searchsorted(channel.time, (segment.start, segment.end + 1e-9)))] = True
+    return quiet
+
+
+def _struck(channel: Channel, lone: Lone, quiet: Booleans) -> Iterator[Fault]:
+    """Yield the lone samples of a channel while the IMU is quiet."""
+    own = quiet[lone.rows]
+    if own.any():
+        what = f"lone samples that differ from their neighbours by up to {value_text(channel.axis, float(lone.off[own].max()))}"
+        yield Fault(channel.where, "lone samples", what, "warning", int(own.sum()), float(channel.time[lone.rows[own][0]]),
                     consequence="each one disturbs the results at every averaging time")  # fmt: skip
+
+
+def _tails(channel: Channel, lone: Lone, quiet: Booleans) -> Iterator[Fault]:
+    """Yield the samples of a quiet time that are further off than noise is."""
+    found = tails(channel, lone.without(channel.values), quiet)
+    if found is not None:
+        what = f"{100 * found.share:.2g} % of the samples are more than {FAR_OFF:g} sigmas off ({value_text(channel.axis, found.sigma)})"
+        consequence = f"they raise the mean square by {100 * found.excess:.0f} %, and the noise coefficients with it"
+        yield Fault(channel.where, "tails", what, "warning" if found.excess > SPOILT else "note", found.count, found.first,
+                    consequence=consequence)  # fmt: skip
 
 
 def _coarse(channel: Channel) -> Iterator[Fault]:

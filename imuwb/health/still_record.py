@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from imuwb import identification
-from imuwb.health.channel import channels, value_text
-from imuwb.health.lone import lone_samples
+from imuwb.health.channel import Channel, channels, value_text
+from imuwb.health.lone import Lone, lone_samples
+from imuwb.health.tails import tails
 from imuwb.log import ImuStream, Log
 from imuwb.navigation.travel import travels
 from imuwb.notes import Note
@@ -19,7 +20,7 @@ from imuwb.texts import number_text, seconds_text
 
 #: rad/s and m/s²; no gyro and no accelerometer measures more (57 000 deg/s and 10 000 g)
 LARGEST = {"gyro": 1e3, "accel": 1e5}
-SPOILT = 0.5  #: share by which lone samples may raise the mean square of the changes from sample to sample
+SPOILT = 0.5  #: share by which lone samples and tails may raise the mean square of the changes from sample to sample
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +58,7 @@ def record_doubts(log: Log, still: identification.Stillness | None) -> Doubts:
     moved, note = _stillness_note(still)
     if note is not None:
         (grave if moved else slight).append(note)
-    for spoilt, struck in _struck(log, log.imu()):
+    for spoilt, struck in _struck(log, log.imu(), still):
         (grave if spoilt else slight).append(struck)
     return Doubts(tuple(grave), tuple(slight))
 
@@ -109,7 +110,7 @@ def _stillness_note(still: identification.Stillness | None) -> tuple[bool, Note 
     return still.spoilt, Note("disturbances", f"{text}; {quiet}")
 
 
-def _struck(log: Log, imu: ImuStream) -> Iterator[tuple[bool, Note]]:
+def _struck(log: Log, imu: ImuStream, still: identification.Stillness | None) -> Iterator[tuple[bool, Note]]:
     """Yield notes on samples that are not of the sensor's noise, and whether they spoil the coefficients."""
     for axis, channel in channels(log, imu).items():
         values = channel.values
@@ -122,6 +123,8 @@ def _struck(log: Log, imu: ImuStream) -> Iterator[tuple[bool, Note]]:
             yield True, Note("impossible-sample", text)
             continue
         lone = lone_samples(channel)
+        if (heavy := _tails(channel, lone, still)) is not None:
+            yield heavy
         if not lone.rows.size:
             continue
         changes, mended = (float(np.mean(np.diff(v) ** 2)) for v in (values, lone.without(values)))
@@ -132,6 +135,23 @@ def _struck(log: Log, imu: ImuStream) -> Iterator[tuple[bool, Note]]:
             f"the neighbours, the first at {channel.time[lone.rows[0]]:.2f} s"
         )
         yield spoilt, Note("lone-samples", text)
+
+
+def _tails(channel: Channel, lone: Lone, still: identification.Stillness | None) -> tuple[bool, Note] | None:
+    """Return a note on the samples of a quiet record that are further off than noise is, and whether they spoil it."""
+    if still is None or still.moving:
+        return None
+    quiet = np.ones(channel.time.size, dtype=bool)
+    for span in still.disturbances:
+        quiet[slice(*np.searchsorted(channel.time, (span.start, span.end)))] = False
+    found = tails(channel, lone.without(channel.values), quiet)
+    if found is None:
+        return None
+    text = (
+        f"{channel.axis} has {found.count} samples ({100 * found.share:.2g} %) that are more than five sigmas off, the first at "
+        f"{found.first:.2f} s; they raise the mean square by a factor of {number_text(1 + found.excess)}"
+    )
+    return found.excess > SPOILT, Note("heavy-tails", text)
 
 
 def model_doubts(model: ImuErrorModel) -> Doubts:

@@ -18,10 +18,11 @@ from imuwb.sampling import runs
 
 WINDOW = 5.0  #: s over which the median of a velocity is taken; positions are compared over twice as much
 SLOW, CLIMB = 0.5, 1.0  #: m/s; a slower velocity, or vertical velocity, does not show that the vehicle travels
+UNSURE = 1.0  #: m/s; the same for a velocity without a sigma
 TURNING = 0.1  #: m/s; above this speed the wheels turn
 SIGMAS = 4.0  #: sigmas of a velocity or of a displacement, beyond which it is no error
 CORRELATED = 3.0  #: times the scatter over √n; the error of a mean of n velocities, whose errors are correlated
-CONSISTENT = 1.4826 / 2**0.5  #: sigma of normal values over the median of their changes
+CONSISTENT = 1.4826 / 6**0.5  #: sigma of normal values over the median of their second differences
 USUAL = 2.5  #: m, sigma of a position without a sigma
 FIX_2D = 2  #: as in ``GnssStream``
 FEWEST = 3  #: rows of a window
@@ -85,10 +86,11 @@ def _fast(velocity: Floats, sigma: Floats, size: int) -> Booleans:
     """Return the rows whose velocity, as a median over ``size`` rows, is no error of the receiver."""
     velocity, sigma = np.nan_to_num(velocity), np.nan_to_num(sigma)
     usual = np.stack([_median(column, size) for column in velocity.T], axis=1)
-    scatter = CONSISTENT * np.median(np.abs(np.diff(velocity, axis=0)), axis=0) * CORRELATED / np.sqrt(size)
+    scatter = CONSISTENT * np.median(np.abs(np.diff(velocity, 2, axis=0)), axis=0) * CORRELATED / np.sqrt(size)
     stated = np.stack([_median(column, size) for column in sigma.T], axis=1)
     error = SIGMAS * np.maximum(stated, scatter)
-    level = np.linalg.norm(usual[:, :2], axis=1) > np.maximum(SLOW, np.linalg.norm(error[:, :2], axis=1))
+    least = np.where(stated[:, :2].any(axis=1), SLOW, UNSURE)
+    level = np.linalg.norm(usual[:, :2], axis=1) > np.maximum(least, np.linalg.norm(error[:, :2], axis=1))
     return level | (np.abs(usual[:, 2]) > np.maximum(CLIMB, error[:, 2]))
 
 

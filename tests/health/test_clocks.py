@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
+from imuwb.health import check
 from imuwb.health.clocks import clock_faults
 from imuwb.health.fault import repair_faults
 from imuwb.log import Repair
+from imuwb.notes import Note
+from imuwb.readers import read
 
 N = 6000
 
@@ -170,3 +173,52 @@ def test_uneven_but_complete_logging_has_no_gaps():
 def test_a_single_row_is_a_fault():
     (fault,) = found([0.0])
     assert (fault.kind, fault.severity) == ("single row", "fault")
+
+
+@pytest.mark.parametrize(
+    ("note", "effect", "severity"),
+    [("arrival_stamps", "time", "warning"), ("coarse_stamps", "time", "note"), ("uneven_stamps", "time", "note"),
+     ("stated_rate", "time", "note"), ("repeated_row", "lost", "note")],
+)  # fmt: skip
+def test_even_times_and_repeated_rows_harm_little(note, effect, severity):
+    (fault,) = repair_faults("imu", (Repair(Note(note, "mended"), N // 2, effect),), N // 2)
+    assert (fault.kind, fault.severity, fault.count) == (note.replace("_", " "), severity, N // 2)
+
+
+def test_a_last_line_that_is_cut_is_a_note():
+    assert [f.severity for f in repair_faults("imu", (Repair("cut", 1),), 20_000)] == ["note"]
+
+
+def test_the_share_of_lost_rows_is_that_of_all_rows():
+    (fault,) = repair_faults("imu", (Repair("left out", 2970),), 30)
+    assert (fault.kind, fault.severity) == ("lost rows", "fault")
+    assert "99 % of its rows" in fault.what
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_serial_line_is_told_as_times_of_arrival(tmp_path, seed):
+    rng = np.random.default_rng(seed)
+    ends = np.cumsum(rng.integers(2, 8, 2000))
+    arrival = np.empty(3000)
+    for first, end in zip(
+        np.append(0, ends), ends, strict=False
+    ):  # a burst arrives after its last sample, 1.9 ms a row
+        size = max(min(end, 3000) - first, 0)
+        arrival[first : first + size] = 0.01 * (end - 1) + 0.0019 * np.arange(size)
+    rows = "".join(
+        f"{t:.4f},{x:.5f},0.01,0.02,0.1,0.2,-9.8\n" for t, x in zip(arrival, rng.standard_normal(3000), strict=True)
+    )
+    path = tmp_path / "serial.csv"
+    path.write_text("time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2\n" + rows)
+    log = read(path)
+    kinds = {f.kind: f for f in check(log, samples=False).faults}
+    assert set(kinds) == {"arrival stamps"}
+    assert "no sample is missing" in kinds["arrival stamps"].what
+
+
+def test_batches_with_real_gaps_stay_batches(tmp_path):
+    time = np.arange(20.0)[:, None] + np.arange(512) / 4000
+    rows = "".join(f"{t:.6f},{x:.5f},0.01,0.02,0.1,0.2,-9.8\n" for t, x in zip(time.ravel(), np.random.default_rng(0).standard_normal(time.size), strict=True))  # fmt: skip
+    path = tmp_path / "batches.csv"
+    path.write_text("time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2\n" + rows)
+    assert [f.kind for f in check(read(path), samples=False).faults] == ["batches"]

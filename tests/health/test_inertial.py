@@ -184,3 +184,59 @@ def test_the_adis_tells_its_step_and_the_line_at_0_56_hz(shared):
     lines = {f.stream.split()[-1] for f in found if f.kind == "line" and " 0.56" in f.what}
     assert lines == {"gyro_x", "accel_x", "accel_y", "accel_z"}
     assert not [f for f in found if f.severity == "fault"]
+
+
+def heavy(share, size, seed=0):
+    """Return a still record with a share of the samples of gyro x that are off by some sigmas."""
+    gyro, accel = still(seed)
+    rng = np.random.default_rng(100 + seed)
+    far = rng.random(N) < share
+    gyro[far, 0] += 0.01 * size * rng.choice([-1, 1], far.sum())
+    return gyro, accel, int(far.sum())
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_heavy_tails_are_named_with_share_and_count(seed):
+    gyro, accel, count = heavy(0.09, 12, seed)
+    (found,) = faults(gyro, accel, "tails")
+    assert (found.stream, found.severity, found.count) == ("/imu gyro_x", "warning", pytest.approx(count, abs=2))
+    assert f"{100 * count / N:.2g} %" in found.what
+    raised = float(found.consequence.split(" by ")[1].split(" %")[0]) / 100
+    assert raised == pytest.approx(0.09 * 12**2, rel=0.15)
+
+
+def test_a_few_far_samples_are_a_note():
+    assert [f.severity for f in faults(*heavy(0.005, 8)[:2], "tails")] == ["note"]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_noise_and_coarse_noise_have_no_tails(seed):
+    assert faults(*still(seed), "tails") == []
+    assert faults(*coarse(0.02, seed), "tails") == []
+
+
+def test_a_motion_has_no_tails():
+    gyro, accel = still()
+    gyro[3000:3600] += motion(0)[3000:3600, :3]
+    assert faults(gyro, accel, "tails") == []
+
+
+@pytest.mark.parametrize("level", [0.0, 0.005, -9.8, 300.0])
+@pytest.mark.parametrize("scale", [1.0, np.pi / 180, 9.80665])
+@pytest.mark.parametrize("sigma", [1e-3, 3e-6])
+def test_the_step_of_single_precision_is_not_that_of_the_sensor(level, scale, sigma):
+    gyro, accel = still()
+    values = (level + sigma * np.random.default_rng(5).standard_normal(N)).astype(np.float32)
+    gyro[:, 0] = np.float64(values) * scale
+    assert faults(gyro, accel, "step") == []
+    assert faults(gyro[:600], accel[:600], "step") == []
+
+
+@pytest.mark.parametrize("level", [0.0, -9.8])
+def test_the_step_of_a_sensor_is_found_in_numbers_of_single_precision(level):
+    gyro, accel = still()
+    lsb = 9.80665 / 4096
+    values = np.float32(np.rint((level + 0.02 * np.random.default_rng(5).standard_normal(N)) / lsb)) * np.float32(lsb)
+    accel[:, 0] = np.float64(values)
+    (found,) = faults(gyro, accel, "step")
+    assert float(found.what.split()[-2]) == pytest.approx(1000 / 4096, rel=1e-3)

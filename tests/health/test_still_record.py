@@ -32,6 +32,13 @@ def struck(size, axis=1, count=1):
     return change
 
 
+def heavy(share):
+    def change(gyro, accel):
+        gyro[np.random.default_rng(8).random(N) < share, 1] += 0.013
+
+    return change
+
+
 def turned(gyro, accel):
     gyro[8000:8700, 0] += np.sin(np.arange(700) / 20)
 
@@ -56,6 +63,8 @@ def test_a_still_record_is_beyond_doubt():
         (struck(0.5), ("disturbances", "lone-samples"), ()),
         (struck(0.12), (), ("disturbances", "lone-samples")),
         (turned, ("disturbances",), ()),
+        (heavy(0.09), ("heavy-tails",), ()),
+        (heavy(0.01), (), ("heavy-tails",)),
         (bumped, (), ("disturbances",)),
         (driven, ("moving",), ()),
     ],

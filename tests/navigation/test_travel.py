@@ -38,6 +38,12 @@ def test_an_even_drive_is_one_travel(speed):
     assert spans(track(speed * T)) == pytest.approx(np.array([[0, T[-1]]]), abs=0.2)
 
 
+@pytest.mark.parametrize(("sigma", "count"), [(0.05, 1), (None, 0)])
+def test_a_slow_velocity_needs_a_sigma(sigma, count):
+    stated = None if sigma is None else np.full((N, 3), sigma)
+    assert len(spans(track(0.7 * T, velocity_sigma=stated))) == count
+
+
 def test_a_stop_divides_it():
     found = spans(track(np.cumsum(np.where((T > 100) & (T < 150), 0.0, 10.0)) / RATE))
     assert found == pytest.approx(np.array([[0, 100], [150, T[-1]]]), abs=0.5)
@@ -51,7 +57,8 @@ def test_positions_alone_show_it(sigma):
 
 
 @pytest.mark.parametrize(
-    ("sigma", "correlation", "stated"), [(0.05, 0, None), (1.0, 0, None), (0.2, 2, None), (0.5, 10, 0.5)]
+    ("sigma", "correlation", "stated"),
+    [(0.05, 0, None), (1.0, 0, None), (0.2, 2, None), (0.3, 5, None), (0.5, 10, 0.5)],
 )
 def test_the_velocity_of_a_simple_receiver_at_rest_shows_nothing(sigma, correlation, stated):
     wrong = 0.0

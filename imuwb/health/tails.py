@@ -1,0 +1,59 @@
+"""Samples of a quiet sensor that are further from the others than noise is, and what they do to its mean square."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from imuwb.arrays import Booleans, Floats
+from imuwb.health.channel import Channel
+
+SLOWEST = 20.0  #: Hz; at a lower rate, a block contains more than noise
+BLOCK = 1.0  #: s; samples are compared with the median of a block of this length
+FEWEST = 16  #: samples of a block
+WITHIN = (0.16, 0.84)  #: quantiles of one sigma, which samples that are far off hardly move
+FAR = 5.0  #: sigmas
+ENOUGH = 1000  #: samples that show the tails
+SHARE, COUNT = 1e-3, 10  #: least share and number of samples that are far off; normal noise has a share of 6e-7
+
+
+@dataclass(frozen=True, slots=True)
+class Tails:
+    """The samples of a channel that are more than five sigmas off; sigma is by quantiles, not by the mean square."""
+
+    count: int
+    share: float  #: of the quiet samples
+    first: float  #: s from the log's start
+    sigma: float  #: rad/s or m/s²
+    excess: float  #: by which share they raise the mean square
+
+
+def tails(channel: Channel, values: Floats, quiet: Booleans) -> Tails | None:
+    """Return the heavy tails of a channel; None if its samples are those of one noise, or too few.
+
+    Args:
+        channel: clock of the samples.
+        values: (n,) the samples, without lone ones.
+        quiet: (n,) whether the sensor is quiet: in motion, samples may be of any size.
+    """
+    if not 1 / channel.clock.interval >= SLOWEST:
+        return None
+    size = max(FEWEST, round(BLOCK / channel.clock.interval))
+    count = values.size // size
+    if count * size < ENOUGH:
+        return None
+    blocks = values[: count * size].reshape(count, size)
+    calm = quiet[: count * size].reshape(count, size).all(axis=1)
+    if np.count_nonzero(calm) * size < ENOUGH:
+        return None
+    off = (blocks[calm] - np.median(blocks[calm], axis=1, keepdims=True)).ravel()
+    low, high = np.quantile(off, WITHIN)
+    sigma = max(float(high - low) / 2, channel.step / 2)
+    far = np.abs(off) > FAR * sigma
+    beyond = int(np.count_nonzero(far))
+    if sigma <= 0 or beyond < COUNT or beyond < SHARE * off.size:
+        return None
+    at = np.flatnonzero(np.repeat(calm, size))[int(np.argmax(far))]
+    usual = float(np.mean(off[~far] ** 2))
+    return Tails(
+        beyond, beyond / off.size, float(channel.time[at]), sigma, float(np.mean(off**2)) / max(usual, 1e-300) - 1
+    )
