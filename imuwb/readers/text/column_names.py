@@ -48,6 +48,7 @@ _PATTERNS = {quantity: re.compile(pattern) for quantity, pattern in _NAMES.items
 _NESTED = ("gyro", "accel", "temperature", "latitude", "longitude", "height")
 #: a sensor's whole name, which may also have a word and an underscore before it
 _WORDS = re.compile(rf"(?P<prefix>\w+?)_(?P<rest>(?:{_GYRO}|{_ACCEL}){_AXIS})")
+_TRIADS = ("attitude_increment", "velocity_increment")  #: quantities that are known only with all three axes
 #: words before a quantity that make it another one: a bias, a deviation, an acceleration without gravity
 _OTHERS = re.compile(
     r"free|user|dynamic|gravity|world|earth|bias|std|sigma|cov|var|err|offset|scale|noise|cmd|command|setpoint|desired|target|delta|mag"
@@ -113,6 +114,7 @@ def columns(names: tuple[str, ...], units: Mapping[str, str]) -> tuple[Column, .
         for i, name in enumerate(names)
         if (column := _column(i, lettered.get(name, name), units)) is not None
     ]
+    known = [column for column in known if column.quantity not in _TRIADS or _is_whole(column, known)]
     first: dict[tuple[str, str, int], Column] = {}
     # With a GPS week, the time of week is preferred to any other time.
     weeks = any(column.quantity == "week" for column in known)
@@ -123,6 +125,12 @@ def columns(names: tuple[str, ...], units: Mapping[str, str]) -> tuple[Column, .
                 f"columns {other.name!r} and {column.name!r} are both {column.quantity}; name the columns with --columns"
             )
     return tuple(first.values())
+
+
+def _is_whole(column: Column, known: Sequence[Column]) -> bool:
+    """Return whether all three axes of a column's sensor are there."""
+    axes = {other.axis for other in known if (other.stream, other.quantity) == (column.stream, column.quantity)}
+    return len(axes) == 3  # noqa: PLR2004 - x, y and z
 
 
 def _with_letters(names: Sequence[str]) -> dict[str, str]:

@@ -1,7 +1,10 @@
 """The columns of a text log that are used, each with its unit."""
 
+import math
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from statistics import median
 
 import numpy as np
 
@@ -20,6 +23,7 @@ from imuwb.units import STANDARD_GRAVITY, UNITS, unit
 _USUAL = {"temperature": "°C", "angle": "deg", "length": "m", "speed": "m/s"}
 STILL = 0.1  #: largest relative difference between the specific force at rest and standard gravity
 WRONG = 2.0  #: factor between the specific force and one gravity, beyond which the stated unit is doubtful
+LEAST_FORCE = 0.5  #: a smaller |f| is one gravity in no unit
 DAMAGED = 1e9  #: a larger number is damage, whatever its unit
 
 
@@ -60,11 +64,20 @@ def _with_unit(path: Path, column: Column, known: tuple[Column, ...], layout: La
     group = [other for other in known if other.quantity == column.quantity]
     hint = {"attitude_increment": "rad or deg", "velocity_increment": "m/s"}.get(column.quantity, "deg/s or rad/s")
     if column.quantity == "accel":
-        cells = [layout.first[other.index] for other in group]
-        norm = float(np.linalg.norm([float(cell) for cell in cells])) if all(map(_is_small, cells)) else 0.0
-        hint = f"its first row has |f| = {norm:.4g}, so likely {_likely(norm) or 'g or m/s²'}"
+        hint = _force_hint(group, layout)
     names = ", ".join(other.name for other in group)
     raise UsageError(f"{path}: the unit of {names} is unknown ({hint}); state it: --units {column.quantity}=UNIT")
+
+
+def _force_hint(group: Sequence[Column], layout: Layout) -> str:
+    """Return what the size of the first rows' specific force says about its unit."""
+    rows = [[row[other.index] for other in group] for row in layout.sample or (layout.first,)]
+    norms = [math.hypot(*map(float, cells)) for cells in rows if all(map(_is_small, cells))]
+    norm = median(norms) if norms else 0.0
+    likely = _likely(norm)
+    if likely is None and 0 < norm < LEAST_FORCE:
+        return f"|f| is {norm:.4g}, one gravity in no unit; an acceleration without gravity, or an increment, is no specific force"
+    return f"|f| is {norm:.4g}, so likely {likely or 'g or m/s²'}"
 
 
 def check_gravity(path: Path, force: Floats, used: tuple[Column, ...]) -> bool:

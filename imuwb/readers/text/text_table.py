@@ -70,16 +70,18 @@ class Table:
         found = used_columns(path, layout, options, shape)
         if shape is not None:
             options = shape.completing(options)
-        self.path, self.layout, self._shape = path, layout, shape
-        self._clock = clock_of(path, layout, options, found if shape is not None else ())
+        self.path, self.layout, self._shape, self._found = path, layout, shape, found
+        #: what each column measures, in which stream
+        self.keys = {(c.stream, RATES.get(c.quantity, c.quantity), c.axis) for c in found if c.quantity in STREAMS}
+        # A file of nothing that is known needs no clock.
+        known = found if shape is not None else ()
+        self._clock = clock_of(path, layout, options, known) if self.keys else Clock("log")
         self._used = tuple(column for column in found if column.quantity not in ("time", "week"))
         if limits is not None:
             if any(column.quantity in RATES for column in found):  # an increment covers the step from the row before
                 raise CannotSeekError
             rows = Search(self._clock, limits).blocks
         self._rows = _Rows(path, layout, self._used, self._clock, options, shape, rows)
-        #: what each column measures, in which stream
-        self.keys = {(c.stream, RATES.get(c.quantity, c.quantity), c.axis) for c in self._used if c.quantity in STREAMS}
 
     @property
     def name(self) -> str:
@@ -125,6 +127,9 @@ class Table:
 
     def parts(self, label: str = "") -> Iterator[Batch | Remark]:
         """Yield the streams, under a name if the file has several of a kind."""
+        if not self.has_stream:
+            yield Remark(no_stream(self.layout.names, self._found))
+            return
         clock, used, shape = self._clock, self._used, self._shape
         notes = (*_layout_notes(self.layout, used, shape), *clock.notes)
         yield from map(Remark, notes)

@@ -55,7 +55,7 @@ def test_half_of_the_rows_may_be_unusable_and_no_more(imu_of):
 )
 def test_the_unit_is_likely_within_a_tenth_of_gravity(text_log, norm, likely):
     with pytest.raises(UsageError) as caught:
-        read(text_log(f"time_s,ax,ay,az\n0,0,0,{-norm}\n1,0,0,-1\n"))
+        read(text_log(f"time_s,ax,ay,az\n0,0,0,{-norm}\n1,0,0,{-norm}\n"))
     assert likely in str(caught.value)
 
 

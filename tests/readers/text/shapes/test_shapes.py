@@ -152,3 +152,16 @@ def test_of_a_file_that_is_not_known_every_column_is_named(text_log):
 def test_every_shape_states_its_source():
     assert len(shapes()) > 40
     assert all(shape.source and (shape.row or shape.header or shape.text) for shape in shapes())
+
+
+def test_a_file_of_other_columns_is_not_asked_for_the_unit_of_its_time(text_log):
+    log = read(text_log("timestamp,load,ram_usage\n3270000,0.5,0.25\n3280000,0.5,0.25\n"))
+    (note,) = log.notes
+    assert note.id == "no_stream"
+    assert all(name in note for name in ("timestamp (time)", "load", "ram_usage"))
+
+
+def test_an_acceleration_near_zero_draws_no_advice_of_a_unit(text_log):
+    text = table("time_s,ax,ay,az", decimals(TIME - TIME[0]), (ACCEL - [0.02, -0.03, -9.79]) / 10)
+    with pytest.raises(UsageError, match="no specific force"):
+        read(text_log(text))
