@@ -19,7 +19,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from imuwb.arrays import Floats, Integers
+from imuwb.arrays import Floats, Integers, all_finite
 from imuwb.errors import MissingDataError
 from imuwb.geodesy.local_track import LocalTrack
 from imuwb.sampling import sampling
@@ -44,7 +44,7 @@ def _frozen(
     array = np.ascontiguousarray(values, dtype=dtype).view()
     if array.ndim != len(shape) or any(n not in (None, m) for n, m in zip(shape, array.shape, strict=True)):
         raise ValueError(f"{name} has shape {array.shape}; it must be {shape}")
-    if dtype is np.float64:
+    if dtype is np.float64 and not all_finite(array):
         allowed = np.isfinite(array)
         if unknown and not allowed.all():
             allowed |= np.isnan(array)

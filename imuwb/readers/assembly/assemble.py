@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from imuwb.arrays import Booleans, Floats
+from imuwb.arrays import Booleans, Floats, all_finite
 from imuwb.geodesy import rotation_of_quaternion
 from imuwb.geodesy.local_track import LocalTrack
 from imuwb.log import (
@@ -23,6 +23,7 @@ from imuwb.log import (
     Triad,
 )
 from imuwb.notes import Note
+from imuwb.readers.assembly.growing import GrowingRows
 from imuwb.readers.assembly.interleaved import sensors_in_turn, turns
 from imuwb.readers.assembly.sample_times import Clock, sample_times
 from imuwb.readers.assembly.siblings import sibling, with_fix_rows, with_parts_joined
@@ -71,11 +72,10 @@ def assemble(
         even: the samples of the IMUs are even, as the user states.
     """
     truth: dict[str, str] = {}
-    groups, repairs, notes = _grouped(_without_truth(parts, truth))
+    groups, repairs, notes = _grouped(_without_truth(parts, truth), provenance.size)
     streams: list[Batch] = []
-    for (stream, kind, _), batches in groups.items():
-        rows = _joined(batches, repairs.pop(stream, []))
-        batches.clear()  # the pieces are freed as soon as they are joined, so a log is in memory once, not twice
+    for (stream, kind, _), group in groups.items():
+        rows = _joined(group, repairs.pop(stream, []))
         if not rows.time.size:
             lost = sum(repair.count for repair in rows.origin.repairs)
             notes.append(Note("no_usable_row", f"{stream} ({kind}): none of its {lost} rows can be used"))
@@ -97,15 +97,20 @@ def _without_truth(parts: Iterable[Batch | Remark], truth: dict[str, str]) -> It
         yield part
 
 
-def _grouped(parts: Iterable[Batch | Remark]) -> tuple[dict[Key, list[Batch]], dict[str, list[Repair]], list[str]]:
-    """Return batches by stream and columns, repairs by stream, and notes."""
-    groups: dict[Key, list[Batch]] = defaultdict(list)
+def _grouped(
+    parts: Iterable[Batch | Remark], size: int
+) -> tuple[dict[Key, GrowingRows], dict[str, list[Repair]], list[str]]:
+    """Return rows by stream and columns, repairs by stream, and notes."""
+    groups: dict[Key, GrowingRows] = {}
     repairs: dict[str, list[Repair]] = defaultdict(list)
     notes: list[str] = []
     for part in parts:
         if isinstance(part, Batch):
             for piece in _pieces(part):
-                groups[piece.stream, piece.kind, tuple(piece.columns)].append(piece)
+                key = piece.stream, piece.kind, tuple(piece.columns)
+                if key not in groups:
+                    groups[key] = GrowingRows(piece, size)
+                groups[key].add(piece)
         elif part.stream:
             repairs[part.stream].append(Repair(part.text, part.count, part.effect))
         elif part.text not in notes:  # files that are one log may give one note
@@ -125,11 +130,10 @@ def _pieces(batch: Batch) -> tuple[Batch, ...]:
     return replace(batch, columns=motion), replace(batch, columns={"temperature": batch.columns["temperature"]})
 
 
-def _joined(batches: list[Batch], repairs: list[Repair]) -> Batch:
-    """Return batches as one, with the rows in the order of time; its repairs are those given, then those made here."""
-    first = batches[0]
-    time = np.concatenate([batch.time for batch in batches])
-    columns = {name: np.concatenate([batch.columns[name] for batch in batches]) for name in first.columns}
+def _joined(group: GrowingRows, repairs: list[Repair]) -> Batch:
+    """Return rows as one batch, in the order of time; its repairs are those given, then those made here."""
+    first = group.first
+    time, columns = group.taken()
     repairs = [*first.origin.repairs, *repairs]
     finite = finite_rows(first.kind, time.size, columns)
     if not finite.all():
@@ -164,9 +168,9 @@ def finite_rows(kind: Kind, rows: int, columns: Mapping[str, Floats]) -> Boolean
     """Return which rows are finite in all columns, except the columns that may be unknown."""
     finite = np.ones(rows, dtype=bool)
     for name, values in columns.items():
-        known = np.isfinite(values)
-        if known.all() or name in _MAY_BE_UNKNOWN.get(kind, ()):
+        if name in _MAY_BE_UNKNOWN.get(kind, ()) or all_finite(values):
             continue
+        known = np.isfinite(values)
         if name in TRIADS:
             there = ~np.isnan(values).all(axis=0)  # a sensor may have one axis or two
             known = known[:, there] if there.any() else known

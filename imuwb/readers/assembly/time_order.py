@@ -30,7 +30,8 @@ def in_order(
     time: Nanoseconds, columns: dict[str, Floats], repairs: list[Repair]
 ) -> tuple[Nanoseconds, dict[str, Floats]]:
     """Return rows whose time does not fall, and add the repairs; of equal rows that follow each other, the first is kept."""
-    time, columns = _without(np.abs(time) >= LATEST, IMPOSSIBLE, time, columns, repairs)
+    if time.size and max(int(time.max()), -int(time.min())) >= LATEST:
+        time, columns = _without(np.abs(time) >= LATEST, IMPOSSIBLE, time, columns, repairs)
     steps = np.diff(time)
     if steps.size and steps.min() > 0 and steps.max() <= CLOCK_STEP:
         return time, columns  # nearly all logs
