@@ -11,6 +11,7 @@ from imuwb.readers.batch import Batch
 
 SMALL = 1 << 20  #: bytes; pieces of less are joined at the end
 SPARE = 1.05  #: rows for which there is room, over those that the share of the file that is read lets expect
+MOST = 64  #: factor by which the room grows at most, because the first rows may show the share badly
 GROWTH = 1.5  #: factor by which the room grows where this is too little
 
 
@@ -53,7 +54,7 @@ class Growing:
     def _move(self, share: float) -> None:
         """Move all pieces into an array with room for more."""
         expected = int(SPARE * self._rows / share) if share else 0
-        size = max(expected, int(GROWTH * self._rows))
+        size = min(max(expected, int(GROWTH * self._rows)), MOST * self._rows)
         room = np.empty((size, *self._pieces[0].shape[1:]), np.result_type(*self._pieces))
         at = 0
         for piece in self._pieces:

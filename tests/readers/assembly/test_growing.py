@@ -1,5 +1,7 @@
 """Rows that are joined as they come are those of all batches."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -11,7 +13,7 @@ from imuwb.readers.assembly.growing import Growing, GrowingRows
 @pytest.mark.parametrize("sizes", [[3], [0, 5], [200_000, 1], [100_000] * 7, [1, 300_000, 2, 400_000]])
 def test_all_rows_are_there_in_their_order(sizes, share):
     column, at = Growing(), np.cumsum([0, *sizes])
-    for first, last in zip(at[:-1], at[1:], strict=True):
+    for first, last in pairwise(at):
         rows = np.arange(first, last, dtype=np.float64)
         column.add(np.stack([rows, -rows], axis=1), share)
     found = column.taken()
