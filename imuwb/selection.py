@@ -15,6 +15,7 @@ from imuwb.units import SECOND, unix_nanoseconds
 Timed = TypeVar("Timed", Triad, Scalars, GnssStream, Reference, LocalTrack, Orientation)
 FAR = np.iinfo(np.int64).max
 RULE = "A+B takes the gyro of A and the accelerometer of B"
+ALL = "all"  #: in place of an IMU's name: each IMU
 LONGEST = 1e9  #: s, thirty years
 
 
@@ -33,7 +34,7 @@ def select(log: Log, imu: str | None = None, start: str | None = None, end: str 
     Args:
         log: the whole log.
         imu: the name of an IMU, or ``A+B`` for the gyro of A with the accelerometer of B (or the reverse, if only the reverse
-            is possible or A is named after an accelerometer); None keeps all IMUs.
+            is possible or A is named after an accelerometer); None or ``all`` keeps all IMUs.
         start: seconds from the log's start (``"12.5"``) or an ISO date (``"2024-05-01T12:00:00"``, UTC unless it states a
             zone); None: the log's start.
         end: in the same form; None: the log's end.
@@ -42,7 +43,7 @@ def select(log: Log, imu: str | None = None, start: str | None = None, end: str 
         MissingDataError: there is no such IMU (the message lists all), or no row between the times.
         UsageError: ``start`` or ``end`` is no time, ``end`` is not after ``start``, or ``A+B`` names one IMU twice.
     """
-    if imu is not None:
+    if imu is not None and imu != ALL:
         log = _with_one_imu(log, imu)
     if start is None and end is None:
         return log
@@ -59,6 +60,16 @@ def select(log: Log, imu: str | None = None, start: str | None = None, end: str 
     )
     _check_not_empty(log, cut)
     return cut
+
+
+def each_imu(log: Log) -> tuple[Log, ...]:
+    """Return one log for each IMU; its other streams are the same."""
+    return tuple(replace(log, imus=(imu,)) for imu in log.imus)
+
+
+def with_first(log: Log, name: str) -> Log:
+    """Return the log with the IMU of a name first, which is the one that an analysis of one IMU uses."""
+    return replace(log, imus=tuple(sorted(log.imus, key=lambda imu: imu.name != name)))
 
 
 def limits(part: Part, zero: int, epoch: str) -> tuple[int, int]:

@@ -39,8 +39,9 @@ class Part:
 
     imu: Annotated[
         str | None,
-        "IMU to use, by its name in imuwb info. A+B: the gyroscopes of A with the accelerometers of B.",
-        Form("NAME|A+B"),
+        "IMU to use, by its name in imuwb info. A+B: the gyroscopes of A with the accelerometers of B. "
+        "all: compare all IMUs (noise, allan).",
+        Form("NAME|A+B|all"),
     ] = None
     start: Annotated[
         str | None, "Start of the part: seconds from the log's start, or a date and time (ISO 8601).", Form("TIME")

@@ -12,6 +12,7 @@ import typer
 
 from imuwb import __version__
 from imuwb.analysis import Analysis, offers
+from imuwb.cli.imus import compares, comparison, split, with_choice
 from imuwb.cli.options import Request
 from imuwb.cli.places import Places, check_places
 from imuwb.cli.reading import read_log
@@ -32,8 +33,10 @@ VIEWER = "rerun+http://127.0.0.1:9876/proxy"
 
 def perform(name: str, analysis: Analysis, paths: Sequence[Place], parameters: object, request: Request) -> None:
     """Read the logs, condition them, run the analysis, and write its results."""
-    plugin = cast("Any", analysis)
     check_count(name, analysis, paths)
+    compared = compares(analysis, request)
+    analysis = comparison(name, analysis, paths, request) if compared else analysis
+    plugin = cast("Any", analysis)
     for text in request.conditions.through:
         step(text)
     grid(request.conditions.study)
@@ -41,7 +44,10 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Place], parameters: o
     gnss = [place_of(request.part.gnss)] if request.part.gnss is not None else []
     check_places(places.all(), [*paths, *gnss], force=request.outputs.force)
 
-    through = [conditioned(read_log(path, request.reading, request.part), request.conditions.through) for path in paths]
+    whole = [
+        with_choice(read_log(path, request.reading, request.part), analysis, parameters, request) for path in paths
+    ]
+    through = [conditioned(log, request.conditions.through) for log in split(whole, compared=compared)]
     logs = [log for log, _ in through]
     with errors_named(name, analysis), progress(f"{name}: computing") as report, watched(lambda part: report(part, 1)):
         # The study comes first, because it finds a setting that does not suit a log before the long work begins.
@@ -51,7 +57,7 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Place], parameters: o
     show = shower(data=not places.to_stdout)
     review = RecordingReview(places.recording, live=VIEWER if request.outputs.live else None, show=show)
     try:
-        overview(logs, review)
+        overview(whole if compared else logs, review)
         draw_conditioning(logs[0], through[0][1], review)
         review.tab(name.capitalize())
         with errors_named(name, analysis):
@@ -61,7 +67,7 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Place], parameters: o
                 plugin.draw_study(study, review)
             model = plugin.error_model(result).to_toml() if places.model is not None else ""
             objections = _objections(analysis, result, places, request)
-        text = document(name, __version__, parameters, result, logs, review.notes, study)
+        text = document(name, __version__, parameters, result, whole if compared else logs, review.notes, study)
         review.close()
     except BaseException:
         review.discard()

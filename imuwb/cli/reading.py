@@ -21,7 +21,7 @@ def read_log(place: Place | RemoteLog, reading: ReadOptions, part: Part | None =
     if part is None:
         return _read(place, reading)
     shift = None if part.gnss_shift is None else _shift(part.gnss_shift)
-    wanted = selection.Part(part.imu, part.start, part.end)
+    wanted = selection.Part(None if part.imu == selection.ALL else part.imu, part.start, part.end)
     if shift is None or (part.gnss is not None and shift != "start"):
         log = _read(place, reading, wanted)
         wanted = replace(wanted, imu=None)  # the IMU is chosen; a receiver's log is cut below

@@ -164,14 +164,6 @@ def test_a_record_too_short_to_be_still_or_moving_has_a_note(log):
     assert "stillness-unknown" in ids(result.notes)
 
 
-@pytest.mark.slow
-def test_several_imus_are_noted(log):
-    other = replace(log.imus[0], name="/imu/other")
-    (note,) = (note for note in run(replace(log, imus=(log.imus[0], other))).notes if note.id == "imus")
-    assert note.startswith("2 IMUs")
-    assert "--imu" in note
-
-
 def test_too_few_samples_and_no_imu_are_missing_data():
     time = np.arange(10) * SECOND
     imu = ImuStream("imu", Triad(time, np.random.default_rng(0).standard_normal((10, 3))), None)

@@ -9,6 +9,7 @@ import lazy_loader
 __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={
-        "parameters": ["Parameters"], "compute": ["error_model", "objections", "run"], "remarks": ["findings"], "show": ["draw"]
+        "parameters": ["Parameters"], "compute": ["error_model", "objections", "run"], "remarks": ["findings"], "show": ["draw"],
+        "imus": ["compare_imus", "draw_imus"],
     },
 )  # fmt: skip

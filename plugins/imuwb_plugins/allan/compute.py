@@ -56,7 +56,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
         imu.name, source_of(log), parameters.level, rates(axes), float(max(s[1] for s in spans) - min(s[0] for s in spans)),
         results, None if still is None else still.moving, () if still is None else still.disturbances,
         None if still is None else (still.quiet_start, still.quiet_end),
-        tuple(notes_of(log, axes, doubts, results, fast=parameters.fast)), parameters.model, doubts,
+        tuple(notes_of(axes, doubts, results, fast=parameters.fast)), parameters.model, doubts,
     )  # fmt: skip
 
 

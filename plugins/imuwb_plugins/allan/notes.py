@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping
 
 from imuwb.axes import Axis
 from imuwb.health import Doubts
-from imuwb.log import Log
 from imuwb.notes import Note
 from imuwb.sampling import Sampling
 from imuwb_plugins.allan.result import AllanAxis
@@ -20,15 +19,12 @@ SHORTENED = 1.5  #: ratio of the first averaging time of a fit to the sampling i
 
 
 def notes_of(
-    log: Log, axes: Mapping[str, Axis], doubts: Doubts, results: Mapping[str, AllanAxis], *, fast: bool
+    axes: Mapping[str, Axis], doubts: Doubts, results: Mapping[str, AllanAxis], *, fast: bool
 ) -> Iterator[Note]:
     """Yield the notes of a log's IMU."""
     yield from doubts.all
     if fast:
         yield FAST
-    if len(log.imus) > 1:
-        names = ", ".join(imu.name for imu in log.imus)
-        yield Note("imus", f"{len(log.imus)} IMUs ({names}): {log.imu().name} is analysed; choose another with --imu")
     for sensor, clock in {axis.sensor: axis.clock for axis in axes.values()}.items():
         yield from _clock_notes(sensor, clock)
     for name, result in results.items():

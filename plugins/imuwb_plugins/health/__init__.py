@@ -5,6 +5,8 @@ A verdict for each stream, its rate over time, when the IMU is still and when it
 
 import lazy_loader
 
+EVERY_IMU = True
+
 __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__, submod_attrs={"parameters": ["SHOWS_FAULTS", "Parameters"], "compute": ["run"], "show": ["draw"]}
 )

@@ -15,8 +15,8 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={
         "parameters": ["Parameters"],
-        "compute": ["run"],
-        "show": ["draw"],
+        "compute": ["compare_imus", "run"],
+        "show": ["draw", "draw_imus"],
         "model": ["error_model", "objections"],
         "settings": ["study"],
         "show_settings": ["draw_study"],

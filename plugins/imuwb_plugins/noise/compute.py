@@ -9,6 +9,7 @@ from imuwb.log import Log
 from imuwb.notes import Note
 from imuwb.progress import tracked
 from imuwb_plugins import allan, autocorrelation, autoregressive, psd
+from imuwb_plugins.allan import imus as allan_imus
 from imuwb_plugins.noise import summary
 from imuwb_plugins.noise.denoising import denoising
 from imuwb_plugins.noise.parameters import Parameters
@@ -38,6 +39,11 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     repeatability = compare(logs, findings, parameters.level) if len(logs) > 1 else None
     denoised = denoising(logs[0], parameters.denoise) if len(logs) == 1 and parameters.denoise else None
     return Result(summary.axes(findings[0]), tuple(parts), denoised, repeatability, tuple(notes))
+
+
+def compare_imus(logs: Sequence[Log], parameters: Parameters) -> allan_imus.ImuComparison:
+    """Return the noise of each IMU of a log, one log for each; errors as of the Allan analysis's."""
+    return allan_imus.compare_imus(logs, _options(parameters)["allan"])
 
 
 def _results(log: Log, parameters: Parameters, names: Sequence[str]) -> tuple[dict[str, Any], list[Note]]:

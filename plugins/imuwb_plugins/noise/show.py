@@ -1,6 +1,7 @@
 """Tabs of the noise analysis."""
 
 from imuwb.analysis import Review
+from imuwb_plugins.allan import imus as allan_imus
 from imuwb_plugins.noise import show_denoising, show_repeatability, summary
 from imuwb_plugins.noise.compute import ANALYSES
 from imuwb_plugins.noise.result import TITLES, Result
@@ -23,3 +24,8 @@ def draw(result: Result, review: Review) -> None:
     if result.denoising is not None:
         review.tab("Denoising")
         show_denoising.draw(result.denoising, review)
+
+
+def draw_imus(result: allan_imus.ImuComparison, review: Review) -> None:
+    """Show the noise of all IMUs in one table."""
+    allan_imus.draw_imus(result, review)

@@ -13,6 +13,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={
         "parameters": ["Parameters"],
+        "log_checks": ["imu_of"],
         "compute": ["error_model", "objections", "run"],
         "show": ["draw", "draw_study"],
         "setting_study": ["study"],

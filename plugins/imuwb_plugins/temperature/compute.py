@@ -23,9 +23,10 @@ from imuwb.identification.temperature import (
 from imuwb.log import AXES, Log, source_of
 from imuwb.notes import Note
 from imuwb.progress import tracked
+from imuwb.selection import with_first
 from imuwb.stochastic import ImuErrorModel
 from imuwb_plugins.temperature.axis_result import axis_result
-from imuwb_plugins.temperature.log_checks import check_thermometers, check_together, with_sound_thermometers
+from imuwb_plugins.temperature.log_checks import check_thermometers, check_together, imu_of, with_sound_thermometers
 from imuwb_plugins.temperature.parameters import Parameters
 from imuwb_plugins.temperature.records import FEWEST, LogPart, grouped, parts_of
 from imuwb_plugins.temperature.result import CONVENTION, Result
@@ -42,6 +43,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
         MissingDataError: a log without temperature, or of a moving sensor; a single temperature.
         UsageError: logs that do not belong together, or options that do not suit the logs.
     """
+    logs = [with_first(log, imu_of(log, parameters)) for log in logs]
     notes = [*check_together(logs, parameters), *check_thermometers(logs, parameters)]
     logs, thermometer_notes = with_sound_thermometers(logs, parameters)
     notes += thermometer_notes

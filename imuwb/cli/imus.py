@@ -1,0 +1,76 @@
+"""The IMUs of a log on the command line: the first with a note on the others, one by its name, or all, which are compared."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, cast
+
+from imuwb import registry
+from imuwb.analysis import Analysis, offers
+from imuwb.cli.options import Request
+from imuwb.errors import UsageError
+from imuwb.log import Log
+from imuwb.notes import Note
+from imuwb.selection import ALL, each_imu, with_first
+from imuwb.texts import names_text
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """The analysis that compares the IMUs of a log."""
+
+    Parameters: Any
+    run: Callable[..., Any]
+    draw: Callable[..., None]
+
+
+def compares(analysis: Analysis, request: Request) -> bool:
+    """Return whether the IMUs of a log are compared; an analysis that examines every IMU does not need it."""
+    return request.part.imu == ALL and not getattr(analysis, "EVERY_IMU", False)
+
+
+def comparison(name: str, analysis: Analysis, paths: Sequence[Path], request: Request) -> Analysis:
+    """Return the analysis that compares the IMUs of one log.
+
+    Raises:
+        UsageError: the analysis cannot, there are several logs, or an option needs a single IMU.
+    """
+    if not offers(analysis, "compare_imus"):
+        able = [one for one in registry.installed(registry.ANALYSES) if offers(_loaded(one), "compare_imus")]
+        raise UsageError(
+            f"--imu {ALL}: {name} analyses one IMU; give its name (imuwb info lists them), or compare all with {' or '.join(able)}"
+        )
+    given = {
+        "--save-model": request.outputs.save_model is not None, "--force-model": request.outputs.force_model,
+        "--study": bool(request.conditions.study),
+    }  # fmt: skip
+    for option, is_given in given.items():
+        if is_given:
+            raise UsageError(f"{option} needs one IMU, and --imu {ALL} compares all; give the name of one with --imu")
+    if len(paths) > 1:
+        raise UsageError(f"--imu {ALL} compares the IMUs of one log; {len(paths)} logs are given")
+    plugin = cast("Any", analysis)
+    return cast("Analysis", Comparison(plugin.Parameters, plugin.compare_imus, plugin.draw_imus))
+
+
+def _loaded(name: str) -> object:
+    return registry.load(registry.installed(registry.ANALYSES)[name])
+
+
+def split(logs: Sequence[Log], *, compared: bool) -> list[Log]:
+    """Return the logs, or, where IMUs are compared, one log for each IMU."""
+    return [one for log in logs for one in each_imu(log)] if compared else list(logs)
+
+
+def with_choice(log: Log, analysis: Analysis, parameters: object, request: Request) -> Log:
+    """Return a log whose first IMU is the one that is analysed; a note names it if the user has not, and there are others."""
+    if len(log.imus) < 2 or request.part.imu is not None or getattr(analysis, "EVERY_IMU", False):  # noqa: PLR2004 - a choice
+        return log
+    first = log.imus[0].name
+    chosen = cast("Any", analysis).imu_of(log, parameters) if offers(analysis, "imu_of") else first
+    why = "" if chosen == first else f", because {first} lacks what the analysis needs"
+    compare = f", or compare all with --imu {ALL}" if offers(analysis, "compare_imus") else ""
+    names = names_text([imu.name for imu in log.imus])
+    text = f"{len(log.imus)} IMUs ({names}): {chosen} is analysed{why}; choose another with --imu{compare}"
+    log = with_first(log, chosen)
+    return replace(log, notes=(*log.notes, Note("imus", text)))
