@@ -41,6 +41,12 @@ def main() -> None:
 
 
 def _message_of(error: Exception) -> str:
+    from imuwb.readers.bytes.address import without_secrets  # noqa: PLC0415 - only for messages
+
+    return without_secrets(_text_of(error))
+
+
+def _text_of(error: Exception) -> str:
     if isinstance(error, ImuwbError):
         return str(error)
     if isinstance(error, OSError):

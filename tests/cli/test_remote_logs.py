@@ -135,8 +135,9 @@ def test_secrets_of_a_url_are_shown_nowhere(imuwb, web, tmp_path):
         imuwb("convert", address, "--gnss", address, "-o", "two.mcap"), imuwb("health", address),
         imuwb("info", address.replace("log", "none")), imuwb(address), imuwb("convert", address, "-o", address),
         imuwb("outage", address, "--error-model", address), imuwb("info", address, "--columns", "a,b"),
+        imuwb("model", "show", address), imuwb("view", address),
     ]  # fmt: skip
-    assert [run.code for run in runs] == [0, 0, 0, 0, 0, 3, 2, 4, 2, 2, 2, 2]
+    assert [run.code for run in runs] == [0, 0, 0, 0, 0, 3, 2, 4, 2, 2, 2, 2, 2, 2]
     web.statuses = [403] * 4
     runs += [imuwb("info", address), imuwb("health", address, "-o", "x.rrd")]
     assert [run.code for run in runs[-2:]] == [4, 4]

@@ -13,6 +13,8 @@ STORES = ("s3", "gs", "az")
 LONGEST = 100  #: letters of the name of a file
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+)://")  # one letter is a drive of Windows
 _HOST = re.compile(r"(\[[0-9A-Fa-f:.]+\]|[^:@/\s]+)(:\d+)?")
+#: the start of an address before its user, or the query of an address after its path
+_SECRETS = re.compile(r"(\b[A-Za-z][A-Za-z0-9+.-]+:/{1,2})[^/@\s'\"]*@|(?<=[/\w])\?[^\s'\"=]+=[^\s'\"]*")
 _QUERY = re.compile(r"[?#]")
 
 
@@ -113,6 +115,11 @@ class Address:
 
 
 Place: TypeAlias = Path | Address
+
+
+def without_secrets(text: str) -> str:
+    """Return a message in which no address, also one with a single slash as a path has it, has a user, a password or a query."""
+    return _SECRETS.sub(lambda found: found[1] or "", text)
 
 
 def is_address(text: str) -> bool:

@@ -2,6 +2,7 @@
 
 import hashlib
 import io
+import os
 import shutil
 import tempfile
 from collections import deque
@@ -18,6 +19,7 @@ from imuwb.readers.bytes.address import Address
 
 HEAD = 1 << 16  #: bytes that are asked for first, and after each jump
 LARGEST = 16 << 20  #: bytes that are asked for at once
+REST = 1 << 20  #: bytes after the last that a reader needs; as many are asked for, for the fingerprint of all
 KEPT = 32 << 20  #: bytes of the last answers that are kept, for small steps back
 BESIDE = 16 << 20  #: bytes; a larger object beside a log is no part of it
 _WEB_PAGE = (b"<!doctype html", b"<html")
@@ -127,8 +129,8 @@ class RemoteLog:
         return self._copy
 
     def fingerprint(self) -> str:
-        """Return ``sha256:...`` of the bytes; empty if only parts of a large log were read."""
-        if self.size - self._hashed > LARGEST:
+        """Return ``sha256:...`` of the bytes; empty if only parts of the log were read."""
+        if self.size - self._hashed > REST:
             return ""
         while self._hashed < self.size:
             self._some(self._hashed, LARGEST)
@@ -148,7 +150,7 @@ class RemoteLog:
         except ImuwbError as error:
             if self._copy is None:
                 raise
-            text = str(error).replace(str(self._copy.parent), str(self.address.beside("")).rstrip("/"))
+            text = str(error).replace(f"{self._copy.parent}{os.sep}", str(self.address.beside("")))
             raise type(error)(text.replace(self._copy.name, self.name)) from None
 
     def part(self, at: int, most: int) -> bytes:

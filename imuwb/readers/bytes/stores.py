@@ -38,9 +38,9 @@ _GCLOUD = Path("~/.config/gcloud/application_default_credentials.json")
 REMEDIES = {
     "http": "check the address, and whether its signature has expired",
     "https": "check the address, and whether its signature has expired",
-    "s3": "set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY, or AWS_PROFILE (this needs boto3), and AWS_REGION or AWS_ENDPOINT_URL",
-    "gs": "set GOOGLE_APPLICATION_CREDENTIALS",
-    "az": "set AZURE_STORAGE_ACCOUNT_NAME, and AZURE_STORAGE_ACCOUNT_KEY or AZURE_STORAGE_SAS_TOKEN",
+    "s3": "check the address, and set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY, or AWS_PROFILE (this needs boto3), and AWS_REGION or AWS_ENDPOINT_URL",
+    "gs": "check the address, and set GOOGLE_APPLICATION_CREDENTIALS",
+    "az": "check the address, and set AZURE_STORAGE_ACCOUNT_NAME, and AZURE_STORAGE_ACCOUNT_KEY or AZURE_STORAGE_SAS_TOKEN",
 }
 
 

@@ -31,7 +31,7 @@ _FAULTS = {
     "kind: Interrupted": "the connection was cut",
     "MissingContentLength": "its host does not state the length of the object; download it first",
     "MissingLastModified": "its host does not state when the object was written; download it first",
-    "BareRedirect": "it is in another region; state AWS_REGION",
+    "BareRedirect": "its host redirects without a target; a bucket of S3 may be in another region: state AWS_REGION",
 }
 _LASTING = ("dns error", "InvalidCertificate", "MissingContentLength", "MissingLastModified", "BareRedirect")
 

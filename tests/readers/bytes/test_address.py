@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from imuwb.errors import UsageError
-from imuwb.readers.bytes.address import Address, is_address, place_of
+from imuwb.readers.bytes.address import Address, is_address, place_of, without_secrets
 
 
 @pytest.mark.parametrize(
@@ -75,6 +75,20 @@ def test_addresses_that_are_not_read(text, match):
 )
 def test_what_lies_beside_an_address(text, beside):
     assert Address.from_text(text).beside("log #1.toml").url == beside
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("no file https:/u:SECRET@host/a.csv", "no file https:/host/a.csv"),
+        ("https://h/a.csv?X-Amz-Signature=SECRET&b=SECRET: no", "https://h/a.csv no"),
+        ("'s3://SECRET@b/k' and 'http://SECRET:SECRET@h'", "'s3://b/k' and 'http://h'"),
+        ("is this a log? yes=no", "is this a log? yes=no"),
+        ("mail a@b about /x/y@z", "mail a@b about /x/y@z"),
+    ],
+)
+def test_messages_without_secrets(text, shown):
+    assert without_secrets(text) == shown
 
 
 def test_the_name_of_a_copy_is_one_of_every_file_system():

@@ -13,6 +13,7 @@ from imuwb.notes import ids
 from imuwb.readers import ReadOptions, describe, read, stream
 from imuwb.readers.bytes import remote, stores, transfer
 from imuwb.readers.reading import indexed
+from imuwb.selection import Part
 
 from .large_mcap import large_mcap
 
@@ -119,6 +120,16 @@ def test_the_index_of_a_gigabyte_takes_few_bytes_and_requests(web, gigabyte, no_
     assert {s.name: (s.kind, s.count) for s in summary.streams} == {"/imu": ("imu", 1024), "/fix": ("gnss", 1024)}
     assert "from_index" in ids(summary.notes)
     assert (web.sent <= 500_000, len(web.requests) <= 8) == (True, True)
+
+
+def test_a_part_of_a_log_takes_a_part_of_its_bytes(web, mcap, ros):
+    times = range(T, T + 150 * 10**9, 10**7)
+    path = mcap.write(mcap.Topic([(t, ros.imu(t, (1, 2, 3), (0, 0, 9.8))) for t in times]), chunk_size=1 << 16)
+    web.objects["log.mcap"] = content = path.read_bytes()
+    wanted = Part(start="100", end="103")
+    remote_part, part = read(web.url("log.mcap"), part=wanted), read(path, part=wanted)
+    np.testing.assert_array_equal(remote_part.imus[0].angular_rate.time, part.imus[0].angular_rate.time)
+    assert (len(part.imus[0].angular_rate), web.sent < 0.7 * len(content)) == (300, True)
 
 
 def test_describe_reads_a_log_without_an_index(web):
