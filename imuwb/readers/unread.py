@@ -142,7 +142,6 @@ BINARIES = (
     Unread("a tar archive", UNPACK, _starts(b"ustar", at=257)),
     Unread("an archive or file packed with xz", f"{UNPACK} (xz -d)", _starts(b"\xfd7zXZ\0")),
     Unread("an archive or file packed with bzip2", f"{UNPACK} (bzip2 -d)", _starts(*(b"BZh%d1AY" % size for size in range(1, 10)))),
-    Unread("a file packed with Zstandard", f"{UNPACK} (zstd -d)", _starts(b"\x28\xb5\x2f\xfd")),
     Unread("a file packed with LZ4", f"{UNPACK} (lz4 -d)", _starts(b"\x04\x22\x4d\x18")),
     Unread("a 7z archive", UNPACK, _starts(b"7z\xbc\xaf\x27\x1c")),
     Unread("a RAR archive", UNPACK, _starts(b"Rar!\x1a\x07")),

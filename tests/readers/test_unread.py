@@ -93,7 +93,6 @@ FILES = {
     "tar archive": tarred(),
     "xz": lzma.compress(b"1,2,3\n"),
     "bzip2": bz2.compress(b"1,2,3\n"),
-    "Zstandard": b"\x28\xb5\x2f\xfd\x04\x00" + bytes(20),
     "LZ4": b"\x04\x22\x4d\x18\x64\x40" + bytes(20),
     "7z": b"7z\xbc\xaf\x27\x1c\0\4" + bytes(20),
     "RAR": b"Rar!\x1a\x07\x01\0" + bytes(20),

@@ -7,11 +7,13 @@ The folder then has an array for each channel, 0.npy and so on, and index.json: 
 import json
 import logging
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from imuwb.errors import UsageError
 from imuwb.readers.text.column_names import columns as known_columns
 from imuwb.readers.text.column_names import with_units
 from imuwb.units import unix_nanoseconds
@@ -38,12 +40,12 @@ def _exported(file: Any, folder: Path) -> dict[str, Any]:  # noqa: ANN401 - of a
     count = 0
     for index, group in enumerate(file.groups):
         master, found = file.masters_db.get(index), dict[str, int]()
+        wanted = _known([_shown(str(channel.name), str(channel.unit or "")) for channel in group.channels])
         for number, channel in enumerate(group.channels):
             name = str(channel.name)
             if number == master:
                 continue
-            known = master is not None and _is_known(_shown(name, str(channel.unit or "")))
-            signal = file.get(group=index, index=number) if known else None
+            signal = file.get(group=index, index=number) if master is not None and number in wanted else None
             if signal is None or signal.samples.ndim != 1 or signal.samples.dtype.kind not in "fiu":
                 others.append(name)
                 continue
@@ -68,8 +70,13 @@ def _shown(name: str, measure: str) -> str:
     return f"{name} [{measure}]" if measure and next(with_units(name))[1] is None else name
 
 
-def _is_known(shown: str) -> bool:
-    return any(column.quantity != "time" for column in known_columns((shown,), {}))
+def _known(names: list[str]) -> set[int]:
+    """Return the places of the names that mean a quantity."""
+    try:
+        found = known_columns(tuple(names), {})
+    except UsageError:  # two of one meaning
+        found = tuple(replace(c, index=i) for i, name in enumerate(names) for c in known_columns((name,), {}))
+    return {column.index for column in found if column.quantity != "time"}
 
 
 if __name__ == "__main__":

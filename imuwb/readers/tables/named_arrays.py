@@ -15,7 +15,7 @@ from typing import Any, TypeAlias, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from imuwb.errors import UnreadableLogError
+from imuwb.errors import UnreadableLogError, UsageError
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark, unused
 from imuwb.readers.read_options import ReadOptions
@@ -114,7 +114,10 @@ def _is_of_use(table: _Table, options: ReadOptions) -> bool:
         return False
     if not table.named or (options.columns and not table.name):
         return True
-    quantities = {column.quantity for name in table.columns for column in known_columns((name,), {})}
+    try:
+        quantities = {column.quantity for column in known_columns(tuple(table.columns), {})}
+    except UsageError:  # two columns of one meaning: the user hears of them when the table is read
+        return True
     return bool(quantities & {"gyro", "accel", "attitude_increment", "velocity_increment", "latitude", "speed"})
 
 
