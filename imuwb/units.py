@@ -131,8 +131,38 @@ def _spelled(name: str) -> str | None:
     return text if text in UNITS else _FOLDED.get(text) or _ALIASES.get(text)
 
 
+_NUMBER = r"\d+(?:\.\d*)?(?:e[+-]?\d+)?"
+_OFFSET = rf"(?:\s*(?P<sign>[+-])\s*(?P<offset>{_NUMBER}))?"
+_LSB = r"(?:LSBs?|counts?|digits?)"
+#: forms of a scale: counts in a unit, or a unit's part that is one count; an offset is in the unit
+_SCALES = tuple(
+    re.compile(pattern + _OFFSET, re.IGNORECASE)
+    for pattern in (
+        rf"(?P<counts>{_NUMBER})\s*{_LSB}\s*/\s*(?:\((?P<inner>[^()]+)\)|(?P<unit>[^()+]+?))",
+        rf"(?P<size>{_NUMBER})\s*(?P<unit>[^()+\d][^()+]*?)\s*/\s*{_LSB}",
+        rf"(?P<size>{_NUMBER})\s*/\s*(?P<counts>{_NUMBER})\s*(?P<unit>[^()+\d][^()+]*?)",
+    )
+)
+
+
+def _scale(name: str) -> Unit | None:
+    """Return the unit of counts: ``131LSB/(deg/s)``, ``0.061 mg/LSB``, ``1/16384 g``, ``340LSB/°C+36.53``; None for another text."""
+    match = next((found for scale in _SCALES if (found := scale.fullmatch(name.strip()))), None)
+    if match is None:
+        return None
+    parts = match.groupdict()
+    measure = unit(parts.get("inner") or parts["unit"])
+    counts, size = float(parts.get("counts") or 1), float(parts.get("size") or 1)
+    if not counts or not size:
+        raise UsageError(f"the scale {name!r} is 0 or infinite; write it as in 131LSB/(deg/s)")
+    offset = float(parts["offset"] or 0) * (-1 if parts["sign"] == "-" else 1)
+    return Unit(
+        re.sub(r"\s+", " ", name.strip()), measure.dimension, measure.factor * size / counts, measure.to_si(offset)
+    )
+
+
 def unit(name: str) -> Unit:
-    """Return the unit of that name, in any common spelling.
+    """Return the unit of that name, in any common spelling, or the scale of counts, such as ``131LSB/(deg/s)``.
 
     Raises:
         UsageError: there is no such unit; the message lists all units.
@@ -141,7 +171,12 @@ def unit(name: str) -> Unit:
     folded = text.lower()
     known = text if text in UNITS else _FOLDED.get(folded) or _ALIASES.get(folded) or _spelled(name)
     if known is None:
-        raise UsageError(f"unknown unit {name!r}; write one of: {', '.join(UNITS)}")
+        scale = _scale(name)
+        if scale is not None:
+            return scale
+        raise UsageError(
+            f"unknown unit {name!r}; write one of: {', '.join(UNITS)}, or the scale of counts, such as 131LSB/(deg/s)"
+        )
     return UNITS[known]
 
 

@@ -19,7 +19,7 @@ from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes import source
 from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text.column_names import Column
-from imuwb.readers.text.csv_columns import check_gravity
+from imuwb.readers.text.gravity import check_gravity
 from imuwb.units import SECOND, unit
 
 HEADER, ROW = 512, 32  #: bytes

@@ -15,8 +15,8 @@ from imuwb.readers.gps_time import unix_of_gps
 from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text.clock import OUR_DAYS
 from imuwb.readers.text.column_names import Column
-from imuwb.readers.text.csv_columns import check_gravity
 from imuwb.readers.text.csv_streams import heights_above_sea, streams_of
+from imuwb.readers.text.gravity import check_gravity
 from imuwb.readers.text.increments import RATES, Increments
 from imuwb.readers.text.sentence_lines import Line
 from imuwb.readers.text.shapes.application import shaped

@@ -17,9 +17,10 @@ from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text.cells import CELLS, LINES, blocks, floats, of
 from imuwb.readers.text.clock import Clock, clock_of
 from imuwb.readers.text.column_names import Column, columns
-from imuwb.readers.text.csv_columns import check_gravity, used_columns
+from imuwb.readers.text.csv_columns import used_columns
 from imuwb.readers.text.csv_part import Search
 from imuwb.readers.text.csv_streams import heights_above_sea, streams_of
+from imuwb.readers.text.gravity import check_gravity
 from imuwb.readers.text.increments import RATES, Increments
 from imuwb.readers.text.layout import Layout
 from imuwb.readers.text.left_out import left_over, no_stream, unused_columns

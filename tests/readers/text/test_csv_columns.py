@@ -192,10 +192,6 @@ def test_the_likely_unit_is_the_one_that_makes_one_gravity(text_log, down, state
         read(text_log(text))
 
 
-def test_a_free_fall_is_no_contradiction(imu_of):
-    assert len(imu_of("time_s,ax [g],ay [g],az [g]\n0.0,0,0,0.01\n0.1,0,0,0.01\n").specific_force) == 2
-
-
 @pytest.mark.parametrize(
     ("text", "options", "message"),
     [
