@@ -12,8 +12,11 @@ from imuwb.units import SECOND, Unit
 
 #: quantity of an increment -> quantity of its rate
 RATES = {"attitude_increment": "gyro", "velocity_increment": "accel"}
-NEAR = 0.5  #: largest relative difference of a step that an increment covers from the usual step
-EVEN = 0.9  #: least share of such steps; if there are fewer, the stamps are not those of the samples
+GAP = 0.5  #: relative difference from the usual step from which a step is not that of the increment
+NEAR = (
+    0.02  #: largest relative difference of nearly all steps from the usual step, if the stamps are those of the samples
+)
+EVEN = 0.9  #: least share of such steps; coarse stamps, and those of arrival, have fewer
 
 
 def rate_column(column: Column) -> Column:
@@ -29,13 +32,14 @@ class Increments:
     """Divides the increments of a log by their steps, piece by piece.
 
     The step is that of a column ``step``, else the difference from the stamp before. An increment after a gap, or with a stamp far
-    from the usual step, covers the usual step. If few stamps are near it, all increments cover the average step.
+    from the usual step, covers the usual step. If the steps scatter, as those of coarse stamps and of arrival do, all increments cover
+    the average step.
     """
 
     def __init__(self) -> None:
         """Begin a log."""
         self._before: int | None = None
-        self._usual = 0.0
+        self._usual, self._even = 0.0, False
 
     def as_rates(self, time: Integers, values: Mapping[Column, Floats]) -> dict[Column, Floats]:
         """Return the cells of each column, increments as rates.
@@ -62,7 +66,9 @@ class Increments:
         rising = steps[steps > 0]
         if not self._usual and rising.size:
             usual = float(np.median(rising))
-            even = np.mean(np.abs(rising / usual - 1) < NEAR) > EVEN
-            self._usual = usual if even else float(rising.sum()) / max(1, steps.size - 1)
+            self._even = bool(np.mean(np.abs(rising / usual - 1) < NEAR) > EVEN)
+            self._usual = usual if self._even else float(rising.sum()) / max(1, steps.size - 1)
         usual = self._usual or np.nan
-        return np.where(np.abs(steps / usual - 1) < NEAR, steps, usual)
+        if not self._even:
+            return np.full(steps.size, usual)
+        return np.where(np.abs(steps / usual - 1) < GAP, steps, usual)

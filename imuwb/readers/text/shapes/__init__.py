@@ -7,8 +7,9 @@ those that it needs:
   each run of blanks, slashes, colons, points and square brackets: ``/imu/angular_velocity/x`` ends in ``angular_velocity.x``.
   ``absent``: ends of names that it must not have;
 * ``file``: pattern of the file's name; ``text``: pattern of the file's first bytes;
-* ``cells`` and ``ranges``: number of cells, and {cell: [least, greatest]}, of the rows of a file without a header; ``row``: the meaning
-  of each cell, ``-`` for none;
+* ``cells`` and ``ranges``: number of cells, and {cell: [least, greatest]}, of the rows of a file without a header; ``steps``:
+  least and greatest median step of its time, s; ``changes``: {cell: greatest change from row to row}; ``row``: the meaning of each
+  cell, ``-`` for none;
 * ``columns``: {end of a name: meaning}; three letters or digits in braces stand for x, y and z: ``"gyro_{xyz}"``;
 * ``refused``: {end of a name: why the column is not used};
 * ``frame``: directions of x, y and z, such as ``FLU``, ``FRD`` or ``RFU``; of two frames, the first holds if z of the specific force is

@@ -68,7 +68,14 @@ def _in_ranges(shape: Shape, head: Head) -> bool:
         return within
     stamps = [sum(factor * row[cell] for cell, factor in times.items()) for row in head.rows]
     steps = [after - before for before, after in pairwise(stamps)]
-    return all(step > 0 for step in steps) and (not steps or _is_gravity(shape, head, median(steps)))
+    if not steps or not all(step > 0 for step in steps):
+        return not steps
+    near = all(
+        abs(after[cell] - before[cell]) <= most
+        for cell, most in shape.changes.items()
+        for before, after in pairwise(head.rows)
+    )
+    return near and shape.steps[0] <= median(steps) <= shape.steps[1] and _is_gravity(shape, head, median(steps))
 
 
 def _is_gravity(shape: Shape, head: Head, step: float) -> bool:

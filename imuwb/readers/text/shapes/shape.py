@@ -1,5 +1,6 @@
 """What is known of a shape of text logs, and the table of all shapes."""
 
+import math
 import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
@@ -36,6 +37,8 @@ class Shape:
     text: str = ""
     cells: int = 0
     ranges: Mapping[int, tuple[float, float]] = field(default_factory=dict[int, tuple[float, float]])
+    steps: tuple[float, float] = (0.0, math.inf)
+    changes: Mapping[int, float] = field(default_factory=dict[int, float])
     row: tuple[Meaning | None, ...] = ()
     columns: Mapping[str, Meaning] = field(default_factory=dict[str, Meaning])
     refused: Mapping[str, str] = field(default_factory=dict[str, str])
@@ -72,6 +75,8 @@ def shape_from(stated: Mapping[str, Any]) -> Shape:
         header=tuple(_expanded(stated.get("header", ()))),
         absent=tuple(_expanded(stated.get("absent", ()))),
         ranges={int(cell): (low, high) for cell, (low, high) in stated.get("ranges", {}).items()},
+        steps=tuple(stated.get("steps", (0.0, math.inf))),
+        changes={int(cell): most for cell, most in stated.get("changes", {}).items()},
         row=tuple(None if text == "-" else _meaning(text) for text in stated.get("row", ())),
         columns=dict(_columns(stated.get("columns", {}))),
         refused={name: why for key, why in stated.get("refused", {}).items() for name in _expanded((key,))},

@@ -165,3 +165,27 @@ def test_an_acceleration_near_zero_draws_no_advice_of_a_unit(text_log):
     text = table("time_s,ax,ay,az", decimals(TIME - TIME[0]), (ACCEL - [0.02, -0.03, -9.79]) / 10)
     with pytest.raises(UsageError, match="no specific force"):
         read(text_log(text))
+
+
+@pytest.mark.parametrize(
+    ("rate", "force", "step"),
+    [(GYRO, ACCEL, 10**7), (np.degrees(GYRO) + 1, np.abs(ACCEL), 10**7), (GYRO, ACCEL / 9.8, 10**8), (GYRO + 1, np.abs(ACCEL), 10**8)],
+    ids=["SI", "positive", "g at 10 Hz", "positive at 10 Hz"],
+)  # fmt: skip
+def test_rates_and_forces_without_a_header_are_neither_increments_nor_fixes(text_log, rate, force, step):
+    with pytest.raises(UsageError, match="7 columns"):
+        read(text_log(table("", decimals(step * np.arange(len(rate))), rate, force, mark=" ")))
+
+
+def test_names_that_many_loggers_use_have_no_fixed_unit(text_log):
+    names = [f"{s}{a}" for s in ("acc", "gyr") for a in "XYZ"]
+    with pytest.raises(UsageError, match="--units gyro=UNIT|--units accel=UNIT"):
+        read(text_log(table("timestamp," + ",".join(names), TIME, ACCEL, GYRO)))
+
+
+@pytest.mark.parametrize("coarse", [1_000_000, 4_000_000])
+def test_increments_with_coarse_stamps_cover_the_average_step(text_log, coarse):
+    _, tow = gps(TIME[0] + 6_500_000 * np.arange(len(TIME)))
+    text = table("", decimals(tow // coarse * coarse), GYRO * 0.0065, ACCEL * 0.0065, mark=" ")
+    imu = read(text_log(text)).imus[0]
+    np.testing.assert_allclose(imu.angular_rate.value, GYRO, rtol=5e-3, atol=1e-6)
