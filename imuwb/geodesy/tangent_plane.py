@@ -15,7 +15,7 @@ def _cartesian(position: Floats) -> Floats:
     return np.stack([across * np.cos(longitude), across * np.sin(longitude), along], axis=-1)
 
 
-def _geodetic(point: Floats) -> Floats:
+def geodetic(point: Floats) -> Floats:
     """Return latitude rad, longitude rad and height m, (n, 3), of earth-centred coordinates (Bowring 1976)."""
     x, y, z = np.moveaxis(point, -1, 0)
     across = np.hypot(x, y)
@@ -60,7 +60,7 @@ def position_of(ned: Floats, origin: Floats) -> Floats:
     Returns:
         (n, 3) latitude rad, longitude rad, height m.
     """
-    return _geodetic(_cartesian(origin) + ned @ _axes(origin).T)
+    return geodetic(_cartesian(origin) + ned @ _axes(origin).T)
 
 
 def turn_between(position: Floats, origin: Floats) -> Floats:

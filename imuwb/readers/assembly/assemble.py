@@ -269,7 +269,7 @@ def _gnss(rows: Batch) -> GnssStream:
 
 
 def _reference(rows: Batch) -> Reference:
-    columns: dict[str, Any] = dict(rows.columns)
+    columns: dict[str, Any] = {name: values for name, values in rows.columns.items() if np.isfinite(values).any()}
     return Reference(rows.stream, rows.time, origin=rows.origin, **columns)
 
 

@@ -21,7 +21,9 @@ MATCHED = 0.9  #: least share of the fixes that must have a row nearby
 
 
 def sibling(topic: str, names: Sequence[str]) -> str | None:
-    """Return the name that a topic belongs to: one that begins the topic, the only name, or one that shares most of the path."""
+    """Return the name that a topic belongs to: its own or one that begins it, the only name, or one that shares most of the path."""
+    if topic in names:
+        return topic
     above = [name for name in names if topic.startswith(f"{name}/")]
     if above or len(names) == 1:
         return max(above, key=len) if above else names[0]

@@ -1,6 +1,7 @@
 """Decodes payloads to arrays of wanted fields. ROS is decoded by its byte layout, protobuf and JSON by their own decoders."""
 
 import json
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, cast
 
@@ -13,12 +14,10 @@ from imuwb.readers.bytes.gather import Field, gather
 from imuwb.readers.containers import ros_idl, ros_layout
 from imuwb.readers.containers.messages import Channel, Messages, Schema
 from imuwb.readers.containers.ros_definitions import Definitions
-from imuwb.readers.containers.shapes import REFERENCE, REFERENCE_SIGMAS
 from imuwb.readers.containers.unused_topics import NO_QUANTITY
 
 Piece = tuple[Mapping[str, NDArray[Any]], Integers]
 
-ARRAYS = ("covariance", *REFERENCE, *REFERENCE_SIGMAS)  #: the names of fields that are arrays end with one of these
 IDL = ("ros2idl", "omgidl")  #: names of the other language of definitions
 GIVE = "give its .msg files with --messages DIR"
 FIRST = 16  #: number of messages that are tried for the fields of a channel without a definition
@@ -56,12 +55,16 @@ class _RosDecoder:
         """Whether the fields are known without a message."""
         return self._plan is not None
 
-    def fields(self, messages: Messages, rows: Integers) -> list[str]:
+    def fields(self, messages: Messages, rows: Integers) -> dict[str, int]:
         if self._plan is None:
             self._plan = self._fitting(messages, rows[:FIRST])
-        fields = [step for step in self._plan if isinstance(step, ros_layout.LayoutField)]
-        # An array is not a number: a "latitude" of two numbers is not a latitude.
-        return [f.path for f in fields if not f.count or f.path.rpartition(".")[2].endswith(ARRAYS)]
+        times = Counter(step.path for step in self._plan)  # a damaged definition may have a name twice
+        numbers = (step for step in self._plan if isinstance(step, ros_layout.LayoutField))
+        return {step.path: step.count for step in numbers if times[step.path] == 1}
+
+    def texts(self, messages: Messages, rows: Integers, path: str) -> Iterator[bytes]:
+        for row in rows:
+            yield ros_layout.text(self._plan or (), self._wire, _payload(messages, row), path)
 
     def _fitting(self, messages: Messages, rows: Integers) -> ros_layout.Plan:
         payloads = [_payload(messages, row) for row in rows]
@@ -131,13 +134,20 @@ class _ObjectDecoder:
     def __init__(self, unpack: Callable[[bytes], object]) -> None:
         self._unpack = unpack
 
-    def fields(self, messages: Messages, rows: Integers) -> list[str]:
+    def fields(self, messages: Messages, rows: Integers) -> dict[str, int]:
         for row in rows[:FIRST]:
             try:
-                return list(_paths(self._unpack(_payload(messages, row))))
+                return dict(_paths(self._unpack(_payload(messages, row))))
             except Exception:  # noqa: BLE001, S112 - a damaged message shows no fields; the next may
                 continue
-        return []
+        return {}
+
+    def texts(self, messages: Messages, rows: Integers, path: str) -> Iterator[bytes]:
+        for row in rows:
+            try:
+                yield str(_found(self._unpack(_payload(messages, row)), path)).encode()
+            except Exception:  # noqa: BLE001, S112 - a damaged message may raise anything; it is left out
+                continue
 
     def decode(self, messages: Messages, rows: Integers, paths: tuple[str, ...]) -> Iterator[Piece]:
         table: list[list[float | list[float]]] = []
@@ -157,8 +167,8 @@ class _ObjectDecoder:
             yield dict(zip(paths, arrays, strict=True)), np.array(decoded)
 
 
-#: ``fields(messages, rows)`` returns the dotted paths of the messages' numbers, from the definition or from some of the rows;
-#: ``decode(messages, rows, paths)`` yields the fields in pieces; a message that does not fit its definition is in no piece.
+#: ``fields(messages, rows)`` returns {dotted path: length} of the messages' numbers (length 0) and arrays, from the definition or
+#: from some of the rows; ``texts(messages, rows, path)`` yields a text of each; ``decode(messages, rows, paths)`` yields the fields in pieces; a message that does not fit its definition is in no piece.
 Decoder = _RosDecoder | _ObjectDecoder
 
 
@@ -205,8 +215,8 @@ def _protobuf(schema: Schema | None) -> Callable[[bytes], object]:
     return decoder
 
 
-def _paths(message: Any, prefix: str = "", depth: int = 0) -> Iterator[str]:  # noqa: ANN401 - any decoded object
-    """Yield the dotted paths of a decoded message's numbers and arrays of numbers."""
+def _paths(message: Any, prefix: str = "", depth: int = 0) -> Iterator[tuple[str, int]]:  # noqa: ANN401 - any decoded object
+    """Yield (dotted path, length) of a decoded message's numbers (length 0) and arrays of numbers."""
     if depth > ros_layout.DEEPEST:
         return
     if isinstance(message, dict):
@@ -216,17 +226,24 @@ def _paths(message: Any, prefix: str = "", depth: int = 0) -> Iterator[str]:  # 
         for field in message.DESCRIPTOR.fields:
             name = f"{prefix}.{field.name}" if prefix else str(field.name)
             yield from _paths(getattr(message, field.name), name, depth + 1)
-    elif isinstance(message, int | float) or (hasattr(message, "__len__") and not isinstance(message, str | bytes)):
-        yield prefix
+    elif isinstance(message, int | float):
+        yield prefix, 0
+    elif hasattr(message, "__len__") and not isinstance(message, str | bytes) and len(message):
+        yield prefix, len(message)
+
+
+def _found(message: object, path: str) -> object:
+    for name in path.split("."):
+        message = cast("dict[str, object]", message)[name] if isinstance(message, dict) else getattr(message, name)
+    return message
 
 
 def _dig(message: object, path: str) -> float | list[float]:
     whole, first, _ = path.partition("[0]")
-    for name in whole.split("."):
-        message = cast("dict[str, object]", message)[name] if isinstance(message, dict) else getattr(message, name)
+    value = _found(message, whole)
     if first:
-        numbers = cast("list[float]", message)
+        numbers = cast("list[float]", value)
         return float(numbers[0]) if len(numbers) else 0.0
-    if path.endswith("covariance"):
-        return [float(x) for x in cast("list[float]", message)]
-    return float(cast("float", message))
+    if hasattr(value, "__len__") and not isinstance(value, str | bytes):
+        return [float(x) for x in cast("list[float]", value)]
+    return float(cast("float", value))

@@ -8,9 +8,11 @@ from collections.abc import Sequence
 
 from imuwb.log import MEAN_SEA_LEVEL
 from imuwb.notes import Note
-from imuwb.ros import OURS
+from imuwb.ros import OURS, TRUTH
 from imuwb.texts import names_text
 
+#: names of metadata that are not named: those that imuwb reads, and the copy of metadata.yaml in each file of rosbag2
+READ = (OURS, TRUTH, "rosbag2")
 NAMED = 6  #: entries of metadata that are named
 
 
@@ -63,9 +65,10 @@ def attachment_text(name: str, media_type: str, size: int) -> str:
     return f"attachment {name} ({', '.join(filter(None, (media_type, f'{size} bytes')))})"
 
 
-def extras_note(extras: Sequence[str]) -> Note:
-    """Return the note on attachments and metadata; imuwb reads neither."""
-    return Note("unused", f"not used: {names_text(extras)} (no measurements)")
+def extras_notes(extras: Sequence[str]) -> list[Note]:
+    """Return the note on attachments and metadata, which imuwb does not read; no note without any."""
+    names = list(dict.fromkeys(extras))
+    return [Note("unused", f"not used: {names_text(names)} (no measurements)")] if names else []
 
 
 def above_sea_level(record: tuple[str, dict[str, str]]) -> set[str]:

@@ -13,14 +13,13 @@ from imuwb.notes import Note
 from imuwb.readers.bytes import source
 from imuwb.readers.bytes.source import Source
 from imuwb.readers.bytes.unpack import LARGEST
-from imuwb.readers.containers import shapes
 from imuwb.readers.containers.decoders import CannotDecodeError, decoder_of
-from imuwb.readers.containers.mcap_extras import above_sea_level, attachment_text, extras_note, metadata
+from imuwb.readers.containers.mcap_extras import READ, above_sea_level, attachment_text, extras_notes, metadata
 from imuwb.readers.containers.mcap_records import HEADER, MESSAGE, PREFIX, unpacked_chunk, unpacked_front
 from imuwb.readers.containers.messages import Channel, Messages, Schema
 from imuwb.readers.containers.ros_definitions import Definitions
-from imuwb.readers.containers.topics import UNIX, origin_of
-from imuwb.readers.containers.unused_topics import NO_QUANTITY, Unused, unused_topics
+from imuwb.readers.containers.topic import UNIX, origin_of, recognise
+from imuwb.readers.containers.unused_topics import Unused, unused_topics
 from imuwb.ros import OURS, TRUTH
 from imuwb.summary import LogSummary, StreamSummary
 from imuwb.units import SECOND
@@ -48,7 +47,7 @@ def describe(path: Source) -> LogSummary | None:
             records = [metadata_at(file, index) for index in summary.metadata_indexes if index.name in (OURS, TRUTH)]
             above = set[str]().union(*map(above_sea_level, records))
             truth = next((entries for name, entries in records if name == TRUTH), {})
-            extras = [f"metadata {index.name}" for index in summary.metadata_indexes if index.name not in (OURS, TRUTH)]
+            extras = [f"metadata {index.name}" for index in summary.metadata_indexes if index.name not in READ]
             extras += [attachment_text(a.name, a.media_type, a.data_size) for a in summary.attachment_indexes]
             unused: list[Unused] = []
             streams = tuple(_streams(file, summary, above, unused))
@@ -57,7 +56,7 @@ def describe(path: Source) -> LogSummary | None:
         except Exception:  # noqa: BLE001 - a damaged index may raise anything in the library
             return None  # the reader of the messages reports the damage, and uses the whole messages
     text = "from the file's index: the times are when messages were recorded; --scan also finds gaps and repairs"
-    notes = [Note("from_index", text), *([extras_note(extras)] if extras else [])]
+    notes = [Note("from_index", text), *extras_notes(extras)]
     notes += [Note("unused", remark.text) for remark in unused_topics(unused)]
     return LogSummary(str(path), "mcap", "", streams, tuple(notes), truth)
 
@@ -87,11 +86,11 @@ def _streams(file: BinaryIO, summary: Summary, above: set[str], unused: list[Unu
             continue
         start, end = min(c.message_start_time for c in chunks), max(c.message_end_time for c in chunks)
         rate = (count - 1) / (end - start) * SECOND if end > start else None
-        recipes = shapes.recognise(fields, name, channel.topic)
-        if not recipes:
-            unused.append(Unused(channel.topic, name, count, NO_QUANTITY))
+        recipes, why = recognise(fields, name, channel.topic)
+        if why:
+            unused.append(Unused(channel.topic, name, count, why))
         for recipe in (r for r in recipes if r.kind not in ("pose", "orientation")):  # no streams of the summary
-            origin = origin_of(recipe.kind, None, above_sea=channel.topic in above, schema=name)
+            origin = origin_of(recipe, None, above_sea=channel.topic in above, schema=name)
             epoch = "unix" if start > UNIX else "log"
             yield StreamSummary(
                 channel.topic, recipe.kind, count, rate, start, end, epoch, (), (), origin.units, origin.frame

@@ -18,7 +18,7 @@ from imuwb.readers.batch import Batch, CannotSeekError, Limits, Remark, simulate
 from imuwb.readers.bytes.ahead import ahead
 from imuwb.readers.bytes.source import Source, opened
 from imuwb.readers.bytes.unpack import LARGEST
-from imuwb.readers.containers.mcap_extras import above_sea_level, attachment_text, extras_note
+from imuwb.readers.containers.mcap_extras import READ, above_sea_level, attachment_text, extras_notes
 from imuwb.readers.containers.mcap_index import metadata_at
 from imuwb.readers.containers.mcap_records import (
     CHUNK,
@@ -52,6 +52,8 @@ def part(path: Source, options: ReadOptions, limits: Limits) -> Iterator[Batch |
         place: [batch for messages in found for batch in topics.batches(messages)]
         for place, found in recording.messages_of(first)
     }
+    if topics.waiting:
+        raise CannotSeekError
     lags = topics.lags
     start, end = limits(chain.from_iterable(held.values()))
     chosen = sorted({*held, *recording.between(start, end, lags)})
@@ -64,6 +66,7 @@ def part(path: Source, options: ReadOptions, limits: Limits) -> Iterator[Batch |
                 yield from topics.batches(messages)
     if any(not _near(lags.get(topic), lag) for topic, lag in topics.lags.items()):
         raise CannotSeekError
+    yield from topics.rest()
     yield from map(Remark, recording.notes)
     yield from topics.remarks()
     if recording.truth:
@@ -113,10 +116,9 @@ class _Chunks(Recording):
         for name, entries in (metadata_at(file, i) for i in summary.metadata_indexes if i.name in (OURS, TRUTH)):
             self.above_sea |= above_sea_level((name, entries))
             self.truth |= entries if name == TRUTH else {}
-        extras = [f"metadata {index.name}" for index in summary.metadata_indexes if index.name not in (OURS, TRUTH)]
+        extras = [f"metadata {index.name}" for index in summary.metadata_indexes if index.name not in READ]
         extras += [attachment_text(a.name, a.media_type, a.data_size) for a in summary.attachment_indexes]
-        if extras:
-            self.notes.append(extras_note(extras))
+        self.notes += extras_notes(extras)
 
     def first(self) -> list[int]:
         """Return the places of the chunks at the beginning, and of the first chunk of each channel."""

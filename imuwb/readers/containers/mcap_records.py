@@ -23,17 +23,18 @@ from imuwb.readers.bytes.loops import compiled_loop, worth_compiling
 from imuwb.readers.bytes.source import Source, extended
 from imuwb.readers.bytes.unpack import unpack, unpack_front
 from imuwb.readers.containers.mcap_extras import (
+    READ,
     above_sea_level,
     attachment,
     attachment_text,
-    extras_note,
+    extras_notes,
     metadata,
     metadata_text,
     text,
 )
 from imuwb.readers.containers.messages import Channel, Messages, Piece, RecordFile, Schema
 from imuwb.ros import MCAP_MAGIC as MAGIC
-from imuwb.ros import OURS, TRUTH
+from imuwb.ros import TRUTH
 
 FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, ATTACHMENT, METADATA, DATA_END = 0x02, 0x03, 0x04, 0x05, 0x06, 0x09, 0x0C, 0x0F
 PREFIX = 9  #: bytes of a record before its content: opcode u8, length u64
@@ -136,8 +137,7 @@ class Recording(RecordFile[Records]):
     def messages(self) -> Iterator[Messages]:
         """Yield the messages of each chunk, or, in a file without chunks, of each block."""
         yield from super().messages()
-        if self.extras:
-            self.notes.append(extras_note(self.extras))
+        self.notes += extras_notes(self.extras)
         if self.damaged:
             text = f"{self.damaged} messages with an impossible recorded time left out"
             self.notes.append(Note("impossible_time", text))
@@ -218,7 +218,7 @@ class Recording(RecordFile[Records]):
                 self.above_sea |= above_sea_level(record)
                 if record[0] == TRUTH:
                     self.truth |= record[1]
-                elif record[0] != OURS:
+                elif record[0] not in READ:
                     self.extras.append(metadata_text(record))
             elif opcode == ATTACHMENT:
                 self.extras.append(attachment_text(*attachment(content)))

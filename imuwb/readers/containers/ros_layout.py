@@ -33,6 +33,7 @@ _KNOWN = {
 #: encapsulation -> byte order and largest alignment: CDR, big and little endian, and plain XCDR2
 _ENCAPSULATIONS = {0: (">", 8), 1: ("<", 8), 6: (">", 4), 7: ("<", 4)}
 _FIELD = re.compile(r"^([\w/]+)(<=\d+)?(\[(<=)?(\d*)\])?\s+(\w+)\s*(.*)$")
+_BODIES = {"cdr": 4, "ros1": 0}  #: bytes before a message's fields
 LARGEST_ARRAY = 64  #: messages in an array; larger arrays have no stamp, rate or position that imuwb reads
 DEEPEST = 16  #: levels of nested messages
 DIGITS = 6  #: digits of the length of a fixed array; a number with more digits is damage
@@ -219,26 +220,43 @@ def surplus(steps: Plan, wire: Wire, message: bytes, *, whole: bool) -> int | No
         message: its bytes.
         whole: whether the plan reaches the message's end; otherwise the message may be longer.
     """
-    order, align, body = "<", 1, 0
+    places = list(_walked(steps, wire, message))
+    if len(places) < len(steps):
+        return None
+    rest = len(message) - (places[-1][1] if places else _BODIES[wire])
+    return rest if 0 <= rest <= (PADDING if whole else len(message)) else None
+
+
+def text(steps: Plan, wire: Wire, message: bytes, path: str) -> bytes:
+    """Return a string in a message; empty if the message has none."""
+    for step, end, count in _walked(steps, wire, message):
+        if step.path == path and isinstance(step, Jump):
+            return message[end - count : end] if end <= len(message) else b""
+    return b""
+
+
+def _walked(steps: Plan, wire: Wire, message: bytes) -> Iterator[tuple[LayoutField | Jump, int, int]]:
+    """Yield each step of a plan that begins within a message, with the offset of its end, and its number of elements."""
+    little, align, body = True, 1, _BODIES[wire]
     if wire == "cdr":
         code = int.from_bytes(message[:2], "big")
-        if len(message) < 4 or code not in _ENCAPSULATIONS:  # noqa: PLR2004 - the encapsulation header of CDR
-            return None
-        (order, align), body = _ENCAPSULATIONS[code], 4
+        if len(message) < body or code not in _ENCAPSULATIONS:
+            return
+        order, align = _ENCAPSULATIONS[code]
+        little = order == "<"
     size, at = len(message) - body, 0
     for step in steps:
         if isinstance(step, LayoutField):
-            width = int(step.kind[1])
-            at = _aligned(at, min(width, align)) + width * max(step.count, 1)
-            continue
-        at = _aligned(at, min(4, align))
-        count = int.from_bytes(message[body + at : body + at + 4], "little" if order == "<" else "big")
-        at += 4
-        if count:
-            at = _aligned(at, min(step.align, align)) + count * step.size
+            width, count = int(step.kind[1]), max(step.count, 1)
+            at = _aligned(at, min(width, align)) + width * count
+        else:
+            at = _aligned(at, min(4, align)) + 4
+            count = int.from_bytes(message[body + at - 4 : body + at], "little" if little else "big")
+            if count:
+                at = _aligned(at, min(step.align, align)) + count * step.size
         if at > size:
-            return None
-    return size - at if 0 <= size - at <= (PADDING if whole else size) else None
+            return
+        yield step, body + at, count
 
 
 def _aligned(at: int, size: int) -> int:

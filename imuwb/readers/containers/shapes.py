@@ -1,11 +1,10 @@
 """Recognises the quantities of a message by the names of its fields, in any encoding.
 
 ``sensor_msgs/Imu``, a private protobuf and a JSON object all have ``angular_velocity.x``; if another message contains
-one of these, the name has a prefix. A recipe states which fields make which column.
+one of these, the name has a prefix. A shape states which fields make which column; ``known_shapes`` lists the shapes.
 """
 
-import re
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,111 +15,166 @@ from imuwb.arrays import Floats, Integers
 from imuwb.geodesy import swapped_axes
 from imuwb.log import SECOND, Kind
 from imuwb.readers.batch import Batch
-from imuwb.ros import ABSENT, UNKNOWN
+from imuwb.readers.containers.message_columns import Quantity, path_of
 
-Values = Mapping[str, Floats]
-
-STAMPS = (
-    ("header.stamp.sec", "header.stamp.nanosec"),
-    ("header.stamp.secs", "header.stamp.nsecs"),
-    ("stamp.sec", "stamp.nanosec"),
-    ("timestamp.sec", "timestamp.nsec"),
-    ("timestamp.sec", "timestamp.nanosec"),
-    ("timestamp.seconds", "timestamp.nanos"),
-)
-NEAR_ONE = 0.05  #: a quaternion whose length differs from one by more is no attitude
 LATEST = 9.2e9  #: s; later nanoseconds do not fit into int64
+MICROSECOND = 1000  #: ns
+NO_OFFSET = 2**31 - 1  #: of a sample of PX4 that has no time
+FIRST_NUMBER = -1  #: length of an array of which only the first number is used
+
+
+@dataclass(frozen=True, slots=True)
+class Stamp:
+    """The fields of a message's own time."""
+
+    fields: tuple[str, ...]
+    units: tuple[int, ...]  #: ns of each; the time is the sum
+    instead: bool = False  #: whether the second field counts where the first is 0, and is not added to it
+    around: bool = False  #: whether it may be in a message that contains the measurement
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """Which fields make a stream."""
+
+    kind: Kind
+    key: str  #: a field that it needs; what comes before it in a path is the prefix
+    quantities: tuple[Quantity, ...]
+    units: str = ""  #: of the messages
+    frame: str = ""  #: of the messages
+    body: str = "FLU"  #: body axes of an IMU unless the user states others
+    stamps: tuple[Stamp, ...] = ()  #: beside those of a header
+    allowed: Callable[[str, str], bool] = lambda _schema, _topic: True  #: what schema and topic must be
+    part: str = ""  #: end of the stream's name where a message has several of a kind
+    refused: str = ""  #: why messages of this shape are not used
+
+    @property
+    def heights(self) -> tuple[str, ...]:
+        """The fields of heights, of which a message need have none."""
+        return next((quantity.optional for quantity in self.quantities if quantity.column == "position"), ())
 
 
 @dataclass(frozen=True, slots=True)
 class Recipe:
     """How the messages of one channel become a stream."""
 
-    kind: Kind
+    shape: Shape
     prefix: str  #: path of the measurement in the message; empty for the whole message
-    stamp: tuple[str, str] | None  #: paths of seconds and nanoseconds
+    stamp: Stamp | None
+    quantities: tuple[Quantity, ...]  #: those whose fields the messages have
     paths: tuple[str, ...]  #: paths of all fields that are needed
-    columns: Callable[[Values, str, str], dict[str, Floats]]  #: (values, prefix, frame) -> columns
+
+    @property
+    def kind(self) -> Kind:
+        """The kind of the stream."""
+        return self.shape.kind
+
+    @property
+    def lacks_height(self) -> bool:
+        """Whether the messages have positions without a height."""
+        heights = self.shape.heights
+        return bool(heights) and not any(self.prefix + name in self.paths for name in heights)
+
+    def columns(self, values: Mapping[str, Floats], frame: str | None) -> dict[str, Floats]:
+        """Return the columns of the stream.
+
+        Args:
+            values: {path: numbers}.
+            frame: body axes that the user states.
+        """
+        begin, body = len(self.prefix), frame or self.shape.body
+        own = {path[begin:]: numbers for path, numbers in values.items() if path.startswith(self.prefix)}
+        made = {quantity.column: quantity.convert(own, body) for quantity in self.quantities}
+        return {column: numbers for column, numbers in made.items() if numbers is not None}
 
 
-def recognise(paths: Collection[str], schema: str, topic: str) -> tuple[Recipe, ...]:
-    """Return the recipes for a topic's messages with these fields: none, one or several."""
-    known = set(paths)
+_SECONDS = (
+    ("header.stamp.sec", "header.stamp.nanosec"), ("header.stamp.secs", "header.stamp.nsecs"),
+    ("stamp.sec", "stamp.nanosec"), ("timestamp.sec", "timestamp.nsec"), ("timestamp.sec", "timestamp.nanosec"),
+    ("timestamp.seconds", "timestamp.nanos"),
+)  # fmt: skip
+#: stamps of a header, or of a message
+HEADERS = tuple(Stamp(fields, (SECOND, 1), around=True) for fields in _SECONDS)
+
+
+def recognised(
+    known: Mapping[str, int], schema: str, topic: str, shapes: tuple[tuple[Shape, ...], ...]
+) -> tuple[Recipe, ...]:
+    """Return the recipes for a topic's messages: none, one or several.
+
+    Args:
+        known: {path of a field: length of its array, 0 for a number}.
+        schema: name of the messages' type.
+        topic: their topic.
+        shapes: groups of shapes; where a group has a shape of a prefix, or uses a key, later groups are not asked for it.
+    """
     recipes: list[Recipe] = []
-    for path in paths:
-        for key, kind, required, optional, columns in _SHAPES:
-            if not path.endswith(key) or (path != key and not path.endswith(f".{key}")):
-                continue
-            prefix = path[: -len(key)]
-            if not all(prefix + name in known for name in required):
-                continue
-            if kind in _SCHEMAS and not _SCHEMAS[kind](schema, topic):
-                continue
-            stamp = _stamp(known, prefix)
-            names = (*required, *(name for name in optional if prefix + name.removesuffix("[0]") in known))
-            used = (*(stamp or ()), *(prefix + name for name in names))
-            recipes.append(Recipe(kind, prefix, stamp, used, columns))
+    for group in shapes:
+        found: list[Recipe] = []
+        taken = {recipe.prefix for recipe in recipes}
+        used = {path for recipe in recipes for path in (*recipe.paths, recipe.prefix + path_of(recipe.shape.key))}
+        for path in known:
+            for shape in group:
+                key = path_of(shape.key)
+                if path not in used and (path == key or path.endswith(f".{key}")):
+                    recipe = _recipe(shape, path[: -len(key)], known)
+                    if recipe is not None and recipe.prefix not in taken and shape.allowed(schema, topic):
+                        found.append(recipe)
+        recipes += found
     return tuple(recipes)
 
 
-def stamps(values: Mapping[str, NDArray[Any]], recipe: Recipe) -> Integers | None:
-    """Return the messages' own times (ns), 0 for a time that is not set or impossible; None for messages without a stamp."""
-    if recipe.stamp is None:
+def _recipe(shape: Shape, prefix: str, known: Mapping[str, int]) -> Recipe | None:
+    def has(fields: tuple[str, ...]) -> bool:
+        return all(_has(known, prefix, field) for field in fields)
+
+    if not _has(known, prefix, shape.key) or not all(has(q.fields) for q in shape.quantities if q.needed):
         return None
-    seconds, nanoseconds = (values[path] for path in recipe.stamp)
-    possible = (np.abs(seconds) < LATEST) & (nanoseconds >= 0) & (nanoseconds < SECOND)
-    whole, rest = (np.where(possible, part, 0).astype(np.int64) for part in (seconds, nanoseconds))
-    return whole * SECOND + rest
+    quantities = tuple(quantity for quantity in shape.quantities if has(quantity.fields))
+    stamp = _stamp(shape, known, prefix)
+    names = [field for q in quantities for field in (*q.fields, *(o for o in q.optional if _has(known, prefix, o)))]
+    paths = (*(stamp.fields if stamp is not None else ()), *(prefix + path_of(name) for name in names))
+    return Recipe(shape, prefix, stamp, quantities, tuple(dict.fromkeys(paths)))
 
 
-def _stamp(known: set[str], prefix: str) -> tuple[str, str] | None:
+def _has(known: Mapping[str, int], prefix: str, field: str) -> bool:
+    """Return whether the messages have a field: a number, or an array of the length that it needs."""
+    bare = field.removeprefix("-")
+    name, _, rest = bare.partition("[")
+    length = known.get(prefix + name)
+    wanted = int(rest.rstrip("]")) if rest else 0
+    return length is not None and (length > 0 if bare.endswith("[0]") else length == wanted)
+
+
+def _stamp(shape: Shape, known: Mapping[str, int], prefix: str) -> Stamp | None:
     """Return the stamp nearest to the measurement: in the same message, or in one that contains it."""
     parts = prefix.split(".")
     for depth in range(len(parts), 0, -1):
         around = ".".join(parts[: depth - 1]) + ("." if depth > 1 else "")
-        for seconds, nanoseconds in STAMPS:
-            if around + seconds in known and around + nanoseconds in known:
-                return around + seconds, around + nanoseconds
+        for stamp in (*(shape.stamps if around == prefix else ()), *HEADERS):
+            if all(known.get(around + field) == 0 for field in stamp.fields):
+                return replace(stamp, fields=tuple(around + field for field in stamp.fields))
     return None
 
 
-def _triad(values: Values, names: list[str], frame: str) -> Floats:
-    """Return three columns as one (n, 3) array, FRD; the array is filled by columns, ten times faster than by rows."""
-    triad = np.empty((values[names[0]].size, 3))
-    for axis, name in enumerate(names):
-        if axis and frame == "FLU":
-            np.negative(values[name], out=triad[:, axis])
-        else:
-            triad[:, axis] = values[name]
-    return triad
-
-
-def _imu(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
-    columns: dict[str, Floats] = {}
-    for column, field in (("angular_rate", "angular_velocity"), ("specific_force", "linear_acceleration")):
-        covariance = values.get(f"{prefix}{field}_covariance[0]")
-        if covariance is not None and (covariance == ABSENT).all():
-            continue  # the message lacks this measurement
-        columns[column] = _triad(values, [f"{prefix}{field}.{axis}" for axis in "xyz"], frame)
-    return columns
-
-
-def _orientation(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
-    """Return the quaternions, nan where the message states none, and their sigmas."""
-    quaternion = np.stack([values[f"{prefix}orientation.{part}"] for part in "wxyz"], axis=1)
-    quaternion[(~(np.abs(quaternion) < 1 + NEAR_ONE)).any(axis=1)] = (
-        np.nan
-    )  # damaged numbers may be too large to be squared
-    length = np.linalg.norm(quaternion, axis=1, keepdims=True)
-    covariance = values.get(f"{prefix}orientation_covariance")
-    whole = covariance is not None and covariance.shape[1:] == (9,)
-    stated = np.abs(length - 1) < NEAR_ONE
-    if covariance is not None and whole:
-        stated &= covariance[:, :1] != ABSENT
-    quaternion /= np.where(stated, length, np.nan)
-    # An IMU whose axes are stated as FRD is taken to state its attitude relative to NED as well.
-    columns = {"quaternion": swapped_axes(quaternion) if frame == "FLU" else quaternion}
-    return columns | (_sigmas("sigma", covariance, 3) if whole else {})
+def stamps(values: Mapping[str, NDArray[Any]], recipe: Recipe) -> Integers | None:
+    """Return the messages' own times (ns), 0 for a time that is not set or impossible; None for messages without a stamp."""
+    stamp = recipe.stamp
+    if stamp is None:
+        return None
+    parts = [values[field] for field in stamp.fields]
+    if stamp.instead:
+        parts = [np.where(parts[0] == 0, parts[1], parts[0])]
+    if stamp.units == (SECOND, 1):
+        possible = (np.abs(parts[0]) < LATEST) & (parts[1] >= 0) & (parts[1] < SECOND)
+    else:
+        possible = np.abs(parts[0]) < LATEST * SECOND / stamp.units[0]
+        for offset in parts[1:]:
+            possible &= offset != NO_OFFSET
+    whole = [
+        np.where(possible, part, 0).astype(np.int64) * unit for part, unit in zip(parts, stamp.units, strict=False)
+    ]
+    return whole[0] if len(whole) == 1 else whole[0] + whole[1]
 
 
 def stated_orientation(batch: Batch) -> Iterator[Batch]:
@@ -132,108 +186,3 @@ def stated_orientation(batch: Batch) -> Iterator[Batch]:
         return
     columns = {name: values[known] for name, values in batch.columns.items()}
     yield replace(batch, time=batch.time[known], columns=columns)
-
-
-def _gnss(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
-    latitude = values[f"{prefix}latitude"]
-    height = values.get(f"{prefix}altitude", np.zeros_like(latitude))
-    columns = {"position": np.stack([np.radians(latitude), np.radians(values[f"{prefix}longitude"]), height], axis=1)}
-    columns |= _sigmas("position_sigma", values.get(f"{prefix}position_covariance"), 3)
-    track, speed, climb = (values.get(f"{prefix}{name}") for name in _COURSE)
-    if track is not None and speed is not None:  # gps_common/GPSFix; the track is in degrees from north
-        course = np.radians(track)
-        down = np.full_like(speed, np.nan) if climb is None else -climb
-        columns["velocity"] = np.stack([speed * np.cos(course), speed * np.sin(course), down], axis=1)
-    status = values.get(f"{prefix}status.status")
-    # -1 none, 0 fix, 1 with satellite, 2 with ground augmentation
-    if status is not None and (status != UNKNOWN).any():
-        columns["fix_type"] = np.select([status < 0, status > 0], [1.0, 4.0], 3.0)
-    return columns
-
-
-def _pose(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
-    position, quaternion = (
-        np.stack([values[prefix + name] for name in names], axis=1) for names in (_POSE[:3], _POSE[3:])
-    )
-    length = np.linalg.norm(quaternion, axis=1, keepdims=True)
-    columns = {"position": position, "quaternion": quaternion / np.where(length > 0, length, np.nan)}
-    covariance = values.get(f"{prefix}covariance")
-    if covariance is not None and covariance.ndim > 1 and covariance.shape[1] == 36:  # noqa: PLR2004 - 6 x 6
-        square = covariance[:, [0, 7, 14]]
-        columns["position_sigma"] = np.sqrt(np.where(square > 0, square, np.nan))
-    return columns
-
-
-def _velocity(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
-    east, north, up = (values[f"{prefix}twist.linear.{axis}"] for axis in "xyz")
-    sigmas = _sigmas("velocity_sigma", values.get(f"{prefix}covariance"), 6)
-    return {"velocity": np.stack([north, east, -up], axis=1), **sigmas}
-
-
-def _sigmas(name: str, covariance: Floats | None, size: int) -> dict[str, Floats]:
-    """Return the sigmas of a message's covariances, east-north-up, (n, size x size); nothing for another shape."""
-    if covariance is None or covariance.shape[1:] != (size * size,):
-        return {}
-    square = covariance[:, np.array([1, 0, 2]) * (size + 1)]  # of north, east and down
-    return {
-        name: np.sqrt(np.where(square > 0, square, np.nan))
-    }  # unknown (0) or absent (-1) variances are not positive
-
-
-def _single(column: str, field: str) -> Callable[[Values, str, str], dict[str, Floats]]:
-    """Return the recipe of one number that is the same in all frames."""
-    return lambda values, prefix, frame: {column: values[prefix + field]}
-
-
-def _reference(values: Values, prefix: str, frame: str) -> dict[str, Floats]:
-    columns = {
-        name: values[prefix + field]
-        for name, field in zip(("position", "velocity", "attitude"), REFERENCE, strict=True)
-    }
-    sigmas = {name: values[prefix + name] for name in REFERENCE_SIGMAS if prefix + name in values}
-    known = {name: column for name, column in sigmas.items() if np.isfinite(column).any()}
-    return {name: column for name, column in columns.items() if np.isfinite(column).all()} | known
-
-
-_POSE = (
-    *(f"pose.position.{axis}" for axis in "xyz"), *(f"pose.orientation.{part}" for part in "wxyz"),
-)  # fmt: skip
-_COURSE = ("track", "speed", "climb")
-_LINEAR = ("twist.linear.x", "twist.linear.y", "twist.linear.z")
-REFERENCE = ("latitude_longitude_height", "velocity_north_east_down", "roll_pitch_heading")
-REFERENCE_SIGMAS = ("position_sigma", "velocity_sigma", "attitude_sigma")
-_TRIADS = tuple(f"{field}.{axis}" for field in ("angular_velocity", "linear_acceleration") for axis in "xyz")
-_COVARIANCES = ("angular_velocity_covariance[0]", "linear_acceleration_covariance[0]")
-_ORIENTATION = ("angular_velocity.x", *(f"orientation.{part}" for part in "xyzw"))
-_RECEIVER = re.compile(r"(?:^|[/_.])(?:gps|gnss|fix|navsat|ublox)")
-
-
-def _is_receiver(topic: str) -> bool:
-    return _RECEIVER.search(topic.lower()) is not None and "speed" not in topic.lower()
-
-
-def _is_twist(schema: str) -> bool:
-    return schema.endswith(("TwistStamped", "TwistWithCovarianceStamped"))
-
-
-#: kind -> test of schema and topic, for kinds that the fields do not decide: many messages have a temperature or a linear.x, and
-#: a twist may be a receiver's velocity or a vehicle's speed
-_SCHEMAS: dict[Kind, Callable[[str, str], bool]] = {
-    "temperature": lambda schema, _: schema.endswith("Temperature"),
-    "pose": lambda schema, _: schema.endswith(("Odometry", "PoseStamped", "PoseWithCovarianceStamped")),
-    "fix": lambda schema, _: schema.endswith("FixType"),
-    "velocity": lambda schema, topic: _is_twist(schema) and _is_receiver(topic),
-    "speed": lambda schema, topic: schema.endswith("Odometry") or (_is_twist(schema) and not _is_receiver(topic)),
-}
-#: (key, kind, required fields, optional fields, recipe)
-_SHAPES: tuple[tuple[str, Kind, tuple[str, ...], tuple[str, ...], Callable[..., dict[str, Floats]]], ...] = (
-    ("angular_velocity.x", "imu", _TRIADS, _COVARIANCES, _imu),
-    ("angular_velocity.x", "orientation", _ORIENTATION, ("orientation_covariance",), _orientation),
-    ("latitude", "gnss", ("latitude", "longitude"), ("altitude", "position_covariance", "status.status", *_COURSE), _gnss),
-    ("temperature", "temperature", ("temperature",), (), _single("temperature", "temperature")),
-    ("twist.linear.x", "velocity", _LINEAR, ("covariance",), _velocity),
-    ("twist.linear.x", "speed", _LINEAR, (), _single("speed", "twist.linear.x")),
-    ("fix_type", "fix", ("fix_type",), (), _single("fix_type", "fix_type")),
-    ("pose.position.x", "pose", _POSE, ("covariance",), _pose),
-    ("latitude_longitude_height", "reference", REFERENCE, REFERENCE_SIGMAS, _reference),
-)  # fmt: skip

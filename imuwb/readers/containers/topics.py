@@ -1,42 +1,25 @@
 """From the messages of a container's channels to batches of streams, by the names of the messages' fields."""
 
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-from imuwb.arrays import Floats, Integers
+from imuwb.arrays import Integers
 from imuwb.errors import UnreadableLogError
-from imuwb.log import BY_FILTER, MEAN_SEA_LEVEL, Effect, Kind, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark, simulated
 from imuwb.readers.bytes.gather import alike
 from imuwb.readers.bytes.source import Source
-from imuwb.readers.containers import shapes
-from imuwb.readers.containers.decoders import CannotDecodeError, Decoder, Piece, decoder_of
-from imuwb.readers.containers.messages import Channel, Container, Messages, Schema
+from imuwb.readers.containers.messages import Container, Messages
 from imuwb.readers.containers.ros_definitions import Definitions
-from imuwb.readers.containers.shapes import Recipe
-from imuwb.readers.containers.unused_topics import NO_QUANTITY, Unused, unused_topics
+from imuwb.readers.containers.topic import UNIX, Decoding, Topic
+from imuwb.readers.containers.unused_topics import unused_topics
 from imuwb.readers.read_options import ReadOptions
+from imuwb.texts import names_text, seconds_text
+from imuwb.units import SECOND
 
-SAMPLED = 16  #: messages of a buffer that are examined for an orientation
-PATIENCE = 100  #: number of messages; a channel without a known field in these is not examined again
-UNIX = 10**17  #: ns; a later stamp (after March 1973) counts from 1970
-ESTIMATE = "/FilterEstimate"  #: end of the name of imuwb's message for an estimate of the vehicle's own filter
-NO_HEIGHT = Note("no_height", "fixes without a height: 0 is used")
-NO_STAMP = Note("no_stamp", "messages without a stamp of their own: the recorder's time is used")
-NO_FIT = Note("no_fit", "messages that do not fit their definition left out")
-#: effects of the repairs that leave no message out
-_EFFECTS: dict[Note, Effect] = {NO_HEIGHT: "value", NO_STAMP: "time"}
-#: kind -> units and frame of the messages; an IMU's frame is that of REP 145, unless the user states another
-_STORED: dict[Kind, tuple[str, str]] = {
-    "imu": ("rad/s, m/s²", "FLU (REP 145)"), "gnss": ("deg, m", "ENU"), "velocity": ("m/s", "ENU"), "speed": ("m/s", "forward"),
-    "reference": ("rad, m, m/s", "NED"), "temperature": ("°C", ""), "fix": ("", ""),
-    "pose": ("m", "of its own"), "orientation": ("", "FLU relative to ENU (REP 103)"),
-}  # fmt: skip
+APART = 10 * SECOND  #: ns; stamps that differ from the times of recording by more are of another clock
 
 
 def streamed(path: Source, container: Container, options: ReadOptions) -> Iterator[Batch | Remark]:
@@ -51,28 +34,11 @@ def streamed(path: Source, container: Container, options: ReadOptions) -> Iterat
     if not topics.count:
         why = "; ".join(container.notes) or "the recording is empty"
         raise UnreadableLogError(f"{path}: no message can be read: {why}")
+    yield from topics.rest()
     yield from map(Remark, container.notes)
     yield from topics.remarks()
     if container.truth:
         yield simulated(container.truth)
-
-
-def origin_of(kind: Kind, frame: str | None, *, above_sea: bool, unix: bool = False, schema: str = "") -> Origin:
-    """Return units, frame and clock of a kind of messages.
-
-    Args:
-        kind: kind of the stream.
-        frame: frame of an IMU, as the user states it, or None.
-        above_sea: whether heights are above mean sea level.
-        unix: whether times count from 1970.
-        schema: name of the messages' definition.
-    """
-    units, stored = _STORED[kind]
-    units += f" ({MEAN_SEA_LEVEL})" if above_sea and kind in ("gnss", "reference") else ""
-    stored = f"{frame} (stated)" if kind == "imu" and frame else stored
-    if kind == "reference" and schema.endswith(ESTIMATE):
-        stored += f", {BY_FILTER}"
-    return Origin(units, stored, "unix" if unix else "log")
 
 
 class Topics:
@@ -83,12 +49,14 @@ class Topics:
         self.count = 0  #: messages so far
         self._container, self._options = container, options
         self._definitions = Definitions(options.messages)
-        self._topics: dict[tuple[str, ...], _Topic] = {}
+        self._topics: dict[tuple[str, ...], Topic] = {}
         self._undeclared = Counter[int]()
+        self._bytes_read = 0
 
     def batches(self, messages: Messages) -> Iterator[Batch]:
         """Yield the streams of the messages in one buffer."""
         self.count += messages.start.size
+        self._bytes_read = messages.bytes_read
         rows_of: dict[tuple[str, ...], list[Integers]] = defaultdict(list)
         for number, rows in alike(messages.channel, np.arange(messages.start.size)):
             channel = self._container.channels.get(number)
@@ -101,11 +69,20 @@ class Topics:
             rows_of[key].append(rows)
             if key not in self._topics:
                 above_sea = channel.topic in self._container.above_sea
-                decoding = (channel, schema, self._definitions)
-                self._topics[key] = _Topic(decoding, self._options, above_sea=above_sea)
+                self._topics[key] = Topic(Decoding(channel, schema, self._definitions, above_sea), self._options)
         for key, parts in rows_of.items():
             rows = parts[0] if len(parts) == 1 else np.sort(np.concatenate(parts))
             yield from self._topics[key].batches(messages, rows)
+
+    @property
+    def waiting(self) -> bool:
+        """Whether a topic has streams that are known only when all messages are read."""
+        return any(topic.sentences is not None for topic in self._topics.values())
+
+    def rest(self) -> Iterator[Batch | Remark]:
+        """Yield the streams that are known only when all messages are read."""
+        for topic in self._topics.values():
+            yield from topic.rest(self._bytes_read)
 
     @property
     def lags(self) -> dict[str, tuple[int, int]]:
@@ -118,124 +95,21 @@ class Topics:
             yield Remark(Note("undeclared", f"{lost} messages of channel {number}, which is not declared, left out"))
         for topic in self._topics.values():
             yield from topic.remarks()
+        yield from map(Remark, self._other_clocks())
         yield from unused_topics(topic.unused() for topic in self._topics.values() if topic.why)
 
-
-class _Topic:
-    """One topic: its decoder, its recipes, and its faults so far."""
-
-    def __init__(
-        self, decoding: tuple[Channel, Schema | None, Definitions], options: ReadOptions, *, above_sea: bool
-    ) -> None:
-        channel, schema, _ = decoding
-        self.above_sea = above_sea
-        self.name = channel.topic
-        self.schema = schema.name if schema else ""
-        self.options = options
-        self.recipes: tuple[Recipe, ...] = ()
-        self.decoder: Decoder | None = None
-        self.why = NO_QUANTITY  #: why the topic is not used; empty if it is
-        self.messages = 0
-        self.faults: Counter[Note] = Counter()
-        self.lag: tuple[int, int] | None = None  #: as in ``Topics.lags``
-        try:
-            self.decoder = decoder_of(*decoding)
-        except CannotDecodeError as error:
-            self.why = str(error)
-
-    def batches(self, messages: Messages, rows: Integers) -> Iterator[Batch]:
-        if self.decoder is not None and not self.recipes and self.messages < PATIENCE:
-            self._recognise(self.decoder, messages, rows)
-        self.messages += rows.size
-        if self.decoder is None:
-            return
-        for recipe in self.recipes:
-            if recipe.kind == "orientation" and not self._oriented(recipe, messages, rows):
-                continue
-            faults = self.faults if recipe.kind != "orientation" else Counter[Note]()  # they are those of the IMU
-            pieces = list(self.decoder.decode(messages, rows, recipe.paths))
-            lost = rows.size - sum(decoded.size for _, decoded in pieces)
-            if lost:
-                faults[NO_FIT] += lost
-            if pieces:
-                values, decoded = _in_order(pieces) if len(pieces) > 1 else pieces[0]
-                batch = self._batch(recipe, values, messages, decoded, faults)
-                yield from (batch,) if recipe.kind != "orientation" else shapes.stated_orientation(batch)
-
-    def _recognise(self, decoder: Decoder, messages: Messages, rows: Integers) -> None:
-        try:
-            self.recipes = shapes.recognise(decoder.fields(messages, rows), self.schema, self.name)
-        except CannotDecodeError as error:
-            self.decoder, self.why = None, str(error)
-        if self.recipes:
-            self.why = ""
-
-    def unused(self) -> Unused:
-        return Unused(self.name, self.schema, self.messages, self.why)
-
-    def remarks(self) -> Iterator[Remark]:
-        for fault, count in self.faults.items():
-            yield Remark(fault, self.name, count, _EFFECTS.get(fault, "lost"))
-
-    def _oriented(self, recipe: Recipe, messages: Messages, rows: Integers) -> bool:
-        """Return whether some of the messages state an orientation: most IMUs have none, and their fields need not be decoded."""
-        some = rows[:: max(1, rows.size // SAMPLED)]
-        pieces = self.decoder.decode(messages, some, recipe.paths) if self.decoder is not None else ()
-        return any(bool(np.isfinite(self._columns(recipe, values)["quaternion"]).any()) for values, _ in pieces)
-
-    def _columns(self, recipe: Recipe, values: Mapping[str, NDArray[Any]]) -> dict[str, Floats]:
-        numbers = {path: np.asarray(array, dtype=np.float64) for path, array in values.items()}
-        return recipe.columns(numbers, recipe.prefix, self.options.frame or "FLU")
-
-    def _batch(
-        self,
-        recipe: Recipe,
-        values: Mapping[str, NDArray[Any]],
-        messages: Messages,
-        rows: Integers,
-        faults: Counter[Note],
-    ) -> Batch:
-        columns = self._columns(recipe, values)
-        if recipe.kind == "gnss" and f"{recipe.prefix}altitude" not in values:
-            faults[NO_HEIGHT] += rows.size
-        time = self._time(recipe, values, messages, rows, faults)
-        self._note_lag(time - messages.log_time[rows])
-        alone = sum(other.kind == recipe.kind for other in self.recipes) == 1
-        name = self.name if alone else f"{self.name}.{recipe.prefix.rstrip('.')}"
-        unix = bool(time.size) and time[0] > UNIX
-        origin = origin_of(recipe.kind, self.options.frame, above_sea=self.above_sea, unix=unix, schema=self.schema)
-        return Batch(name, recipe.kind, time, columns, origin, messages.bytes_read)
-
-    def _note_lag(self, lag: Integers) -> None:
-        if lag.size:
-            least, largest = self.lag or (lag[0], lag[0])
-            self.lag = min(int(least), int(lag.min())), max(int(largest), int(lag.max()))
-
-    def _time(
-        self,
-        recipe: Recipe,
-        values: Mapping[str, NDArray[Any]],
-        messages: Messages,
-        rows: Integers,
-        faults: Counter[Note],
-    ) -> Integers:
-        """Return the times that the options ask for; a message without a stamp has the recorder's time."""
-        if self.options.time_source == "publish":
-            return messages.publish_time[rows]
-        recorded = messages.log_time[rows]
-        if self.options.time_source == "log":
-            return recorded
-        stamps = shapes.stamps(values, recipe)
-        unset = np.ones(rows.size, dtype=bool) if stamps is None else stamps == 0
-        if stamps is not None and stamps.max() < UNIX:
-            unset[:] = not stamps.any()  # the clock of a simulation may begin at 0
-        if unset.any():
-            faults[NO_STAMP] += int(unset.sum())
-        return recorded if stamps is None else np.where(unset, recorded, stamps)
-
-
-def _in_order(pieces: Sequence[Piece]) -> Piece:
-    """Return pieces as one, in the file's order, which is the order of time; the pieces come layout by layout."""
-    rows = np.concatenate([piece_rows for _, piece_rows in pieces])
-    order = np.argsort(rows, kind="stable")
-    return {path: np.concatenate([values[path] for values, _ in pieces])[order] for path in pieces[0][0]}, rows[order]
+    def _other_clocks(self) -> Iterator[Note]:
+        """Yield a note for the topics whose stamps are far from the times of recording, in groups of equal distances."""
+        groups: dict[int, list[str]] = defaultdict(list)
+        for name, (least, largest) in self.lags.items():
+            if min(abs(least), abs(largest)) > APART and (least > 0) == (largest > 0):
+                groups[round((least + largest) / 2 / APART)].append(name)
+        for distance, names in groups.items():
+            lag = distance * (APART // SECOND)
+            where = "after" if lag > 0 else "before"
+            boot = ", as they count from power-up or another start" if -lag * SECOND > UNIX else ""
+            yield Note(
+                "other_clock",
+                f"{names_text(names)}: stamps are {seconds_text(abs(lag))} {where} the times of recording{boot}; "
+                "--time-source log uses the times of recording",
+            )

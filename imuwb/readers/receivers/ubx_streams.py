@@ -154,12 +154,12 @@ def _columns(kind: int, rows: Values) -> Columns:
         columns |= {
             "velocity": rows["velocity"] * 1e-3,
             "velocity_sigma": np.repeat(rows["speed_sigma"][:, None] * 1e-3, 3, axis=1),
-            "fix_type": _fix_types(rows["fix"], rows["flags"], rows["flags"] >> CARRIER & 3),
+            "fix_type": fix_types(rows["fix"], rows["flags"], rows["flags"] >> CARRIER & 3),
         }
     return columns
 
 
-def _fix_types(fix: Integers, flags: Integers, carrier: Integers) -> Floats:
+def fix_types(fix: Integers, flags: Integers, carrier: Integers) -> Floats:
     """Return MAVLink's fix types; a fix outside the receiver's limits is none."""
     types = FIXES[np.minimum(fix, FIXES.size - 1)]
     positioned = (types >= 2) & ((flags & FIX_OK) > 0)  # noqa: PLR2004 - 2: a position
@@ -197,7 +197,7 @@ def _covariance(rows: Values) -> Columns:
 
 
 def _status(rows: Values) -> Columns:
-    return {"fix_type": _fix_types(rows["fix"], rows["flags"], np.zeros(rows["fix"].size, np.int64))}
+    return {"fix_type": fix_types(rows["fix"], rows["flags"], np.zeros(rows["fix"].size, np.int64))}
 
 
 def _joined(columns: Columns, epochs: Integers, theirs: Integers, more: Columns) -> None:

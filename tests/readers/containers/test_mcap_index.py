@@ -52,7 +52,7 @@ def test_the_index_names_what_is_not_used(tmp_path, ros):
         ):
             schema = writer.register_schema(kind, "ros2msg", text.encode())
             channel = writer.register_channel(topic, "cdr", schema)
-            writer.add_message(channel, 10**18, ros.imu(10**18, (0, 0, 0), (0, 0, 9.8)), 10**18)
+            writer.add_message(channel, 10**18, ros.imu(10**18, (0.1, 0, 0), (0, 0, 9.8)), 10**18)
         writer.add_attachment(0, 0, "calibration.yaml", "text/yaml", bytes(100))
         writer.add_metadata("theirs", {"driver": "1.2"})
         writer.finish()

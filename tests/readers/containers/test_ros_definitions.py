@@ -170,7 +170,7 @@ def test_the_form_of_a_message_that_fits_its_size_is_used(ros, form, padding):
     messages = Messages(payload, zero, zero, zero, zero, zero + payload.size, 0)
     schema = Schema("px4_msgs/msg/SensorGps", "none", b"")
     decoder = decoder_of(Channel("/gps", "cdr", 1), schema, Definitions())
-    assert decoder.fields(messages, zero) == [name for _, name in lines]
+    assert list(decoder.fields(messages, zero)) == [name for _, name in lines]
 
 
 @pytest.mark.parametrize(
