@@ -80,7 +80,7 @@ def _binary_tables(path: Path, notes: list[str]) -> Tables:
 
 
 def _text_tables(path: Path, notes: list[str]) -> TextTables:
-    tables, rest, fault = TextTables(WANTED), b"", source.packed_fault(path)
+    tables, rest, fault = TextTables(WANTED - {"ISBD"}), b"", source.packed_fault(path)
     with source.open_unpacked(path) as file:
         for piece in source.pieces(file, notes):
             *lines, rest = (rest + piece).split(b"\n")
@@ -251,6 +251,8 @@ class _Streams:
         self.used |= {stream.partition(".")[0], *(ACCURACIES if accuracy is not None else ())}
         unknown = np.full(columns["Lat"].size, np.nan)
         fields = {name: columns.get(name, unknown).astype(float) for name in ("Spd", "GCrs", "VZ", "Status")}
+        if "VZ" in columns and accuracy is not None and "VV" in accuracy:  # whether there is a vertical velocity
+            fields["VZ"] = np.where(np.isnan(self._accuracies(columns, accuracy, "VV")), np.nan, fields["VZ"])
         sigmas = {name: self._accuracies(columns, accuracy, name) for name in ("HAcc", "VAcc", "SAcc")}
         known = {
             "position": trajectory.positions(columns["Lat"], columns["Lng"], columns["Alt"]),

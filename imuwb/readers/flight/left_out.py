@@ -14,6 +14,7 @@ PLACES = (
     "places and attitudes of missions, cameras, other vehicles and commands, or of a filter that is not the main one"
 )
 RAW_GNSS = "messages or states of a receiver, without fixes"
+BLENDED = "blended from receivers that are read themselves"
 TRUTH = "the truth of a simulator, in a form that is not read"
 
 #: fields of DataFlash records -> why the records that have them all are not used
@@ -24,7 +25,7 @@ _DATAFLASH = (
 )  # fmt: skip
 #: DataFlash records with a meaning that their fields do not show
 _DATAFLASH_NAMES = {
-    "SIM": TRUTH, "SIM2": TRUTH, "SIMS": TRUTH, "GRAW": RAW_GNSS, "GRXH": RAW_GNSS, "GRXS": RAW_GNSS, "UBX1": RAW_GNSS,
+    "GPSB": BLENDED, "GPAB": BLENDED, "SIM": TRUTH, "SIM2": TRUTH, "SIMS": TRUTH, "GRAW": RAW_GNSS, "GRXH": RAW_GNSS, "GRXS": RAW_GNSS, "UBX1": RAW_GNSS,
     "UBX2": RAW_GNSS, "GPYW": RAW_GNSS, "SBRH": RAW_GNSS, "SBRM": RAW_GNSS, "SBRE": RAW_GNSS, "ISBH": PARTNERS,
     "ISBD": PARTNERS, **dict.fromkeys(("GPS", "GPS2", "GPA", "GPA2", "POS", "ATT"), PARTNERS), "IMT": REPLAY, "IMT2": REPLAY, "IMT3": REPLAY, "XKF1": OTHER_SOLUTION, "NKF1": OTHER_SOLUTION,
 }  # fmt: skip

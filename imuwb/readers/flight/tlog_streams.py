@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
-from imuwb.arrays import Floats, Integers
+from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.errors import UnreadableLogError
 from imuwb.log import MEAN_SEA_LEVEL, Nanoseconds, Origin
 from imuwb.notes import Note
-from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.batch import Batch, Remark, unused
 from imuwb.readers.flight import trajectory
 from imuwb.readers.flight.boot_clock import BootClock, boot_clock
 from imuwb.readers.flight.left_out import mavlink_left_out
@@ -24,6 +24,9 @@ RECEIVERS = (24, 124)
 SCALED, RAW, FLOATS = (26, 116, 129), (27,), (105, 107)
 IMUS = (*SCALED, *RAW, *FLOATS)
 CLOCKS = (SYSTEM_TIME, ATTITUDE, SOLUTION, *SCALED)  #: messages with ms since power-up
+#: bits of ``fields_updated`` that say that a sensor has a new sample. Source: MAVLink, HIGHRES_IMU_UPDATED_FLAGS
+UPDATED = {"angular_rate": 0b111000, "specific_force": 0b000111}
+DOUBTFUL = 2.0  #: factor between |f| and gravity, beyond which the units of RAW_IMU are not mG and mrad/s
 UNKNOWN = 65535  #: speed or course that is not known
 FROZEN = 0.5  #: share of fixes; if more fixes repeat the time of the fix before, this time is frozen
 APART = 60_000_000_000  #: ns; if a fix's own time differs by more from its arrival, its own time is wrong
@@ -135,15 +138,14 @@ class _Streams:
         for sensor in np.unique(instance):
             rows = instance == sensor
             stream = name if not sensor else f"{name}.{sensor}"
-            yield Batch(
-                stream,
-                "imu",
-                time[rows],
-                {k: v[rows] for k, v in columns.items()},
-                origin,
-                self._bytes_read,
-                exact=True,
-            )
+            if number in RAW and (size := _raw_size(columns["specific_force"][rows])) is not None:
+                text = f"its |f| is {size:.3g} times gravity where mG is usual, so its units are those of a sensor"
+                yield unused([f"{stream} ({int(rows.sum())})"], text)
+                continue
+            for parts in _updated(values, rows):
+                kept = {key: columns[key][own] for key, own in parts.items()}
+                stamps = time[next(iter(parts.values()))]
+                yield Batch(stream, "imu", stamps, kept, origin, self._bytes_read, exact=True)
             measured = rows & (temperature != 0)  # 0: no thermometer
             if measured.any():
                 warm = {"temperature": temperature[measured]}
@@ -183,6 +185,25 @@ class _Streams:
         yield from trajectory.located(name, "reference", time, columns, origin, self._bytes_read)
         if trajectory.usable(position).any():
             yield Remark(Note("above_sea", f"{name}: heights are above mean sea level"))
+
+
+def _raw_size(force: Floats) -> float | None:
+    """Return the usual |f| over gravity of a message whose units are not fixed; None if it is about one, or 0."""
+    size = float(np.median(np.linalg.norm(force, axis=1))) / STANDARD_GRAVITY
+    return None if size == 0 or 1 / DOUBTFUL < size < DOUBTFUL else size
+
+
+def _updated(values: Values, rows: Booleans) -> Iterator[dict[str, Booleans]]:
+    """Yield {quantity: rows} for each clock: rows whose flags say that the sensor has a new sample; without flags, all."""
+    flags = values["fields_updated"].astype(np.int64) if "fields_updated" in values else np.zeros(rows.size, np.int64)
+    fresh = {quantity: rows & ((flags & bits) == bits) for quantity, bits in UPDATED.items()}
+    if not (flags[rows] & (UPDATED["angular_rate"] | UPDATED["specific_force"])).any():
+        fresh = dict.fromkeys(UPDATED, rows)  # no flags are set
+    one, other = fresh.values()
+    if np.array_equal(one, other):
+        yield fresh
+    else:
+        yield from ({quantity: own} for quantity, own in fresh.items() if own.any())
 
 
 def _fix_time(

@@ -168,6 +168,9 @@ class _Streams:
             columns["velocity"] = trajectory.interpolated(
                 boot, self._boot(local), trajectory.triples(local, ("vx", "vy", "vz"))
             )
+            if {"evh", "evv"} <= local.keys():
+                sigma = trajectory.sigmas(_positive(local["evh"]), _positive(local["evv"]))
+                columns["velocity_sigma"] = trajectory.interpolated(boot, self._boot(local), sigma)
         attitude = self._topic(ATTITUDE)
         if attitude is not None and "q" in attitude:
             self.used.add(ATTITUDE)

@@ -152,6 +152,16 @@ def test_a_fix_without_an_accuracy_near_has_none(dataflash_of):
     assert gnss.velocity_sigma is None  # an accuracy of 0 is none
 
 
+@pytest.mark.parametrize("available", [0, 1])
+def test_a_vertical_velocity_that_is_not_available_is_unknown(dataflash_of, available):
+    kind = log.Format(133, "GPA", "QBCCCCfBIH", "TimeUS,I,VDop,HAcc,VAcc,SAcc,YAcc,VV,SMS,Delta")
+    formats = [kind if f is log.GPA else f for f in log.ALL]
+    accuracies = [(kind, (log.START + 200_000 * i, 0, 1, 1.5, 2.5, 0.5, 0.0, available, 0, 200)) for i in range(5)]
+    (gnss,) = dataflash_of([*log.declared(*formats), *(log.fix(i) for i in range(5)), *accuracies]).gnss
+    assert np.isfinite(gnss.velocity[:, :2]).all()
+    np.testing.assert_array_equal(gnss.velocity[:, 2], [-0.5 if available else np.nan] * 5)
+
+
 def test_speed_and_course_are_a_velocity(dataflash_of):
     (gnss,) = dataflash_of(
         [*log.declared(), log.fix(0, Spd=2.0, GCrs=30.0, VZ=-0.5), log.fix(1, Spd=1.0, GCrs=270.0)]

@@ -44,6 +44,16 @@ def test_dataflash_records_without_their_partners_are_named(dataflash_of):
         assert named(found, name, count), name
 
 
+def test_high_rate_batches_in_a_text_log_are_named(fresh):
+    """Each list of 32 counts is one cell in some exports and 32 in others; the samples are in the binary log."""
+    rows = log.text([*log.declared(), *(log.imu(i) for i in range(5))])
+    path = fresh("log.log")
+    path.write_bytes(rows + b"ISBD, 5000, 0, 0, [1, 2, 3], [4, 5, 6], [7, 8, 9]\n" * 3)
+    found = read(path)
+    assert named(found, "ISBD", 3)
+    assert not [note for note in found.notes if note.id == "bad_line"]
+
+
 def test_px4_topics_with_motion_are_named_the_others_are_counted(ulog_of):
     any_text = "uint64_t timestamp;float x;"
     row = [{"timestamp": px4.START}]

@@ -77,6 +77,36 @@ def test_instances_are_streams_of_their_own(tlog_of, name):
     assert log.imus[1].angular_rate.value[:, 0] == pytest.approx([scale, 4 * scale, 7 * scale])
 
 
+@pytest.mark.parametrize(
+    ("z", "kept"),
+    [(-1000, True), (-700, True), (-1900, True), (0, True), (-4096, False), (-16384, False), (-98, False)],
+)
+def test_raw_counts_whose_size_is_not_that_of_gravity_are_not_used(tlog_of, z, kept):
+    """RAW_IMU has mG by its definition, but some autopilots send the sensor's counts."""
+    log = tlog_of(
+        *(at(i, "RAW_IMU", zacc=z, xgyro=5) for i in range(9)), *(at(i, "SCALED_IMU2", zacc=-1000) for i in range(9))
+    )
+    assert [imu.name for imu in log.imus] == ["RAW_IMU", "SCALED_IMU2"][not kept :]
+    assert any("RAW_IMU (9)" in note for note in log.notes if note.id == "unused") == (not kept)
+
+
+@pytest.mark.parametrize("name", ["HIGHRES_IMU", "HIL_SENSOR"])
+def test_a_sensor_has_the_rows_that_its_flags_call_new(tlog_of, name):
+    """The accelerometer is new in every second message only; between, its last sample is sent again."""
+    flags = [0b111111, 0b111000]
+    rows = [at(i, name, xgyro=i, xacc=i // 2, zacc=-9.75, fields_updated=flags[i % 2]) for i in range(10)]
+    (imu,) = tlog_of(*rows).imus
+    assert imu.angular_rate.value[:, 0].tolist() == list(range(10))
+    assert imu.specific_force.value[:, 0].tolist() == list(range(5))
+    assert since_start(imu.specific_force) == [0, 2, 4, 6, 8]
+
+
+@pytest.mark.parametrize("flags", [0, 0b1_0000_0000_0000])
+def test_without_flags_of_the_sensors_every_row_counts(tlog_of, flags):
+    (imu,) = tlog_of(*(at(i, "HIGHRES_IMU", zacc=-9.75, fields_updated=flags) for i in range(4))).imus
+    assert (len(imu.angular_rate), len(imu.specific_force)) == (4, 4)
+
+
 def test_two_systems_and_two_components_are_apart(tlog_of):
     parts = [(1, 1), (1, 2), (42, 1)]
     log = tlog_of(*(r for s, c in parts for r in numbered(s + c, system=s, component=c)))

@@ -149,3 +149,10 @@ def test_an_attitude_that_is_no_number_costs_its_own_rows_only(ulog_of):
     angles[4] = (math.nan, 0, 0)
     found = ulog_of(px4.topic("vehicle_local_position", 2, px4.LOCAL, px4.local_rows()), attitude(angles))
     assert len(found.references[0]) >= 17
+
+
+def test_a_local_position_states_the_sigmas_of_its_velocity(ulog_of):
+    text = px4.LOCAL + "float evh;float evv;"
+    rows = px4.local_rows(20, evh=0.25, evv=0.5)
+    (reference,) = ulog_of(px4.topic("vehicle_local_position", 1, text, rows)).references
+    assert reference.velocity_sigma.tolist() == [[0.25, 0.25, 0.5]] * 20
