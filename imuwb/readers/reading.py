@@ -26,9 +26,9 @@ from imuwb.readers.unread import unread_binary, unread_text
 from imuwb.selection import Part
 from imuwb.summary import LogSummary, summarize
 
-#: Readers are asked in the order of their names, with these exceptions: MCAP is first; telemetry and text are last, after the
-#: formats with a magic number. Only the readers that are asked are imported.
-ORDER = {"mcap": -1, "ubx": 1, "nmea": 2, "tlog": 3, "kf_gins": 4, "sbet": 4, "csv": 5}
+#: Readers are asked in the order of their names, with these exceptions: MCAP is first; after the formats with a magic number come
+#: those that are known by checksums and by possible numbers, and text is last. Only the readers that are asked are imported.
+ORDER = {"mcap": -1, "ubx": 1, "nmea": 2, "kf_gins": 3, "sbet": 3, "tlog": 4, "csv": 5}
 TEXT = "csv"  #: format of the reader that takes any text with digits
 OF_ALL = ("rate", "even")  #: options that apply to the logs of every reader
 #: bytes; a part of a larger file has the fingerprint of the file's ends

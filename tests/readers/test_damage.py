@@ -30,6 +30,8 @@ from imuwb.readers import describe, read
 from imuwb.summary import summarize
 from imuwb.writers import write
 
+from . import binary_corpus
+
 pytestmark = pytest.mark.slow
 
 FULL = os.environ.get("IMUWB_FULL_FUZZ", "0") not in ("", "0")
@@ -46,7 +48,7 @@ TELLING = (".mcap", ".db3")  #: logs that know how long they are: rows that are 
 ROWS = 12  #: that fit into a page of a database
 CORPUS = (
     "zstd.mcap", "lz4.mcap", "unchunked.mcap", "json.mcap", "lz4.bag", "plain.bag", "drive.db3", "flight.tlog", "flight.bin",
-    "flight.log", "flight.ulg", "imu.csv", "imu.csv.gz", "fixes.csv", "fixes.pos",
+    "flight.log", "flight.ulg", "imu.csv", "imu.csv.gz", "fixes.csv", "fixes.pos", *binary_corpus.NAMES,
 )  # fmt: skip
 SAMPLES = tuple(sorted(path.name for path in (ROOT / "samples").iterdir()))
 
@@ -62,6 +64,7 @@ def corpus(tmp_path_factory, mcap, ros):
         shutil.copy(path, folder / path.name)
     for make in (_mcaps, _bags, _database, _telemetry, _dataflash, _ulog):
         make(folder, mcap, ros)
+    binary_corpus.write(folder)
     rng, count = np.random.default_rng(1), 300
     time = T + np.arange(count) * 10_000_000
     rate, force = (Triad(time, rng.normal(0, 0.1, (count, 3)) + mean) for mean in ((0, 0, 0), (0, 0, -9.8)))
