@@ -60,7 +60,6 @@ def _tables(folder, rate, force):
     parquet.write_table(table, folder / "log.parquet", row_group_size=50)
     feather.write_feather(table, folder / "log.feather", chunksize=50)
     savemat(folder / "log.mat", {"imu": {"t": TIME, "wb": rate, "fb": force}})
-    np.savez(folder / time_s=TIME, gyro_rad_s=rate, accel_m_s2=force)
     np.save(folder / "log.npy", np.column_stack([TIME, rate / 100, force / 100]))
 
 
