@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, cast
 
 from imuwb import registry
@@ -29,7 +28,7 @@ def compares(analysis: Analysis, request: Request) -> bool:
     return request.part.imu == ALL and not getattr(analysis, "EVERY_IMU", False)
 
 
-def comparison(name: str, analysis: Analysis, paths: Sequence[Path], request: Request) -> Analysis:
+def comparison(name: str, analysis: Analysis, paths: Sequence[object], request: Request) -> Analysis:
     """Return the analysis that compares the IMUs of one log.
 
     Raises:
