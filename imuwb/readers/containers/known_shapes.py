@@ -231,7 +231,7 @@ ROS = (
     Shape("pose", "pose.position.x", (
         vector("position", *xyz("pose.position"), needed=True), rotation(*_POSE), diagonal("position_sigma", "covariance", 6)),
         "m", "of its own", allowed=_of("Odometry", "PoseStamped", "PoseWithCovarianceStamped")),
-    Shape("reference", "latitude_longitude_height", (
+    Shape("reference", "latitude_longitude_height[3]", (
         whole("position", "latitude_longitude_height"), whole("velocity", "velocity_north_east_down"),
         whole("attitude", "roll_pitch_heading"), whole("position_sigma", "position_sigma", needed=False),
         whole("velocity_sigma", "velocity_sigma", needed=False), whole("attitude_sigma", "attitude_sigma", needed=False)),
