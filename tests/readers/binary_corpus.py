@@ -15,7 +15,6 @@ NAMES = (
     "log.parquet",
     "log.feather",
     "log.mat",
-    "log.npz",
     "log.npy",
     "kf.bin",
     "raw.imr",
@@ -43,7 +42,7 @@ def write(folder):
     (folder / "kf.bin").write_bytes(np.column_stack([TIME, rate / 100, force / 100]).astype("<f8").tobytes())
     _imr(folder / "raw.imr", rate, force)
     _sbet(folder / "sbet.out")
-    messages = [novatel.rawimusx(491_674 + i / 125, (1000, -i, 3000), (100, i, -3_290_000)) for i in range(N)]
+    messages = [novatel.rawimusx(491_674 + i / 125, (1000, -i, 3000), (100, i, -329_000_000)) for i in range(N)]
     try:
         import novatel_edie
     except ImportError:

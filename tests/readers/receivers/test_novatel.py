@@ -13,7 +13,7 @@ from imuwb.readers.receivers import novatel
 from tests.readers.receivers import novatel_writer as nv
 
 START, N = 491_674.0, 250
-GYRO, ACCEL = (100_000, -200_000, 300_000), (60_000, 70_000, 3_290_000)  #: counts; x right, y forward, z up
+GYRO, ACCEL = (100_000, -200_000, 300_000), (6_000_000, 7_000_000, 329_000_000)  #: counts; x right, y forward, z up
 STEP = np.radians(0.008 / 65_536), 0.2e-3 / 65_536 * 9.80665  #: of type 41 (Epson G320): rad/s, m/s²
 RATE = np.array([GYRO[1], GYRO[0], -GYRO[2]]) * STEP[0]
 FORCE = np.array([ACCEL[1], ACCEL[0], -ACCEL[2]]) * STEP[1]

@@ -11,7 +11,7 @@ from imuwb.readers import read, reader_of
 
 N = 1000
 RNG = np.random.default_rng(5)
-TIME = 456_300.0 + np.cumsum(np.where(np.arange(N) % 3 == 0, 0.0052, 0.0049))
+TIME = 456_300.0 + np.cumsum(np.where(np.arange(N) % 3 == 0, 0.00505, 0.00497))
 RATE, FORCE = RNG.normal(0, 0.1, (N, 3)), RNG.normal(0, 0.3, (N, 3)) - (0, 0, 9.8)
 
 
