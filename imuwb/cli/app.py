@@ -9,6 +9,7 @@ from typing import Annotated, cast
 import typer
 
 from imuwb.analysis import Analysis, offers
+from imuwb.cli.once import OnceCommand
 from imuwb.cli.options import PANELS
 from imuwb.cli.parameters import expanded
 from imuwb.errors import UsageError
@@ -72,10 +73,13 @@ def _add_core(app: typer.Typer, name: str) -> None:
     module = import_module(f"imuwb.cli.{name}")
     panel, _ = COMMANDS[name]
     if hasattr(module, "app"):
+        for command in module.app.registered_commands:
+            command.cls = OnceCommand
         app.add_typer(module.app, name=name, rich_help_panel=panel)
     else:
         function = getattr(module, name)
-        app.command(name, help=paragraphs(function.__doc__), rich_help_panel=panel)(expanded(function, PANELS))
+        help_text = paragraphs(function.__doc__)
+        app.command(name, cls=OnceCommand, help=help_text, rich_help_panel=panel)(expanded(function, PANELS))
 
 
 def _nothing() -> None:
@@ -128,7 +132,7 @@ def _add_command(app: typer.Typer, name: str, full: str, analysis: Analysis, ori
 
     function = command_function(full, analysis)
     text = paragraphs(analysis.__doc__ or full)
-    app.command(name, help=text, short_help=text.splitlines()[0], rich_help_panel=ANALYSES)(function)
+    app.command(name, cls=OnceCommand, help=text, short_help=text.splitlines()[0], rich_help_panel=ANALYSES)(function)
 
 
 def paragraphs(text: str) -> str:

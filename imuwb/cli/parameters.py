@@ -38,7 +38,7 @@ def _parameter(option: Option, default: Any, hint: Any, panel: str | None) -> in
         if not _is_native(kind):
             if default not in (None, inspect.Parameter.empty):
                 default = text_of(default) or None
-            kind = str | None if default is None else str
+            kind = list[str] if _is_mapping(kind) else str | None if default is None else str
         flag = f"--{option.name.replace('_', '-')}"
         typed = typer.Option(
             f"{flag}/--no-{flag[2:]}" if kind is bool else flag, help=_sentence(option.help), rich_help_panel=panel,
@@ -56,6 +56,11 @@ def _is_native(kind: Any) -> bool:  # noqa: ANN401 - a type
     return kind in NATIVE or typing.get_origin(kind) is Literal
 
 
+def _is_mapping(kind: Any) -> bool:  # noqa: ANN401 - a type
+    """Return whether an option has keys and values: such an option may be given several times."""
+    return typing.get_origin(kind) in (dict, Mapping)
+
+
 def default_of(f: Field[Any]) -> Any:  # noqa: ANN401 - of any type
     """Return the default of a field, or ``inspect.Parameter.empty`` for a field without a default."""
     if f.default is not MISSING:
@@ -70,6 +75,10 @@ def make(kind: Any, values: Mapping[str, Any]) -> Any:  # noqa: ANN401 - the dat
         UsageError: a value that is not allowed; the message names the option as a user writes it.
     """
     options = {option.name: option for option in options_of(kind)}
+    values = {
+        name: (",".join(value) or None) if isinstance(value, list) and _is_mapping(options[name].kind) else value
+        for name, value in values.items()
+    }
     try:
         return kind(**{
             name: read(options[name], value) if isinstance(value, str) and not _is_native(options[name].kind) else value
