@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Literal, TypeVar
 
 from imuwb.errors import MissingDataError
-from imuwb.log import SECOND, GnssStream, Log, Reference, Triad
+from imuwb.log import SECOND, GnssStream, ImuStream, Log, Origin, Reference, Triad
 from imuwb.notes import Note
 from imuwb.units import Epoch
 
@@ -29,6 +29,59 @@ def joined(log: Log, other: Log) -> Log:
         truth={**other.truth, **log.truth},
         notes=(*log.notes, *_notes(log, other)),
     )
+
+
+def with_sensors(log: Log, other: Log) -> Log:
+    """Return a log whose first IMU has also the sensors of another log's first IMU: gyro, accelerometer, temperature.
+
+    Each sensor keeps its own times. A sensor of a file that lies beside the log, and was joined by its name, gives way.
+
+    Raises:
+        MissingDataError: the other log has no IMU, or none of its sensors is missing in the log.
+    """
+    where = other.provenance.path
+    if not other.imus:
+        raise MissingDataError(f"{where}: there is no gyro, accelerometer or temperature of an IMU to join")
+    own, added = log.imus[0] if log.imus else None, other.imus[0]
+    sensors = ("angular_rate", "specific_force", "temperature")
+    given = {name: getattr(added, name) for name in sensors if getattr(added, name) is not None}
+    by_name = any(getattr(note, "id", "") == "partner" for note in log.notes)
+    new = {name: value for name, value in given.items() if own is None or getattr(own, name) is None or by_name}
+    if not new:
+        names = ", ".join(name.replace("_", " ") for name in given)
+        raise MissingDataError(f"{where}: nothing to join: the log {log.provenance.path} has {names} of its own")
+    imu = added if own is None else replace(own, **new, origin=_origin_of_both(own, added))
+    names = ", ".join(name.replace("_", " ") for name in new)
+    left_out = ", ".join(name.replace("_", " ") for name in given if name not in new)
+    text = f"{where} ({other.provenance.hash}): its {names} {'is' if len(new) == 1 else 'are'} joined to {imu.name}"
+    notes = [
+        Note("sensors_joined", text + (f"; its {left_out} is not used, because the log has one" if left_out else ""))
+    ]
+    if own is not None and own.origin.epoch != added.origin.epoch:
+        text = (
+            f"{where}: it has {added.origin.epoch} time, the log {own.origin.epoch} time; the times are used unchanged"
+        )
+        notes.append(Note("clocks_differ", text))
+    elif own is not None and not _both_at_once(own, added):
+        text = f"{where}: none of its times lies within those of {own.name}; check that the two files are of one record"
+        notes.append(Note("no_overlap", text))
+    more = (note for note in other.notes if note not in log.notes)
+    return replace(log, imus=(imu, *log.imus[1:]), notes=(*log.notes, *notes, *more))
+
+
+def _origin_of_both(own: ImuStream, added: ImuStream) -> Origin:
+    """Return the origin of an IMU from two files: the units and repairs of both."""
+    units = ", ".join(dict.fromkeys((*own.origin.units.split(", "), *added.origin.units.split(", "))))
+    more = tuple(repair for repair in added.origin.repairs if repair not in own.origin.repairs)
+    return replace(own.origin, units=units, repairs=(*own.origin.repairs, *more))
+
+
+def _both_at_once(own: ImuStream, added: ImuStream) -> bool:
+    """Return whether two IMUs have sensors that overlap in time."""
+    first, second = (
+        [x for x in (i.angular_rate, i.specific_force, i.temperature) if x is not None and len(x)] for i in (own, added)
+    )
+    return any(a.time[0] <= b.time[-1] and b.time[0] <= a.time[-1] for a in first for b in second)
 
 
 def shifted(other: Log, shift: int | Literal["start"], log: Log) -> Log:

@@ -20,6 +20,12 @@ def info(
     log: Annotated[str, LOG_ARGUMENT],
     reading: ReadOptions,
     *,
+    join: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--join", metavar="LOG", help="File with the gyro, the accelerometer or the temperature that the log lacks."
+        ),
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON on stdout.")] = False,
     scan: Annotated[
         bool,
@@ -29,7 +35,7 @@ def info(
     ] = False,
 ) -> None:
     """Show the streams of a log: rates, gaps, clocks, units, frames and repairs."""
-    from imuwb.cli.reading import read_log  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.cli.reading import joined_sensors, read_log  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.terminal import shower  # noqa: PLC0415
     from imuwb.readers.bytes import source  # noqa: PLC0415
     from imuwb.readers.reading import indexed  # noqa: PLC0415
@@ -41,8 +47,10 @@ def info(
         if not local or not place.is_dir():
             source.check(place)
         small = source.size(place) <= (LARGE if local else LARGE_REMOTE)
-        stated = None if scan or small else indexed(place)
+        stated = None if scan or small or join else indexed(place)
         whole = read_log(place, reading) if stated is None else None
+    if whole is not None and join:
+        whole = joined_sensors(whole, reading, join)
     summary = stated or summarize(cast("Log", whole))
     if json:
         from imuwb.review.document import json_text  # noqa: PLC0415 - only here

@@ -60,6 +60,12 @@ class Part:
         "start: both begin at the same time.",
         Form("SECONDS|start"),
     ] = None
+    join: Annotated[
+        list[str],
+        "File with the gyro, the accelerometer or the temperature that the log lacks, such as the other file of a phone. Repeat the "
+        "option for several files.",
+        Form("LOG"),
+    ] = field(default_factory=list[str])
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """Reads the log of a command, and cuts it to the part that the user wants."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from decimal import Decimal, InvalidOperation
 from typing import Literal
@@ -17,12 +18,14 @@ LARGEST_SHIFT = 4e9  #: s
 
 
 def read_log(place: Place | RemoteLog, reading: ReadOptions, part: Part | None = None) -> Log:
-    """Return a log, or a part of it, joined with the log of the GNSS receiver if there is one."""
+    """Return a log, or a part of it, joined with the other files that the user names."""
     if part is None:
         return _read(place, reading)
     shift = None if part.gnss_shift is None else _shift(part.gnss_shift)
     wanted = selection.Part(None if part.imu == selection.ALL else part.imu, part.start, part.end)
-    if shift is None or (part.gnss is not None and shift != "start"):
+    if part.join:  # the part is cut when all sensors are there
+        log = joined_sensors(_read(place, reading), reading, part.join)
+    elif shift is None or (part.gnss is not None and shift != "start"):
         log = _read(place, reading, wanted)
         wanted = replace(wanted, imu=None)  # the IMU is chosen; a receiver's log is cut below
     else:  # the shift depends on the whole log
@@ -33,6 +36,13 @@ def read_log(place: Place | RemoteLog, reading: ReadOptions, part: Part | None =
     elif shift is not None:
         log = joining.shifted(log, shift, log)
     return selection.select(log, wanted.imu, wanted.start, wanted.end)
+
+
+def joined_sensors(log: Log, reading: ReadOptions, files: Sequence[str]) -> Log:
+    """Return a log with the sensors of other files, which are read with the same options apart from the names of columns."""
+    for file in files:
+        log = joining.with_sensors(log, _read(place_of(file), replace(reading, columns=())))
+    return log
 
 
 def _shift(text: str) -> int | Literal["start"]:

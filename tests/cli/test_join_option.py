@@ -1,0 +1,83 @@
+"""``--join``: the other sensors of an IMU from files of their own; options that are given twice."""
+
+import numpy as np
+import pytest
+
+from imuwb import read
+
+ROWS = 3000
+RNG = np.random.default_rng(9)
+RATES = RNG.normal(0, 0.5, (ROWS, 3))  # deg/s
+FORCES = RNG.normal((0, 0, -1), 0.002, (ROWS, 3))  # g
+
+
+def table(path, sensor, values, late=0.0, unit=""):
+    end = f" [{unit}]" if unit else ""
+    lines = [",".join(["time_s", *(f"{sensor}_{a}{end}" for a in "xyz")])]
+    lines += [f"{0.01 * i + late:.4f}," + ",".join(f"{x:.6f}" for x in row) for i, row in enumerate(values)]
+    path.write_text("\n".join([*lines, ""]), "utf-8")
+    return path
+
+
+@pytest.fixture
+def files(tmp_path):
+    rates, forces = table(tmp_path / "first.csv", "gyro", RATES), table(tmp_path / "second.csv", "accel", FORCES, 0.004)
+    warm = tmp_path / "third.csv"
+    warm.write_text("time_s,temperature_c\n" + "".join(f"{i},{20 + i / 10}\n" for i in range(30)), "utf-8")
+    return rates, forces, warm
+
+
+UNITS = ("--units", "gyro=deg/s,accel=g")
+
+
+def test_sensors_of_other_files_are_joined(imuwb, files, tmp_path):
+    rates, forces, warm = files
+    done = imuwb("convert", rates, "--join", forces, *UNITS, "-o", "both.mcap")
+    assert done.code == 0, done.err
+    (imu,) = read(tmp_path / "both.mcap").imus
+    np.testing.assert_allclose(imu.angular_rate.value, np.radians(np.round(RATES, 6)), rtol=1e-9)
+    np.testing.assert_allclose(imu.specific_force.value, np.round(FORCES, 6) * 9.80665, rtol=1e-9)
+    assert imu.specific_force.time[0] - imu.angular_rate.time[0] == 4_000_000
+    assert warm.exists()
+
+
+def test_info_joins_too(imuwb, files):
+    rates, forces, _ = files
+    done = imuwb("info", rates, "--join", forces, *UNITS)
+    assert done.code == 0, done.err
+    assert "imu (gyro)" in done.out
+    assert "imu (accelerometer)" in done.out
+    assert "deg/s, g" in done.out
+
+
+def test_a_sensor_that_the_log_has_is_not_joined(imuwb, files):
+    rates, _, _ = files
+    done = imuwb("info", rates, "--join", rates, *UNITS)
+    assert done.code == 3
+    assert "nothing to join" in done.err
+
+
+def test_a_file_that_is_not_there_is_named(imuwb, files):
+    done = imuwb("info", files[0], "--join", "gone.csv", *UNITS)
+    assert done.code == 4
+    assert "gone.csv" in done.err
+
+
+def test_units_may_be_given_in_several_options(imuwb, files):
+    rates, forces, _ = files
+    done = imuwb("info", rates, "--join", forces, "--units", "gyro=deg/s", "--units", "accel=g")
+    assert done.code == 0, done.err
+    assert "deg/s, g" in done.out
+
+
+@pytest.mark.parametrize(
+    "twice",
+    [
+        ("--units", "gyro=deg/s", "--units", "gyro=rad/s"), ("--rate", "100", "--rate", "200"), ("--frame", "FRD", "--frame", "FLU"),
+        ("--columns", "a,b", "--columns", "c,d"),
+    ],
+)  # fmt: skip
+def test_an_option_that_takes_one_value_is_given_once(imuwb, files, twice):
+    done = imuwb("info", files[0], *twice)
+    assert done.code == 2
+    assert twice[0] in done.err
