@@ -342,9 +342,14 @@ class Log:
         Raises:
             MissingDataError: the log has no IMU; the message lists its other streams.
         """
-        if self.imus:
-            return self.imus[0]
-        others = ", ".join(stream.name for stream in (*self.gnss, *self.references)) or "no stream that imuwb reads"
+        for imu in self.imus:
+            if imu.angular_rate is not None or imu.specific_force is not None:
+                return imu
+        temperatures = [imu.temperature for imu in self.imus if imu.temperature is not None]
+        others = (
+            ", ".join(stream.name for stream in (*temperatures, *self.gnss, *self.references))
+            or "no stream that imuwb reads"
+        )
         raise MissingDataError(f"{self.provenance.path}: the log has no IMU, which the analysis needs; it has {others}")
 
     def streams(self) -> tuple[ImuStream | GnssStream | Scalars | Reference, ...]:

@@ -32,13 +32,20 @@ UNITS = ("--units", "gyro=deg/s,accel=g")
 
 def test_sensors_of_other_files_are_joined(imuwb, files, tmp_path):
     rates, forces, warm = files
-    done = imuwb("convert", rates, "--join", forces, *UNITS, "-o", "both.mcap")
+    done = imuwb("convert", rates, "--join", forces, "--join", warm, *UNITS, "-o", "both.mcap")
     assert done.code == 0, done.err
     (imu,) = read(tmp_path / "both.mcap").imus
     np.testing.assert_allclose(imu.angular_rate.value, np.radians(np.round(RATES, 6)), rtol=1e-9)
     np.testing.assert_allclose(imu.specific_force.value, np.round(FORCES, 6) * 9.80665, rtol=1e-9)
     assert imu.specific_force.time[0] - imu.angular_rate.time[0] == 4_000_000
-    assert warm.exists()
+    np.testing.assert_allclose(imu.temperature.value, 20 + np.arange(30) / 10, rtol=1e-9)
+
+
+@pytest.mark.parametrize("command", ["allan", "temperature"])
+def test_a_temperature_alone_is_no_imu(imuwb, files, command):
+    done = imuwb(command, files[2])
+    assert done.code == 3
+    assert "no IMU" in done.err
 
 
 def test_info_joins_too(imuwb, files):

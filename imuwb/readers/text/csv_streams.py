@@ -35,9 +35,10 @@ def streams_of(values: Mapping[Column, Floats], frame: str) -> Iterator[Stream]:
     }
     if imu:
         yield "imu", imu, None
-        temperature = si.get(("temperature", 0))
-        if temperature is not None and np.isfinite(temperature).any():
-            yield "imu", {"temperature": temperature}, np.isfinite(temperature)
+    # A file of a temperature alone is that of an IMU in another file.
+    temperature = si.get(("temperature", 0)) if imu or not {("latitude", 0), ("speed", 0)} & si.keys() else None
+    if temperature is not None and np.isfinite(temperature).any():
+        yield "imu", {"temperature": temperature}, np.isfinite(temperature)
     if ("latitude", 0) in si and ("longitude", 0) in si:
         yield _position_stream(si, np.isfinite(si["latitude", 0]) if imu else None)
     if ("speed", 0) in si:
