@@ -12,7 +12,7 @@ from imuwb.arrays import Booleans, Integers
 from imuwb.log import Nanoseconds
 from imuwb.readers.gps_time import GPS_EPOCH, WEEK, leap_seconds
 from imuwb.readers.receivers.ubx_log import UbxLog, Values
-from imuwb.readers.receivers.ubx_messages import PVT, RAW_SIGNALS, TIME_GPS, TIME_UTC
+from imuwb.readers.receivers.ubx_messages import PVT, RAW_SIGNALS, SOLUTION, TIME_GPS, TIME_UTC
 from imuwb.units import SECOND, UNIX_EPOCH
 
 MILLI = SECOND // 1000
@@ -20,6 +20,7 @@ WEEK_MS = WEEK * 1000
 ZERO = int((GPS_EPOCH - UNIX_EPOCH).total_seconds())  #: s from 1970 to 1980
 RESOLVED, DATED = 7, 3  #: flags of UTC: date, time, and leap seconds are known; date and time alone
 WEEKS_KNOWN = 3  #: flags of NAV-TIMEGPS: time of week and week
+WEEKS_SET = 12  #: the same flags of NAV-SOL
 YEARS = (2000, 2100)  #: a date outside is damage, or the receiver does not know it
 FURTHEST = SECOND  #: ns; UTC and time of week of one message differ by less, leap seconds apart
 
@@ -62,10 +63,11 @@ def ubx_clock(log: UbxLog) -> UbxClock | None:
         for flags in (RESOLVED, DATED):
             if rows is not None and (clock := _of_dates(rows, flags)) is not None:
                 return clock
-    rows = log.rows(TIME_GPS)
-    if rows is not None and (known := (rows["valid"] & WEEKS_KNOWN == WEEKS_KNOWN) & (rows["tow"] < WEEK_MS)).any():
-        gps = rows["week"][known].astype(np.int64) * WEEK_MS + rows["tow"][known]
-        return UbxClock(rows["place"][known], gps, rows["rest"][known].astype(np.int64), resolved=True)
+    for kind, name, flags in ((TIME_GPS, "valid", WEEKS_KNOWN), (SOLUTION, "flags", WEEKS_SET)):
+        rows = log.rows(kind)
+        if rows is not None and (known := (rows[name] & flags == flags) & (rows["tow"] < WEEK_MS)).any():
+            gps = rows["week"][known].astype(np.int64) * WEEK_MS + rows["tow"][known]
+            return UbxClock(rows["place"][known], gps, rows["rest"][known].astype(np.int64), resolved=True)
     rows = log.rows(RAW_SIGNALS)
     if rows is None:
         return None

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from imuwb.readers.bytes.gather import Field
 
 PVT, HIGH_PRECISION, COVARIANCE, VELOCITY, POSITION, STATUS = 0x0107, 0x0114, 0x0136, 0x0112, 0x0102, 0x0103
-TIME_GPS, TIME_UTC, RAW_SIGNALS = 0x0120, 0x0121, 0x0215
+SOLUTION, TIME_GPS, TIME_UTC, RAW_SIGNALS = 0x0106, 0x0120, 0x0121, 0x0215
 MEASURED, RAW = 0x1002, 0x1003
 
 
@@ -49,6 +49,7 @@ LAYOUTS = {
     POSITION: _layout(
         "NAV-POSLLH", 28, "tow:u4@0 longitude:i4@4 latitude:i4@8 height:i4@12 horizontal:u4@20 vertical:u4@24"
     ),
+    SOLUTION: _layout("NAV-SOL", 52, "tow:u4@0 rest:i4@4 week:i2@8 fix:u1@10 flags:u1@11"),
     STATUS: _layout("NAV-STATUS", 16, "tow:u4@0 fix:u1@4 flags:u1@5"),
     TIME_GPS: _layout("NAV-TIMEGPS", 16, "tow:u4@0 rest:i4@4 week:i2@8 valid:u1@11"),
     TIME_UTC: _layout("NAV-TIMEUTC", 20, "tow:u4@0 nano:i4@8 " + _DATE.format(12, 14, 15, 16, 17, 18, 19)),
@@ -62,7 +63,7 @@ _CLASSES = {
     0x13: "MGA", 0x21: "LOG", 0x27: "SEC", 0x28: "HNR", 0x29: "NAV2",
 }  # fmt: skip
 _NAMES = {
-    0x0101: "POSECEF", 0x0104: "DOP", 0x0105: "ATT", 0x0106: "SOL", 0x0111: "VELECEF", 0x0113: "HPPOSECEF", 0x0122: "CLOCK",
+    0x0101: "POSECEF", 0x0104: "DOP", 0x0105: "ATT", 0x0111: "VELECEF", 0x0113: "HPPOSECEF", 0x0122: "CLOCK",
     0x0126: "TIMELS", 0x0130: "SVINFO", 0x0132: "SBAS", 0x0134: "ORB", 0x0135: "SAT", 0x0139: "GEOFENCE", 0x013B: "SVIN",
     0x013C: "RELPOSNED", 0x013D: "EELL", 0x0143: "SIG", 0x0160: "AOPSTATUS", 0x0161: "EOE", 0x0210: "RAW", 0x0211: "SFRB",
     0x0213: "SFRBX", 0x0214: "MEASX", 0x0232: "RTCM", 0x0A04: "VER", 0x0A09: "HW", 0x0A38: "RF", 0x0D01: "TP", 0x0D03: "TM2",

@@ -22,6 +22,8 @@ from imuwb.readers.receivers.ubx_messages import (
     POSITION,
     PVT,
     RAW,
+    RAW_SIGNALS,
+    SOLUTION,
     STATUS,
     VELOCITY,
     name_of,
@@ -57,6 +59,10 @@ def streamed(path: Source, options: ReadOptions) -> Iterator[Batch | Remark]:
             yield from sensor_streams(name_of(sensor), rows, clock, options.frame, log.bytes_read)
     yield from _sentences(log, fixes=kind is not None)
     yield from map(Remark, log.faults())
+    if count := log.counts[RAW_SIGNALS]:
+        yield unused(
+            [f"{name_of(RAW_SIGNALS)} ({count})"], "raw signals, from which RTKLIB computes fixes: give its .pos file"
+        )
     if names := log.unused():
         yield unused(names, "UBX messages without a value that imuwb uses")
 
@@ -86,8 +92,16 @@ def _receiver(log: UbxLog, kind: int, clock: UbxClock | None) -> Iterator[Batch 
     rows = {name: values[valid] for name, values in rows.items()}
     epochs, time = _times(rows, clock)
     columns = _columns(kind, rows)
-    for other, joined in ((HIGH_PRECISION, _fine), (VELOCITY, _velocity), (COVARIANCE, _covariance), (STATUS, _status)):
-        more = log.rows(other) if other != kind and not (other in (VELOCITY, STATUS) and kind == PVT) else None
+    for other, joined in (
+        (HIGH_PRECISION, _fine),
+        (VELOCITY, _velocity),
+        (COVARIANCE, _covariance),
+        (SOLUTION, _status),
+        (STATUS, _status),
+    ):
+        more = (
+            log.rows(other) if other != kind and not (other in (VELOCITY, SOLUTION, STATUS) and kind == PVT) else None
+        )
         if more is not None:
             theirs = _times(more, clock)[0] if clock is not None or other == kind else _unwrapped(more["tow"])
             _joined(columns, epochs, theirs, joined(more))

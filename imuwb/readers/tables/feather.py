@@ -8,7 +8,7 @@ from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text.sidecar import names_of
 
 format = "feather"  # noqa: A001 - the contract's name
-uses = ("columns", "units", "frame", "epoch")
+uses = ("time_source", "columns", "units", "frame", "epoch")
 beside = names_of
 MAGIC = b"ARROW1"
 

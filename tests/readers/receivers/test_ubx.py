@@ -74,6 +74,20 @@ def test_old_receivers_state_a_fix_in_several_messages(log_of):
     assert gnss.fix_type.tolist() == [4] * 3
 
 
+def test_the_oldest_receivers_state_week_and_fix_in_one(log_of):
+    when = [ubx.utc(i) for i in range(-66, -60)]
+    log = log_of(*(ubx.solution(t, 3, 0x0D + 2 * (i > 2), rest=40) + ubx.posllh(t) for i, t in enumerate(when)))
+    (gnss,) = log.gnss
+    assert gnss.time.tolist() == [ubx.ns(t) + 40 for t in when]
+    assert gnss.fix_type.tolist() == [3, 3, 3, 4, 4, 4]
+
+
+def test_raw_signals_alone_are_named_with_what_to_do(log_of):
+    log = log_of(*(ubx.frame(0x0215, bytes(48)) for _ in range(4)))
+    assert not log.gnss
+    assert any(note.id == "unused" and "RXM-RAWX (4)" in note and "RTKLIB" in note for note in log.notes)
+
+
 def test_without_a_date_times_count_from_the_week(log_of):
     when = [ubx.utc(i) for i in range(-66, -60)]
     log = log_of(*(ubx.posllh(t) for t in when))

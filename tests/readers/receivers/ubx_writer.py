@@ -107,3 +107,8 @@ def raw(*samples):
 
 def sentence(body):
     return f"${body}*{reduce(xor, body.encode(), 0):02X}\r\n".encode()
+
+
+def solution(when, fix=3, flags=0x0F, rest=0):
+    week = (when + timedelta(seconds=LEAP) - GPS) // timedelta(weeks=1)
+    return frame(0x0106, put(52, (0, "I", tow(when)), (4, "i", rest), (8, "h", week), (10, "BB", fix, flags)))
