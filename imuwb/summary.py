@@ -71,8 +71,13 @@ def _streams(log: Log) -> Iterator[StreamSummary]:
         yield _stream(
             reference.name, "reference", reference.time, origin.epoch, origin.units, origin.frame, origin.repairs
         )
-    for speed in log.speeds:  # a speed states no clock of its own
+    for orientation in log.orientations:
+        origin = orientation.origin
+        yield _stream(orientation.name, "orientation", orientation.time, origin.epoch, "quaternion", origin.frame)
+    for speed in log.speeds:  # a speed and a pose state no clock of their own
         yield _stream(speed.name, "speed", speed.time, epoch, "m/s")
+    for pose in log.poses:
+        yield _stream(pose.name, "pose", pose.time, epoch, "m, quaternion", "its own")
 
 
 def _stream(

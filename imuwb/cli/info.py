@@ -9,10 +9,13 @@ import typer
 from imuwb import registry
 from imuwb.analysis import Table
 from imuwb.cli.options import LOG_ARGUMENT
+from imuwb.errors import MissingDataError
 from imuwb.log import Log
 from imuwb.readers.read_options import ReadOptions
+from imuwb.summary import LogSummary
 
 LARGE = 256 << 20  #: bytes; a larger log is summarized from its index, if it has one
+NAMED = 3  #: faults that the last line names, at most
 LARGE_REMOTE = 16 << 20  #: bytes; likewise of a remote log
 
 
@@ -39,7 +42,8 @@ def info(
     from imuwb.cli.terminal import shower  # noqa: PLC0415
     from imuwb.readers.bytes import source  # noqa: PLC0415
     from imuwb.readers.reading import indexed  # noqa: PLC0415
-    from imuwb.review.tables import streams_table, truth_table  # noqa: PLC0415
+    from imuwb.review.contents import can_be_used, contents_table, usable_table  # noqa: PLC0415
+    from imuwb.review.tables import truth_table  # noqa: PLC0415
     from imuwb.summary import summarize  # noqa: PLC0415
 
     with source.accessed(log) as place:
@@ -56,27 +60,39 @@ def info(
         from imuwb.review.document import json_text  # noqa: PLC0415 - only here
 
         typer.echo(json_text(summary))
-        return
-    show = shower(data=True)
-    show(streams_table(summary))
-    for note in summary.notes:
-        show(note)
-    if summary.truth:
-        show(truth_table(summary))
-    if not summary.streams:
-        show("the log has no stream that imuwb reads")
-    if whole is not None:
-        show_faults(whole, show)
+    else:
+        show = shower(data=True)
+        if summary.streams:
+            show(usable_table(summary, whole))
+            show(contents_table(summary))
+        for note in summary.notes:
+            show(note)
+        if summary.truth:
+            show(truth_table(summary))
+        if whole is not None:
+            show_faults(whole, show)
+    if not can_be_used(summary):
+        raise MissingDataError(f"{summary.path}: {_why(summary)}")
+
+
+def _why(summary: LogSummary) -> str:
+    """Return why nothing in a log can be used."""
+    if summary.streams:
+        kinds = ", ".join(dict.fromkeys(stream.kind for stream in summary.streams))
+        return f"nothing in this file can be used: it has only {kinds}, and neither an IMU, a receiver, a speed nor a trajectory"
+    why = "the notes say what it contains" if summary.notes else "it contains nothing that imuwb reads"
+    return f"nothing in this file can be used; {why}"
 
 
 def show_faults(log: Log, show: Callable[[Table | str], None]) -> None:
-    """State how many faults a log has, and the worst fault."""
+    """State how many faults a log has, and the worst: the faults, or else the first warning."""
     from imuwb.health import check  # noqa: PLC0415 - help must not wait for numpy
 
-    faults = [fault for fault in check(log, samples=False).faults if fault.severity != "note"]
-    if faults:
-        worst = faults[0]
-        count = f" ({worst.count} times)" if worst.count > 1 else ""
+    found = [fault for fault in check(log, samples=False).faults if fault.severity != "note"]
+    if found:
+        grave = [fault for fault in found if fault.severity == "fault"] or found[:1]
+        named = dict.fromkeys(f"{f.stream}: {f.what}" + (f" ({f.count} times)" if f.count > 1 else "") for f in grave)
+        worst = "; ".join(list(named)[:NAMED]) + ("; ..." if len(named) > NAMED else "")
         shows_all = registry.marked(registry.ANALYSES, "SHOWS_FAULTS", value=True)
         command = f"; imuwb {shows_all[0]} shows all" if shows_all else ""
-        show(f"{len(faults)} faults and warnings; the worst: {worst.stream}: {worst.what}{count}{command}")
+        show(f"{len(found)} faults and warnings; the worst: {worst}{command}")

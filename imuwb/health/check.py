@@ -12,7 +12,7 @@ from imuwb.health.clocks import SHORT, clock_faults
 from imuwb.health.fault import LOST, RANK, Fault, repair_faults
 from imuwb.health.lone import lone_samples
 from imuwb.health.motion import Segment
-from imuwb.health.plausibility import implausible
+from imuwb.health.plausibility import felt_gravity, implausible
 from imuwb.health.receivers import receiver_faults
 from imuwb.health.thermometer import thermometer_faults, thermometer_name
 from imuwb.log import ImuStream, Log, Nanoseconds, Repair
@@ -61,7 +61,8 @@ def check(log: Log, *, lines: bool = True, samples: bool = True) -> Health:
     Args:
         log: the log.
         lines: look for periodic lines in still records too.
-        samples: examine the samples of the IMUs too; this takes most of the time. Clocks and receivers are always examined.
+        samples: examine the samples of the IMUs too; this takes most of the time. Clocks, receivers, and the usual size of the
+            specific force are always examined.
     """
     faults: list[Fault] = []
     clocks = list(_clocks(log))
@@ -73,7 +74,9 @@ def check(log: Log, *, lines: bool = True, samples: bool = True) -> Health:
     for imu in log.imus:
         axes = channels(log, imu) if samples else {}
         faults += thermometer_faults(log, imu, axes)
-        if samples:
+        if not samples:
+            faults += felt_gravity(log, imu)
+        else:
             by_imu[imu.name], own = _examined(log, imu, axes, travelled, lines=lines)
             faults += own
     for gnss in log.gnss:

@@ -31,7 +31,7 @@ def implausible(log: Log, imu: ImuStream, segments: Sequence[Segment]) -> Iterat
     """
     longest = max((s for s in segments if not s.moving), key=lambda s: s.length, default=None)
     if longest is None or longest.length < STILL_ENOUGH:
-        yield from _moving_force(log, imu)
+        yield from felt_gravity(log, imu)
         return
     rate = _mean(log, imu.angular_rate, longest)
     if rate is not None and float(np.nanmax(np.abs(rate))) > BIAS:
@@ -53,8 +53,8 @@ def implausible(log: Log, imu: ImuStream, segments: Sequence[Segment]) -> Iterat
                     "fault" if wrong else "warning", 1, longest.start, longest.length, consequence)  # fmt: skip
 
 
-def _moving_force(log: Log, imu: ImuStream) -> Iterator[Fault]:
-    """Yield a fault if the usual specific force of an IMU that never rests is not that of gravity and of its accelerations."""
+def felt_gravity(log: Log, imu: ImuStream) -> Iterator[Fault]:
+    """Yield a fault if the usual specific force of an IMU is not of the size of gravity and of its accelerations."""
     triad = imu.specific_force
     if triad is None or len(triad.axes) < 3 or not len(triad):  # noqa: PLR2004 - the size needs three axes
         return

@@ -16,7 +16,7 @@ HASH_LETTERS = 19  #: number of letters of "sha256:40323baac812..." that are sho
 
 def streams_table(summary: LogSummary) -> Table:
     """Return a table of a log's streams: counts, rates, times, gaps and repairs."""
-    rows = tuple(_row(stream) for stream in summary.streams)
+    rows = tuple(row_of(stream) for stream in summary.streams)
     hash_text = f", {summary.hash[:HASH_LETTERS]}…" if summary.hash else ""
     return Table("Streams", HEADINGS, rows, f"{summary.path} ({summary.format}{hash_text})")
 
@@ -28,11 +28,12 @@ def truth_table(summary: LogSummary) -> Table:
 
 def streams_of_many(summaries: Sequence[LogSummary]) -> Table:
     """Return one table of the streams of many logs."""
-    rows = tuple((summary.path, *_row(stream)) for summary in summaries for stream in summary.streams)
+    rows = tuple((summary.path, *row_of(stream)) for summary in summaries for stream in summary.streams)
     return Table(f"Streams of {len(summaries)} logs", ("log", *HEADINGS), rows, wide=True)
 
 
-def _row(stream: StreamSummary) -> tuple[str, ...]:
+def row_of(stream: StreamSummary) -> tuple[str, ...]:
+    """Return the cells of a stream, under ``HEADINGS``."""
     start = f"{stream.start_ns / SECOND:.3f} s on the {stream.epoch} clock"
     if stream.epoch == "unix":
         start = datetime.fromtimestamp(stream.start_ns / SECOND, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
