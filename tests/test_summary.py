@@ -1,7 +1,20 @@
 import numpy as np
 import pytest
 
-from imuwb.log import SECOND, GnssStream, ImuStream, Log, Origin, Provenance, Reference, Repair, Scalars, Triad
+from imuwb.geodesy.local_track import LocalTrack
+from imuwb.log import (
+    SECOND,
+    GnssStream,
+    ImuStream,
+    Log,
+    Orientation,
+    Origin,
+    Provenance,
+    Reference,
+    Repair,
+    Scalars,
+    Triad,
+)
 from imuwb.readers import describe
 from imuwb.sampling import sampling
 from imuwb.summary import summarize
@@ -145,3 +158,12 @@ def test_describe_returns_the_streams_of_a_file(text_log):
 def test_a_summary_prints_the_lines_of_its_log():
     log = log_of([ImuStream("left", every(0.01, 11), every(0.02, 6, 0.003))], notes=("odd",))
     assert str(summarize(log)) == repr(summarize(log)) == str(log)
+
+
+def test_orientations_and_poses_are_streams():
+    time = every(0.1, 5).time
+    orientation = Orientation("/imu", time, np.tile([1.0, 0, 0, 0], (5, 1)), origin=Origin(frame="ENU", epoch="unix"))
+    pose = LocalTrack("/odom", time, np.zeros((5, 3)))
+    found = summarize(log_of(orientations=(orientation,), poses=(pose,))).streams
+    assert [(s.name, s.kind, s.count) for s in found] == [("/imu", "orientation", 5), ("/odom", "pose", 5)]
+    assert (found[0].frame, found[0].epoch) == ("ENU", "unix")

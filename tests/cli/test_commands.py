@@ -240,5 +240,5 @@ def test_a_moving_record_is_noted_first(imuwb, shared):
     assert done.code == 0
     document = json.loads(done.out)
     assert document["result"]["moving"]
-    assert all(option in document["notes"][0] for option in ("--start 16", "--end 51"))
+    assert all(option in document["notes"][0] for option in ("--start 236", "--end 247"))
     assert "overflow" not in done.err

@@ -1,12 +1,19 @@
 """``imuwb info``: the streams of a log, its faults, and when a log is read as a whole."""
 
 import json
+from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
+from mcap.writer import Writer
 
 from imuwb import health
 from imuwb.cli import info
+from imuwb.log import SECOND, GnssStream, ImuStream, Log, Orientation, Provenance, Triad
+from imuwb.review.contents import can_be_used, contents_table, usable_table
+from imuwb.summary import summarize
+from imuwb.writers import write
 
 
 def test_faults_are_counted_and_the_analysis_of_faults_is_named(imuwb, csv_log, rows):
@@ -41,3 +48,101 @@ def test_a_large_log_is_summarized_from_its_index(imuwb, static_mcap, monkeypatc
 
 def test_logs_up_to_256_mib_are_read():
     assert info.LARGE == 268_435_456
+
+
+HEADER = "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2"
+
+
+def csv_of(path, columns="", change=None):
+    """Write a log of 500 rows; ``change`` may change the cells of each row, or return None to leave it out."""
+    lines = [HEADER + columns]
+    for k in range(500):
+        cells = [f"{0.01 * k:.2f}", *(f"{0.01 * ((7 * k + 3 * i) % 11):.4f}" for i in range(5)), "-9.8"]
+        cells = cells if change is None else change(k, cells)
+        lines += [] if cells is None else [",".join(cells)]
+    path.write_text("\n".join(lines) + "\n", "utf-8")
+    return path
+
+
+def test_what_can_be_used_comes_first_and_the_worst_fault_last(imuwb, tmp_path):
+    path = csv_of(tmp_path / "log.csv", change=lambda k, cells: ["nan", *cells[1:]] if k % 40 == 0 else cells)
+    done = imuwb("info", path)
+    assert done.code == 0
+    assert done.out.splitlines()[0].startswith("Can be used")
+    assert "IMU  │ imu (" in done.out
+    last = done.err.splitlines()[-1]
+    assert "2.6 % of its rows" in last
+    assert "(13 times)" in last
+
+
+def test_all_faults_are_named_up_to_three(imuwb, static_mcap, monkeypatch):
+    found = [SimpleNamespace(severity="fault", count=1, stream="imu", what=f"fault{i}") for i in range(5)]
+    monkeypatch.setattr(health, "check", lambda *_, **__: SimpleNamespace(faults=found))
+    last = imuwb("info", static_mcap).err.splitlines()[-1]
+    assert [f"fault{i}" in last for i in range(5)] == [True, True, True, False, False]
+
+
+@pytest.mark.parametrize("arguments", [(), ("--json",)])
+def test_a_log_of_which_nothing_can_be_used_ends_with_3(imuwb, tmp_path, arguments):
+    with (tmp_path / "talk.mcap").open("wb") as file:
+        bag = Writer(file)
+        bag.start("", "test")
+        schema = bag.register_schema("Talk", "jsonschema", b"{}")
+        channel = bag.register_channel("/talk", "json", schema)
+        bag.add_message(channel, 0, b"{}", 0)
+        bag.finish()
+    done = imuwb("info", tmp_path / "talk.mcap", *arguments)
+    assert done.code == 3
+    assert "/talk" in (json.loads(done.out)["notes"][0] if arguments else done.err)
+    assert "nothing in this file can be used" in done.err.splitlines()[-1]
+
+
+def test_an_acceleration_without_gravity_is_the_last_word(imuwb, tmp_path):
+    path = tmp_path / "log.mcap"
+    write(log_of(force=np.random.default_rng(0).standard_normal((500, 3))), path)
+    assert "gravity is missing" in imuwb("info", path).err.splitlines()[-1]
+
+
+def log_of(force=None, **streams):
+    time = np.arange(500) * (SECOND // 100)
+    rate = Triad(time, np.random.default_rng(1).standard_normal((500, 3)))
+    imus = tuple(
+        ImuStream(f"/imu{k}", rate, Triad(time, rate.value - [0, 0, 9.8] if force is None else force)) for k in range(8)
+    )
+    return Log(Provenance("made", "mcap", "", 0), imus, **streams)
+
+
+@pytest.mark.parametrize(
+    ("velocity", "sigma", "says"),
+    [(None, None, "no velocity, no position sigmas"), (1.0, None, "no position sigmas, no velocity sigmas"),
+     (1.0, 1.0, "position, velocity, position sigmas, velocity sigmas")],
+)  # fmt: skip
+def test_what_a_receiver_does_not_state_is_said(velocity, sigma, says):
+    time = np.arange(50) * SECOND
+    full = [None if x is None else np.full((50, 3), x) for x in (velocity, sigma)]
+    gnss = GnssStream("/fix", time, np.tile([0.8, 0.2, 0.0], (50, 1)), full[0], full[1], full[1])
+    log = log_of(gnss=(gnss,))
+    rows = dict(usable_table(summarize(log), log).rows)
+    assert says in rows["receiver"]
+
+
+def test_many_imus_that_are_alike_share_a_row():
+    table = contents_table(summarize(log_of()))
+    assert len(table.rows) == 1
+    assert all(f"/imu{k}" in table.rows[0][0] for k in range(8))
+    assert "gaps" not in table.headings
+
+
+def test_columns_with_content_stay():
+    log = log_of()
+    keep = np.abs(np.arange(500) - 200) > 20
+    cut = ImuStream("/cut", *(Triad(t.time[keep], t.value[keep]) for t in (log.imus[0].angular_rate,) * 2))
+    table = contents_table(summarize(replace(log, imus=(*log.imus, cut))))
+    assert [row[table.headings.index("gaps")].split(",")[0] for row in table.rows] == ["none", "1"]
+
+
+def test_an_orientation_alone_is_nothing_to_use():
+    time = np.arange(50) * SECOND
+    orientation = Orientation("/imu", time, np.tile([1.0, 0, 0, 0], (50, 1)))
+    assert not can_be_used(summarize(Log(Provenance("made", "mcap", "", 0), orientations=(orientation,))))
+    assert can_be_used(summarize(log_of()))
