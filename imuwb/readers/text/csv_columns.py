@@ -10,7 +10,9 @@ from imuwb.readers.text.column_names import Column, columns
 from imuwb.readers.text.gravity import hint
 from imuwb.readers.text.increments import RATES
 from imuwb.readers.text.layout import Layout
+from imuwb.readers.text.left_out import recognised
 from imuwb.readers.text.shapes.application import Shaped
+from imuwb.readers.text.stamps import stamps_of
 from imuwb.readers.text.trust import is_number
 from imuwb.units import unit
 
@@ -29,7 +31,7 @@ def used_columns(path: Path, layout: Layout, options: ReadOptions, shape: Shaped
         if shape.refused and not any(column.quantity not in ("time", "week") for column in shape.columns):
             names, why = ", ".join(shape.refused), next(iter(shape.refused.values()))
             raise UnreadableLogError(f"{path}: nothing can be used ({shape.shape.name}): {names}: {why}")
-        return tuple(_with_unit(path, column, shape.columns, layout) for column in shape.columns)
+        return _complete(path, shape.columns, layout, options)
     names = options.columns or layout.names
     if not names:
         raise UsageError(
@@ -43,22 +45,42 @@ def used_columns(path: Path, layout: Layout, options: ReadOptions, shape: Shaped
         )
     known = columns(names, units_by_quantity(options.units))
     _refuse_mixed_counts(path, known, layout)
-    return tuple(_with_unit(path, column, known, layout) for column in known)
+    return _complete(path, known, layout, options)
 
 
-def _with_unit(path: Path, column: Column, known: tuple[Column, ...], layout: Layout) -> Column:
-    """Return a column with its unit, stated or usual; that of a time column is found later."""
-    if column.unit is not None or column.quantity == "time":
-        return column
+def _complete(path: Path, known: tuple[Column, ...], layout: Layout, options: ReadOptions) -> tuple[Column, ...]:
+    """Return columns with their units, stated or usual; that of a time column is found later.
+
+    Raises:
+        UsageError: the unit of an IMU's column is unknown; the message says all that is missing.
+    """
+    complete = tuple(map(_with_usual_unit, known))
+    lacking = list(dict.fromkeys(c.quantity for c in complete if c.unit is None and c.quantity != "time"))
+    if not lacking:
+        return complete
+    asked = ", and of ".join(_asked(quantity, complete, layout) for quantity in lacking)
+    untimed = not options.rate and not any(c.quantity == "time" for c in known) and not stamps_of(layout.names, layout)
+    rate = "; there is no time column either: state --rate HZ" if untimed else ""
+    units = ",".join(f"{quantity}=UNIT" for quantity in lacking)
+    raise UsageError(
+        f"{path}: the unit of {asked} is unknown; state {'it' if len(lacking) == 1 else 'them'}: --units {units}{rate}"
+        f"{recognised(options.columns or layout.names, complete)}"
+    )
+
+
+def _with_usual_unit(column: Column) -> Column:
     usual = _USUAL.get(DIMENSIONS[column.quantity])
-    if usual is not None and column.quantity not in RATES:
-        return replace(column, unit=unit(usual))
-    group = [other for other in known if other.quantity == column.quantity]
+    if column.unit is not None or usual is None or column.quantity in ("time", *RATES):
+        return column
+    return replace(column, unit=unit(usual))
+
+
+def _asked(quantity: str, known: tuple[Column, ...], layout: Layout) -> str:
+    """Return the columns whose unit is asked for, and what their numbers show of it."""
+    group = [other for other in known if other.quantity == quantity]
     hints = {"attitude_increment": "rad or deg", "velocity_increment": "m/s"}
     rows = [[row[other.index] for other in group] for row in layout.sample or (layout.first,)]
-    shown = hints.get(column.quantity) or hint(column.quantity, rows)
-    names = ", ".join(other.name for other in group)
-    raise UsageError(f"{path}: the unit of {names} is unknown ({shown}); state it: --units {column.quantity}=UNIT")
+    return f"{', '.join(other.name for other in group)} ({hints.get(quantity) or hint(quantity, rows)})"
 
 
 def _refuse_mixed_counts(path: Path, used: tuple[Column, ...], layout: Layout) -> None:

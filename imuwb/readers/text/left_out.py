@@ -44,13 +44,17 @@ def left_over(used: Collection[Column], fields: Collection[str]) -> Iterator[Rem
 
 def no_stream(names: Sequence[str], used: Collection[Column]) -> Note:
     """Return the note that nothing in a log can be used: what is missing, and what its columns were taken for."""
-    known = {column.index: column for column in used}
     quantities = {column.quantity for column in used}
     missing = "axes of a gyro or an accelerometer, or a latitude and a longitude"
     if "latitude" in quantities or "longitude" in quantities:
         missing = "a longitude" if "latitude" in quantities else "a latitude"
+    text = f"no stream in this file: it lacks {missing}{recognised(names, used)}"
+    return Note("no_stream", f"{text}; name the columns with --columns")
+
+
+def recognised(names: Sequence[str], used: Collection[Column]) -> str:
+    """Return what the columns of a log were taken for, and which were not recognised, as the end of a sentence."""
+    known = {column.index for column in used}
     taken = ", ".join(f"{c.name} ({c.quantity.replace('_', ' ')})" for c in used) or "none that is known"
-    others = ", ".join(n for i, n in enumerate(names) if i not in known and n)
-    text = f"no stream in this file: it lacks {missing}; known columns: {taken}"
-    rest = f"; not recognised: {others}" if others else ""
-    return Note("no_stream", f"{text}{rest}; name the columns with --columns")
+    others = ", ".join(n for i, n in enumerate(names) if i not in known and n and n != "-")
+    return f"; known columns: {taken}" + (f"; not recognised: {others}" if others else "")

@@ -59,6 +59,16 @@ class SentenceRows:
         found = shaped(sentence.shape, Head("", "", (), ()), options)
         self.sentence, self._path, self._options = sentence, path, options
         self._columns = found.columns if not sentence.scale else _scaled(path, sentence, found.columns, device)
+        lacking = list(
+            dict.fromkeys(
+                c.quantity for c in self._columns if c.unit is None and c.quantity in ("gyro", "accel", *RATES)
+            )
+        )
+        if lacking:
+            raise UsageError(
+                f"{path}: {sentence.tags[0]} does not state the unit of {' and '.join(lacking)}; state it: --units "
+                f"{','.join(f'{quantity}=UNIT' for quantity in lacking)}"
+            )
         self._frame = (
             f"{options.frame} (stated)" if options.frame else found.frame and f"{found.frame} ({sentence.shape.name})"
         )

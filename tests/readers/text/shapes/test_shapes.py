@@ -84,6 +84,20 @@ def test_the_solution_of_an_ins(text_log, writer):
     np.testing.assert_allclose(np.degrees(solution.attitude), [[1, -2, 30]] * 30, rtol=0, atol=1e-6)
 
 
+def test_the_reference_of_ppc(text_log):
+    week, tow = gps(FIX_TIME)
+    head = "GPS TOW (s), GPS Week, Latitude (deg), Longitude (deg), Ellipsoid Height (m), ECEF X (m), ECEF Y (m), ECEF Z (m), "
+    head += "Roll (deg), Pitch (deg), Heading (deg), East Velocity (m/s), North Velocity (m/s), Up Velocity (m/s)"
+    attitude = np.tile([1.0, -2.0, 30.0], (30, 1))
+    columns = LATITUDE, LONGITUDE, HEIGHT, np.zeros((30, 3)), attitude, VELOCITY[:, [1, 0]], -VELOCITY[:, 2]
+    log = read(text_log(table(head, decimals(tow), week, *columns), name="reference.csv"))
+    (solution,) = log.references
+    assert solution.time.tolist() == FIX_TIME.tolist()
+    np.testing.assert_allclose(solution.velocity, VELOCITY, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(np.degrees(solution.attitude), attitude, rtol=0, atol=1e-9)
+    assert not solution.origin.above_sea
+
+
 @pytest.mark.parametrize(
     ("header", "name"),
     [

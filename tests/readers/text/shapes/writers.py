@@ -268,6 +268,30 @@ def vectornav():
     return File(text, time=boot, epoch="boot")
 
 
+def vectornav_compensated():
+    boot = BOOT + STEP * np.arange(N)
+    names = ["TimeStartup", *(f"{s}.{a}" for s in ("Accel", "AngularRate") for a in "XYZ")]
+    return File(table(",".join(names), boot, ACCEL, GYRO), time=boot, epoch="boot")
+
+
+def vehicle_imu():
+    """Increments over a step that the file states; the stamps jitter."""
+    boot = BOOT + STEP * np.arange(N)
+    names = ["timestamp", "timestamp_sample", "accel_device_id", "gyro_device_id"]
+    names += [f"{s}[{i}]" for s in ("delta_angle", "delta_velocity") for i in range(3)]
+    names += ["delta_angle_dt", "delta_velocity_dt", "delta_velocity_clipping"]
+    step = np.where(np.arange(N) % 2, 5000, 4000)
+    columns = (
+        boot // 1000 + 200,
+        boot // 1000,
+        np.full(N, 1),
+        np.full(N, 2),
+        GYRO * step[:, None] / 1e6,
+        ACCEL * step[:, None] / 1e6,
+    )
+    return File(table(",".join(names), *columns, step, step, np.zeros(N, int)), time=boot, epoch="boot", frame="FRD")
+
+
 def xsens():
     """The time column is empty; the counter wraps once."""
     head = "// Start Time: Unknown\n// Update Rate: 100.0Hz\n// Filter Profile: human (46.1)\n// Option Flags: AHS Disabled\n"
@@ -327,5 +351,5 @@ def x_imu3():
 WRITERS = (
     euroc, kalibr, rostopic, ros_dotted, ros_flat, ros2_echo, mcap_cat, tex_cup, matlab, plotjuggler, two_imus, ppc, ppc_as_documented, urban_nav, kf_gins, kf_gins_odometer,
     nclt, picoquake, sensor_combined, sensor_gyro, sensor_accel, mavlogdump, betaflight, sensor_logger_gyro, sensor_logger_accel,
-    phyphox_gyro, phyphox_accel, physics_toolbox, androsensor, vectornav, xsens, sbg, microstrain, pimu, openimu, x_imu3,
+    phyphox_gyro, phyphox_accel, physics_toolbox, androsensor, vectornav, vectornav_compensated, vehicle_imu, xsens, sbg, microstrain, pimu, openimu, x_imu3,
 )  # fmt: skip
