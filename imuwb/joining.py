@@ -1,7 +1,7 @@
 """Joins two files to one log, for example an IMU's and a receiver's, and shifts the clock of a receiver."""
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Literal, TypeVar
 
 from imuwb.errors import MissingDataError
@@ -43,7 +43,7 @@ def with_sensors(log: Log, other: Log) -> Log:
     if not other.imus:
         raise MissingDataError(f"{where}: there is no gyro, accelerometer or temperature of an IMU to join")
     own, added = log.imus[0] if log.imus else None, other.imus[0]
-    sensors = ("angular_rate", "specific_force", "temperature")
+    sensors = [field.name for field in fields(ImuStream) if field.name not in ("name", "origin")]
     given = {name: getattr(added, name) for name in sensors if getattr(added, name) is not None}
     by_name = any(getattr(note, "id", "") == "partner" for note in log.notes)
     new = {name: value for name, value in given.items() if own is None or getattr(own, name) is None or by_name}
