@@ -33,6 +33,7 @@ Kind = Literal["imu", "gnss", "velocity", "fix", "speed", "temperature", "refere
 Effect = Literal["lost", "time", "order", "value"]
 
 AXES = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
+MOST_NOTES = 4  #: notes of a log that an error repeats
 MEAN_SEA_LEVEL = "above mean sea level"  #: part of ``Origin.units`` if heights are not above WGS 84
 BY_FILTER = "estimated by the vehicle's own filter"  #: part of ``Origin.frame`` of such a stream
 
@@ -350,7 +351,10 @@ class Log:
             ", ".join(stream.name for stream in (*temperatures, *self.gnss, *self.references))
             or "no stream that imuwb reads"
         )
-        raise MissingDataError(f"{self.provenance.path}: the log has no IMU, which the analysis needs; it has {others}")
+        why = f"; {'; '.join(self.notes[:MOST_NOTES])}" if self.notes else ""
+        raise MissingDataError(
+            f"{self.provenance.path}: the log has no IMU, which the analysis needs; it has {others}{why}"
+        )
 
     def streams(self) -> tuple[ImuStream | GnssStream | Scalars | Reference, ...]:
         """Return all streams.

@@ -63,8 +63,8 @@ def select(log: Log, imu: str | None = None, start: str | None = None, end: str 
 
 
 def each_imu(log: Log) -> tuple[Log, ...]:
-    """Return one log for each IMU; its other streams are the same."""
-    return tuple(replace(log, imus=(imu,)) for imu in log.imus)
+    """Return one log for each IMU that has samples; its other streams are the same."""
+    return tuple(replace(log, imus=(imu,)) for imu in log.imus if imu.axes())
 
 
 def with_first(log: Log, name: str) -> Log:

@@ -63,13 +63,14 @@ def split(logs: Sequence[Log], *, compared: bool) -> list[Log]:
 
 def with_choice(log: Log, analysis: Analysis, parameters: object, request: Request) -> Log:
     """Return a log whose first IMU is the one that is analysed; a note names it if the user has not, and there are others."""
-    if len(log.imus) < 2 or request.part.imu is not None or getattr(analysis, "EVERY_IMU", False):  # noqa: PLR2004 - a choice
+    able = [imu for imu in log.imus if imu.axes()]  # an IMU may be a thermometer only
+    if len(able) < 2 or request.part.imu is not None or getattr(analysis, "EVERY_IMU", False):  # noqa: PLR2004 - a choice
         return log
-    first = log.imus[0].name
+    first = able[0].name
     chosen = cast("Any", analysis).imu_of(log, parameters) if offers(analysis, "imu_of") else first
     why = "" if chosen == first else f", because {first} lacks what the analysis needs"
     compare = f", or compare all with --imu {ALL}" if offers(analysis, "compare_imus") else ""
-    names = names_text([imu.name for imu in log.imus])
-    text = f"{len(log.imus)} IMUs ({names}): {chosen} is analysed{why}; choose another with --imu{compare}"
+    names = names_text([imu.name for imu in able])
+    text = f"{len(able)} IMUs ({names}): {chosen} is analysed{why}; choose another with --imu{compare}"
     log = with_first(log, chosen)
     return replace(log, notes=(*log.notes, Note("imus", text)))

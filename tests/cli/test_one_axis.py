@@ -119,6 +119,15 @@ def test_an_axis_that_begins_late_is_no_missing_axis():
     assert (log.imu().angular_rate.axes, len(log.imu().angular_rate)) == ("xyz", 2)
 
 
+def test_repeats_and_turns_are_found_in_one_axis_too():
+    value = np.full((600, 3), np.nan)
+    value[:, 2] = np.random.default_rng(0).standard_normal(600)
+    rows = np.repeat(np.arange(600), np.where(np.arange(600) % 10 == 0, 2, 1))
+    twice = assemble([Batch("imu", "imu", rows * 10**7, {"angular_rate": value[rows]})], Provenance("", "test", "", 0))
+    assert [(r.what.id, r.count) for r in twice.imu().origin.repairs] == [("repeated_row", 60)]
+    assert twice.imu().angular_rate.axes == "z"
+
+
 def test_health_examines_the_axes_that_exist(kind):
     found = check(log_of(kind), lines=False)
     assert {stream.verdict for stream in found.streams} == {"good"}

@@ -15,7 +15,7 @@ SAME_RATE = 0.01  #: largest relative difference of sampling rates between logs
 
 def imu_of(log: Log, parameters: Parameters) -> str:
     """Return the name of the IMU that is analysed: the first that has a temperature, unless the temperatures are given."""
-    warm = [imu.name for imu in log.imus if imu.temperature is not None and len(imu.temperature)]
+    warm = [imu.name for imu in log.imus if imu.axes() and imu.temperature is not None and len(imu.temperature)]
     return log.imu().name if parameters.celsius or not warm else warm[0]
 
 
