@@ -58,7 +58,7 @@ def _loaded(name: str) -> object:
 
 def split(logs: Sequence[Log], *, compared: bool) -> list[Log]:
     """Return the logs, or, where IMUs are compared, one log for each IMU."""
-    return [one for log in logs for one in each_imu(log)] if compared else list(logs)
+    return [one for log in logs for one in each_imu(log) or (log,)] if compared else list(logs)
 
 
 def with_choice(log: Log, analysis: Analysis, parameters: object, request: Request) -> Log:
