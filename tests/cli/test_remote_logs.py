@@ -6,6 +6,8 @@ import sys
 
 import pytest
 
+from tests.readers.bytes.large_mcap import large_mcap
+
 SECRETS = ("SECRET-KEY-ID", "SECRET-ACCESS-KEY", "SECRET-WORD", "SECRET-QUERY")
 IMU = "time_s,gx_dps,gy_dps,gz_dps,ax_g,ay_g,az_g\n" + "".join(f"{i / 100},{i % 7},2,3,0,0,-1\n" for i in range(3000))
 POS = """% program   : RTKLIB
@@ -64,6 +66,16 @@ def test_what_is_not_in_s3(imuwb, bucket, tmp_path, address, code, match):
         done = imuwb(*command)
         assert (done.code, match in done.err, address in done.err) == (code, True, True)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_name_that_no_store_is_asked_for(imuwb, bucket):
+    done = imuwb("info", "s3://logs/a//log.csv")
+    assert (done.code, "attempts" in done.err) == (4, False)
+
+
+def test_an_endpoint_without_a_scheme(imuwb, bucket):
+    done = imuwb("info", "s3://logs/log.csv", AWS_ENDPOINT_URL="localhost:9000")
+    assert (done.code, "AWS_ENDPOINT_URL" in done.err) == (2, True)
 
 
 def test_an_empty_object_in_s3(imuwb, bucket):
@@ -143,6 +155,18 @@ def test_secrets_of_a_url_are_shown_nowhere(imuwb, web, tmp_path):
     assert [run.code for run in runs[-2:]] == [4, 4]
     assert (tmp_path / "log.rrd").is_file()
     without_secrets(tmp_path, *runs)
+
+
+def test_info_takes_the_index_of_a_large_remote_log(imuwb, web, ros):
+    time = 1_714_564_800 * 10**9
+    imu = ("/imu", "sensor_msgs/msg/Imu", "ros2msg", ros.imu_2, "cdr", ros.imu(time, (1, 2, 3), (0, 0, 9.8)))
+    image = ("/camera", "sensor_msgs/msg/Image", "ros2msg", "uint8[] data\n", "cdr", bytes(4))
+    web.objects["log.mcap"] = large_mcap([imu, image], 1 << 20, 20, time, 10**9)
+    done = imuwb("info", web.url("log.mcap"), "--json")
+    assert (done.code, [s["count"] for s in json.loads(done.out)["streams"]]) == (0, [20])
+    assert web.sent < 1 << 18
+    assert imuwb("info", web.url("log.mcap"), "--scan").code == 0
+    assert web.sent > 20 << 20
 
 
 def test_a_file_address_is_a_path(imuwb, csv_log, rows, tmp_path):

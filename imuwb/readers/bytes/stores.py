@@ -79,7 +79,7 @@ def _web(address: Address) -> HTTPStore:
 
 
 def _s3(bucket: str) -> S3Store:
-    endpoint = _first("AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL", "AWS_ENDPOINT")
+    endpoint = _endpoint("AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL", "AWS_ENDPOINT")
     config: Any = {"endpoint": endpoint} if endpoint else {}
     if region := _first("AWS_REGION", "AWS_DEFAULT_REGION"):
         config["region"] = region
@@ -115,14 +115,12 @@ def _profile() -> Any:  # noqa: ANN401 - obstore's provider
 
 def _gs(bucket: str) -> GCSStore:
     config: Any = {} if _has_credentials("gs") or _GCLOUD.expanduser().is_file() else {"skip_signature": True}
-    return GCSStore(
-        bucket, config=config, client_options=_client(os.environ.get("GOOGLE_BASE_URL", "")), retry_config=_NO_RETRY
-    )
+    return GCSStore(bucket, config=config, client_options=_client(_endpoint("GOOGLE_BASE_URL")), retry_config=_NO_RETRY)
 
 
 def _az(container: str) -> AzureStore:
     config: Any = {} if _has_credentials("az") else {"skip_signature": True}
-    endpoint = _first("AZURE_STORAGE_ENDPOINT", "AZURE_ENDPOINT")
+    endpoint = _endpoint("AZURE_STORAGE_ENDPOINT", "AZURE_ENDPOINT")
     if os.environ.get("AZURE_STORAGE_USE_EMULATOR", "").lower() == "true":
         endpoint = endpoint or "http://127.0.0.1"  # where the emulator is
     return AzureStore(container, config=config, client_options=_client(endpoint), retry_config=_NO_RETRY)
@@ -130,6 +128,15 @@ def _az(container: str) -> AzureStore:
 
 def _has_credentials(scheme: str) -> bool:
     return any(os.environ.get(name) for name in _CREDENTIALS[scheme])
+
+
+def _endpoint(*names: str) -> str:
+    """Return the URL in the first of some variables that is set; empty without one."""
+    url = _first(*names)
+    if url and not url.lower().startswith(("http://", "https://")):
+        name = next(name for name in names if os.environ.get(name))
+        raise UsageError(f"{name} is {url!r}; it must begin with http:// or https://")
+    return url
 
 
 def _first(*names: str) -> str:

@@ -8,9 +8,9 @@ import tempfile
 import numpy as np
 import pytest
 
-from imuwb.errors import UnreadableLogError
+from imuwb.errors import UnreadableLogError, UsageError
 from imuwb.notes import ids
-from imuwb.readers import ReadOptions, describe, read, stream
+from imuwb.readers import describe, read, stream
 from imuwb.readers.bytes import remote, stores, transfer
 from imuwb.readers.reading import indexed
 from imuwb.selection import Part
@@ -284,8 +284,6 @@ def test_the_sidecar_of_a_remote_log_is_asked_for_once(web):
 
 def test_faults_of_a_remote_sidecar_name_its_address(web, copies):
     web.objects |= {"a/log.csv": rows(), "a/log.toml": b"speed = 3\n"}
-    from imuwb.errors import UsageError
-
     with pytest.raises(UsageError, match="unknown key") as raised:
         read(web.url("a/log.csv"))
     assert web.url("a/log.toml") in str(raised.value)
@@ -293,9 +291,9 @@ def test_faults_of_a_remote_sidecar_name_its_address(web, copies):
 
 
 def test_errors_of_the_content_name_the_address(web, copies):
-    web.objects["a/log.csv"] = b"one,two\n3,4\n5,6\n"
-    with pytest.raises(Exception, match="--rate") as raised:
-        read(web.url("a/log.csv"), ReadOptions())
+    web.objects["a/log.csv"] = rows(header="time_s,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z\n")
+    with pytest.raises(UsageError, match="--units") as raised:
+        read(web.url("a/log.csv"))
     assert web.url("a/log.csv") in str(raised.value)
     assert str(copies) not in str(raised.value)
 
