@@ -132,6 +132,18 @@ def test_public_objects_of_each_store(imuwb, web, scheme, environment):
     assert {request.authorization for request in web.requests} == {None}
 
 
+def test_requests_without_credentials_are_not_signed(imuwb, web, monkeypatch):
+    from imuwb.readers.bytes import stores
+
+    monkeypatch.setattr(stores, "find_spec", lambda _: None)  # boto3 would look for more
+    for names in stores.CREDENTIALS.values():
+        for name in names:
+            monkeypatch.delenv(name, raising=False)
+    web.objects["bucket/log.csv"] = IMU.encode()
+    done = imuwb("info", "s3://bucket/log.csv", AWS_ENDPOINT_URL=f"http://127.0.0.1:{web.port}")
+    assert (done.code, {request.authorization for request in web.requests}) == (0, {None})
+
+
 def test_azure_without_an_account(imuwb, monkeypatch):
     monkeypatch.delenv("AZURE_STORAGE_ACCOUNT_NAME", raising=False)
     done = imuwb("info", "az://container/log.csv")

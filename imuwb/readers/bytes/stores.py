@@ -23,11 +23,11 @@ CONNECTING = timedelta(seconds=10)
 TIMES = {"read_timeout": SILENCE, "connect_timeout": CONNECTING, "timeout": timedelta(days=30)}
 _NO_RETRY: Any = {"max_retries": 0}  # ``transfer`` retries, because it knows how many bytes have come
 #: scheme -> the variables that show that the environment has credentials
-_CREDENTIALS = {
-    "s3": ("AWS_ACCESS_KEY_ID", "AWS_WEB_IDENTITY_TOKEN_FILE", "AWS_CONTAINER_CREDENTIALS_RELATIVE_URI",
-           "AWS_CONTAINER_CREDENTIALS_FULL_URI", "AWS_SKIP_SIGNATURE"),
+CREDENTIALS = {
+    "s3": ("AWS_ACCESS_KEY_ID", "AWS_WEB_IDENTITY_TOKEN_FILE", "AWS_CONTAINERCREDENTIALS_RELATIVE_URI",
+           "AWS_CONTAINERCREDENTIALS_FULL_URI", "AWS_SKIP_SIGNATURE"),
     "gs": ("GOOGLE_SERVICE_ACCOUNT", "GOOGLE_SERVICE_ACCOUNT_PATH", "GOOGLE_SERVICE_ACCOUNT_KEY",
-           "GOOGLE_APPLICATION_CREDENTIALS", "GOOGLE_BEARER_TOKEN", "GOOGLE_SKIP_SIGNATURE"),
+           "GOOGLE_APPLICATIONCREDENTIALS", "GOOGLE_BEARER_TOKEN", "GOOGLE_SKIP_SIGNATURE"),
     "az": ("AZURE_STORAGE_ACCOUNT_KEY", "AZURE_STORAGE_ACCESS_KEY", "AZURE_STORAGE_SAS_KEY", "AZURE_STORAGE_SAS_TOKEN",
            "AZURE_STORAGE_MASTER_KEY", "AZURE_STORAGE_TOKEN", "AZURE_STORAGE_CLIENT_ID", "AZURE_CLIENT_ID",
            "AZURE_USE_AZURE_CLI", "AZURE_MSI_ENDPOINT", "AZURE_IDENTITY_ENDPOINT", "AZURE_STORAGE_USE_EMULATOR",
@@ -39,7 +39,7 @@ REMEDIES = {
     "http": "check the address, and whether its signature has expired",
     "https": "check the address, and whether its signature has expired",
     "s3": "check the address, and set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY, or AWS_PROFILE (this needs boto3), and AWS_REGION or AWS_ENDPOINT_URL",
-    "gs": "check the address, and set GOOGLE_APPLICATION_CREDENTIALS",
+    "gs": "check the address, and set GOOGLE_APPLICATIONCREDENTIALS",
     "az": "check the address, and set AZURE_STORAGE_ACCOUNT_NAME, and AZURE_STORAGE_ACCOUNT_KEY or AZURE_STORAGE_SAS_TOKEN",
 }
 
@@ -127,7 +127,7 @@ def _az(container: str) -> AzureStore:
 
 
 def _has_credentials(scheme: str) -> bool:
-    return any(os.environ.get(name) for name in _CREDENTIALS[scheme])
+    return any(os.environ.get(name) for name in CREDENTIALS[scheme])
 
 
 def _endpoint(*names: str) -> str:

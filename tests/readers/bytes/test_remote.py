@@ -12,6 +12,8 @@ from imuwb.errors import UnreadableLogError, UsageError
 from imuwb.notes import ids
 from imuwb.readers import describe, read, stream
 from imuwb.readers.bytes import remote, stores, transfer
+from imuwb.readers.bytes.address import Address
+from imuwb.readers.bytes.remote import RemoteLog
 from imuwb.readers.reading import indexed
 from imuwb.selection import Part
 
@@ -120,6 +122,19 @@ def test_the_index_of_a_gigabyte_takes_few_bytes_and_requests(web, gigabyte, no_
     assert {s.name: (s.kind, s.count) for s in summary.streams} == {"/imu": ("imu", 1024), "/fix": ("gnss", 1024)}
     assert "from_index" in ids(summary.notes)
     assert (web.sent <= 500_000, len(web.requests) <= 8) == (True, True)
+
+
+@pytest.mark.parametrize("size", [1, 65_536, 65_537, 200_001, 300_000])
+def test_the_hash_is_that_of_all_bytes_after_jumps_too(web, size):
+    content = np.random.default_rng(size).bytes(size)
+    web.objects["log.bin"] = content
+    with RemoteLog(Address(web.url("log.bin"))) as log, log.open() as file:
+        for at in (size - 1, size // 2, 3):
+            file.seek(at)
+            assert file.read(1) == content[at : at + 1]
+        file.seek(0)
+        assert file.read() == content
+        assert log.fingerprint() == digest(content)
 
 
 def test_a_part_of_a_log_takes_a_part_of_its_bytes(web, mcap, ros):
