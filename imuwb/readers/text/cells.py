@@ -165,4 +165,5 @@ def texts(cells: pa.Array[Any]) -> list[str]:
 
 def floats(cells: pa.Array[Any]) -> Floats:
     """Return cells of double precision; nan for null."""
-    return np.where(known(cells), memory(cells, "<f8")[:, 0], np.nan)
+    numbers = memory(cells, "<f8")[:, 0]
+    return np.where(known(cells), numbers, np.nan) if cells.null_count else numbers

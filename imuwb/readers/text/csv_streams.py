@@ -27,9 +27,9 @@ def streams_of(values: Mapping[Column, Floats], frame: str) -> Iterator[Stream]:
         frame: frame of the IMU, ``FRD`` or ``FLU``.
     """
     si = {(c.quantity, c.axis): _si(v, c) for c, v in values.items() if c.unit is not None}
-    signs = np.array([1.0, -1.0, -1.0]) if frame == "FLU" else np.ones(3)
+    signs = np.array([1.0, -1.0, -1.0]) if frame == "FLU" else None
     imu = {
-        field: triad * signs
+        field: triad if signs is None else triad * signs
         for quantity, field in (("gyro", "angular_rate"), ("accel", "specific_force"))
         if (triad := _triad(si, quantity)) is not None
     }
@@ -96,7 +96,8 @@ def _stacked(si: Values, keys: list[tuple[str, int]]) -> Floats | None:
 def _si(values: Floats, column: Column) -> Floats:
     measure = cast("Unit", column.unit)
     with np.errstate(over="ignore"):
-        scaled = values * (column.sign * measure.factor)
+        scale = column.sign * measure.factor
+        scaled = values * scale if scale != 1.0 else values
     return scaled + measure.offset if measure.offset else scaled  # adding 0 would turn -0 into +0
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 #: mark at the beginning of a file -> name of the encoding
 _MARKS = {codecs.BOM_UTF8: "utf-8", codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be"}
 PRINTABLE = 0.99  #: least share of printable bytes in text
+_CONTROL = bytes(set(range(32)) - set(b"\t\r\n\f"))  #: characters that text has not
 _EVEN_ZEROS = 0.3  #: least share of zero bytes at even or odd places that shows UTF-16 without a mark
 
 
@@ -61,5 +62,4 @@ def is_text(head: bytes) -> bool:
     head = head_text(head, encoding_of(head))
     if b"\0" in head or not any(digit in head for digit in b"0123456789"):
         return False
-    printable = sum(byte >= ord(" ") or byte in b"\t\r\n\f" for byte in head)
-    return printable >= PRINTABLE * len(head)
+    return len(head.translate(None, _CONTROL)) >= PRINTABLE * len(head)

@@ -65,11 +65,11 @@ class Rows(io.RawIOBase):
     def is_empty(self) -> bool:
         """Return whether no row is left; this reads the next rows."""
         while not self._out:
-            block = self._block()
-            if not block and not self._tail:
+            pieces = self._next_pieces()
+            if not pieces and not self._tail:
                 return True
-            self._out = self._whole_lines(block)
-            if not block:
+            self._out = self._whole_lines(pieces)
+            if not pieces:
                 return not self._out
         return False
 
@@ -82,23 +82,34 @@ class Rows(io.RawIOBase):
         """Return at most the next ``size`` bytes; none at the end."""
         if self.is_empty():
             return b""
-        out, self._out = self._out[:size], self._out[size:]
+        if size < 0 or size >= len(self._out):
+            out, self._out = self._out, b""
+        else:
+            out, self._out = self._out[:size], self._out[size:]
         return out
 
-    def _block(self) -> bytes:
-        block = bytearray()
+    def _next_pieces(self) -> list[bytes]:
+        pieces, size = list[bytes](), 0
         for piece in self._pieces:
-            block += piece
-            if len(block) >= BLOCK:
+            pieces.append(piece)
+            size += len(piece)
+            if size >= BLOCK:
                 break
         self.bytes_read = source.position(self._file)
-        return bytes(block)
+        return pieces
 
-    def _whole_lines(self, block: bytes) -> bytes:
-        """Return the next whole lines as the parser needs them; an empty block ends the file."""
-        data = self._tail + block
-        cut = data.rfind(b"\n") + 1
-        data, self._tail = (data[:cut], data[cut:]) if block else (self._without_cut_end(data, cut), b"")
+    def _whole_lines(self, pieces: list[bytes]) -> bytes:
+        """Return the next whole lines as the parser needs them; no piece ends the file."""
+        if pieces:  # the last piece is cut after its last line, so that the others are copied once
+            last = next((i for i in range(len(pieces) - 1, -1, -1) if b"\n" in pieces[i]), None)
+            if last is None:
+                self._tail = b"".join([self._tail, *pieces])
+                return b""
+            cut = pieces[last].rfind(b"\n") + 1
+            data = b"".join([self._tail, *pieces[:last], pieces[last][:cut]])
+            self._tail = b"".join([pieces[last][cut:], *pieces[last + 1 :]])
+        else:
+            data, self._tail = self._without_cut_end(self._tail, self._tail.rfind(b"\n") + 1), b""
         if not data.isascii():
             data = data.translate(_ASCII)
         while self._skip and data:
@@ -114,7 +125,7 @@ class Rows(io.RawIOBase):
         """Return the lines without comments; the rows of a file in which every row has a comment's mark without it."""
         if self._layout.marked:
             return re.sub(rb"(?m)^[ \t]*" + self._layout.marked.encode() + rb"[ \t]*", b"", data)
-        if any(mark in data for mark in _COMMENTS):
+        if b"#" in data or b"%" in data or (b"/" in data and b"//" in data):
             return b"".join(x for x in data.splitlines(keepends=True) if not x.lstrip().startswith(_COMMENTS))
         return data
 

@@ -23,6 +23,9 @@ TAGGED = 0.6  #: least share of the lines of a tagged file that have a tag and n
 MOST = 64  #: number of tags; more different texts are values, not tags
 REPEATED = 3  #: rows that a tag has on average, at least
 _TAG = re.compile(r"[$#%!@]?[A-Za-z_][\w/.\-]{0,40}")
+_LETTERED = re.compile(
+    r"\s*(?:[^A-Za-z,;\t]*[,;\t ]\s*)?[\"$#%!@]?[A-Za-z_]"
+)  #: a line with a letter early in its first two cells
 _CHECKSUM = re.compile(r"\*[0-9A-Fa-f]{2}$")
 #: names of a column that tells the rows of several sensors apart
 _TAG_NAMES = {
@@ -62,6 +65,8 @@ def name_of(table: Layout) -> str:
 def _by_first_cells(lines: Sequence[str], layout: Layout) -> Iterator[Layout]:
     """Yield the tables of a file whose rows have a tag in one of the first two cells."""
     filled = [line for line in lines if line.strip()]
+    if sum(_LETTERED.match(line) is not None for line in filled) < TAGGED * len(filled):
+        return  # nearly all files
     for delimiter, place in ((d, p) for p in (0, 1) for d in (",", ";", "\t", " ")):
         rows = [(cells, line) for line in filled if _has_tag(cells := cells_of(line, delimiter), place)]
         tags = list(dict.fromkeys(cells[place] for cells, _ in rows))

@@ -215,7 +215,8 @@ class _Rows:
             first_row += block.num_rows
             self._faults[UNTIMED] += int(np.count_nonzero(~timed))
             good = _rising(time, before) if self._layout.fault else time.size
-            values = {c: floats(of(block, c.index))[timed][:good] for c in self._used}
+            kept = slice(good) if timed.all() else np.flatnonzero(timed)[:good]
+            values = {c: floats(of(block, c.index))[kept] for c in self._used}
             yield time[:good], values, bytes_read
             if good < time.size:
                 text = "the damage shows at a jump in time; all later rows are left out"

@@ -3,12 +3,14 @@
 import re
 from collections.abc import Sequence
 
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(nan|inf)(inity)?", re.IGNORECASE)
-
 
 def is_number(text: str) -> bool:
     """Return whether a cell is a number; nan and inf count as numbers."""
-    return bool(_NUMBER.fullmatch(text.strip().strip('"')))
+    try:
+        float(text.strip().strip('"'))
+    except ValueError:
+        return False
+    return text.isascii() and "_" not in text  # a number of Python's source code is no number of a log
 
 
 def trusted(lines: Sequence[bytes], first: Sequence[str], delimiter: bytes) -> int:

@@ -14,6 +14,7 @@ from imuwb.readers.text.shapes.shape import Shape, shapes
 from imuwb.readers.text.trust import is_number
 from imuwb.units import STANDARD_GRAVITY, Unit, unit
 
+ROWS = 256  #: number of first rows whose values must fit
 DIFFERENT = 2.0  #: factor between the median specific force of a vehicle and one gravity
 
 
@@ -30,7 +31,7 @@ class Head:
 def head_of(path: Path, layout: Layout) -> Head:
     """Return the head of a log."""
     text = "\n".join((*layout.comments, ",".join(layout.names)))
-    rows = layout.sample or (layout.first,)
+    rows = layout.sample[:ROWS] or (layout.first,)
     file = path.name if layout.tag is None else layout.tag.text
     return Head(file, text, layout.names, tuple(tuple(map(_number, row)) for row in rows))
 
