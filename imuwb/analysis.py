@@ -15,6 +15,7 @@ and these, if it needs them:
   recording, as ``NAME.error-model.toml``; if ``LEAVES_MODEL`` is a text, this text replaces "error-model" in the name.
 * ``objections(result) -> tuple of notes``: why no error model should be made of the logs. If there are any, the error model
   is written only with --force-model. ``ImuErrorModel.doubts`` states them.
+* ``answer(result) -> Answer``: what a person must know first. Without it, the first table and the first notes take its place.
 * ``findings(result) -> tuple of Finding``: the result of each axis in terms that several analyses share.
 * ``outputs(parameters) -> tuple of paths`` and ``write_outputs(result, parameters)``: files that the analysis
   itself writes. Existing files are overwritten only with --force.
@@ -156,6 +157,36 @@ class Series:
     names: tuple[str, ...]
     colors: tuple[tuple[int, ...], ...] = ()  #: RGB or RGBA
     epoch: str = "log"  #: zero of the time: "unix", "boot" or "log"
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A command that a person may type next.
+
+    In the command, ``{log}`` stands for the logs as they were given, ``{model}`` for the saved error model, and ``{command}`` for
+    the whole command that was typed.
+    """
+
+    command: str
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What a person must know of a result in ten seconds.
+
+    A terminal shows it in at most 15 lines of 80 columns; the recording shows it on its first tab.
+    """
+
+    about: str  #: what was analysed, in a few words: "2.8 h still, 100 Hz"
+    headings: tuple[str, ...] = ()
+    rows: tuple[
+        tuple[str, ...], ...
+    ] = ()  #: at most eight, the most important first; a row without a first cell states units
+    sentences: tuple[str, ...] = ()  #: what to believe and what to do, the most important first
+    next: tuple[Step, ...] = ()
+    aside: str = ""  #: at the end of the first line: "95 % intervals"
+    figure: Figure | None = None  #: shows the answer; None: the first figure that is drawn
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ HOURS = 2  #: shortest time, in hours, that is written in hours
 LARGE = 100  #: smallest number that is written without decimals
 COEFFICIENT_DIGITS = (3, 6)  #: fewest and most significant digits of a coefficient
 MOST_DECIMALS = 9
+WIDE = 0.1  #: share of a value; with a wider interval, two digits are enough
 DECIMALS = 6  #: decimals of a value whose interval has no width or an infinite width
 
 
@@ -99,6 +100,36 @@ def coefficient_text(coefficient: Coefficient, unit: Unit) -> str:
     if high > low and value > 0:
         digits = min(max(2 - math.floor(math.log10((high - low) / value)), fewest), most)
     return f"{value:.{digits}g} [{low:.{digits}g}, {high:.{digits}g}] {unit.name}"
+
+
+def coefficient_cell(coefficient: Coefficient, unit: Unit) -> str:
+    """Return a coefficient and its interval without the unit's name, for a column that states it: 2.40 [2.38, 2.43].
+
+    Three digits; two where the interval is wide. "<" stands before an upper limit, and for an interval from 0.
+    """
+    c = coefficient
+    if not math.isfinite(c.upper):
+        return "—"
+    if c.value is None or not c.lower or not c.value:
+        return f"< {_digits(unit.from_si(c.upper), 3)}"
+    digits = 2 if c.upper - c.lower > WIDE * c.value else 3
+    value, low, high = (_digits(unit.from_si(x), digits, unit.from_si(c.value)) for x in (c.value, c.lower, c.upper))
+    return f"{value} [{low}, {high}]"
+
+
+def _digits(value: float, digits: int, like: float | None = None) -> str:
+    """Return a number with the decimals that another number has, which is written with so many significant digits."""
+    size = abs(value if like is None else like)
+    return f"{value:.{max(digits - 1 - math.floor(math.log10(size)), 0)}f}" if size else "0"
+
+
+def duration_text(seconds: float) -> str:
+    """Return a time as people say it: 35 s, 12 min, 2 h 46 min."""
+    minutes = round(seconds / 60)
+    if seconds < 2 * 60:
+        return f"{number_text(seconds)} s"
+    hours, rest = divmod(minutes, 60)
+    return f"{minutes} min" if not hours else f"{hours} h {rest} min" if rest else f"{hours} h"
 
 
 def coefficients_text(coefficients: Mapping[str, Coefficient]) -> str:

@@ -108,6 +108,9 @@ class Outputs:
             text="Write the error model even of a record that does not suit it; the model states the doubts.",
         ),
     ] = False
+    full: Annotated[
+        bool, output_option("--full", text="Print all tables and notes too; the recording always has them.")
+    ] = False
     live: Annotated[bool, output_option("--live", text="Also show the result in a running Rerun viewer.")] = False
 
 

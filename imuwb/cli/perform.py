@@ -1,30 +1,34 @@
 """Runs one analysis, from the paths of the logs to the recording."""
 
 import os
+import shlex
+import sys
 import traceback
 from collections.abc import Generator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
 
 import typer
 
 from imuwb import __version__
-from imuwb.analysis import Analysis, offers
+from imuwb.analysis import Analysis, Answer, Table, offers
 from imuwb.cli.imus import compares, comparison, split, with_choice
 from imuwb.cli.options import Request
 from imuwb.cli.places import Places, check_places
 from imuwb.cli.reading import read_log
 from imuwb.cli.studies import cases, grid
-from imuwb.cli.terminal import progress, shower
+from imuwb.cli.terminal import print_panel, progress, shower
 from imuwb.cli.through import Step, conditioned, step
 from imuwb.errors import ImuwbError, MissingDataError, UsageError
 from imuwb.log import Log
 from imuwb.progress import watched
 from imuwb.readers.bytes.address import Place, place_of
+from imuwb.review.default_answer import default_answer
 from imuwb.review.document import document
 from imuwb.review.overview import overview
+from imuwb.review.panel import Origin, panel
 from imuwb.review.recording import RecordingReview
 from imuwb.writers import write_text
 
@@ -54,40 +58,100 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Place], parameters: o
         study = plugin.study(cases(logs, request.conditions.study), parameters) if request.conditions.study else None
         result = plugin.run(logs, parameters)
 
-    show = shower(data=not places.to_stdout)
-    review = RecordingReview(places.recording, live=VIEWER if request.outputs.live else None, show=show)
+    drawn = _drawn(
+        name, analysis, Done(whole if compared else logs, parameters, result, study, through[0]), places, request, paths
+    )
+    _write(drawn, places, plugin, result, parameters)
+    # All files are written before the first line is printed: the program that reads the output may end at any time.
+    _print(drawn, places, full=request.outputs.full)
+    if drawn.objections and places.model is not None:
+        state = "left as it was" if places.model.exists() else "not written"
+        raise MissingDataError(
+            f"{places.model} is {state}: {'; '.join(drawn.objections)}; to write the error model all the same, give --force-model"
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Done:
+    """An analysis that was run."""
+
+    logs: list[Log]  #: after the conditioners; whole ones, where the IMUs of a log are compared
+    parameters: object
+    result: object
+    study: object  #: None: no study was run
+    conditioned: tuple[Log, list[tuple[Step, Any]]]  #: the first log after the conditioners, and what each did to it
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """What is written and printed of an analysis, besides the recording."""
+
+    answer: Answer
+    origin: Origin
+    shown: tuple[Table | str, ...]  #: all tables and notes
+    document: str  #: JSON
+    model: str  #: TOML; empty: none is saved
+    objections: tuple[str, ...]  #: why the error model is not written
+
+
+def _drawn(
+    name: str, analysis: Analysis, done: Done, places: Places, request: Request, paths: Sequence[Place]
+) -> Drawn:
+    """Write the recording, and return what else there is to write and to print."""
+    plugin, shown, logs = cast("Any", analysis), list[Table | str](), done.logs
+    review = RecordingReview(places.recording, live=VIEWER if request.outputs.live else None, show=shown.append)
     try:
-        overview(whole if compared else logs, review)
-        draw_conditioning(logs[0], through[0][1], review)
+        overview(logs, review)
+        beginning = len(shown)  # what the overview shows is no answer
+        draw_conditioning(*done.conditioned, review)
         review.tab(name.capitalize())
         with errors_named(name, analysis):
-            plugin.draw(result, review)
-            if study is not None:
+            plugin.draw(done.result, review)
+            if done.study is not None:
                 review.tab("Study")
-                plugin.draw_study(study, review)
-            model = plugin.error_model(result).to_toml() if places.model is not None else ""
-            objections = _objections(analysis, result, places, request)
-        text = document(name, __version__, parameters, result, whole if compared else logs, review.notes, study)
+                plugin.draw_study(done.study, review)
+            model = plugin.error_model(done.result).to_toml() if places.model is not None else ""
+            objections = _objections(analysis, done.result, places, request)
+            answer = (
+                plugin.answer(done.result) if offers(analysis, "answer") else default_answer(logs, shown[beginning:])
+            )
+        origin = Origin(name, tuple(map(str, paths)), "" if objections else str(places.model or ""), command=_typed())
+        review.summary(panel(answer, origin), answer.figure)
+        text = document(name, __version__, done.parameters, done.result, logs, review.notes, done.study)
         review.close()
     except BaseException:
         review.discard()
         raise
-    if places.to_stdout:
-        typer.echo(text)
+    return Drawn(answer, origin, tuple(shown), text, "" if objections else model, objections)
+
+
+def _typed() -> str:
+    """Return the command as it was typed, so that it can be typed again with more options."""
+    force = [] if "--force" in sys.argv else ["--force"]
+    return shlex.join(["imuwb", *sys.argv[1:], *force])
+
+
+def _write(drawn: Drawn, places: Places, plugin: Any, result: object, parameters: object) -> None:  # noqa: ANN401 - an analysis
     if places.document is not None:
-        write_text(places.document, text + "\n")
-    written = replace(places, model=None) if objections else places
-    if written.model is not None:
-        write_text(written.model, model)
-    if written.own:
+        write_text(places.document, drawn.document + "\n")
+    if places.model is not None and drawn.model:
+        write_text(places.model, drawn.model)
+    if places.own:
         plugin.write_outputs(result, parameters)
-    for file in written.all():
-        typer.echo(f"wrote {file}", err=True)
-    if objections and places.model is not None:
-        state = "left as it was" if places.model.exists() else "not written"
-        raise MissingDataError(
-            f"{places.model} is {state}: {'; '.join(objections)}; to write the error model all the same, give --force-model"
-        )
+
+
+def _print(drawn: Drawn, places: Places, *, full: bool) -> None:
+    """Print the answer; before it, all tables and notes if they are wanted, or the JSON."""
+    data = not places.to_stdout
+    if places.to_stdout:
+        typer.echo(drawn.document)
+    if full:
+        show = shower(data=data)
+        for item in drawn.shown:
+            show(item)
+    written = replace(places, model=places.model if drawn.model else None)
+    recording, *others = map(str, written.all())
+    print_panel(drawn.answer, replace(drawn.origin, wrote=(f"{recording} (imuwb view)", *others)), data=data)
 
 
 def _objections(analysis: Analysis, result: object, places: Places, request: Request) -> tuple[str, ...]:

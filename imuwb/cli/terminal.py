@@ -10,8 +10,10 @@ from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table as RichTable
 
-from imuwb.analysis import Table
+from imuwb.analysis import Answer, Table
+from imuwb.review.panel import WIDTH, Origin, panel
 
+NARROWEST, WIDEST = 60, 100  #: columns of a panel on a terminal
 WIDE = 200  #: columns of an output that is no terminal
 
 
@@ -39,6 +41,16 @@ def shower(*, data: bool) -> Callable[[Table | str], None]:
         out.print(table)
 
     return show
+
+
+def print_panel(answer: Answer, origin: Origin, *, data: bool) -> None:
+    """Print an answer; to stdout if it is data, else to stderr. Its first line is bold on a terminal."""
+    out = console(data=data)
+    width = min(max(out.width, NARROWEST), WIDEST) if out.is_terminal else WIDTH
+    first, *rest = panel(answer, origin, width)
+    out.print(f"[bold]{escape(first)}[/]", soft_wrap=True)
+    for line in rest:
+        out.print(escape(line), soft_wrap=True)
 
 
 @contextmanager

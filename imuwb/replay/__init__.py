@@ -21,12 +21,14 @@ from imuwb.replay.scaled import scaled
 from imuwb.replay.scores import HORIZONS, Scores, scores
 from imuwb.replay.solutions import fixes_outside, overlapping, solution_scores, whole_run_scores
 from imuwb.replay.start import Start, find_start, given_start
+from imuwb.replay.statistics import FEWEST as ENOUGH
 from imuwb.replay.statistics import Consistency, DriftCurve, Paired, Summary, compare, drift_curve, summarize, verdict
 from imuwb.replay.true_errors import true_errors
 from imuwb.replay.tuning import Tuned, tune
 from imuwb.replay.unidentified import with_unidentified
 
 __all__ = [
+    "ENOUGH",
     "HORIZONS",
     "NAMES",
     "TURN_ON",

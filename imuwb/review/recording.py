@@ -1,7 +1,7 @@
 """The review as a Rerun recording: tabs of figures, series, tables and notes; the recording contains its blueprint."""
 
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import NoReturn
@@ -22,6 +22,7 @@ from imuwb.writers.whole import partial
 
 ROWS = 65_536  #: rows of a chunk
 SERIES_WIDTH = 1.2  #: width of a line over time
+SUMMARY_SHARES = (1.0, 1.3)  #: of the panel and of the figure beside it
 VIEWER_PORT = 9876
 VIEWER_PATIENCE = 2.0  #: s; longest wait for a running viewer
 
@@ -69,6 +70,8 @@ class RecordingReview:
         self._tabs: list[Tab] = []
         self._timeline: str | None = None
         self.notes: list[str] = []
+        self._first_figure: Figure | None = None
+        self._summary: rrb.Container | None = None
         self.tab("Result")
 
     @property
@@ -81,6 +84,7 @@ class RecordingReview:
 
     def figure(self, figure: Figure) -> None:
         """Show a figure."""
+        self._first_figure = self._first_figure or figure
         path = f"{self._tab.path}/figure_{len(self._tab.figures)}"
         self._tab.figures.append(chart.draw(figure, self.recording, path))
 
@@ -135,6 +139,16 @@ class RecordingReview:
         if view := self._tab.maps.add(self.recording, name, position, color):
             self._tab.figures.append(view)
 
+    def summary(self, panel: Sequence[str], figure: Figure | None = None) -> None:
+        """Show the lines of the panel on the first tab, beside one figure; None: the first figure of all tabs."""
+        text = "\n".join(("```text", *panel, "```"))
+        self.recording.log("/summary/answer", rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN), static=True)
+        views: list[rrb.View] = [rrb.TextDocumentView(origin="/summary/answer", name="Answer")]
+        figure = figure or self._first_figure
+        if figure is not None:
+            views.append(chart.draw(figure, self.recording, "/summary/figure"))
+        self._summary = rrb.Horizontal(*views, column_shares=SUMMARY_SHARES[: len(views)], name="Summary")
+
     def close(self) -> Path:
         """Write the blueprint, rename the file to its final name and return its path; the review cannot be used after this.
 
@@ -161,7 +175,8 @@ class RecordingReview:
     def _send_blueprint(self) -> None:
         for tab in self._tabs:
             tab.add_notes(self.recording)
-        layouts = [layout for tab in self._tabs if (layout := tab.layout()) is not None]
+        layouts = [] if self._summary is None else [self._summary]
+        layouts += [layout for tab in self._tabs if (layout := tab.layout()) is not None]
         time_panel = rrb.TimePanel(state="collapsed", play_state="paused", timeline=self._timeline)
         blueprint = rrb.Blueprint(
             rrb.Tabs(*layouts), rrb.BlueprintPanel(state="collapsed"), rrb.SelectionPanel(state="collapsed"), time_panel

@@ -8,8 +8,8 @@ from imuwb_plugins.noise.result import TITLES, Result
 
 
 def draw(result: Result, review: Review) -> None:
-    """Show the summary, then each analysis on its own tab."""
-    review.tab("Summary")
+    """Show all estimates side by side, then each analysis on its own tab."""
+    review.tab("Estimates")
     for note in result.notes:
         review.note(note)
     if result.repeatability is not None:

@@ -12,7 +12,7 @@ LOGS = (1, None)
 __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={
-        "parameters": ["Parameters"], "drives": ["run", "error_model"], "drives_show": ["draw"],
+        "parameters": ["Parameters"], "drives": ["run", "error_model"], "drives_show": ["draw"], "answer": ["answer"],
         "output": ["outputs", "write_outputs"],
     },
 )  # fmt: skip

@@ -1,0 +1,114 @@
+"""The panel: the answer of an analysis in at most 15 lines of 80 columns, the same in the terminal and in the recording."""
+
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from imuwb.analysis import Answer, Step
+
+WIDTH, HEIGHT = 80, 15  #: columns and lines
+GAP = 2  #: columns between cells
+NAMED = 0.5  #: largest share of the first line that the names of the logs take
+INDENT = 7  #: columns of "Next" and "Wrote" with the blanks after them
+MOST_NEXT = 2  #: commands
+LEAST = 2  #: lines of sentences that a long table leaves room for
+CUT = "…"
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """What the panel says besides the answer."""
+
+    analysis: str
+    logs: tuple[str, ...]  #: as they were given
+    model: str = ""  #: path of the saved error model; empty: none
+    wrote: tuple[str, ...] = ()  #: files; the recording is the first
+    command: str = ""  #: that was typed
+
+
+def panel(answer: Answer, origin: Origin, width: int = WIDTH, height: int = HEIGHT) -> tuple[str, ...]:
+    """Return the lines of the panel.
+
+    The first line, the commands and the files are always there; rows and sentences are cut to the lines that are left, and then
+    the last of them says so.
+    """
+    first = _first_line(answer, origin, width)
+    rows = _rows(answer, width)
+    sentences = [line for sentence in answer.sentences for line in textwrap.wrap(sentence, width)]
+    wrote = _labelled("Wrote", ", ".join(origin.wrote), width) if origin.wrote else []
+    left = height - 1 - len(wrote)
+    steps = _steps(answer.next[:MOST_NEXT], origin, width)
+    if len(rows) + min(len(sentences), LEAST) + len(steps) > left:
+        steps = _steps(answer.next[:1], origin, width)
+    left -= len(steps)
+    least = min(len(sentences), max(left - len(rows), LEAST))  # a long table leaves room for what to believe
+    kept = _cut(rows, left - least, width)
+    return (first, *kept, *_cut(sentences, left - len(kept), width), *steps, *wrote)
+
+
+def shortened(text: str, width: int) -> str:
+    """Return a text of at most so many columns, without its middle, because names differ at their ends."""
+    if len(text) <= width:
+        return text
+    end = (width - 1) * 2 // 3
+    return f"{text[: width - 1 - end]}{CUT}{text[len(text) - end :]}"
+
+
+def _first_line(answer: Answer, origin: Origin, width: int) -> str:
+    name = origin.logs[0].replace("\\", "/").rpartition("/")[2] if origin.logs else ""
+    more = f" and {len(origin.logs) - 1} more" if len(origin.logs) > 1 else ""
+    aside = f"  {answer.aside}" if answer.aside else ""
+    head = f"{origin.analysis.upper()}  "
+    room = max(int(NAMED * width), width - len(head) - len(f"{more}: {answer.about}{aside}"))
+    text = f"{head}{shortened(name, room)}{more}: {answer.about}"
+    if len(text) + len(aside) > width:
+        return shortened(text, width)
+    return f"{text}{aside.rjust(width - len(text))}" if aside else text
+
+
+def _rows(answer: Answer, width: int) -> list[str]:
+    cells = [row for row in (answer.headings, *answer.rows) if row]
+    if not cells:
+        return []
+    count = max(map(len, cells))
+    widths = [max(len(row[i]) if i < len(row) else 0 for row in cells) for i in range(count)]
+    lines = [
+        (" " * GAP).join(cell.ljust(size) for cell, size in zip(row, widths, strict=False)).rstrip() for row in cells
+    ]
+    return [line if len(line) <= width else f"{line[: width - 1]}{CUT}" for line in lines]
+
+
+def _steps(steps: Sequence[Step], origin: Origin, width: int) -> list[str]:
+    lines: list[str] = []
+    for step in steps:
+        command = step.command.replace("{log}", " ".join(map(_quoted, origin.logs)))
+        command = command.replace("{model}", _quoted(origin.model)).replace("{command}", origin.command)
+        label = "Next" if not lines else ""
+        text = f"{label.ljust(INDENT)}{command}"
+        whole = f"{text}  {step.why}"
+        lines += [whole] if len(whole) <= width or len(text) > width else [text, f"{' ' * INDENT}{step.why}"]
+    return lines
+
+
+def _quoted(path: str) -> str:
+    """Return a path as a shell takes it."""
+    return f'"{path}"' if any(c in path for c in " ()&;'") else path
+
+
+def _labelled(label: str, text: str, width: int) -> list[str]:
+    return textwrap.wrap(
+        f"{label.ljust(INDENT)}{text}",
+        width,
+        subsequent_indent=" " * INDENT,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
+def _cut(lines: list[str], most: int, width: int) -> list[str]:
+    """Return at most so many lines; the last one says if more follow."""
+    if len(lines) <= most:
+        return lines
+    if most < 1:
+        return []
+    return [*lines[: most - 1], f"{shortened(lines[most - 1], width - 2).rstrip(CUT)} {CUT}"]

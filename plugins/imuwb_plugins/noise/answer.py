@@ -1,0 +1,84 @@
+"""The answer of the noise analysis: N, B and K of each axis, and whether to trust them."""
+
+from collections.abc import Iterator, Mapping
+
+from imuwb.analysis import Answer, Step
+from imuwb.noise_results import by_sensor
+from imuwb.statistics import UNKNOWN, Coefficient
+from imuwb.texts import coefficient_cell, coefficient_text, duration_text, number_text
+from imuwb.units import UNITS, Unit, coefficient_units
+from imuwb_plugins.allan.result import Result as Allan
+from imuwb_plugins.allan.trust import YES, Trust, trust
+from imuwb_plugins.noise.repeatability import Repeatability
+from imuwb_plugins.noise.result import Result
+
+LETTERS = "NBK"
+SENTENCES = 3
+DRIVE = Step("imuwb outage DRIVE --error-model {model}", "how far a drive drifts")
+
+
+def answer(result: Result) -> Answer:
+    """Return N, B and K of one log, or what differs between several logs."""
+    if result.repeatability is not None:
+        return _of_many(result.repeatability)
+    allan: Allan = result.parts[0]["allan"]
+    trusts = {axis: trust(allan, axis) for axis in result.axes}
+    rows: list[tuple[str, ...]] = []
+    for own in by_sensor(result.axes).values():
+        for axis, r in own.items():
+            rows.append((axis.replace("_", " "), *_cells(axis, r.coefficients), trusts[axis].word))
+        rows.append(("", *(_unit(next(iter(own)), letter).name for letter in LETTERS)))
+    shaken = any(t.word == "shaken" for t in trusts.values())
+    first = Step("imuwb lssa {log}", "what shakes it, and how surely") if shaken else None
+    return Answer(
+        about_record(allan), ("", *LETTERS, "trust"), tuple(rows), tuple(sentences(trusts)),
+        (first, DRIVE) if first else (DRIVE, Step("imuwb model export {model} --to kalibr", "the numbers for an estimator")),
+        f"{100 * allan.level:g} % intervals",
+    )  # fmt: skip
+
+
+def about_record(allan: Allan) -> str:
+    """Return how long the record is, whether it is still, and its rates."""
+    rates = " and ".join(dict.fromkeys(f"{number_text(rate)} Hz" for rate in allan.rate_hz.values()))
+    still = "" if allan.moving is None else ", not still" if allan.moving else " still"
+    return f"{duration_text(allan.duration)}{still}, {rates}"
+
+
+def sentences(trusts: Mapping[str, Trust]) -> Iterator[str]:
+    """Yield what the words of trust mean, each word once; a sentence for a record without doubts."""
+    seen: dict[str, str] = {}
+    for one in trusts.values():
+        if one.word != YES:
+            seen.setdefault(one.word, one.sentence)
+    yield from list(seen.values())[:SENTENCES]
+    if not seen:
+        yield "Trust them: the record is still, its noise is steady, the estimators agree."
+
+
+def _cells(axis: str, coefficients: Mapping[str, Coefficient]) -> tuple[str, ...]:
+    return tuple(coefficient_cell(coefficients.get(letter, UNKNOWN), _unit(axis, letter)) for letter in LETTERS)
+
+
+def _unit(axis: str, letter: str) -> Unit:
+    """Return the unit of data sheets; for the bias instability of an accelerometer, it is µg."""
+    return UNITS["µg"] if letter == "B" and axis.startswith("accel") else coefficient_units(axis, letter)[1]
+
+
+def _of_many(repeatability: Repeatability) -> Answer:
+    rows = tuple(
+        (axis.replace("_", " "), coefficient_cell(own["N"].mean, _unit(axis, "N")), coefficient_cell(own["B"].mean, _unit(axis, "B")),
+         coefficient_text(repeatability.turn_on[axis].sigma, coefficient_units(axis, "rate")[1]) if axis in repeatability.turn_on else "—")
+        for axis, own in repeatability.coefficients.items()
+    )  # fmt: skip
+    units = tuple(f"{letter} [{_unit('gyro_x', letter).name}; {_unit('accel_x', letter).name}]" for letter in "NB")
+    count = len(repeatability.names)
+    differ = ", ".join(repeatability.differ)
+    text = (
+        f"The logs differ in {differ}: more than chance explains (1 % over all comparisons)."
+        if differ
+        else "No coefficient differs from log to log by more than chance explains."
+    )
+    return Answer(
+        f"{count} logs of one sensor", ("", *units, "bias from turn-on to turn-on"), rows, (text,), (DRIVE,),
+        f"{100 * repeatability.level:g} % intervals",
+    )  # fmt: skip

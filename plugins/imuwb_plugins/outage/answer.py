@@ -1,0 +1,132 @@
+"""The answer of an outage replay: how far each filter drifts, whether its sigma can be believed, and which filter to take."""
+
+from collections.abc import Iterator, Sequence
+from math import isfinite
+
+from imuwb.analysis import Answer, Step
+from imuwb.replay import ENOUGH, Consistency, MotionNoise
+from imuwb.texts import number_text
+from imuwb_plugins.outage import figures
+from imuwb_plugins.outage.drives import Drives
+from imuwb_plugins.outage.result import DurationSummary, FilterSummary, Result
+
+SHOWN = (30.0, 60.0)  #: s; outages as long as these are shown, else the two longest
+FILTERS = 6  #: rows
+NOISIER = 1.2  #: times the bench's noise; less is not worth a sentence
+CAUSES = ("misfit", "refused-positions")  #: ids of notes that say why a sigma is wrong
+TUNE = Step("{command} --tune", "fit the noise to this drive")
+AIDS = Step("{command} --straight 0.2 --still 0.05", "a car does not slip: bounds the drift")
+MODEL = Step("{command} --save-model motion.toml", "keep the noise that this drive shows")
+
+
+def answer(result: Result | Drives) -> Answer:
+    """Return the drift of each filter after 30 and 60 s, the best filter first.
+
+    The best filter is the one with which the errors at the end of the longest outages are most likely (``imuwb.replay.choose``);
+    where too few outages show that, the one with the smallest median. The likelihood counts how far a filter drifts and also
+    whether it knows how far.
+    """
+    drives = isinstance(result, Drives)
+    durations = _shown(result.pooled if drives else result.summary)
+    if not durations:
+        return Answer("no outage is scored", sentences=tuple(result.notes[:3]))
+    last = durations[-1]
+    names = _order(last)
+    rows = tuple(
+        (name, *(_drift(own.models.get(name)) for own in durations), sigma_text(last.models[name]))
+        for name in names[:FILTERS]
+    )
+    failed = next(iter(result.drives.values())).failed if drives else result.failed
+    right = believed(last.models[names[0]])
+    return Answer(
+        _about(result, durations), ("filter", *(f"{own.duration:g} s without GNSS" for own in durations), "its sigma is"),
+        (*rows, *((name, "cannot run") for name in failed)), tuple(_sentences(result, durations, names)),
+        (AIDS,) if right else (TUNE, AIDS), "median, 95 % interval", figures.drift(last),
+    )  # fmt: skip
+
+
+def believed(own: FilterSummary) -> bool | None:
+    """Return whether a filter's sigma at the end is right, by the interval of NEES for outages that do not overlap; None: unknown."""
+    last = _last(own)
+    return None if last is None else last.lower <= last.nees_per_dof <= last.upper
+
+
+def sigma_text(own: FilterSummary) -> str:
+    """Return what follows "its sigma is": right, or how many times too small or too large."""
+    last, right = _last(own), believed(own)
+    if last is None or right is None:
+        return "not to be judged"
+    if right:
+        return "right"
+    ratio, word = (last.ratio, "small") if last.ratio > 1 else (1 / last.ratio, "large")
+    return f"{ratio:.1f} times too {word}"
+
+
+def _last(own: FilterSummary) -> Consistency | None:
+    return own.consistency[-1] if own.consistency and own.effective_count >= ENOUGH else None
+
+
+def _shown(summaries: Sequence[DurationSummary]) -> list[DurationSummary]:
+    known = [own for own in summaries if own.models]
+    usual = [own for own in known if own.duration in SHOWN]
+    return usual or sorted(known, key=lambda own: own.duration)[-2:]
+
+
+def _order(last: DurationSummary) -> list[str]:
+    """Return the filters, the best first."""
+    names = sorted(last.models, key=lambda name: last.models[name].median_end)
+    if last.choice is None:
+        return names
+    likely = [candidate.model for candidate in last.choice.candidates]
+    return [*likely, *(name for name in names if name not in likely)]
+
+
+def _drift(own: FilterSummary | None) -> str:
+    if own is None:
+        return "—"
+    low, high = own.median_end_interval
+    return f"{number_text(own.median_end)} m [{number_text(low)}, {number_text(high)}]"
+
+
+def _about(result: Result | Drives, durations: Sequence[DurationSummary]) -> str:
+    first = [next(iter(own.models.values())) for own in durations]
+    counts = " and ".join(f"{s.count} outages of {own.duration:g} s" for own, s in zip(durations, first, strict=True))
+    return f"{len(result.drives)} drives, {counts}" if isinstance(result, Drives) else counts
+
+
+def _sentences(result: Result | Drives, durations: Sequence[DurationSummary], names: Sequence[str]) -> Iterator[str]:
+    last, best = durations[-1], names[0]
+    own = last.models[best]
+    if len(names) > 1 and last.choice is not None:
+        folds = f"in {last.choice.candidates[0].folds} of {last.choice.folds} parts of the drive"
+        yield f"Choose {best}: its errors are the most likely ones {folds}. {_verdict(own)}"
+    else:
+        yield f"{best}: {_verdict(own)}"
+    yield f"1 in 20 outages of {last.duration:g} s ends beyond {number_text(own.p95_end)} m."
+    yield from _causes(result, own)
+    if isinstance(result, Result):
+        counts = " and ".join(str(next(iter(d.models.values())).effective_count) for d in durations)
+        yield f"Measured against {result.reference}; {counts} of the outages do not overlap."
+
+
+def _causes(result: Result | Drives, own: FilterSummary) -> Iterator[str]:
+    """Yield why a bench's sigma is wrong on the road: how much noisier the sensors are in motion, or that a filter does not fit."""
+    noisier = [] if isinstance(result, Drives) or result.motion is None else list(_noisier(result.motion))
+    if noisier:
+        yield f"On this drive {' and '.join(noisier)} noisier than on the bench."
+    elif not believed(own):
+        yield from (f"{note[:1].upper()}{note[1:]}." for note in result.notes if getattr(note, "id", "") in CAUSES)
+
+
+def _noisier(motion: MotionNoise) -> Iterator[str]:
+    for kind, name in (("gyro", "gyros"), ("accel", "accelerometers")):
+        factors = sorted(f.value for axis, f in motion.factors.items() if axis.startswith(kind) and isfinite(f.value))
+        if factors and factors[len(factors) // 2] >= NOISIER:
+            yield f"the {name} are {number_text(factors[len(factors) // 2])} times"
+
+
+def _verdict(own: FilterSummary) -> str:
+    right = believed(own)
+    if right is None:
+        return f"Its sigma cannot be judged: {own.effective_count} outages that do not overlap; {ENOUGH} are needed."
+    return "Believe its sigma." if right else f"Do not believe its sigma: it is {sigma_text(own)}."
