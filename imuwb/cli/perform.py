@@ -27,6 +27,7 @@ from imuwb.progress import watched
 from imuwb.readers.bytes.address import Place, place_of
 from imuwb.review.default_answer import default_answer
 from imuwb.review.document import document
+from imuwb.review.log_state import log_state
 from imuwb.review.overview import overview
 from imuwb.review.panel import Origin, panel
 from imuwb.review.recording import RecordingReview
@@ -115,6 +116,8 @@ def _drawn(
             answer = (
                 plugin.answer(done.result) if offers(analysis, "answer") else default_answer(logs, shown[beginning:])
             )
+            if not getattr(analysis, "SHOWS_FAULTS", False):
+                answer = replace(answer, sentences=(*log_state(logs), *answer.sentences))
         origin = Origin(name, tuple(map(str, paths)), "" if objections else str(places.model or ""), command=_typed())
         review.summary(panel(answer, origin), answer.figure)
         text = document(name, __version__, done.parameters, done.result, logs, review.notes, done.study)

@@ -1,0 +1,64 @@
+import pytest
+
+from imuwb.analysis import Answer, Step
+from imuwb.review.panel import HEIGHT, WIDTH, Origin, panel, shortened
+
+ROWS = tuple((f"gyro {axis}", "2.40 [2.38, 2.43]", "40 [32, 47]", "yes") for axis in "xyz")
+ANSWER = Answer(
+    "1 h still, 20 Hz", ("", "N", "B", "trust"), ROWS, ("Trust them.",),
+    (Step("imuwb outage DRIVE --error-model {model}", "how far a drive drifts"),), "95 % intervals",
+)  # fmt: skip
+ORIGIN = Origin("noise", ("logs/static.mcap",), "static.error-model.toml", ("static.rrd (imuwb view)",))
+
+
+def test_the_answer_comes_first_and_the_files_last():
+    lines = panel(ANSWER, ORIGIN)
+    assert lines[0].startswith("NOISE  static.mcap: 1 h still, 20 Hz")
+    assert lines[0].endswith("95 % intervals")
+    assert len(lines[0]) == WIDTH
+    assert lines[-1].split() == ["Wrote", "static.rrd", "(imuwb", "view)"]
+    assert any("--error-model static.error-model.toml" in line for line in lines)
+    # Columns are aligned.
+    assert {line.index("2.40") for line in lines if "2.40" in line} == {lines[1].index("N")}
+
+
+@pytest.mark.parametrize("width", [60, 80, 100])
+@pytest.mark.parametrize("rows", [0, 3, 40])
+@pytest.mark.parametrize("words", [1, 400])
+def test_no_panel_is_larger_than_its_screen(width, rows, words):
+    answer = Answer(
+        "x" * 90,
+        ("a", "b"),
+        ((("cell " * 9).strip(), "other " * 9),) * rows,
+        ("word " * words,) * 3,
+        ANSWER.next * 4,
+        "aside",
+    )
+    lines = panel(answer, ORIGIN, width)
+    assert len(lines) <= HEIGHT
+    commands = [line for line in lines if "imuwb" in line]
+    assert all(len(line) <= width for line in lines if line not in commands)
+    assert len(commands) >= 2  # the next command and what was written are always there
+    if rows and words > 1:
+        assert sum("word" in line for line in lines) >= 2  # a long table leaves room for what to believe
+
+
+def test_what_is_left_out_shows_at_the_end_of_the_last_line():
+    lines = panel(Answer("many", ("a",), tuple((f"row {i}",) for i in range(40))), ORIGIN)
+    assert lines[-2].endswith("…")
+    assert "row 0" in lines[2]
+
+
+def test_names_are_shortened_in_the_middle():
+    assert shortened("short.mcap", 20) == "short.mcap"
+    text = shortened("a_very_long_name_of_a_drive_2024-05-01.mcap", 20)
+    assert len(text) == 20
+    assert text.startswith("a_ver")
+    assert text.endswith("05-01.mcap")
+
+
+def test_several_logs_are_counted_and_paths_with_blanks_are_quoted():
+    step = Step("imuwb lssa {log}", "why")
+    lines = panel(Answer("two", next=(step,)), Origin("noise", ("my logs/a.csv", "b.csv")))
+    assert lines[0].startswith("NOISE  a.csv and 1 more: two")
+    assert 'imuwb lssa "my logs/a.csv" b.csv' in lines[1]
