@@ -18,5 +18,5 @@ def log_state(logs: Sequence[Log]) -> tuple[str, ...]:
     if faults:
         worst, count = faults[0], len(faults)
         some = "a fault" if count == 1 else f"{count} faults; the worst"
-        sentences.append(f"The log has {some}: {worst.stream}: {worst.what} (imuwb health shows all).")
+        sentences.append(f"The log has {some}: {worst.stream}: {worst.what}.")
     return tuple(sentences)
