@@ -285,7 +285,7 @@ class Orientation(_Timed):
 class Provenance:
     """The file that a log was read from, and its reader's format."""
 
-    path: str
+    path: str  #: or its address, without secrets
     format: str
     hash: str  #: "sha256:..." of the file's bytes; of a part of a large file, "sha256-ends:..." of its size, first and last MiB
     size: int  #: bytes

@@ -7,6 +7,7 @@ import re
 import threading
 from dataclasses import dataclass, field
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from time import sleep
 from typing import TYPE_CHECKING
 
 import pytest
@@ -41,6 +42,7 @@ class WebServer:
     cut: int | None = None  #: bytes after which the connection ends
     cuts: int = 10**9  #: how often
     claimed: int = 0  #: bytes that are stated besides those that are sent
+    slow: bool = False  #: whether a body comes in many pieces
     silent: bool = False  #: whether nothing is answered
     page: bytes = b""  #: the answer where there is no object
     then: Callable[[], None] | None = None  #: called when an answer is chosen, before it is sent
@@ -115,7 +117,10 @@ class _Handler(BaseHTTPRequestHandler):
             self.close_connection = True
         if self.web.claimed:
             self.close_connection = True
-        self.wfile.write(body)
+        step = 1 + (len(body) // 20 if self.web.slow else len(body))
+        for at in range(0, len(body), step):
+            self.wfile.write(body[at : at + step])
+            sleep(0.002 if self.web.slow else 0)
         self.web.sent += len(body)
 
 

@@ -142,7 +142,9 @@ class Transfer:
         if self.size is None and self.ranged and (isinstance(error, NotSupportedError) or number == NO_SUCH_RANGE):
             raise NoRangesError from None
         if isinstance(error, ValueError):
-            return Fault("obstore asks for no name with an empty part, . or ..; copy the object to another name")
+            return Fault(
+                "obstore asks for no name with an empty part, a part . or .., or control letters; copy the object to another name"
+            )
         if number:
             return Fault(f"its host answers with status {number}{named}", passing=number >= 500 or number in _PASSING)  # noqa: PLR2004
         known = next((part for part in _FAULTS if part in text), "")

@@ -165,6 +165,11 @@ def test_a_copy_goes_on_where_it_ended(web, ranges):
     assert read(web.url("log.csv")).provenance.hash == digest(content)
 
 
+def test_a_slow_server_that_is_cut_now_and_then(web, imu_mcap):
+    web.objects["log.mcap"], web.slow, web.cut, web.cuts = imu_mcap, True, len(imu_mcap) // 4, 3
+    assert read(web.url("log.mcap")).provenance.hash == digest(imu_mcap)
+
+
 def test_a_connection_that_is_always_cut_ends_with_its_place(web, copies):
     web.objects["log.csv"], web.cut = (content := rows(6000)), 1000
     with pytest.raises(UnreadableLogError, match=rf"byte \d+000 of {len(content)} after {transfer.ATTEMPTS} attempts"):
