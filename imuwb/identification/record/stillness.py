@@ -13,6 +13,11 @@ from imuwb.sampling import runs
 BLOCK = 1.0  #: s
 SCATTER = 3.0  #: ratio of a block's standard deviation to the median, above which the block is disturbed
 JUMP = 8.0  #: standard errors between a block's mean and the running median of the means, above which the block is disturbed
+TURNS = 0.05  #: rad/s; the mean rate of a second that differs by more from the running median is a turn, in any record
+LOOKED_AT, NOISY = (
+    200_000,
+    8.0,
+)  #: samples that show the noise; and times the standard error of a mean, at least, of such a turn
 WINDOW = 61  #: blocks of that running median
 FEWEST_BLOCKS = 10
 FEWEST_SAMPLES = 4  #: samples of a block that is tested
@@ -63,7 +68,9 @@ def stillness(axes: Mapping[str, tuple[Floats, Floats]], travels: Floats | None 
     """Return the disturbances of a record of several axes; None where the record is too short, or its rate too low.
 
     A block of one second is disturbed if its standard deviation is three times the usual one of the record, or if its mean is
-    eight standard errors, and one usual deviation, from the running median. Seconds without samples are no blocks.
+    eight standard errors, and one usual deviation, from the running median. Seconds without samples are no blocks. A record without a
+    rest has no quiet blocks to compare with; so a block of a gyro (an axis of that name, in rad/s) is also disturbed if its mean rate
+    differs by 3 deg/s from the running median.
 
     Args:
         axes: name -> (time in s, values); the axes need not share a clock, and may have gaps.
@@ -81,7 +88,7 @@ def stillness(axes: Mapping[str, tuple[Floats, Floats]], travels: Floats | None 
     judged = [axis for axis, row in rows.items() if np.count_nonzero(np.diff(row) >= FEWEST_SAMPLES) >= FEWEST_BLOCKS]
     if not judged:
         return None
-    scored = {axis: _seconds(rows[axis], axes[axis][1]) for axis in judged}
+    scored = {axis: _seconds(rows[axis], axes[axis][1], _turning(axis)) for axis in judged}
     scores = {axis: own.score for axis, own in scored.items()}
     moving = any(own.restless for own in scored.values())
     worst = np.max(list(scores.values()), axis=0)
@@ -155,12 +162,18 @@ class _Seconds:
         return most
 
 
-def _seconds(rows: Integers, values: Floats) -> _Seconds:
+def _turning(axis: str) -> float:
+    """Return the rate from which a second of a gyro is disturbed however the others are; infinite for other axes."""
+    return TURNS if axis.startswith("gyro") else float("inf")
+
+
+def _seconds(rows: Integers, values: Floats, turning: float) -> _Seconds:
     """Return what the blocks of an axis show.
 
     Args:
         rows: first row of each block, and the row after the last block.
         values: (n,) samples of the axis.
+        turning: a second whose mean is further than this from the running median is disturbed.
     """
     sizes = np.diff(rows)
     score = np.zeros(sizes.size)
@@ -180,6 +193,9 @@ def _seconds(rows: Integers, values: Floats) -> _Seconds:
     drift = np.abs(mean - ndimage.median_filter(mean, min(WINDOW, mean.size | 1), mode="nearest"))
     wobble = max(float(np.median(drift)) * 1.4826, usual / np.sqrt(float(np.median(sizes[full]))))
     score[full] = np.maximum(deviation / (usual * SCATTER), np.minimum(drift / (wobble * JUMP), drift / usual))
+    changes = np.abs(np.diff(values[:LOOKED_AT]))
+    noise = float(np.median(changes)) / np.sqrt(float(np.median(sizes[full])))
+    score[full] = np.maximum(score[full], drift / max(turning, NOISY * noise))
     within, between = np.full((2, sizes.size), np.nan)
     within[full], between[full] = deviation**2, drift**2
     return _Seconds(score, restless, within, between)
