@@ -124,6 +124,7 @@ def _velocity_along_course(si: Values) -> Floats | None:
     if speed is None or course is None:
         return None
     down = si.get(("velocity_down", 0), np.full_like(speed, np.nan))
+    course = np.where(np.isfinite(course), course, np.nan)
     return np.stack([speed * np.cos(course), speed * np.sin(course), down], axis=1)
 
 

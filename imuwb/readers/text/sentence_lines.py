@@ -55,7 +55,7 @@ def _novatel(text: bytes) -> Line | None:
         return None
     week, time = (head[5], head[6]) if len(head) >= _LONG else (head[1], head[2])
     sound = crc32(text[1 : text.rindex(b"*")]) == int(match[4], 16)
-    return Line(match[1].decode(), (*_cells(week + b"," + time, b","), *_cells(match[3], b",")), sound)
+    return Line(match[1].decode(), _cells(b",".join((week, time, match[3])), b","), sound)
 
 
 def _dollar(text: bytes, at: int) -> Line | None:
@@ -78,4 +78,4 @@ def _dollar(text: bytes, at: int) -> Line | None:
 
 
 def _cells(text: bytes, separator: bytes) -> tuple[str, ...]:
-    return tuple(cell.strip() for cell in text.decode("ascii", "replace").split(separator.decode()))
+    return tuple(map(str.strip, text.decode("ascii", "replace").split(separator.decode())))

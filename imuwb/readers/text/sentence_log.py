@@ -54,8 +54,8 @@ class SentenceLog:
             if sentence is not None:
                 self._by_tag[f"${tag}"] = sentence
 
-    def take(self, line: Line, bytes_read: int) -> Iterator[Batch]:
-        """Take a sentence, and yield the streams of its kind if there are enough."""
+    def take(self, line: Line) -> None:
+        """Take a sentence."""
         sentence = self._by_tag.get(line.tag)
         if sentence is None:
             self._unknown.update([line.tag] if line.tag not in _ABOUT else [])
@@ -67,9 +67,11 @@ class SentenceLog:
             self._unknown[line.tag] += 1
             return
         key = line.tag, device_of(sentence, line)
-        waiting = self._waiting[key]
-        waiting.append(Row(line.cells, line.stamp))
-        if len(waiting) >= ROWS:
+        self._waiting[key].append(Row(line.cells, line.stamp))
+
+    def full(self, bytes_read: int) -> Iterator[Batch]:
+        """Yield the streams of the kinds of which many sentences wait."""
+        for key in [key for key, waiting in self._waiting.items() if len(waiting) >= ROWS]:
             yield from self._decoded(key, bytes_read)
 
     def rest(self, bytes_read: int) -> Iterator[Batch]:

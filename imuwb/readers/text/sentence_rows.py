@@ -13,7 +13,7 @@ from imuwb.log import BY_FILTER, MEAN_SEA_LEVEL, Kind, Origin
 from imuwb.readers.batch import Batch
 from imuwb.readers.gps_time import unix_of_gps
 from imuwb.readers.read_options import ReadOptions
-from imuwb.readers.text.clock import OUR_DAYS
+from imuwb.readers.text.clock import LATEST, OUR_DAYS
 from imuwb.readers.text.column_names import Column
 from imuwb.readers.text.csv_streams import heights_above_sea, streams_of
 from imuwb.readers.text.gravity import check_gravity
@@ -27,6 +27,7 @@ from imuwb.units import SECOND, Epoch, Unit, unit, unix_nanoseconds
 
 #: unit of a time -> its decimals down to 1 ns
 _DIGITS = {"s": 9, "ms": 6, "us": 3, "ns": 0}
+LONGEST = 20  #: digits of a whole number that may fit into int64
 DEG_S, MILLI_G = "deg/s", "mg"
 
 
@@ -153,14 +154,17 @@ def device_of(sentence: Sentence, line: Line) -> str:
 
 
 def exact(cell: str, digits: int) -> int | None:
-    """Return a decimal number times ten to the power of ``digits``, as a whole number; None for another text."""
+    """Return a decimal number times ten to the power of ``digits``, as a whole number; None for another text, and beyond int64."""
+    whole, _, fraction = cell.lstrip("+-").partition(".")
+    if (whole + fraction).isdigit() and cell.isascii():
+        number = int(whole[:LONGEST] + fraction[:digits].ljust(digits, "0"))
+        if len(whole) > LONGEST or number >= LATEST:
+            return None
+        return -number if cell.startswith("-") else number
     if not is_number(cell) or "n" in cell.lower():
         return None
-    if "e" in cell.lower():
-        return round(float(cell) * 10**digits)
-    whole, _, fraction = cell.lstrip("+-").partition(".")
-    number = int((whole or "0") + fraction[:digits].ljust(digits, "0"))
-    return -number if cell.startswith("-") else number
+    value = float(cell) * 10**digits
+    return round(value) if abs(value) < LATEST else None
 
 
 def _date(cell: str) -> int | None:

@@ -53,7 +53,8 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
             *whole, rest = (rest + block).split(b"\n")
             for text in (*whole, rest) if last else whole:
                 if (line := line_of(text)) is not None:
-                    yield from log.take(line, source.position(file))
+                    log.take(line)
+            yield from log.full(source.position(file))
         yield from log.rest(source.position(file))
     yield from map(Remark, notes)
     yield from log.remarks()

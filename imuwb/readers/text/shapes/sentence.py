@@ -3,7 +3,7 @@
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 from importlib.resources import files
 from typing import Any
 
@@ -16,7 +16,7 @@ DESCRIBED = "$COL"  #: tag of the sentence with which a file names the cells of 
 _OWN = ("tags", "only", "stream", "device", "scale")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Sentence:
     """The cells of one kind of sentence; the table's first lines say what each part means."""
 
@@ -27,7 +27,7 @@ class Sentence:
     device: int = -1  #: cell with the type of the IMU; -1: there is none
     scale: str = ""  #: name of the table of scales by type; empty: the numbers have units
 
-    @property
+    @cached_property
     def needed(self) -> int:
         """Number of cells up to the last one that has a meaning."""
         return max(cell for cell, meaning in enumerate(self.shape.row) if meaning is not None) + 1
