@@ -112,21 +112,29 @@ class RemoteLog:
             UnreadableLogError: the transfer ended, or the disk has no room for the log.
         """
         if self._copy is None:
-            self._folder = tempfile.TemporaryDirectory(prefix="imuwb-", ignore_cleanup_errors=True)
-            copy = Path(self._folder.name) / self.address.file_name
-            with copy.open("wb") as file:
-                for piece in self._in_order():
-                    if not file.tell():
-                        self._check_room(copy)
-                    self._hash(file.tell(), piece)
-                    file.write(piece)
-                    if progress is not None:
-                        progress(file.tell(), self.size)
+            try:
+                self._copy = self._written(progress)
+            except OSError as error:
+                text = f"{self}: its copy cannot be written: {error.strerror or error}; set TMPDIR to another folder"
+                raise UnreadableLogError(text) from None
             self._blocks.clear()
-            self._copy = copy
         for name in beside:
             self._copy_beside(self._copy, name)
         return self._copy
+
+    def _written(self, progress: Progress | None) -> Path:
+        """Write the log to a file in a new folder."""
+        self._folder = tempfile.TemporaryDirectory(prefix="imuwb-", ignore_cleanup_errors=True)
+        copy = Path(self._folder.name) / self.address.file_name
+        with copy.open("wb") as file:
+            for piece in self._in_order():
+                if not file.tell():
+                    self._check_room(copy)
+                self._hash(file.tell(), piece)
+                file.write(piece)
+                if progress is not None:
+                    progress(file.tell(), self.size)
+        return copy
 
     def fingerprint(self) -> str:
         """Return ``sha256:...`` of the bytes; empty if only parts of the log were read."""
@@ -150,8 +158,8 @@ class RemoteLog:
         except ImuwbError as error:
             if self._copy is None:
                 raise
-            text = str(error).replace(f"{self._copy.parent}{os.sep}", str(self.address.beside("")))
-            raise type(error)(text.replace(self._copy.name, self.name)) from None
+            text = str(error).replace(str(self._copy), str(self))
+            raise type(error)(text.replace(f"{self._copy.parent}{os.sep}", str(self.address.beside("")))) from None
 
     def part(self, at: int, most: int) -> bytes:
         """Return bytes from an offset on, at least one and at most ``most``; none at the end."""

@@ -292,6 +292,13 @@ def test_a_disk_without_room(web, monkeypatch, copies):
     assert list(copies.iterdir()) == []
 
 
+def test_a_folder_of_copies_that_cannot_be_written(web, monkeypatch, tmp_path):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "none"))
+    web.objects["log.csv"] = rows()
+    with pytest.raises(UnreadableLogError, match="TMPDIR"):
+        read(web.url("log.csv"))
+
+
 def test_the_sidecar_of_a_remote_log_is_asked_for_once(web):
     web.objects["a/log.csv"] = rows(header=HEADER.replace("_dps", "").replace("_g", ""))
     web.objects["a/log.toml"] = b'units = { gyro = "deg/s", accel = "g" }\n'
