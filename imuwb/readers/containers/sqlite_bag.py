@@ -12,7 +12,6 @@ from imuwb.readers.containers.messages import Channel, Container, Messages, Sche
 from imuwb.readers.containers.recording_folder import Form, has_recording
 from imuwb.readers.containers.split import container_of
 from imuwb.readers.containers.sqlite_file import MAGIC, in_wal_mode, opened
-from imuwb.readers.containers.topics import streamed
 from imuwb.readers.read_options import ReadOptions
 
 format = "db3"  # noqa: A001 - the contract's name
@@ -46,6 +45,8 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     Raises:
         UnreadableLogError: the database is no recording of ROS 2, or has no readable message.
     """
+    from imuwb.readers.containers.topics import streamed  # noqa: PLC0415 - a log of another format must not wait for it
+
     return streamed(path, container_of(path, FORM, Database), options)
 
 
