@@ -22,7 +22,6 @@ from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text.cells import converted
 from imuwb.readers.text.column_names import with_units
 from imuwb.readers.text.layout import SAMPLE, Layout
-from imuwb.readers.text.stamps import words_of
 from imuwb.readers.text.text_table import table
 
 ROWS = 32_768  #: in a piece
@@ -145,12 +144,6 @@ def _leaves(schema: pa.Schema, first: pa.RecordBatch, tops: list[str]) -> list[_
         for name, cells in _flat(top, first.column(top)):
             shown = _shown(name, measure or _unit_of_type(cells.type))
             leaves.append(_Leaf(top, name, shown, tuple(_texts(cells.slice(0, SAMPLE)))))
-    times = [i for i, leaf in enumerate(leaves) if set(words_of(leaf.name)) & {"time", "timestamp", "stamp", "t"}]
-    if not times:  # an index of times has no name, or any
-        for i, leaf in enumerate(leaves):
-            if pa.types.is_timestamp(dict(_flat(leaf.top, first.column(leaf.top)))[leaf.name].type):
-                leaves[i] = _Leaf(leaf.top, leaf.name, "time", leaf.cells)
-                break
     return leaves
 
 

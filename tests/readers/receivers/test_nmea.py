@@ -74,6 +74,7 @@ def test_without_a_date_times_count_from_midnight(log_of):
     midnight = ns(START.replace(hour=0, minute=0, second=0))
     assert log.gnss[0].time.tolist() == [ns(at(i)) - midnight for i in range(20)]
     assert log.gnss[0].origin.epoch == "log"
+    assert not log.gnss[0].origin.repairs
     assert "no_date" in ids(log.notes)
 
 

@@ -86,9 +86,9 @@ def time_gps(when, rest=0):
 
 
 def measured(tag, values, *, source=0, calibrated=None):
-    """Return ESF-MEAS of {type: number}."""
+    """Return ESF-MEAS of {type: number}; a bit that has no meaning is set."""
     flags = (len(values) << 11) | (8 if calibrated is not None else 0)
-    words = [((kind & 63) << 24) | (number & 0xFFFFFF) for kind, number in values.items()]
+    words = [((kind & 63 | 64) << 24) | (number & 0xFFFFFF) for kind, number in values.items()]
     tail = b"" if calibrated is None else struct.pack("<I", calibrated)
     return frame(
         0x1002, struct.pack("<IHH", tag % 2**32, flags, source) + struct.pack(f"<{len(words)}I", *words) + tail

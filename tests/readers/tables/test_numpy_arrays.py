@@ -73,13 +73,13 @@ def test_absurd_counts_are_refused(tmp_path):
     path = tmp_path / "log.npy"
     np.save(path, TIME)
     data = path.read_bytes()
-    path.write_bytes(data.replace(b"(500,)", b"(5" + b"0" * 15 + b",)", 1).replace(b" " * 14 + b"\n", b"\n", 1))
-    with pytest.raises(UnreadableLogError, match=r"log\.npy"):
+    path.write_bytes(data.replace(b"(500,)", b"(5" + b"0" * 15 + b",)", 1).replace(b" " * 13 + b"\n", b"\n", 1))
+    with pytest.raises(UnreadableLogError, match="than the file has"):
         read(path)
     inner = io.BytesIO(path.read_bytes())
     with zipfile.ZipFile(tmp_path / "log.npz", "w") as archive:
         archive.writestr("time_s.npy", inner.getvalue())
-    with pytest.raises(UnreadableLogError, match=r"log\.npz"):
+    with pytest.raises(UnreadableLogError, match="than the file has"):
         read(tmp_path / "log.npz")
 
 

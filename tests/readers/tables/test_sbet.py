@@ -27,12 +27,12 @@ def positions():
 PLACE = positions()
 
 
-def rows(wander=0.0, velocity=None):
+def rows(wander=0.0, velocity=None, slip=0.0):
     wandering = np.full(N, wander)
     turned = np.column_stack([
         NED[:, 0] * np.cos(wander) - NED[:, 1] * np.sin(wander), NED[:, 0] * np.sin(wander) + NED[:, 1] * np.cos(wander), NED[:, 2],
     ])  # fmt: skip
-    attitude = np.column_stack([np.full(N, 0.01), np.full(N, -0.02), HEADING + wander])
+    attitude = np.column_stack([np.full(N, 0.01), np.full(N, -0.02), HEADING + wander + slip])
     return np.column_stack(
         [TIME, PLACE, turned if velocity is None else velocity, attitude, wandering, np.zeros((N, 6))]
     ).astype("<f8")
@@ -63,7 +63,9 @@ def test_a_trajectory(log_of, wander):
 
 
 def test_velocities_along_the_vehicle(log_of):
-    log = log_of(rows(velocity=np.column_stack([np.full(N, SPEED), np.zeros(N), np.full(N, -DOWN)])))
+    left, slip = np.full(N, SPEED * np.sin(0.4)), 0.4  # the vehicle points right of its course
+    forward, up = np.full(N, SPEED * np.cos(slip)), np.full(N, -DOWN)
+    log = log_of(rows(velocity=np.column_stack([forward, left, up]), slip=slip))
     np.testing.assert_allclose(log.references[0].velocity, NED, atol=1e-12)
 
 
