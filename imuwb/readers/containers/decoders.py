@@ -67,13 +67,14 @@ class _RosDecoder:
             yield ros_layout.text(self._plan or (), self._wire, _payload(messages, row), path)
 
     def _fitting(self, messages: Messages, rows: Integers) -> ros_layout.Plan:
+        """Return the plan that fits most of some messages, and at least half of them, with the fewest bytes left."""
         payloads = [_payload(messages, row) for row in rows]
-        found: dict[int, ros_layout.Plan] = {}
+        found: dict[tuple[int, int], ros_layout.Plan] = {}
         for steps, whole in self._forms:
             rests = [ros_layout.surplus(steps, self._wire, payload, whole=whole) for payload in payloads]
             known = [rest for rest in rests if rest is not None]
-            if len(known) == len(rests):
-                found.setdefault(sum(known), steps)
+            if 2 * len(known) >= len(rests):
+                found.setdefault((len(rests) - len(known), sum(known)), steps)
         if not found:
             raise CannotDecodeError(f"no definition that is known fits its messages; {GIVE}")
         return found[min(found)]

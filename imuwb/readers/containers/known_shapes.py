@@ -37,6 +37,8 @@ IMU_UNITS, ABOVE_SEA = "rad/s, m/s²", f"deg, m ({MEAN_SEA_LEVEL}), m/s"
 ESTIMATE = f"NED, {BY_FILTER}"
 _E7, _MM = 1e-7 * DEGREES, 1e-3
 _RECEIVER = re.compile(r"(?:^|[/_.])(?:gps|gnss|fix|navsat|ublox)")
+_RATES = re.compile(r"(?:^|[/_])(?:gyro|angular_velocity|angular_rate)(?:$|[/_])")
+_FORCES = re.compile(r"(?:^|[/_])(?:accel|acceleration|accelerometer|linear_acceleration|specific_force)(?:$|[/_])")
 _HALF = re.compile(r"imu|gyro|accel|fog", re.IGNORECASE)
 
 
@@ -59,6 +61,15 @@ def _is_speed(schema: str, topic: str) -> bool:
 
 def _is_half(schema: str, topic: str) -> bool:
     return _HALF.search(topic) is not None or _HALF.search(schema) is not None
+
+
+def _is_vector_of(name: re.Pattern[str]) -> Callable[[str, str], bool]:
+    """Return the test whether a topic of bare vectors has a name that tells what they are."""
+
+    def allowed(schema: str, topic: str) -> bool:
+        return schema.endswith("Vector3Stamped") and name.search(topic.lower()) is not None
+
+    return allowed
 
 
 def _of(*names: str) -> Callable[[str, str], bool]:
@@ -237,9 +248,16 @@ ROS = (
         whole("velocity_sigma", "velocity_sigma", needed=False), whole("attitude_sigma", "attitude_sigma", needed=False)),
         "rad, m, m/s", "NED"),
 )  # fmt: skip
+_ACCELERATION = triad("specific_force", *xyz("accel.linear"))
+_VECTOR_RATE, _VECTOR_FORCE = triad("angular_rate", *xyz("vector")), triad("specific_force", *xyz("vector"))
 #: A message of an IMU's own type may have only one of its sensors.
 HALVES = (
     Shape("imu", "angular_velocity.x", (_RATE,), IMU_UNITS, FORWARD_LEFT_UP, allowed=_is_half),
     Shape("imu", "linear_acceleration.x", (_FORCE,), IMU_UNITS, FORWARD_LEFT_UP, allowed=_is_half),
+    Shape("imu", "accel.linear.x", (_ACCELERATION,), IMU_UNITS, FORWARD_LEFT_UP, allowed=_of("Stamped"), gravity=True),
+    Shape("imu", "vector.x", (_VECTOR_RATE,), IMU_UNITS, FORWARD_LEFT_UP, allowed=_is_vector_of(_RATES)),
+    Shape(
+        "imu", "vector.x", (_VECTOR_FORCE,), IMU_UNITS, FORWARD_LEFT_UP, allowed=_is_vector_of(_FORCES), gravity=True
+    ),
 )
 SHAPES = ((*PX4, *NOVATEL, *VECTORNAV, *SEPTENTRIO, *UBLOX, *OTHERS), ROS, HALVES)

@@ -46,6 +46,7 @@ class Shape:
     stamps: tuple[Stamp, ...] = ()  #: beside those of a header
     allowed: Callable[[str, str], bool] = lambda _schema, _topic: True  #: what schema and topic must be
     part: str = ""  #: end of the stream's name where a message has several of a kind
+    gravity: bool = False  #: whether only gravity in its first messages shows that these are specific forces
     refused: str = ""  #: why messages of this shape are not used
 
     @property

@@ -18,6 +18,7 @@ from imuwb.readers.containers.decoders import CannotDecodeError, Decoder, Piece,
 from imuwb.readers.containers.half_imus import SENSORS, Halves
 from imuwb.readers.containers.known_shapes import SHAPES, is_receiver
 from imuwb.readers.containers.messages import Channel, Messages, Schema
+from imuwb.readers.containers.packed_messages import are_packed, unpacked_messages
 from imuwb.readers.containers.ros_definitions import Definitions
 from imuwb.readers.containers.sentence_topic import TYPE as SENTENCE
 from imuwb.readers.containers.sentence_topic import SentenceTopic
@@ -31,6 +32,7 @@ PATIENCE = 100  #: number of messages; a channel without a known field in these 
 UNIX = 10**17  #: ns; a later stamp (after March 1973) counts from 1970
 ESTIMATE = "/FilterEstimate"  #: end of the name of imuwb's message for an estimate of the vehicle's own filter
 EARTH = 6.3e6, 6.5e6  #: m; poses at such distances from the origin of their frame are earth-centred
+LEAST_FORCE = 3.0  #: m/s²; a smaller median of accelerations shows that gravity is taken out
 NO_HEIGHT = Note("no_height", "fixes without a height: 0 is used")
 NO_STAMP = Note("no_stamp", "messages without a stamp of their own: the recorder's time is used")
 NO_FIT = Note("no_fit", "messages that do not fit their definition left out")
@@ -108,6 +110,8 @@ class Topic:
 
     def batches(self, messages: Messages, rows: Integers) -> Iterator[Batch]:
         """Yield the streams of some messages."""
+        if are_packed(messages, rows):
+            messages, rows = unpacked_messages(messages, rows), np.arange(rows.size)
         if self.decoder is not None and not self.recipes and self.messages < PATIENCE:
             self._recognise(self.decoder, messages, rows)
         self.messages += rows.size
@@ -191,6 +195,8 @@ class Topic:
         if batch.kind == "orientation":
             yield from shapes.stated_orientation(batch)
         elif batch.kind == "imu":
+            if recipe.shape.gravity and not self._feels_gravity(recipe, batch):
+                return
             sensors = tuple(quantity.column for quantity in recipe.quantities if quantity.column in SENSORS)
             yield from self._halves.setdefault(recipe, Halves()).parted(batch, sensors)
         elif batch.kind == "pose" and _is_earth_centred(batch.columns["position"]):
@@ -199,6 +205,18 @@ class Topic:
             yield from self._located(batch)
         else:
             yield batch
+
+    def _feels_gravity(self, recipe: Recipe, batch: Batch) -> bool:
+        """Return whether accelerations contain gravity; those of the first messages decide whether the topic is used."""
+        force = batch.columns.get("specific_force")
+        if recipe in self._halves or force is None:
+            return True
+        median = float(np.median(np.linalg.norm(force, axis=1)))
+        if median < LEAST_FORCE:
+            self.recipes = tuple(other for other in self.recipes if other is not recipe)
+            self.why = f"accelerations without gravity (their median is {median:.2g} m/s²) are no specific forces"
+            self.decoder = self.decoder if self.recipes else None
+        return median >= LEAST_FORCE
 
     def _located(self, batch: Batch) -> Iterator[Batch]:
         """Yield the rows that have a position; a receiver without a fix states latitude 0 and longitude 0."""

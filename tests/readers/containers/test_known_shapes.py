@@ -142,3 +142,26 @@ def test_a_message_of_ones_own_with_a_known_part_is_read(fresh, mcap, ros):
     (gnss,) = read(mcap.write(mcap.Topic(rows, "/mine", "my_msgs/msg/Fix", text))).gnss
     assert_gnss(gnss, velocity=None)
     assert gnss.time.tolist() == [T + 1000 * i for i in range(COUNT)]
+
+
+@pytest.mark.parametrize("kind", ["AccelStamped", "AccelWithCovarianceStamped"])
+@pytest.mark.parametrize(("force", "used"), [((0.5, -0.25, 9.75), True), ((0.01, 0.0, -0.02), False)])
+def test_an_acceleration_is_a_specific_force_if_it_contains_gravity(log_of, kind, force, used):
+    place = "accel.accel.linear" if "Covariance" in kind else "accel.linear"
+    log = log_of({"/accel": (f"geometry_msgs/msg/{kind}", lambda _, time: stamped(time) | xyz(place, force))})
+    assert [imu.specific_force.value[0].tolist() for imu in log.imus] == [[0.5, 0.25, -9.75]] * used
+    assert used or ("gravity" in log.notes[0] and log.notes[0].id == "unused")
+
+
+def test_bare_vectors_are_what_their_topics_say(log_of):
+    def values(vector):
+        return "geometry_msgs/msg/Vector3Stamped", lambda _, time: stamped(time) | xyz("vector", vector)
+
+    log = log_of({
+        "/imu/angular_velocity": values((0.1, 0.2, 0.3)), "/imu/acceleration": values((0.5, -0.25, 9.75)),
+        "/imu/free_acceleration": values((0.01, 0, 0)), "/imu/dv": values((0, 0, 0.1)),
+    })  # fmt: skip
+    triads = [triad for imu in log.imus for triad in (imu.angular_rate, imu.specific_force) if triad is not None]
+    assert sorted(triad.value[0].tolist() for triad in triads) == [[0.1, -0.2, -0.3], [0.5, 0.25, -9.75]]
+    assert any("/imu/free_acceleration" in note and "gravity" in note for note in log.notes)
+    assert any("/imu/dv" in note for note in log.notes)
