@@ -43,6 +43,7 @@ class Tables:
     layouts: list[RecordFormat] = field(default_factory=list[RecordFormat])  #: all formats, in the order of the file
     counts: dict[str, int] = field(default_factory=lambda: defaultdict(int))  #: records by name
     _in_force: dict[int, int] = field(default_factory=dict[int, int])  #: number -> place in ``layouts``
+    _described: dict[int, bytes] = field(default_factory=dict[int, bytes])  #: number -> its last description
     _changes: int = 0  #: times that formats changed
     _taken: int = 0  #: bytes of the file before the block
     _pieces: dict[str, list[_Piece]] = field(default_factory=lambda: defaultdict(list))
@@ -98,7 +99,11 @@ class Tables:
             if row >= stop:
                 break
             body = buffer[starts[row] + 3 : starts[row] + FMT_SIZE].tobytes()
-            number, new = body[0], described(body)
+            number = body[0]
+            if self._described.get(number) == body:
+                continue  # a log may repeat its formats many times
+            self._described[number] = body
+            new = described(body)
             if number == FMT or new is None or new == changed.get(number, self.formats.get(number, new)):
                 continue
             if not changed:

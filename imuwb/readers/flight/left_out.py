@@ -32,7 +32,7 @@ _DATAFLASH_NAMES = {
 #: beginning or part of a PX4 topic's name -> why it is not used; the first that fits
 _ULOG = (
     (r"setpoint|status|_mode|waypoint|mission|command|camera|gimbal|transponder|adsb|innovation|bias|_fft|_selection|debug", ""),
-    (r"groundtruth", TRUTH), (r"^vehicle_(acceleration|angular_velocity|angular_acceleration|imu\b)", DERIVED),
+    (r"groundtruth", TRUTH), (r"^sensor_gps$|^vehicle_gps_position$", PARTNERS), (r"^vehicle_(acceleration|angular_velocity|angular_acceleration|imu\b)", DERIVED),
     (r"^sensor_(gyro|accel)|^sensor_combined|^vehicle_imu$", PARTNERS),
     (r"odometry|_attitude$|_position$|^control_state$|mocap|vision|home_position", OTHER_SOLUTION),
     (r"^gps|gnss|satellite|_gps", RAW_GNSS),
