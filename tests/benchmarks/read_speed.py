@@ -3,6 +3,7 @@
 * mcap: a million sensor_msgs/Imu messages in a zstd MCAP written by imuwb, against the decoder of mcap-ros2-support.
 * tlog: a million MAVLink 2 frames of ten kinds, against pymavlink's mavutil.
 * bin: a million ArduPilot records of seven kinds, against pymavlink's DFReader.
+* table: a text log of 287,000 rows of seven columns, in a process that has imported nothing but ``imuwb.readers``, and again in it.
 * csv: a text log of 1 GB through ``imuwb.readers.stream``, with the largest resident memory.
 * info: ``imuwb info`` of an indexed MCAP of 1 GB, wall clock of the process from its start to its end.
 
@@ -11,7 +12,7 @@ that the peer and imuwb read from that file are compared one by one. Figures are
 imuwb also hashes the file), the least of three runs. Logs are written in one process and read in another. Files are in the system's
 cache, and compiled code is in numba's cache.
 
-Command: ``python tests/benchmarks/read_speed.py [mcap] [tlog] [bin] [csv] [info]`` (all parts: two minutes, and 1 GB in the
+Command: ``python tests/benchmarks/read_speed.py [mcap] [tlog] [bin] [table] [csv] [info]`` (all parts: two minutes, and 1 GB in the
 temporary folder; needs ``pip install -e ".[bench,test]"``). Seed: 0.
 """
 
@@ -32,6 +33,7 @@ from telemetry_frames import FRAMES, START, frames_of, mavlink_dialect
 MESSAGES, RATE = 1_000_000, 100.0
 SUBSET = {"mcap": 50_000, "tlog": 100_000, "bin": 100_000}  #: number of messages for the peer
 GIGABYTE = 10**9
+TABLE_ROWS = 287_000
 PACKAGES = ("imuwb", "numpy", "numba", "pyarrow", "mcap", "mcap-ros2-support", "pymavlink", "zstandard")
 
 
@@ -276,6 +278,38 @@ def read_bin(folder):
 # Text, and an MCAP with an index
 
 
+def write_table(folder):
+    """Write a text log of 287,000 rows."""
+    rng = np.random.default_rng(0)
+    values = rng.normal((0, 0, 0, 0, 0, -9.8), 0.1, (TABLE_ROWS, 6))
+    names = ["time_ns", *(f"gyro_{axis}_rad_s" for axis in "xyz"), *(f"accel_{axis}_m_s2" for axis in "xyz")]
+    lines = (f"{START * 1000 + 5_000_000 * i}," + ",".join(f"{x:.9f}" for x in row) for i, row in enumerate(values))
+    (folder / "table.csv").write_text("\n".join([",".join(names), *lines, ""]), "utf-8")
+    return []
+
+
+def read_table(folder):
+    """Return the CPU time of the first reading in a process, which imports what it needs, and of later ones."""
+    path = folder / "table.csv"
+    code = (
+        "import sys, time\nimport imuwb.readers\nspent = []\nfor _ in range(4):\n    begin = time.process_time()\n"
+        "    log = imuwb.readers.read(sys.argv[1])\n    spent.append(time.process_time() - begin)\n"
+        "print(len(log.imus[0].angular_rate), spent[0], min(spent[1:]))"
+    )
+    runs = []
+    for _ in range(RUNS):
+        done = subprocess.run([sys.executable, "-c", code, path], check=True, stdout=subprocess.PIPE, text=True)
+        rows, first, later = done.stdout.split()
+        assert int(rows) == TABLE_ROWS
+        runs.append((float(first), float(later)))
+    first, later = (min(column) for column in zip(*runs, strict=True))
+    title = f"table: imuwb.readers.read, {TABLE_ROWS:,} rows of 7 columns, {path.stat().st_size / 1e6:.0f} MB"
+    return [
+        (title, f"{later:.2f} s", f"{TABLE_ROWS / later:,.0f}", "at most 0.35 s"),
+        ("  the first time in a process, with the imports of numpy, pyarrow and all else", f"{first:.2f} s", "", ""),
+    ]  # fmt: skip
+
+
 def write_csv(folder):
     """Write a text log of 1 GB, some rows at a time."""
     import pyarrow as pa
@@ -355,6 +389,7 @@ PARTS = {
     "mcap": {"write": write_mcap, "read": read_mcap, "memory": mcap_memory},
     "tlog": {"write": write_tlog, "read": read_tlog},
     "bin": {"write": write_bin, "read": read_bin},
+    "table": {"write": write_table, "read": read_table},
     "csv": {"write": write_csv, "read": read_csv},
     "info": {"write": write_indexed, "read": read_indexed},
 }
