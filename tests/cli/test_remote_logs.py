@@ -177,7 +177,8 @@ def test_info_takes_the_index_of_a_large_remote_log(imuwb, web, ros):
     done = imuwb("info", web.url("log.mcap"), "--json")
     assert (done.code, [s["count"] for s in json.loads(done.out)["streams"]]) == (0, [20])
     assert web.sent < 1 << 18
-    assert imuwb("info", web.url("log.mcap"), "--scan").code == 0
+    scanned = imuwb("info", web.url("log.mcap"), "--scan", "--json")
+    assert [s["name"] for s in json.loads(scanned.out)["streams"]] == ["/imu"]
     assert web.sent > 20 << 20
 
 

@@ -60,7 +60,11 @@ def large_mcap(channels, size, chunks, start, step):
         start: time (ns) of the first chunk.
         step: ns from a chunk to the next.
     """
-    messages = b"".join(
+    declared = b""
+    for i, (topic, schema, schema_encoding, definition, encoding, _) in enumerate(channels, 1):
+        declared += _record(0x03, struct.pack("<H", i) + _text(schema) + _text(schema_encoding) + _text(definition))
+        declared += _record(0x04, struct.pack("<HH", i, i) + _text(topic) + _text(encoding) + _text(b""))
+    messages = declared + b"".join(
         _record(0x05, struct.pack("<HIQQ", i + 1, 0, start, start) + channel[5]) for i, channel in enumerate(channels)
     )
     messages += _record(0x05, struct.pack("<HIQQ", len(channels), 0, start, start) + bytes(size - len(messages) - 31))
@@ -71,10 +75,7 @@ def large_mcap(channels, size, chunks, start, step):
     head = MAGIC + _record(0x01, _text("") + _text("test"))
     part = chunk
     data_end = _record(0x0F, bytes(4))
-    summary = b""
-    for i, (topic, schema, schema_encoding, definition, encoding, _) in enumerate(channels, 1):
-        summary += _record(0x03, struct.pack("<H", i) + _text(schema) + _text(schema_encoding) + _text(definition))
-        summary += _record(0x04, struct.pack("<HH", i, i) + _text(topic) + _text(encoding) + _text(b""))
+    summary = declared
     counts = [(i + 1, chunks * (1 + (i == len(channels) - 1))) for i in range(len(channels))]
     end = start + step * chunks
     summary += _record(
