@@ -1,6 +1,6 @@
 """The sensors and topics whose columns stand in one text log."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -14,13 +14,31 @@ Sensor = tuple[str, Booleans | None, Values]  #: name, rows (None: all), and col
 _MAIN = ("gyro", "accel", "latitude")
 
 
-def sensors_of(values: Values, *, sparse: bool) -> Iterator[Sensor]:
-    """Yield the name of each sensor, its rows (None: all), and its columns; a log of one sensor has no name for it.
+def is_sparse(rows: Sequence[Sequence[str]], used: Sequence[Column]) -> bool:
+    """Return whether some of the first rows have cells of other sensors alone: rows of several topics in one table."""
+    for quantity in _MAIN:
+        places = {column.index for column in used if column.quantity == quantity}
+        if any(all(_is_empty(row[i]) for i in places) for row in rows) and any(
+            not all(_is_empty(row[i]) for i in places) for row in rows
+        ):
+            others = [i for i in range(len(rows[0])) if i not in places and _varies(rows, i, places)]
+            if places and others:
+                return True
+    return False
 
-    Args:
-        values: cells of each column.
-        sparse: whether a row has the cells of some sensors alone.
-    """
+
+def _is_empty(cell: str) -> bool:
+    return cell.strip().lower() in ("", "nan", "null", "none")
+
+
+def _varies(rows: Sequence[Sequence[str]], place: int, places: set[int]) -> bool:
+    """Return whether a cell is filled in rows without the cells of some places, and empty in a row that has them."""
+    without = any(not _is_empty(row[place]) for row in rows if all(_is_empty(row[i]) for i in places))
+    return without and any(_is_empty(row[place]) for row in rows if not all(_is_empty(row[i]) for i in places))
+
+
+def sensors_of(values: Values) -> Iterator[Sensor]:
+    """Yield the name of each sensor, its rows (None: all), and its columns; a log of one sensor has no name for it."""
     instance = next((column for column in values if column.quantity == "instance"), None)
     if instance is not None:
         rest = {column: cells for column, cells in values.items() if column is not instance}
@@ -29,13 +47,12 @@ def sensors_of(values: Values, *, sparse: bool) -> Iterator[Sensor]:
             yield f"{number:g}", numbers == number, rest
         return
     names = list(dict.fromkeys(column.stream for column in values if column.quantity in _MAIN))
-    if not sparse and max(map(len, (_with(values, ("gyro", "accel")), _with(values, ("latitude",))))) <= 1:
+    if max(map(len, (_with(values, ("gyro", "accel")), _with(values, ("latitude",))))) <= 1:
         yield "", None, values
         return
     for name in names:
         part = {column: cells for column, cells in values.items() if column.stream == name}
-        rows = np.any([np.isfinite(cells) for cells in part.values()], axis=0) if sparse else None
-        yield name if len(names) > 1 else "", rows, part
+        yield name, None, part
 
 
 def stream_name(kind: str, sensor: str) -> str:

@@ -25,7 +25,7 @@ from imuwb.readers.text.increments import RATES, Increments
 from imuwb.readers.text.layout import Layout
 from imuwb.readers.text.left_out import left_over, no_stream, unused_columns
 from imuwb.readers.text.sensor_files import BETTER, sensor_name, stem
-from imuwb.readers.text.sensors import Sensor, sensors_of, stream_name
+from imuwb.readers.text.sensors import Sensor, is_sparse, sensors_of, stream_name
 from imuwb.readers.text.shapes.application import Shaped, shape_of_log
 from imuwb.readers.text.sidecar import with_sidecar
 from imuwb.readers.text.tables import name_of
@@ -171,6 +171,7 @@ class _Rows:
         self._blocks = rows
         self._path, self._layout, self._used, self._clock, self._options = path, layout, used, clock, options
         self._shape, self._increments = shape, Increments()
+        self._sparse = is_sparse(layout.sample, used) or (shape is not None and shape.shape.sparse)
         self._name = ""  # of the first stream
         self._fields, self._checked = set[str](), set[str]()  # fields so far, and streams whose gravity is checked
         self._faults = Counter[str]()
@@ -180,9 +181,8 @@ class _Rows:
         """Yield the streams of each piece of the file, under a name if it is given, then its faults."""
         for time, values, bytes_read in self._pieces():
             self._rows += time.size
-            sparse = self._shape is not None and self._shape.shape.sparse
-            sensors = list(sensors_of(self._increments.as_rates(time, values), sparse=sparse))
-            self._unusable += 0 if sparse else _incomplete(sensors)
+            sensors = list(sensors_of(self._increments.as_rates(time, values)))
+            self._unusable += 0 if self._sparse else _incomplete(sensors)
             for sensor, rows, part in sensors:
                 yield from self._sensor(sensor or label, *_taken(time, part, rows), bytes_read)
         if self._fields:
@@ -201,10 +201,11 @@ class _Rows:
                 self._checked.add(name)
             self._fields.update(fields)
             self._name = self._name or name
-            kept = fields if rows is None else {field: array[rows] for field, array in fields.items()}
             exact = self._clock.stamp is None  # the times come from the rate
-            timed = time if rows is None else time[rows]
-            yield Batch(name, kind, timed, kept, self._origin(kind), bytes_read, exact)
+            for there, part in _present(kind, fields) if self._sparse else ((rows, fields),):
+                kept = part if there is None else {field: array[there] for field, array in part.items()}
+                timed = time if there is None else time[there]
+                yield Batch(name, kind, timed, kept, self._origin(kind), bytes_read, exact)
 
     def _pieces(self) -> Iterator[Piece]:
         """Yield the rows that have a time; the rows of a damaged file only up to a jump in time."""
@@ -262,6 +263,15 @@ class _Rows:
         for fault, count in self._faults.items():
             if count:
                 yield Remark(fault, name, count, "value" if fault == CELLS else "lost")
+
+
+def _present(kind: Kind, fields: Mapping[str, Floats]) -> Iterator[tuple[Booleans, Mapping[str, Floats]]]:
+    """Yield the fields of a stream in a log whose rows have the cells of some sensors alone, each with the rows that have them."""
+    main = {"gnss": "position", "reference": "position"}.get(kind)
+    for parts in ({name: fields[name]} for name in fields) if main is None else (fields,):
+        values = fields[main] if main is not None else next(iter(parts.values()))
+        there: Booleans = np.isfinite(values.reshape(len(values), -1)).max(axis=1)
+        yield there, parts
 
 
 def _taken(

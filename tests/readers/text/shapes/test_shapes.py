@@ -203,3 +203,24 @@ def test_increments_with_coarse_stamps_cover_the_average_step(text_log, coarse):
     text = table("", decimals(tow // coarse * coarse), GYRO * 0.0065, ACCEL * 0.0065, mark=" ")
     imu = read(text_log(text)).imus[0]
     np.testing.assert_allclose(imu.angular_rate.value, GYRO, rtol=5e-3, atol=1e-6)
+
+
+@pytest.mark.parametrize(("empty", "receiver"), [("", True), ("nan", True), ("", False)])
+def test_rows_of_several_sensors_in_one_table_are_each_their_own(text_log, empty, receiver):
+    """Gyro, accelerometer and receiver have rows of their own; the cells of the others are empty."""
+    rows = []
+    for i, stamp in enumerate(TIME.tolist()):
+        blank = [empty] * 3
+        rows += [[decimals([stamp])[0], *map(repr, GYRO[i].tolist()), *blank, *blank]]
+        rows += [[decimals([stamp + 4_000_000])[0], *blank, *map(repr, ACCEL[i].tolist()), *blank]]
+        if i % 10 == 0 and receiver:
+            place = LATITUDE[i // 10], LONGITUDE[i // 10], HEIGHT[i // 10]
+            rows += [[decimals([stamp + 5_000_000])[0], *blank, *blank, *(repr(float(x)) for x in place)]]
+    head = "time_s,gx_rad_s,gy_rad_s,gz_rad_s,ax_m_s2,ay_m_s2,az_m_s2,lat_deg,lon_deg,height_m"
+    log = read(text_log("\n".join([head, *map(",".join, rows), ""])))
+    (imu,) = log.imus
+    assert imu.origin.repairs == ()
+    assert imu.angular_rate.time.tolist() == TIME.tolist()
+    assert imu.specific_force.time.tolist() == (TIME + 4_000_000).tolist()
+    np.testing.assert_array_equal(imu.specific_force.value, ACCEL)
+    assert [(len(fix), fix.origin.repairs) for fix in log.gnss] == ([(30, ())] if receiver else [])
