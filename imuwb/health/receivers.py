@@ -17,6 +17,7 @@ JUMP, TIMES = 20.0, 3.0  #: m/s, and times the speed: positions may change with 
 #: sigmas of the changes of the position, at least, of a jump; and the sigma of normal values over the median of their sizes
 SCATTERS, CONSISTENT = 6.0, 1.4826
 HELD = 0.02  #: share of fixes; if more fixes repeat the position before, this is a fault
+MANY = 0.01  #: share of the fixes; a filter rejects a few spikes and loses nothing
 RESOLVED = 0.03  #: m; a position in digits of 1e-7 deg changes where the receiver moves by more from fix to fix
 GATED = "a filter must reject them (innovation gate)"
 
@@ -77,7 +78,8 @@ def _spikes(gnss: GnssStream, time: Floats) -> Iterator[Fault]:
     spikes = np.flatnonzero((speed[1:-1] > speed[:-2] + FAST) & (speed[1:-1] > speed[2:] + FAST)) + 1
     if spikes.size:
         what = f"spikes of the velocity, up to {speed[spikes].max():.3g} m/s"
-        yield Fault(gnss.name, "velocity spikes", what, "fault", int(spikes.size), float(at[spikes[0]]), consequence=GATED)  # fmt: skip
+        severity = "fault" if spikes.size > MANY * speed.size else "warning"
+        yield Fault(gnss.name, "velocity spikes", what, severity, int(spikes.size), float(at[spikes[0]]), consequence=GATED)  # fmt: skip
 
 
 def _jumps(gnss: GnssStream, time: Floats, held: Booleans) -> Iterator[Fault]:

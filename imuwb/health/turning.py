@@ -1,76 +1,43 @@
-"""Compares the turns that gyros measure with those that gravity, a receiver's course, or the IMU's own orientation shows.
+"""Faults that the turns of an IMU show: gyros in another unit, and a receiver whose clock is off.
 
-Where the IMU turns by a small vector φ, the direction of a constant specific force changes by f̂ × φ in its axes. Where the vehicle
-drives, the course changes by the angle about the vertical. The three differ by noise, by accelerations and by slip, so single
-turns prove nothing; but over a log the measured turns are proportional to the others. A factor near 180/π or its inverse shows
-rates in deg/s that were taken as rad/s, or the reverse.
+A factor near 180/π, or its inverse, between the turns by the gyros and those by others shows rates in deg/s that were taken as rad/s,
+or the reverse. Courses that turn at another time than the gyros show a clock that is off, as by leap seconds.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from imuwb.arrays import Floats
-from imuwb.geodesy import EARTH_RATE, rotation_of_quaternion
+from imuwb.geodesy import EARTH_RATE
 from imuwb.health.fault import Fault
 from imuwb.health.motion import Segment
-from imuwb.log import GnssStream, ImuStream, Log, Orientation, Triad
+from imuwb.health.turns import (
+    BLOCK,
+    DEGREES,
+    FEWEST,
+    WINDOWS,
+    Blocks,
+    Courses,
+    course_turns,
+    gravity_turns,
+    orientation_turns,
+)
+from imuwb.log import GnssStream, ImuStream, Log, Triad
 from imuwb.sampling import sampling
-from imuwb.units import SECOND, STANDARD_GRAVITY
+from imuwb.units import SECOND
 
-DEGREES = 180 / np.pi
-BLOCK = 0.1  #: s; samples are averaged over this time
 SLOWEST = 15.0  #: Hz; at a lower rate, turns are not measured as they happen
-WINDOW = 10  #: blocks of a turn that is compared with an orientation
-WINDOWS = (10, 4)  #: blocks of a turn that is compared with gravity: of a slow turn, and of a fast one
-COURSE = 50  #: blocks of a turn that is compared with a course; offsets of the clocks matter less over a longer time
-SMALL = 0.7  #: rad; larger turns in a window are not proportional to the change of a direction
-FEWEST = 30  #: windows, and a fifth of all
-ALIKE = 0.9  #: correlation of two measurements of one turn
-LEAST, MOST = 0.7, 1.4  #: factor between two measurements of one turn in the same unit
-TILTED = 0.35  #: rad; a smaller change of the specific force may be an acceleration
-AT_REST = 0.05  #: share of gravity; where the specific force differs by less, its direction is that of gravity
-FAST, PACE = 2.0, 0.5  #: m/s; the course of a slower receiver is noise; the same for one that states small sigmas
-SURE = 10.0  #: sigmas of a velocity that shows a course
-TURNED = 0.2  #: rad; turns of the course by more ...
-TURNS = 5  #: ... in so many windows show the scale of the gyros
 STILL = 120.0  #: s; over a shorter rest, noise hides the Earth's rate
 NEAR = 0.03  #: relative difference between a measured rate and the Earth's
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Turns:
-    """The turns of windows, measured twice."""
-
-    gyro: Floats  #: (n, k) rad
-    other: Floats  #: (n, k) rad
-    source: str  #: what shows the others
-
-    def fits(self, factor: float) -> float:
-        """Return the slope of the other turns over the gyros' times a factor; 0: they are not proportional, or too few."""
-        gyro = self.gyro * factor
-        small = np.ones(gyro.shape[0], dtype=bool)
-        if gyro.shape[1] > 1:  # about one axis, turns of any size are proportional
-            small = (np.linalg.norm(gyro, axis=1) < SMALL) & (np.linalg.norm(self.other, axis=1) < SMALL)
-        if np.count_nonzero(small) < max(FEWEST, gyro.shape[0] // 5):
-            return 0.0
-        x, y = (a[small] - np.median(a[small], axis=0) for a in (gyro, self.other))
-        squares = float((x**2).sum() * (y**2).sum())
-        product = float((x * y).sum())
-        if squares <= 0 or product < ALIKE * np.sqrt(squares):
-            return 0.0
-        return product / float((x**2).sum())
-
-    @property
-    def factor(self) -> float:
-        """Return the factor that makes the gyros' turns equal to the others: 1, π/180, 180/π, or 0 if none does."""
-        good = (k for k in (1.0, 1 / DEGREES, DEGREES) if LEAST < self.fits(k) < MOST)
-        return next(good, 0.0)
+LAGS, STEP = 30.0, 0.25  #: s; offsets of a clock that are tried, and the step between them
+OFF = 0.75  #: s; a smaller offset may be a delay of the receiver
+ALIKE, TOGETHER = 0.98, 0.95  #: correlation of the turns that shows a right clock; least one with the clock shifted
+BETTER = 0.25  #: share of what the correlation lacks as it is, that it may lack with the clock shifted
 
 
 def turning_faults(log: Log, imu: ImuStream, segments: tuple[Segment, ...]) -> Iterator[Fault]:
-    """Yield a fault if the gyros of an IMU are in another unit than rad/s.
+    """Yield a fault if the gyros of an IMU are in another unit than rad/s, and for each receiver whose clock is off.
 
     Args:
         log: the log, with its receivers and orientations.
@@ -80,12 +47,16 @@ def turning_faults(log: Log, imu: ImuStream, segments: tuple[Segment, ...]) -> I
     rate, force = imu.angular_rate, imu.specific_force
     if rate is None or force is None or len(rate.axes) + len(force.axes) < 6:  # noqa: PLR2004 - two triads
         return
-    blocks = float(rate.time[-1] - rate.time[0]) / SECOND / BLOCK
-    if not 1 / sampling(rate.time).interval >= SLOWEST or blocks > len(rate):  # too slow, or the clock jumps
+    count = float(rate.time[-1] - rate.time[0]) / SECOND / BLOCK
+    if not 1 / sampling(rate.time).interval >= SLOWEST or count > len(rate):  # too slow, or the clock jumps
         return
-    blocks = _Blocks.of(log, rate, force)
-    measured = [*(_gravity(blocks, window) for window in WINDOWS), *(_course(log, gnss, blocks) for gnss in log.gnss)]
-    measured += [_orientation(log, o, blocks) for o in log.orientations if o.name == imu.name]
+    blocks = Blocks.of(log, rate, force)
+    yield from (fault for gnss in log.gnss for fault in _offset(log, gnss, blocks))
+    measured = [
+        *(gravity_turns(blocks, window) for window in WINDOWS),
+        *(course_turns(log, gnss, blocks) for gnss in log.gnss),
+    ]
+    measured += [orientation_turns(log, o, blocks) for o in log.orientations if o.name == imu.name]
     factors = [(turns.source, turns.factor) for turns in measured if turns is not None]
     factors.append(("the Earth's rotation", _earth(log, rate, force, segments)))
     if any(factor == 1 for _, factor in factors):  # one that agrees outweighs the others
@@ -100,108 +71,32 @@ def turning_faults(log: Log, imu: ImuStream, segments: tuple[Segment, ...]) -> I
         return
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Blocks:
-    """The samples of an IMU in blocks of equal length."""
-
-    start: float  #: s from the log's start
-    angle: Floats  #: (b, 3) rad, turned in each block; nan: too few samples
-    force: Floats  #: (b, 3) m/s², mean of each block
-
-    @staticmethod
-    def of(log: Log, rate: Triad, force: Triad) -> "_Blocks":
-        start = max(float(log.seconds(t.time[:1])[0]) for t in (rate, force))
-        end = min(float(log.seconds(t.time[-1:])[0]) for t in (rate, force))
-        edges: Floats = start + BLOCK * np.arange(max(int((end - start) / BLOCK), 0) + 1, dtype=np.float64)
-        return _Blocks(start, _means(log, rate, edges) * BLOCK, _means(log, force, edges))
-
-    def turned(self, first: Floats, last: Floats) -> Floats:
-        """Return the angles (n, 3) that are turned between times, s from the log's start; nan outside the blocks."""
-        lost = np.isnan(self.angle).any(axis=1, keepdims=True)
-        columns = np.hstack([np.nan_to_num(self.angle), lost])
-        whole = np.vstack([np.zeros((1, 4)), np.cumsum(columns, axis=0)])
-        edges = self.start + BLOCK * np.arange(whole.shape[0])
-        at = [np.column_stack([np.interp(t, edges, c, left=np.nan, right=np.nan) for c in whole.T]) for t in (first, last)]  # fmt: skip
-        change: Floats = at[1] - at[0]
-        change[change[:, 3] > 0] = np.nan
-        return change[:, :3]
+def _offset(log: Log, gnss: GnssStream, blocks: Blocks) -> Iterator[Fault]:
+    """Yield a fault if a receiver's courses turn at another time than the gyros; only where both records overlap."""
+    courses = Courses.of(log, gnss)
+    if courses is None or not blocks.force.size:
+        return
+    as_is = _correlation(courses.turned(blocks), courses.changed)
+    if as_is > ALIKE:
+        return
+    lags = np.arange(-LAGS, LAGS + STEP / 2, STEP)
+    alike = [_correlation(courses.turned(blocks, float(lag)), courses.changed) for lag in lags]
+    best = int(np.argmax(alike))
+    if alike[best] < TOGETHER or 1 - alike[best] > BETTER * (1 - as_is) or abs(lags[best]) < OFF:
+        return
+    what = f"its courses turn {abs(lags[best]):.1f} s {'before' if lags[best] > 0 else 'after'} the gyros"
+    consequence = f"its clock is off, as by leap seconds or a delay: --gnss-shift {lags[best]:.1f}"
+    yield Fault(gnss.name, "clock offset", what, "fault", consequence=consequence)
 
 
-def _means(log: Log, triad: Triad, edges: Floats) -> Floats:
-    """Return the means of a triad between edges, (b, 3); nan where there is no sample."""
-    rows = np.searchsorted(log.seconds(triad.time), edges)
-    count = np.diff(rows)
-    if not count.size:
-        return np.zeros((0, 3))
-    sums = np.add.reduceat(triad.value, rows[:-1].clip(max=len(triad) - 1), axis=0)
-    return np.where(count[:, None] > 0, sums / np.maximum(count, 1)[:, None], np.nan)
-
-
-def _gravity(blocks: _Blocks, window: int) -> Turns | None:
-    """Return the turns across the specific force, by the gyros and by its change of direction."""
-    if blocks.force.shape[0] < window + FEWEST:
-        return None
-    smooth = (blocks.force[1:] + blocks.force[:-1]) / 2
-    size = np.linalg.norm(smooth, axis=1)
-    direction = smooth / size[:, None]
-    before, after = direction[:-window:2], direction[window::2]
-    middle = blocks.start + BLOCK * (1 + np.arange(smooth.shape[0]))
-    turned = blocks.turned(middle[:-window:2], middle[window::2])
-    across = turned - before * (before * turned).sum(axis=1, keepdims=True)
-    changed = np.cross(after, before)
-    off = np.abs(size / STANDARD_GRAVITY - 1)
-    calm = np.maximum(off[:-window:2], off[window::2]) < AT_REST
-    sound = np.isfinite(across).all(axis=1) & np.isfinite(changed).all(axis=1)
-    if not (sound & calm & (np.linalg.norm(changed, axis=1) > TILTED)).any():
-        # Such small changes may be accelerations, which no gyro measures, so only gyros that turn far too much are found.
-        large = np.linalg.norm(across, axis=1) > TILTED
-        if np.count_nonzero(sound & calm & large) < FEWEST:
-            return None
-    return Turns(across[sound & calm], changed[sound & calm], "gravity")
-
-
-def _course(log: Log, gnss: GnssStream, blocks: _Blocks) -> Turns | None:
-    """Return the turns about the vertical, by the gyros and by the course of a receiver."""
-    if gnss.velocity is None or not blocks.force.size:
-        return None
-    speed = np.linalg.norm(gnss.velocity[:, :2], axis=1)
-    stated = np.full((speed.size, 2), np.nan) if gnss.velocity_sigma is None else gnss.velocity_sigma[:, :2]
-    sigma = np.linalg.norm(stated, axis=1)
-    fast = speed > np.where(np.isfinite(sigma), np.maximum(SURE * sigma, PACE), FAST)  # nan is not
-    time = log.seconds(gnss.time)
-    if np.count_nonzero(fast) < FEWEST:
-        return None
-    course = np.full(time.size, np.nan)
-    course[fast] = np.unwrap(np.arctan2(gnss.velocity[fast, 1], gnss.velocity[fast, 0]))
-    step = max(1, round(COURSE * BLOCK / float(np.median(np.diff(time)))))
-    first, last = time[:-step], time[step:]
-    stops = np.concatenate([[0], np.cumsum(np.isnan(course))])
-    sound = stops[step + 1 :] == stops[: -step - 1]  # no stop within the window
-    sound &= last - first < LEAST * 2 * COURSE * BLOCK
-    down = -np.nanmedian(blocks.force, axis=0)  # the specific force of a level drive points up
-    turned = blocks.turned(first, last) @ (down / np.linalg.norm(down))
-    changed = course[step:] - course[:-step]
-    sound &= np.isfinite(turned)
-    if np.count_nonzero(np.abs(changed[sound]) > TURNED) < TURNS:
-        return None
-    return Turns(turned[sound][:, None], changed[sound][:, None], f"the course of {gnss.name}")
-
-
-def _orientation(log: Log, orientation: Orientation, blocks: _Blocks) -> Turns | None:
-    """Return the turns by the gyros and by the orientation that the IMU states."""
-    time = log.seconds(orientation.time)
-    if time.size < FEWEST or not blocks.angle.size:
-        return None
-    step = max(1, round(WINDOW * BLOCK / float(np.median(np.diff(time)))))
-    rows = np.arange(0, time.size - step, max(step // 2, 1))
-    rotation = rotation_of_quaternion(orientation.quaternion)
-    change = rotation[rows].transpose(0, 2, 1) @ rotation[rows + step]
-    skew = np.stack([change[:, 2, 1] - change[:, 1, 2], change[:, 0, 2] - change[:, 2, 0], change[:, 1, 0] - change[:, 0, 1]], axis=1) / 2  # fmt: skip
-    turned = blocks.turned(time[rows], time[rows + step])
-    sound = np.isfinite(turned).all(axis=1) & np.isfinite(skew).all(axis=1)
-    if np.count_nonzero(sound & (np.linalg.norm(skew, axis=1) > TURNED / 2)) < TURNS:
-        return None
-    return Turns(turned[sound], skew[sound], "the IMU's own orientation")
+def _correlation(turned: Floats, changed: Floats) -> float:
+    """Return the correlation of two measurements of the same turns; 0 where fewer than half of them overlap."""
+    known = np.isfinite(turned)
+    if np.count_nonzero(known) < max(FEWEST, changed.size // 2):
+        return 0.0
+    x, y = turned[known], changed[known]
+    spread = float(x.std() * y.std())
+    return float(np.mean((x - x.mean()) * (y - y.mean()))) / spread if spread > 0 else 0.0
 
 
 def _earth(log: Log, rate: Triad, force: Triad, segments: tuple[Segment, ...]) -> float:

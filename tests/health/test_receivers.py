@@ -84,7 +84,14 @@ def test_spikes_of_the_velocity_are_found(top):
     velocity[400] = [0, 50, 0]
     (spike,) = faults(replace(sound, velocity=velocity))
     assert f"{top:.3g} m/s" in spike.what
-    assert (spike.kind, spike.severity, spike.count, spike.start) == ("velocity spikes", "fault", 2, 20.0)
+    assert (spike.kind, spike.severity, spike.count, spike.start) == ("velocity spikes", "warning", 2, 20.0)
+
+
+@pytest.mark.parametrize(("every", "severity"), [(200, "warning"), (50, "fault")])
+def test_many_spikes_are_a_fault(every, severity):
+    sound = gnss()
+    (spike,) = faults(replace(sound, velocity=changed(sound.velocity, slice(10, None, every), [0, 300, 0])))
+    assert spike.severity == severity
 
 
 def test_a_change_of_speed_is_no_spike():

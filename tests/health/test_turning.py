@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from imuwb.geodesy import EARTH_RATE
+from imuwb.health import check
 from imuwb.health.motion import Segment
 from imuwb.health.turning import turning_faults
 from imuwb.log import SECOND, GnssStream, ImuStream, Log, Orientation, Provenance, Triad
@@ -93,6 +94,29 @@ def test_gravity_shows_the_unit_of_an_imu_that_is_turned(seed, size, factor):
 @pytest.mark.parametrize("seed", [0, 1])
 def test_the_course_shows_the_unit_of_a_vehicle(seed, stated, factor):
     assert found(drive(seed, factor, stated=stated)) == FAULTS[factor]
+
+
+def shifted(log, seconds):
+    return replace(log, gnss=tuple(replace(g, time=g.time + round(seconds * SECOND)) for g in log.gnss))
+
+
+@pytest.mark.parametrize("seconds", [-18.0, 1.5, 27.0])
+@pytest.mark.parametrize("factor", [RIGHT, DEGREES])
+def test_a_clock_that_is_off_shows_in_the_turns(seconds, factor):
+    (fault,) = (f for f in check(shifted(drive(0, factor), seconds), lines=False).faults if f.kind == "clock offset")
+    assert (fault.stream, fault.severity) == ("/fix", "fault")
+    assert float(fault.consequence.split()[-1]) == pytest.approx(-seconds, abs=0.3)
+
+
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seconds", [0.0, 0.3])
+def test_a_small_delay_is_no_offset_of_the_clock(seed, seconds):
+    assert not found(shifted(drive(seed), seconds))
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_the_courses_of_another_drive_show_no_offset(seed):
+    assert not found(replace(drive(seed), gnss=drive(seed + 100).gnss))
 
 
 @pytest.mark.parametrize("factor", FAULTS)
