@@ -51,7 +51,7 @@ def info(
         if not local or not place.is_dir():
             source.check(place)
         small = source.size(place) <= (LARGE if local else LARGE_REMOTE)
-        stated = None if scan or small or join else indexed(place)
+        stated = None if scan or small or join else indexed(place, reading)
         whole = read_log(place, reading) if stated is None else None
     if whole is not None and join:
         whole = joined_sensors(whole, reading, join)

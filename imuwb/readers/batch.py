@@ -79,7 +79,7 @@ def simulated(truth: Mapping[str, str]) -> Remark:
 class Reader(Protocol):
     """One file format: a module, or any object, with these names.
 
-    Some names are optional. ``describe(path) -> LogSummary | None`` returns the summary that the file's index states, or None
+    Some names are optional. ``describe(path, options) -> LogSummary | None`` returns the summary that the file's index states, or None
     without an index. ``uses`` lists the names of the options that the format uses; a note names the others if they are set.
     ``part(path, options, limits)`` yields, as ``stream`` does, the first rows of each stream and those rows, of all streams, that lie
     within ``limits``, or more, in the file's order; it raises ``CannotSeekError``, at any time, where the file does not allow this.

@@ -176,16 +176,18 @@ def describe(place: str | Place | RemoteLog, options: ReadOptions | None = None)
         UsageError: the file needs an option, such as its rate or its units.
     """
     with source.accessed(place) as path:
-        summary = indexed(path)
+        summary = indexed(path, options)
         return summary if summary is not None else summarize(read(path, options))
 
 
-def indexed(place: str | Place | RemoteLog) -> LogSummary | None:
+def indexed(place: str | Place | RemoteLog, options: ReadOptions | None = None) -> LogSummary | None:
     """Return the summary that a log's index states; None for a log without an index. Errors as in ``describe``."""
     with source.accessed(place) as path:
         reader = _reader_of(path)
         from_index = getattr(reader, "describe", None)
-        return cast("LogSummary | None", from_index(_readable(reader, path))) if from_index is not None else None
+        if from_index is None:
+            return None
+        return cast("LogSummary | None", from_index(_readable(reader, path), options or ReadOptions()))
 
 
 def _text(path: Source) -> str:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
@@ -17,9 +19,11 @@ from imuwb.readers.containers.decoders import CannotDecodeError, decoder_of
 from imuwb.readers.containers.mcap_extras import READ, above_sea_level, attachment_text, extras_notes, metadata
 from imuwb.readers.containers.mcap_records import HEADER, MESSAGE, PREFIX, unpacked_chunk, unpacked_front
 from imuwb.readers.containers.messages import Channel, Messages, Schema
+from imuwb.readers.containers.recording_folder import Parts
 from imuwb.readers.containers.ros_definitions import Definitions
 from imuwb.readers.containers.topic import UNIX, origin_of, recognise
 from imuwb.readers.containers.unused_topics import Unused, unused_topics
+from imuwb.readers.read_options import ReadOptions
 from imuwb.ros import OURS, TRUTH
 from imuwb.summary import LogSummary, StreamSummary
 from imuwb.units import SECOND
@@ -33,7 +37,7 @@ _NOTHING = np.zeros(0, np.int64)
 _NO_MESSAGES = Messages(_NOTHING.astype(np.uint8), _NOTHING, _NOTHING, _NOTHING, _NOTHING, _NOTHING, 0)
 
 
-def describe(path: Source) -> LogSummary | None:
+def describe(path: Source, options: ReadOptions) -> LogSummary | None:
     """Return the summary from the index; None without an index.
 
     The times are those of the recorder; their resolution is a chunk. Only the messages show gaps and repairs.
@@ -50,7 +54,8 @@ def describe(path: Source) -> LogSummary | None:
             extras = [f"metadata {index.name}" for index in summary.metadata_indexes if index.name not in READ]
             extras += [attachment_text(a.name, a.media_type, a.data_size) for a in summary.attachment_indexes]
             unused: list[Unused] = []
-            streams = tuple(_streams(file, summary, above, unused))
+            definitions = Definitions(options.messages)
+            streams = tuple(_streams(file, summary, _Known(above, definitions, options.frame), unused))
         except ImuwbError:  # the transfer of a remote log ended
             raise
         except Exception:  # noqa: BLE001 - a damaged index may raise anything in the library
@@ -61,13 +66,46 @@ def describe(path: Source) -> LogSummary | None:
     return LogSummary(str(path), "mcap", "", streams, tuple(notes), truth)
 
 
+def describe_parts(folder: Path, parts: Parts, options: ReadOptions) -> LogSummary | None:
+    """Return the summary of a recording's parts from their indexes; None if a part has no index."""
+    summaries = [describe(file, options) for file in parts.files]
+    known = [summary for summary in summaries if summary is not None]
+    if len(known) < len(summaries):
+        return None
+    streams: dict[tuple[str, str], StreamSummary] = {}
+    for stream in (stream for summary in known for stream in summary.streams):
+        key = stream.name, stream.kind
+        streams[key] = _joined(streams[key], stream) if key in streams else stream
+    notes = [note for summary in known for note in summary.notes]
+    truth = {name: value for summary in known for name, value in summary.truth.items()}
+    return LogSummary(
+        str(folder), "mcap", "", tuple(streams.values()), tuple(dict.fromkeys((*parts.notes, *notes))), truth
+    )
+
+
+def _joined(one: StreamSummary, other: StreamSummary) -> StreamSummary:
+    """Return a stream of which two parts of a recording have rows."""
+    start, end, count = min(one.start_ns, other.start_ns), max(one.end_ns, other.end_ns), one.count + other.count
+    rate = (count - 1) / (end - start) * SECOND if end > start else None
+    return replace(one, count=count, rate_hz=rate, start_ns=start, end_ns=end)
+
+
 def metadata_at(file: BinaryIO, index: MetadataIndex) -> tuple[str, dict[str, str]]:
     """Return the name and the entries of the metadata at a place of the index."""
     file.seek(index.offset + PREFIX)
     return metadata(file.read(min(index.length - PREFIX, LARGEST)))
 
 
-def _streams(file: BinaryIO, summary: Summary, above: set[str], unused: list[Unused]) -> Iterator[StreamSummary]:
+@dataclass(frozen=True, slots=True)
+class _Known:
+    """What is known beside the index."""
+
+    above: set[str]  #: topics whose heights are above mean sea level
+    definitions: Definitions
+    frame: str | None  #: of an IMU, as the user states it
+
+
+def _streams(file: BinaryIO, summary: Summary, known: _Known, unused: list[Unused]) -> Iterator[StreamSummary]:
     """Yield the streams; topics that are none are added to ``unused``."""
     for number, count in (summary.statistics.channel_message_counts if summary.statistics else {}).items():
         channel, schema = summary.channels[number], summary.schemas.get(summary.channels[number].schema_id)
@@ -78,7 +116,7 @@ def _streams(file: BinaryIO, summary: Summary, above: set[str], unused: list[Unu
             continue
         declared = Channel(channel.topic, channel.message_encoding, channel.schema_id)
         try:
-            decoder = decoder_of(declared, ours, Definitions())
+            decoder = decoder_of(declared, ours, known.definitions)
             shown = _NO_MESSAGES if decoder.defined else _first(file, chunks[0], number)
             fields = decoder.fields(shown, np.zeros(1, np.int64))
         except CannotDecodeError as error:
@@ -89,8 +127,8 @@ def _streams(file: BinaryIO, summary: Summary, above: set[str], unused: list[Unu
         recipes, why = recognise(fields, name, channel.topic)
         if why:
             unused.append(Unused(channel.topic, name, count, why))
-        for recipe in (r for r in recipes if r.kind not in ("pose", "orientation")):  # no streams of the summary
-            origin = origin_of(recipe, None, above_sea=channel.topic in above, schema=name)
+        for recipe in (r for r in recipes if r.kind != "orientation"):  # only the messages show whether it is set
+            origin = origin_of(recipe, known.frame, above_sea=channel.topic in known.above, schema=name)
             epoch = "unix" if start > UNIX else "log"
             yield StreamSummary(
                 channel.topic, recipe.kind, count, rate, start, end, epoch, (), (), origin.units, origin.frame

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from imuwb.readers.batch import Batch, CannotSeekError, Limits, Remark
 from imuwb.readers.bytes.source import Source
-from imuwb.readers.containers.recording_folder import Form, has_recording
+from imuwb.readers.containers.recording_folder import Form, has_recording, parts_of
 from imuwb.readers.read_options import ReadOptions
 from imuwb.ros import MCAP_MAGIC
 from imuwb.summary import LogSummary
@@ -28,11 +28,16 @@ def probe_folder(folder: Path) -> bool:
     return has_recording(folder, FORM)
 
 
-def describe(path: Source) -> LogSummary | None:
-    """Return a summary from the file's index, without reading its messages; None without an index."""
+def describe(path: Source, options: ReadOptions) -> LogSummary | None:
+    """Return a summary from the file's index, without reading its messages; None without an index.
+
+    The summary of a folder is that of all its files.
+    """
     from imuwb.readers.containers import mcap_index  # noqa: PLC0415 - only large files are summarised this way
 
-    return None if isinstance(path, Path) and path.is_dir() else mcap_index.describe(path)
+    if isinstance(path, Path) and path.is_dir():
+        return mcap_index.describe_parts(path, parts_of(path, FORM), options)
+    return mcap_index.describe(path, options)
 
 
 def stream(path: Source, options: ReadOptions) -> Iterator[Batch | Remark]:

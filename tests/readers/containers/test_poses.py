@@ -43,8 +43,8 @@ def test_odometry_is_a_track_in_its_own_frame(path):
     assert read(path).speeds[0].value[0] == 5.0
 
 
-def test_a_summary_has_the_speed_only(path):
-    assert [stream.kind for stream in describe(path).streams] == ["speed"]
+def test_a_summary_has_the_speed_and_the_poses(path):
+    assert sorted(stream.kind for stream in describe(path).streams) == ["pose", "speed"]
 
 
 def test_one_stream_of_a_file_by_its_name(path):
