@@ -81,6 +81,8 @@ def _rows(answer: Answer, width: int) -> list[str]:
 def _steps(steps: Sequence[Step], origin: Origin, width: int) -> list[str]:
     lines: list[str] = []
     for step in steps:
+        if "{model}" in step.command and not origin.model:
+            continue  # no model was saved
         command = step.command.replace("{log}", " ".join(map(_quoted, origin.logs)))
         command = command.replace("{model}", _quoted(origin.model)).replace("{command}", origin.command)
         label = "Next" if not lines else ""

@@ -10,6 +10,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={
         "parameters": ["Parameters"], "compute": ["error_model", "objections", "run"], "remarks": ["findings"], "show": ["draw"],
+        "answer": ["answer"],
         "imus": ["compare_imus", "draw_imus"],
     },
 )  # fmt: skip

@@ -1,5 +1,6 @@
 """One word for each axis on whether to trust its coefficients, by a stated rule."""
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from imuwb.texts import number_text, quantity_text
@@ -36,6 +37,17 @@ def trust(result: Result, axis: str) -> Trust:
     if result.doubts.grave:
         return Trust("moved", f"Moved: {_sentence(result.doubts.grave[0])}")
     return _of_axis(axis, r) or Trust(YES)
+
+
+def meanings(trusts: Mapping[str, Trust]) -> Iterator[str]:
+    """Yield what the words of trust mean, each word once; one sentence for a record without doubts."""
+    said: dict[str, str] = {}
+    for one in trusts.values():
+        if one.word != YES:
+            said.setdefault(one.word, one.sentence)
+    yield from said.values()
+    if not said:
+        yield "Trust them: the record is still, its noise is steady, the estimators agree."
 
 
 def _of_axis(axis: str, r: AllanAxis) -> Trust | None:

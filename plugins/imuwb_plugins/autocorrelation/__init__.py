@@ -8,5 +8,5 @@ import lazy_loader
 
 __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
-    submod_attrs={"parameters": ["Parameters"], "compute": ["findings", "run"], "show": ["draw"]},
+    submod_attrs={"parameters": ["Parameters"], "compute": ["findings", "run"], "show": ["draw"], "answer": ["answer"]},
 )

@@ -12,5 +12,6 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         "parameters": ["Parameters"],
         "compute": ["error_model", "findings", "objections", "run"],
         "show": ["draw"],
+        "answer": ["answer"],
     },
 )

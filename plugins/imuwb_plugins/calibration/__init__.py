@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from imuwb_plugins.calibration.parameters import MultiPosition, RateTable, SixPosition
 
 if TYPE_CHECKING:  # help must not wait for numpy
-    from imuwb.analysis import Review
+    from imuwb.analysis import Answer, Review
     from imuwb.log import Log
     from imuwb.stochastic import ImuErrorModel
 
@@ -37,6 +37,10 @@ class Method:
     def draw(self, result: Any, review: Review) -> None:  # noqa: ANN401 - each method has its own types
         """Show parameters, residuals, and samples before and after the correction."""
         import_module(self._drawing).draw(result, review)
+
+    def answer(self, result: Any) -> Answer:  # noqa: ANN401 - each method has its own types
+        """Return the parameters of each axis, and whether noise alone explains the residuals."""
+        return import_module(f"{__name__}.answer").answer(result)
 
     def error_model(self, result: Any) -> ImuErrorModel:  # noqa: ANN401 - each method has its own types
         """Return the error model with the calibrated terms."""

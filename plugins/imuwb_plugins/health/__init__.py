@@ -8,5 +8,11 @@ import lazy_loader
 EVERY_IMU = True
 
 __getattr__, __dir__, __all__ = lazy_loader.attach(
-    __name__, submod_attrs={"parameters": ["SHOWS_FAULTS", "Parameters"], "compute": ["run"], "show": ["draw"]}
+    __name__,
+    submod_attrs={
+        "parameters": ["SHOWS_FAULTS", "Parameters"],
+        "compute": ["run"],
+        "show": ["draw"],
+        "answer": ["answer"],
+    },
 )

@@ -1,19 +1,19 @@
 """The answer of the noise analysis: N, B and K of each axis, and whether to trust them."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 from imuwb.analysis import Answer, Step
 from imuwb.noise_results import by_sensor
 from imuwb.statistics import UNKNOWN, Coefficient
-from imuwb.texts import coefficient_cell, coefficient_text, duration_text, number_text
+from imuwb.texts import coefficient_cell, coefficient_text
 from imuwb.units import UNITS, Unit, coefficient_units
+from imuwb_plugins.allan.answer import about_record
 from imuwb_plugins.allan.result import Result as Allan
-from imuwb_plugins.allan.trust import YES, Trust, trust
+from imuwb_plugins.allan.trust import meanings, trust
 from imuwb_plugins.noise.repeatability import Repeatability
 from imuwb_plugins.noise.result import Result
 
 LETTERS = "NBK"
-SENTENCES = 3
 DRIVE = Step("imuwb outage DRIVE --error-model {model}", "how far a drive drifts")
 
 
@@ -31,28 +31,10 @@ def answer(result: Result) -> Answer:
     shaken = any(t.word == "shaken" for t in trusts.values())
     first = Step("imuwb lssa {log}", "what shakes it, and how surely") if shaken else None
     return Answer(
-        about_record(allan), ("", *LETTERS, "trust"), tuple(rows), tuple(sentences(trusts)),
+        about_record(allan), ("", *LETTERS, "trust"), tuple(rows), tuple(meanings(trusts)),
         (first, DRIVE) if first else (DRIVE, Step("imuwb model export {model} --to kalibr", "the numbers for an estimator")),
         f"{100 * allan.level:g} % intervals",
     )  # fmt: skip
-
-
-def about_record(allan: Allan) -> str:
-    """Return how long the record is, whether it is still, and its rates."""
-    rates = " and ".join(dict.fromkeys(f"{number_text(rate)} Hz" for rate in allan.rate_hz.values()))
-    still = "" if allan.moving is None else ", not still" if allan.moving else " still"
-    return f"{duration_text(allan.duration)}{still}, {rates}"
-
-
-def sentences(trusts: Mapping[str, Trust]) -> Iterator[str]:
-    """Yield what the words of trust mean, each word once; a sentence for a record without doubts."""
-    seen: dict[str, str] = {}
-    for one in trusts.values():
-        if one.word != YES:
-            seen.setdefault(one.word, one.sentence)
-    yield from list(seen.values())[:SENTENCES]
-    if not seen:
-        yield "Trust them: the record is still, its noise is steady, the estimators agree."
 
 
 def _cells(axis: str, coefficients: Mapping[str, Coefficient]) -> tuple[str, ...]:

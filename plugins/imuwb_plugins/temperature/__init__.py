@@ -17,5 +17,6 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         "compute": ["error_model", "objections", "run"],
         "show": ["draw", "draw_study"],
         "setting_study": ["study"],
+        "answer": ["answer"],
     },
 )
