@@ -68,7 +68,7 @@ class Clock:
         if stamp.form is not None and not pa.types.is_timestamp(self.kinds[stamp.columns[0].index]):
             return self._of_texts(block, stamp, stamp.form)
         if stamp.kind == "calendar":
-            return _of_calendar(block, stamp)
+            return _of_calendar(block, stamp, self.days)
         time, timed = _number(block, stamp.columns[0])
         for column in stamp.columns[1:]:
             rest, known = _number(block, column)
@@ -101,32 +101,33 @@ def _number(block: pa.RecordBatch, column: Column) -> Times:
     return time, possible & cells.known(numbers)
 
 
-def _of_calendar(block: pa.RecordBatch, stamp: Stamp) -> Times:
-    """Return the time of rows with a year, month, day, hour, minute and second, and perhaps a part of a second."""
-    year, month, day, hour, minute, second, *rest = (cells.floats(cells.of(block, c.index)) for c in stamp.columns)
-    timed = np.isfinite(sum(rest, year + month + day + hour + minute + second))
-    for values, least, most in (
-        (year, 1970, 2200),
-        (month, 1, 12),
-        (day, 1, 31),
-        (hour, 0, 24),
-        (minute, 0, 59),
-        (second, 0, 61),
-    ):
+#: part of a date or a time of day -> its least and its greatest number
+_CALENDAR = {
+    "year": (1970, 2200),
+    "month": (1, 12),
+    "day": (1, 31),
+    "hour": (0, 24),
+    "minute": (0, 59),
+    "second": (0, 61),
+}
+
+
+def _of_calendar(block: pa.RecordBatch, stamp: Stamp, days: Days) -> Times:
+    """Return the time of rows with a year, month, day, hour, minute and second, or without a date, and perhaps a part of a second."""
+    parts = {c.quantity: cells.floats(cells.of(block, c.index)) for c in stamp.columns}
+    timed = np.isfinite(np.sum(list(parts.values()), axis=0))
+    for name, values in parts.items():
+        least, most = _CALENDAR.get(name, (0, SECOND))
         timed &= (values >= least) & (values <= most)
-    months = ((year - 1970) * 12 + month - 1)[timed].astype("M8[M]")
-    days = months.astype("M8[D]").astype(np.int64) + day[timed].astype(np.int64) - 1
-    seconds = second[timed]
-    part = sum(
-        (
-            column.unit.factor * values[timed]
-            for column, values in zip(stamp.columns[6:], rest, strict=True)
-            if column.unit
-        ),
-        0 * seconds,
-    )
-    minutes = (days * 24 + hour[timed].astype(np.int64)) * 60 + minute[timed].astype(np.int64)
-    return minutes * 60 * SECOND + np.rint((seconds + part) * SECOND).astype(np.int64), timed
+    known = {name: values[timed] for name, values in parts.items()}
+    minutes = known["hour"].astype(np.int64) * 60 + known["minute"].astype(np.int64)
+    seconds = known["second"] + sum(c.unit.factor * known[c.quantity] for c in stamp.columns if c.unit is not None)
+    time = minutes * 60 * SECOND + np.rint(seconds * SECOND).astype(np.int64)
+    if "year" not in known:
+        return np.array([days.continued(at) for at in time.tolist()], np.int64), timed
+    months = ((known["year"] - 1970) * 12 + known["month"] - 1).astype("M8[M]")
+    whole = months.astype("M8[D]").astype(np.int64) + known["day"].astype(np.int64) - 1
+    return whole * 86_400 * SECOND + time, timed
 
 
 def _nanoseconds(stamps: pa.Array[Any], measure: Unit | None) -> Times:
@@ -167,7 +168,10 @@ def clock_of(path: Path, layout: Layout, options: ReadOptions, known: Sequence[C
 
 def _clock(path: Path, layout: Layout, stamp: Stamp, options: ReadOptions) -> Clock:
     if stamp.kind == "calendar":
-        return Clock("unix", stamp, {column.index: pa.float64() for column in stamp.columns})
+        kinds: dict[int, pa.DataType] = {column.index: pa.float64() for column in stamp.columns}
+        return (
+            Clock("unix", stamp, kinds) if not stamp.relative else Clock("log", stamp, kinds, notes=(_of_day(stamp),))
+        )
     if stamp.kind == "text":
         return _text_clock(path, layout, stamp)
     return _week_clock(layout, stamp) or _number_clock(path, layout, stamp, options)
@@ -192,8 +196,12 @@ def _text_clock(path: Path, layout: Layout, stamp: Stamp) -> Clock:
     kinds = {column.index: pa.binary() for column in stamp.columns}
     if form.dated:
         return Clock("unix", stamp, kinds)
+    return Clock("log", stamp, kinds, notes=(_of_day(stamp),))
+
+
+def _of_day(stamp: Stamp) -> Note:
     text = f"time column {stamp.name!r} has times of day without a date; times count from the first midnight"
-    return Clock("log", stamp, kinds, notes=(Note("time_of_day", text),))
+    return Note("time_of_day", text)
 
 
 def _kinds(layout: Layout, stamp: Stamp) -> dict[int, pa.DataType]:

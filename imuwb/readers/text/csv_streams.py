@@ -115,7 +115,7 @@ def _height(si: Values, like: Floats) -> Floats:
         return si["height", 0]
     if ("height_msl", 0) in si:
         return si["height_msl", 0] + si.get(("undulation", 0), 0.0)
-    return np.zeros_like(like)
+    return np.where(np.isfinite(like), 0.0, np.nan)
 
 
 def _velocity_along_course(si: Values) -> Floats | None:

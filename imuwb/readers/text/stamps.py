@@ -75,7 +75,8 @@ class Stamp:
 
     name: str  #: of the column, or what the names of its columns have in common
     kind: Kind
-    columns: tuple[Column, ...]  #: numbers that add up; for a calendar, its parts from the year to the second
+    #: numbers that add up; for a calendar, its parts from the year or the hour to the second, which their quantities name
+    columns: tuple[Column, ...]
     source: Source = "header"
     week: Column | None = None
     form: Form | None = None  #: of texts
@@ -182,13 +183,15 @@ def _most(test: Callable[[str], bool], cells: Sequence[str]) -> bool:
 
 
 def _calendars(named: Sequence[_Named]) -> Iterator[Stamp]:
-    """Yield a year, month, day, hour, minute and second in columns of their own."""
+    """Yield a year, month, day, hour, minute and second in columns of their own, or an hour, minute and second without a date."""
     parts = {_CALENDAR_WORDS[p.words[-1]]: p for p in named if p.numbers and p.words and p.words[-1] in _CALENDAR_WORDS}
-    if set(_CALENDAR) <= parts.keys():
-        columns = tuple(parts[word].column for word in _CALENDAR)
+    needed = _CALENDAR if set(_CALENDAR) <= parts.keys() else _CALENDAR[3:]
+    if set(needed) <= parts.keys():
+        columns = tuple(replace(parts[word].column, quantity=word) for word in needed)
         rest = next((p for p in named if p.words and p.words[-1] in _PARTS and _is_fraction(p)), None)
         extra = () if rest is None else (replace(rest.column, unit=UNITS[_PARTS[rest.words[-1]]]),)
-        yield Stamp(" ".join(column.name for column in columns), "calendar", columns + extra)
+        name = " ".join(column.name for column in columns)
+        yield Stamp(name, "calendar", columns + extra, relative=needed != _CALENDAR)
 
 
 def _pairs(named: Sequence[_Named]) -> Iterator[Stamp]:

@@ -100,19 +100,20 @@ def test_dates_and_times_of_day_in_many_forms(text_log, header, cells):
     assert (imu.origin.epoch, imu.origin.repairs) == ("unix", ())
 
 
-def test_times_of_day_go_on_after_midnight(text_log):
+@pytest.mark.parametrize(
+    ("header", "cells"),
+    [
+        (("time",), lambda late: (f"{date_of(late, '%H:%M:%S')}.{milliseconds(late)}",)),
+        (("hour", "min", "sec", "ms"), lambda late: (*(str(int(date_of(late, f"%{x}"))) for x in "HMS"), str(late // 10**6 % 1000))),
+        (("Hour", "Minute", "Second"), lambda late: (*(date_of(late, f"%{x}") for x in "HM"), f"{date_of(late, '%S')}.{milliseconds(late)}")),
+    ],
+)  # fmt: skip
+def test_times_of_day_go_on_after_midnight(text_log, header, cells):
     day = 86_400 * 10**9
-    midnight = TIMES[0] // day * day
-
-    def cells(time):
-        late = day - 10**9 + time - START
-        return (f"{date_of(late % day, '%H:%M:%S')}.{milliseconds(late)}",)
-
-    log = read(text_log(table(("time",), cells)))
+    log = read(text_log(table(header, lambda t: cells((day - 10**9 + t - START) % day))))
     assert log.imus[0].angular_rate.time.tolist() == (TIMES - START + day - 10**9).tolist()
     assert log.imus[0].origin.epoch == "log"
     assert "time_of_day" in ids(log.notes)
-    assert midnight < TIMES[0]
 
 
 def test_a_day_that_may_be_a_month_is_refused(text_log):
