@@ -124,8 +124,6 @@ BINARIES = (
     Unread("a workbook of Excel (.xlsx)", f"{TO_CSV}; phyphox exports CSV itself",
            _all(_starts(b"PK\x03\x04"), lambda head: b"xl/" in head or b"[Content_Types].xml" in head)),
     Unread("a recording of Rerun (.rrd)", "it is a review, such as imuwb writes; imuwb view opens it, and analyses need the log", _starts(b"RRF", b"RRIO")),
-    Unread("an HDF5 file that MATLAB did not write", "write its arrays as .npz, Parquet, or CSV, with names and units of columns",
-           lambda head: any(head[at:].startswith(b"\x89HDF\r\n\x1a\n") for at in (0, 512, 1024, 2048))),
     Unread("a capture of network packets (pcap)", "extract the payload of its packets, for example with tshark -T fields, as the device's own log",
            _starts(b"\xa1\xb2\xc3\xd4", b"\xd4\xc3\xb2\xa1", b"\xa1\xb2\x3c\x4d", b"\x4d\x3c\xb2\xa1", b"\x0a\x0d\x0d\x0a")),
     Unread("a video", f"{NO_LOG} in a form that imuwb knows; export the camera's motion data as CSV",

@@ -82,7 +82,6 @@ FILES = {
     ".xls)": b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(60),
     ".xlsx": zipped("xl/workbook.xml"),
     "Rerun": b"RRF2\0\x29\0\0" + bytes(30),
-    "HDF5": b"\x89HDF\r\n\x1a\n" + bytes(60),
     "pcap": struct.pack("<IHHIIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, 1),
     "video": b"\0\0\0\x20ftypisom" + bytes(20),
     "sound": b"RIFF\x24\0\0\0WAVEfmt " + bytes(20),

@@ -2,7 +2,7 @@
 
 import warnings
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, cast
 
@@ -11,6 +11,7 @@ import numpy as np
 from imuwb.errors import UnreadableLogError
 from imuwb.readers.batch import Remark, unused
 from imuwb.readers.bytes import source
+from imuwb.readers.tables.hdf5_arrays import tree_of
 from imuwb.readers.tables.named_arrays import Tree
 
 HDF5 = b"MATLAB 7.3"
@@ -39,7 +40,7 @@ def variables(path: Path) -> tuple[Tree, list[Remark]]:
             raise UnreadableLogError(f"{path}: a packed MATLAB file is not read; unpack it with gzip -d")
     objects: list[str] = []
     try:
-        tree = _of_hdf5(path, objects) if head.startswith(HDF5) else _of_version_5(path, objects)
+        tree = tree_of(path, objects, matlab=True) if head.startswith(HDF5) else _of_version_5(path, objects)
     except FAULTS as error:
         told = (str(error).splitlines() or [type(error).__name__])[0][:120]
         raise UnreadableLogError(
@@ -73,37 +74,3 @@ def _of_version_5(path: Path, objects: list[str]) -> Tree:
 
     named = {str(key or "object"): value for key, value in loaded.items() if not str(key).startswith("__")}
     return cast("Tree", {key: plain(key, value) for key, value in named.items()})
-
-
-def _of_hdf5(path: Path, objects: list[str]) -> Tree:
-    try:
-        import h5py  # noqa: PLC0415 - version 5 needs scipy alone
-    except ImportError as error:
-        raise UnreadableLogError(
-            f"{path}: a MATLAB file of version 7.3 needs h5py: pip install h5py; or save it in MATLAB with -v7"
-        ) from error
-
-    def walked(group: Any, prefix: str, depth: int) -> Iterator[tuple[str, object]]:  # noqa: ANN401 - of a library without types
-        for name in group:
-            if name.startswith("#"):
-                continue  # where references and objects point to
-            item, shown = group[name], f"{prefix}{name}"
-            if isinstance(item, h5py.Group):
-                if depth < DEEPEST:
-                    yield name, dict(walked(item, f"{shown}.", depth + 1))
-            elif "MATLAB_object_decode" in item.attrs or item.dtype.kind not in "fiub":
-                objects.append(shown)
-            elif (
-                "MATLAB_empty" not in item.attrs
-                and item.dtype.names is None
-                and item.size * item.dtype.itemsize <= _bytes(path, item)
-            ):
-                yield name, np.asarray(item[()]).T
-
-    with h5py.File(path, "r") as file:
-        return cast("Tree", dict(walked(file, "", 0)))
-
-
-def _bytes(path: Path, item: Any) -> int:  # noqa: ANN401 - of a library without types
-    """Return the most bytes that a data set may take: those of the file, or a thousand times as many if it is packed."""
-    return path.stat().st_size * (1000 if item.compression or item.chunks else 1)

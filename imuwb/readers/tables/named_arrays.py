@@ -145,7 +145,8 @@ def _flat(prefix: str, tree: Tree, inner: list[tuple[str, Tree]]) -> Iterator[tu
         elif isinstance(value, np.ndarray):
             array = cast("Array", value)
             if array.dtype.names:
-                yield from ((field if not prefix else f"{name}.{field}", array[field]) for field in array.dtype.names)
+                fields = {field: array[field] for field in array.dtype.names if array[field].dtype.kind in "fiub"}
+                yield from ((field if not prefix else f"{name}.{field}", column) for field, column in fields.items())
             elif array.dtype.kind in "fiub":
                 yield name, array
 
