@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
@@ -34,10 +33,15 @@ class Axis:
         """Return ``gyro`` or ``accel``."""
         return self.name.partition("_")[0]
 
-    @cached_property
+    @property
     def longest(self) -> Floats:
-        """Return the samples of the longest part without gaps, contiguous in memory."""
-        return np.ascontiguousarray(self.values[longest_part(self.clock.breaks, self.values.size)])
+        """Return the samples of the longest part without gaps, contiguous in memory; each call makes a copy of its own."""
+        return np.ascontiguousarray(self.values[self.longest_rows])
+
+    @property
+    def longest_rows(self) -> slice:
+        """Return the rows of the longest part without gaps."""
+        return longest_part(self.clock.breaks, self.values.size)
 
     def __repr__(self) -> str:
         """Return name, samples and clock in a line."""

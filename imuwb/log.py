@@ -19,7 +19,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from imuwb.arrays import Floats, Integers, all_finite
+from imuwb.arrays import Floats, Integers, all_finite, blocks_of
 from imuwb.errors import MissingDataError
 from imuwb.geodesy.local_track import LocalTrack
 from imuwb.sampling import sampling
@@ -379,7 +379,10 @@ class Log:
 
     def seconds(self, time: Nanoseconds) -> Floats:
         """Return times of a stream in seconds from the log's start."""
-        return (time - (self.zero or 0)) / SECOND
+        seconds = np.empty(time.size)
+        for rows in blocks_of(time.size):  # no second array of the size of a long stream
+            seconds[rows] = (time[rows] - (self.zero or 0)) / SECOND
+        return seconds
 
 
 def source_of(log: Log) -> str:

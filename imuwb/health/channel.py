@@ -51,15 +51,24 @@ class Channel:
 def channels(log: Log, imu: ImuStream) -> dict[str, Channel]:
     """Return the axes of an IMU whose samples are not all equal, by name; the axes of one sensor share their time."""
     by_axis: dict[str, Channel] = {}
+    times = sensor_seconds(log, imu)
     for sensor, triad in (("gyro", imu.angular_rate), ("accel", imu.specific_force)):
         if triad is None or not len(triad):
             continue
-        time, clock = log.seconds(triad.time), sampling(triad.time)
+        time, clock = times[sensor], sampling(triad.time)
         for letter in triad.axes:
             axis, values = f"{sensor}_{letter}", triad.value[:, "xyz".index(letter)]
             if np.ptp(values) > 0:
                 by_axis[axis] = Channel(axis, f"{imu.name} {axis}", time, values, clock, np.unique(values[:LOOKED_AT]))
     return by_axis
+
+
+def sensor_seconds(log: Log, imu: ImuStream) -> dict[str, Floats]:
+    """Return the times of the gyro and of the accelerometer, s from the log's start; with one clock both are one array."""
+    rate, force = imu.angular_rate, imu.specific_force
+    one = rate is not None and force is not None and np.array_equal(rate.time, force.time)
+    times = {} if rate is None else {"gyro": log.seconds(rate.time)}
+    return times if force is None else {**times, "accel": times["gyro"] if one else log.seconds(force.time)}
 
 
 def value_text(axis: str, value: float) -> str:

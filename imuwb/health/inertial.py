@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from imuwb.arrays import Booleans
+from imuwb.arrays import Booleans, Floats
 from imuwb.health.channel import LOOKED_AT, Channel, value_text
 from imuwb.health.fault import Fault
 from imuwb.health.lone import Lone
@@ -76,13 +76,20 @@ def _stuck(channel: Channel) -> Iterator[Fault]:
     if not first.size:
         return
     spans = time[first + length] - time[first]
-    # Samples that did change count as runs of length 0.
-    usual = float(np.quantile(np.concatenate([spans, np.zeros(np.count_nonzero(~alike))]), USUAL))
+    usual = _usual_run(spans, int(alike.size - np.count_nonzero(alike)))
     long = spans > max(STUCK, LONGER * usual)
     if long.any():
         at = int(np.argmax(spans))
         yield Fault(channel.where, "stuck", "stuck: the value does not change for seconds", "fault", int(long.sum()),
                     float(time[first[at]]), float(spans[at]), "leave these spans out")  # fmt: skip
+
+
+def _usual_run(spans: Floats, changes: int) -> float:
+    """Return the usual length of a run of equal samples, s; samples that did change count as runs of length 0."""
+    at = USUAL * (spans.size + changes - 1)
+    spans = np.sort(spans)
+    below, above = (float(spans[i - changes]) if i >= changes else 0.0 for i in (int(at), int(np.ceil(at))))
+    return below + (above - below) * (at - int(at))
 
 
 def _saturated(channel: Channel) -> Iterator[Fault]:
@@ -152,7 +159,7 @@ def _coarse(channel: Channel) -> Iterator[Fault]:
 
 
 def _lines(channel: Channel) -> Iterator[Fault]:
-    for line in find_lines(np.ascontiguousarray(channel.values), channel.clock.interval)[:MOST_LINES]:
+    for line in find_lines(channel.values, channel.clock.interval)[:MOST_LINES]:
         what = f"line at {line.frequency:.4g} Hz, amplitude {value_text(channel.axis, line.amplitude.value)}"
         what += "" if line.in_both_halves else ", not in both halves of the record"
         yield Fault(channel.where, "line", what, "note", consequence="a vibration or a disturbance, not noise")

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from imuwb.arrays import Floats, Integers
+from imuwb.arrays import Floats, Integers, blocks_of
 from imuwb.health.channel import LOOKED_AT, Channel
 
 STRUCK = 40.0  #: times the usual change; a lone sample differs by more from both neighbours
@@ -41,33 +41,51 @@ def lone_samples(channel: Channel) -> Lone:
     values = channel.values
     if values.size < FEWEST or not 1 / channel.clock.interval >= SLOWEST:
         return nothing
-    changes = np.abs(np.diff(values)[:-1])
-    off = _off(values, channel.breaks)
-    usual = float(np.median(changes[:: max(changes.size // LOOKED_AT, 1)])) * CONSISTENT
+    some = np.arange(0, values.size - 2, max((values.size - 2) // LOOKED_AT, 1))
+    usual = float(np.median(np.abs(values[some + 1] - values[some]))) * CONSISTENT
     usual = max(usual, float(np.ptp(values[:LOOKED_AT])) * SMALLEST)
-    far = np.flatnonzero(off > max(STRUCK * usual, (STEPS - 0.5) * channel.step))
+    limit = max(STRUCK * usual, (STEPS - 0.5) * channel.step)
+    off = _Off(values, channel.breaks)
+    far = np.concatenate([rows.start + np.flatnonzero(off[rows] > limit) for rows in blocks_of(values.size - 2)])
     # The neighbours of a struck sample also differ from their own neighbours: the lone sample is the largest of the three.
-    rows = np.array([k for k in far[:MOST] if _stands_out(off, changes, int(k))], np.int64)
-    return Lone(rows + 1, off[rows]) if 0 < rows.size < max(FEW * values.size, LEAST) else nothing
+    rows = np.array([k for k in far[:MOST] if _stands_out(off, int(k))], np.int64)
+    lone = 0 < rows.size < max(FEW * values.size, LEAST)
+    return Lone(rows + 1, np.array([off[k : k + 1][0] for k in rows])) if lone else nothing
 
 
-def _off(values: Floats, breaks: Integers) -> Floats:
-    """Return how far each sample is from its nearer neighbour, (n - 2,); the first and the last sample are left out.
+class _Off:
+    """How far each sample is from its nearer neighbour, (n - 2,), a part at a time; the first and the last sample are left out.
 
     The smaller of the two differences counts, because a step differs from one neighbour only. The result is 0 where the two
     differences have different signs.
     """
-    before, after = values[1:-1] - values[:-2], values[1:-1] - values[2:]
-    off = np.where(before * after > 0, np.minimum(np.abs(before), np.abs(after)), 0.0)
-    off[np.concatenate([breaks - 2, breaks - 1]).clip(0, off.size - 1)] = 0.0  # beside a gap a neighbour is missing
-    return off
+
+    def __init__(self, values: Floats, breaks: Integers) -> None:
+        self.values = values
+        self.size = values.size - 2
+        self._broken = np.unique(np.concatenate([breaks - 2, breaks - 1]).clip(0, self.size - 1))
+
+    def __getitem__(self, rows: slice) -> Floats:
+        first, end = rows.start, min(rows.stop, self.size)
+        values = self.values[first : end + 2]
+        before, after = values[1:-1] - values[:-2], values[1:-1] - values[2:]
+        off = np.where(before * after > 0, np.minimum(np.abs(before), np.abs(after)), 0.0)
+        broken = slice(*np.searchsorted(self._broken, (first, end)))
+        off[self._broken[broken] - first] = 0.0  # beside a gap a neighbour is missing
+        return off
+
+    def changes(self, first: int, end: int) -> Floats:
+        """Return the changes from some samples to the next ones."""
+        return np.abs(np.diff(self.values[max(first, 0) : min(end, self.size) + 1]))
 
 
-def _stands_out(off: Floats, changes: Floats, k: int) -> bool:
+def _stands_out(off: _Off, k: int) -> bool:
     """Return whether a sample differs by more than its neighbours do, and by far more than the samples around it change."""
     # Where a motion begins, one side is quiet, so the larger change of the two sides counts.
     around = max(
-        np.median(changes[max(k - AROUND, 0) : k]) if k else 0.0,
-        np.median(changes[k + 2 : k + 2 + AROUND]) if k + 2 < changes.size else 0.0,
+        np.median(off.changes(k - AROUND, k)) if k else 0.0,
+        np.median(off.changes(k + 2, k + 2 + AROUND)) if k + 2 < off.size else 0.0,
     )
-    return bool(off[k] >= off[max(k - 1, 0) : k + 2].max() and off[k] > STRUCK / 2 * around)
+    near = off[max(k - 1, 0) : k + 2]
+    own = near[min(k, 1)]
+    return bool(own >= near.max() and own > STRUCK / 2 * around)

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from imuwb import identification
-from imuwb.health.channel import Channel, channels, value_text
+from imuwb.arrays import Floats
+from imuwb.health.channel import Channel, channels, sensor_seconds, value_text
 from imuwb.health.lone import Lone, lone_samples
 from imuwb.health.tails import tails
 from imuwb.log import ImuStream, Log
@@ -65,8 +66,10 @@ def record_doubts(log: Log, still: identification.Stillness | None) -> Doubts:
 
 def stillness_of(log: Log) -> identification.Stillness | None:
     """Return when the log's IMU is still; None where the record is too short, or its rate too low, to show it."""
+    imu = log.imu()
+    times = sensor_seconds(log, imu)
     axes = {
-        name: (log.seconds(time), values) for name, (time, values) in log.imu().axes().items() if np.ptp(values) > 0
+        name: (times[name.partition("_")[0]], values) for name, (_, values) in imu.axes().items() if np.ptp(values) > 0
     }
     return identification.stillness(axes, travels(log)) if axes else None
 
@@ -114,7 +117,7 @@ def _struck(log: Log, imu: ImuStream, still: identification.Stillness | None) ->
     """Yield notes on samples that are not of the sensor's noise, and whether they spoil the coefficients."""
     for axis, channel in channels(log, imu).items():
         values = channel.values
-        worst = int(np.argmax(np.abs(values)))
+        worst = min(int(values.argmin()), int(values.argmax()), key=lambda row: (-abs(values[row]), row))
         if abs(float(values[worst])) > LARGEST[axis.partition("_")[0]]:
             text = (
                 f"{axis} has a sample of {value_text(axis, float(values[worst]))} at {channel.time[worst]:.2f} s; no sensor gives "
@@ -127,7 +130,7 @@ def _struck(log: Log, imu: ImuStream, still: identification.Stillness | None) ->
             yield heavy
         if not lone.rows.size:
             continue
-        changes, mended = (float(np.mean(np.diff(v) ** 2)) for v in (values, lone.without(values)))
+        changes, mended = (_mean_square_change(v) for v in (values, lone.without(values)))
         spoilt = changes > (1 + SPOILT) * mended
         count = lone.rows.size
         text = (
@@ -152,6 +155,11 @@ def _tails(channel: Channel, lone: Lone, still: identification.Stillness | None)
         f"{found.first:.2f} s; they raise the mean square by a factor of {number_text(1 + found.excess)}"
     )
     return found.excess > SPOILT, Note("heavy-tails", text)
+
+
+def _mean_square_change(values: Floats) -> float:
+    changes = np.diff(values)
+    return float(np.mean(np.square(changes, out=changes)))
 
 
 def model_doubts(model: ImuErrorModel) -> Doubts:

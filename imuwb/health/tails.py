@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from imuwb.arrays import Booleans, Floats
+from imuwb.arrays import Booleans, Floats, blocks_of
 from imuwb.health.channel import Channel
 
 SLOWEST = 20.0  #: Hz; at a lower rate, a block contains more than noise
@@ -12,6 +12,7 @@ BLOCK = 1.0  #: s; samples are compared with the median of a block of this lengt
 FEWEST = 16  #: samples of a block
 WITHIN = (0.16, 0.84)  #: quantiles of one sigma, which samples that are far off hardly move
 FAR = 5.0  #: sigmas
+GROUP = 256  #: blocks whose medians are found at once
 ENOUGH = 1000  #: samples that show the tails
 SHARE, COUNT = 1e-3, 10  #: least share and number of samples that are far off; normal noise has a share of 6e-7
 
@@ -45,15 +46,26 @@ def tails(channel: Channel, values: Floats, quiet: Booleans) -> Tails | None:
     calm = quiet[: count * size].reshape(count, size).all(axis=1)
     if np.count_nonzero(calm) * size < ENOUGH:
         return None
-    off = (blocks[calm] - np.median(blocks[calm], axis=1, keepdims=True)).ravel()
+    off = _off(blocks[calm])
     low, high = np.quantile(off, WITHIN)
     sigma = max(float(high - low) / 2, channel.step / 2)
-    far = np.abs(off) > FAR * sigma
+    far = (off > FAR * sigma) | (off < -FAR * sigma)
     beyond = int(np.count_nonzero(far))
     if sigma <= 0 or beyond < COUNT or beyond < SHARE * off.size:
         return None
     at = np.flatnonzero(np.repeat(calm, size))[int(np.argmax(far))]
-    usual = float(np.mean(off[~far] ** 2))
-    return Tails(
-        beyond, beyond / off.size, float(channel.time[at]), sigma, float(np.mean(off**2)) / max(usual, 1e-300) - 1
-    )
+    usual = _sum_of_squares(off, ~far) / (off.size - beyond)
+    every = _sum_of_squares(off, np.ones_like(far)) / off.size
+    return Tails(beyond, beyond / off.size, float(channel.time[at]), sigma, every / max(usual, 1e-300) - 1)
+
+
+def _off(off: Floats) -> Floats:
+    """Return the samples of blocks, (b, k), less the median of their block, (n,), in the same memory."""
+    for first in range(0, len(off), GROUP):
+        group = off[first : first + GROUP]
+        group -= np.median(group, axis=1, keepdims=True)
+    return off.ravel()
+
+
+def _sum_of_squares(values: Floats, chosen: Booleans) -> float:
+    return sum(float(np.square(values[rows][chosen[rows]]).sum()) for rows in blocks_of(values.size))

@@ -16,7 +16,7 @@ from typing import Literal, TypeVar
 
 import numpy as np
 
-from imuwb.arrays import Floats, Integers
+from imuwb.arrays import Floats, Integers, alone
 from imuwb.identification.allan_variance.fit import AllanFit, fit_allan
 from imuwb.identification.allan_variance.overlapping import AllanDeviation, Uncertainty, allan
 from imuwb.identification.correlation.burg import burg
@@ -164,7 +164,7 @@ def identify(
     Raises:
         ValueError: fewer than 2 samples, samples that are not finite, or no averaging time within the record.
     """
-    values = np.ascontiguousarray(values, dtype=np.float64)
+    values = np.asarray(values, dtype=np.float64)
     curve = allan(
         values, dt, averaging_times, level=level, uncertainty=uncertainty, breaks=breaks, time=time, fast=fast
     )
@@ -207,7 +207,10 @@ def _others(
     if not choose:
         return likelihood, wavelet, steady, None
     highest = None if likelihood is None else likelihood.highest
-    choice = reasons.attempt("no-choice", "no choice of a sum", lambda: _choice(values, dt, lines, spectrum, highest))
+    with alone(values.size):
+        choice = reasons.attempt(
+            "no-choice", "no choice of a sum", lambda: _choice(values, dt, lines, spectrum, highest)
+        )
     return likelihood, wavelet, steady, choice
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from imuwb.analysis import Review, Series
 from imuwb.colors import AXIS_COLORS, PALE, TRACK_COLORS
 from imuwb.log import ImuStream, Log, Triad
+from imuwb.review.envelope import extremes
 from imuwb.review.tables import streams_of_many, streams_table
 from imuwb.summary import summarize
 
@@ -51,10 +52,13 @@ def _streams(log: Log, review: Review) -> None:
 def _triad(imu: ImuStream, triad: Triad, quantity: str, sensor: str, unit: str, scale: float) -> Series:
     """Return three axes over time, without their medians if the sensor is still, because different medians would hide the noise."""
     axes = triad.axes
-    values = triad.value[:, ["xyz".index(axis) for axis in axes]] * scale if axes != "xyz" else triad.value * scale
-    sample = values[:: max(len(values) // SAMPLES, 1)]
+    columns = ["xyz".index(axis) for axis in axes]
+    sample = triad.value[:: max(len(triad) // SAMPLES, 1), columns] * scale
     median = np.median(sample, axis=0)
     spread = np.quantile(np.abs(sample - median), SPREAD, axis=0).max()
+    # Of a long series only the extremes are drawn, so only these are scaled.
+    time, drawn = extremes(triad.time, triad.value)
+    values = drawn[:, columns] * scale
     names = tuple(f"{sensor} {axis}" for axis in axes)
     title = f"{imu.name} {quantity}"
     if spread < STILL * np.ptp(median):
@@ -62,4 +66,4 @@ def _triad(imu: ImuStream, triad: Triad, quantity: str, sensor: str, unit: str, 
         names = tuple(f"{name}, about {m:.3f}" for name, m in zip(names, median, strict=True))
         title += ", each axis about its median"
     colors = tuple((*AXIS_COLORS[axis], ALPHA) for axis in axes)
-    return Series(title, unit, triad.time, values, names, colors, imu.origin.epoch)
+    return Series(title, unit, time, values, names, colors, imu.origin.epoch)

@@ -86,7 +86,7 @@ def allan(
     Raises:
         ValueError: fewer than 2 samples, samples that are not finite, or no averaging time within the record.
     """
-    values = np.ascontiguousarray(values, dtype=np.float64)
+    values = np.asarray(values, dtype=np.float64)
     phases = _phases(values, dt, breaks)
     place = _places(time, dt) if time is not None and breaks else None
     factor = averaging_factors(averaging_times, max(map(len, phases)) - 1 if place is None else int(place[-1]) + 1, dt)

@@ -1,11 +1,13 @@
 """Autocorrelation of a record, and whether a first-order Gauss-Markov process explains it (Quinchia, 4.1 and 5.2)."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft, optimize
 
-from imuwb.arrays import Floats
+from imuwb.arrays import Floats, alone, blocks_of
 from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum, cosine_spectrum
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import chi_square_tail, normal_limit
@@ -86,15 +88,12 @@ def autocorrelation(values: Floats, dt: float, longest: float | None = None, *, 
         raise ValueError(
             f"{n} samples{' that are all equal' if n else ''}: no autocorrelation; it needs at least {FEWEST_SAMPLES} that vary"
         )
-    centered = values - values.mean()
+    mean = float(values.mean())
     most = min(max(round((n * dt / 10 if longest is None else longest) / dt), 1), n - 1)
     size = fft.next_fast_len(n + most, real=True)
-    variance = float(np.mean(np.square(centered)))
-    # Single precision is accurate to a part in a million; the values of so long a record scatter by a thousandth.
-    digits = np.float32 if n > LONG else np.float64
-    power = np.abs(fft.rfft((centered / variance**0.5).astype(digits), size))
-    np.square(power, out=power)
-    covariance = fft.irfft(power, size)[: most + 1].astype(np.float64)
+    variance = sum(float(np.square(values[rows] - mean).sum()) for rows in blocks_of(n)) / n
+    with alone(n):
+        covariance = _covariance(values, mean, variance**0.5, size)[: most + 1].astype(np.float64)
     every = covariance / covariance[0]
     below = np.flatnonzero(every < np.exp(-1))
     falls_to = None
@@ -108,10 +107,26 @@ def autocorrelation(values: Floats, dt: float, longest: float | None = None, *, 
         )
     band = normal_limit(level) / n**0.5
     try:
-        fitted = fit_gauss_markov(cosine_spectrum(centered, dt), level)
+        fitted = fit_gauss_markov(cosine_spectrum(values, dt), level)
     except ValueError:
         fitted = None
     return Autocorrelation(kept.astype(np.float64) * dt, every[kept], band, level, variance, falls_to, fitted)
+
+
+def _covariance(values: Floats, mean: float, sigma: float, size: int) -> NDArray[np.floating[Any]]:
+    """Return the sums of products of samples at all lags, by a transform of a record that zeros fill to a size.
+
+    Single precision is accurate to a part in a million; the values of so long a record scatter by a thousandth.
+    """
+    scaled = np.zeros(size, np.float32 if values.size > LONG else np.float64)
+    for rows in blocks_of(values.size):
+        scaled[rows] = (values[rows] - mean) / sigma
+    transform = fft.rfft(scaled)
+    del scaled
+    power = np.abs(transform)
+    del transform
+    np.square(power, out=power)
+    return fft.irfft(power, size)
 
 
 def fit_gauss_markov(spectrum: CosineSpectrum, level: float = 0.95) -> GaussMarkovFit:

@@ -127,7 +127,7 @@ def fit_autoregressive(
     models = burg(values, orders, breaks)
     n, highest = models.n, len(models.alpha) - 1
     edges = [0, *sorted(breaks), values.size]
-    parts = [np.ascontiguousarray(values[a:b]) - models.mean for a, b in pairwise(edges) if b - a > highest]
+    parts = [values[a:b] - models.mean for a, b in pairwise(edges) if b - a > highest]
     innovations = np.concatenate([_errors(part, np.ascontiguousarray(models.alpha[highest])) for part in parts])
     density = _density(innovations, models.alpha[highest])
     covariances = fft.irfft(density)[: highest + 1]

@@ -7,13 +7,14 @@ Fourier series, need no match of the record's two ends. Flicker and Gauss-Markov
 covariance is known in closed form. So a likelihood of the whole record costs one transform.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy import fft, special
 
-from imuwb.arrays import Booleans, Floats, Integers
+from imuwb.arrays import LARGE, Booleans, Complexes, Floats, Integers, alone
 from imuwb.compiled import compiled
 from imuwb.stochastic import FlickerNoise, GaussMarkov, Process, Quantization
 
@@ -94,13 +95,14 @@ def cosine_spectrum(values: Floats, dt: float, lines: Sequence[tuple[float, floa
     Raises:
         ValueError: fewer than 256 samples.
     """
+    if values.size < FEWEST:
+        raise ValueError(f"{values.size} samples are too few for a likelihood; it needs at least {FEWEST}")
+    if values.size > LARGE:
+        values = values[: _short_factors(values.size)]
     n = values.size
-    if n < FEWEST:
-        raise ValueError(f"{n} samples are too few for a likelihood; it needs at least {FEWEST}")
     level, slope = _straight_line(values)
-    rest = np.empty(n)
-    _without_line(values, level, slope, rest)
-    coefficients = fft.dct(rest, type=2, norm="ortho", overwrite_x=True)
+    with alone(n):
+        coefficients = _cosine_transform(values, level, slope)
     spans = np.array([[max((f - half) * 2 * n * dt, 0.0), (f + half) * 2 * n * dt] for f, half in lines]).reshape(-1, 2)
     index = np.arange(1, LOW + 1)
     index = index[~((index >= spans[:, :1]) & (index <= spans[:, 1:])).any(axis=0)]
@@ -128,11 +130,45 @@ def _straight_line(values: Floats) -> tuple[float, float]:  # pragma: no cover -
     return values[0] + total / n, moment / (n * (float(n) * n - 1.0) / 12.0)
 
 
+def _short_factors(n: int) -> int:
+    """Return the largest length up to n that has no large prime factor, with which a transform needs ten times memory and time."""
+    while fft.next_fast_len(n, real=True) != n:
+        n -= 1
+    return n
+
+
+def _cosine_transform(values: Floats, level: float, slope: float) -> Floats:
+    """Return the orthonormal discrete cosine transform (type II) of values less a straight line, (n,).
+
+    It is that of Makhoul (1980), by a Fourier transform of the even samples, then the odd ones in reverse order. numpy frees the
+    tables of a transform, while scipy keeps them, which are twice as long as the record.
+    """
+    out = np.empty(values.size)
+    _interleaved(values, level, slope, out)
+    _turned(np.fft.rfft(out), out)
+    return out
+
+
 @compiled()
-def _without_line(values: Floats, level: float, slope: float, out: Floats) -> None:  # pragma: no cover - compiled
+def _interleaved(values: Floats, level: float, slope: float, out: Floats) -> None:  # pragma: no cover - compiled
     middle = (values.size - 1) / 2.0
     for k in range(values.size):
-        out[k] = values[k] - level - slope * (k - middle)
+        place = k // 2 if k % 2 == 0 else values.size - 1 - k // 2
+        out[place] = values[k] - level - slope * (k - middle)
+
+
+@compiled()
+def _turned(transform: Complexes, out: Floats) -> None:  # pragma: no cover - compiled
+    n = out.size
+    scale = math.sqrt(2.0 / n)
+    for k in range(transform.size):
+        angle = math.pi * k / (2.0 * n)
+        cosine, sine = math.cos(angle), math.sin(angle)
+        real, imaginary = transform[k].real, transform[k].imag
+        out[k] = scale * (real * cosine + imaginary * sine)
+        if k > 0:
+            out[n - k] = scale * (real * sine - imaginary * cosine)
+    out[0] /= math.sqrt(2.0)
 
 
 @compiled()

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy import ndimage
 
-from imuwb.arrays import Booleans, Floats, Integers
+from imuwb.arrays import Booleans, Floats, Integers, blocks_of
 from imuwb.compiled import compiled
 from imuwb.sampling import runs
 
@@ -134,8 +134,9 @@ def _occupied(times: Iterable[Floats], begin: float, finish: float) -> Integers:
     """Return the indices of the whole blocks that contain a sample of any axis."""
     occupied: list[Integers] = []
     for time in {id(time): time for time in times}.values():
-        block = ((time - begin) / BLOCK).astype(np.int64)
-        occupied.append(block[np.append(True, np.diff(block) > 0)])
+        for rows in blocks_of(time.size):
+            block = ((time[rows] - begin) / BLOCK).astype(np.int64)
+            occupied.append(block[np.append(True, np.diff(block) > 0)])
     blocks = np.unique(np.concatenate(occupied))
     return blocks[blocks < int((finish - begin) / BLOCK)]
 

@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 from scipy import fft, linalg, optimize, special
 
-from imuwb.arrays import Floats, Integers
+from imuwb.arrays import Floats, Integers, alone
 from imuwb.compiled import compiled
 from imuwb.identification.allan_variance.problem import scaled_inverse
 from imuwb.identification.coefficient import READ_OUT, interval
@@ -83,37 +83,44 @@ def wavelet_variance(values: Floats, dt: float) -> WaveletVariance:
         raise ValueError(
             f"{values.size} samples are too few for wavelet variances; they need at least {FEWEST_SAMPLES}"
         )
-    smooth = values - values.mean()
+    with alone(values.size):
+        variances, terms = _variances(values - values.mean())
+    levels = np.arange(1.0, len(variances) + 1)
+    return WaveletVariance(values.size, dt, 2.0**levels * dt, np.array(variances), np.array(terms))
+
+
+def _variances(smooth: Floats) -> tuple[list[float], list[int]]:
+    """Return the mean square of the details at each level, and their number; the series is overwritten."""
+    size = smooth.size
     variances: list[float] = []
     terms: list[int] = []
     stride, level = 1, 1
     while True:
         step = 2 ** (level - 1) // stride
-        left = values.size - (2**level - 1) * 3
+        left = size - (2**level - 1) * 3
         if left < FEWEST * 2**level:
             break
-        smooth, power = _level(smooth, step, SMOOTH, DETAIL)
+        power = _level(smooth, step, SMOOTH, DETAIL)
+        smooth = smooth[: smooth.size - 3 * step]
         variances.append(power)
         terms.append(left)
         level += 1
         if 2 ** (level - 1) // stride > OVERSAMPLED // 2:
             smooth, stride = smooth[::2].copy(), 2 * stride
-    levels = np.arange(1.0, len(variances) + 1)
-    return WaveletVariance(values.size, dt, 2.0**levels * dt, np.array(variances), np.array(terms))
+    return variances, terms
 
 
 @compiled(reorder=True)
-def _level(values: Floats, step: int, smooth: Floats, detail: Floats) -> tuple[Floats, float]:  # pragma: no cover
-    """Return the smoothed series, and the mean square of the details."""
+def _level(values: Floats, step: int, smooth: Floats, detail: Floats) -> float:  # pragma: no cover - compiled
+    """Smooth a series in place, which leaves three steps at its end unchanged, and return the mean square of the details."""
     count = values.size - 3 * step
-    out = np.empty(count)
     power = 0.0
     for i in range(count):
         a, b, c, d = values[i], values[i + step], values[i + 2 * step], values[i + 3 * step]
-        out[i] = smooth[3] * a + smooth[2] * b + smooth[1] * c + smooth[0] * d
+        values[i] = smooth[3] * a + smooth[2] * b + smooth[1] * c + smooth[0] * d
         w = detail[3] * a + detail[2] * b + detail[1] * c + detail[0] * d
         power += w * w
-    return out, power / count
+    return power / count
 
 
 @lru_cache(maxsize=4)

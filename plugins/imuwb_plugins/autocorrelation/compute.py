@@ -52,7 +52,7 @@ def _notes(results: Mapping[str, CorrelationAxis], levels: int) -> list[Note]:
 
 def _axis(axis: Axis, parameters: Parameters) -> CorrelationAxis:
     unit = coefficient_units(axis.name, "rate")[0].name
-    series, dt = axis.longest, axis.clock.interval
+    series, dt = axis.values[axis.longest_rows], axis.clock.interval
     why = unsuitable(series, FEWEST)
     if why is not None:
         return CorrelationAxis(np.empty(0), np.empty(0), unit=unit, why_none=why)
@@ -60,7 +60,7 @@ def _axis(axis: Axis, parameters: Parameters) -> CorrelationAxis:
     after: CorrelationCurve | None = None
     if parameters.denoise:
         try:
-            after = _curve(denoise(series, parameters.denoise).values, dt, parameters)
+            after = _curve(denoise(np.ascontiguousarray(series), parameters.denoise).values, dt, parameters)
         except ValueError:
             after = None  # the record is too short for so many levels, which a note reports
     return CorrelationAxis(

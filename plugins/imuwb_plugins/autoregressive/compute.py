@@ -6,6 +6,7 @@ import numpy as np
 
 from imuwb import __version__
 from imuwb.analysis import Finding
+from imuwb.arrays import alone
 from imuwb.axes import Axis, axes_of, for_each
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.health import record_doubts, stillness_of
@@ -43,13 +44,14 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
 
 def _axis(axis: Axis, parameters: Parameters) -> AutoregressiveAxis:
     unit, clock = coefficient_units(axis.name, "rate")[0].name, axis.clock
-    series = np.ascontiguousarray(axis.values)
+    series = axis.values
     why = unsuitable(series, max(4 * parameters.orders + 16, FEWEST))
     if why is None:
         try:
-            fit = fit_autoregressive(
-                series, clock.interval, parameters.orders, level=parameters.level, breaks=clock.breaks
-            )
+            with alone(series.size):
+                fit = fit_autoregressive(
+                    series, clock.interval, parameters.orders, level=parameters.level, breaks=clock.breaks
+                )
         except ValueError as error:
             why = str(error)
         else:

@@ -36,13 +36,13 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     axes = axes_of(imu)
     results = for_each(axes, lambda axis: _axis(axis, parameters, log.band))
     missing = missing_notes(log, {name: r.why_none for name, r in results.items()}, "no-spectrum", "a spectrum")
-    sizes = {axis.sensor: min(parameters.segment, axis.longest.size) for axis in axes.values()}
+    sizes = {axis.sensor: min(parameters.segment, axis.values[axis.longest_rows].size) for axis in axes.values()}
     notes = (*gap_notes(axes, "the spectrum"), *missing)
     return Result(imu.name, parameters.level, rates(axes), sizes, results, notes)
 
 
 def _axis(axis: Axis, parameters: Parameters, band: float) -> SpectrumAxis:
-    series, dt, name = axis.longest, axis.clock.interval, axis.name
+    series, dt, name = axis.values[axis.longest_rows], axis.clock.interval, axis.name
     why = unsuitable(series, FEWEST)
     unknown = {x: UNKNOWN.in_unit(coefficient_units(name, x)[0].name) for x in "QNBK"}
     if why is not None:
