@@ -50,6 +50,7 @@ def shaped(shape: Shape, head: Head, options: ReadOptions) -> Shaped:
     """Return the columns of a log of a known shape; the frame and the units that a user states go before those of the shape."""
     units = units_by_quantity(options.units)
     found = _by_place(shape, units) if shape.row else _by_name(shape, head.names, units)
+    found = tuple(_with_whole_time(column, head.rows) for column in found)
     frame = _frame(shape, found, head.rows)
     used = found if options.frame or not frame else tuple(_in_frd(column, frame) for column in found)
     stated = re.search(shape.rate, head.text, re.MULTILINE) if shape.rate else None
@@ -107,6 +108,14 @@ def _column(index: int, name: str, meaning: Meaning, units: Mapping[str, str]) -
         "1" if DIMENSIONS[meaning.quantity] == "dimensionless" else ""
     )
     return Column(index, name, meaning.quantity, meaning.axis, unit(measure) if measure else None, sign=meaning.sign)
+
+
+def _with_whole_time(column: Column, rows: Sequence[tuple[float, ...]]) -> Column:
+    """Return a column of time without the shape's unit, ns or us, if its numbers are no whole ones: somebody changed the file."""
+    if column.quantity != "time" or column.unit is None or column.unit.name not in ("ns", "us"):
+        return column
+    whole = all(row[column.index] == round(row[column.index]) for row in rows if math.isfinite(row[column.index]))
+    return column if whole else replace(column, unit=None)
 
 
 def _counted(column: Column, rate: float | None) -> Column:

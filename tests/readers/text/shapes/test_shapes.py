@@ -224,3 +224,9 @@ def test_rows_of_several_sensors_in_one_table_are_each_their_own(text_log, empty
     assert imu.specific_force.time.tolist() == (TIME + 4_000_000).tolist()
     np.testing.assert_array_equal(imu.specific_force.value, ACCEL)
     assert [(len(fix), fix.origin.repairs) for fix in log.gnss] == ([(30, ())] if receiver else [])
+
+
+def test_a_time_that_somebody_wrote_in_seconds_is_not_read_in_ns(text_log):
+    names = ",".join(f"{s}_{a}" for s in ("omega", "alpha") for a in "xyz")
+    imu = read(text_log(table(f"timestamp,{names}", decimals(TIME + 1), GYRO, ACCEL))).imus[0]
+    assert imu.angular_rate.time.tolist() == (TIME + 1).tolist()

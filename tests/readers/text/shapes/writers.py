@@ -268,6 +268,12 @@ def vectornav():
     return File(text, time=boot, epoch="boot")
 
 
+def vectornav_gps_time():
+    week, tow = gps(TIME)
+    names = ["GpsWeek", "GpsTow", *(f"Uncomp{s}.{a}" for s in ("Accel", "Gyro") for a in "XYZ")]
+    return File(table(",".join(names), week, tow, ACCEL, GYRO))
+
+
 def vectornav_compensated():
     boot = BOOT + STEP * np.arange(N)
     names = ["TimeStartup", *(f"{s}.{a}" for s in ("Accel", "AngularRate") for a in "XYZ")]
@@ -351,5 +357,5 @@ def x_imu3():
 WRITERS = (
     euroc, kalibr, rostopic, ros_dotted, ros_flat, ros2_echo, mcap_cat, tex_cup, matlab, plotjuggler, two_imus, ppc, ppc_as_documented, urban_nav, kf_gins, kf_gins_odometer,
     nclt, picoquake, sensor_combined, sensor_gyro, sensor_accel, mavlogdump, betaflight, sensor_logger_gyro, sensor_logger_accel,
-    phyphox_gyro, phyphox_accel, physics_toolbox, androsensor, vectornav, vectornav_compensated, vehicle_imu, xsens, sbg, microstrain, pimu, openimu, x_imu3,
+    phyphox_gyro, phyphox_accel, physics_toolbox, androsensor, vectornav, vectornav_gps_time, vectornav_compensated, vehicle_imu, xsens, sbg, microstrain, pimu, openimu, x_imu3,
 )  # fmt: skip
