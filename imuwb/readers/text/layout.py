@@ -32,6 +32,7 @@ class Tag:
     column: int
     text: str  #: the cell of that column
     checked: bool = False  #: rows end with the checksum of NMEA 0183, ``*5F``
+    keyed: bool = False  #: a row has a name before each value, as in ``keyed_lines``
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from pathlib import Path
 from imuwb.notes import Note
 from imuwb.readers.bytes import source
 from imuwb.readers.text.encoding import plain
+from imuwb.readers.text.keyed_lines import values_of
 from imuwb.readers.text.layout import COMMENT, Layout
 from imuwb.readers.text.trust import trusted
 
@@ -134,6 +135,8 @@ class Rows(io.RawIOBase):
         tag = self._layout.tag
         if tag is None:
             return data
+        if tag.keyed:
+            return values_of(data, tag.text)
         mark = b"[ \\t]+" if self._layout.delimiter == " " else b"[ \\t]*" + re.escape(self._delimiter)
         cell = b"[^ \\t\\n]+" if self._layout.delimiter == " " else b"[^" + re.escape(self._delimiter) + b"\\n]*"
         before = b"(?:" + cell + mark + b"){%d}[ \\t]*" % tag.column

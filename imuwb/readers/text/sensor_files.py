@@ -4,6 +4,9 @@ import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from imuwb.errors import UsageError
+from imuwb.readers.quantities import DIMENSIONS
+from imuwb.readers.text.column_names import Column, columns, with_units
 from imuwb.readers.text.layout import Layout
 from imuwb.readers.text.stamps import words_of
 
@@ -17,6 +20,22 @@ SENSORS = {
 OTHERS = {"linear", "user", "gravity", "free", "mag", "magnetometer", "magnetic"}
 #: words that make a file of the same sensor a better or a worse partner: Sensor Logger's acceleration with gravity is "total"
 BETTER, WORSE = {"total"}, {"uncalibrated", "uncal", "raw", "watch"}
+#: quantity -> names of a sensor of one axis
+LONE = {
+    "gyro": {
+        "gyro",
+        "gyr",
+        "gyroscope",
+        "gyro rate",
+        "rate",
+        "omega",
+        "angular rate",
+        "angular velocity",
+        "fog",
+        "rotation rate",
+    },
+    "accel": {"accel", "acc", "accelerometer", "acceleration", "specific force"},
+}
 SUFFIXES = (".csv", ".txt", ".tsv", ".dat", ".csv.gz", ".txt.gz")
 AXES = re.compile(r"[xyz](?:\s*[\[(].*[\])])?", re.IGNORECASE)
 MOST_FILES = 200  #: in a folder that is one log
@@ -48,6 +67,40 @@ def named_axes(layout: Layout, name: str) -> Layout:
     return replace(
         layout, names=tuple(f"{stated.sensor}.{column}" if column in bare else column for column in layout.names)
     )
+
+
+def lone_axes(layout: Layout) -> Layout:
+    """Return a layout in which a gyro or an accelerometer with one column and no letter has the axis x: a single fibre-optic gyro."""
+    names, known = list(layout.names), {column.quantity for column in _known(layout.names)}
+    for quantity, words in LONE.items():
+        found = [
+            (i, base, measure)
+            for i, name in enumerate(names)
+            for base, measure in _bases(name, quantity)
+            if base in words
+        ]
+        if len(found) == 1 and quantity not in known:
+            index, _, measure = found[0]
+            names[index] = f"{quantity}_x [{measure}]" if measure else f"{quantity}_x"
+    return replace(layout, names=tuple(names))
+
+
+def _known(names: tuple[str, ...]) -> tuple[Column, ...]:
+    try:
+        return columns(names, {})
+    except UsageError:  # two columns of one quantity; the table's own reading says so
+        return ()
+
+
+def _bases(name: str, quantity: str) -> list[tuple[str, str]]:
+    """Return a name without its unit, and the unit; none if the unit is that of something else."""
+    for text, measure in with_units(name):
+        base = " ".join(words_of(text))
+        if measure is None:
+            return [(base, "")]
+        if measure.dimension == DIMENSIONS[quantity]:
+            return [(base, measure.name)]
+    return []
 
 
 def stem(path: Path) -> str:

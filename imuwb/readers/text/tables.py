@@ -13,9 +13,10 @@ from pathlib import Path
 from imuwb.errors import UnreadableLogError
 from imuwb.readers.bytes import source
 from imuwb.readers.read_options import ReadOptions
-from imuwb.readers.text.encoding import plain
+from imuwb.readers.text.encoding import encoding_of, plain
+from imuwb.readers.text.keyed_lines import tables_of_keys
 from imuwb.readers.text.layout import Layout, Tag, cells_of, head_lines, is_numeric, layout_of
-from imuwb.readers.text.sensor_files import named_axes, stem
+from imuwb.readers.text.sensor_files import lone_axes, named_axes, stem
 from imuwb.readers.text.shapes.application import shape_of_log
 from imuwb.readers.text.trust import is_number
 
@@ -41,16 +42,17 @@ def layouts_of(path: Path, options: ReadOptions) -> tuple[Layout, ...]:
         UnreadableLogError: the file's first lines have no row of numbers.
     """
     lines = head_lines(path)
+    bare = Layout(",", 0, (), (), encoding=encoding_of(source.head(path)), fault=source.packed_fault(path))
     try:
         layout = layout_of(path)
     except UnreadableLogError:
-        tables = tuple(_by_first_cells(lines, Layout(",", 0, (), ())))
+        tables = tuple(tables_of_keys(lines, bare)) or tuple(_by_first_cells(lines, bare))
         if not tables:
             raise
         return tables
     if options.columns:
         return (layout,)
-    whole = named_axes(layout, stem(path))
+    whole = lone_axes(named_axes(layout, stem(path)))
     shape = shape_of_log(path, whole, options)
     if shape is not None and any(column.quantity == "instance" for column in shape.columns):
         return (whole,)
@@ -155,9 +157,11 @@ def tag_counts(path: Path, layout: Layout) -> Counter[str]:
     """Return how many lines of a whole file have each text in the place of a table's tag."""
     counts = Counter[bytes]()
     place = layout.tag.column if layout.tag is not None else 0
+    keyed = layout.tag is not None and layout.tag.keyed
     mark = rb"[ \t]+" if layout.delimiter == " " else re.escape(layout.delimiter.encode())
     cell = rb"[^ \t\n]*" if layout.delimiter == " " else rb"[^" + mark + rb"\n]*"
-    pattern = re.compile(rb"(?m)^[ \t]*(?:" + cell + mark + rb"){" + str(place).encode() + rb"}[ \t]*(" + cell + rb")")
+    cells = rb"(?:" + cell + mark + rb"){" + str(place).encode() + rb"}[ \t]*(" + cell + rb")"
+    pattern = re.compile(rb"(?m)^[^\n{]*: (\w+) \{" if keyed else rb"(?m)^[ \t]*" + cells)
     rest = b""
     with source.open_unpacked(path) as file:
         for piece in plain(source.pieces(file, []), layout.encoding):

@@ -168,3 +168,18 @@ def test_text_columns_among_numbers_are_not_used_and_named(text_log):
     (note,) = (note for note in log.notes if note.id == "unused")
     assert "frame" in note
     assert "note" in note
+
+
+@pytest.mark.parametrize(
+    ("name", "factor"),
+    [
+        ("gyro_deg_h", np.radians(1 / 3600)), ("Rate [deg/h]", np.radians(1 / 3600)), ("omega (rad/s)", 1), ("FOG_rad_s", 1),
+        ("Angular rate [deg/s]", np.radians(1)), ("gyro", 1),
+    ],
+)  # fmt: skip
+def test_a_sensor_of_one_axis_needs_no_letter(text_log, name, factor):
+    rows = "".join(f"{t / 1e9:.3f},{value:.6f}\n" for t, value in zip(TIMES, VALUES[:, 0], strict=True))
+    options = ReadOptions(units={"gyro": "rad/s"} if name == "gyro" else {})
+    (imu,) = read(text_log(f"time_s,{name}\n{rows}"), options).imus
+    assert imu.angular_rate.axes == "x"
+    np.testing.assert_allclose(imu.angular_rate.value[:, 0], VALUES[:, 0] * factor, rtol=1e-12)

@@ -159,3 +159,30 @@ def test_the_name_of_a_file_names_its_sensor(text_log, name):
     (imu,) = read(text_log("time_s,x,y,z\n" + rows, name), ReadOptions(units=UNITS)).imus
     np.testing.assert_array_equal(imu.angular_rate.value, RATES)
     assert re.search("gyro", name, re.IGNORECASE)
+
+
+def dumped(instances=2, end="\n"):
+    """Return what mavlogdump prints of a DataFlash log: names and values, IMUs in turn at equal stamps."""
+    lines = []
+    for i, (t, f, w) in enumerate(zip(TIMES, FORCES, RATES, strict=True)):
+        date = f"2024-05-01 12:00:{i // 100:02d}.{i % 100:02d}"
+        for k in range(instances):
+            named = zip(("GyrX", "GyrY", "GyrZ", "AccX", "AccY", "AccZ"), (*(w + k), *(f * [1, 1, -1])), strict=True)
+            values = "".join(f", {name} : {value:.6f}" for name, value in named)
+            lines.append(f"{date}: IMU {{TimeUS : {t // 1000}, I : {k}{values}, EG : 0, EA : 0, T : 35.5, GH : 1}}")
+        if i % 10 == 0:
+            lines.append(f"{date}: ATT {{TimeUS : {t // 1000}, DesRoll : 0.5, Roll : 1.25, Yaw : 12.0}}")
+            lines.append(f"{date}: MSG {{TimeUS : {t // 1000}, Message : all is well}}")
+    return end.join([*lines, ""])
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_lines_of_names_and_values_are_tables(text_log, end):
+    log = read(text_log(dumped(end=end)))
+    assert len(log.imus) == 2
+    for k, imu in enumerate(log.imus):
+        assert imu.angular_rate.time.tolist() == TIMES.tolist()
+        np.testing.assert_allclose(imu.angular_rate.value, RATES + k, atol=1e-9)
+        assert (imu.origin.epoch, repairs(imu)) == ("boot", {})
+    assert "ATT" in unused(log)
+    assert "MSG" in unused(log)
