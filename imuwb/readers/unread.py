@@ -112,6 +112,8 @@ TEXTS = (
     Unread("a KML document", "convert it to CSV, for example with gpsbabel -i kml -o unicsv", _matches(rb"(<\?xml[^>]*\?>\s*)?(<!--.*?-->\s*)*<kml\b")),
     Unread("an XML document", TO_CSV, _matches(rb"<\?xml\b")),
     Unread("a ROS bag of version 1.2", "convert it with rosbag migrate, which writes version 2.0", _starts(b"#ROSBAG V1", b"#ROSRECORD V1")),
+    Unread("a log of gpsd (JSON)", "log NMEA sentences in place of it: gpspipe -r", _matches(rb'\{"class":"(VERSION|TPV|SKY|DEVICES|WATCH)"')),
+    Unread("JSON text", TO_CSV, _matches(rb'\[?\s*\{\s*"|\[\s*\[')),
     Unread("a PCD point cloud", NO_LOG, _matches(rb"# ?\.PCD v")),
 )  # fmt: skip
 #: formats that are no text; they are asked for after all readers

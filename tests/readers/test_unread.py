@@ -75,6 +75,8 @@ FILES = {
     "KML": b"<?xml version='1.0'?><kml xmlns='http://www.opengis.net/kml/2.2'></kml>",
     "XML": b"\xef\xbb\xbf<?xml version='1.0'?><other>1</other>",
     "version 1.2": b"#ROSBAG V1.2\n" + bytes(20),
+    "gpsd": b'{"class":"VERSION","release":"3.22"}\n{"class":"TPV","lat":47.5}\n',
+    "JSON text": b'[\n  {"sensor": "Gyroscope", "time": "1752154081456345900", "x": "0.3"}]',
     "PCD": b"# .PCD v.7 - Point Cloud Data file format\nVERSION .7\n1 2 3\n",
     "Garmin FIT": b"\x0e\x20\x54\x08\x10\x00\x00\x00.FIT\x00\x00" + bytes(20),
     "Septentrio": b"$@\x12\x34\xab\x0f\x60\x00" + bytes(90),

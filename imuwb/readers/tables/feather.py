@@ -26,5 +26,7 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
         UsageError: the columns, units or rate of the file are unknown.
     """
     from imuwb.readers.tables.arrow_tables import feather_pieces, streamed  # noqa: PLC0415 - a probe needs no pyarrow
+    from imuwb.readers.tables.packed import refuse_packed  # noqa: PLC0415
 
+    refuse_packed(path)
     return streamed(path, options, feather_pieces)

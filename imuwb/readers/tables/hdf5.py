@@ -27,7 +27,9 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     from imuwb.readers.tables.hdf5_arrays import tree_of  # noqa: PLC0415 - a probe needs no h5py
     from imuwb.readers.tables.matlab_variables import FAULTS  # noqa: PLC0415
     from imuwb.readers.tables.named_arrays import streamed  # noqa: PLC0415
+    from imuwb.readers.tables.packed import refuse_packed  # noqa: PLC0415
 
+    refuse_packed(path)
     objects: list[str] = []
     try:
         tree = tree_of(path, objects)

@@ -13,6 +13,7 @@ from imuwb.readers.batch import Remark, unused
 from imuwb.readers.bytes import source
 from imuwb.readers.tables.hdf5_arrays import tree_of
 from imuwb.readers.tables.named_arrays import Tree
+from imuwb.readers.tables.packed import refuse_packed
 
 HDF5 = b"MATLAB 7.3"
 OBJECTS = (
@@ -35,9 +36,7 @@ def variables(path: Path) -> tuple[Tree, list[Remark]]:
         UnreadableLogError: the file is damaged, or packed.
     """
     head = source.head(path)
-    with source.open_unpacked(path) as file:
-        if source.is_packed(file):
-            raise UnreadableLogError(f"{path}: a packed MATLAB file is not read; unpack it with gzip -d")
+    refuse_packed(path)
     objects: list[str] = []
     try:
         tree = tree_of(path, objects, matlab=True) if head.startswith(HDF5) else _of_version_5(path, objects)

@@ -19,6 +19,7 @@ from imuwb.errors import UnreadableLogError
 from imuwb.notes import Note
 from imuwb.readers.batch import Remark, unused
 from imuwb.readers.tables.named_arrays import Tree
+from imuwb.readers.tables.packed import refuse_packed
 from imuwb.units import SECOND
 
 MOST_NAMES = 40  #: channels that are named one by one
@@ -35,6 +36,7 @@ def channels(path: Path) -> tuple[Tree, list[Remark]]:
         raise UnreadableLogError(
             f'{path}: an MDF file needs asammdf, which is not installed: pip install "imuwb[mdf]"; or save the channels as CSV or Parquet'
         )
+    refuse_packed(path)
     with TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "imuwb.readers.tables.mdf_export", str(path), folder]
         try:

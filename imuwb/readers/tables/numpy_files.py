@@ -12,8 +12,8 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from imuwb.errors import UnreadableLogError
-from imuwb.readers.bytes import source
 from imuwb.readers.tables.named_arrays import Tree
+from imuwb.readers.tables.packed import refuse_packed
 
 #: what NumPy and zipfile raise at damaged bytes
 FAULTS = (
@@ -30,6 +30,7 @@ def arrays(path: Path) -> Tree:
     Raises:
         UnreadableLogError: an array is damaged, or holds Python objects.
     """
+    refuse_packed(path)
     try:
         if zipfile.is_zipfile(path):
             with zipfile.ZipFile(path) as archive:
@@ -45,10 +46,8 @@ def array_of(path: Path) -> NDArray[Any]:
     Raises:
         UnreadableLogError: as in ``arrays``.
     """
+    refuse_packed(path)
     try:
-        with source.open_unpacked(path) as file:
-            if source.is_packed(file):
-                raise ValueError("a packed array is not read; unpack it with gzip -d")
         with path.open("rb") as file:
             _check(file, path.stat().st_size)
         array: NDArray[Any] = np.load(path, mmap_mode="r", allow_pickle=False)

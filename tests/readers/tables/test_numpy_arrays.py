@@ -87,7 +87,7 @@ def test_a_packed_array_is_refused(tmp_path):
     np.save(tmp_path / "log.npy", TIME)
     path = tmp_path / "log.npy.gz"
     path.write_bytes(gzip.compress((tmp_path / "log.npy").read_bytes()))
-    with pytest.raises(UnreadableLogError, match="unpack"):
+    with pytest.raises(UnreadableLogError, match="unpack it first"):
         read(path)
 
 
