@@ -34,7 +34,8 @@ def streamed(path: source.Source, options: ReadOptions) -> Iterator[Batch | Rema
                     if line is None:
                         unknown += len(getattr(message, "data", b""))
                     else:
-                        yield from log.take(line, source.position(file))
+                        log.take(line)
+                yield from log.full(source.position(file))
         yield from log.rest(source.position(file))
     yield from map(Remark, notes)
     yield from log.remarks()

@@ -130,6 +130,14 @@ def test_sentences_alone_between_frames_are_read(log_of):
     assert len(log.gnss[0]) == 4
 
 
+def test_few_frames_among_many_sentences_are_used(log_of):
+    many = ubx.sentence("GPGSV,3,1,11,03,03,111,00,04,15,270,00,06,01,010,00,13,06,292,00") * 10
+    gga = "GNGGA,120000.00,4723.8645,N,00832.7356,E,4,12,0.7,440.5,M,47.5,M,,"
+    log = log_of(*(many + ubx.sentence(gga) + ubx.pvt(ubx.utc(i)) for i in range(5)))
+    assert log.provenance.format == "ubx"
+    assert len(log.gnss[0]) == 5
+
+
 def test_damage_costs_only_its_frame(log_of):
     frames = [bytearray(ubx.pvt(ubx.utc(i))) for i in range(5)]
     frames[2][40] ^= 1
