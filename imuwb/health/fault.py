@@ -24,6 +24,7 @@ _HARMLESS: dict[str, tuple[Severity, str]] = {
     "coarse_stamps": ("note", "rates and noise are right"),
     "uneven_stamps": ("note", "rates and noise are right"),
     "stated_rate": ("note", "rates and noise are as right as the stated rate"),
+    "no_height": ("warning", "use these fixes north and east only"),
     "repeated_row": ("note", "nothing is lost"),
 }  # fmt: skip
 

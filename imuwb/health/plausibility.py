@@ -8,7 +8,7 @@ from imuwb.arrays import Floats
 from imuwb.health.fault import Fault
 from imuwb.health.motion import Segment
 from imuwb.log import ImuStream, Log, Triad
-from imuwb.units import STANDARD_GRAVITY, UNITS
+from imuwb.units import SECOND, STANDARD_GRAVITY, UNITS
 
 GRAVITY = 0.02  #: share of standard gravity; a still accelerometer may differ from gravity by this
 WRONG = 0.1  #: share of standard gravity; no bias explains a larger difference
@@ -101,7 +101,8 @@ def _size(log: Log, triad: Triad | None, segment: Segment) -> float:
     """Return the usual size of the specific force in a segment, m/s², by means over a second, for the IMU may tilt slowly."""
     if triad is None or len(triad.axes) < 3:  # noqa: PLR2004 - one or two axes do not show the size of gravity
         return STANDARD_GRAVITY
-    rows = np.searchsorted(log.seconds(triad.time), np.arange(segment.start, segment.end, 1.0))
+    edges = np.rint(np.arange(segment.start, segment.end, 1.0) * SECOND).astype(np.int64) + (log.zero or 0)
+    rows = np.searchsorted(triad.time, edges)
     rows = rows[: int(np.searchsorted(rows, len(triad)))]
     rows = rows[np.append(True, np.diff(rows) > 0)] if rows.size else rows
     if rows.size < 2:  # noqa: PLR2004 - the last rows may be of less than a second

@@ -4,15 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from imuwb.arrays import Booleans, Floats, blocks_of
-from imuwb.health.channel import Channel
+from imuwb.arrays import Booleans, Floats, Integers
+from imuwb.health.channel import LOOKED_AT, Channel
 
 SLOWEST = 20.0  #: Hz; at a lower rate, a block contains more than noise
 BLOCK = 1.0  #: s; samples are compared with the median of a block of this length
 FEWEST = 16  #: samples of a block
 WITHIN = (0.16, 0.84)  #: quantiles of one sigma, which samples that are far off hardly move
 FAR = 5.0  #: sigmas
-GROUP = 256  #: blocks whose medians are found at once
 ENOUGH = 1000  #: samples that show the tails
 SHARE, COUNT = 1e-3, 10  #: least share and number of samples that are far off; normal noise has a share of 6e-7
 
@@ -43,29 +42,33 @@ def tails(channel: Channel, values: Floats, quiet: Booleans) -> Tails | None:
     if count * size < ENOUGH:
         return None
     blocks = values[: count * size].reshape(count, size)
-    calm = quiet[: count * size].reshape(count, size).all(axis=1)
-    if np.count_nonzero(calm) * size < ENOUGH:
+    calm = np.flatnonzero(quiet[: count * size].reshape(count, size).all(axis=1))
+    if calm.size * size < ENOUGH:
         return None
-    off = _off(blocks[calm])
-    low, high = np.quantile(off, WITHIN)
-    sigma = max(float(high - low) / 2, channel.step / 2)
-    far = (off > FAR * sigma) | (off < -FAR * sigma)
-    beyond = int(np.count_nonzero(far))
-    if sigma <= 0 or beyond < COUNT or beyond < SHARE * off.size:
+    some = _off(blocks, calm[:: calm.size * size // LOOKED_AT + 1])
+    low, high = np.quantile(some, WITHIN)
+    sigma = float(high - low) / 2 + channel.step / 2  # of a coarse channel, a quantile is off by up to half a step
+    if sigma <= 0:
         return None
-    at = np.flatnonzero(np.repeat(calm, size))[int(np.argmax(far))]
-    usual = _sum_of_squares(off, ~far) / (off.size - beyond)
-    every = _sum_of_squares(off, np.ones_like(far)) / off.size
-    return Tails(beyond, beyond / off.size, float(channel.time[at]), sigma, every / max(usual, 1e-300) - 1)
+    beyond, first, squares, usual = 0, -1, 0.0, 0.0
+    for rows in np.array_split(calm, calm.size * size // LOOKED_AT + 1):
+        off = _off(blocks, rows)
+        far = np.abs(off) > FAR * sigma
+        beyond += int(np.count_nonzero(far))
+        if first < 0 and far.any():
+            at = int(np.argmax(far))
+            first = int(rows[at // size]) * size + at % size
+        off *= off
+        squares += float(off.sum())
+        usual += float(off[~far].sum())
+    total = calm.size * size
+    if beyond < COUNT or beyond < SHARE * total:
+        return None
+    excess = squares / total / max(usual / max(total - beyond, 1), 1e-300) - 1
+    return Tails(beyond, beyond / total, float(channel.time[first]), sigma, excess)
 
 
-def _off(off: Floats) -> Floats:
-    """Return the samples of blocks, (b, k), less the median of their block, (n,), in the same memory."""
-    for first in range(0, len(off), GROUP):
-        group = off[first : first + GROUP]
-        group -= np.median(group, axis=1, keepdims=True)
-    return off.ravel()
-
-
-def _sum_of_squares(values: Floats, chosen: Booleans) -> float:
-    return sum(float(np.square(values[rows][chosen[rows]]).sum()) for rows in blocks_of(values.size))
+def _off(blocks: Floats, rows: Integers) -> Floats:
+    """Return the samples of some blocks less the median of their block."""
+    own = blocks[rows]
+    return (own - np.median(own, axis=1, keepdims=True)).ravel()

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from imuwb.arrays import Booleans, Floats
-from imuwb.health.channel import Channel, channels
+from imuwb.health.channel import LOOKED_AT, Channel, channels
 from imuwb.health.fault import Fault, Severity
 from imuwb.log import ImuStream, Log, Scalars
 from imuwb.sampling import runs
@@ -82,15 +82,16 @@ def thermometer_faults(log: Log, imu: ImuStream, axes: Mapping[str, Channel]) ->
         text = f"spikes of the temperature, to {_range(thermometer.value[odd])} °C"
         yield Fault(name, "temperature spikes", text, "fault", int(odd.sum()), float(time[np.argmax(odd)]),
                     consequence="these readings are no temperatures: leave them out")  # fmt: skip
-    usual = thermometer.value[~odd]
+    usual = thermometer.value[~odd] if odd.any() else thermometer.value
     if unit := unlikely_unit(usual):
         yield Fault(name, "temperature unit", f"the temperature is {_range(usual)} °C, which no IMU survives", "fault",
                     consequence=f"the unit is likely {unit}, not °C" + (f": --units temperature={unit}" if unit in UNITS else ""))  # fmt: skip
-    elif np.quantile(usual, 1 - OUTER) > SPECIFIED:
+    elif np.quantile(_some(usual), 1 - OUTER) > SPECIFIED:
         yield Fault(name, "hot", f"the temperature is {_range(usual)} °C", "warning",
                     consequence="most IMUs are specified up to 85 °C; are these °F?")  # fmt: skip
-    without = replace(imu, temperature=Scalars(thermometer.name, thermometer.time[~odd], usual))
-    stuck = stuck_thermometer(log, without, axes)
+    if odd.any():
+        imu = replace(imu, temperature=Scalars(thermometer.name, thermometer.time[~odd], usual))
+    stuck = stuck_thermometer(log, imu, axes)
     if stuck is not None:
         what = f"temperature stays at {stuck.value:g} °C for {(stuck.end - stuck.start) / 60:.0f} min"
         what += f", while the biases show a change by {stuck.change:.2g} °C" if stuck.change else ""
@@ -106,16 +107,19 @@ def thermometer_faults(log: Log, imu: ImuStream, axes: Mapping[str, Channel]) ->
 
 def spikes(thermometer: Scalars) -> Booleans:
     """Return which readings are spikes, (n,): for a few seconds at most they leap away from the readings around them."""
-    celsius, time = thermometer.value, thermometer.time / 1e9
+    celsius = thermometer.value
     leaps = np.abs(np.diff(celsius))
     if not leaps.size:
         return np.zeros(celsius.size, dtype=bool)
-    far = leaps > max(LEAP, LONGER * float(np.median(leaps)))
+    far = leaps > max(LEAP, LONGER * float(np.median(_some(leaps))))
+    if not far.any():
+        return np.zeros(celsius.size, dtype=bool)
     part = np.concatenate([[0], np.cumsum(far)])
     edges = np.flatnonzero(np.concatenate([[True], far, [True]]))
+    time = thermometer.time / 1e9
     length = time[edges[1:] - 1] - time[edges[:-1]]
     brief = (length <= BRIEF)[part]
-    if not far.any() or brief.all():
+    if brief.all():
         return np.zeros(celsius.size, dtype=bool)
     usual = np.interp(time, time[~brief], celsius[~brief])
     return brief & (np.abs(celsius - usual) > LEAP)
@@ -123,7 +127,7 @@ def spikes(thermometer: Scalars) -> Booleans:
 
 def unlikely_unit(celsius: Floats) -> str:
     """Return the likely unit of readings that no IMU survives in °C; empty: they are plausible."""
-    low, high = (float(x) for x in np.quantile(celsius, (OUTER, 1 - OUTER)))
+    low, high = (float(x) for x in np.quantile(_some(celsius), (OUTER, 1 - OUTER)))
     if low >= COLDEST and high <= HOTTEST:
         return ""
     fitting = (
@@ -157,7 +161,8 @@ def stuck_thermometer(log: Log, imu: ImuStream, axes: Mapping[str, Channel]) -> 
         invented = bool(log.truth)  # a simulator may keep a temperature
         severity: Severity = "fault" if end - start > HOUR and not invented else "note"
         return Stuck(start, end, value, whole=True, change=0.0, severity=severity)
-    usual = float(np.median(np.concatenate([spans, np.zeros(celsius.size - 1 - int(length.sum()))])))
+    changes = celsius.size - 1 - int(length.sum())  # they count as spans of length 0
+    usual = 0.0 if changes > spans.size else float(np.median(np.concatenate([spans, np.zeros(changes)])))
     if end - start <= LONGER * usual:
         return None
     change = _change(time, celsius, axes, (start, end))
@@ -165,9 +170,14 @@ def stuck_thermometer(log: Log, imu: ImuStream, axes: Mapping[str, Channel]) -> 
     return Stuck(start, end, value, whole=False, change=change, severity=severity)
 
 
+def _some(values: Floats) -> Floats:
+    """Return values at even distances, as many as show their distribution."""
+    return values[:: values.size // LOOKED_AT + 1]
+
+
 def _step(celsius: Floats) -> float:
     """Return the smallest difference between two readings, without those that are due to rounding."""
-    gaps = np.diff(np.unique(celsius[:200_000]))
+    gaps = np.diff(np.unique(celsius[:LOOKED_AT]))
     gaps = gaps[gaps > 1e-6]  # noqa: PLR2004 - °C, rounding of a conversion
     return float(gaps.min()) if gaps.size else 0.0
 

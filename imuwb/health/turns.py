@@ -12,7 +12,7 @@ import numpy as np
 from imuwb.arrays import Floats
 from imuwb.geodesy import rotation_of_quaternion
 from imuwb.log import GnssStream, Log, Orientation, Triad
-from imuwb.units import STANDARD_GRAVITY
+from imuwb.units import SECOND, STANDARD_GRAVITY
 
 DEGREES = 180 / np.pi
 BLOCK = 0.1  #: s; samples are averaged over this time
@@ -91,7 +91,7 @@ class Blocks:
 
 def _means(log: Log, triad: Triad, edges: Floats) -> Floats:
     """Return the means of a triad between edges, (b, 3); nan where there is no sample."""
-    rows = np.searchsorted(log.seconds(triad.time), edges)
+    rows = np.searchsorted(triad.time, np.rint(edges * SECOND).astype(np.int64) + (log.zero or 0))
     count = np.diff(rows)
     if not count.size:
         return np.zeros((0, 3))
