@@ -114,6 +114,8 @@ TEXTS = (
     Unread("a ROS bag of version 1.2", "convert it with rosbag migrate, which writes version 2.0", _starts(b"#ROSBAG V1", b"#ROSRECORD V1")),
     Unread("a log of gpsd (JSON)", "log NMEA sentences in place of it: gpspipe -r", _matches(rb'\{"class":"(VERSION|TPV|SKY|DEVICES|WATCH)"')),
     Unread("JSON text", TO_CSV, _matches(rb'\[?\s*\{\s*"|\[\s*\[')),
+    Unread("the metadata of a rosbag2 recording", "give the folder in which it lies, with its .db3 or .mcap files",
+           _starts(b"rosbag2_bagfile_information:")),
     Unread("a PCD point cloud", NO_LOG, _matches(rb"# ?\.PCD v")),
 )  # fmt: skip
 #: formats that are no text; they are asked for after all readers

@@ -77,6 +77,7 @@ FILES = {
     "version 1.2": b"#ROSBAG V1.2\n" + bytes(20),
     "gpsd": b'{"class":"VERSION","release":"3.22"}\n{"class":"TPV","lat":47.5}\n',
     "JSON text": b'[\n  {"sensor": "Gyroscope", "time": "1752154081456345900", "x": "0.3"}]',
+    "rosbag2 recording": b"rosbag2_bagfile_information:\n  version: 5\n  relative_file_paths:\n    - a_0.db3\n",
     "PCD": b"# .PCD v.7 - Point Cloud Data file format\nVERSION .7\n1 2 3\n",
     "Garmin FIT": b"\x0e\x20\x54\x08\x10\x00\x00\x00.FIT\x00\x00" + bytes(20),
     "Septentrio": b"$@\x12\x34\xab\x0f\x60\x00" + bytes(90),

@@ -16,6 +16,7 @@ from imuwb.readers.bytes import source
 from imuwb.texts import names_text
 
 METADATA = "metadata.yaml"
+SUFFIXES = (".bag", ".db3", ".mcap")  #: of all formats of recordings
 PACKED = (".zstd", ".zst", ".gz")  #: suffixes of packed files
 _NUMBERED = re.compile(r"^(.*?)(?:[_-]?\d{4}(?:[_-]\d{2}){2,6})?_(\d+)$")
 _LIST = re.compile(r"^\s*relative_file_paths:[ \t]*(\[[^\]]*\]|(?:\n[ \t]*- [^\n]*)*)", re.MULTILINE)
@@ -63,11 +64,14 @@ def parts_of(folder: Path, form: Form) -> Parts:
     metadata = _metadata(folder)
     if metadata is not None and metadata.files:
         return replace(_stated(folder, form, metadata), messages=metadata.messages)
-    files = [file for file in _named(folder, form) if _is(file, form)]
+    known = [file for file in _named(folder, form) if _is(file, form)]
+    files = list({_stem(file): file for file in sorted(known, key=_is_packed, reverse=True)}.values())
+    files.sort(key=known.index)
+    notes = _not_used(folder, files)
     if not files:
         raise UnreadableLogError(f"{folder}: no {form.suffix} file in this folder can be read; copy it again")
     if len(files) == 1:
-        return Parts(tuple(files))
+        return Parts(tuple(files), tuple(notes))
     numbered = {file: _NUMBERED.match(_stem(file)) for file in files}
     stems = {match[1] for match in numbered.values() if match is not None}
     if None in numbered.values() or len(stems) > 1:
@@ -75,7 +79,7 @@ def parts_of(folder: Path, form: Form) -> Parts:
         raise UnreadableLogError(f"{folder}: this folder has several recordings ({names}); name one of them")
     places = {int(match[2]): file for file, match in numbered.items() if match is not None}
     missing = [str(number) for number in range(max(places)) if number not in places]
-    notes = [_joined(files)]
+    notes.insert(0, _joined(files))
     if missing:
         text = f"parts {names_text(missing)} of {max(places) + 1} (numbered from 0) are not in the folder"
         notes.append(Note("part_missing", text))
@@ -101,10 +105,7 @@ def _stated(folder: Path, form: Form, metadata: _Metadata) -> Parts:
             notes.append(Note("part_missing", f"{name} is listed in {METADATA}, but it is not in the folder"))
         else:
             found.append(file)
-    others = [file.name for file in _named(folder, form) if file not in found]
-    if others:
-        text = f"not used: {names_text(others)} (not listed in {METADATA}; name the file to read it)"
-        notes.append(Note("unused", text))
+    notes += _not_used(folder, found)
     if not found:
         raise UnreadableLogError(
             f"{folder}: none of the files that {METADATA} lists is in the folder: {names_text(list(metadata.files))}"
@@ -116,6 +117,13 @@ def _stated(folder: Path, form: Form, metadata: _Metadata) -> Parts:
 
 def _joined(files: list[Path]) -> Note:
     return Note("parts", f"{len(files)} files are read as one log: {names_text([file.name for file in files])}")
+
+
+def _not_used(folder: Path, files: list[Path]) -> list[Note]:
+    """Return the note on the other recordings in a folder, of any format; no note without any."""
+    others = [file.name for suffix in SUFFIXES for file in _of_suffix(folder, suffix) if file not in files]
+    text = f"not used: {names_text(others)} (beside the files that are read; name a file to read it)"
+    return [Note("unused", text)] if others else []
 
 
 def _present(folder: Path, name: str) -> Path | None:
@@ -137,11 +145,12 @@ def _metadata(folder: Path) -> _Metadata | None:
 
 def _named(folder: Path, form: Form) -> list[Path]:
     """Return the files whose names end as those of a format, the tenth after the ninth."""
-    files = [
-        file
-        for file in folder.iterdir()
-        if _without_packing(file.name).endswith((form.suffix, f"{form.suffix}.active"))
-    ]
+    return _of_suffix(folder, form.suffix)
+
+
+def _of_suffix(folder: Path, suffix: str) -> list[Path]:
+    ends = suffix, f"{suffix}.active"
+    files = [file for file in folder.iterdir() if _without_packing(file.name).endswith(ends) and file.is_file()]
     return sorted(files, key=lambda file: [int(x) if x.isdigit() else x for x in re.split(r"(\d+)", file.name)])
 
 
@@ -151,6 +160,10 @@ def _is(file: Path, form: Form) -> bool:
 
 def _without_packing(name: str) -> str:
     return next((name.removesuffix(suffix) for suffix in PACKED if name.endswith(suffix)), name)
+
+
+def _is_packed(file: Path) -> bool:
+    return _without_packing(file.name) != file.name
 
 
 def _stem(file: Path) -> str:

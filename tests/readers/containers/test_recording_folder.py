@@ -210,3 +210,29 @@ def test_what_is_read_leaves_no_file(recording, tmp_path, monkeypatch):
     read(folder)
     assert sorted(folder.iterdir()) == before
     assert list(temporary.iterdir()) == []
+
+
+def test_a_part_that_is_there_twice_is_read_once(recording):
+    folder = recording(".db3", 0, 1)
+    for i in range(2):
+        path = folder / f"drive_{i}.db3"
+        path.with_name(f"{path.name}.zstd").write_bytes(zstandard.compress(path.read_bytes()))
+    log = read(folder)
+    assert len(numbers_of(log)) == 2 * PART
+    assert ids(log.notes) == ("parts", "unused")
+    assert "drive_0.db3.zstd, drive_1.db3.zstd" in log.notes[1]
+
+
+def test_recordings_of_another_format_in_the_folder_are_named(recording, tmp_path, rows):
+    folder = recording(".bag", 0)
+    mcap(folder / "converted.mcap", rows(1), None)
+    log = read(folder)
+    assert log.provenance.format == "mcap"
+    assert ids(log.notes) == ("unused",)
+    assert "drive_0.bag" in log.notes[0]
+
+
+def test_the_metadata_alone_are_no_log(tmp_path):
+    write_metadata(tmp_path, ["drive_0.db3"])
+    with pytest.raises(UnreadableLogError, match="folder"):
+        read(tmp_path / "metadata.yaml")
