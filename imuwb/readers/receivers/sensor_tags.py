@@ -54,7 +54,7 @@ def tagged(name: str, place: Integers, tag: Integers, clock: UbxClock | None, *,
         clock: of the log; None if it states no date.
         milliseconds: whether a tick is 1 ms unless the fixes show another.
     """
-    ticks, runs = _unwrapped(tag)
+    ticks, runs = _unwrapped(tag.astype(np.int64))
     lines = [_line(place[run], ticks[run], clock) for run in runs]
     known = [line for line in lines if line is not None]
     if not known or clock is None:

@@ -95,18 +95,18 @@ def _measurements(kind: int, buffer: Bytes, at: Integers, length: Integers, offs
     """Return the measurements of a sensor's messages: the message's place, tag, type, and a number of 24 bits with a sign."""
     head, size = SENSORS[kind]
     words = (length - head) // size
-    source_of = np.zeros(at.size, np.int64)
+    source_of = np.zeros(at.size, np.uint16)
     if kind == MEASURED:
         flags = gather(buffer, at + 4, "<u2")
         words = words - ((flags & TAG_VALID) > 0)
-        source_of = gather(buffer, at + 6, "<u2").astype(np.int64)
+        source_of = gather(buffer, at + 6, "<u2")
     message = np.repeat(np.arange(at.size), words)
     place = at[message] + head + size * (np.arange(message.size) - np.repeat(np.cumsum(words) - words, words))
     word = gather(buffer, place, "<u4")
     tag = gather(buffer, at, "<u4")[message] if kind == MEASURED else gather(buffer, place + 4, "<u4")
-    number = ((word << 8).astype(np.uint32).view(np.int32) >> 8).astype(np.int64)
-    type_of = (word >> 24) & (0x3F if kind == MEASURED else 0xFF)
+    # A day has tens of millions of measurements, so each field has its own small type.
     return {
-        "place": at[message] + offset, "source": source_of[message], "tag": tag.astype(np.int64),
-        "type": type_of.astype(np.int64), "number": number,
+        "place": at[message] + offset, "source": source_of[message], "tag": tag,
+        "type": ((word >> 24) & (0x3F if kind == MEASURED else 0xFF)).astype(np.uint8),
+        "number": (word << 8).astype(np.uint32).view(np.int32) >> 8,
     }  # fmt: skip

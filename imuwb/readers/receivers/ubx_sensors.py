@@ -83,7 +83,7 @@ def _streams(
 def _triad(rows: Values, kinds: tuple[int, int, int]) -> tuple[Integers, Floats, int]:
     """Return the rows of x of whole triads, their values (n, 3), and how many measurements belong to no whole triad."""
     _, message = np.unique(rows["place"], return_inverse=True)
-    key = (message.astype(np.int64) << 32) | rows["tag"]
+    key = (message.astype(np.int64) << 32) | rows["tag"].astype(np.int64)
     axes = [np.flatnonzero(rows["type"] == kind) for kind in kinds]
     firsts = [axis[np.unique(key[axis], return_index=True)[1]] for axis in axes]
     common = np.intersect1d(np.intersect1d(key[firsts[0]], key[firsts[1]]), key[firsts[2]])
