@@ -38,11 +38,14 @@ class SentenceLog:
         self._unknown, self._faults = Counter[str](), Counter[tuple[str, Note]]()
         self._streams: dict[str, str] = {}  # tag -> name of its first stream
         self._offset: int | None = None
+        self._imus = set[str]()  # names of the IMUs in the first lines
 
     def describe(self, head: Iterable[Line]) -> None:
         """Learn the sentences that the file itself describes, and the start of their clock."""
         names, units = dict[str, tuple[str, ...]](), dict[str, tuple[str, ...]]()
+        tags = set[str]()
         for line in head:
+            tags.add(line.tag)
             if line.tag == DESCRIBED and line.cells:
                 names[line.cells[0]] = line.cells[1:]
             elif line.tag == "$UNIT" and line.cells:
@@ -53,6 +56,7 @@ class SentenceLog:
             sentence = _described(tag, cells, units.get(tag, ()))
             if sentence is not None:
                 self._by_tag[f"${tag}"] = sentence
+        self._imus = {self._by_tag[tag].stream for tag in tags if tag in self._by_tag and self._by_tag[tag].is_imu}
 
     def take(self, line: Line) -> None:
         """Take a sentence."""
@@ -83,7 +87,9 @@ class SentenceLog:
         rows = self._waiting.pop(key)
         tag, device = key
         if key not in self._rows:
-            self._rows[key] = SentenceRows(self._path, self._by_tag[tag], self._options, device, self._offset)
+            sentence = self._by_tag[tag]
+            name = "" if sentence.is_imu and len(self._imus) == 1 else sentence.stream
+            self._rows[key] = SentenceRows(self._path, sentence, self._options, name, device, self._offset)
         for batch in self._rows[key].batches(rows, bytes_read):
             self._streams.setdefault(tag, batch.stream)
             yield batch

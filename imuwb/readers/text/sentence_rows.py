@@ -43,7 +43,7 @@ class SentenceRows:
     """The rows of one kind of sentence, and of one type of IMU."""
 
     def __init__(
-        self, path: Path, sentence: Sentence, options: ReadOptions, device: str, offset: int | None = None
+        self, path: Path, sentence: Sentence, options: ReadOptions, name: str, device: str, offset: int | None = None
     ) -> None:
         """Find the columns.
 
@@ -51,6 +51,7 @@ class SentenceRows:
             path: the log.
             sentence: what its cells mean.
             options: what the user states.
+            name: of the streams; empty: their kind.
             device: type of the IMU.
             offset: ns since 1970 of the zero of a clock that counts from power-up; None: unknown.
 
@@ -58,7 +59,7 @@ class SentenceRows:
             UsageError: the scale or the unit of the numbers is unknown.
         """
         found = shaped(sentence.shape, Head("", "", (), ()), options)
-        self.sentence, self._path, self._options = sentence, path, options
+        self.sentence, self._path, self._options, self._name = sentence, path, options, name
         self._columns = found.columns if not sentence.scale else _scaled(path, sentence, found.columns, device)
         lacking = list(
             dict.fromkeys(
@@ -92,7 +93,7 @@ class SentenceRows:
                 self._checked = check_gravity(self._path, fields["specific_force"], columns)
             kept = fields if part is None else {name: array[part] for name, array in fields.items()}
             at = time if part is None else time[part]
-            yield Batch(self.sentence.stream or kind, kind, at, kept, self._origin(kind), bytes_read)
+            yield Batch(self._name or kind, kind, at, kept, self._origin(kind), bytes_read)
 
     def _epoch_of(self, options: ReadOptions) -> Epoch:
         if any(column.quantity == "week" for column in self._columns):

@@ -32,6 +32,12 @@ class Sentence:
         """Number of cells up to the last one that has a meaning."""
         return max(cell for cell, meaning in enumerate(self.shape.row) if meaning is not None) + 1
 
+    @property
+    def is_imu(self) -> bool:
+        """Whether the cells are of an IMU."""
+        imu = ("gyro", "accel", "attitude_increment", "velocity_increment")
+        return any(meaning is not None and meaning.quantity in imu for meaning in self.shape.row)
+
     def fits(self, cells: Sequence[str]) -> bool:
         """Return whether a line with the tag has the cells that the sentence has: their number, and the ranges of some."""
         if len(cells) < self.needed or (self.shape.cells and len(cells) != self.shape.cells):

@@ -56,7 +56,15 @@ def vn_ymr_stamped():
         f"{stamp} {dollar(f'$VNYMR,90.0,1.0,2.0,0.1,0.2,0.3,{cells(a)},{cells(w)}')}"
         for stamp, w, a in zip(decimals(TIME), GYRO, ACCEL, strict=True)
     ]
-    return File("\n".join([*lines, ""]), "vn.log", frame="FRD", streams=("compensated",))
+    return File("\n".join([*lines, ""]), "vn.log", frame="FRD")
+
+
+def vn_qmr():
+    lines = [
+        dollar(f"$VNQMR,0.0,0.0,0.0,1.0,0.1,0.2,0.3,{cells(a)},{cells(w)}") for w, a in zip(GYRO, ACCEL, strict=True)
+    ]
+    time = STEP * np.arange(N)
+    return File("\n".join([*lines, ""]), "vn.txt", time, "log", rate=100.0, frame="FRD")
 
 
 def get_sensor_data():
@@ -77,7 +85,7 @@ def gnss_logger():
         lines.append(f"UncalAccel,{utc},{boot},{cells(a)},0.0,0.0,0.0")
         lines.append(f"Raw,{utc},1,2,3")
     text = "\n".join([*lines, ""])
-    return File(text, "gnss_log.txt", BOOT + STEP * np.arange(N), "boot", frame="FLU", streams=("uncalibrated",))
+    return File(text, "gnss_log.txt", BOOT + STEP * np.arange(N), "boot", frame="FLU")
 
 
 def flysight():
@@ -116,7 +124,7 @@ def raw_imu_rates():
     return _raw_imu(DEVICE_EPSON, 0.008 / 2**16 * DEG, 0.2 / 2**16 * G / 1000, long=True)
 
 
-SENTENCES = (vn_imu, vn_ymr_stamped, get_sensor_data, gnss_logger, flysight, raw_imu_increments, raw_imu_rates)
+SENTENCES = (vn_imu, vn_ymr_stamped, vn_qmr, get_sensor_data, gnss_logger, flysight, raw_imu_increments, raw_imu_rates)
 
 
 def best_pos():

@@ -8,7 +8,7 @@ from imuwb.notes import ids
 from imuwb.readers import ReadOptions, read, reader_of
 from imuwb.readers.text.sentence_lines import crc32
 from tests.readers.repairs import repairs
-from tests.readers.text.shapes.sentence_writers import flysight, novatel, raw_imu_increments, vn_imu
+from tests.readers.text.shapes.sentence_writers import flysight, novatel, raw_imu_increments, vn_imu, vn_qmr
 from tests.readers.text.shapes.truth import GYRO, STEP, TIME, gps
 
 
@@ -96,3 +96,10 @@ def test_other_sentences_are_named_with_their_number(text_log):
 def test_lines_with_such_words_alone_are_no_log_of_sentences(text_log):
     path = text_log("Gyro,1,2,3\nAccel,1,2,3\nFix,GPS,1,2,3\nACCE;1;2;3\n" * 20)
     assert reader_of(path).format == "csv"
+
+
+def test_two_imus_of_one_log_have_their_names(text_log):
+    lines = [line for pair in zip(vn_imu().text.split("\r\n"), vn_qmr().text.split("\n"), strict=True) for line in pair]
+    log = read(text_log("\n".join(lines)), ReadOptions(rate=100))
+    assert {imu.name for imu in log.imus} == {"imu", "compensated"}
+    assert all(len(imu.angular_rate) == len(GYRO) for imu in log.imus)
