@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, cast
 
@@ -144,7 +145,9 @@ def _nanoseconds(stamps: pa.Array[Any], measure: Unit | None) -> Times:
     return np.rint(np.where(possible, numbers, 0.0)).astype(np.int64), possible
 
 
-def clock_of(path: Path, layout: Layout, options: ReadOptions, known: Sequence[Column] = ()) -> Clock:
+def clock_of(
+    path: Path, layout: Layout, options: ReadOptions, known: Sequence[Column] = (), *, fast: bool = False
+) -> Clock:
     """Return how the rows of a log are timed.
 
     Args:
@@ -152,6 +155,7 @@ def clock_of(path: Path, layout: Layout, options: ReadOptions, known: Sequence[C
         layout: of the log.
         options: what the user states.
         known: the columns of time and week that the log's known shape has.
+        fast: whether the log has the samples of an IMU, so that a step of more than a second shows a shorter unit.
 
     Raises:
         UsageError: there is neither a time column nor a rate, or the unit of the time column is unknown.
@@ -162,11 +166,11 @@ def clock_of(path: Path, layout: Layout, options: ReadOptions, known: Sequence[C
             names = ", ".join(name for name in options.columns or layout.names if name and name != "-")
             raise UsageError(f"{path}: there is no time column among {names}; state --rate HZ")
         return Clock(options.epoch or "log", rate=options.rate, notes=notes)
-    clock = _clock(path, layout, stamp, options)
+    clock = _clock(path, layout, stamp, options, fast=fast)
     return replace(clock, notes=(*notes, *clock.notes), others=others)
 
 
-def _clock(path: Path, layout: Layout, stamp: Stamp, options: ReadOptions) -> Clock:
+def _clock(path: Path, layout: Layout, stamp: Stamp, options: ReadOptions, *, fast: bool) -> Clock:
     if stamp.kind == "calendar":
         kinds: dict[int, pa.DataType] = {column.index: pa.float64() for column in stamp.columns}
         return (
@@ -174,7 +178,7 @@ def _clock(path: Path, layout: Layout, stamp: Stamp, options: ReadOptions) -> Cl
         )
     if stamp.kind == "text":
         return _text_clock(path, layout, stamp)
-    return _week_clock(layout, stamp) or _number_clock(path, layout, stamp, options)
+    return _week_clock(layout, stamp, fast=fast) or _number_clock(path, layout, stamp, options)
 
 
 def _text_clock(path: Path, layout: Layout, stamp: Stamp) -> Clock:
@@ -226,13 +230,13 @@ def _first(layout: Layout, column: Column) -> str:
     return next((cell for cell in layout.cells(column.index) if is_number(cell)), "nan")
 
 
-def _week_clock(layout: Layout, stamp: Stamp) -> Clock | None:
+def _week_clock(layout: Layout, stamp: Stamp, *, fast: bool) -> Clock | None:
     """Return a clock of GPS weeks and times of week; None for a log without these."""
     if stamp.week is None:
         return None
     column = stamp.columns[0]
     week, value = float(_first(layout, stamp.week)), float(_first(layout, column))
-    measure = column.unit or _unit_of_week(layout, column)
+    measure = column.unit or _unit_of_week(layout, column, fast=fast)
     if not (0 <= week < LATEST_WEEK and measure is not None and 0 <= value * measure.factor < WEEK_END):
         return None
     stamp = replace(stamp, columns=(replace(column, unit=measure), *stamp.columns[1:]))
@@ -241,10 +245,13 @@ def _week_clock(layout: Layout, stamp: Stamp) -> Clock | None:
     return Clock("unix", stamp, _kinds(layout, stamp), notes=(note,), ahead=ahead)
 
 
-def _unit_of_week(layout: Layout, column: Column) -> Unit | None:
-    """Return the longest unit in which a time lies within the week; None if there is none."""
-    value = float(_first(layout, column))
-    return next((unit(name) for name in DIGITS if value * unit(name).factor < WEEK_END), None)
+def _unit_of_week(layout: Layout, column: Column, *, fast: bool) -> Unit | None:
+    """Return the longest unit in which a time lies within the week, and its steps are not too long; None if there is none."""
+    numbers = [float(cell) for cell in layout.cells(column.index) if is_number(cell)]
+    steps = sorted(b - a for a, b in pairwise(numbers) if b > a)
+    step = steps[len(steps) // 2] if fast and steps else 0.0
+    fitting = [unit(name) for name in DIGITS if numbers and numbers[0] * unit(name).factor < WEEK_END]
+    return next((measure for measure in fitting if step * measure.factor <= LONGEST_STEP), next(iter(fitting), None))
 
 
 def _number_clock(path: Path, layout: Layout, stamp: Stamp, options: ReadOptions) -> Clock:

@@ -99,7 +99,8 @@ def of_partner(alone: Table, options: ReadOptions) -> Iterator[Batch | Remark]:
         return
     for file in partners_of(alone.path):
         try:
-            other = Table(file, layouts_of(file, options)[0], options, blocks)
+            own, remarks = with_sidecar(file, options)
+            other = Table(file, layouts_of(file, own)[0], own, blocks)
         except (UsageError, UnreadableLogError) as error:
             yield Remark(
                 Note(
@@ -116,5 +117,5 @@ def of_partner(alone: Table, options: ReadOptions) -> Iterator[Batch | Remark]:
             yield Remark(Note("partner_left_out", text))
             continue
         yield Remark(Note("partner", f"{file.name} beside the log is joined to it, by the name of the file"))
-        yield from other.parts()
+        yield from (*remarks, *other.parts())
         return

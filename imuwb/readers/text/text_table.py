@@ -76,7 +76,8 @@ class Table:
         self.keys = {(c.stream, RATES.get(c.quantity, c.quantity), c.axis) for c in found if c.quantity in STREAMS}
         # A file of nothing that is known needs no clock.
         known = found if shape is not None else ()
-        self._clock = clock_of(path, layout, options, known) if self.keys else Clock("log")
+        fast = bool(self.sensors)
+        self._clock = clock_of(path, layout, options, known, fast=fast) if self.keys else Clock("log")
         self._used = tuple(column for column in found if column.quantity not in ("time", "week"))
         if limits is not None:
             if any(column.quantity in RATES for column in found):  # an increment covers the step from the row before

@@ -96,6 +96,14 @@ def test_a_time_of_week_without_a_unit_follows_from_its_size(text_log):
         assert found.tolist() == [unix_ns(utc) + 10**7 * i for i in range(3)]
 
 
+@pytest.mark.parametrize("unit", [10**3, 10**6, 10**9])
+def test_steps_of_an_imu_show_a_shorter_unit_early_in_the_week(text_log, unit):
+    week, first = 2340, 250  # s after the week's beginning: in ms, less than a week of seconds
+    rows = [f"{week},{(first * unit) + i * unit // 100},{VALUES}{i}" for i in range(20)]
+    found, _ = times(text_log, "week,tow", rows)
+    assert np.diff(found).tolist() == [10**7] * 19
+
+
 def test_nanoseconds_behind_the_point_are_kept(text_log):
     utc = datetime(2024, 11, 11, 3, 46, tzinfo=UTC)
     week, ms = divmod(gps_ms(utc), 604_800_000)
