@@ -35,6 +35,14 @@ def test_an_archive_of_named_arrays(tmp_path, save):
     assert any(note.id == "unused" and "speed_m_s" in note for note in log.notes)
 
 
+@pytest.mark.parametrize("kind", ["f2", "f4", "longdouble", ">f8", "i8", "?"])
+def test_numbers_of_any_type(tmp_path, kind):
+    path = tmp_path / "log.npz"
+    np.savez(path, time_s=TIME, gyro_rad_s=np.ones((N, 3), kind))
+    (imu,) = read(path).imus
+    assert imu.angular_rate.value.tolist() == [[1, 1, 1]] * N
+
+
 @pytest.mark.parametrize("kind", ["<f8", ">f8"])
 def test_an_array_with_named_fields(tmp_path, kind):
     path = tmp_path / "log.npy"
