@@ -54,10 +54,9 @@ def repair_faults(name: str, repairs: Iterable[Repair], rows: int) -> Iterator[F
     for repair in repairs:
         name_of_note = getattr(repair.what, "id", "")
         if name_of_note in _HARMLESS:
-            severity, consequence = _HARMLESS[name_of_note]
-            yield Fault(
-                name, name_of_note.replace("_", " "), repair.what, severity, repair.count, consequence=consequence
-            )
+            harm, consequence = _HARMLESS[name_of_note]
+            count = 1 if repair.effect == "time" else repair.count  # all times of a stream are one clock
+            yield Fault(name, name_of_note.replace("_", " "), repair.what, harm, count, consequence=consequence)
             continue
         few, many, consequence = _MEANING[repair.effect]
         lost = repair.effect == "lost"

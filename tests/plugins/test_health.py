@@ -1,11 +1,13 @@
 """Health as a plugin: on the command line, as JSON, and drawn."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from imuwb.log import SECOND, GnssStream
 from imuwb.notes import ids
 from imuwb.review.document import plain
 from imuwb_plugins import health
@@ -22,7 +24,7 @@ def damaged(make_log, gap):
 
 
 def test_the_command_shows_the_verdict_and_leaves_a_recording(command, tmp_path):
-    code, out, err = command("health", SAMPLE, "-o", "health.rrd")
+    code, out, err = command("health", SAMPLE, "-o", "health.rrd", "--full")
     out += err
     assert code == 0, err
     for text in ("good", "25 °C for 60 min", "/imu/data is still for"):
@@ -84,3 +86,13 @@ def test_a_clean_log_says_that_nothing_was_found(make_log, shown):
 def test_json_has_no_nan(damaged):
     text = json.dumps(plain(health.run([damaged], health.Parameters())), allow_nan=False)
     assert json.loads(text)["faults"][0]["kind"] == "constant"
+
+
+def test_even_motion_is_in_the_answer(make_log):
+    rng = np.random.default_rng(5)
+    log = make_log(0.01 * rng.standard_normal((6000, 3)), 0.02 * rng.standard_normal((6000, 3)) - [0, 0, 9.8])
+    time = np.arange(61) * SECOND
+    gnss = GnssStream("fix", time, np.tile([0.8, 0.2, 0.0], (61, 1)), np.tile([20.0, 0.0, 0.0], (61, 1)))
+    result = health.run([replace(log, gnss=(gnss,))], health.Parameters())
+    assert "even motion" in health.answer(result).about
+    assert "even motion" not in health.answer(health.run([log], health.Parameters())).about

@@ -34,6 +34,8 @@ def _about(result: Health) -> str:
         if result.segments
         else ""
     )
+    if result.even:
+        motion += f" ({duration_text(result.even)} of it even motion)"
     return (" and ".join(parts) or "no fault") + motion
 
 
