@@ -19,6 +19,7 @@ from imuwb.navigation.vibration import with_classes
 from imuwb.notes import Note
 from imuwb.replay.degraded import Degradation, degraded
 from imuwb.replay.fix_kinds import consistent
+from imuwb.replay.velocity_spikes import without_spikes
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -73,6 +74,7 @@ def prepare(
     if len(log.gnss) > 1 and receiver is None:
         text = f"the log has {len(log.gnss)} receivers: {gnss.name} is used; choose another with --receiver"
         several = (Note("several-receivers", text),)
+    gnss, spikes = without_spikes(gnss)
     gnss, contradicting = consistent(gnss)
     if degradation is not None:
         gnss = degraded(gnss, degradation)
@@ -82,7 +84,7 @@ def prepare(
     stills = standstills(measurement, log, gnss)
     corrections = corrections_of(log, gnss, measurement, stills, model)
     alignment = align(measurement, corrections, stills, model)
-    notes = (*several, *contradicting, *corrected, *measurement.notes, *corrections.notes, alignment.note)
+    notes = (*several, *spikes, *contradicting, *corrected, *measurement.notes, *corrections.notes, alignment.note)
     return Prepared(log, gnss, measurement, stills, corrections, alignment, notes)
 
 
