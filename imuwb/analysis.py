@@ -20,7 +20,8 @@ and these, if it needs them:
 * ``outputs(parameters) -> tuple of paths`` and ``write_outputs(result, parameters)``: files that the analysis
   itself writes. Existing files are overwritten only with --force.
 * ``study(cases, parameters) -> result`` and ``draw_study(result, review)``, for ``--study``.
-* ``compare_imus(logs, parameters) -> result`` and ``draw_imus(result, review)``, for ``--imu all``: one log for each IMU of a log.
+* ``compare_imus(logs, parameters) -> result`` and ``draw_imus(result, review)``, for ``--imu all``: one log for each IMU of a log;
+  ``answer_imus(result) -> Answer`` for its answer.
 * ``imu_of(log, parameters) -> name``: the IMU that is analysed if the user names none; without it, the first.
 * ``EVERY_IMU = True``: the analysis examines all IMUs of a log.
 * ``DEMO = "still"`` or ``"drive"``: imuwb demo runs the analysis on that sample log. The analysis of the drive has a parameter

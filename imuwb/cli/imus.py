@@ -1,7 +1,8 @@
 """The IMUs of a log on the command line: the first with a note on the others, one by its name, or all, which are compared."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any, cast
 
 from imuwb import registry
@@ -12,15 +13,6 @@ from imuwb.log import Log
 from imuwb.notes import Note
 from imuwb.selection import ALL, each_imu, with_first
 from imuwb.texts import names_text
-
-
-@dataclass(frozen=True, slots=True)
-class Comparison:
-    """The analysis that compares the IMUs of a log."""
-
-    Parameters: Any
-    run: Callable[..., Any]
-    draw: Callable[..., None]
 
 
 def compares(analysis: Analysis, request: Request) -> bool:
@@ -49,7 +41,10 @@ def comparison(name: str, analysis: Analysis, paths: Sequence[object], request: 
     if len(paths) > 1:
         raise UsageError(f"--imu {ALL} compares the IMUs of one log; {len(paths)} logs are given")
     plugin = cast("Any", analysis)
-    return cast("Analysis", Comparison(plugin.Parameters, plugin.compare_imus, plugin.draw_imus))
+    parts = {"Parameters": plugin.Parameters, "run": plugin.compare_imus, "draw": plugin.draw_imus}
+    if offers(analysis, "answer_imus"):
+        parts["answer"] = plugin.answer_imus
+    return cast("Analysis", SimpleNamespace(**parts))
 
 
 def _loaded(name: str) -> object:

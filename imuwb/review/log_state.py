@@ -1,4 +1,4 @@
-"""What a reader of any answer must know of the logs: where a file ends early, and the worst fault of its streams."""
+"""What a reader of any answer must know of the logs: which IMU it is of, where a file ends early, and the worst fault."""
 
 from collections.abc import Sequence
 
@@ -11,9 +11,11 @@ NOT_WHOLE = ("cut", "packed_cut", "packed_damaged", "damaged", "checksum_failed"
 
 
 def log_state(logs: Sequence[Log]) -> tuple[str, ...]:
-    """Return at most two sentences: a file that is not whole, and the worst of the faults."""
+    """Return at most three sentences: which of several IMUs is analysed, a file that is not whole, and the worst of the faults."""
+    chosen = [note for log in logs for note in log.notes if isinstance(note, Note) and note.id == "imus"]
     broken = [note for log in logs for note in log.notes if isinstance(note, Note) and note.id in NOT_WHOLE]
-    sentences = [f"The file: {broken[0]}."] if broken else []
+    sentences = [f"{chosen[0]}."] if chosen else []
+    sentences += [f"The file: {broken[0]}."] if broken else []
     faults = [fault for log in logs for fault in check(log, samples=False).faults if fault.severity == "fault"]
     if faults:
         worst, count = faults[0], len(faults)

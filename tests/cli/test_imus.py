@@ -65,7 +65,11 @@ def test_all_imus_are_compared_and_only_real_differences_are_claimed(three, imuw
             assert own["N"]["value"] == pytest.approx(N[axis[:-2]] * TIMES[one["imu"]], rel=0.25)
     claims = {(q["axis"], q["imu"]): set(q["than"]) for q in told["quieter"] if q["coefficient"] == "N"}
     assert claims == {(axis, "/b"): {"/a", "/c"} for axis in told["imus"][0]["axes"]}
-    assert all(name in done.out for name in NAMES)
+    rows = {line.split()[0]: line.split()[1:] for line in done.out.splitlines() if line.startswith("/")}
+    assert list(rows) == NAMES
+    assert [cell.endswith("*") for cell in rows["/b"]] == [True] * 6
+    assert not any(cell.endswith("*") for name in ("/a", "/c") for cell in rows[name])
+    assert float(rows["/b"][0].strip("*")) == pytest.approx(np.degrees(N["gyro"]) * 60, rel=0.25)
     assert not (tmp_path / "x.error-model.toml").exists()
 
 
@@ -126,6 +130,7 @@ def test_without_a_choice_a_note_names_the_imu_and_the_others(three, imuwb, tmp_
     (note,) = [note for note in result(tmp_path)["notes"] if "--imu" in note]
     assert all(name in note for name in NAMES)
     assert "/a is analysed" in note
+    assert "/a is analysed" in " ".join(done.out.split())
 
 
 def test_with_a_choice_or_a_single_imu_there_is_no_such_note(three, log_of, imuwb, tmp_path):

@@ -11,6 +11,6 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
     submod_attrs={
         "parameters": ["Parameters"], "compute": ["error_model", "objections", "run"], "remarks": ["findings"], "show": ["draw"],
         "answer": ["answer"],
-        "imus": ["compare_imus", "draw_imus"],
+        "imus": ["compare_imus", "draw_imus"], "imus_answer": ["answer_imus"],
     },
 )  # fmt: skip

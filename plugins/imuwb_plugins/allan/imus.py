@@ -143,18 +143,12 @@ def _verdicts(imus: Sequence[ImuNoise], quieter: Sequence[Quieter]) -> Iterator[
             letter: [imu.imu for imu in having if _leads(imu, having, quieter, sensor, letter)] for letter in LETTERS
         }
         told = [f"{names[0]} in {letter} ({NAMES[letter]})" for letter, names in best.items() if names]
-        rest = [letter for letter, names in best.items() if not names]
-        parts = [f"quieter than all others on every axis is {', '.join(told)}"] if told else []
-        parts += (
-            [
-                f"no IMU is so in {', '.join(rest)}"
-                if told
-                else f"no IMU is quieter than all others on every axis in {', '.join(rest)}"
-            ]
-            if rest
-            else []
-        )
-        yield Note("quieter" if told else "not-quieter", f"{title}: {'; '.join(parts)}")
+        rest = ", ".join(letter for letter, names in best.items() if not names)
+        if told:
+            none = f"; no IMU in {rest}" if rest else ""
+            yield Note("quieter", f"{title}, quieter than all others on every axis: {', '.join(told)}{none}")
+        else:
+            yield Note("not-quieter", f"{title}: no IMU is quieter than all others on every axis in {rest}")
 
 
 def _leads(imu: ImuNoise, having: Sequence[ImuNoise], quieter: Sequence[Quieter], sensor: str, letter: str) -> bool:

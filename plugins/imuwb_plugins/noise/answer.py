@@ -7,7 +7,9 @@ from imuwb.noise_results import by_sensor
 from imuwb.statistics import UNKNOWN, Coefficient
 from imuwb.texts import coefficient_cell, coefficient_text
 from imuwb.units import UNITS, Unit, coefficient_units
+from imuwb_plugins.allan import imus_answer
 from imuwb_plugins.allan.answer import about_record
+from imuwb_plugins.allan.imus import ImuComparison
 from imuwb_plugins.allan.result import Result as Allan
 from imuwb_plugins.allan.trust import meanings, trust
 from imuwb_plugins.noise.repeatability import Repeatability
@@ -35,6 +37,11 @@ def answer(result: Result) -> Answer:
         (first, DRIVE) if first else (DRIVE, Step("imuwb model export {model} --to kalibr", "the numbers for an estimator")),
         f"{100 * allan.level:g} % intervals",
     )  # fmt: skip
+
+
+def answer_imus(result: ImuComparison) -> Answer:
+    """Return N of each IMU of a log."""
+    return imus_answer.answer_imus(result)
 
 
 def _cells(axis: str, coefficients: Mapping[str, Coefficient]) -> tuple[str, ...]:
