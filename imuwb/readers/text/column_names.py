@@ -9,10 +9,10 @@ from imuwb.readers.quantities import DIMENSIONS
 from imuwb.units import Unit, unit
 
 _DATA = r"(?:[_ .]?(?:readings?|data|meas(?:urements?)?))?"
-_GYRO = rf"gyro(?:scope)?s?{_DATA}|gyr|omega|ang(?:ular)?[_ .]?(?:vel(?:ocity)?|rate)|rotation[_ .]?rate"
+_GYRO = rf"gyro(?:scope)?s?{_DATA}|gyr|omega|ω|ang(?:ular)?[_ .]?(?:vel(?:ocity)?|rate)|rotation[_ .]?rate"
 _ACCEL = rf"accel(?:erometer|eration)?s?{_DATA}|acc|specific[_ .]?force|lin(?:ear)?[_ .]?acc(?:el(?:eration)?)?"
 _VARIANT = r"(?:(?P<variant>raw|uncal(?:ibrated)?|uncomp(?:ensated)?)[_ .]?)?"
-_AXIS = r"(?P<number>\d*)[_ .\[]*(?P<axis>[xyz])\]?"
+_AXIS = r"(?P<number>\d*)[_ .:(\[-]*(?P<axis>[xyz])[\])]?"
 _FIRST = r"(?P<first>[xyz])[_ .]*"
 #: quantity -> pattern of its column names, in lower case and without the unit
 _NAMES: dict[str, str] = {
@@ -59,8 +59,8 @@ _SEPARATORS = re.compile(r"[/.:\s\[\]]+")
 #: end of a name -> unit, for names without brackets
 _SUFFIXES = {
     "deg_s": "deg/s", "degs": "deg/s", "dps": "deg/s", "deg_per_s": "deg/s", "rad_s": "rad/s", "rads": "rad/s",
-    "rad_per_s": "rad/s", "mrad_s": "mrad/s", "deg_h": "deg/h", "m_s2": "m/s²", "m_s_2": "m/s²", "ms2": "m/s²",
-    "mps2": "m/s²", "m_per_s2": "m/s²", "mg": "mg", "ug": "µg", "mgal": "mGal", "g": "g", "s": "s", "sec": "s", "ms": "ms", "us": "us",
+    "rad_per_s": "rad/s", "rad_per_sec": "rad/s", "deg_per_sec": "deg/s", "radps": "rad/s", "rad_sec": "rad/s", "deg_sec": "deg/s", "mrad_s": "mrad/s", "deg_h": "deg/h", "m_s2": "m/s²", "m_s_2": "m/s²", "ms2": "m/s²",
+    "mps2": "m/s²", "m_per_s2": "m/s²", "mg": "mg", "ug": "µg", "mgal": "mGal", "g": "g", "s": "s", "sec": "s", "ms": "ms", "us": "us", "msec": "ms", "usec": "us", "nsec": "ns",
     "ns": "ns", "c": "°C", "degc": "°C", "deg_c": "°C", "k": "K", "degf": "°F", "deg_f": "°F", "f": "°F", "deg": "deg", "rad": "rad", "m": "m", "mm": "mm",
     "m_s": "m/s", "mps": "m/s", "dege7": "degE7", "mdps": "mdeg/s", "arcsec_s": "arcsec/s", "kmh": "km/h", "knots": "knot",
 }  # fmt: skip

@@ -36,6 +36,8 @@ def test_names_and_their_units(name, quantity, axis, unit):
         ("IMU::UncompAccel::X [m/s^2]", "accel", 0, "m/s²", "IMU.uncomp"), ("UncompGyro.Y", "gyro", 1, None, "uncomp"),
         ("raw_gyro_x", "gyro", 0, None, "raw"), ("/gps/fix/latitude", "latitude", 0, None, "/gps/fix"),
         ("xRate (deg/s)", "gyro", 0, "deg/s", ""), ("Y Accel", "accel", 1, None, ""), ("Gyro X deg/s", "gyro", 0, "deg/s", ""),
+        ("GYRO-X", "gyro", 0, None, ""), ("Acceleration (y)", "accel", 1, None, ""), ("gyro.x_radps", "gyro", 0, "rad/s", ""),
+        ("ωz [rad/s]", "gyro", 2, "rad/s", ""), ("a(x)", "accel", 0, None, ""), ("Gyroscope_X_rad_per_sec", "gyro", 0, "rad/s", ""),
         ("GyroZRadPerSec", "gyro", 2, "rad/s", ""), ("ax (m s^-2)", "accel", 0, "m/s²", ""), ("wz [arcsec/s]", "gyro", 2, "arcsec/s", ""),
     ],
 )  # fmt: skip

@@ -257,6 +257,26 @@ def androsensor():
     return File(table(head, *columns, mark=";"), time=STEP * np.arange(N), epoch="log", frame="FLU")
 
 
+def sensor_log():
+    """Accelerations with the signs of iOS."""
+    names = ["loggingTime(txt)", "accelerometerTimestamp_sinceReboot(s)"]
+    names += [f"{s}{a}({u})" for s, u in (("accelerometerAcceleration", "G"), ("motionUserAcceleration", "G"), ("motionRotationRate", "rad/s"), ("gyroRotation", "rad/s")) for a in "XYZ"]  # fmt: skip
+    boot = BOOT + STEP * np.arange(N)
+    texts = [f"{np.datetime64(t, 'ms')}".replace("T", " ") + " +0000" for t in (TIME // 10**6).tolist()]
+    force, rate = -axes(ACCEL, "FLU") / G, axes(GYRO, "FLU")
+    text = table(",".join(names), texts, decimals(boot), force, force, rate + 0.01, rate)
+    return File(text, time=boot, epoch="boot", frame="FLU")
+
+
+def wit_motion():
+    names = ["time", "DeviceName"] + [
+        f"{s}{a}({u})" for s, u in (("Acc", "g"), ("As", "°/s"), ("Angle", "°")) for a in "XYZ"
+    ]
+    stamps = [f"{np.datetime64(t, 'ms')}" for t in (TIME // 10**6).tolist()]
+    text = table("\t".join(names), stamps, ["WT901(00:11:22:33)"] * N, ACCEL / G, GYRO / DEG, ZEROS[:, :3], mark="\t")
+    return File(text, "data.txt")
+
+
 def vectornav():
     week, tow = gps(TIME)
     names = ["GpsCycle", "GpsWeek", "GpsTow", "TimeStartup"]
@@ -357,5 +377,5 @@ def x_imu3():
 WRITERS = (
     euroc, kalibr, rostopic, ros_dotted, ros_flat, ros2_echo, mcap_cat, tex_cup, matlab, plotjuggler, two_imus, ppc, ppc_as_documented, urban_nav, kf_gins, kf_gins_odometer,
     nclt, picoquake, sensor_combined, sensor_gyro, sensor_accel, mavlogdump, betaflight, sensor_logger_gyro, sensor_logger_accel,
-    phyphox_gyro, phyphox_accel, physics_toolbox, androsensor, vectornav, vectornav_gps_time, vectornav_compensated, vehicle_imu, xsens, sbg, microstrain, pimu, openimu, x_imu3,
+    phyphox_gyro, phyphox_accel, physics_toolbox, androsensor, sensor_log, wit_motion, vectornav, vectornav_gps_time, vectornav_compensated, vehicle_imu, xsens, sbg, microstrain, pimu, openimu, x_imu3,
 )  # fmt: skip
