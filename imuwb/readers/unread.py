@@ -159,6 +159,9 @@ BINARIES = (
     Unread("a TDMS file of LabVIEW", f"{TO_CSV}, for example with the Python package npTDMS", _starts(b"TDSm")),
     Unread("a pickle of Python", "imuwb never opens one, because it may run any code; save arrays as .npz or tables as Parquet",
            _starts(b"\x80\x02", b"\x80\x03", b"\x80\x04\x95", b"\x80\x05\x95")),
+    Unread("a Feather file of version 1", "write it again with pyarrow or pandas, which write version 2", _starts(b"FEA1")),
+    Unread("an encrypted Parquet file", "write it without encryption", _starts(b"PARE")),
+    Unread("an ORC file", "write its table as Parquet or CSV", _starts(b"ORC")),
     Unread("an Avro file", "write its table as Parquet or CSV", _starts(b"Obj\x01")),
     Unread("a program, not a log", NO_LOG, _starts(b"\x7fELF", b"MZ\x90")),
 )  # fmt: skip

@@ -108,6 +108,9 @@ FILES = {
     "DJI": bytes(16) + b"BUILD 2015-11-05" + bytes(90),
     "TDMS": b"TDSm\x0e\0\0\0" + bytes(30),
     "pickle": b"\x80\x04\x95\x0a\0\0\0\0\0\0\0" + bytes(10),
+    "Feather": b"FEA1" + bytes(50),
+    "encrypted Parquet": b"PARE" + bytes(50),
+    "ORC": b"ORC\x08\x03" + bytes(50),
     "Avro": b"Obj\x01\x04" + bytes(20),
     "program": b"\x7fELF\x02\x01\x01" + bytes(50),
 }

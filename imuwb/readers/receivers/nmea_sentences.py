@@ -22,7 +22,9 @@ LONGEST = 256  #: bytes; the standard allows 82, receivers send more
 POSITIONS = (b"GGA", b"GNS", b"RMC")  #: kinds of sentences with a position, the best first
 ROWS = 20_000  #: sentences that are decoded at once
 #: the name of a proprietary sentence begins with P
-_SENTENCE = re.compile(rb"[$!](P[A-Z0-9]{3,9}|[A-OQ-Z][A-Z][A-Z]{3}),([^$!*\r\n\x80-\xff]*)\*([0-9A-Fa-f]{2})")
+_BODY = rb"[$!](P[A-Z0-9]{3,9}|[A-OQ-Z][A-Z][A-Z]{3}),([^$!*\r\n\x80-\xff]*)"
+_CHECKED = re.compile(_BODY + rb"\*([0-9A-Fa-f]{2})")
+_BARE = re.compile(_BODY + rb"()(?=\r?\n)")
 
 
 def _numbers(cells: Sequence[bytes]) -> Floats:
@@ -94,8 +96,9 @@ READ: dict[bytes, tuple[int, Callable[[Cells], Columns]]] = {
 class Sentences:
     """The sentences of a file by kind, in the file's order."""
 
-    def __init__(self) -> None:
-        """Begin without a sentence."""
+    def __init__(self, *, checked: bool = True) -> None:
+        """Begin without a sentence; ``checked``: only those with a checksum count, else only whole lines without one."""
+        self._pattern = _CHECKED if checked else _BARE
         self.counts = Counter[bytes]()  #: sentences of each kind, proprietary ones by their whole name
         self.failed = self.short = 0  #: sentences whose checksum is wrong, and with too few cells
         self.stamped = 0  #: sentences with other text before them in their line
@@ -108,11 +111,11 @@ class Sentences:
         end = len(text) if last else _sure(text)
         running = np.bitwise_xor.accumulate(np.frombuffer(text, np.uint8))
         done = 0
-        for match in _SENTENCE.finditer(text, 0, end):
+        for match in self._pattern.finditer(text, 0, end):
             begin, name = match.start(), match[1]
             self._between(text[done:begin], last=False)
             done = match.end()
-            if int(running[match.end(2) - 1] ^ running[begin]) != int(match[3], 16):
+            if match[3] and int(running[match.end(2) - 1] ^ running[begin]) != int(match[3], 16):
                 self.failed += 1
             elif name[:1] == b"P":
                 self.counts[name] += 1

@@ -62,7 +62,8 @@ def feather_pieces(path: Path) -> Table:
         file = pa.ipc.open_file(source)
         schema, batches = file.schema, (file.get_batch(i) for i in range(file.num_record_batches))
     except FAULTS:
-        source.seek(8)
+        source.seek(0)
+        source.seek(8 if source.read(6) == b"ARROW1" else 0)
         pieces_of = pa.ipc.open_stream(source)  # after the magic number, a file is like a stream
         schema, batches = pieces_of.schema, iter(pieces_of)
 

@@ -11,11 +11,14 @@ format = "feather"  # noqa: A001 - the contract's name
 uses = ("time_source", "columns", "units", "frame", "epoch")
 beside = names_of
 MAGIC = b"ARROW1"
+STREAM = b"\xff\xff\xff\xff"  #: begins each message of a stream; the length of its head follows
+LONGEST = 1 << 20  #: bytes of the first head, which describes the columns
 
 
 def probe(head: bytes) -> bool:
-    """Return whether the file begins with Arrow's magic."""
-    return head.startswith(MAGIC)
+    """Return whether the file begins with Arrow's magic, or with the first message of a stream."""
+    length = int.from_bytes(head[4:8], "little")
+    return head.startswith(MAGIC) or (head.startswith(STREAM) and 0 < length < LONGEST and length % 8 == 0)
 
 
 def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:

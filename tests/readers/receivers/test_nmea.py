@@ -179,6 +179,13 @@ def test_wrong_checksums_and_cut_sentences(log_of):
     assert any(n.id == "nmea_short" and n.startswith("1 ") for n in log.notes)
 
 
+def test_sentences_without_checksums(log_of):
+    lines = [part.partition(b"*")[0] + b"\r\n" for i in range(20) for part in (rmc(at(i)), gga(at(i)))]
+    log = log_of(*lines, gga(at(20))[:50])
+    assert log.gnss[0].time.tolist() == [ns(at(i)) for i in range(20)]
+    assert "unchecked" in ids(log.notes)
+
+
 def test_times_that_are_none(log_of):
     odd = [
         sentence(f"GNGGA,{time},4723.8645,N,00832.7356,E,4,12,0.7,440.5,M,47.5,M,,")

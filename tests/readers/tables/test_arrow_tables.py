@@ -172,6 +172,15 @@ def test_damage_ends_in_rows_or_in_an_error(tmp_path, suffix):
     assert "refused" in outcomes
 
 
+def test_a_stream_of_arrow(tmp_path):
+    path, table = tmp_path / "log.arrows", pa.table({"time_ns": pa.array(TIME), **imu()})
+    with pa.OSFile(str(path), "wb") as file, pa.ipc.new_stream(file, table.schema) as writer:
+        writer.write_table(table, max_chunksize=30)
+    assert_imu(read(path))
+    path.write_bytes(path.read_bytes()[:-1000])
+    assert 30 <= len(read(path).imus[0].angular_rate) < N
+
+
 def test_a_cut_feather_file_gives_the_pieces_before_the_cut(tmp_path):
     path = tmp_path / "cut.feather"
     feather.write_feather(
