@@ -116,5 +116,5 @@ def _mean(log: Log, triad: Triad | None, segment: Segment) -> Floats | None:
     if triad is None:
         return None
     time = log.seconds(triad.time)
-    inside = (time >= segment.start) & (time <= segment.end)
-    return triad.value[inside].mean(axis=0) if inside.any() else None
+    inside = triad.value[np.searchsorted(time, segment.start) : np.searchsorted(time, segment.end, side="right")]
+    return inside.mean(axis=0) if len(inside) else None
