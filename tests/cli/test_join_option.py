@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from imuwb import read
+from imuwb.errors import MissingDataError
 
 ROWS = 3000
 RNG = np.random.default_rng(9)
@@ -41,11 +42,9 @@ def test_sensors_of_other_files_are_joined(imuwb, files, tmp_path):
     np.testing.assert_allclose(imu.temperature.value, 20 + np.arange(30) / 10, rtol=1e-9)
 
 
-@pytest.mark.parametrize("command", ["allan", "temperature"])
-def test_a_temperature_alone_is_no_imu(imuwb, files, command):
-    done = imuwb(command, files[2])
-    assert done.code == 3
-    assert "no IMU" in done.err
+def test_a_temperature_alone_is_no_imu(files):
+    with pytest.raises(MissingDataError, match="no IMU"):
+        read(files[2]).imu()
 
 
 def test_info_joins_too(imuwb, files):

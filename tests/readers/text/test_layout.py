@@ -11,7 +11,7 @@ from imuwb.readers.text.layout import layout_of
 from tests.readers.repairs import repairs
 
 NAMES = ("time_s", "gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2")
-ROWS = 300
+ROWS = 120
 RNG = np.random.default_rng(7)
 VALUES = np.round(RNG.normal((0, 0, 0, 0, 0, -9.8), 0.01, (ROWS, 6)), 6)
 TIMES = np.arange(ROWS) * 5_000_000

@@ -11,7 +11,7 @@ from imuwb.errors import UnreadableLogError, UsageError
 from imuwb.readers import ReadOptions, read
 from tests.readers.repairs import repairs
 
-ROWS = 400
+ROWS = 200
 RNG = np.random.default_rng(11)
 RATES = np.round(RNG.normal(0, 0.01, (ROWS, 3)), 6)
 FORCES = np.round(RNG.normal((0, 0, 9.8), 0.02, (ROWS, 3)), 6)
@@ -85,7 +85,7 @@ def test_rows_of_other_tags_are_named_with_their_number(text_log):
     assert "WIFI" in unused(log)
 
 
-@pytest.mark.parametrize("name", ["I", "device_id", "imu", "sensor"])
+@pytest.mark.parametrize("name", ["I", "device_id"])
 @pytest.mark.parametrize("values", [("0", "1", "2"), ("left", "right", "rear"), ("2686988", "3014668", "65538")])
 def test_rows_of_several_imus_at_equal_stamps_are_streams_of_their_own(text_log, name, values):
     header = f"time_s,{name},gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2\n"
