@@ -14,7 +14,6 @@ from imuwb.health.channel import Channel, channels, sensor_seconds, value_text
 from imuwb.health.lone import Lone, lone_samples
 from imuwb.health.tails import tails
 from imuwb.log import ImuStream, Log
-from imuwb.navigation.travel import travels
 from imuwb.notes import Note
 from imuwb.stochastic import Autoregressive, ImuErrorModel, WhiteNoise
 from imuwb.texts import number_text, seconds_text
@@ -66,6 +65,8 @@ def record_doubts(log: Log, still: identification.Stillness | None) -> Doubts:
 
 def stillness_of(log: Log) -> identification.Stillness | None:
     """Return when the log's IMU is still; None where the record is too short, or its rate too low, to show it."""
+    from imuwb.navigation.travel import travels  # noqa: PLC0415 - imuwb info reads this module, and needs no scipy
+
     imu = log.imu()
     times = sensor_seconds(log, imu)
     axes = {

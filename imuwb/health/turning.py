@@ -52,9 +52,11 @@ def turning_faults(log: Log, imu: ImuStream, segments: tuple[Segment, ...]) -> I
         return
     blocks = Blocks.of(log, rate, force)
     yield from (fault for gnss in log.gnss for fault in _offset(log, gnss, blocks))
-    measured = [
-        *(gravity_turns(blocks, window) for window in WINDOWS),
-        *(course_turns(log, gnss, blocks) for gnss in log.gnss),
+    measured = [gravity_turns(blocks, window) for window in WINDOWS]
+    measured += [course_turns(Courses.of(log, gnss), blocks, f"the course of {gnss.name}") for gnss in log.gnss]
+    measured += [
+        course_turns(Courses.of_headings(log, track), blocks, f"the heading of {track.name}")
+        for track in log.references
     ]
     measured += [orientation_turns(log, o, blocks) for o in log.orientations if o.name == imu.name]
     factors = [(turns.source, turns.factor) for turns in measured if turns is not None]

@@ -11,7 +11,7 @@ import numpy as np
 
 from imuwb.arrays import Floats
 from imuwb.geodesy import rotation_of_quaternion
-from imuwb.log import GnssStream, Log, Orientation, Triad
+from imuwb.log import GnssStream, Log, Orientation, Reference, Triad
 from imuwb.units import SECOND, STANDARD_GRAVITY
 
 DEGREES = 180 / np.pi
@@ -139,15 +139,30 @@ class Courses:
         stated = np.full((speed.size, 2), np.nan) if gnss.velocity_sigma is None else gnss.velocity_sigma[:, :2]
         sigma = np.linalg.norm(stated, axis=1)
         fast = speed > np.where(np.isfinite(sigma), np.maximum(SURE * sigma, PACE), FAST)  # nan is not
-        time = log.seconds(gnss.time)
-        course = np.full(time.size, np.nan)
+        course = np.full(speed.size, np.nan)
         course[fast] = np.unwrap(np.arctan2(gnss.velocity[fast, 1], gnss.velocity[fast, 0]))
+        return Courses._of_angles(log.seconds(gnss.time), course)
+
+    @staticmethod
+    def of_headings(log: Log, reference: Reference) -> "Courses | None":
+        """Return the changes of the heading of a trajectory; None if it has no attitude, or hardly turns."""
+        if reference.attitude is None or len(reference) < FEWEST:
+            return None
+        heading = reference.attitude[:, 2]
+        known = np.isfinite(heading)
+        turned = np.full(heading.size, np.nan)
+        turned[known] = np.unwrap(heading[known])
+        return Courses._of_angles(log.seconds(reference.time), turned)
+
+    @staticmethod
+    def _of_angles(time: Floats, angle: Floats) -> "Courses | None":
+        """Return the changes of an angle (n,) rad without jumps of a turn; nan: not known."""
         step = max(1, round(COURSE * BLOCK / float(np.median(np.diff(time)))))
         first, last = time[:-step], time[step:]
-        stops = np.concatenate([[0], np.cumsum(np.isnan(course))])
+        stops = np.concatenate([[0], np.cumsum(np.isnan(angle))])
         sound = stops[step + 1 :] == stops[: -step - 1]
         sound &= last - first < LEAST * 2 * COURSE * BLOCK
-        changed = (course[step:] - course[:-step])[sound]
+        changed = (angle[step:] - angle[:-step])[sound]
         if np.count_nonzero(np.abs(changed) > TURNED) < TURNS:
             return None
         return Courses(first[sound], last[sound], changed)
@@ -158,16 +173,15 @@ class Courses:
         return blocks.turned(self.first + lag, self.last + lag) @ (down / np.linalg.norm(down))
 
 
-def course_turns(log: Log, gnss: GnssStream, blocks: Blocks) -> Turns | None:
-    """Return the turns about the vertical, by the gyros and by the course of a receiver."""
-    courses = Courses.of(log, gnss)
+def course_turns(courses: Courses | None, blocks: Blocks, source: str) -> Turns | None:
+    """Return the turns about the vertical, by the gyros and by the courses of a receiver or the headings of a trajectory."""
     if courses is None or not blocks.force.size:
         return None
     turned = courses.turned(blocks)
     known = np.isfinite(turned)
     if np.count_nonzero(np.abs(courses.changed[known]) > TURNED) < TURNS:
         return None
-    return Turns(turned[known][:, None], courses.changed[known][:, None], f"the course of {gnss.name}")
+    return Turns(turned[known][:, None], courses.changed[known][:, None], source)
 
 
 def orientation_turns(log: Log, orientation: Orientation, blocks: Blocks) -> Turns | None:

@@ -10,7 +10,7 @@ from imuwb.geodesy import EARTH_RATE
 from imuwb.health import check
 from imuwb.health.motion import Segment
 from imuwb.health.turning import turning_faults
-from imuwb.log import SECOND, GnssStream, ImuStream, Log, Orientation, Provenance, Triad
+from imuwb.log import SECOND, GnssStream, ImuStream, Log, Orientation, Provenance, Reference, Triad
 
 RATE, G, DEG = 50, 9.80665, 180 / np.pi
 RIGHT, DEGREES, RADIANS = 1.0, DEG, 1 / DEG  #: in rad/s, in deg/s taken as rad/s, in rad/s taken as deg/s
@@ -94,6 +94,15 @@ def test_gravity_shows_the_unit_of_an_imu_that_is_turned(seed, size, factor):
 @pytest.mark.parametrize("seed", [0, 1])
 def test_the_course_shows_the_unit_of_a_vehicle(seed, stated, factor):
     assert found(drive(seed, factor, stated=stated)) == FAULTS[factor]
+
+
+@pytest.mark.parametrize("factor", FAULTS)
+def test_the_heading_of_a_trajectory_shows_the_unit(factor):
+    log = drive(4, factor)
+    velocity = log.gnss[0].velocity
+    attitude = np.stack([0 * velocity[:, 0], 0 * velocity[:, 0], np.arctan2(velocity[:, 1], velocity[:, 0])], axis=1)
+    track = Reference("truth", log.gnss[0].time, log.gnss[0].position, attitude=attitude)
+    assert found(replace(log, gnss=(), references=(track,))) == FAULTS[factor]
 
 
 def shifted(log, seconds):
