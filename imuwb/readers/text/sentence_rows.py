@@ -158,7 +158,7 @@ def exact(cell: str, digits: int) -> int | None:
     """Return a decimal number times ten to the power of ``digits``, as a whole number; None for another text, and beyond int64."""
     whole, _, fraction = cell.lstrip("+-").partition(".")
     if (whole + fraction).isdigit() and cell.isascii():
-        number = int(whole[:LONGEST] + fraction[:digits].ljust(digits, "0"))
+        number = int((whole[:LONGEST] + fraction[:digits].ljust(digits, "0")) or "0")
         if len(whole) > LONGEST or number >= LATEST:
             return None
         return -number if cell.startswith("-") else number

@@ -7,6 +7,7 @@ from imuwb.errors import UnreadableLogError, UsageError
 from imuwb.notes import ids
 from imuwb.readers import ReadOptions, read, reader_of
 from imuwb.readers.text.sentence_lines import crc32
+from imuwb.readers.text.sentence_rows import exact
 from tests.readers.repairs import repairs
 from tests.readers.text.shapes.sentence_writers import flysight, novatel, raw_imu_increments, vn_imu, vn_qmr
 from tests.readers.text.shapes.truth import GYRO, STEP, TIME, gps
@@ -103,3 +104,14 @@ def test_two_imus_of_one_log_have_their_names(text_log):
     log = read(text_log("\n".join(lines)), ReadOptions(rate=100))
     assert {imu.name for imu in log.imus} == {"imu", "compensated"}
     assert all(len(imu.angular_rate) == len(GYRO) for imu in log.imus)
+
+
+@pytest.mark.parametrize(
+    ("cell", "digits", "value"),
+    [
+        ("1.5", 9, 1_500_000_000), ("-0.25", 3, -250), (".5", 0, 0), ("12", 0, 12), ("1e3", 3, 1_000_000), ("+2.0000000019", 9, 2_000_000_001),
+        ("", 9, None), ("x", 9, None), ("nan", 9, None), ("inf", 9, None), ("1e400", 9, None), ("9" * 30, 0, None), ("1.2.3", 9, None),
+    ],
+)  # fmt: skip
+def test_decimal_numbers_are_exact(cell, digits, value):
+    assert exact(cell, digits) == value
