@@ -1,5 +1,6 @@
 """Keeps one IMU of a log, or the part between two times."""
 
+import re
 from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import TypeVar
@@ -14,6 +15,12 @@ from imuwb.units import SECOND, unix_nanoseconds
 
 Timed = TypeVar("Timed", Triad, Scalars, GnssStream, Reference, LocalTrack, Orientation)
 FAR = np.iinfo(np.int64).max
+#: a sensor's word in a name: /camera/gyro/sample, imu_accelerometer, Gyro_0, angular_velocity
+SENSOR = re.compile(
+    r"(?<![a-z])(?:(gyro(?:scope|meter)?s?|gyr|angular_?(?:velocity|rate))"
+    r"|accel(?:erometer|eration)?s?|acc|linear_?acceleration)(?![a-z])",
+    re.IGNORECASE,
+)
 RULE = "A+B takes the gyro of A and the accelerometer of B"
 ALL = "all"  #: in place of an IMU's name: each IMU
 LONGEST = 1e9  #: s, thirty years
@@ -90,6 +97,28 @@ def separations(name: str) -> list[tuple[str, str]]:
     return [(name[:at], name[at + 1 :]) for at, letter in enumerate(name) if letter == "+"]
 
 
+def without_sensor(name: str) -> str:
+    """Return a name with a star in place of the sensor's last word; a name without such a word as it is."""
+    words = [*SENSOR.finditer(name)]
+    return f"{name[: words[-1].start()]}*{name[words[-1].end() :]}" if words else name
+
+
+def joined_name(name: str) -> str:
+    """Return the name of the IMU that a half of this name is joined to, if it is: /camera/imu/sample for /camera/gyro/sample."""
+    pattern = without_sensor(name)
+    return pattern.removesuffix("/*").replace("*", "imu") if pattern != "*" else "imu"
+
+
+def _half(log: Log, name: str) -> ImuStream | None:
+    """Return the half of an IMU that was joined from two, by the half's own name; None if there is none."""
+    words = [*SENSOR.finditer(name)]
+    joined = next((imu for imu in log.imus if words and imu.name == joined_name(name)), None)
+    if joined is None:
+        return None
+    other = "specific_force" if words[-1][1] else "angular_rate"
+    return replace(joined, **{"name": name, other: None})
+
+
 def _check_not_empty(log: Log, cut: Log) -> None:
     samples = sum(len(t) for x in cut.imus for t in (x.angular_rate, x.specific_force) if t is not None)
     others = sum(len(x) for x in (*cut.gnss, *cut.speeds, *cut.references))
@@ -106,6 +135,11 @@ def _with_one_imu(log: Log, name: str) -> Log:
             return replace(log, imus=(imu,))
     parts = {part: imu for imu in log.imus for part in (imu.name, *imu.name.split("+"))}
     pairs = separations(name)
+    if (half := _half(log, name)) is not None:
+        return replace(log, imus=(half,))
+    for part in {part for pair in pairs for part in pair} - parts.keys():
+        if (half := _half(log, part)) is not None:
+            parts[part] = half
     if any(first and first == second for first, second in pairs):
         raise UsageError(f"--imu {name} names the same IMU twice; the name alone selects both sensors")
     for first, second in pairs:

@@ -9,6 +9,7 @@ from imuwb.geodesy import rotation_of_euler, rotation_of_quaternion
 from imuwb.log import SECOND, ImuStream, Log, Orientation
 from imuwb.navigation.corrections import Corrections
 from imuwb.replay.straight_course import CRAB, StraightCourse, straight_course
+from imuwb.selection import joined_name
 
 COMPASS = 10.0  #: deg, sigma of a heading whose sigma is not stated: a magnetometer in a vehicle
 NEAR = 0.5  #: s; an attitude is used at times that are this near to one of its rows
@@ -78,7 +79,7 @@ def logged_heading(log: Log, corrections: Corrections, mounting: tuple[float, fl
 
 def _of_imu(orientation: Orientation, imu: ImuStream) -> bool:
     """Return whether an orientation is that of an IMU, of one of its parts, or of one of its two topics."""
-    return orientation.name in (imu.name, *imu.name.split("+"), f"{imu.name}/gyro", f"{imu.name}/accel")
+    return orientation.name in (imu.name, *imu.name.split("+")) or joined_name(orientation.name) == imu.name
 
 
 def _nearest(time: Floats, wanted: Floats) -> tuple[Integers, Booleans]:

@@ -1,6 +1,5 @@
 """Joins streams that belong together: a temperature and its IMU, a gyro and its accelerometer, a velocity and its receiver."""
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -10,12 +9,8 @@ from imuwb.arrays import Floats
 from imuwb.log import GnssStream, ImuStream, Nanoseconds
 from imuwb.notes import Note
 from imuwb.sampling import nearest
+from imuwb.selection import joined_name, without_sensor
 
-#: a sensor's word in a name: /camera/gyro/sample, imu_accelerometer, Gyro_0, angular_velocity
-_SENSOR = re.compile(
-    r"(?<![a-z])(gyro(?:scope|meter)?s?|gyr|angular_?(?:velocity|rate)|accel(?:erometer|eration)?s?|acc|linear_?acceleration)(?![a-z])",
-    re.IGNORECASE,
-)
 MOST = 4  #: proposals that a note lists
 MATCHED = 0.9  #: least share of the fixes that must have a row nearby
 
@@ -44,9 +39,9 @@ def with_parts_joined(imus: tuple[ImuStream, ...]) -> tuple[tuple[ImuStream, ...
     streams, notes = list(imus), list[str]()
     gyros = [imu for imu in imus if imu.angular_rate is not None and imu.specific_force is None]
     accels = [imu for imu in imus if imu.specific_force is not None and imu.angular_rate is None]
-    for pattern in dict.fromkeys(map(_pattern, gyros)):
-        own, others = ([imu for imu in halves if _pattern(imu) == pattern] for halves in (gyros, accels))
-        name = _joined_name(pattern)
+    for pattern in dict.fromkeys(without_sensor(imu.name) for imu in gyros):
+        own, others = ([imu for imu in halves if without_sensor(imu.name) == pattern] for halves in (gyros, accels))
+        name = joined_name(own[0].name)
         if (
             len(own) != 1
             or len(others) != 1
@@ -59,16 +54,6 @@ def with_parts_joined(imus: tuple[ImuStream, ...]) -> tuple[tuple[ImuStream, ...
         text = f"{own[0].name} and {others[0].name}: taken as the gyro and the accelerometer of one IMU, {name}"
         notes.append(Note("parts_joined", text))
     return tuple(streams), [*notes, *_proposals(streams)]
-
-
-def _pattern(imu: ImuStream) -> str:
-    """Return a name with a star in place of the sensor's last word; a name without such a word is its own pattern."""
-    words = [*_SENSOR.finditer(imu.name)]
-    return f"{imu.name[: words[-1].start()]}*{imu.name[words[-1].end() :]}" if words else imu.name
-
-
-def _joined_name(pattern: str) -> str:
-    return pattern.removesuffix("/*").replace("*", "imu") if pattern != "*" else "imu"
 
 
 def _overlap(one: ImuStream, other: ImuStream) -> bool:

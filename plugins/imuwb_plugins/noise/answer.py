@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 from imuwb.analysis import Answer, Step
+from imuwb.log import AXES
 from imuwb.noise_results import by_sensor
 from imuwb.statistics import UNKNOWN, Coefficient
 from imuwb.texts import coefficient_cell, coefficient_text
@@ -34,9 +35,16 @@ def answer(result: Result) -> Answer:
     first = Step("imuwb lssa {log}", "what shakes it, and how surely") if shaken else None
     return Answer(
         about_record(allan), ("", *LETTERS, "trust"), tuple(rows), tuple(meanings(trusts)),
-        (first, DRIVE) if first else (DRIVE, Step("imuwb model export {model} --to kalibr", "the numbers for an estimator")),
+        tuple(step for step in (first, *_uses(result)) if step is not None),
         f"{100 * allan.level:g} % intervals",
     )  # fmt: skip
+
+
+def _uses(result: Result) -> tuple[Step, ...]:
+    """Return what can be done with the error model; a replay and an estimator need three axes of each sensor."""
+    if len(result.axes) < len(AXES):
+        return (Step("imuwb model show {model}", "the error model of these axes"),)
+    return DRIVE, Step("imuwb model export {model} --to kalibr", "the numbers for an estimator")
 
 
 def answer_imus(result: ImuComparison) -> Answer:

@@ -85,6 +85,21 @@ def test_other_halves_are_proposed_with_names_that_work(names):
         assert imu.specific_force is not None
 
 
+def test_joined_halves_can_still_be_named():
+    """Scripts that were written before the halves were joined go on."""
+    log = log_of("g:/camera/gyro/sample", "a:/camera/accel/sample", "a:/other")
+    (both,) = select(log, "/camera/gyro/sample+/camera/accel/sample").imus
+    assert (len(both.angular_rate), len(both.specific_force)) == (200, 200)
+    (mixed,) = select(log, "/camera/gyro/sample+/other").imus
+    assert mixed.specific_force is log.imus[1].specific_force
+    (gyro,) = select(log, "/camera/gyro/sample").imus
+    assert (gyro.name, gyro.specific_force) == ("/camera/gyro/sample", None)
+    (accel,) = select(log, "/camera/accel/sample").imus
+    assert accel.angular_rate is None
+    with pytest.raises(MissingDataError, match="the log has: /camera/imu/sample, /other"):
+        select(log, "/camera/gyro/data")
+
+
 def test_two_cameras_are_two_imus():
     log = log_of("g:/a/gyro/sample", "a:/a/accel/sample", "g:/b/gyro/sample", "a:/b/accel/sample")
     assert [imu.name for imu in log.imus] == ["/a/imu/sample", "/b/imu/sample"]
