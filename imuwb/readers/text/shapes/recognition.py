@@ -14,6 +14,7 @@ from imuwb.readers.text.shapes.shape import Shape, shapes
 from imuwb.readers.text.trust import is_number
 from imuwb.units import STANDARD_GRAVITY, Unit, unit
 
+SOUND = 0.95  #: least share of the first rows that have the values of a shape; a log may have damaged rows
 ROWS = 256  #: number of first rows whose values must fit
 DIFFERENT = 2.0  #: factor between the median specific force of a vehicle and one gravity
 
@@ -62,21 +63,20 @@ def _fits(shape: Shape, head: Head, names: set[str]) -> bool:
 
 
 def _in_ranges(shape: Shape, head: Head) -> bool:
-    """Return whether all first rows have the values of a shape, and its time does not step back."""
-    within = all(low <= row[cell] <= high for row in head.rows for cell, (low, high) in shape.ranges.items())
+    """Return whether nearly all of the first rows have the values of a shape, and its time rises by its steps."""
+    within = [all(low <= row[cell] <= high for cell, (low, high) in shape.ranges.items()) for row in head.rows]
     times = {cell: unit(m.unit).factor for cell, m in enumerate(shape.row) if m and m.quantity == "time"}
-    if not within or not times:
-        return within
-    stamps = [sum(factor * row[cell] for cell, factor in times.items()) for row in head.rows]
-    steps = [after - before for before, after in pairwise(stamps)]
-    if not steps or not all(step > 0 for step in steps):
-        return not steps
-    near = all(
-        abs(after[cell] - before[cell]) <= most
-        for cell, most in shape.changes.items()
-        for before, after in pairwise(head.rows)
-    )
-    return near and shape.steps[0] <= median(steps) <= shape.steps[1] and _is_gravity(shape, head, median(steps))
+    if sum(within) < SOUND * len(within):
+        return False
+    pairs = [(before, after) for before, after in pairwise(head.rows) if all(map(math.isfinite, (*before, *after)))]
+    if not times or not pairs:
+        return True
+    steps = [sum(factor * (after[cell] - before[cell]) for cell, factor in times.items()) for before, after in pairs]
+    near = [all(abs(after[c] - before[c]) <= most for c, most in shape.changes.items()) for before, after in pairs]
+    step = median(steps)
+    if not all(near) or sum(step > 0 for step in steps) < SOUND * len(pairs):
+        return False
+    return shape.steps[0] <= step <= shape.steps[1] and _is_gravity(shape, head, step)
 
 
 def _is_gravity(shape: Shape, head: Head, step: float) -> bool:
@@ -84,6 +84,8 @@ def _is_gravity(shape: Shape, head: Head, step: float) -> bool:
     cells = [cell for cell, meaning in enumerate(shape.row) if meaning and meaning.quantity == "velocity_increment"]
     if not cells:
         return True
+    if step <= 0:
+        return False
     force = median(math.hypot(*(row[cell] for cell in cells)) for row in head.rows) / step
     return STANDARD_GRAVITY / DIFFERENT < force < STANDARD_GRAVITY * DIFFERENT
 

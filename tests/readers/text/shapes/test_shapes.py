@@ -230,3 +230,12 @@ def test_a_time_that_somebody_wrote_in_seconds_is_not_read_in_ns(text_log):
     names = ",".join(f"{s}_{a}" for s in ("omega", "alpha") for a in "xyz")
     imu = read(text_log(table(f"timestamp,{names}", decimals(TIME + 1), GYRO, ACCEL))).imus[0]
     assert imu.angular_rate.time.tolist() == (TIME + 1).tolist()
+
+
+def test_a_table_without_a_header_may_have_damaged_rows(text_log):
+    _, tow = gps(TIME)
+    rows = table("", decimals(tow), GYRO * 0.01, ACCEL * 0.01, mark=" ").split("\n")
+    rows[20] = rows[19]
+    rows[40] = " ".join([rows[40].split()[0], *["nan"] * 6])
+    imu = read(text_log("\n".join(rows))).imus[0]
+    assert len(imu.angular_rate) == len(TIME) - 2
