@@ -13,7 +13,7 @@ SYNC = b"\xb5\x62"
 LEAST = (
     0.25  #: share of the first bytes that must be frames or sentences: other logs may hold some of a receiver's, too
 )
-POSITIONED = (0x01, 0x02, 0x10)  #: classes of messages of which a log has at least one
+POSITIONED = (0x01, 0x02, 0x10)  #: classes of messages of which a log with many sentences has at least one
 
 
 def probe(head: bytes) -> bool:
@@ -23,9 +23,11 @@ def probe(head: bytes) -> bool:
     import numpy as np  # noqa: PLC0415 - text needs no decoder of frames
 
     from imuwb.readers.receivers.nmea_sentences import Sentences  # noqa: PLC0415
-    from imuwb.readers.receivers.ubx_frames import gaps, scan  # noqa: PLC0415
+    from imuwb.readers.receivers.ubx_frames import AROUND, gaps, scan  # noqa: PLC0415
 
     frames, sentences = scan(np.frombuffer(head, np.uint8), last=True), Sentences()
+    if int((frames.length + AROUND).sum()) >= LEAST * len(head):
+        return True
     if not np.isin(frames.kind >> 8, POSITIONED).any():
         return False
     for begin, end in gaps(frames):

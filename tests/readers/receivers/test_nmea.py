@@ -223,6 +223,14 @@ def test_a_log_of_frames_with_sentences_is_ubx(tmp_path):
     assert reader_of(path).format == "ubx"
 
 
+def test_sentences_without_a_position_are_named(tmp_path):
+    path = tmp_path / "log"
+    path.write_bytes(sentence("GPGSV,1,1,00") * 3 + sentence("PUBX,00,1"))
+    with pytest.raises(ImuwbError, match=r"GSV \(3\), PUBX \(1\)") as raised:
+        read(path)
+    assert raised.value.exit_code == 4
+
+
 def test_columns_of_numbers_are_no_sentences(tmp_path):
     path = tmp_path / "log"
     path.write_bytes(gga(at(0)) + b"1,2,3,4,5,6,7\n" * 100)

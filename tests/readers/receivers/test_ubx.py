@@ -82,6 +82,12 @@ def test_the_oldest_receivers_state_week_and_fix_in_one(log_of):
     assert gnss.fix_type.tolist() == [3, 3, 3, 4, 4, 4]
 
 
+def test_messages_about_the_receiver_alone_are_named(log_of):
+    log = log_of(*(ubx.frame(0x0A04, bytes(40)) for _ in range(3)))
+    assert log.provenance.format == "ubx"
+    assert any(note.id == "unused" and "MON-VER (3)" in note for note in log.notes)
+
+
 def test_raw_signals_alone_are_named_with_what_to_do(log_of):
     log = log_of(*(ubx.frame(0x0215, bytes(48)) for _ in range(4)))
     assert not log.gnss
