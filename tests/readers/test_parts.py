@@ -11,6 +11,7 @@ from imuwb.log import SECOND, Origin
 from imuwb.notes import ids
 from imuwb.readers import Batch, ReadOptions, read
 from imuwb.readers.containers import mcap_part
+from imuwb.readers.flight import dataflash_part
 from imuwb.readers.part_rows import PartRows
 from imuwb.readers.text import csv_part
 from imuwb.selection import Part
@@ -104,10 +105,27 @@ def test_a_part_by_other_times(written, source):
 @pytest.mark.parametrize("rows", [dataflash_writer.binary, dataflash_writer.text])
 def test_parts_of_a_dataflash_log(fresh, rows):
     path = fresh("log.bin")
-    path.write_bytes(rows(dataflash_writer.flight(1500)))
+    path.write_bytes(rows(dataflash_writer.flight(1000)))
     whole = read(path)
-    for part in parts_of(whole, 6):
+    for part in parts_of(whole, 3):
         assert_alike(path, part, whole)
+
+
+def test_a_part_of_a_dataflash_log_is_found_by_its_time(fresh, monkeypatch):
+    for name, value in {"FEWEST": 0, "PLACES": 8, "PIECE": 4096, "HEAD": 8192, "FINE": 2048}.items():
+        monkeypatch.setattr(dataflash_part, name, value)
+    rows = dataflash_writer.flight(2000)
+    path, counts, streams = fresh("log.bin"), [], dataflash_part.batches_of
+    path.write_bytes(dataflash_writer.binary(rows))
+    whole = read(path)
+    for part in parts_of(whole, 3, seed=5):
+        assert_alike(path, part, whole)
+    monkeypatch.setattr(
+        dataflash_part, "batches_of", lambda tables, *rest: counts.append(tables.records) or streams(tables, *rest)
+    )
+    assert_alike(path, Part(start="50", end="51"), whole)
+    assert len(counts) == 2
+    assert 0 < counts[0] < counts[1] < 0.6 * len(rows)
 
 
 def test_parts_of_a_ulog(fresh):

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.batch import Batch, CannotSeekError, Limits, Remark
 from imuwb.readers.read_options import ReadOptions
 
 format = "dataflash"  # noqa: A001 - the contract's name
@@ -33,3 +33,17 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     from imuwb.readers.flight.dataflash_streams import streamed  # noqa: PLC0415
 
     return streamed(path, binary=is_binary(source.head(path)))
+
+
+def part(path: Path, options: ReadOptions, limits: Limits) -> Iterator[Batch | Remark]:
+    """Return the streams of a part of a binary log, found by bisection of the file.
+
+    Raises:
+        CannotSeekError: the file cannot be searched by time; logs as text never are.
+    """
+    from imuwb.readers.bytes import source  # noqa: PLC0415 - as above
+    from imuwb.readers.flight import dataflash_part  # noqa: PLC0415
+
+    if not is_binary(source.head(path)):
+        raise CannotSeekError
+    return dataflash_part.part(path, limits)

@@ -1,6 +1,6 @@
 """The streams of a DataFlash log, from the tables of its records."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -55,8 +55,19 @@ def streamed(path: Path, *, binary: bool) -> Iterator[Batch | Remark]:
         raise UnreadableLogError(
             f"{path}: no record has one of the formats that the file describes; it is cut or damaged"
         )
+    yield from batches_of(tables, notes, path.stat().st_size)
+
+
+def batches_of(tables: Tables | TextTables, notes: Iterable[str], size: int) -> Iterator[Batch | Remark]:
+    """Yield the streams of records.
+
+    Args:
+        tables: the records.
+        notes: on the faults of the file.
+        size: bytes of the file.
+    """
     yield from (Remark(note) for note in (*notes, *_layout_notes(tables)))
-    streams = _Streams(tables, path.stat().st_size)
+    streams = _Streams(tables, size)
     yield from streams.all()
     yield from dataflash_left_out(tables.counts, tables.labels, streams.used)
 
