@@ -132,20 +132,6 @@ class Triad(_Timed):
         return "".join(axis for axis, value in zip("xyz", first, strict=True) if not math.isnan(value))
 
 
-@dataclass(frozen=True, eq=False, repr=False, slots=True)
-class Scalars(_Timed):
-    """One quantity over time: a temperature (°C) or a speed (m/s, forward positive)."""
-
-    name: str
-    time: Nanoseconds  #: (n,) ns
-    value: Floats  #: (n,)
-
-    def __post_init__(self) -> None:
-        """Check and freeze the arrays."""
-        time = _frozen_time(self.time, self.name)
-        _store(self, time=time, value=_frozen(self.value, np.float64, (time.size,), self.name))
-
-
 @dataclass(frozen=True, slots=True)
 class Repair:
     """Something that a reader repaired, and how often."""
@@ -153,6 +139,21 @@ class Repair:
     what: str
     count: int
     effect: Effect = "lost"
+
+
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
+class Scalars(_Timed):
+    """One quantity over time: a temperature (°C) or a speed (m/s, forward positive)."""
+
+    name: str
+    time: Nanoseconds  #: (n,) ns
+    value: Floats  #: (n,)
+    repairs: tuple[Repair, ...] = ()  #: of these values alone; the others are those of the stream that they belong to
+
+    def __post_init__(self) -> None:
+        """Check and freeze the arrays."""
+        time = _frozen_time(self.time, self.name)
+        _store(self, time=time, value=_frozen(self.value, np.float64, (time.size,), self.name))
 
 
 @dataclass(frozen=True, slots=True)

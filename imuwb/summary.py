@@ -62,7 +62,8 @@ def _streams(log: Log) -> Iterator[StreamSummary]:
         for name, triad in imu.sensors().items():
             yield _stream(name, "imu", triad.time, epoch, origin.units, origin.frame, origin.repairs)
         if imu.temperature is not None:
-            yield _stream(imu.temperature.name, "temperature", imu.temperature.time, epoch, "°C")
+            warm = imu.temperature
+            yield _stream(warm.name, "temperature", warm.time, epoch, "°C", repairs=warm.repairs)
     for gnss in log.gnss:
         origin, epoch = gnss.origin, gnss.origin.epoch
         yield _stream(gnss.name, "gnss", gnss.time, epoch, origin.units, origin.frame, origin.repairs)
@@ -75,7 +76,7 @@ def _streams(log: Log) -> Iterator[StreamSummary]:
         origin = orientation.origin
         yield _stream(orientation.name, "orientation", orientation.time, origin.epoch, "quaternion", origin.frame)
     for speed in log.speeds:  # a speed and a pose state no clock of their own
-        yield _stream(speed.name, "speed", speed.time, epoch, "m/s")
+        yield _stream(speed.name, "speed", speed.time, epoch, "m/s", repairs=speed.repairs)
     for pose in log.poses:
         yield _stream(pose.name, "pose", pose.time, epoch, "m, quaternion", "its own")
 

@@ -74,6 +74,8 @@ def check(log: Log, *, lines: bool = True, samples: bool = True) -> Health:
     for imu in log.imus:
         axes = channels(log, imu) if samples else {}
         faults += thermometer_faults(log, imu, axes)
+        if imu.temperature is not None:
+            faults += repair_faults(thermometer_name(imu), imu.temperature.repairs, len(imu.temperature))
         if not samples:
             faults += felt_gravity(log, imu)
         else:
@@ -138,7 +140,7 @@ def _clocks(log: Log) -> Iterator[tuple[str, Nanoseconds, tuple[Repair, ...], bo
     for stream in (*log.gnss, *log.references):
         yield stream.name, stream.time, stream.origin.repairs, False
     for speed in log.speeds:
-        yield speed.name, speed.time, (), False
+        yield speed.name, speed.time, speed.repairs, False
 
 
 def is_of(fault: Fault, stream: str) -> bool:

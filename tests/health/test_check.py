@@ -221,3 +221,14 @@ def test_a_hundredth_of_the_rows_lost_comes_before_other_faults(count, first):
     imu = replace(imu_of(keep=holes((3000, 3100))), origin=Origin(repairs=(Repair("rows left out", count),)))
     kinds = [f.kind for f in check(log_of(imu)).faults]
     assert kinds == (["lost rows", "gaps"] if first == "lost rows" else ["gaps", "repair"])
+
+
+def test_lost_rows_of_a_speed_and_of_a_thermometer_are_their_own_faults():
+    time = np.arange(60) * SECOND
+    lost = (Repair("rows left out", 30),)
+    warm = Scalars("/imu", time, 20 + 0.01 * np.arange(60), lost)
+    log = log_of(imu_of(temperature=warm), speeds=(Scalars("/wheel", time, np.ones(60), lost),))
+    assert {(f.stream, f.kind) for f in check(log).faults} == {
+        (name, "lost rows") for name in ("/imu thermometer", "/wheel")
+    }
+    assert verdicts(log) == {"/imu": GOOD, "/imu thermometer": BAD, "/wheel": BAD}

@@ -52,6 +52,7 @@ _MAY_BE_UNKNOWN: dict[Kind, tuple[str, ...]] = {
     "reference": (*_SIGMAS, "attitude_sigma"), "pose": _SIGMAS,
     "orientation": ("sigma",),
 }  # fmt: skip
+_SHOWN: tuple[Kind, ...] = ("imu", "gnss", "speed", "temperature", "pose", "orientation")
 NOT_FINITE = Repair(Note("not_finite", "rows with a value that is not a number left out"), 0)
 
 
@@ -190,7 +191,7 @@ def _axes_notes(imus: Iterable[ImuStream]) -> Iterator[Note]:
 def _repair_notes(streams: list[Batch], unused: dict[str, list[Repair]]) -> Iterator[Note]:
     """Yield the repairs of streams whose repairs a summary does not show, and the repairs of streams without rows."""
     # The poses of an odometry are rows of its speed too, and an orientation's those of its IMU; the repairs are the same.
-    shown = {(r.stream, r.kind) for r in streams if r.kind in ("imu", "gnss", "pose", "orientation")}
+    shown = {(r.stream, r.kind) for r in streams if r.kind in _SHOWN}
     hidden = [(r.stream, repair) for r in streams if (r.stream, r.kind) not in shown for repair in r.origin.repairs]
     for stream, repair in (*hidden, *((stream, repair) for stream, repairs in unused.items() for repair in repairs)):
         yield Note(getattr(repair.what, "id", "repair"), f"{stream}: {repair.what} ({repair.count})")
@@ -239,7 +240,10 @@ def _imus(streams: list[Batch], temperatures: list[Scalars]) -> tuple[tuple[ImuS
 
 def _with_rows(imu: ImuStream, rows: Batch) -> ImuStream:
     """Return an IMU with the sensors of some rows, and their repairs."""
-    repairs = imu.origin.repairs + tuple(x for x in rows.origin.repairs if x not in imu.origin.repairs)
+    own = tuple(x for x in rows.origin.repairs if x not in imu.origin.repairs)
+    if set(rows.columns) == {"temperature"}:  # what befell the temperatures alone befell no sample
+        return replace(imu, temperature=Scalars(rows.stream, rows.time, rows.columns["temperature"], own))
+    repairs = imu.origin.repairs + own
     triads = {name: Triad(rows.time, rows.columns[name]) for name in TRIADS if name in rows.columns}
     units = ", ".join(dict.fromkeys((*imu.origin.units.split(", "), *rows.origin.units.split(", "))))
     imu = replace(imu, origin=replace(imu.origin, repairs=repairs, units=units), **triads)
@@ -282,4 +286,4 @@ def _pose(rows: Batch) -> LocalTrack:
 
 
 def _scalars(rows: Batch, column: str) -> Scalars:
-    return Scalars(rows.stream, rows.time, rows.columns[column])
+    return Scalars(rows.stream, rows.time, rows.columns[column], rows.origin.repairs)
