@@ -18,8 +18,8 @@ _FIRST = r"(?P<first>[xyz])[_ .]*"
 _NAMES: dict[str, str] = {
     "gyro": rf"(?:imu[_ .])?{_VARIANT}(?:(?:{_GYRO}|g|w){_AXIS}|{_FIRST}(?:{_GYRO}|rate))",
     "accel": rf"(?:imu[_ .])?{_VARIANT}(?:(?:{_ACCEL}|a|f|sf){_AXIS}|{_FIRST}(?:{_ACCEL}))",
-    "attitude_increment": rf"(?:d(?:elta)?[_ .]?(?:theta|ang(?:le)?)|attitude[_ ]increment){_AXIS}",
-    "velocity_increment": rf"(?:d(?:elta)?[_ .]?(?:vel(?:ocity)?|v)|velocity[_ ]increment){_AXIS}",
+    "attitude_increment": rf"(?:(?:d(?:elta)?|δ)[_ .]?(?:theta|θ|ang(?:le)?)|attitude[_ ]increment){_AXIS}",
+    "velocity_increment": rf"(?:(?:d(?:elta)?|δ)[_ .]?(?:vel(?:ocity)?|v)|velocity[_ ]increment){_AXIS}",
     "time": r"t|gpst|time|timestamp|time[_ .]?stamp|stamp|t[_ ].*|time[_ ].*|.*[_ ]time|seconds?|utc|unix.*|(?:gps[_ .]?)?(?:tow|sow)|gps[_ .]?(?:s|sec|seconds?)"
     r"|(?:seconds?|time)[_ ]of[_ ](?:the[_ ])?week|(?:.+\.)?header\.stamp",
     "temperature": r"temp(?:erature)?|t[_ ]?imu|imu[_ .]temp(?:erature)?",

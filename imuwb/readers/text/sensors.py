@@ -47,8 +47,8 @@ def sensors_of(values: Values) -> Iterator[Sensor]:
             yield f"{number:g}", numbers == number, rest
         return
     names = list(dict.fromkeys(column.stream for column in values if column.quantity in _MAIN))
-    if max(map(len, (_with(values, ("gyro", "accel")), _with(values, ("latitude",))))) <= 1:
-        yield "", None, values
+    if all(len({c.stream for c in values if c.quantity == quantity}) <= 1 for quantity in _MAIN):
+        yield "", None, values  # a gyro and an accelerometer with different names are one IMU
         return
     for name in names:
         part = {column: cells for column, cells in values.items() if column.stream == name}
@@ -58,7 +58,3 @@ def sensors_of(values: Values) -> Iterator[Sensor]:
 def stream_name(kind: str, sensor: str) -> str:
     """Return the name of a stream: its kind if the log has one sensor, else the name of the sensor."""
     return kind + sensor if not sensor or sensor.isdigit() else sensor
-
-
-def _with(values: Values, quantities: tuple[str, ...]) -> set[str]:
-    return {column.stream for column in values if column.quantity in quantities}

@@ -239,3 +239,25 @@ def test_a_table_without_a_header_may_have_damaged_rows(text_log):
     rows[40] = " ".join([rows[40].split()[0], *["nan"] * 6])
     imu = read(text_log("\n".join(rows))).imus[0]
     assert len(imu.angular_rate) == len(TIME) - 2
+
+
+def test_a_gyro_and_an_accelerometer_with_different_names_are_one_imu(text_log):
+    head = "time_s," + ",".join(f"{s}_{a}" for s in ("l3g_gyro_rad_s", "adxl_accel_m_s2") for a in "xyz")
+    (imu,) = read(text_log(table(head, decimals(TIME), GYRO, ACCEL))).imus
+    assert imu.name == "imu"
+    np.testing.assert_array_equal(imu.specific_force.value, ACCEL)
+
+
+@pytest.mark.parametrize(
+    ("angle", "speed", "factor"),
+    [
+        ("dtheta_{}_rad", "dvel_{}_m_s", 1.0), ("delta_angle_{} [arcsec]", "delta_velocity_{} [m/s]", np.degrees(1) * 3600),
+        ("Δθ{} (deg)", "Δv{} (m/s)", np.degrees(1)),
+    ],
+)  # fmt: skip
+def test_increments_by_name_are_rates_over_their_steps(text_log, angle, speed, factor):
+    names = [name.format(axis) for name in (angle, speed) for axis in "xyz"]
+    text = table("time_s," + ",".join(names), decimals(TIME), GYRO * 0.01 * factor, ACCEL * 0.01)
+    imu = read(text_log(text)).imus[0]
+    np.testing.assert_allclose(imu.angular_rate.value, GYRO, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(imu.specific_force.value, ACCEL, rtol=0, atol=1e-6)
