@@ -56,7 +56,8 @@ class Increments:
             steps = np.where(steps > 0, steps, np.nan)
         else:
             steps = self._steps(time)
-        return {rate_column(c): cells / steps if c.quantity in RATES else cells for c, cells in values.items()}
+        with np.errstate(over="ignore"):  # a damaged number may be of any size
+            return {rate_column(c): cells / steps if c.quantity in RATES else cells for c, cells in values.items()}
 
     def _steps(self, time: Integers) -> Floats:
         """Return the steps that the increments cover, s; nan if there is only one row."""
