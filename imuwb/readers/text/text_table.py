@@ -78,7 +78,8 @@ class Table:
         known = found if shape is not None else ()
         fast = bool(self.sensors)
         self._clock = clock_of(path, layout, options, known, fast=fast) if self.keys else Clock("log")
-        self._used = tuple(column for column in found if column.quantity not in ("time", "week"))
+        timing = {column.index for column in self._clock.columns}  # a column of dates is a time, whatever its name
+        self._used = tuple(c for c in found if c.quantity not in ("time", "week") and c.index not in timing)
         if limits is not None:
             if any(column.quantity in RATES for column in found):  # an increment covers the step from the row before
                 raise CannotSeekError
@@ -271,7 +272,7 @@ def _present(kind: Kind, fields: Mapping[str, Floats]) -> Iterator[tuple[Boolean
     main = {"gnss": "position", "reference": "position"}.get(kind)
     for parts in ({name: fields[name]} for name in fields) if main is None else (fields,):
         values = fields[main] if main is not None else next(iter(parts.values()))
-        there: Booleans = np.isfinite(values.reshape(len(values), -1)).max(axis=1)
+        there: Booleans = np.isfinite(values) if values.ndim == 1 else np.isfinite(values).sum(axis=1) > 0
         yield there, parts
 
 
