@@ -48,6 +48,7 @@ _RECEIVED = {
 _PUBLISHED = {"publish", "published", "sent"}
 #: words of times since power-up or since the start of a record
 _RELATIVE = {"elapsed", "boot", "startup", "start", "uptime", "since"}
+_WHOLE = {"int", "integer", "whole"}
 _SECONDS = {"sec", "secs", "second", "seconds", "s"}
 #: last word of a name -> unit of a part of a second
 _PARTS = {
@@ -61,7 +62,6 @@ _CALENDAR_WORDS = {
     "year": "year", "yr": "year", "month": "month", "mon": "month", "day": "day", "hour": "hour", "hours": "hour", "hr": "hour",
     "minute": "minute", "minutes": "minute", "min": "minute", "second": "second", "seconds": "second", "sec": "second",
 }  # fmt: skip
-_BRACKETS = re.compile(r"[\[(].*?[\])]")
 _SHORT_NAMES = {("sec",), ("secs",), ("second",), ("gps", "s"), ("gps", "sec"), ("gps", "second")}
 _WEEK = {"week", "weeks", "wn", "weekno"}
 FIRST = 256  #: number of first rows in which the numbers of a column are looked at
@@ -137,7 +137,7 @@ def _named(index: int, name: str, layout: Layout) -> _Named:
     cells = [cell for cell in layout.cells(index)[:FIRST] if cell]
     known = sum(map(is_number, cells))
     numbers = tuple(float(cell) if is_number(cell) else math.nan for cell in cells) if 2 * known > len(cells) else ()
-    return _Named(Column(index, name, "time", 0, measure), words, words_of(_BRACKETS.sub("", name)), numbers)
+    return _Named(Column(index, name, "time", 0, measure), words, words_of(name), numbers)
 
 
 def _is_time(part: _Named) -> bool:
@@ -184,7 +184,7 @@ def _most(test: Callable[[str], bool], cells: Sequence[str]) -> bool:
 
 def _calendars(named: Sequence[_Named]) -> Iterator[Stamp]:
     """Yield a year, month, day, hour, minute and second in columns of their own, or an hour, minute and second without a date."""
-    parts = {_CALENDAR_WORDS[p.words[-1]]: p for p in named if p.numbers and p.words and p.words[-1] in _CALENDAR_WORDS}
+    parts = {_CALENDAR_WORDS[p.base[-1]]: p for p in named if p.numbers and p.base and p.base[-1] in _CALENDAR_WORDS}
     needed = _CALENDAR if set(_CALENDAR) <= parts.keys() else _CALENDAR[3:]
     if set(needed) <= parts.keys():
         columns = tuple(replace(parts[word].column, quantity=word) for word in needed)
@@ -199,8 +199,9 @@ def _pairs(named: Sequence[_Named]) -> Iterator[Stamp]:
     fractions = [part for part in named if part.words and part.words[-1] in _PARTS and _is_fraction(part)]
     used = set[int]()
     for fraction in fractions:
-        prefix = fraction.words[:-1]
-        wholes = [part for part in named if part.column.index not in used and _is_whole(part, prefix)]
+        prefix = tuple(word for word in fraction.words[:-1] if word not in _PARTS)
+        free = (part for part in named if part.column.index not in used and part is not fraction)
+        wholes = [part for part in free if _is_whole(part, prefix) and _starts_again(part, fraction)]
         whole = min(wholes, key=lambda part: abs(part.column.index - fraction.column.index), default=None)
         if whole is None:
             continue
@@ -210,6 +211,12 @@ def _pairs(named: Sequence[_Named]) -> Iterator[Stamp]:
             _common(whole.column.name, fraction.column.name), "number",
             (replace(whole.column, unit=UNITS["s"]), replace(fraction.column, unit=measure)),
         )  # fmt: skip
+
+
+def _starts_again(whole: _Named, fraction: _Named) -> bool:
+    """Return whether a fraction falls wherever the whole seconds step, in all rows that show it."""
+    rows = zip(pairwise(whole.numbers), pairwise(fraction.numbers), strict=False)
+    return all(after < before for (first, second), (before, after) in rows if second > first)
 
 
 def _common(whole: str, fraction: str) -> str:
@@ -234,7 +241,8 @@ def _is_whole(part: _Named, prefix: tuple[str, ...]) -> bool:
     if not known or sum(number == int(number) for number in known) < SOUND * len(known):
         return False
     words = part.words
-    base = words[:-1] if words and words[-1] in _SECONDS else words
+    base = tuple(word for word in words if word not in _WHOLE)
+    base = base[:-1] if base and base[-1] in _SECONDS else base
     if prefix:
         return prefix in (base, words)
     return words[-1:] != () and (words[-1] in _SECONDS or _is_time(part)) and part.column.unit in (None, UNITS["s"])

@@ -48,6 +48,9 @@ def milliseconds(time):
         (("timestamp_s", "timestamp_ns"), 1),
         (("Seconds", "Nanoseconds"), 1),
         (("time [s]", "millis"), 10**6),
+        (("Timestamp (s)", "Timestamp (ns)"), 1),
+        (("s", "ns"), 1),
+        (("stamp_int", "stamp_nsec"), 1),
     ],
 )
 def test_a_stamp_split_into_two_columns_is_one(text_log, header, unit):
@@ -178,6 +181,11 @@ def test_whole_seconds_beside_an_unknown_fraction_are_refused(text_log):
         read(text_log(text))
     names = ("time_sec", "time_nanosec", *HEADER.split(","))
     assert read(text_log(text), ReadOptions(columns=names)).imus[0].angular_rate.time.tolist() == TIMES.tolist()
+
+
+def test_a_second_stamp_in_a_finer_unit_is_no_fraction(text_log):
+    text = table(("time [s]", "time [us]"), lambda t: (str((t - START) // 10**9), str((t - START) // 1000)))
+    assert read(text_log(text)).imus[0].angular_rate.time.tolist() == (TIMES - START).tolist()
 
 
 def test_a_fraction_beyond_a_second_costs_its_row(text_log):
