@@ -10,6 +10,7 @@ from imuwb.texts import (
     decimals,
     estimate_text,
     interval_text,
+    names_text,
     number_text,
     quantity_text,
     seconds_text,
@@ -64,3 +65,11 @@ def test_a_coefficient_has_three_to_six_digits_by_its_relative_width(width, text
     shown = coefficient_text(Coefficient(value, value - width / 2, value + width / 2), UNITS["1"])
     assert shown.startswith(text)
     assert shown.endswith(" 1")
+
+
+@pytest.mark.parametrize(
+    ("names", "text"),
+    [([], ""), (["a"], "a"), (["a", "b", "c"], "a, b, c"), (["a", "b", "c", "d"], "a, b, c and 1 more")],
+)
+def test_many_names_are_counted(names, text):
+    assert names_text(names, most=3) == text

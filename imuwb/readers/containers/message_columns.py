@@ -61,6 +61,8 @@ def triad(column: str, *names: str, scale: float = 1.0, absent: str = "", needed
 
     def convert(values: Values, frame: str) -> Floats | None:
         missing = values[absent] == ABSENT if absent in values else None
+        if missing is not None and not missing.any():
+            missing = None  # nearly all messages
         if missing is not None and missing.all():
             return None
         vector = np.empty((values[path_of(names[0])].shape[0], 3))
@@ -71,7 +73,7 @@ def triad(column: str, *names: str, scale: float = 1.0, absent: str = "", needed
                 vector[:, axis] = part
         if scale != 1.0:
             vector *= scale
-        if missing is not None and missing.any():
+        if missing is not None:
             vector[missing] = NONE
         return vector
 

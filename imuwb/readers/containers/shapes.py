@@ -172,9 +172,9 @@ def stamps(values: Mapping[str, NDArray[Any]], recipe: Recipe) -> Integers | Non
         possible = np.abs(parts[0]) < LATEST * SECOND / stamp.units[0]
         for offset in parts[1:]:
             possible &= offset != NO_OFFSET
-    whole = [
-        np.where(possible, part, 0).astype(np.int64) * unit for part, unit in zip(parts, stamp.units, strict=False)
-    ]
+    if not possible.all():
+        parts = [np.where(possible, part, 0) for part in parts]
+    whole = [part.astype(np.int64) * unit for part, unit in zip(parts, stamp.units, strict=False)]
     return whole[0] if len(whole) == 1 else whole[0] + whole[1]
 
 
