@@ -94,6 +94,10 @@ class Outputs:
         output_option("--output", "-o", text="Recording to write. Default: LOG with .rrd.", metavar="FILE.rrd"),
     ] = None
     force: Force = False
+    html: Annotated[
+        Path | None,
+        output_option("--html", text="Also write a page that needs no viewer: one file.", metavar="FILE.html"),
+    ] = None
     json: Annotated[
         str | None, output_option("--json", text="Write the result as JSON to a file; - for stdout.", metavar="FILE")
     ] = None

@@ -91,6 +91,7 @@ class Drawn:
     origin: Origin
     shown: tuple[Table | str, ...]  #: all tables and notes
     document: str  #: JSON
+    page: str  #: HTML; empty: none is wanted
     model: str  #: TOML; empty: none is saved
     objections: tuple[str, ...]  #: why the error model is not written
 
@@ -121,11 +122,19 @@ def _drawn(
         origin = Origin(name, tuple(map(str, paths)), "" if objections else str(places.model or ""), command=_typed())
         review.summary(panel(answer, origin), answer.figure)
         text = document(name, __version__, done.parameters, done.result, logs, review.notes, done.study)
+        page = _page(name, panel(answer, origin), review, answer, logs) if places.page is not None else ""
         review.close()
     except BaseException:
         review.discard()
         raise
-    return Drawn(answer, origin, tuple(shown), text, "" if objections else model, objections)
+    return Drawn(answer, origin, tuple(shown), text, page, "" if objections else model, objections)
+
+
+def _page(name: str, lines: Sequence[str], review: RecordingReview, answer: Answer, logs: Sequence[Log]) -> str:
+    from imuwb.review.page.html import page  # noqa: PLC0415 - matplotlib takes half a second
+
+    title = f"{name.capitalize()}: {', '.join(Path(log.provenance.path).name for log in logs)}"
+    return page(title, lines, review.drawn, logs, _typed(), __version__, answer.figure)
 
 
 def _typed() -> str:
@@ -137,6 +146,8 @@ def _typed() -> str:
 def _write(drawn: Drawn, places: Places, plugin: Any, result: object, parameters: object) -> None:  # noqa: ANN401 - an analysis
     if places.document is not None:
         write_text(places.document, drawn.document + "\n")
+    if places.page is not None:
+        write_text(places.page, drawn.page)
     if places.model is not None and drawn.model:
         write_text(places.model, drawn.model)
     if places.own:

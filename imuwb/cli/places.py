@@ -26,6 +26,7 @@ class Places:
     model: Path | None  #: the error model
     to_stdout: bool  #: whether the JSON goes to stdout
     own: tuple[Path, ...] = ()  #: files that the analysis itself writes
+    page: Path | None = None  #: the HTML
 
     @staticmethod
     def of(analysis: Analysis, logs: Sequence[Place], outputs: Outputs, parameters: object) -> Places:
@@ -43,11 +44,11 @@ class Places:
         to_stdout = outputs.json == "-"
         document = Path(outputs.json) if outputs.json and not to_stdout else None
         own = cast("Any", analysis).outputs(parameters) if offers(analysis, "outputs") else ()
-        return Places(recording, document, model, to_stdout, own)
+        return Places(recording, document, model, to_stdout, own, outputs.html)
 
     def all(self) -> list[Path]:
         """Return all files that are written."""
-        return [file for file in (self.recording, self.document, self.model, *self.own) if file is not None]
+        return [file for file in (self.recording, self.page, self.document, self.model, *self.own) if file is not None]
 
 
 def stem(place: Place) -> str:

@@ -15,6 +15,7 @@ from imuwb.arrays import Floats
 from imuwb.colors import Color
 from imuwb.errors import ImuwbError
 from imuwb.review import chart
+from imuwb.review.drawn import Drawn, Item, Track
 from imuwb.review.envelope import envelope
 from imuwb.review.rrd import is_whole, why_cut
 from imuwb.review.tab import Tab
@@ -70,7 +71,7 @@ class RecordingReview:
         self._tabs: list[Tab] = []
         self._timeline: str | None = None
         self.notes: list[str] = []
-        self._first_figure: Figure | None = None
+        self.drawn: list[Drawn] = []  #: all calls, for other renderers
         self._summary: rrb.Container | None = None
         self.tab("Result")
 
@@ -82,14 +83,18 @@ class RecordingReview:
         """Open a tab; all later calls show on this tab."""
         self._tabs.append(Tab.of(name))
 
+    def _keep(self, item: Item) -> None:
+        self.drawn.append(Drawn(self._tab.name, item))
+
     def figure(self, figure: Figure) -> None:
         """Show a figure."""
-        self._first_figure = self._first_figure or figure
+        self._keep(figure)
         path = f"{self._tab.path}/figure_{len(self._tab.figures)}"
         self._tab.figures.append(chart.draw(figure, self.recording, path))
 
     def series(self, series: Series) -> None:
         """Show quantities over time. Long series are drawn as the envelopes of their extremes."""
+        self._keep(series)
         path = f"{self._tab.path}/series_{len(self._tab.series)}"
         time, values = envelope(series.time, series.values)
         names = [f"{name} [{series.unit}]" for name in series.names]
@@ -117,6 +122,7 @@ class RecordingReview:
 
     def table(self, table: Table) -> None:
         """Show a table."""
+        self._keep(table)
         self._show(table)
         cells = [table.headings, ["---"] * len(table.headings), *table.rows]
         lines = ["| " + " | ".join(_literal(cell) for cell in row) + " |" for row in cells]
@@ -125,12 +131,14 @@ class RecordingReview:
 
     def note(self, text: str) -> None:
         """State what a reader of the result must know."""
+        self._keep(text)
         self._show(text)
         self.notes.append(text)
         self._tab.notes.append(text)
 
     def track(self, name: str, position: Floats, color: Color, label: str = "") -> None:
         """Show a trajectory in local east and north, with a label at its end."""
+        self._keep(Track(name, position, color, label))
         if view := self._tab.tracks.add(self.recording, name, position, color, label):
             self._tab.figures.append(view)
 
@@ -144,7 +152,7 @@ class RecordingReview:
         text = "\n".join(("```text", *panel, "```"))
         self.recording.log("/summary/answer", rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN), static=True)
         views: list[rrb.View] = [rrb.TextDocumentView(origin="/summary/answer", name="Answer")]
-        figure = figure or self._first_figure
+        figure = figure or next((one.item for one in self.drawn if isinstance(one.item, Figure)), None)
         if figure is not None:
             views.append(chart.draw(figure, self.recording, "/summary/figure"))
         self._summary = rrb.Horizontal(*views, column_shares=SUMMARY_SHARES[: len(views)], name="Summary")
