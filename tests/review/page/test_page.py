@@ -55,7 +55,7 @@ def made(text="a note"):
 
 
 class Elements(HTMLParser):
-    def __init__(self, text):
+    def __init__(self, text) -> None:
         super().__init__()
         self.tags, self.ids, self.open = [], [], []
         self.feed(text)
