@@ -141,7 +141,14 @@ class Rows(io.RawIOBase):
         cell = b"[^ \\t\\n]+" if self._layout.delimiter == " " else b"[^" + re.escape(self._delimiter) + b"\\n]*"
         before = b"(?:" + cell + mark + b"){%d}[ \\t]*" % tag.column
         lines = re.findall(
-            b"(?m)^[ \\t]*" + before + b'"?' + re.escape(tag.text.encode()) + b'"?' + mark + b".*(?:\\n|$)", data
+            b"(?m)^[ \\t]*"
+            + before
+            + b'"?'
+            + re.escape(tag.text.encode())
+            + b'"?[ \\t]*(?:'
+            + mark
+            + b".*|\\r?)(?:\\n|$)",
+            data,
         )
         if tag.checked:
             sound = [line for line in lines if is_sound(line)]

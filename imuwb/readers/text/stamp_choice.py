@@ -6,12 +6,13 @@ from pathlib import Path
 from imuwb.errors import UsageError
 from imuwb.notes import Note
 from imuwb.readers.read_options import TIME_SOURCES, ReadOptions
-from imuwb.readers.text.column_names import Column
+from imuwb.readers.text.column_names import Column, columns
 from imuwb.readers.text.layout import Layout
 from imuwb.readers.text.stamps import Stamp, matches, stamps_of
 from imuwb.readers.text.trust import is_number
 
 RISING = 0.9  #: least share of the steps within a second in which the fraction of a second rises
+SEVERAL = 2  #: least number of these steps for each second
 FEWEST = 3  #: steps that show a fraction of a second
 
 
@@ -93,12 +94,17 @@ def _refuse_half(path: Path, stamp: Stamp, names: Sequence[str], layout: Layout)
         return
     seconds = layout.cells(stamp.columns[0].index)
     for index, name in enumerate(names):
-        if index not in _columns(stamp) and _counts_within(seconds, layout.cells(index)):
+        if index not in _columns(stamp) and not _is_measured(name) and _counts_within(seconds, layout.cells(index)):
             raise UsageError(
                 f"{path}: time column {stamp.name!r} repeats, and column {name or index + 1!r} counts up between its steps, so it is likely "
                 "the fraction of the second; name both with --columns, for example time_sec and time_nanosec (or time_usec, "
                 "time_msec), or leave the second out with -"
             )
+
+
+def _is_measured(name: str) -> bool:
+    """Return whether a name is that of a quantity and not of a time."""
+    return any(column.quantity != "time" for column in columns((name,), {}))
 
 
 def _counts_within(seconds: Sequence[str], cells: Sequence[str]) -> bool:
@@ -109,6 +115,8 @@ def _counts_within(seconds: Sequence[str], cells: Sequence[str]) -> bool:
     pairs = [(a == b, y - x) for a, b, x, y in zip(seconds, seconds[1:], numbers, numbers[1:], strict=False)]
     within, between = [step for same, step in pairs if same], [step for same, step in pairs if not same]
     rising = sum(step > 0 for step in within)
+    if len(within) < SEVERAL * len(between):  # two rows of each time, as of two sensors
+        return False
     return (
         len(within) >= FEWEST and bool(between) and rising >= RISING * len(within) and all(step < 0 for step in between)
     )

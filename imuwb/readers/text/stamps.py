@@ -57,6 +57,7 @@ _PARTS = {
     **dict.fromkeys(("msec", "msecs", "millisec", "millisecs", "millisecond", "milliseconds", "millis", "ms"), "ms"),
     **dict.fromkeys(("frac", "fraction", "fractional", "fracsec", "fsec", "subsec", "subsecs", "subsecond", "subseconds"), "s"),
 }  # fmt: skip
+_SPLIT_PART = re.compile(r"\b(nano|micro|milli) (sec)")  #: ``nanoSec``
 _CALENDAR = ("year", "month", "day", "hour", "minute", "second")
 _CALENDAR_WORDS = {
     "year": "year", "yr": "year", "month": "month", "mon": "month", "day": "day", "hour": "hour", "hours": "hour", "hr": "hour",
@@ -92,7 +93,7 @@ class _Named:
 
     column: Column
     base: tuple[str, ...]  #: words of the name without its unit
-    words: tuple[str, ...]  #: words of the name, with a unit that is no text in brackets
+    words: tuple[str, ...]  #: words of the name with its unit
     numbers: tuple[float, ...]  #: of the first rows, nan for another cell; empty if most cells are no numbers
 
 
@@ -121,7 +122,8 @@ def _order(stamp: Stamp) -> tuple[object, ...]:
 
 def words_of(name: str) -> tuple[str, ...]:
     """Return the words of a name in lower case; a capital letter begins a word."""
-    return tuple(word.lower() for word in _TOKEN.findall(name))
+    text = " ".join(word.lower() for word in _TOKEN.findall(name))
+    return tuple(_SPLIT_PART.sub(r"\1\2", text).split())
 
 
 def _named(index: int, name: str, layout: Layout) -> _Named:

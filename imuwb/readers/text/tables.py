@@ -8,6 +8,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 from imuwb.errors import UnreadableLogError
@@ -28,11 +29,14 @@ _LETTERED = re.compile(
     r"\s*(?:[^A-Za-z,;\t]*[,;\t ]\s*)?[\"$#%!@]?[A-Za-z_]"
 )  #: a line with a letter early in its first two cells
 _CHECKSUM = re.compile(r"\*[0-9A-Fa-f]{2}$")
-#: names of a column that tells the rows of several sensors apart
-_TAG_NAMES = {
-    "sensor", "sensorname", "sensortype", "sensorid", "type", "tag", "message", "msg", "msgtype", "topic", "device", "deviceid", "devicename",
-    "instance", "i", "imu", "imuid", "imuname", "node", "unit",
-}  # fmt: skip
+#: names of a column that tells the rows of several sensors apart, letters only
+_TAG_NAME = re.compile(
+    r"(?:sensor|device|dev|imu|node|unit|module|board|instance|frame|channel|mac|serial|body|bodypart|segment|location|placement|side)"
+    r"(?:id|name|type|no|nr|num|number|index|idx|address)?"
+    r"|i|id|name|type|tag|message|msg|msgtype|topic|ch|address|addr|sn|port|source|src"
+)
+TURNS = 0.1  #: least share of the rows whose text differs from that of the row before, where sensors take turns
+ALIKE = 0.5  #: least number of a sensor's rows, relative to that of another
 
 
 def layouts_of(path: Path, options: ReadOptions) -> tuple[Layout, ...]:
@@ -134,7 +138,7 @@ def _by_column(layout: Layout) -> Iterator[Layout]:
         cells = layout.cells(place)
         values = list(dict.fromkeys(cells))
         few = 1 < len(values) <= min(MOST, len(cells) // REPEATED)
-        if not few or not _is_tag_name(name) or not all(_is_value(value) for value in values):
+        if not few or not all(map(_is_value, values)) or not (_is_tag_name(name) or _take_turns(cells)):
             continue
         for value in values:
             sample = tuple(row for row in layout.sample if row[place] == value)
@@ -145,12 +149,22 @@ def _by_column(layout: Layout) -> Iterator[Layout]:
 
 
 def _is_tag_name(name: str) -> bool:
-    return re.sub(r"[^a-z]", "", name.lower()) in _TAG_NAMES
+    """Return whether a name, or its last part (``header.frame_id``), is one of a column that tells sensors apart."""
+    low = name.lower()
+    return any(_TAG_NAME.fullmatch(re.sub(r"[^a-z]", "", part)) for part in (low, re.split(r"[./]", low)[-1]))
 
 
 def _is_value(value: str) -> bool:
-    """Return whether a cell may name a sensor: a word, or a whole number."""
-    return re.fullmatch(r"\d+|[$#]?[A-Za-z_][\w/.\- ]*", value) is not None
+    """Return whether a cell may name a sensor: a whole number, or a text such as a word, a number of a series or an address."""
+    return value.isdigit() or (not is_number(value) and re.fullmatch(r"[$#]?\w[\w/.:\- ]{0,40}", value) is not None)
+
+
+def _take_turns(cells: Sequence[str]) -> bool:
+    """Return whether words follow each other as the names of sensors do that take turns; a state changes now and then."""
+    counts = Counter(cells)
+    changes = sum(a != b for a, b in pairwise(cells))
+    words = all(re.match(r"[$#]?[A-Za-z_]", cell) for cell in counts)
+    return words and changes >= TURNS * len(cells) and min(counts.values()) >= ALIKE * max(counts.values())
 
 
 def tag_counts(path: Path, layout: Layout) -> Counter[str]:

@@ -51,6 +51,9 @@ def milliseconds(time):
         (("Timestamp (s)", "Timestamp (ns)"), 1),
         (("s", "ns"), 1),
         (("stamp_int", "stamp_nsec"), 1),
+        (("stamp [s]", "stamp [us]"), 1000),
+        (("timestampSec", "timestampNanoSec"), 1),
+        (("headerStampSecs", "headerStampNanosecs"), 1),
     ],
 )
 def test_a_stamp_split_into_two_columns_is_one(text_log, header, unit):

@@ -136,6 +136,50 @@ def test_a_stamp_of_the_host_may_stand_before_a_sentence(text_log):
     assert imu.specific_force.time.tolist() == TIMES.tolist()
 
 
+TWO = "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2"
+
+
+def rows_of_two(names, later=0, place=0):
+    """Return rows of two sensors in turn, the second later by so many ns and turning by 1 rad/s more; the name's place is 0, or -1: the last."""
+    for t, f, w in zip(TIMES, FORCES, RATES, strict=True):
+        for k, name in enumerate(names):
+            cells = [seconds(t + k * later), numbers(w + k), numbers(f)]
+            yield ",".join([name, *cells] if place == 0 else [*cells, name]) + "\n"
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+@pytest.mark.parametrize(("place", "later"), [(0, 0), (0, 4_000_000), (-1, 0), (-1, 4_000_000)])
+@pytest.mark.parametrize(
+    ("column", "names"),
+    [
+        ("id", ("1", "2")), ("channel", ("3", "7")), ("addr", ("0x68", "0x69")), ("mac", ("AC:DE:48:00:11:22", "AC:DE:48:00:11:33")),
+        ("header.frame_id", ("imu_left", "imu_right")), ("imu_no", ("0", "1")), ("serial", ("00B4A1F2", "00B4A1F3")),
+        ("whose", ("foot", "shank")), ("sensor_name", ("imu 1", "imu 2")),
+    ],
+)  # fmt: skip
+def test_a_column_that_names_sensors_parts_them(text_log, column, names, place, later, end):
+    header = f"{column},{TWO}\n" if place == 0 else f"{TWO},{column}\n"
+    log = read(text_log((header + "".join(rows_of_two(names, later, place))).replace("\n", end)))
+    assert len(log.imus) == 2
+    for k, imu in enumerate(log.imus):
+        assert imu.angular_rate.time.tolist() == (TIMES + k * later).tolist()
+        np.testing.assert_allclose(imu.angular_rate.value, RATES + k, atol=1e-9)
+        assert repairs(imu) == {}
+
+
+def test_a_state_that_flickers_parts_no_imu(text_log):
+    header = f"walks,{TWO}\n"
+    rows = "".join(f"{'yes' if i // 50 % 2 else 'no'},{seconds(t)},{numbers(w)},{numbers(f)}\n"
+                   for i, (t, w, f) in enumerate(zip(TIMES, RATES, FORCES, strict=True)))  # fmt: skip
+    (imu,) = read(text_log(header + rows)).imus
+    assert imu.angular_rate.time.tolist() == TIMES.tolist()
+
+
+def test_a_gyro_that_rises_between_repeated_stamps_is_no_fraction_of_a_second(text_log):
+    log = read(text_log(TWO + "\n" + "".join(row.split(",", 1)[1] for row in rows_of_two("ab"))))
+    assert [len(imu.angular_rate) for imu in log.imus] == [ROWS, ROWS]
+
+
 def test_a_column_of_states_parts_no_imu(text_log):
     header = "state,time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s\n"
     rows = "".join(
