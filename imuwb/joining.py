@@ -65,6 +65,12 @@ def with_sensors(log: Log, other: Log) -> Log:
     elif own is not None and not _both_at_once(own, added):
         text = f"{where}: none of its times lies within those of {own.name}; check that the two files are of one record"
         notes.append(Note("no_overlap", text))
+    if own is not None and own.origin.frame.split()[:1] != added.origin.frame.split()[:1]:
+        text = (
+            f"{where}: its frame is {added.origin.frame}, that of the log {own.origin.frame}; each is converted to FRD as it is; if both "
+            "sensors have the same axes, state --frame"
+        )
+        notes.append(Note("frames_differ", text))
     more = (note for note in other.notes if note not in log.notes)
     return replace(log, imus=(imu, *log.imus[1:]), notes=(*log.notes, *notes, *more))
 

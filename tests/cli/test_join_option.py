@@ -56,6 +56,19 @@ def test_info_joins_too(imuwb, files):
     assert "deg/s, g" in done.out
 
 
+def test_frames_that_differ_are_noted(imuwb, files, tmp_path):
+    path = tmp_path / "phone.csv"
+    rows = "".join(f"{0.01 * i:.2f},0.1,0.2,0.3,0.4\n" for i in range(100))
+    path.write_text(
+        '"Time (s)","Gyroscope x (rad/s)","Gyroscope y (rad/s)","Gyroscope z (rad/s)","Absolute (rad/s)"\n' + rows,
+        "utf-8",
+    )
+    done = imuwb("info", path, "--join", files[1], "--units", "accel=g")
+    assert done.code == 0, done.err
+    assert "--frame" in done.err + done.out
+    assert "--frame" not in imuwb("info", path, "--join", files[1], "--units", "accel=g", "--frame", "FLU").err
+
+
 def test_a_sensor_that_the_log_has_is_not_joined(imuwb, files):
     rates, _, _ = files
     done = imuwb("info", rates, "--join", rates, *UNITS)

@@ -10,7 +10,7 @@ from imuwb.readers.text import time_tag
 from imuwb.readers.text.cells import blocks
 from imuwb.readers.text.encoding import is_text
 from imuwb.readers.text.sensor_files import is_folder_of_sensors, partners_of
-from imuwb.readers.text.several import of_folder, of_partner, of_tags, of_zip
+from imuwb.readers.text.several import of_folder, of_tags, of_zip, with_partner
 from imuwb.readers.text.sidecar import names_of, with_sidecar
 from imuwb.readers.text.tables import layouts_of
 from imuwb.readers.text.text_table import Table
@@ -54,9 +54,7 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     if layouts[0].tag is not None:
         yield from of_tags(path, layouts, options)
         return
-    table = Table(path, layouts[0], options, blocks)
-    yield from table.parts()
-    yield from of_partner(table, options)
+    yield from with_partner(Table(path, layouts[0], options, blocks))
 
 
 def part(path: Path, options: ReadOptions, limits: Limits) -> Iterator[Batch | Remark]:

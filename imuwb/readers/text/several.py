@@ -79,7 +79,10 @@ def _together(opened: Sequence[Table], errors: Mapping[str, ImuwbError]) -> Iter
     if not usable and errors:
         raise next(iter(errors.values()))
     refused |= {table.name: UNKNOWN for table in opened if table not in usable}
+    usable, shared = _in_one_frame(usable)
+    yield from shared
     several = max(Counter(key for table in usable for key in table.keys).values(), default=1) > 1
+    several = several or len({table.record for table in usable if table.record is not None}) > 1
     taken = dict[tuple[str, object], str]()
     for table in sorted(usable, key=lambda table: table.preference) or opened[:1]:
         label = table.label if several else ""
@@ -93,29 +96,46 @@ def _together(opened: Sequence[Table], errors: Mapping[str, ImuwbError]) -> Iter
         yield unused((name for name, reason in refused.items() if reason == why), why)
 
 
-def of_partner(alone: Table, options: ReadOptions) -> Iterator[Batch | Remark]:
-    """Yield the streams of the file beside one of a gyro or an accelerometer alone that has the other sensor of the same record."""
-    if len(alone.sensors) != 1:
-        return
-    for file in partners_of(alone.path):
+def with_partner(alone: Table) -> Iterator[Batch | Remark]:
+    """Yield the streams of a file, and of the file beside it that has the other sensor of the same record."""
+    remarks, other = list[Remark](), None
+    for file in partners_of(alone.path) if len(alone.sensors) == 1 else ():
         try:
-            own, remarks = with_sidecar(file, options)
-            other = Table(file, layouts_of(file, own)[0], own, blocks)
+            own, more = with_sidecar(file, alone.options)
+            found = Table(file, layouts_of(file, own)[0], own, blocks)
         except (UsageError, UnreadableLogError) as error:
-            yield Remark(
-                Note(
-                    "partner_left_out",
-                    f"{file.name} beside the log is not joined: {str(error).removeprefix(f'{file}: ')}",
-                )
-            )
+            remarks.append(_left_out(file, str(error).removeprefix(f"{file}: ")))
             continue
-        if len(other.sensors) != 1 or other.sensors == alone.sensors:
+        if len(found.sensors) != 1 or found.sensors == alone.sensors:
             continue
-        apart = abs(other.start - alone.start) / SECOND
-        if other.epoch != alone.epoch or apart > TOGETHER:
-            text = f"{file.name} beside the log is not joined: it begins {apart:.0f} s apart ({other.epoch} time, {alone.epoch} time)"
-            yield Remark(Note("partner_left_out", text))
+        apart = abs(found.start - alone.start) / SECOND
+        if found.epoch != alone.epoch or apart > TOGETHER:
+            clocks = f"{found.epoch} time, {alone.epoch} time"
+            remarks.append(_left_out(file, f"it begins {apart:.0f} s apart ({clocks})"))
             continue
-        yield Remark(Note("partner", f"{file.name} beside the log is joined to it, by the name of the file"))
-        yield from (*remarks, *other.parts())
-        return
+        text = f"{file.name} beside the log is joined to it, by the name of the file"
+        other, remarks = found, [*remarks, Remark(Note("partner", text)), *more]
+        break
+    tables, shared = _in_one_frame([alone] if other is None else [alone, other])
+    yield from tables[0].parts()
+    yield from (*remarks, *shared)
+    for table in tables[1:]:
+        yield from table.parts()
+
+
+def _left_out(file: Path, why: str) -> Remark:
+    return Remark(Note("partner_left_out", f"{file.name} beside the log is not joined: {why}"))
+
+
+def _in_one_frame(tables: Sequence[Table]) -> tuple[list[Table], list[Remark]]:
+    """Return tables of one IMU; if a shape states the frame of some, the others are in that frame too, and a remark says so."""
+    inertial = [table for table in tables if table.sensors and table.options.frame is None]
+    stated = {table.frame for table in inertial if table.frame}
+    unknown = [table for table in inertial if not table.frame]
+    if stated != {"FLU"} or not unknown:  # FRD is assumed without a shape
+        return list(tables), []
+    text = f"{', '.join(table.name for table in unknown)}: its axes are taken as FLU, as those of the other files"
+    again = {
+        id(table): Table(table.path, table.layout, replace(table.options, frame="FLU"), blocks) for table in unknown
+    }
+    return [again.get(id(table), table) for table in tables], [Remark(Note("frame_shared", text))]

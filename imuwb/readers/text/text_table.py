@@ -24,7 +24,7 @@ from imuwb.readers.text.gravity import check_gravity
 from imuwb.readers.text.increments import RATES, Increments
 from imuwb.readers.text.layout import Layout
 from imuwb.readers.text.left_out import left_over, no_stream, unused_columns
-from imuwb.readers.text.sensor_files import BETTER, sensor_name, stem
+from imuwb.readers.text.sensor_files import BETTER, WORSE, sensor_name, stem
 from imuwb.readers.text.sensors import Sensor, is_sparse, sensors_of, stream_name
 from imuwb.readers.text.shapes.application import Shaped, shape_of_log
 from imuwb.readers.text.sidecar import with_sidecar
@@ -72,6 +72,7 @@ class Table:
         if shape is not None:
             options = shape.completing(options)
         self.path, self.layout, self._shape, self._found = path, layout, shape, found
+        self.options = options  #: with what the shape states
         #: what each column measures, in which stream
         self.keys = {(c.stream, RATES.get(c.quantity, c.quantity), c.axis) for c in found if c.quantity in STREAMS}
         # A file of nothing that is known needs no clock.
@@ -97,6 +98,17 @@ class Table:
         name = name_of(self.layout) or stem(self.path)
         stated = sensor_name(name)
         return name if stated is None else "-".join(sorted(stated.rest - BETTER))
+
+    @property
+    def record(self) -> frozenset[str] | None:
+        """The words of the name that tell records apart; None for a name without a sensor."""
+        stated = sensor_name(name_of(self.layout) or stem(self.path))
+        return None if stated is None else stated.rest - BETTER - WORSE
+
+    @property
+    def frame(self) -> str:
+        """The directions of x, y and z that the shape states; empty if it states none."""
+        return "" if self._shape is None else self._shape.frame
 
     @property
     def preference(self) -> bool:

@@ -119,6 +119,24 @@ def test_a_folder_of_other_files_is_no_log(tmp_path):
         read(folder)
 
 
+def test_files_of_two_records_are_two_imus(tmp_path):
+    files = {"run1_gyro.csv": plain(RATES), "run2_accel.csv": plain(FORCES)}
+    log = read(written(tmp_path / "log", files), ReadOptions(units=UNITS))
+    assert len(log.imus) == 2
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_a_file_of_an_unknown_shape_has_the_frame_of_its_partner(tmp_path, packed):
+    files = {"Gyroscope.csv": phyphox("Gyroscope", "rad/s", RATES), "Accelerometer.csv": plain(FORCES)}
+    folder = written(tmp_path / "log", files)
+    for place in (folder,) if packed else (folder / "Gyroscope.csv", folder / "Accelerometer.csv"):
+        log = read(place, ReadOptions(units=UNITS))
+        (imu,) = log.imus
+        np.testing.assert_allclose(imu.angular_rate.value, RATES * FLU, rtol=1e-12)
+        np.testing.assert_allclose(imu.specific_force.value, FORCES * FLU, rtol=1e-12)
+        assert [note.id for note in log.notes].count("frame_shared") == 1
+
+
 class TestZipFiles:
     def zipped(self, path, members, **options):
         with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, **options) as archive:
