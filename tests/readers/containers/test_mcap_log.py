@@ -232,7 +232,7 @@ def test_temperatures_that_are_no_numbers_are_noted(mcap, ros):
         ),
     )
     assert log.imus[0].temperature.value.tolist() == [20.0]
-    assert any(note.id == "not_finite" and note.endswith("(1)") for note in log.notes)
+    assert [(repair.what.id, repair.count) for repair in log.imus[0].temperature.repairs] == [("not_finite", 1)]
 
 
 @pytest.mark.parametrize(
