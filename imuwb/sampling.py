@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from imuwb.arrays import Booleans, Integers
+from imuwb.arrays import Booleans, Integers, blocks_of
 from imuwb.units import SECOND
 
 SPAN = 100  #: steps; over this number of steps rounding averages out
@@ -80,6 +80,13 @@ def nearest(time: Integers, at: Integers) -> Integers:
     return np.where(np.abs(at[after] - time) < np.abs(time - at[before]), after, before)
 
 
+def _scatter(steps: Integers) -> float:
+    """Return the standard deviation of many steps, without a second array of their size."""
+    mean = float(steps.mean())
+    squares = sum(float(np.square(steps[rows] - mean).sum()) for rows in blocks_of(steps.size))
+    return float((squares / steps.size) ** 0.5)
+
+
 def sampling(time: Integers) -> Sampling:
     """Return the clock of a stream.
 
@@ -91,7 +98,7 @@ def sampling(time: Integers) -> Sampling:
     steps = np.diff(time)
     mean = float(time[-1] - time[0]) / steps.size
     if steps.max() <= GAP * steps.min() or _is_complete(time, float(steps.max()), mean):
-        return Sampling(mean / SECOND, (), (), float(steps.std()) / mean)
+        return Sampling(mean / SECOND, (), (), _scatter(steps) / mean)
     interval, rounding = _interval(time, steps)
     long = steps > GAP * interval + rounding
     usual = steps[~long]

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from imuwb.arrays import Floats, Integers
+from imuwb.arrays import Floats, Integers, blocks_of
 from imuwb.health.fault import Fault
 from imuwb.sampling import Sampling, runs, sampling
 from imuwb.texts import seconds_text
@@ -53,13 +53,15 @@ def clock_faults(name: str, time: Floats, *, inertial: bool) -> Iterator[Fault]:
 def _jumps(time: Floats) -> Integers:
     """Return the rows before which a clock was set: its step is longer than a day, and far longer than the recorded time."""
     steps = np.diff(time)
+    if steps.max() <= DAY:
+        return np.empty(0, np.int64)
     long = steps > DAY
     return np.flatnonzero(long & (steps > FAR * float(steps[~long].sum()))) + 1
 
 
 def _within(name: str, time: Floats, *, inertial: bool) -> Iterator[Fault]:
     """Yield gaps, jitter and drops of the rate."""
-    clock = sampling(np.rint(time * 1e9).astype(np.int64))
+    clock = sampling(_nanoseconds(time))
     drops = list(_rate_drops(name, time))
     if clock.gaps and not (drops and len(clock.gaps) > MANY):
         gaps = _gaps(name, time, clock, inertial=inertial)
@@ -71,6 +73,14 @@ def _within(name: str, time: Floats, *, inertial: bool) -> Iterator[Fault]:
         consequence = "do not trust averaging times near one interval; another --time-source may be better"
         yield Fault(name, "jitter", what, "warning", consequence=consequence)
     yield from drops
+
+
+def _nanoseconds(time: Floats) -> Integers:
+    """Return times in whole ns."""
+    whole = np.empty(time.size, np.int64)
+    for rows in blocks_of(time.size):
+        whole[rows] = np.rint(time[rows] * 1e9)
+    return whole
 
 
 def _gaps(name: str, time: Floats, clock: Sampling, *, inertial: bool) -> Fault:
