@@ -36,7 +36,8 @@ def used_columns(path: Path, layout: Layout, options: ReadOptions, shape: Shaped
     if not names:
         raise UsageError(
             f"{path}: there is no header line; name the {len(layout.first)} columns, for example "
-            "--columns gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z (- for a column that is not used)"
+            "--columns gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z (- for a column that is not used"
+            + ("; tag for the column that tells its sensors apart)" if layout.tag is not None else ")")
         )
     if len(names) != len(layout.first):
         raise UsageError(

@@ -53,6 +53,7 @@ def of_folder(folder: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
 def of_tags(path: Path, layouts: Sequence[Layout], options: ReadOptions) -> Iterator[Batch | Remark]:
     """Yield the streams of the tables of one file, and name the lines of no table."""
     opened, errors = list[Table](), dict[str, ImuwbError]()
+    options = replace(options, columns=())  # the layouts have the names
     for layout in layouts:
         try:
             opened.append(Table(path, layout, options, blocks))

@@ -55,7 +55,8 @@ def layouts_of(path: Path, options: ReadOptions) -> tuple[Layout, ...]:
             raise
         return tables
     if options.columns:
-        return (layout,)
+        fits = len(options.columns) == len(layout.first)
+        return (tuple(_by_column(replace(layout, names=options.columns))) if fits else ()) or (layout,)
     whole = lone_axes(named_axes(layout, stem(path)))
     shape = shape_of_log(path, whole, options)
     if shape is not None and any(column.quantity == "instance" for column in shape.columns):

@@ -76,6 +76,14 @@ def test_a_tag_may_be_any_column(text_log):
     assert_both(*log.imus)
 
 
+def test_the_user_may_name_the_tag(text_log):
+    path = text_log(interleaved("acc", "gyr"))
+    with pytest.raises(UsageError, match="5 columns.*tag"):
+        read(path)
+    log = read(path, ReadOptions(columns=("tag", "time_s", "x", "y", "z"), units=UNITS))
+    assert_both(*log.imus)
+
+
 def test_rows_of_other_tags_are_named_with_their_number(text_log):
     header = "% ACCE;time (s);x;y;z\n% GYRO;time (s);x;y;z\n% WIFI;time (s);name;level\n"
     rows = interleaved("ACCE", "GYRO", ";") + "WIFI;1.0;home;-60\n" * 7 + "MAGN;1.0;10;20;30\n" * 9
