@@ -78,4 +78,4 @@ def _dollar(text: bytes, at: int) -> Line | None:
 
 
 def _cells(text: bytes, separator: bytes) -> tuple[str, ...]:
-    return tuple(map(str.strip, text.decode("ascii", "replace").split(separator.decode())))
+    return tuple(map(str.strip, text.decode("ascii", "replace").replace('"', "").split(separator.decode())))
