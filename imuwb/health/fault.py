@@ -23,6 +23,7 @@ _HARMLESS: dict[str, tuple[Severity, str]] = {
     "arrival_stamps": ("warning", "rates and noise are right; how late the stamps are beside those of a receiver is not known"),
     "coarse_stamps": ("note", "rates and noise are right"),
     "uneven_stamps": ("note", "rates and noise are right"),
+    "batches": ("warning", "if the samples are even, rates and noise are wrong"),
     "stated_rate": ("note", "rates and noise are as right as the stated rate"),
     "no_height": ("warning", "use these fixes north and east only"),
     "repeated_row": ("note", "nothing is lost"),

@@ -25,6 +25,15 @@ ENOUGH = 100_000  #: steps that are looked at for whether they scatter
 PAUSE, PAUSES = 2.0 * SECOND, 20.0  #: ns, and periods; after a longer step, the recording begins again
 SHORT = 0.5  #: share of the period; a shorter step is one within a burst
 BATCH = 8  #: rows; bursts of so many rows, all of one size and with even steps, are batches of a sensor, with real gaps between
+SHORTEST = 1e5  #: ns; a shorter step is one of arrival, apart from the usual ones
+LARGE = 64  #: rows; so many rows do not arrive at once
+#: Hz; rates that logs usually have, and the largest relative difference from them. Where the rows of bursts follow each other at no rate
+#: of a sensor, while all rows have a usual one, the stamps are times of arrival.
+USUAL_RATES = (
+    10, 20, 25, 26, 30, 40, 50, 52, 60, 64, 75, 80, 100, 104, 119, 120, 125, 128, 150, 160, 200, 208, 238, 240, 250, 256, 300, 320, 400, 416,
+    476, 500, 512, 600, 800, 833, 952, 1000, 1024, 1125, 1200, 1600, 1660, 1666, 2000, 2048, 3200, 3330, 4000, 4800, 6400, 6660, 8000, 32000,
+)  # fmt: skip
+NEAR_USUAL = 0.003
 SAME, EVEN = 0.1, 0.02  #: largest relative scatter of the sizes of batches, and of the steps within them
 BLOCK = 32  #: rows at least, in which an edge of the residual is looked for
 BURSTS = 4  #: bursts at least, in such a block
@@ -83,6 +92,29 @@ def even_stamps(stamps: Integers, *, forced: bool = False) -> EvenStamps | None:
     if latest <= CALM * period and steps.min() > 0:
         return None
     return EvenStamps(time, bursts.cause, float(off.std()) / SECOND, latest / SECOND, sum(part.lost for part in whole))
+
+
+@dataclass(frozen=True, slots=True)
+class Batches:
+    """Bursts that are taken as batches of a sensor's own clock, although they may be arrivals of even samples."""
+
+    rows: int  #: in a batch
+    rate: float  #: Hz, within a batch
+    even_rate: float  #: Hz, if the samples are even
+
+
+def batches_of(stamps: Integers) -> Batches | None:
+    """Return the batches that ``even_stamps`` leaves as they are; None without such.
+
+    Args:
+        stamps: (n,) ns, not falling.
+    """
+    steps = np.diff(stamps)
+    if stamps.size < FEWEST or SHORT * steps.max() <= steps.min() or not (period := _usual_period(stamps, steps)):
+        return None
+    bursts = _Bursts.of(steps, period)
+    inner = float(np.median(steps[steps < SHORT * period])) if bursts.are_batches else 0.0
+    return Batches(bursts.rows, SECOND / inner, SECOND / period) if inner else None
 
 
 def spread_stamps(stamps: Integers) -> Integers:
@@ -153,7 +185,22 @@ class _Bursts:
         inner = steps[within]
         even = bool(inner.size and inner.min() > 0 and inner.std() <= EVEN * inner.mean())
         same = bool(sizes.size and sizes.std() <= SAME * sizes.mean())
-        return _Bursts(rows, grain if ticks else 0.0, even and same and rows >= BATCH)
+        batches = (
+            even
+            and same
+            and rows >= BATCH
+            and not (rows < LARGE and _arrives(float(inner.mean()), period, float(steps.mean())))
+        )
+        return _Bursts(rows, grain if ticks else 0.0, batches)
+
+
+def _arrives(step: float, *periods: float) -> bool:
+    """Return whether one of the periods of all rows (ns), and not the step within bursts, is that of a sensor."""
+    return not _is_usual(step) and (step < SHORTEST or any(map(_is_usual, periods)))
+
+
+def _is_usual(period: float) -> bool:
+    return any(abs(period * rate / SECOND - 1) < NEAR_USUAL for rate in USUAL_RATES)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

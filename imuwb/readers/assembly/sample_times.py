@@ -7,7 +7,7 @@ import numpy as np
 from imuwb.arrays import Floats
 from imuwb.log import Kind, Nanoseconds, Repair
 from imuwb.notes import Note
-from imuwb.readers.assembly.even_stamps import EvenStamps, even_stamps, spread_stamps
+from imuwb.readers.assembly.even_stamps import EvenStamps, batches_of, even_stamps, spread_stamps
 from imuwb.readers.assembly.time_order import REPEATED, taken
 from imuwb.units import SECOND
 
@@ -51,6 +51,12 @@ def sample_times(
         if even is not None:
             repairs.append(Repair(_note(even), time.size, "time"))
             return even.time, columns
+        if inertial and (batches := batches_of(time)) is not None:
+            text = (
+                f"the rows come in batches of {batches.rows} at {batches.rate:.4g} Hz, which are taken as times of the sensor with gaps "
+                f"between the batches; if they are times of arrival, the samples are even at {batches.even_rate:.4g} Hz: --even"
+            )
+            repairs.append(Repair(Note("batches", text), 1, "time"))
     if not repeated:
         return time, columns
     if inertial and not clock.exact:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from imuwb.readers.assembly.even_stamps import even_stamps, spread_stamps
+from imuwb.readers.assembly.sample_times import Clock, sample_times
 from imuwb.sampling import sampling
 from imuwb.units import SECOND
 
@@ -142,6 +143,45 @@ def test_batches_of_a_sensor_keep_the_gaps_between_them(batch, rate, pause, scat
     clock = sampling(stamps)
     assert clock.rate == pytest.approx(rate, rel=1e-6)
     assert len(clock.gaps) == 59
+
+
+def bursts(rows, step, rate, count=6000, late=0.0):
+    """Return stamps (ns) of even samples that arrive in bursts of some rows, a step (s) apart, each late by up to so many s."""
+    last = (np.arange(count // rows) + 1) * rows / rate
+    last += np.random.default_rng(8).uniform(0, late, last.size)
+    return nanoseconds((last[:, None] + step * np.arange(rows)).ravel())
+
+
+def repairs_of(stamps, *, exact=False):
+    """Return the repairs of an IMU with such stamps."""
+    found = []
+    sample_times(stamps, {"angular_rate": np.zeros((stamps.size, 3))}, Clock("imu", exact), found)
+    return found
+
+
+@pytest.mark.parametrize("late", [0, 0.01])
+@pytest.mark.parametrize(
+    ("rows", "step", "rate"), [(10, 1e-5, 104), (12, 0.0019, 100), (25, 0.0011, 100), (16, 5e-5, 137), (8, 0.0007, 250)]
+)
+def test_bursts_of_one_size_are_arrivals_where_no_sensor_samples_so(rows, step, rate, late):
+    found = even_stamps(bursts(rows, step, rate, late=late))
+    assert found is not None
+    assert found.cause == "arrival"
+    assert sampling(found.time).rate == pytest.approx(rate, rel=1e-3)
+
+
+@pytest.mark.parametrize("step", [0.001, 0.000_987])  # 0.987 ms: that of a sensor that is off by 1 %
+def test_batches_that_may_be_arrivals_are_named_with_both_rates(step):
+    stamps = bursts(32, step, 321 if step != 0.001 else 320)
+    assert even_stamps(stamps) is None
+    (repair,) = repairs_of(stamps)
+    assert repair.what.id == "batches"
+    assert all(text in repair.what for text in ("32", f"{1 / step:.4g} Hz", "--even"))
+
+
+def test_batches_of_a_clock_of_the_sensor_are_not_doubted():
+    assert not repairs_of(bursts(32, 0.001, 320), exact=True)
+    assert not repairs_of(nanoseconds(even(100, 1000)))
 
 
 @pytest.mark.parametrize("share", [0, 0.01, 0.05, 0.2])
