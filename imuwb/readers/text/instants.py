@@ -8,7 +8,7 @@ from functools import lru_cache
 
 from imuwb.units import SECOND, UNIX_EPOCH
 
-_CLOCK = r"(?P<h>\d{1,2})(?P<sep>[:\-_])(?P<mi>\d\d)(?P=sep)(?P<s>\d\d)(?:[.,:_](?P<f>\d+))?"
+_CLOCK = r"(?P<h>\d{1,2})(?P<sep>[:\-_])(?P<mi>\d\d)(?P=sep)(?P<s>\d\d)(?:[.,:_](?P<f>\d+))?(?: ?(?P<half>[AP]M))?"
 _SHORT_CLOCK = r"(?P<h>\d\d)(?P<mi>\d\d)(?P<s>\d\d)(?:[.,](?P<f>\d+))?"
 _ZONE = r"(?: ?(?P<zone>Z|UTC|GMT|[+-]\d\d(?::?\d\d)?))?"
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
@@ -72,7 +72,7 @@ def is_date(text: str) -> bool:
 
 def is_time_of_day(text: str) -> bool:
     """Return whether a text is a time of day without a date."""
-    return re.fullmatch(_CLOCK + _ZONE, text) is not None
+    return re.fullmatch(_CLOCK + _ZONE, text, re.IGNORECASE) is not None
 
 
 def nanoseconds(text: str, form: Form) -> int | None:
@@ -85,12 +85,15 @@ def nanoseconds(text: str, form: Form) -> int | None:
         return None
     parts = match.groupdict()
     fraction = (parts["f"] or "")[:9].ljust(9, "0")
+    hour = parts["h"]
+    if half := (parts.get("half") or "").upper():
+        hour = str(int(hour) % 12 + 12 * (half == "PM"))
     if not form.dated:
-        whole = (int(parts["h"]) * 60 + int(parts["mi"])) * 60 + int(parts["s"])
+        whole = (int(hour) * 60 + int(parts["mi"])) * 60 + int(parts["s"])
         return whole * SECOND + int(fraction)
     month = parts.get("m") or str(_MONTHS.index(parts["name"].lower()) + 1)
     day, month = (month, parts["d"]) if form.month_first else (parts["d"], month)
-    minute = _minute(parts["y"], month, day, parts["h"], parts["mi"], (parts["zone"] or "").upper())
+    minute = _minute(parts["y"], month, day, hour, parts["mi"], (parts["zone"] or "").upper())
     return None if minute is None else minute + int(parts["s"]) * SECOND + int(fraction)
 
 

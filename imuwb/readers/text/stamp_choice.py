@@ -45,7 +45,7 @@ def chosen(
     elif source != "header":
         first = [stamp for stamp in stamps if stamp.source == source]
         if not first:
-            text = f"--time-source {source} not used: no column is known to have such times"
+            text = f"--time-source not used: no column is known to have times of the kind {source!r}"
             notes.append(Note("time_source_unused", text))
     else:
         first = []

@@ -91,6 +91,7 @@ def test_a_week_whole_seconds_and_their_fraction_are_one_stamp(text_log, header)
         (("YYYY-MO-DD HH-MI-SS_SSS",), lambda t: (f"{date_of(t, '%Y-%m-%d %H-%M-%S')}_{milliseconds(t)}",)),
         (("time",), lambda t: (f"{date_of(t, '%Y/%m/%d %H:%M:%S')}.{milliseconds(t)}",)),
         (("time",), lambda t: (f"{date_of(t, '%d-%b-%Y %H:%M:%S')}.{milliseconds(t)}",)),
+        (("time",), lambda t: (f"{date_of(t, '%m/%d/%Y %I:%M:%S')}.{milliseconds(t)} PM",)),
         (("time",), lambda t: (f"{date_of(t, '%Y%m%dT%H%M%S')}.{milliseconds(t)}Z",)),
         (("time",), lambda t: (f"{date_of(t + 7200 * 10**9, '%Y-%m-%dT%H:%M:%S')}.{milliseconds(t)}+0200",)),
         (("time",), lambda t: (f"{date_of(t, '%Y-%m-%dT%H:%M:%S')}.{milliseconds(t)} UTC",)),
