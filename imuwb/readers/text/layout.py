@@ -103,7 +103,11 @@ def _layout(path: Path, texts: list[str]) -> Layout:
     first = _first_like_others(whole, cells)
     before = [i for i in filled if i < first]
     header = _header([texts[i] for i in before], delimiter, usual, ends_empty=all(not cells[i][-1] for i in whole))
-    if not header.names:
+    if header.names:  # a first row with a text among its numbers is a row all the same
+        last = before[max(header.lines)]
+        first = next(i for i in whole if i > last)
+        before = [i for i in before if i < first]
+    else:
         first, before = whole[0], [i for i in filled if i < numeric[0]]
     return Layout(
         delimiter, first, header.names, tuple(cells[first]),

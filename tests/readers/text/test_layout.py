@@ -118,6 +118,14 @@ def test_lines_of_another_kind_before_the_header_cost_nothing(text_log):
     assert_all(read(text_log(before + text())))
 
 
+def test_a_first_row_with_a_text_in_it_is_counted(text_log):
+    lines = text().splitlines()
+    lines[1] = lines[1].replace(cells(0)[2], "none", 1)
+    (imu,) = read(text_log("\n".join([*lines, ""]))).imus
+    assert len(imu.angular_rate) == ROWS - 1
+    assert repairs(imu) == {"not_a_number": 1, "not_finite": 1}
+
+
 def test_a_delimiter_at_the_end_of_each_row_is_no_column(text_log):
     rows = text(header=()).replace("\n", ",\n")
     assert_all(read(text_log(",".join(NAMES) + "\n" + rows)))
