@@ -35,6 +35,9 @@ def receiver_faults(log: Log, gnss: GnssStream) -> Iterator[Fault]:
                     float(time[int(np.argmax(held)) + 1]), consequence="the receiver is slower than its rows: use each fix once")  # fmt: skip
     yield from _spikes(gnss, time)
     yield from _jumps(gnss, time, held)
+    if gnss.velocity is None:
+        need = "still or moving, and the start of a filter, are judged by the positions alone"
+        yield Fault(gnss.name, "no velocity", "the receiver reports no velocity", "note", consequence=need)
     for what, sigma in (("position", gnss.position_sigma), ("velocity", gnss.velocity_sigma)):
         if sigma is None and getattr(gnss, what) is not None:
             text = f"the receiver reports no sigma of its {what}"

@@ -146,4 +146,4 @@ def test_a_missing_sigma_is_noted(what):
 
 
 def test_without_a_velocity_no_sigma_of_it_is_missed():
-    assert faults(replace(gnss(), velocity=None, velocity_sigma=None)) == []
+    assert [f.kind for f in faults(replace(gnss(), velocity=None, velocity_sigma=None))] == ["no velocity"]
