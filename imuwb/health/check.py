@@ -10,6 +10,7 @@ from imuwb.health.apart import apart
 from imuwb.health.channel import Channel, channels
 from imuwb.health.clocks import SHORT, clock_faults
 from imuwb.health.fault import LOST, RANK, Fault, repair_faults
+from imuwb.health.held import held_rows
 from imuwb.health.lone import lone_samples
 from imuwb.health.motion import Segment
 from imuwb.health.plausibility import felt_gravity, implausible
@@ -122,6 +123,7 @@ def _examined(
     lone = {axis: lone_samples(channel) for axis, channel in axes.items()}
     spans = segments(axes, lone, travelled)
     own = (
+        held_rows(imu.name, axes),
         inertial_faults(imu, axes, lone, spans, lines=lines),
         implausible(log, imu, spans),
         turning_faults(log, imu, spans),
