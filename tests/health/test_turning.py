@@ -117,12 +117,14 @@ def test_a_clock_that_is_off_shows_in_the_turns(seconds, factor):
     assert float(fault.consequence.split()[-1]) == pytest.approx(-seconds, abs=0.3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(10))
 @pytest.mark.parametrize("seconds", [0.0, 0.3])
 def test_a_small_delay_is_no_offset_of_the_clock(seed, seconds):
     assert not found(shifted(drive(seed), seconds))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(10))
 def test_the_courses_of_another_drive_show_no_offset(seed):
     assert not found(replace(drive(seed), gnss=drive(seed + 100).gnss))
@@ -149,6 +151,7 @@ def test_the_earth_shows_the_unit_of_a_fine_gyro_at_rest(factor):
     assert found(replace(log, gnss=()), (Segment(0.0, 300.0, moving=False),)) == []  # a bias may be as large
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20))
 def test_drives_without_a_course_raise_no_alarm(seed):
     # A body that pitches by 1 degree for 3 m/s², as on soft springs, or on hard ones: the specific force tilts far more.
@@ -156,6 +159,7 @@ def test_drives_without_a_course_raise_no_alarm(seed):
     assert found(log) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20))
 def test_a_multirotor_whose_specific_force_stays_along_its_axis_raises_no_alarm(seed):
     rng, n = np.random.default_rng(seed), 60 * RATE
@@ -164,6 +168,7 @@ def test_a_multirotor_whose_specific_force_stays_along_its_axis_raises_no_alarm(
     assert found(log_of(rng, rate, drag - [0, 0, G] + 0.3 * smooth(rng, n, 0.1, 2) * [0, 0, 1])) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20))
 def test_a_rest_raises_no_alarm(seed):
     rng, n = np.random.default_rng(seed), 60 * RATE
@@ -178,6 +183,7 @@ def test_a_gap_spoils_no_turn():
     assert found(replace(log, imus=(ImuStream("/imu", *parts),))) == []
 
 
+@pytest.mark.slow
 def test_the_turns_of_real_drives_agree(shared):
     from imuwb.readers import ReadOptions, read
 
