@@ -37,7 +37,7 @@ class Growing:
             if len(self._pieces) > 1 and sum(piece.nbytes for piece in self._pieces) > SMALL:
                 self._move(share)
             return
-        if self._rows > len(self._room):
+        if self._rows > len(self._room) or np.result_type(self._room, values) != self._room.dtype:
             self._pieces = [self._room[: self._rows - len(values)], values]
             self._move(share)
         else:

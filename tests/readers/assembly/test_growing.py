@@ -21,6 +21,13 @@ def test_all_rows_are_there_in_their_order(sizes, share):
     np.testing.assert_array_equal(found[:, 1], -np.arange(at[-1]))
 
 
+def test_numbers_of_another_kind_are_kept():
+    column = Growing()
+    for value in (1, 2, np.nan, 4):
+        column.add(np.full(100_000, value), 0.1)
+    np.testing.assert_array_equal(column.taken()[::100_000], [1, 2, np.nan, 4])
+
+
 def test_a_single_piece_is_not_copied():
     column, rows = Growing(), np.arange(1_000_000)
     column.add(rows, 0.5)
