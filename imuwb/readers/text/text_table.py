@@ -13,6 +13,7 @@ from imuwb.log import MEAN_SEA_LEVEL, Kind, Origin
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, CannotSeekError, Limits, Remark
 from imuwb.readers.bytes.source import damaged
+from imuwb.readers.quantities import units_by_quantity
 from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text.cells import CELLS, LINES, blocks, floats, of
 from imuwb.readers.text.clock import Clock, clock_of
@@ -24,6 +25,7 @@ from imuwb.readers.text.gravity import check_gravity
 from imuwb.readers.text.increments import RATES, Increments
 from imuwb.readers.text.layout import Layout
 from imuwb.readers.text.left_out import left_over, no_stream, unused_columns
+from imuwb.readers.text.positions import check_position
 from imuwb.readers.text.sensor_files import BETTER, WORSE, sensor_name, stem
 from imuwb.readers.text.sensors import Sensor, is_sparse, sensors_of, stream_name
 from imuwb.readers.text.shapes.application import Shaped, shape_of_log
@@ -213,6 +215,14 @@ class _Rows:
             unchecked = name not in self._checked and "specific_force" in fields
             if unchecked and check_gravity(self._path, fields["specific_force"], tuple(values)):
                 self._checked.add(name)
+            if name not in self._checked and kind in ("gnss", "reference"):
+                stated = (
+                    {c.quantity for c in self._used}
+                    if self._shape is not None
+                    else units_by_quantity(self._options.units)
+                )
+                if check_position(self._path, fields["position"], self._used, stated):
+                    self._checked.add(name)
             self._fields.update(fields)
             self._name = self._name or name
             exact = self._clock.stamp is None  # the times come from the rate
