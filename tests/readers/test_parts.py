@@ -37,8 +37,10 @@ def written(fresh, ros):
 
 @pytest.mark.parametrize(
     ("container", "fault"),
-    [*(("mcap", fault) for fault in FAULTS), *(("csv", fault) for fault in FAULTS), ("loose.mcap", "late"), ("db3", "gap"),
-     ("bag", "late")],
+    [("mcap", "late"), ("mcap", "set back"), ("csv", "repeated"), ("db3", "gap"),
+     *(pytest.param("mcap", fault, marks=pytest.mark.slow) for fault in FAULTS if fault not in ("late", "set back")),
+     *(pytest.param("csv", fault, marks=pytest.mark.slow) for fault in FAULTS if fault != "repeated"),
+     *(pytest.param(container, "late", marks=pytest.mark.slow) for container in ("loose.mcap", "bag"))],
 )  # fmt: skip
 def test_a_part_is_the_part_of_the_whole(written, container, fault):
     path = written(container, samples(fault, seed=3))
@@ -70,7 +72,9 @@ def searched(monkeypatch):
         monkeypatch.setattr(csv_part, name, value)
 
 
-@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize(
+    "fault", ["late", *(pytest.param(fault, marks=pytest.mark.slow) for fault in FAULTS if fault != "late")]
+)
 def test_a_part_of_a_text_log_is_found_by_its_time(written, searched, fault):
     path = written("csv", samples(fault, seed=4))
     whole = read(path)
@@ -94,7 +98,7 @@ def test_only_rows_of_the_part_of_a_text_log_are_parsed(written, searched, monke
     assert 320 < sum(rows) < 700
 
 
-@pytest.mark.parametrize("source", ["log", "publish"])
+@pytest.mark.parametrize("source", ["log", pytest.param("publish", marks=pytest.mark.slow)])
 def test_a_part_by_other_times(written, source):
     path, options = written("mcap", samples("late")), ReadOptions(time_source=source)
     whole = read(path, options)
@@ -102,7 +106,9 @@ def test_a_part_by_other_times(written, source):
         assert_alike(path, part, whole, options)
 
 
-@pytest.mark.parametrize("rows", [dataflash_writer.binary, dataflash_writer.text])
+@pytest.mark.parametrize(
+    "rows", [pytest.param(rows, marks=pytest.mark.slow) for rows in (dataflash_writer.binary, dataflash_writer.text)]
+)
 def test_parts_of_a_dataflash_log(fresh, rows):
     path = fresh("log.bin")
     path.write_bytes(rows(dataflash_writer.flight(1000)))
@@ -128,6 +134,7 @@ def test_a_part_of_a_dataflash_log_is_found_by_its_time(fresh, monkeypatch):
     assert 0 < counts[0] < counts[1] < 0.6 * len(rows)
 
 
+@pytest.mark.slow
 def test_parts_of_a_ulog(fresh):
     path = fresh("log.ulg")
     path.write_bytes(ulog_writer.flight())
