@@ -14,6 +14,12 @@ WIDE = 0.1  #: share of a value; with a wider interval, two digits are enough
 DECIMALS = 6  #: decimals of a value whose interval has no width or an infinite width
 
 
+def printable(text: str) -> str:
+    """Return a text that a terminal, a viewer and a page can show: what UTF-8 lacks, and control characters, are replaced."""
+    whole = text.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in whole)
+
+
 def number_text(value: float) -> str:
     """Return a number with three significant digits; a large one as a whole number, without a power of ten: 0.0123, 4.56, 78901."""
     return f"{value:.0f}" if abs(value) >= LARGE else f"{value:.3g}"

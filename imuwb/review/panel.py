@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from imuwb.analysis import Answer, Step
+from imuwb.texts import printable
 
 WIDTH, HEIGHT = 80, 15  #: columns and lines
 GAP = 2  #: columns between cells
@@ -43,7 +44,8 @@ def panel(answer: Answer, origin: Origin, width: int = WIDTH, height: int = HEIG
     left -= len(steps)
     least = min(len(sentences), max(left - len(rows), LEAST))  # a long table leaves room for what to believe
     kept = _cut(rows, left - least, width)
-    return (first, *kept, *_cut(sentences, left - len(kept), width), *steps, *wrote)
+    lines = (first, *kept, *_cut(sentences, left - len(kept), width), *steps, *wrote)
+    return tuple(map(printable, lines))
 
 
 def shortened(text: str, width: int) -> str:

@@ -62,3 +62,10 @@ def test_several_logs_are_counted_and_paths_with_blanks_are_quoted():
     lines = panel(Answer("two", next=(step,)), Origin("noise", ("my logs/a.csv", "b.csv")))
     assert lines[0].startswith("NOISE  a.csv and 1 more: two")
     assert 'imuwb lssa "my logs/a.csv" b.csv' in lines[1]
+
+
+def test_no_text_of_a_log_reaches_the_terminal_as_a_command():
+    answer = Answer("a \x1b]52;c;ZXZpbA==\x07 b", ("\x1b[2J",), (("\udce9", "\x00"),), ("bell \x07",))
+    text = "".join(panel(answer, Origin("noise", ("\x1b[31mlog\udce9.csv",))))
+    assert text.isprintable()
+    text.encode("utf-8")

@@ -88,7 +88,19 @@ def test_faults_of_files(tmp_path):
 def test_the_name_is_in_the_result(command, mcap, toml):
     Path("o.csv").write_text("name,start,duration\ntunnel,150,10\n", "utf-8")
     code, out, err = command(
-        "outage", mcap, "--error-model", toml, "--models", "none", "--at", "o.csv", "-o", "o.rrd", "--json", "o.json"
+        "outage",
+        mcap,
+        "--error-model",
+        toml,
+        "--models",
+        "none",
+        "--at",
+        "o.csv",
+        "-o",
+        "o.rrd",
+        "--json",
+        "o.json",
+        "--full",
     )
     assert code == 0, err
     assert "tunnel" in out
