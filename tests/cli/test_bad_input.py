@@ -278,7 +278,7 @@ def test_options_that_a_format_does_not_use_are_named(imuwb, static_mcap, csv_lo
     assert done.code == 0
     assert "--columns, --units not used: a mcap log" in done.err
     assert "not used" not in imuwb("info", static_mcap, "--frame", "FLU").err
-    assert "--time-source log not used" in imuwb("info", csv_log(rows()), "--time-source", "log").err
+    assert "--time-source not used" in imuwb("info", csv_log(rows()), "--time-source", "log").err
 
 
 def test_a_clock_that_jumps_by_decades_is_named(imuwb, csv_log, rows):
