@@ -7,7 +7,6 @@ import numpy as np
 
 from imuwb.arrays import Floats, Integers
 from imuwb.axes import check_three_axes
-from imuwb.conditioning import denoise
 from imuwb.errors import MissingDataError
 from imuwb.geodesy.attitude import rotation_of_euler
 from imuwb.log import SECOND, ImuStream, Log, Triad
@@ -87,7 +86,8 @@ def _measured(imu: ImuStream, zero: int, path: str, installation: Installation, 
         gaps += _gaps_of_other_clock(other, notes)
     # ``mounting`` turns vectors from the vehicle's axes to the IMU's; here they turn the other way.
     turn = rotation_of_euler(np.radians(installation.mounting))
-    rate, force = np.ascontiguousarray(rate @ turn), np.ascontiguousarray(force @ turn)
+    if any(installation.mounting):
+        rate, force = np.ascontiguousarray(rate @ turn), np.ascontiguousarray(force @ turn)
     regime, celsius = _regimes(imu, own, zero, notes) if thermal else (np.zeros(own.size, np.int64), (None,))
     gap_noise = None
     if gaps:
@@ -122,6 +122,8 @@ def denoised(measurement: Measurement, levels: tuple[int, ...]) -> Measurement:
         measurement: in the vehicle's axes.
         levels: number of levels of decomposition of each axis, ``gyro_x`` ... ``accel_z``.
     """
+    from imuwb.conditioning import denoise  # noqa: PLC0415 - pywt is slow to import, and seldom needed
+
     samples = measurement.samples
     angle, velocity = samples.angle.copy(), samples.velocity.copy()
     for axis, level in enumerate(levels):

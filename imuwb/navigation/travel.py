@@ -9,7 +9,6 @@ from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
 import numpy as np
-from scipy import ndimage
 
 from imuwb.arrays import Booleans, Floats
 from imuwb.geodesy.earth import ned_scale
@@ -102,6 +101,8 @@ def _size(time: Floats) -> int:
 
 def _median(values: Floats, size: int) -> Floats:
     """Return the median of the ``size`` rows around each row."""
+    from scipy import ndimage  # noqa: PLC0415 - slow to import, and a standstill needs none of it
+
     return ndimage.median_filter(values, min(size, values.size | 1), mode="mirror")
 
 

@@ -13,7 +13,6 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import optimize
 
 from imuwb.arrays import Booleans, Floats
 from imuwb.errors import MissingDataError
@@ -70,6 +69,8 @@ def estimate_gnss_correlation(prepared: Prepared, models: Sequence[FilterModel],
 
     def misfit(theta: Floats) -> float:
         return -float(fit.values([theta])[0])
+
+    from scipy import optimize  # noqa: PLC0415 - scipy is slow to import
 
     best = optimize.minimize(
         misfit, start, method="Nelder-Mead",

@@ -103,8 +103,9 @@ def _parsed(
                     timestamp_parsers=[csv.ISO8601],
                 ),
             )  # fmt: skip
-            for block in reader:
-                yield block, rows.bytes_read
+            # The parser reads ahead by many blocks, so the position in the file exceeds what the blocks so far hold.
+            for count, block in enumerate(reader, 1):
+                yield block, min(rows.bytes_read, count * BLOCK)
         finally:
             for fault in rows.faults:
                 faults[fault] = max(faults[fault], 1)
