@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,9 @@ from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text.cells import converted
 from imuwb.readers.text.column_names import with_units
 from imuwb.readers.text.layout import SAMPLE, Layout
+from imuwb.readers.text.several import of_layouts, other_rows
+from imuwb.readers.text.sidecar import with_sidecar
+from imuwb.readers.text.tables import by_column
 from imuwb.readers.text.text_table import table
 
 ROWS = 32_768  #: in a piece
@@ -107,13 +111,16 @@ def streamed(
         raise UnreadableLogError(f"{path}: the table has no row, or no column of numbers, times or texts")
     layout = _layout(leaves, named=named)
 
-    def blocks(_: Path, __: Layout, kinds: Mapping[int, pa.DataType], faults: Counter[str]) -> Pieces:
+    def blocks(_: Path, own: Layout, kinds: Mapping[int, pa.DataType], faults: Counter[str]) -> Pieces:
         wanted = list(dict.fromkeys(leaves[index].top for index in kinds))
+        tag = None if own.tag is None else leaves[own.tag.column]
+        if tag is not None and tag.top not in wanted:
+            wanted.append(tag.top)
         if not wanted:  # the rows are counted, even where no column of theirs is used
             wanted = [leaves[0].top]
         try:
             for piece, bytes_read in opened(path).pieces(wanted):
-                columns = {name: cells for top in wanted for name, cells in _flat(top, piece.column(top))}
+                columns = _columns(piece, wanted, own, tag)
                 arrays = [_as(columns[leaves[index].name], kind, faults) for index, kind in kinds.items()]
                 yield pa.RecordBatch.from_arrays(arrays, names=[str(index) for index in kinds]), bytes_read
         except FAULTS as error:
@@ -121,7 +128,34 @@ def streamed(
 
     if rest := [name for name in dict.fromkeys(names) if name not in {leaf.top for leaf in leaves}]:
         yield unused(rest, "columns of bytes, maps, or lists of other lengths than three, or of equal names")
-    yield from table(path, layout, options, blocks)
+    parted = tuple(by_column(layout)) if named and not options.columns else ()
+    if not parted:
+        yield from table(path, layout, options, blocks)
+        return
+    options, remarks = with_sidecar(path, options)
+    yield from remarks
+    yield from of_layouts(path, parted, options, blocks)
+    yield from other_rows(_tag_counts(path, opened, parted[0], leaves), parted)
+
+
+def _columns(piece: pa.RecordBatch, tops: list[str], own: Layout, tag: _Leaf | None) -> dict[str, pa.Array[Any]]:
+    """Return the columns of single values of a piece, with the rows of a table's tag if it has one."""
+    columns = {name: cells for top in tops for name, cells in _flat(top, piece.column(top))}
+    if tag is None or own.tag is None:
+        return columns
+    of_tag = compute.equal(columns[tag.name].cast(pa.string()), own.tag.text)
+    return {name: cells.filter(of_tag) for name, cells in columns.items()}
+
+
+def _tag_counts(path: Path, opened: Callable[[Path], Table], table_of: Layout, leaves: list[_Leaf]) -> Counter[str]:
+    """Return how many rows of a whole file have each text in the column that parts its tables."""
+    counts = Counter[str]()
+    if table_of.tag is not None:
+        tag = leaves[table_of.tag.column]
+        with suppress(*FAULTS):  # of a cut file, the tables themselves say so
+            for piece, _ in opened(path).pieces([tag.top]):
+                counts.update(_texts(dict(_flat(tag.top, piece.column(tag.top)))[tag.name]))
+    return counts
 
 
 def _shortly(error: BaseException) -> str:

@@ -17,7 +17,7 @@ from imuwb.readers.text.left_out import UNKNOWN
 from imuwb.readers.text.sensor_files import files_in, partners_of
 from imuwb.readers.text.sidecar import with_sidecar
 from imuwb.readers.text.tables import layouts_of, name_of, tag_counts
-from imuwb.readers.text.text_table import Table
+from imuwb.readers.text.text_table import Blocks, Table
 from imuwb.readers.text.zipped import unpacked
 from imuwb.units import SECOND
 
@@ -51,19 +51,32 @@ def of_folder(folder: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
 
 
 def of_tags(path: Path, layouts: Sequence[Layout], options: ReadOptions) -> Iterator[Batch | Remark]:
-    """Yield the streams of the tables of one file, and name the lines of no table."""
+    """Yield the streams of the tables of one text file, and name the lines of no table."""
+    yield from of_layouts(path, layouts, options, blocks)
+    yield from other_rows(tag_counts(path, layouts[0]), layouts)
+
+
+def of_layouts(path: Path, layouts: Sequence[Layout], options: ReadOptions, rows: Blocks) -> Iterator[Batch | Remark]:
+    """Yield the streams of the tables of one file."""
     opened, errors = list[Table](), dict[str, ImuwbError]()
     options = replace(options, columns=())  # the layouts have the names
     for layout in layouts:
         try:
-            opened.append(Table(path, layout, options, blocks))
+            opened.append(Table(path, layout, options, rows))
         except (UsageError, UnreadableLogError) as error:
             errors[name_of(layout)] = error
     yield from _together(opened, errors)
-    counts = tag_counts(path, layouts[0])
-    for layout in layouts:
-        counts.pop(layout.tag.text if layout.tag is not None else "", None)
-    others = [(tag, count) for tag, count in counts.items() if tag]
+
+
+def other_rows(counts: Counter[str], layouts: Sequence[Layout]) -> Iterator[Remark]:
+    """Yield a remark on the rows whose tag is that of no table.
+
+    Args:
+        counts: the number of rows with each tag.
+        layouts: of the tables.
+    """
+    known = {layout.tag.text for layout in layouts if layout.tag is not None}
+    others = [(tag, count) for tag, count in counts.items() if tag and tag not in known]
     if others:
         lines = sum(count for _, count in others)
         yield unused([tag for tag, _ in others[:MOST_NAMED]], f"{lines} lines of no table with numbers")
@@ -137,6 +150,7 @@ def _in_one_frame(tables: Sequence[Table]) -> tuple[list[Table], list[Remark]]:
         return list(tables), []
     text = f"{', '.join(table.name for table in unknown)}: its axes are taken as FLU, as those of the other files"
     again = {
-        id(table): Table(table.path, table.layout, replace(table.options, frame="FLU"), blocks) for table in unknown
+        id(table): Table(table.path, table.layout, replace(table.options, frame="FLU"), table.blocks)
+        for table in unknown
     }
     return [again.get(id(table), table) for table in tables], [Remark(Note("frame_shared", text))]

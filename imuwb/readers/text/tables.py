@@ -56,12 +56,12 @@ def layouts_of(path: Path, options: ReadOptions) -> tuple[Layout, ...]:
         return tables
     if options.columns:
         fits = len(options.columns) == len(layout.first)
-        return (tuple(_by_column(replace(layout, names=options.columns))) if fits else ()) or (layout,)
+        return (tuple(by_column(replace(layout, names=options.columns))) if fits else ()) or (layout,)
     whole = lone_axes(named_axes(layout, stem(path)))
     shape = shape_of_log(path, whole, options)
     if shape is not None and any(column.quantity == "instance" for column in shape.columns):
         return (whole,)
-    return tuple(_by_first_cells(lines, layout)) or tuple(_by_column(layout)) or (whole,)
+    return tuple(_by_first_cells(lines, layout)) or tuple(by_column(layout)) or (whole,)
 
 
 def name_of(table: Layout) -> str:
@@ -133,7 +133,7 @@ def _own_names(tag: str, place: int, delimiter: str, usual: int, others: Sequenc
     return (*["time"] * place, "-", *names)
 
 
-def _by_column(layout: Layout) -> Iterator[Layout]:
+def by_column(layout: Layout) -> Iterator[Layout]:
     """Yield the tables of a file with a column whose name and values tell sensors apart."""
     for place, name in enumerate(layout.names):
         cells = layout.cells(place)

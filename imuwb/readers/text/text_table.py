@@ -75,6 +75,7 @@ class Table:
             options = shape.completing(options)
         self.path, self.layout, self._shape, self._found = path, layout, shape, found
         self.options = options  #: with what the shape states
+        self.blocks = rows  #: of the whole file
         #: what each column measures, in which stream
         self.keys = {(c.stream, RATES.get(c.quantity, c.quantity), c.axis) for c in found if c.quantity in STREAMS}
         # A file of nothing that is known needs no clock.

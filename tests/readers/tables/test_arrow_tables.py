@@ -134,6 +134,21 @@ def test_rows_in_many_pieces(log_of, monkeypatch):
     )
 
 
+@pytest.mark.parametrize(
+    ("column", "names", "later"),
+    [("frame_id", ("left", "right"), 0), ("imu_id", (3, 7), 3_000_000), ("whose", ("foot", "shank"), 3_000_000)],
+)
+def test_a_column_that_names_sensors_parts_them(log_of, column, names, later):
+    both = {name: pa.array(np.repeat(cells.to_numpy(), 2) + np.tile([0, 0.5], N)) for name, cells in imu().items()}
+    time = (np.repeat(TIME, 2) + np.tile([0, later], N)).astype(np.int64)
+    log = log_of({"timestamp_ns": pa.array(time), column: pa.array(list(names) * N), **both})
+    assert len(log.imus) == 2
+    for k, found in enumerate(log.imus):
+        np.testing.assert_array_equal(found.angular_rate.time, TIME + k * later)
+        np.testing.assert_allclose(found.angular_rate.value, RATE + 0.5 * k, atol=1e-15)
+        assert repairs(found) == {}
+
+
 def test_text_and_no_rows_are_refused(log_of):
     with pytest.raises(ImuwbError, match=r"table\.bin"):
         log_of({"time_ns": pa.array([], pa.int64()), "gyro_x_rad_s": pa.array([], pa.float64())})
