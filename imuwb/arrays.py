@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, nullcontext
-from threading import Lock
+from threading import RLock
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,7 @@ def all_finite(values: Floats) -> bool:
 
 
 LARGE = 1 << 22  #: rows
-_ALONE = Lock()
+_ALONE = RLock()  # work that is done alone may do other such work
 
 
 def alone(rows: int) -> AbstractContextManager[object]:
