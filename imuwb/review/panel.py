@@ -115,4 +115,4 @@ def _cut(lines: list[str], most: int, width: int) -> list[str]:
         return lines
     if most < 1:
         return []
-    return [*lines[: most - 1], f"{shortened(lines[most - 1], width - 2).rstrip(CUT)} {CUT}"]
+    return [*lines[: most - 1], f"{lines[most - 1][: width - GAP].rstrip(CUT).rstrip()} {CUT}"]

@@ -12,7 +12,7 @@ OUTAGE = Step("imuwb outage {log} --error-model MODEL.toml", "how far it drifts 
 
 def answer(result: Health) -> Answer:
     """Return the verdict of each stream and the worst faults."""
-    rows = [("", s.name, f"{number_text(s.usual_rate)} Hz", s.verdict) for s in result.streams[:STREAMS]]
+    rows = [("", s.name, _rate(s.usual_rate), s.verdict) for s in result.streams[:STREAMS]]
     if (more := len(result.streams) - STREAMS) > 0:
         rows.append(("", f"{more} more streams", "", ""))
     serious = [fault for fault in result.faults if fault.severity != "note"]
@@ -23,6 +23,10 @@ def answer(result: Health) -> Answer:
     return Answer(
         _about(result), ("", "stream", "rate", "verdict"), tuple(rows), tuple(sentences), (OUTAGE if moves else NOISE,)
     )
+
+
+def _rate(usual: float) -> str:
+    return f"{number_text(usual)} Hz" if usual else "in batches"
 
 
 def _about(result: Health) -> str:
