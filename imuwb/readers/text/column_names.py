@@ -9,14 +9,14 @@ from imuwb.readers.quantities import DIMENSIONS
 from imuwb.units import Unit, unit
 
 _DATA = r"(?:[_ .]?(?:readings?|data|meas(?:urements?)?))?"
-_GYRO = rf"gyro(?:scope)?s?{_DATA}|gyr|omega|ω|ang(?:ular)?[_ .]?(?:vel(?:ocity)?|rate)|rotation[_ .]?rate"
-_ACCEL = rf"accel(?:erometer|eration)?s?{_DATA}|acc|specific[_ .]?force|lin(?:ear)?[_ .]?acc(?:el(?:eration)?)?"
+_GYRO = rf"gyro(?:scope|skop)?s?{_DATA}|giroscopio|drehrate|winkelgeschwindigkeit|velocidad[_ ]angular|vitesse[_ ]angulaire|rate|gyr|omega|ω|ang(?:ular)?[_ .]?(?:vel(?:ocity)?|rate)|rotation[_ .]?rate"
+_ACCEL = rf"beschleunigung|aceleraci[oó]n|acc[eé]l[eé]ration|accelerazione|accel(?:erometer|eration)?s?{_DATA}|acc|specific[_ .]?force|lin(?:ear)?[_ .]?acc(?:el(?:eration)?)?"
 _VARIANT = r"(?:(?P<variant>raw|uncal(?:ibrated)?|uncomp(?:ensated)?)[_ .]?)?"
-_AXIS = r"(?P<number>\d*)[_ .:(\[-]*(?P<axis>[xyz])[\])]?"
+_AXIS = r"(?P<number>\d*)[_ .:(\[-]*(?P<axis>[xyz])[\])]?(?:[_ .]?(?P<kind>raw|uncal|cal(?:ibrated)?|filt(?:ered)?))?(?:[_ ](?P<place>\d))?"
 _FIRST = r"(?P<first>[xyz])[_ .]*"
 #: quantity -> pattern of its column names, in lower case and without the unit
 _NAMES: dict[str, str] = {
-    "gyro": rf"(?:imu[_ .])?{_VARIANT}(?:(?:{_GYRO}|g|w){_AXIS}|{_FIRST}(?:{_GYRO}|rate))",
+    "gyro": rf"(?:imu[_ .])?{_VARIANT}(?:(?:{_GYRO}|g|w){_AXIS}|{_FIRST}(?:{_GYRO}))",
     "accel": rf"(?:imu[_ .])?{_VARIANT}(?:(?:{_ACCEL}|a|f|sf){_AXIS}|{_FIRST}(?:{_ACCEL}))",
     "attitude_increment": rf"(?:(?:d(?:elta)?|δ)[_ .]?(?:theta|θ|ang(?:le)?)|attitude[_ ]increment){_AXIS}",
     "velocity_increment": rf"(?:(?:d(?:elta)?|δ)[_ .]?(?:vel(?:ocity)?|v)|velocity[_ ]increment){_AXIS}",
@@ -40,6 +40,10 @@ _NAMES: dict[str, str] = {
     "sigma_attitude_down": r"sigma[_ ]attitude[_ ]down",
     "fix_type": r"fix(?:[_ ]?type)?",
     "speed": r"(?:wheel[_ .]|odo(?:meter)?[_ .]|vehicle[_ .]|forward[_ .])?speed|(?:wheel|odo(?:meter)?)[_ .]velocity|odometer",
+    "ground_speed": r"ground[_ .]?speed|sog|speed[_ .]?over[_ .]?ground|(?:gps|gnss)[_ .]?(?:ground[_ .]?)?speed",
+    "course": r"(?:gps[_ .]|gnss[_ .])?course(?:[_ .]?over[_ .]?ground)?|cog|track[_ .]?angle",
+    "sigma_horizontal": r"h(?:orizontal)?[_ .]?acc(?:uracy)?", "sigma_vertical": r"v(?:ertical)?[_ .]?acc(?:uracy)?",
+    "sigma_speed": r"s(?:peed)?[_ .]?acc(?:uracy)?",
     "roll": r"roll", "pitch": r"pitch", "heading": r"heading|yaw",
     "week": r"(?:gps[_ .]?)?week(?:[_ ]?(?:no|number))?",
 }  # fmt: skip
@@ -53,6 +57,7 @@ _TRIADS = ("attitude_increment", "velocity_increment")  #: quantities that are k
 _OTHERS = re.compile(
     r"free|user|dynamic|gravity|world|earth|bias|std|sigma|cov|var|err|offset|scale|noise|cmd|command|setpoint|desired|target|delta|mag"
 )
+_LINEAR = re.compile(r"(?:.*[/.])?lin(?:ear)?[_ .]?acc", re.IGNORECASE)
 _ABOVE_SEA = re.compile(r"(?:^|[^a-z])(?:height|alt)?a?msl(?:[^a-z]|$)")
 _OF_WEEK = re.compile(r"tow|sow|of[_ ](?:the[_ ])?week|gps")
 _SEPARATORS = re.compile(r"[/.:\s\[\]]+")
@@ -62,7 +67,7 @@ _SUFFIXES = {
     "rad_per_s": "rad/s", "rad_per_sec": "rad/s", "deg_per_sec": "deg/s", "radps": "rad/s", "rad_sec": "rad/s", "deg_sec": "deg/s", "mrad_s": "mrad/s", "deg_h": "deg/h", "m_s2": "m/s²", "m_s_2": "m/s²", "ms2": "m/s²",
     "mps2": "m/s²", "m_per_s2": "m/s²", "mg": "mg", "ug": "µg", "mgal": "mGal", "g": "g", "s": "s", "sec": "s", "ms": "ms", "us": "us", "msec": "ms", "usec": "us", "nsec": "ns",
     "ns": "ns", "c": "°C", "degc": "°C", "deg_c": "°C", "k": "K", "degf": "°F", "deg_f": "°F", "f": "°F", "deg": "deg", "rad": "rad", "m": "m", "mm": "mm",
-    "m_s": "m/s", "mps": "m/s", "dege7": "degE7", "mdps": "mdeg/s", "arcsec_s": "arcsec/s", "kmh": "km/h", "knots": "knot",
+    "m_s": "m/s", "mm_s": "mm/s", "cm_s": "cm/s", "mps": "m/s", "dege7": "degE7", "mdps": "mdeg/s", "arcsec_s": "arcsec/s", "kmh": "km/h", "knots": "knot",
 }  # fmt: skip
 _LONGEST_FIRST = sorted(_SUFFIXES, key=len, reverse=True)
 #: a name whose axis is a number, perhaps with a unit after it
@@ -114,6 +119,7 @@ def columns(names: tuple[str, ...], units: Mapping[str, str]) -> tuple[Column, .
         for i, name in enumerate(names)
         if (column := _column(i, lettered.get(name, name), units)) is not None
     ]
+    known = _without_linear(_along_course(known))
     known = [column for column in known if column.quantity not in _TRIADS or _is_whole(column, known)]
     first: dict[tuple[str, str, int], Column] = {}
     # With a GPS week, the time of week is preferred to any other time.
@@ -125,6 +131,21 @@ def columns(names: tuple[str, ...], units: Mapping[str, str]) -> tuple[Column, .
                 f"columns {other.name!r} and {column.name!r} are both {column.quantity}; name the columns with --columns"
             )
     return tuple(first.values())
+
+
+def _along_course(known: Sequence[Column]) -> list[Column]:
+    """Return columns of which a speed beside a course and positions is a receiver's over ground."""
+    quantities = {column.quantity for column in known}
+    if not {"course", "latitude", "speed"} <= quantities or "ground_speed" in quantities:
+        return list(known)
+    return [replace(c, quantity="ground_speed") if c.quantity == "speed" else c for c in known]
+
+
+def _without_linear(known: Sequence[Column]) -> list[Column]:
+    """Return columns without the linear accelerations, which lack gravity, of a sensor that has another acceleration too."""
+    linear = {c.index for c in known if c.quantity == "accel" and _LINEAR.match(c.name.strip())}
+    whole = {(c.stream, c.axis) for c in known if c.quantity == "accel" and c.index not in linear}
+    return [c for c in known if c.index not in linear or (c.stream, c.axis) not in whole]
 
 
 def _is_whole(column: Column, known: Sequence[Column]) -> bool:
@@ -139,12 +160,26 @@ def _with_letters(names: Sequence[str]) -> dict[str, str]:
     for name in names:
         if match := _NUMBERED.fullmatch(name.strip()):
             found.setdefault((match["base"], match["rest"]), {})[match["number"]] = name
-    return {
+    turns = {p: name for name in names if (p := _base_of_rate(name))}
+    letters = {
+        turns[p]: f"gyro_{axis}{turns[p].strip()[1:]}"
+        for p, axis in zip("pqr", "xyz", strict=True)
+        if len(turns) == len("pqr")
+    }
+    return letters | {
         name: f"{base}_{'xyz'[place]}{rest}"
         for (base, rest), axes in found.items()
         if "".join(sorted(axes)) in ("123", "012")
         for place, (_, name) in enumerate(sorted(axes.items()))
     }
+
+
+def _base_of_rate(name: str) -> str:
+    """Return p, q or r for a name that is this letter and a unit of angular rate: rates about x, y and z; else an empty text."""
+    for base, measure in with_units(name):
+        if measure is not None and measure.dimension == DIMENSIONS["gyro"] and base.lower() in ("p", "q", "r"):
+            return base.lower()
+    return ""
 
 
 def parts_of(name: str) -> tuple[str, ...]:
@@ -175,7 +210,7 @@ def with_units(name: str) -> Iterator[tuple[str, Unit | None]]:
         base, _, last = text.rpartition(" ")
         measure = _unit_or_none(last) if base else None
         if measure is not None and last.lower() not in "xyz":
-            yield base.strip().removesuffix(" in"), measure
+            yield base.strip().removesuffix(" in").rstrip(","), measure
         if inner := _INNER.fullmatch(low):
             yield f"{text[: inner.start(2) - 1]}_{inner[3]}", unit(_SUFFIXES[inner[2]])
     yield text, None
@@ -227,5 +262,5 @@ def _matched(quantity: str, text: str) -> tuple[str, int] | None:
 def _place(prefix: str, match: re.Match[str]) -> tuple[str, int]:
     found = match.groupdict()
     axis = found.get("axis") or found.get("first")
-    sensor = f"{found.get('variant') or ''}{found.get('number') or ''}"
+    sensor = "".join(found.get(part) or "" for part in ("variant", "kind", "number", "place"))
     return ".".join(filter(None, (prefix, sensor))), "xyz".index(axis) if axis else 0

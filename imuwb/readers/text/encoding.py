@@ -1,4 +1,4 @@
-"""The bytes of a text file as UTF-8 with LF at the ends of lines: UTF-16, byte order marks, and line ends of one CR."""
+"""The bytes of a text file as UTF-8 with LF at the ends of lines: UTF-16, ISO 8859-1, byte order marks, and line ends of one CR."""
 
 import codecs
 from collections.abc import Iterable, Iterator
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 _MARKS = {codecs.BOM_UTF8: "utf-8", codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be"}
 PRINTABLE = 0.99  #: least share of printable bytes in text
 _CONTROL = bytes(set(range(32)) - set(b"\t\r\n\f"))  #: characters that text has not
+_OLDER = frozenset((*range(9), *range(14, 32), *range(127, 160)))  #: bytes that no text of ISO 8859-1 has
 _EVEN_ZEROS = 0.3  #: least share of zero bytes at even or odd places that shows UTF-16 without a mark
 
 
@@ -34,7 +35,16 @@ def _unmarked(head: bytes) -> str:
         zeros, others = head[place::2].count(0), head[1 - place :: 2].count(0)
         if not others and zeros > _EVEN_ZEROS * len(head):
             return name
-    return "utf-8"
+    return "utf-8" if _is_utf8(head) else "iso-8859-1"
+
+
+def _is_utf8(head: bytes) -> bool:
+    """Return whether bytes may be UTF-8: they are, or have control characters, so they are damaged and no older text (``°``, ``²``)."""
+    try:
+        codecs.getincrementaldecoder("utf-8")().decode(head)
+    except UnicodeDecodeError:
+        return not _OLDER.isdisjoint(head)
+    return True
 
 
 def _decoded(data: bytes, name: str) -> bytes:

@@ -20,7 +20,7 @@ _TOKEN = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 #: words of a name that show a time
 _TIMES = {
     "time", "times", "timestamp", "timestamps", "stamp", "epoch", "utc", "tow", "itow", "sow", "gpst", "datetime", "uptime", "clock",
-    "unix", "seconds", "elapsed", "ts",
+    "unix", "seconds", "elapsed", "ts", "zeit", "tiempo", "temps", "tempo",
 }  # fmt: skip
 #: words of a name that show something else: a duration, an accuracy, a state
 _NO_TIMES = {

@@ -28,6 +28,29 @@ def test_names_and_their_units(name, quantity, axis, unit):
     assert meaning(name) == [(quantity, axis, unit)]
 
 
+def test_p_q_and_r_are_rates_where_all_three_have_such_a_unit():
+    assert [(c.quantity, c.axis) for c in columns(("p [deg/s]", "q [deg/s]", "r [deg/s]"), {})] == [
+        ("gyro", i) for i in range(3)
+    ]
+    assert columns(("p [deg/s]", "r [deg/s]"), {}) == ()
+    assert columns(("p", "q", "r"), {}) == ()
+    assert columns(("p_m", "q_m", "r_m"), {}) == ()
+
+
+def test_a_linear_acceleration_beside_another_is_left_out():
+    whole, linear = (tuple(f"{name}_{axis}_m_s2" for axis in "xyz") for name in ("acc", "lin_acc"))
+    assert [c.name for c in columns((*linear, *whole), {})] == list(whole)
+    assert [c.name for c in columns(linear, {})] == list(linear)
+
+
+@pytest.mark.parametrize("speed", ["speed", "ground_speed", "gps_speed", "SOG"])
+def test_a_speed_beside_a_course_and_a_position_is_over_ground(speed):
+    found = columns(("lat", "lon", f"{speed} (m/s)", "course (deg)", "hAcc (m)", "vAcc (m)"), {})
+    expected = ["latitude", "longitude", "ground_speed", "course", "sigma_horizontal", "sigma_vertical"]
+    assert [c.quantity for c in found] == expected
+    assert [c.quantity for c in columns(("speed (m/s)", "course (deg)"), {})] == ["speed", "course"]
+
+
 @pytest.mark.parametrize(
     ("name", "quantity", "axis", "unit", "stream"),
     [
@@ -38,6 +61,9 @@ def test_names_and_their_units(name, quantity, axis, unit):
         ("xRate (deg/s)", "gyro", 0, "deg/s", ""), ("Y Accel", "accel", 1, None, ""), ("Gyro X deg/s", "gyro", 0, "deg/s", ""),
         ("GYRO-X", "gyro", 0, None, ""), ("Acceleration (y)", "accel", 1, None, ""), ("gyro.x_radps", "gyro", 0, "rad/s", ""),
         ("ωz [rad/s]", "gyro", 2, "rad/s", ""), ("a(x)", "accel", 0, None, ""), ("Gyroscope_X_rad_per_sec", "gyro", 0, "rad/s", ""),
+        ("Gyro X, rad/s", "gyro", 0, "rad/s", ""), ("gx_raw", "gyro", 0, None, "raw"), ("accel_y_cal [g]", "accel", 1, "g", "cal"),
+        ("gyro_x_2_rad_s", "gyro", 0, "rad/s", "2"), ("Rate Z (deg/s)", "gyro", 2, "deg/s", ""), ("Drehrate X (°/s)", "gyro", 0, "deg/s", ""),
+        ("Beschleunigung z (m/s²)", "accel", 2, "m/s²", ""), ("Aceleración y (m/s^2)", "accel", 1, "m/s²", ""),
         ("GyroZRadPerSec", "gyro", 2, "rad/s", ""), ("ax (m s^-2)", "accel", 0, "m/s²", ""), ("wz [arcsec/s]", "gyro", 2, "arcsec/s", ""),
     ],
 )  # fmt: skip

@@ -67,6 +67,14 @@ def test_encodings_and_line_ends(text_log, mark, encoding, end, decimal):
     assert_all(read(text_log(gzip.compress(content), "log.csv.gz")))
 
 
+@pytest.mark.parametrize("end", ["\n", "\r"])
+def test_names_in_iso_8859_1_have_their_units(text_log, end):
+    header = ["t [s]", *(f"g{axis} [°/s]" for axis in "xyz"), *(f"a{axis} [m/s²]" for axis in "xyz")]
+    (imu,) = read(text_log(text(header=header, end=end).encode("iso-8859-1"))).imus
+    np.testing.assert_allclose(imu.angular_rate.value, np.radians(VALUES[:, :3]), atol=1e-12)
+    np.testing.assert_array_equal(imu.specific_force.value, VALUES[:, 3:])
+
+
 def test_a_character_of_two_bytes_may_lie_across_two_pieces(text_log, monkeypatch):
     monkeypatch.setattr("imuwb.readers.bytes.source.PIECE", 1001)
     assert_all(read(text_log(codecs.BOM_UTF16_LE + text().encode("utf-16-le"))))

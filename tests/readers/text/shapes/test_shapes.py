@@ -147,14 +147,14 @@ def test_the_increment_after_a_gap_covers_one_step(text_log):
 
 def test_what_is_not_used_is_named(text_log):
     text = table(
-        "timestamp,omega_x,omega_y,omega_z,alpha_x,alpha_y,alpha_z,humidity,course",
+        "timestamp,omega_x,omega_y,omega_z,alpha_x,alpha_y,alpha_z,humidity,phase",
         TIME,
         GYRO,
         ACCEL,
         np.ones((len(TIME), 2)),
     )
     notes = read(text_log(text)).notes
-    assert [note for note in notes if note.id == "unused" and "humidity, course" in note]
+    assert [note for note in notes if note.id == "unused" and "humidity, phase" in note]
     assert "shape" in ids(notes)
 
 
