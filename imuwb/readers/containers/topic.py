@@ -15,6 +15,7 @@ from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.containers import shapes
 from imuwb.readers.containers.decoders import CannotDecodeError, Decoder, Piece, decoder_of
+from imuwb.readers.containers.frames import Frames
 from imuwb.readers.containers.half_imus import SENSORS, Halves
 from imuwb.readers.containers.known_shapes import SHAPES, is_receiver
 from imuwb.readers.containers.messages import Channel, Messages, Schema
@@ -27,6 +28,10 @@ from imuwb.readers.containers.unused_topics import NO_QUANTITY, Unused
 from imuwb.readers.read_options import ReadOptions
 from imuwb.ros import short
 
+IMU = (
+    "sensor_msgs/Imu"  #: type of messages that are told apart by the frame in their header, in encodings that have one
+)
+HEADED = ("cdr", "ros1")
 SAMPLED = 16  #: messages of a buffer that are examined for an orientation
 PATIENCE = 100  #: number of messages; a channel without a known field in these is not examined again
 UNIX = 10**17  #: ns; a later stamp (after March 1973) counts from 1970
@@ -100,7 +105,8 @@ class Topic:
         self.messages = 0
         self.faults: Counter[Note] = Counter()
         self.lag: tuple[int, int] | None = None  #: (least, largest) time of a row less the time of its recording, ns
-        self._halves: dict[Recipe, Halves] = {}
+        self._halves: dict[tuple[Recipe, str], Halves] = {}  #: by recipe and frame
+        self._frames = Frames() if short(self.schema) == IMU and decoding.channel.message_encoding in HEADED else None
         self._by_recorder: bool | None = None  #: whether no message has a stamp of its own; None before the first
         self.sentences = SentenceTopic() if short(self.schema) == SENTENCE else None
         try:
@@ -119,17 +125,23 @@ class Topic:
             return
         if self.sentences is not None:
             self.sentences.take(self.decoder, messages, rows)
+        parts = (("", rows),) if self._frames is None else self._frames.parted(messages, rows)
+        for frame, own in parts:
+            yield from self._of_frame(self.decoder, frame, messages, own)
+
+    def _of_frame(self, decoder: Decoder, frame: str, messages: Messages, rows: Integers) -> Iterator[Batch]:
+        """Yield the streams of messages with one frame."""
         for recipe in self.recipes:
             if recipe.kind == "orientation" and not self._oriented(recipe, messages, rows):
                 continue
             faults = self.faults if recipe.kind != "orientation" else Counter[Note]()  # they are those of the IMU
-            pieces = list(self.decoder.decode(messages, rows, recipe.paths))
+            pieces = list(decoder.decode(messages, rows, recipe.paths))
             lost = rows.size - sum(decoded.size for _, decoded in pieces)
             if lost:
                 faults[NO_FIT] += lost
             if pieces:
                 values, decoded = _in_order(pieces) if len(pieces) > 1 else pieces[0]
-                yield from self._finished(recipe, self._batch(recipe, values, messages, decoded, faults))
+                yield from self._finished(recipe, frame, self._batch(recipe, frame, values, messages, decoded, faults))
 
     def _recognise(self, decoder: Decoder, messages: Messages, rows: Integers) -> None:
         try:
@@ -154,8 +166,8 @@ class Topic:
         """Yield the faults of the messages."""
         for fault, count in self.faults.items():
             yield Remark(fault, self.name, count, _EFFECTS.get(fault, "lost"))
-        for recipe, halves in self._halves.items():
-            yield from halves.remarks(self._stream(recipe))
+        for (recipe, frame), halves in self._halves.items():
+            yield from halves.remarks(self._stream(recipe, frame))
 
     def _oriented(self, recipe: Recipe, messages: Messages, rows: Integers) -> bool:
         """Return whether some of the messages state an orientation: most IMUs have none, and their fields need not be decoded."""
@@ -167,15 +179,16 @@ class Topic:
         numbers = {path: np.asarray(array, dtype=np.float64) for path, array in values.items()}
         return recipe.columns(numbers, self.options.frame)
 
-    def _stream(self, recipe: Recipe) -> str:
-        """Return the name of a recipe's stream: that of the topic, with the place in the message if it has several of a kind."""
+    def _stream(self, recipe: Recipe, frame: str) -> str:
+        """Return the name of a recipe's stream: that of the topic, with the frame if it has several, and the place in the message."""
         prefixes = {other.prefix for other in self.recipes if other.kind == recipe.kind}
         place = recipe.prefix.rstrip(".") if len(prefixes) > 1 else ""
-        return ".".join(filter(None, (self.name, place, recipe.shape.part)))
+        return ".".join(filter(None, (self.name, frame, place, recipe.shape.part)))
 
     def _batch(
         self,
         recipe: Recipe,
+        frame: str,
         values: Mapping[str, NDArray[Any]],
         messages: Messages,
         rows: Integers,
@@ -188,17 +201,17 @@ class Topic:
         self._note_lag(time - messages.log_time[rows])
         unix = bool(time.size) and time[0] > UNIX
         origin = origin_of(recipe, self.options.frame, above_sea=self.above_sea, unix=unix, schema=self.schema)
-        return Batch(self._stream(recipe), recipe.kind, time, columns, origin, messages.bytes_read)
+        return Batch(self._stream(recipe, frame), recipe.kind, time, columns, origin, messages.bytes_read)
 
-    def _finished(self, recipe: Recipe, batch: Batch) -> Iterator[Batch]:
+    def _finished(self, recipe: Recipe, frame: str, batch: Batch) -> Iterator[Batch]:
         """Yield the rows of a batch that are measurements."""
         if batch.kind == "orientation":
             yield from shapes.stated_orientation(batch)
         elif batch.kind == "imu":
-            if recipe.shape.gravity and not self._feels_gravity(recipe, batch):
+            if recipe.shape.gravity and not self._feels_gravity(recipe, frame, batch):
                 return
             sensors = tuple(quantity.column for quantity in recipe.quantities if quantity.column in SENSORS)
-            yield from self._halves.setdefault(recipe, Halves()).parted(batch, sensors)
+            yield from self._halves.setdefault((recipe, frame), Halves()).parted(batch, sensors)
         elif batch.kind == "pose" and _is_earth_centred(batch.columns["position"]):
             yield _geodetic(batch, self.name)
         elif batch.kind in ("gnss", "reference") and "position" in batch.columns:
@@ -206,10 +219,10 @@ class Topic:
         else:
             yield batch
 
-    def _feels_gravity(self, recipe: Recipe, batch: Batch) -> bool:
+    def _feels_gravity(self, recipe: Recipe, frame: str, batch: Batch) -> bool:
         """Return whether accelerations contain gravity; those of the first messages decide whether the topic is used."""
         force = batch.columns.get("specific_force")
-        if recipe in self._halves or force is None:
+        if (recipe, frame) in self._halves or force is None:
             return True
         median = float(np.median(np.linalg.norm(force, axis=1)))
         if median < LEAST_FORCE:
