@@ -47,6 +47,7 @@ BLOCK = 60.0  #: s, of a block of scores
 LEAST_TIME = 60.0  #: s of fixes
 SCALES = (0.01, 0.03)  #: sigmas of the scale factors that are tried: usual for calibrated and for uncalibrated MEMS
 DOUBT = 0.5  #: largest variance of a logarithm that widens the filter's noise
+NOISIER = 1.2  #: times the bench's noise; a smaller factor is not worth a sentence
 BETTER = 5.0  #: rise of the log-likelihood for which one more cause is kept
 SHOWN = (
     2.0  #: an amplitude whose logarithm falls this far below its start, or is this uncertain, is not shown by the log
@@ -75,6 +76,16 @@ class MotionNoise:
     def grows(self) -> bool:
         """Whether the white noise grows with vibration."""
         return self.vibration_gain > BETTER
+
+    def noisier(self, kind: str) -> Estimate | None:
+        """Return the middle factor of the gyros or the accelerometers if its interval shows that they act noisier in motion.
+
+        Args:
+            kind: "gyro" or "accel".
+        """
+        own = sorted((f for axis, f in self.factors.items() if axis.startswith(kind)), key=lambda f: f.value)
+        shown = self.white[int(kind == "accel")].lower > 0 and max(f.lower for f in own) >= NOISIER
+        return own[len(own) // 2] if shown else None
 
     def __repr__(self) -> str:
         """Return the white noise and its factors in a line."""

@@ -12,11 +12,9 @@ from imuwb_plugins.outage.result import DurationSummary, FilterSummary, Result
 
 SHOWN = (30.0, 60.0)  #: s; outages as long as these are shown, else the two longest
 FILTERS = 6  #: rows
-NOISIER = 1.2  #: times the bench's noise; less is not worth a sentence
 CAUSES = ("misfit", "refused-positions")  #: ids of notes that say why a sigma is wrong
 TUNE = Step("{command} --tune", "fit the noise to this drive")
 AIDS = Step("{command} --straight 0.2 --still 0.05", "a car does not slip: bounds the drift")
-MODEL = Step("{command} --save-model motion.toml", "keep the noise that this drive shows")
 
 
 def answer(result: Result | Drives) -> Answer:
@@ -41,7 +39,7 @@ def answer(result: Result | Drives) -> Answer:
     return Answer(
         _about(result, durations), ("filter", *(f"{own.duration:g} s without GNSS" for own in durations), "its sigma is"),
         (*rows, *((name, "cannot run") for name in failed)), tuple(_sentences(result, durations, names)),
-        (AIDS,) if right else (TUNE, AIDS), "median, 95 % interval", figures.drift(last),
+        (TUNE, AIDS) if right is False else (AIDS,), "median, 95 % interval", figures.drift(last),
     )  # fmt: skip
 
 
@@ -85,13 +83,20 @@ def _drift(own: FilterSummary | None) -> str:
     if own is None:
         return "—"
     low, high = own.median_end_interval
-    return f"{number_text(own.median_end)} m [{number_text(low)}, {number_text(high)}]"
+    value = f"{number_text(own.median_end)} m"
+    return (
+        f"{value} [{number_text(low)}, {number_text(high)}]" if isfinite(low) else value
+    )  # too few outages: no interval
 
 
 def _about(result: Result | Drives, durations: Sequence[DurationSummary]) -> str:
     first = [next(iter(own.models.values())) for own in durations]
-    counts = " and ".join(f"{s.count} outages of {own.duration:g} s" for own, s in zip(durations, first, strict=True))
+    counts = " and ".join(f"{_outages(s.count)} of {own.duration:g} s" for own, s in zip(durations, first, strict=True))
     return f"{len(result.drives)} drives, {counts}" if isinstance(result, Drives) else counts
+
+
+def _outages(count: int) -> str:
+    return "1 outage" if count == 1 else f"{count} outages"
 
 
 def _sentences(result: Result | Drives, durations: Sequence[DurationSummary], names: Sequence[str]) -> Iterator[str]:
@@ -102,11 +107,12 @@ def _sentences(result: Result | Drives, durations: Sequence[DurationSummary], na
         yield f"Choose {best}: its errors are the most likely ones {folds}. {_verdict(own)}"
     else:
         yield f"{best}: {_verdict(own)}"
-    yield f"1 in 20 outages of {last.duration:g} s ends beyond {number_text(own.p95_end)} m."
+    if own.effective_count >= ENOUGH:
+        yield f"1 in 20 outages of {last.duration:g} s ends beyond {number_text(own.p95_end)} m."
     yield from _causes(result, own)
     if isinstance(result, Result):
-        counts = " and ".join(str(next(iter(d.models.values())).effective_count) for d in durations)
-        yield f"Measured against {result.reference}; {counts} of the outages do not overlap."
+        counts = " and ".join(_outages(next(iter(d.models.values())).effective_count) for d in durations)
+        yield f"Measured against {result.reference}; without overlap: {counts}."
 
 
 def _causes(result: Result | Drives, own: FilterSummary) -> Iterator[str]:
@@ -115,18 +121,18 @@ def _causes(result: Result | Drives, own: FilterSummary) -> Iterator[str]:
     if noisier:
         yield f"On this drive {' and '.join(noisier)} noisier than on the bench."
     elif not believed(own):
-        yield from (f"{note[:1].upper()}{note[1:]}." for note in result.notes if getattr(note, "id", "") in CAUSES)
+        yield from (f"{note}." for note in result.notes if getattr(note, "id", "") in CAUSES)
 
 
 def _noisier(motion: MotionNoise) -> Iterator[str]:
     for kind, name in (("gyro", "gyros"), ("accel", "accelerometers")):
-        factors = sorted(f.value for axis, f in motion.factors.items() if axis.startswith(kind) and isfinite(f.value))
-        if factors and factors[len(factors) // 2] >= NOISIER:
-            yield f"the {name} are {number_text(factors[len(factors) // 2])} times"
+        factor = motion.noisier(kind)
+        if factor is not None and isfinite(factor.value):
+            yield f"the {name} are {number_text(factor.value)} times"
 
 
 def _verdict(own: FilterSummary) -> str:
     right = believed(own)
     if right is None:
-        return f"Its sigma cannot be judged: {own.effective_count} outages that do not overlap; {ENOUGH} are needed."
+        return f"Its sigma cannot be judged: {_outages(own.effective_count)} without overlap; {ENOUGH} are needed."
     return "Believe its sigma." if right else f"Do not believe its sigma: it is {sigma_text(own)}."

@@ -17,7 +17,6 @@ from imuwb_plugins.outage.result import DurationSummary, FilterInfo
 
 #: A filter does not fit above this NIS over its degrees of freedom, or this share of refused fixes.
 MISFIT, REFUSED = 3.0, 0.1
-MORE = 1.2  #: times the bench's noise; a smaller factor is not worth a sentence
 
 
 def prefixed(prefix: str, note: Note) -> Note:
@@ -71,16 +70,13 @@ def motion_notes(noise: MotionNoise) -> tuple[Note, ...]:
 
 def _noisier(noise: MotionNoise, kind: str) -> str:
     """Return how much noisier a triad is in motion; empty if its interval includes the bench's noise."""
-    own = [f for axis, f in noise.factors.items() if axis.startswith(kind)]
-    sensor, unit = ("gyros", "gyro") if kind == "gyro" else ("accelerometers", "accel")
-    added = noise.white[int(kind == "accel")]
-    if added.lower <= 0 or max(f.lower for f in own) < MORE:
+    middle = noise.noisier(kind)
+    if middle is None:
         return ""
-    display = coefficient_units(f"{unit}_x", "N")[1]
-    amplitude = converted_text(added, display)
-    if not all(np.isfinite(f.value) for f in own):
+    sensor = "gyros" if kind == "gyro" else "accelerometers"
+    amplitude = converted_text(noise.white[int(kind == "accel")], coefficient_units(f"{kind}_x", "N")[1])
+    if not np.isfinite(middle.value):
         return f"the {sensor} act {amplitude} noisier"
-    middle = sorted(own, key=lambda f: f.value)[1]
     return f"the {sensor} act {number_text(middle.value)} [{number_text(middle.lower)}, {number_text(middle.upper)}] times noisier ({amplitude})"
 
 

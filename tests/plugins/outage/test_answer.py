@@ -2,10 +2,13 @@ from dataclasses import replace
 
 import pytest
 
-from imuwb.replay import Consistency
+from imuwb.log import AXES
+from imuwb.replay import Consistency, MotionNoise
 from imuwb.review.panel import HEIGHT, Origin, panel
+from imuwb.statistics import Estimate
 from imuwb_plugins import outage
 from imuwb_plugins.outage.answer import believed, sigma_text
+from imuwb_plugins.outage.notes import motion_notes
 
 
 def test_the_best_filter_comes_first_with_its_drift(few):
@@ -37,3 +40,32 @@ def test_a_sigma_is_believed_within_the_interval_of_chance(few, nees, text, righ
 
 def test_a_filter_that_cannot_run_is_a_row(few):
     assert ("odd", "cannot run") in outage.answer(replace(few, failed={"odd": "too many states"})).rows
+
+
+def with_summary(few, **changed):
+    """Return a result in which all filters have these figures."""
+    (own,) = few.summary
+    return replace(few, summary=(replace(own, models={name: replace(s, **changed) for name, s in own.models.items()}),))
+
+
+def test_too_few_outages_give_no_interval_no_quantile_and_no_step_that_needs_more(few):
+    nan = float("nan")
+    answer = outage.answer(with_summary(few, count=1, effective_count=1, median_end_interval=(nan, nan)))
+    shown = " ".join([answer.about, *answer.sentences, *(cell for row in answer.rows for cell in row)])
+    assert "nan" not in shown
+    assert "1 outages" not in shown
+    assert "1 in 20" not in shown
+    assert not any("--tune" in step.command for step in answer.next)
+
+
+@pytest.mark.parametrize(("lower", "said"), [(3e-4, True), (0.0, False)])
+def test_noise_in_motion_is_stated_only_where_its_interval_shows_it(few, lower, said):
+    added = Estimate(1e-3, lower, 2e-3, unit="rad/s/√Hz")
+    factors = {axis: Estimate(5.0, 2.0 if said else 1.0, 9.0) for axis in AXES}
+    motion = MotionNoise(
+        (added, added), (added, added), (added, added), dict.fromkeys(AXES, 2e-4), factors, 0.0, 0.0, 0.0, 100, 5
+    )
+    sentences = " ".join(outage.answer(replace(few, motion=motion)).sentences)
+    assert ("gyros are 5 times" in sentences) == said
+    assert (motion.noisier("gyro") is not None) == said
+    assert bool([note for note in motion_notes(motion) if note.id == "motion-noise"]) == said
