@@ -18,6 +18,10 @@ OUTER = 0.01  #: share of the readings, at each end, that do not show the range
 LEAP = 5.0  #: °C; no thermometer of an IMU changes by more from one reading to the next
 LONGER = 20.0  #: times the usual change, or the usual time between changes: far more than usual
 BRIEF = 10.0  #: s; readings between two leaps that last no longer are spikes
+AROUND, SHORTER = (
+    4,
+    0.25,
+)  #: stretches between leaps on either side; a spike lasts for at most this share of the longest of them
 CONSTANT, HOUR = (
     600.0,
     3600.0,
@@ -118,7 +122,9 @@ def spikes(thermometer: Scalars) -> Booleans:
     edges = np.flatnonzero(np.concatenate([[True], far, [True]]))
     time = thermometer.time / 1e9
     length = time[edges[1:] - 1] - time[edges[:-1]]
-    brief = (length <= BRIEF)[part]
+    # The readings between two spikes may be brief too, but they last far longer than those.
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(length, AROUND), 2 * AROUND + 1).max(axis=1)
+    brief = ((length <= BRIEF) & (length < SHORTER * around))[part]
     if brief.all():
         return np.zeros(celsius.size, dtype=bool)
     usual = np.interp(time, time[~brief], celsius[~brief])

@@ -17,7 +17,11 @@ from imuwb.units import SECOND, STANDARD_GRAVITY
 DEGREES = 180 / np.pi
 BLOCK = 0.1  #: s; samples are averaged over this time
 WINDOW = 10  #: blocks of a turn that is compared with an orientation
-WINDOWS = (10, 4)  #: blocks of a turn that is compared with gravity: of a slow turn, and of a fast one
+WINDOWS = (
+    10,
+    4,
+    40,
+)  #: blocks of a turn that is compared with gravity: of a usual turn, of a fast one, and of a slow one
 COURSE = 50  #: blocks of a turn that is compared with a course; offsets of the clocks matter less over a longer time
 SMALL = 0.7  #: rad; larger turns in a window are not proportional to the change of a direction
 FEWEST = 30  #: windows, and a fifth of all

@@ -116,5 +116,13 @@ def test_spikes_are_counted(value, seconds):
     assert f"{value:g}" in spikes.what
 
 
+@pytest.mark.parametrize("period", [5, 8, 30])
+def test_spikes_that_follow_each_other_soon_are_counted(period):
+    readings = ramp(first=20)
+    readings[period // 2 :: period] = -273.15
+    (spikes,) = warmed(ramp(first=20), readings)
+    assert (spikes.kind, spikes.count) == ("temperature spikes", len(range(period // 2, readings.size, period)))
+
+
 def test_a_step_of_the_temperature_is_no_spike():
     assert kinds(np.where(np.arange(3600) < 1800, ramp(), ramp() + 15)) == []

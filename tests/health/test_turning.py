@@ -57,6 +57,15 @@ def by_hand(seed, size, factor=1.0, orientation=False, n=60 * RATE):
     return replace(log, orientations=(Orientation("/imu", log.imus[0].angular_rate.time, quaternion),))
 
 
+def laid_over(seed, factor=1.0, seconds=10):
+    """Return a log of an IMU at rest that is slowly turned on its side, once."""
+    rng = np.random.default_rng(seed)
+    rate = np.zeros((90 * RATE, 3))
+    rate[40 * RATE : (40 + seconds) * RATE, 0] = np.pi / 2 / seconds
+    force = np.einsum("nji,j->ni", turned(rate), [0, 0, -G])
+    return log_of(rng, rate, force, factor)
+
+
 def drive(seed, factor=1.0, pitching=0.005, stated=False, n=200 * RATE):
     """Return a log of a car: bends, brakes, a body that pitches and rolls a little with them, and a receiver."""
     rng = np.random.default_rng(seed)
@@ -81,6 +90,13 @@ def found(log, segments=()):
 
 
 FAULTS = {RIGHT: [], DEGREES: [("rate unit", "fault", "deg/s")], RADIANS: [("rate unit", "fault", "rad/s")]}
+
+
+@pytest.mark.parametrize("factor", FAULTS)
+@pytest.mark.parametrize("seconds", [3, 6, 10])
+@pytest.mark.parametrize("seed", range(3))
+def test_one_slow_turn_shows_the_unit(seed, seconds, factor):
+    assert found(laid_over(seed, factor, seconds)) == FAULTS[factor]
 
 
 @pytest.mark.parametrize("factor", FAULTS)
