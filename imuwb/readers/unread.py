@@ -31,6 +31,10 @@ def _matches(pattern: bytes) -> Test:
     return lambda head: found.match(head.removeprefix(b"\xef\xbb\xbf").lstrip()[:4096]) is not None
 
 
+def _rtklib(column: bytes) -> Test:
+    return _matches(rb"(%[^\n]*\n)*%\s+(GPST|UTC|JST)[\s,;]+" + column)
+
+
 def _all(*tests: Test) -> Test:
     return lambda head: all(test(head) for test in tests)
 
@@ -102,6 +106,9 @@ TEXTS = (
            _matches(rb"[0-9.]+ +COMPACT RINEX FORMAT")),
     Unread("a RINEX navigation file", "it holds orbits of satellites; RTKLIB computes fixes from it and an observation file",
            _matches(rb"[0-9.]+ +[NGHLEJ].{0,70}RINEX VERSION / TYPE")),
+    Unread("a solution of RTKLIB as a baseline", "compute it again with out-solformat=llh", _rtklib(b"e-baseline")),
+    Unread("a solution of RTKLIB in ECEF coordinates", "compute it again with out-solformat=llh", _rtklib(b"x-ecef")),
+    Unread("a solution of RTKLIB in degrees, minutes and seconds", "compute it again with out-degform=deg", _rtklib(rb"latitude\(d'")),
     Unread("a trace of a CAN bus (Vector ASC)", "decode it with its DBC file, for example with asammdf or cantools, and write MDF4 or CSV",
            _matches(rb"date \w{3} \w{3} .*\r?\nbase (hex|dec)")),
     Unread("a PDF document", NO_LOG, _starts(b"%PDF-")),

@@ -55,6 +55,15 @@ RECORDS = {
 UNITS = {"gyro": "rad/s", "accel": "m/s²"}
 
 
+@pytest.mark.parametrize("mark", [" (1)", " - Copy", "_2", "-3", " copy"])
+def test_a_copy_of_a_file_has_the_shape_of_the_file(tmp_path, mark):
+    for name in ("Gyroscope", "TotalAcceleration"):
+        (tmp_path / f"{name}{mark}.csv").write_text(RECORDS["sensor logger"][f"{name}.csv"])
+    (imu,) = read(tmp_path / f"Gyroscope{mark}.csv").imus
+    np.testing.assert_allclose(np.abs(imu.angular_rate.value), np.abs(RATES))
+    np.testing.assert_allclose(np.abs(imu.specific_force.value), np.abs(FORCES))
+
+
 def written(folder, files):
     folder.mkdir(exist_ok=True)
     for name, text in files.items():

@@ -19,6 +19,10 @@ ROWS = 256  #: number of first rows whose values must fit
 DIFFERENT = 2.0  #: factor between the median specific force of a vehicle and one gravity
 
 
+#: what file managers and browsers add to the name of a copy: ``Gyroscope (1).csv``, ``Gyroscope - Copy.csv``
+_COPY = re.compile(r"(?:[ _-]*(?:\(\d+\)|copy|kopie)|[ _-]\d+)(?=\.\w+$)", re.IGNORECASE)
+
+
 @dataclass(frozen=True, slots=True)
 class Head:
     """What a shape is recognised by."""
@@ -57,7 +61,8 @@ def _fits(shape: Shape, head: Head, names: set[str]) -> bool:
             return False
     elif not (names and names.issuperset(shape.header) and names.isdisjoint(shape.absent)):
         return False
-    if shape.file and not re.search(shape.file, head.file, re.IGNORECASE):
+    files = head.file, _COPY.sub("", head.file)
+    if shape.file and not any(re.search(shape.file, file, re.IGNORECASE) for file in files):
         return False
     return not shape.text or re.search(shape.text, head.text, re.MULTILINE) is not None
 
