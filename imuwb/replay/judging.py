@@ -10,7 +10,7 @@ from imuwb.navigation.outages import Drift
 from imuwb.notes import Note
 from imuwb.replay.prepared import Prepared
 from imuwb.replay.reference import ReferenceTrack
-from imuwb.replay.reference_check import FROM_FIXES, NEARLY_ALL, contradiction, discrepancy, yardsticks
+from imuwb.replay.reference_check import FROM_FIXES, NEARLY_ALL, contradiction, discrepancy, elsewhere, yardsticks
 from imuwb.replay.scores import Scores, scores
 
 Drifts = Mapping[str, Mapping[float, Drift]]  #: filter -> duration -> its drift in the outages of this duration
@@ -58,8 +58,8 @@ def judge(
         if not able.all() and extent is not None:
             notes.append(_contradicts(duration, track.name, int((~able).sum()), float(np.median(extent[~able, -1]))))
         scored[duration] = good & ~gap & able
-    refused = contradiction(track, prepared) or ""
-    if refused and track.kind not in FROM_FIXES:
+    refused = elsewhere(track, prepared) or contradiction(track, prepared) or ""
+    if refused and track.kind not in FROM_FIXES and not elsewhere(track, prepared):
         notes.append(Note("reference-against-fixes", f"{track.name} contradicts the fixes: {refused}"))
         refused = ""
     if not refused and doubted > NEARLY_ALL * count:

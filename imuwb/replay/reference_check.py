@@ -27,6 +27,7 @@ FAR = (
     5.0,
     10.0,
 )  #: sigmas of the fixes, and m, between a reference and the fixes (median), above which they contradict each other
+ELSEWHERE = 10_000.0  #: m, median; no receiver errs by so much: the reference is of another place
 FROM_FIXES = ("smoothed", "own", "estimate")  #: kinds of references that follow from the fixes
 FINE = 0.1  #: s; points of a reference that are closer are left out when an extent is looked for
 BASELINE = 1.0  #: s, least time between two fixes whose displacement is a speed
@@ -116,13 +117,31 @@ def contradiction(track: ReferenceTrack, prepared: Prepared) -> str | None:
     own = float(np.quantile(np.hypot(track.velocity[:, 0], track.velocity[:, 1]), TOP))
     if own > FASTER[0] * fastest + FASTER[1]:
         return f"it runs at up to {own * 3.6:.0f} km/h, while the fixes move at up to {fastest * 3.6:.0f} km/h"
-    distance = np.hypot(*((track.at(time)[0] - position) * scale)[:, :2].T)
-    known = distance[np.isfinite(distance)]
+    known = _distances(track, prepared)
     variance = prepared.corrections.events.variance[fixes][inside, 0]
     far = max(FAR[0] * float(np.sqrt(np.median(variance))), FAR[1])
     if known.size and np.median(known) > far:
         return f"it lies {np.median(known):.0f} m from the fixes (median), and {far:.0f} m could be explained"
     return None
+
+
+def elsewhere(track: ReferenceTrack, prepared: Prepared) -> str | None:
+    """Return that a reference lies far from all fixes, or None: whatever its kind, it cannot judge then."""
+    known = _distances(track, prepared)
+    if not known.size or np.median(known) <= ELSEWHERE:
+        return None
+    return (
+        f"it lies {np.median(known) / 1000:.0f} km from the fixes (median): it is of another place, or its latitude and longitude "
+        "are exchanged or have another unit"
+    )
+
+
+def _distances(track: ReferenceTrack, prepared: Prepared) -> Floats:
+    """Return the horizontal distances between a reference and the fixes within it, m."""
+    position = prepared.gnss.position[prepared.corrections.fix[prepared.corrections.fix >= 0]]
+    apart = (track.at(prepared.fix_time)[0] - position) * ned_scale(position[:, 0], position[:, 2])
+    distance = np.hypot(*apart[:, :2].T)
+    return distance[np.isfinite(distance)]
 
 
 def _top_speed(time: Floats, place: Floats) -> float:

@@ -13,7 +13,7 @@ from imuwb.replay.outages import Outage, events_of, sweep, with_gap
 from imuwb.replay.overlap import without_overlap
 from imuwb.replay.prepared import Prepared, run
 from imuwb.replay.reference import ReferenceTrack, own_track, reference_names, reference_track
-from imuwb.replay.reference_check import FROM_FIXES, contradiction, discrepancy, yardsticks
+from imuwb.replay.reference_check import FROM_FIXES, contradiction, discrepancy, elsewhere, yardsticks
 from imuwb.replay.scaled import scaled
 from imuwb.replay.scores import Scores, scores
 
@@ -97,8 +97,10 @@ def _track(prepared: Prepared, model: FilterModel, wanted: str) -> ReferenceTrac
     refused: list[str] = []
     for name in reference_names(prepared.log, wanted):
         track = reference_track(prepared.log, run(model, prepared, smooth=name == "smoothed"), name)
-        reason = contradiction(track, prepared)
-        if reason is None or track.kind not in FROM_FIXES:
+        reason = elsewhere(track, prepared)
+        if reason is None and track.kind in FROM_FIXES:
+            reason = contradiction(track, prepared)
+        if reason is None:
             return track
         refused.append(f"{track.name}: {reason}")
     raise ValueError(f"no reference can judge the noise: {'; '.join(refused)}")

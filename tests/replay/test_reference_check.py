@@ -11,7 +11,7 @@ from imuwb.geodesy import ned_scale
 from imuwb.log import SECOND
 from imuwb.notes import ids
 from imuwb.replay import Outage, prepare, reference_track, replay, run, tuning
-from imuwb.replay.reference_check import contradiction, discrepancy, velocity_lag, yardsticks
+from imuwb.replay.reference_check import contradiction, discrepancy, elsewhere, velocity_lag, yardsticks
 from imuwb.replay.tuning import tune
 
 from . import made
@@ -193,3 +193,22 @@ def test_yardsticks_do_not_choose_by_the_single_drift():
 def test_scores_keep_the_discrepancy_in_parts():
     one = replace(made.scores([1.0, 2.0], seconds=3), discrepancy=np.arange(6.0).reshape(2, 3))
     assert one.of(np.array([1]), 2.0).discrepancy.tolist() == [[3, 4]]
+
+
+@pytest.mark.parametrize("kind", ["truth", "own"])
+def test_a_reference_of_another_place_is_refused_whatever_its_kind(town, kind):
+    track = replace(reference_track(town.log, run(town.model, town.prepared), "own"), kind=kind)
+    assert elsewhere(track, town.prepared) is None
+    exchanged = replace(track, position=track.position[:, [1, 0, 2]])
+    assert " km from the fixes" in elsewhere(exchanged, town.prepared)
+
+
+def test_a_truth_of_another_place_is_not_measured_against(town, outages):
+    truth = town.log.references[0]
+    swapped = replace(truth, position=truth.position[:, [1, 0, 2]])
+    prepared = prepare(replace(town.log, references=(swapped,)), town.model)
+    with pytest.raises(MissingDataError, match="another place"):
+        replay(prepared, [town.model], outages, reference="truth")
+    found = replay(prepared, [town.model], outages)
+    assert found.reference.kind == "smoothed"
+    assert "reference-refused" in ids(found.notes)

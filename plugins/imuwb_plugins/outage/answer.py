@@ -12,7 +12,7 @@ from imuwb_plugins.outage.result import DurationSummary, FilterSummary, Result
 
 SHOWN = (30.0, 60.0)  #: s; outages as long as these are shown, else the two longest
 FILTERS = 6  #: rows
-CAUSES = ("misfit", "refused-positions")  #: ids of notes that say why a sigma is wrong
+CAUSES = ("misfit", "refused-positions", "reference-against-fixes")  #: ids of notes that say why a sigma is wrong
 TUNE = Step("{command} --tune", "fit the noise to this drive")
 AIDS = Step("{command} --straight 0.2 --still 0.05", "a car does not slip: bounds the drift")
 
@@ -34,7 +34,7 @@ def answer(result: Result | Drives) -> Answer:
         (name, *(_drift(own.models.get(name)) for own in durations), sigma_text(last.models[name]))
         for name in names[:FILTERS]
     )
-    failed = next(iter(result.drives.values())).failed if drives else result.failed
+    failed = _failed(result)
     right = believed(last.models[names[0]])
     return Answer(
         _about(result, durations), ("filter", *(f"{own.duration:g} s without GNSS" for own in durations), "its sigma is"),
@@ -95,6 +95,11 @@ def _about(result: Result | Drives, durations: Sequence[DurationSummary]) -> str
     return f"{len(result.drives)} drives, {counts}" if isinstance(result, Drives) else counts
 
 
+def _failed(result: Result | Drives) -> dict[str, str]:
+    """Return the filters and engines that cannot run, of several drives in the first one, and why."""
+    return next(iter(result.drives.values())).failed if isinstance(result, Drives) else result.failed
+
+
 def _outages(count: int) -> str:
     return "1 outage" if count == 1 else f"{count} outages"
 
@@ -109,6 +114,8 @@ def _sentences(result: Result | Drives, durations: Sequence[DurationSummary], na
         yield f"{best}: {_verdict(own)}"
     if own.effective_count >= ENOUGH:
         yield f"1 in 20 outages of {last.duration:g} s ends beyond {number_text(own.p95_end)} m."
+    yield from (f"{note}." for note in result.notes if getattr(note, "id", "") == "reference-refused")
+    yield from (f"{name} cannot run: {reason}." for name, reason in _failed(result).items())
     yield from _causes(result, own)
     if isinstance(result, Result):
         counts = " and ".join(_outages(next(iter(d.models.values())).effective_count) for d in durations)

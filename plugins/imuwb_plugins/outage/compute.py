@@ -78,15 +78,22 @@ def _result(replayed: Replay, parameters: Parameters, own: Installed, chosen: Fi
 
 def _outages(prepared: Prepared, base: FilterModel, parameters: Parameters) -> Sequence[Outage]:
     if parameters.at == "own":
-        return own_outages(prepared, base)
+        outages = own_outages(prepared, base)
+        if not outages:
+            raise MissingDataError(
+                f"{prepared.log.provenance.path}: the log has no outage of its own after the filters have settled, at "
+                f"{prepared.start_time + base.settings.settling:.1f} s: its good fixes are never apart for long; leave --at out for a "
+                "sweep, or name the outages with --at START:DURATION"
+            )
+        return outages
     if parameters.at:
         return outages_of(prepared.log, parameters.at)
-    outages: list[Outage] = []
+    chosen: list[Outage] = []
     for duration in sorted(set(parameters.durations)):
         swept = sweep(prepared, base, duration)
         if parameters.random and len(swept) > parameters.random:
             rng = np.random.default_rng(parameters.seed)
             rows = np.sort(rng.choice(len(swept), parameters.random, replace=False))
             swept = tuple(swept[i] for i in rows)
-        outages.extend(swept)
-    return outages
+        chosen.extend(swept)
+    return chosen

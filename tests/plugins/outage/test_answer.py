@@ -39,7 +39,9 @@ def test_a_sigma_is_believed_within_the_interval_of_chance(few, nees, text, righ
 
 
 def test_a_filter_that_cannot_run_is_a_row(few):
-    assert ("odd", "cannot run") in outage.answer(replace(few, failed={"odd": "too many states"})).rows
+    answer = outage.answer(replace(few, failed={"odd": "too many states"}))
+    assert ("odd", "cannot run") in answer.rows
+    assert any("too many states" in sentence for sentence in answer.sentences)
 
 
 def with_summary(few, **changed):

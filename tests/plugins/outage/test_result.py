@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from imuwb.errors import MissingDataError
 from imuwb.navigation import FilterModel
 from imuwb.replay import Outage, budget, events_of, model_named, prepare, replay
 from imuwb.review.document import document, plain
@@ -177,3 +178,9 @@ def test_random_starts(log, toml):
     starts = [[o.start for o in one.outages] for one in found]
     assert len(starts[0]) == 6
     assert starts[0] == sorted(starts[0]) == starts[1] != starts[2]
+
+
+def test_a_log_without_an_outage_of_its_own_says_so(log, toml):
+    with pytest.raises(MissingDataError, match="no outage of its own") as raised:
+        outage.run([log], stated(error_model=toml, models="none", at="own"))
+    assert "shorter" not in str(raised.value)
