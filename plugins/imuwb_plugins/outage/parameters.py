@@ -12,7 +12,7 @@ MODELS = (*PAPER, "motion", "paper")
 USUAL = ("15AV", "full", "motion")
 DURATION = Between(2.0, 600.0)  #: s, of an outage
 TURN_ON = Between(0.0, 1000.0), Between(0.0, 100.0)  #: deg/s and m/s²
-EVERY = Between(1.0)  #: s between jumps
+EVERY = Between(5.0)  #: s between the starts of jumps, each of which lasts 5 s
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ class Parameters:
     filter_parallel: Annotated[int, "Runs of the engine at the same time; 0: up to 2.", Between(0, 64)] = 0
     degrade: Annotated[
         dict[str, float],
-        "Make fixes worse: noise=, sigma of added noise (m); jump=, length of jumps (m); every=, mean time between jumps (s).",
+        "Make fixes worse: noise=, sigma of added noise (m); jump=, length of jumps (m); every=, mean time between jumps (s; each lasts 5 s).",
         NOT_NEGATIVE, Form("noise=M,jump=M,every=S", "noise=2,jump=10,every=60"),
     ] = field(default_factory=dict[str, float])  # fmt: skip
     reading: Annotated[

@@ -80,7 +80,7 @@ README = (ROOT / "README.md").read_text("utf-8")
         ({"wavelet": "4,x"}, r"wavelet is '4,x'"),
         ({"degrade": "shake=3"}, r"degrade has shake; it must be noise=M,jump=M,every=S"),
         ({"degrade": "noise=-1"}, r"degrade is noise=-1; it must be 0 or more"),
-        ({"degrade": "every=0.5"}, r"degrade: every is 0.5 s; it must be 1 or more"),
+        ({"degrade": "every=0.5"}, r"degrade: every is 0.5 s; it must be 5 or more"),
         ({"level": 95.0}, r"level is 95; it must be 0.6 or more and below 1"),
         ({"level": 0.4}, r"level is 0.4; it must be 0.6 or more and below 1"),
         ({"straight": -0.1}, r"straight is -0.1; it must be 0 or more"),
