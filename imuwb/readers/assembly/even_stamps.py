@@ -76,8 +76,8 @@ def even_stamps(stamps: Integers, *, forced: bool = False) -> EvenStamps | None:
     period = _usual_period(stamps, steps)
     if not period or (_is_calm(steps, period) and not forced):
         return None
-    parts = np.split(stamps, np.flatnonzero(steps > max(PAUSE, PAUSES * period)) + 1)
     bursts = _Bursts.of(steps, period)
+    parts = np.split(stamps, np.flatnonzero(steps > max(PAUSE, PAUSES * period, ONE_TICK * bursts.grain)) + 1)
     if bursts.are_batches and not forced:
         return None
     found = [_even_part(part, period, bursts, forced=forced) for part in parts]

@@ -13,6 +13,9 @@ from imuwb.units import SECOND
 
 #: kinds of which rows with equal stamps are samples; of other streams, the first row is enough
 _SAMPLED: tuple[Kind, ...] = ("imu", "speed", "gnss", "velocity")
+FROZEN = Repair(
+    Note("frozen_clock", "all rows have the same time, so all but one are left out; state --rate HZ"), 0, "lost"
+)
 SPREAD = Repair(
     Note("repeated_stamps", "stamps that several samples have: the samples are spread up to the next stamp"), 0, "time"
 )
@@ -44,9 +47,10 @@ def sample_times(
     inertial = clock.kind == "imu" and set(columns) != {"temperature"}
     if inertial and clock.rate is not None:
         return _stated(time, clock.rate, repairs), columns
+    frozen = inertial and bool(time[0] == time[-1])
     steps = np.diff(time)
     repeated = int(np.count_nonzero(steps == 0))
-    if not clock.exact and (inertial or (repeated and clock.kind in _SAMPLED)):
+    if not (clock.exact or frozen) and (inertial or (repeated and clock.kind in _SAMPLED)):
         even = even_stamps(time, forced=clock.even and inertial)
         if even is not None:
             repairs.append(Repair(_note(even), time.size, "time"))
@@ -59,11 +63,11 @@ def sample_times(
             repairs.append(Repair(Note("batches", text), 1, "time"))
     if not repeated:
         return time, columns
-    if inertial and not clock.exact:
+    if inertial and not (clock.exact or frozen):
         repairs.append(replace(SPREAD, count=repeated))
         return spread_stamps(time), columns
     if set(columns) != {"temperature"}:
-        repairs.append(replace(REPEATED, count=repeated))
+        repairs.append(replace(FROZEN if frozen else REPEATED, count=repeated))
     return taken(time, columns, np.concatenate([[True], steps > 0]))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from itertools import pairwise
@@ -35,6 +35,8 @@ LATEST_WEEK = 10_000  #: GPS week of the year 2171
 LATEST = 2**63 - 1025  #: ns, the largest double below the end of int64
 OUR_DAYS = (5e8, 3e9)  #: s since 1970 (years 1985 and 2065); a time in between counts from 1970
 DIGITS = {"s": 9, "ms": 6, "us": 3, "ns": 0}  #: decimals of each unit, down to 1 ns
+SHORTEST_STEP, SEVERAL = 2e-5, 32  #: s on average, over so many rows at least; no IMU samples faster
+SLOW_STEP = 5.0  #: s; few IMUs are logged so rarely
 LONGEST_STEP = 1.0  #: s; samples of an IMU that are further apart show that the unit is a shorter one
 _ISO = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d(:\d\d(\.\d{1,9})?)?(Z|[+-]\d\d(:?\d\d)?)?")
 _ZONE = re.compile(r"(Z|[+-]\d\d(:?\d\d)?)$")
@@ -167,7 +169,34 @@ def clock_of(
             raise UsageError(f"{path}: there is no time column among {names}; state --rate HZ")
         return Clock(options.epoch or "log", rate=options.rate, notes=notes)
     clock = _clock(path, layout, stamp, options, fast=fast)
+    if fast and not options.rate and "time" not in options.units:
+        clock = replace(clock, notes=(*clock.notes, *_odd_rate(path, layout, clock)))
     return replace(clock, notes=(*notes, *clock.notes), others=others)
+
+
+def _odd_rate(path: Path, layout: Layout, clock: Clock) -> Iterator[Note]:
+    """Yield a note on a unit of time in which an IMU samples more slowly than most do.
+
+    Raises:
+        UsageError: it would sample faster than any does.
+    """
+    stamp = clock.stamp
+    if stamp is None or stamp.kind != "number" or len(stamp.columns) > 1:
+        return
+    column, measure = stamp.columns[0], cast("Unit", stamp.columns[0].unit)
+    numbers = [float(cell) for cell in layout.cells(column.index) if is_number(cell)]
+    step = (max(numbers) - min(numbers)) / (len(numbers) - 1) if len(numbers) >= SEVERAL else 0.0
+    if 0 < step * measure.factor < SHORTEST_STEP:
+        likely = next(
+            (u for u in map(unit, reversed(DIGITS)) if SHORTEST_STEP <= step * u.factor <= LONGEST_STEP), unit("s")
+        )
+        raise UsageError(
+            f"{path}: time column {column.name!r} is taken in {measure.name}, in which the IMU has {1 / (step * measure.factor):.3g} rows a "
+            f"second, more than any; its unit is likely {likely.name}: --units time={likely.name}"
+        )
+    if step * measure.factor > SLOW_STEP:
+        text = f"time column {column.name!r} is taken in {measure.name}, so the IMU has a row every {step * measure.factor:.3g} s"
+        yield Note("slow_time", f"{text}; if that is not so, state its unit: --units time=ms (or us, ns)")
 
 
 def _clock(path: Path, layout: Layout, stamp: Stamp, options: ReadOptions, *, fast: bool) -> Clock:

@@ -217,3 +217,13 @@ def test_few_rows_show_nothing():
 def test_equal_stamps_are_spread_up_to_the_next_one():
     assert spread_stamps(np.array([0, 10, 10, 20, 40, 40])).tolist() == [0, 10, 15, 20, 40, 45]
     assert (np.diff(spread_stamps(np.zeros(5, np.int64))) > 0).all()
+
+
+@pytest.mark.parametrize("tick", [4, 10, 128])  # 128 s: time since 1970 in single precision
+def test_a_clock_that_ticks_more_rarely_than_a_recording_pauses_loses_nothing(tick):
+    time = np.arange(60_000) / 100
+    stamps = nanoseconds(np.floor(time / tick) * tick)
+    found = []
+    times, _ = sample_times(stamps, {"angular_rate": np.zeros((stamps.size, 3))}, Clock("imu"), found)
+    assert times.size == stamps.size
+    assert np.median(np.diff(times)) == pytest.approx(1e7, rel=0.01)

@@ -140,3 +140,30 @@ class TestTimeScale:
     def test_another_epoch_is_refused(self, text_log):
         with pytest.raises(UsageError, match=r"log\.toml: epoch is 'gps'"):
             read(text_log(timed("time_s", "0", "1"), sidecar='epoch = "gps"\n'))
+
+
+def counted(name, step, rows=60):
+    """Return a log whose times rise by a step, in a column of a name."""
+    return timed(name, *(f"{i * step:.7g}" for i in range(rows)))
+
+
+@pytest.mark.parametrize(
+    ("name", "step", "likely"), [("Time (ms)", 0.01, "s"), ("time_us", 10, "ms"), ("timestamp [ns]", 5000, "us")]
+)
+def test_a_unit_in_which_no_imu_samples_so_fast_is_refused(text_log, name, step, likely):
+    log = text_log(counted(name, step))
+    with pytest.raises(UsageError, match=rf"--units time={likely}$"):
+        read(log)
+    (imu,) = read(log, ReadOptions(units={"time": likely})).imus
+    assert len(imu.angular_rate) == 60
+
+
+def test_a_unit_in_which_an_imu_is_very_slow_is_named(text_log):
+    assert "slow_time" in ids(read(text_log(counted("time_s", 10))).notes)
+    assert "slow_time" not in ids(read(text_log(counted("time_ms", 10))).notes)
+
+
+def test_a_clock_that_stands_still_gives_no_rate(text_log):
+    (imu,) = read(text_log(timed("time_s", *["5.0"] * 60).replace(",1,2", ",1,{}").format(*range(60)))).imus
+    assert len(imu.angular_rate) == 1
+    assert repairs(imu) == {"frozen_clock": 59}
