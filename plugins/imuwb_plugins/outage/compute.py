@@ -9,6 +9,7 @@ from imuwb.conditioning import corrected_log
 from imuwb.errors import MissingDataError
 from imuwb.log import Log
 from imuwb.navigation import FilterModel
+from imuwb.notes import Note
 from imuwb.replay import (
     Degradation,
     Outage,
@@ -43,7 +44,9 @@ def run_one(whole: Log, parameters: Parameters) -> Result:
     worse = Degradation(**parameters.degrade, seed=parameters.seed) if parameters.degrade else None
     prepared = prepare(log, base, parameters.receiver, worse)
     chosen = filters_of(base, prepared, parameters)
-    prepared = replace(prepared, notes=(*prepared.notes, *of_truth, *own.notes, *chosen.notes))
+    prepared = replace(
+        prepared, notes=(*prepared.notes, *of_truth, *own.notes, *chosen.notes, *_of_a_sweep(parameters))
+    )
     if base.aids.speed and not log.speeds:
         raise MissingDataError(f"{log.provenance.path}: the log has no speed, which --speed needs; leave --speed out")
     try:
@@ -74,6 +77,15 @@ def _result(replayed: Replay, parameters: Parameters, own: Installed, chosen: Fi
         filters.sensor_errors(replayed), replayed.reference.position, tracks.tracks(replayed), parameters.map,
         tracks.navigation(replayed), replayed.failed, replayed,
     )  # fmt: skip
+
+
+def _of_a_sweep(parameters: Parameters) -> tuple[Note, ...]:
+    """Return a note on the options of a sweep that are given although --at names the outages."""
+    given = [name for name in ("durations", "random") if getattr(parameters, name) != getattr(Parameters, name)]
+    if not parameters.at or not given:
+        return ()
+    names = " and ".join(f"--{name}" for name in given)
+    return (Note("sweep-options", f"{names} without effect: --at names the outages, so there is no sweep"),)
 
 
 def _outages(prepared: Prepared, base: FilterModel, parameters: Parameters) -> Sequence[Outage]:

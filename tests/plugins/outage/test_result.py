@@ -9,6 +9,7 @@ import pytest
 
 from imuwb.errors import MissingDataError
 from imuwb.navigation import FilterModel
+from imuwb.notes import ids
 from imuwb.replay import Outage, budget, events_of, model_named, prepare, replay
 from imuwb.review.document import document, plain
 from imuwb_plugins import outage
@@ -184,3 +185,9 @@ def test_a_log_without_an_outage_of_its_own_says_so(log, toml):
     with pytest.raises(MissingDataError, match="no outage of its own") as raised:
         outage.run([log], stated(error_model=toml, models="none", at="own"))
     assert "shorter" not in str(raised.value)
+
+
+@pytest.mark.parametrize(("options", "said"), [({}, False), ({"durations": "10"}, True), ({"random": 3}, True)])
+def test_options_of_a_sweep_are_named_where_the_outages_are_given(log, toml, options, said):
+    found = outage.run([log], stated(error_model=toml, models="none", at="150:10", **options))
+    assert ("sweep-options" in ids(found.notes)) == said
