@@ -109,8 +109,18 @@ def stamps_of(names: Sequence[str], layout: Layout) -> list[Stamp]:
         for part in named
         if part.column.index not in taken and _is_time(part)
     ]
+    alone += [stamp for stamp in _units_alone(named) if stamp.columns[0].index not in taken]
     found += _with_week([*pairs, *alone], named)
     return sorted(_judged(found, named), key=_order)
+
+
+def _units_alone(named: Sequence[_Named]) -> Iterator[Stamp]:
+    """Yield the columns that rise and whose whole name is a unit of time: ``millis``, ``micros``, ``ms``."""
+    for part in named:
+        measure = _PARTS.get(part.words[0], "s") if len(part.words) == 1 else "s"
+        rises = [b > a for a, b in pairwise(part.numbers)]
+        if measure != "s" and rises and all(b >= a for a, b in pairwise(part.numbers)) and any(rises):
+            yield Stamp(part.column.name, "number", (replace(part.column, unit=UNITS[measure]),), weak=True)
 
 
 def _order(stamp: Stamp) -> tuple[object, ...]:

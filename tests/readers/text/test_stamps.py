@@ -68,6 +68,19 @@ def test_a_stamp_split_into_two_columns_is_one(text_log, header, unit):
 
 
 @pytest.mark.parametrize(
+    ("name", "unit"), [("millis", 10**6), ("micros", 1000), ("ms", 10**6), ("Milliseconds", 10**6)]
+)
+def test_a_column_whose_name_is_a_unit_of_time_alone_is_a_time(text_log, name, unit):
+    (imu,) = read(text_log(table([name], lambda t: (str((t - START) // unit),)))).imus
+    assert imu.angular_rate.time.tolist() == (TIMES - START).tolist()
+
+
+def test_a_fraction_of_a_second_that_falls_back_is_no_time(text_log):
+    with pytest.raises(UsageError, match="--rate"):
+        read(text_log(table(["ms"], lambda t: (str(t // 10**6 % 1000),))))
+
+
+@pytest.mark.parametrize(
     "header", [("week", "sec", "frac"), ("frac", "tow", "GPS Week"), ("Week", "TOW (s)", "fraction of second [s]")][:2]
 )
 def test_a_week_whole_seconds_and_their_fraction_are_one_stamp(text_log, header):
