@@ -1,31 +1,40 @@
 """Outage replay: filters over a log, their drift against a reference, and its statistics."""
 
-from imuwb.replay.budget import Budget, budget
-from imuwb.replay.choice import Choice, FilterCandidate, choose
 from imuwb.replay.clocks import Clocks, estimate_clocks
-from imuwb.replay.degraded import Degradation, degraded
-from imuwb.replay.external import Placing, external_reference
-from imuwb.replay.gnss_correlation import GnssCorrelation, estimate_gnss_correlation
+from imuwb.replay.fixes.degraded import Degradation, degraded
+from imuwb.replay.fixes.refusals import Refusals, refusal_note, refusals
 from imuwb.replay.models import NAMES, TURN_ON, model_named
-from imuwb.replay.motion import motion_classes
-from imuwb.replay.motion_noise import MotionNoise, estimate_motion_noise, in_motion, usual_in_motion
 from imuwb.replay.mounting import Mounting, estimate_mounting
+from imuwb.replay.noise.gnss_correlation import GnssCorrelation, estimate_gnss_correlation
+from imuwb.replay.noise.motion_noise import MotionNoise, estimate_motion_noise, in_motion, usual_in_motion
+from imuwb.replay.noise.scaled import scaled
+from imuwb.replay.noise.tuning import Tuned, tune
+from imuwb.replay.noise.unidentified import with_unidentified
 from imuwb.replay.outages import Outage, events_of, own_outages, sweep
-from imuwb.replay.overlap import effective_count, without_overlap
-from imuwb.replay.pooling import pooled
 from imuwb.replay.prepared import Prepared, prepare, receiver_of, run
-from imuwb.replay.reference import ReferenceTrack, own_track, reference_track
-from imuwb.replay.refusals import Refusals, refusal_note, refusals
+from imuwb.replay.references.external import Placing, external_reference
+from imuwb.replay.references.reference import ReferenceTrack, own_track, reference_track
+from imuwb.replay.references.true_errors import true_errors
 from imuwb.replay.replay import FilterRun, Replay, ScoredDrift, replay
-from imuwb.replay.scaled import scaled
-from imuwb.replay.scores import HORIZONS, Scores, scores
-from imuwb.replay.solutions import fixes_outside, overlapping, solution_scores, whole_run_scores
-from imuwb.replay.start import Start, find_start, given_start
-from imuwb.replay.statistics import FEWEST as ENOUGH
-from imuwb.replay.statistics import Consistency, DriftCurve, Paired, Summary, compare, drift_curve, summarize, verdict
-from imuwb.replay.true_errors import true_errors
-from imuwb.replay.tuning import Tuned, tune
-from imuwb.replay.unidentified import with_unidentified
+from imuwb.replay.scoring.budget import Budget, budget
+from imuwb.replay.scoring.choice import Choice, FilterCandidate, choose
+from imuwb.replay.scoring.motion import motion_classes
+from imuwb.replay.scoring.overlap import effective_count, without_overlap
+from imuwb.replay.scoring.pooling import pooled
+from imuwb.replay.scoring.scores import HORIZONS, Scores, scores
+from imuwb.replay.scoring.solutions import fixes_outside, overlapping, solution_scores, whole_run_scores
+from imuwb.replay.scoring.statistics import FEWEST as ENOUGH
+from imuwb.replay.scoring.statistics import (
+    Consistency,
+    DriftCurve,
+    Paired,
+    Summary,
+    compare,
+    drift_curve,
+    summarize,
+    verdict,
+)
+from imuwb.replay.starts.start import Start, find_start, given_start
 
 __all__ = [
     "ENOUGH",

@@ -9,9 +9,9 @@ from imuwb.arrays import Booleans, Floats
 from imuwb.errors import MissingDataError
 from imuwb.log import Log
 from imuwb.navigation.filter_model import FilterModel
-from imuwb.replay.motion_noise import BETTER
+from imuwb.replay.noise.motion_noise import BETTER
+from imuwb.replay.noise.scaled import scaled
 from imuwb.replay.prepared import prepare, run, with_clocks
-from imuwb.replay.scaled import scaled
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit
 

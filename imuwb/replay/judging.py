@@ -9,9 +9,16 @@ from imuwb.arrays import Booleans
 from imuwb.navigation.outages import Drift
 from imuwb.notes import Note
 from imuwb.replay.prepared import Prepared
-from imuwb.replay.reference import ReferenceTrack
-from imuwb.replay.reference_check import FROM_FIXES, NEARLY_ALL, contradiction, discrepancy, elsewhere, yardsticks
-from imuwb.replay.scores import Scores, scores
+from imuwb.replay.references.reference import ReferenceTrack
+from imuwb.replay.references.reference_check import (
+    FROM_FIXES,
+    NEARLY_ALL,
+    contradiction,
+    discrepancy,
+    elsewhere,
+    yardsticks,
+)
+from imuwb.replay.scoring.scores import Scores, scores
 
 Drifts = Mapping[str, Mapping[float, Drift]]  #: filter -> duration -> its drift in the outages of this duration
 OwnScores = Mapping[str, Mapping[float, Scores]]

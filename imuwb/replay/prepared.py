@@ -17,9 +17,9 @@ from imuwb.navigation.measurement import Measurement, denoised, measurement_of, 
 from imuwb.navigation.standstill import standstills
 from imuwb.navigation.vibration import with_classes
 from imuwb.notes import Note
-from imuwb.replay.degraded import Degradation, degraded
-from imuwb.replay.fix_kinds import consistent
-from imuwb.replay.velocity_spikes import without_spikes
+from imuwb.replay.fixes.degraded import Degradation, degraded
+from imuwb.replay.fixes.fix_kinds import consistent
+from imuwb.replay.fixes.velocity_spikes import without_spikes
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -15,8 +15,8 @@ from imuwb.progress import tracked
 from imuwb.replay.judging import Drifts, Judgement, OwnScores, judge
 from imuwb.replay.outages import SPACING, Outage, check_outages, events_of, with_gap
 from imuwb.replay.prepared import Prepared, run
-from imuwb.replay.reference import ReferenceTrack, own_track, reference_names, reference_track
-from imuwb.replay.scores import Scores, scores
+from imuwb.replay.references.reference import ReferenceTrack, own_track, reference_names, reference_track
+from imuwb.replay.scoring.scores import Scores, scores
 
 BEST = ("tuned", "motion", "full", "18AV", "15AV")  #: the filters whose run is a reference, in order of preference
 MOST_INVALID = 0.5  #: share of the outages in which a filter may become invalid

@@ -8,8 +8,8 @@ import numpy as np
 from imuwb.log import AXES, SECOND, GnssStream, Log
 from imuwb.navigation.filter_model import FilterModel, Settings
 from imuwb.navigation.outages import Drift
-from imuwb.replay.reference import ReferenceTrack
-from imuwb.replay.scores import Scores
+from imuwb.replay.references.reference import ReferenceTrack
+from imuwb.replay.scoring.scores import Scores
 from imuwb.simulation import Receiver, drive, mixed_route
 from imuwb.stochastic import AxisModel, Constant, GaussMarkov, ImuErrorModel, Sum, WhiteNoise
 

@@ -9,9 +9,9 @@ from scipy import stats
 from imuwb.errors import UsageError
 from imuwb.navigation.tables import FIX, Events
 from imuwb.replay import Outage, choose, own_outages, summarize, sweep, without_overlap
-from imuwb.replay.choice import log_likelihood
 from imuwb.replay.outages import check_outages, events_of
-from imuwb.replay.scores import scores
+from imuwb.replay.scoring.choice import log_likelihood
+from imuwb.replay.scoring.scores import scores
 
 from . import made
 

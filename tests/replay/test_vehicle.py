@@ -10,7 +10,7 @@ from imuwb.errors import MissingDataError
 from imuwb.log import SECOND, GnssStream, ImuStream, Triad
 from imuwb.navigation import Installation
 from imuwb.replay import Degradation, degraded, estimate_mounting, own_outages, prepare, replay
-from imuwb.replay.reference import reference_track
+from imuwb.replay.references.reference import reference_track
 
 from . import made
 

@@ -18,7 +18,7 @@ from imuwb.log import ImuStream, Triad
 from imuwb.navigation import FilterModel
 from imuwb.navigation.measurement import measurement_of
 from imuwb.navigation.standstill import standstills
-from imuwb.replay.heading_search import search_heading
+from imuwb.replay.starts.heading_search import search_heading
 from imuwb.simulation import MotionNoise, Receiver, drive, preset
 from imuwb.simulation.legs import Leg
 from imuwb.simulation.profile import profile

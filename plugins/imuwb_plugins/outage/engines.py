@@ -25,7 +25,7 @@ from imuwb.replay import (
     whole_run_scores,
     without_overlap,
 )
-from imuwb.replay.pooling import joined
+from imuwb.replay.scoring.pooling import joined
 from imuwb_plugins.outage.engine_command import Command, EngineRun, run_engine
 from imuwb_plugins.outage.given_outages import name_of
 from imuwb_plugins.outage.parameters import Parameters

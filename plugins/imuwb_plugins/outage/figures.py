@@ -19,7 +19,7 @@ from imuwb.colors import (
     YELLOW,
     Color,
 )
-from imuwb.replay.budget import COMMON
+from imuwb.replay.scoring.budget import COMMON
 from imuwb.units import STANDARD_GRAVITY
 from imuwb_plugins.outage.result import DurationSummary, ErrorBudget, Result, SensorErrors
 

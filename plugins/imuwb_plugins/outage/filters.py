@@ -10,7 +10,7 @@ from imuwb.navigation import FilterModel, filter_text
 from imuwb.navigation.filter import axis_errors
 from imuwb.replay import HORIZONS, FilterRun, Outage, Replay, events_of, true_errors, without_overlap
 from imuwb.replay import budget as error_budget
-from imuwb.replay.budget import COMMON
+from imuwb.replay.scoring.budget import COMMON
 from imuwb_plugins.outage.result import ErrorBudget, FilterInfo, SensorErrors
 
 BUDGETED = 30  #: outages

@@ -9,7 +9,7 @@ from imuwb.navigation import FilterModel
 from imuwb.notes import Note
 from imuwb.readers import read_trajectory
 from imuwb.replay import Placing, external_reference, receiver_of
-from imuwb.replay.reference import truth_of
+from imuwb.replay.references.reference import truth_of
 from imuwb_plugins.outage.given_outages import name_of
 from imuwb_plugins.outage.parameters import Parameters
 

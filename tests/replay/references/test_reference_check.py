@@ -10,11 +10,12 @@ from imuwb.errors import MissingDataError
 from imuwb.geodesy import ned_scale
 from imuwb.log import SECOND
 from imuwb.notes import ids
-from imuwb.replay import Outage, prepare, reference_track, replay, run, tuning
-from imuwb.replay.reference_check import contradiction, discrepancy, elsewhere, velocity_lag, yardsticks
-from imuwb.replay.tuning import tune
+from imuwb.replay import Outage, prepare, reference_track, replay, run
+from imuwb.replay.noise import tuning
+from imuwb.replay.noise.tuning import tune
+from imuwb.replay.references.reference_check import contradiction, discrepancy, elsewhere, velocity_lag, yardsticks
 
-from . import made
+from .. import made  # noqa: TID252 - tests are no package that has a name
 from .test_reference import circle
 
 

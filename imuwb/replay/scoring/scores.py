@@ -10,7 +10,7 @@ from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.geodesy.attitude import euler_of_quaternion
 from imuwb.geodesy.earth import ned_scale
 from imuwb.navigation.outages import Drift
-from imuwb.replay.reference import ReferenceTrack
+from imuwb.replay.references.reference import ReferenceTrack
 
 HORIZONS = (5.0, 10.0, 30.0, 60.0)  #: s since the start of an outage, at which results are listed
 LEAST = 0.01  #: least ratio of an eigenvalue of a difference of covariances to the trace of the larger covariance

@@ -9,13 +9,13 @@ import pytest
 from scipy import stats
 
 from imuwb.replay import HORIZONS, compare, drift_curve, effective_count, summarize, verdict
-from imuwb.replay.overlap import block_length
-from imuwb.replay.scores import Scores
-from imuwb.replay.statistics import quantile, resampled, sign_flip
+from imuwb.replay.scoring.overlap import block_length
+from imuwb.replay.scoring.scores import Scores
+from imuwb.replay.scoring.statistics import quantile, resampled, sign_flip
 
-from . import made
+from .. import made  # noqa: TID252 - tests are no package that has a name
 
-TABLES = Path(__file__).resolve().parents[3] / "shared" / "papers" / "tables.toml"
+TABLES = Path(__file__).resolve().parents[4] / "shared" / "papers" / "tables.toml"
 
 
 def most_apart(start, duration):

@@ -9,7 +9,7 @@ from imuwb.notes import ids
 from imuwb.replay import prepare, refusal_note, refusals, run
 from imuwb.simulation import MotionNoise, Receiver
 
-from . import made
+from .. import made  # noqa: TID252 - tests are no package that has a name
 
 
 @pytest.fixture(scope="module")

@@ -13,13 +13,13 @@ from imuwb.navigation.corrections import Corrections
 from imuwb.navigation.tables import FIX, Events
 from imuwb.notes import ids
 from imuwb.replay import find_start, given_start, prepare
-from imuwb.replay.straight_course import straight_course
+from imuwb.replay.starts.straight_course import straight_course
 from imuwb.simulation import MotionNoise, Receiver, drive
 from imuwb.simulation.legs import Leg
 from imuwb.simulation.profile import profile
 from imuwb.simulation.route import Route
 
-from . import made
+from .. import made  # noqa: TID252 - tests are no package that has a name
 
 YAW = 130.0  #: deg, by which the IMU is turned in the vehicle
 RECEIVER = Receiver(rate=2.0, position_sigma=(0.5, 0.5, 1.0), velocity_sigma=(0.1, 0.1, 0.15))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from imuwb.arrays import Floats
-from imuwb.replay.scores import Scores
+from imuwb.replay.scoring.scores import Scores
 
 FOLDS = 5  #: blocks of the cross-validation
 FREEDOM = 4.0  #: degrees of freedom of the errors' distribution; a few outages of large errors do not decide alone

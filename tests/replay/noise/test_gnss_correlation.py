@@ -13,7 +13,7 @@ from imuwb.navigation.smoother import smoothed
 from imuwb.replay import budget, estimate_gnss_correlation, prepare, run, usual_in_motion
 from imuwb.simulation import GnssErrors, Receiver
 
-from . import made
+from .. import made  # noqa: TID252 - tests are no package that has a name
 
 SIGMA, TIME = 1.5, 30.0
 ERRORS = GnssErrors(position_sigma=(SIGMA, SIGMA, 2 * SIGMA), position_time=TIME)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from imuwb.arrays import Floats, Integers
-from imuwb.replay.scores import Scores
+from imuwb.replay.scoring.scores import Scores
 
 APART = 1e8  #: s between the starts of two logs; an outage of a log begins earlier than half of it
 

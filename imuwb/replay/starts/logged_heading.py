@@ -8,7 +8,7 @@ from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.geodesy import rotation_of_euler, rotation_of_quaternion
 from imuwb.log import SECOND, ImuStream, Log, Orientation
 from imuwb.navigation.corrections import Corrections
-from imuwb.replay.straight_course import CRAB, StraightCourse, straight_course
+from imuwb.replay.starts.straight_course import CRAB, StraightCourse, straight_course
 from imuwb.selection import joined_name
 
 COMPASS = 10.0  #: deg, sigma of a heading whose sigma is not stated: a magnetometer in a vehicle

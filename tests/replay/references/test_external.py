@@ -12,11 +12,11 @@ from imuwb.geodesy.tangent_plane import ned_of, turn_between
 from imuwb.log import SECOND, GnssStream, Log, Provenance, Reference
 from imuwb.notes import ids
 from imuwb.replay import Placing, external_reference, reference_track
-from imuwb.replay.external import AXES, BODIES
-from imuwb.replay.reference import given_track
+from imuwb.replay.references.external import AXES, BODIES
+from imuwb.replay.references.reference import given_track
 from imuwb.simulation import drive, mixed_route
 
-from . import made
+from .. import made  # noqa: TID252 - tests are no package that has a name
 from .test_reference import solution
 
 

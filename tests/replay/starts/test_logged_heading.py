@@ -12,14 +12,14 @@ from imuwb.navigation import FilterModel, Installation, Settings
 from imuwb.notes import ids
 from imuwb.readers import read
 from imuwb.replay import find_start
-from imuwb.replay import start as starts
+from imuwb.replay.starts import start as starts
 from imuwb.simulation import Receiver, drive
 from imuwb.simulation.legs import Leg
 from imuwb.simulation.profile import profile
 from imuwb.simulation.route import Route
 from tests.recordings import recording
 
-from . import made
+from .. import made  # noqa: TID252 - tests are no package that has a name
 
 MOUNTING = (100.0, 20.0, -50.0)  #: deg
 SIGMA = 4.0  #: deg

@@ -9,9 +9,9 @@ import pytest
 from imuwb.log import SECOND, GnssStream, Log, Origin, Provenance, Reference
 from imuwb.navigation.filter_model import Installation
 from imuwb.replay import own_track, reference_track
-from imuwb.replay.reference import reference_names
+from imuwb.replay.references.reference import reference_names
 
-from . import made
+from .. import made  # noqa: TID252 - tests are no package that has a name
 
 START = np.array([45.07 * made.DEGREE, 7.69 * made.DEGREE, 240.0])
 ZERO = 1_700_000_000 * SECOND

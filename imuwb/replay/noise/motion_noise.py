@@ -27,7 +27,7 @@ from imuwb.errors import MissingDataError
 from imuwb.navigation.filter_model import FilterModel, Vibration
 from imuwb.navigation.tables import FIX
 from imuwb.navigation.vibration import usual_vibration
-from imuwb.replay.added_noise import with_added
+from imuwb.replay.noise.added_noise import with_added
 from imuwb.replay.prepared import Prepared, run
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit

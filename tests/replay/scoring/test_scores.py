@@ -7,7 +7,7 @@ import pytest
 
 from imuwb.replay import motion_classes, scores
 
-from . import made
+from .. import made  # noqa: TID252 - tests are no package that has a name
 
 PLACE = np.array([52.0 * made.DEGREE, 13.0 * made.DEGREE, 80.0])
 

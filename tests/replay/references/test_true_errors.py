@@ -8,7 +8,7 @@ import pytest
 from imuwb.log import AXES, ImuStream, Triad
 from imuwb.replay import prepare, true_errors
 
-from . import made
+from .. import made  # noqa: TID252 - tests are no package that has a name
 
 
 def test_constant_errors_are_found_again():

@@ -11,9 +11,9 @@ import numpy as np
 
 from imuwb.arrays import Floats, Integers
 from imuwb.notes import Note
-from imuwb.replay.overlap import block_length, effective_count
-from imuwb.replay.pooling import logs_of
-from imuwb.replay.scores import Scores
+from imuwb.replay.scoring.overlap import block_length, effective_count
+from imuwb.replay.scoring.pooling import logs_of
+from imuwb.replay.scoring.scores import Scores
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import chi_square_quantile
 

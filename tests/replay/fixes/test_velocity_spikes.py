@@ -5,7 +5,7 @@ import pytest
 
 from imuwb.log import SECOND, GnssStream
 from imuwb.notes import ids
-from imuwb.replay.velocity_spikes import without_spikes
+from imuwb.replay.fixes.velocity_spikes import without_spikes
 
 
 def receiver(rate=5.0, rows=300, seed=0):

@@ -9,11 +9,11 @@ from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.log import SECOND, GnssStream, Reference
 from imuwb.navigation.outages import Drift
 from imuwb.replay.outages import Outage
-from imuwb.replay.overlap import without_overlap
-from imuwb.replay.reference import ReferenceTrack, given_track, own_track
-from imuwb.replay.reference_check import discrepancy
+from imuwb.replay.references.reference import ReferenceTrack, given_track, own_track
+from imuwb.replay.references.reference_check import discrepancy
 from imuwb.replay.replay import Replay
-from imuwb.replay.scores import Scores, scores
+from imuwb.replay.scoring.overlap import without_overlap
+from imuwb.replay.scoring.scores import Scores, scores
 
 ROUNDING = 1e-3  #: s; a fix that is this much later still precedes an outage
 EACH = 1.0  #: s between two scores of a whole run

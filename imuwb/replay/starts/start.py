@@ -14,10 +14,10 @@ from imuwb.navigation.filter_model import FilterModel
 from imuwb.navigation.measurement import Measurement, measurement_of
 from imuwb.navigation.standstill import standstills
 from imuwb.notes import Note
-from imuwb.replay.heading_search import search_heading
-from imuwb.replay.logged_heading import LoggedHeading, logged_heading
 from imuwb.replay.prepared import receiver_of
-from imuwb.replay.straight_course import straight_course
+from imuwb.replay.starts.heading_search import search_heading
+from imuwb.replay.starts.logged_heading import LoggedHeading, logged_heading
+from imuwb.replay.starts.straight_course import straight_course
 
 Source: TypeAlias = Literal["auto", "search", "course", "log"]  #: where a heading comes from
 

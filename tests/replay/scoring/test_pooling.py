@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from imuwb.replay import effective_count, pooled, summarize
-from imuwb.replay.pooling import logs_of
-from imuwb.replay.statistics import _rows, compare, sign_flip
+from imuwb.replay.scoring.pooling import logs_of
+from imuwb.replay.scoring.statistics import _rows, compare, sign_flip
 
-from . import made
+from .. import made  # noqa: TID252 - tests are no package that has a name
 
 
 def parts():

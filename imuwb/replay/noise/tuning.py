@@ -8,14 +8,14 @@ import numpy as np
 from imuwb.arrays import Floats
 from imuwb.navigation.filter_model import FilterModel
 from imuwb.navigation.outages import drift
-from imuwb.replay.choice import log_likelihood
+from imuwb.replay.noise.scaled import scaled
 from imuwb.replay.outages import Outage, events_of, sweep, with_gap
-from imuwb.replay.overlap import without_overlap
 from imuwb.replay.prepared import Prepared, run
-from imuwb.replay.reference import ReferenceTrack, own_track, reference_names, reference_track
-from imuwb.replay.reference_check import FROM_FIXES, contradiction, discrepancy, elsewhere, yardsticks
-from imuwb.replay.scaled import scaled
-from imuwb.replay.scores import Scores, scores
+from imuwb.replay.references.reference import ReferenceTrack, own_track, reference_names, reference_track
+from imuwb.replay.references.reference_check import FROM_FIXES, contradiction, discrepancy, elsewhere, yardsticks
+from imuwb.replay.scoring.choice import log_likelihood
+from imuwb.replay.scoring.overlap import without_overlap
+from imuwb.replay.scoring.scores import Scores, scores
 
 DURATION = 30.0  #: s, of the outages
 AT = (5.0, 10.0, 20.0, 30.0)  #: s since the start of an outage; the errors at these times count

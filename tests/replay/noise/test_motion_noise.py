@@ -10,12 +10,12 @@ from imuwb.log import SECOND, GnssStream
 from imuwb.navigation.filter_model import Vibration
 from imuwb.navigation.vibration import usual_vibration, vibration_levels, with_classes
 from imuwb.replay import NAMES, estimate_motion_noise, in_motion, prepare, run, with_unidentified
-from imuwb.replay.added_noise import with_added
-from imuwb.replay.fix_kinds import consistent
+from imuwb.replay.fixes.fix_kinds import consistent
+from imuwb.replay.noise.added_noise import with_added
 from imuwb.simulation import MotionNoise
 from imuwb.stochastic import AxisModel, FlickerNoise, ImuErrorModel, RandomWalk, Sum, WhiteNoise
 
-from . import made
+from .. import made  # noqa: TID252 - tests are no package that has a name
 
 TRUE = MotionNoise((2e-3, 1.5e-2), (2e-5, 5e-4), when="always")
 

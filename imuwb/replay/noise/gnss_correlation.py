@@ -17,7 +17,7 @@ import numpy as np
 from imuwb.arrays import Booleans, Floats
 from imuwb.errors import MissingDataError
 from imuwb.navigation.filter_model import FilterModel
-from imuwb.replay.motion_noise import BETTER, BLOCK, PRIOR, counted_fixes, curvature_of
+from imuwb.replay.noise.motion_noise import BETTER, BLOCK, PRIOR, counted_fixes, curvature_of
 from imuwb.replay.prepared import Prepared, run
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import normal_limit

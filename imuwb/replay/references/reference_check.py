@@ -18,8 +18,8 @@ import numpy as np
 from imuwb.arrays import Booleans, Floats
 from imuwb.geodesy.earth import ned_scale
 from imuwb.replay.prepared import Prepared
-from imuwb.replay.reference import GAP, ReferenceTrack
-from imuwb.replay.scores import Scores
+from imuwb.replay.references.reference import GAP, ReferenceTrack
+from imuwb.replay.scoring.scores import Scores
 
 FASTER = 2.0, 10.0  #: a run that is faster than this many times the fixes, and this much more, m/s, is implausible
 TOP = 0.99  #: quantile of speeds that counts as the top speed

@@ -7,7 +7,7 @@ import pytest
 from imuwb.navigation import drift
 from imuwb.replay import Outage, budget, events_of, model_named, prepare, run, sweep
 
-from . import made
+from .. import made  # noqa: TID252 - tests are no package that has a name
 
 N = (2e-4, 2e-3)
 

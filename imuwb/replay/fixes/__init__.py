@@ -1,0 +1,1 @@
+"""The fixes of a receiver: what is left out, made worse, or refused."""

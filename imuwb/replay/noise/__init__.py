@@ -1,0 +1,1 @@
+"""The noise of the filters: added, scaled, and estimated from a drive."""

@@ -1,0 +1,1 @@
+"""The trajectories against which drift is measured, and whether they can judge."""

@@ -1,0 +1,1 @@
+"""The start of the filters: where the heading comes from."""
