@@ -35,8 +35,28 @@ _TAG_NAME = re.compile(
     r"(?:id|name|type|no|nr|num|number|index|idx|address)?"
     r"|i|id|name|type|tag|message|msg|msgtype|topic|ch|address|addr|sn|port|source|src"
 )
-TURNS = 0.1  #: least share of the rows whose text differs from that of the row before, where sensors take turns
-ALIKE = 0.5  #: least number of a sensor's rows, relative to that of another
+TURNS = 0.9  #: least share of the rows that have the same text as the row before of the same sensor, where sensors take turns
+_STATES = {
+    "true",
+    "false",
+    "yes",
+    "no",
+    "on",
+    "off",
+    "ok",
+    "valid",
+    "invalid",
+    "good",
+    "bad",
+    "high",
+    "low",
+    "a",
+    "v",
+    "t",
+    "f",
+    "y",
+    "n",
+}
 
 
 def layouts_of(path: Path, options: ReadOptions) -> tuple[Layout, ...]:
@@ -139,7 +159,11 @@ def by_column(layout: Layout) -> Iterator[Layout]:
         cells = layout.cells(place)
         values = list(dict.fromkeys(cells))
         few = 1 < len(values) <= min(MOST, len(cells) // REPEATED)
-        if not few or not all(map(_is_value, values)) or not (_is_tag_name(name) or _take_turns(cells)):
+        if (
+            not few
+            or not all(map(_is_value, values))
+            or not ((_is_tag_name(name) and _recur(cells)) or _take_turns(cells))
+        ):
             continue
         for value in values:
             sample = tuple(row for row in layout.sample if row[place] == value)
@@ -160,12 +184,20 @@ def _is_value(value: str) -> bool:
     return value.isdigit() or (not is_number(value) and re.fullmatch(r"[$#]?\w[\w/.:\- ]{0,40}", value) is not None)
 
 
+def _recur(cells: Sequence[str]) -> bool:
+    """Return whether values come again after others; those of a counter, such as the frame of a video, do not."""
+    return 1 + sum(a != b for a, b in pairwise(cells)) >= 2 * len(set(cells))
+
+
 def _take_turns(cells: Sequence[str]) -> bool:
     """Return whether words follow each other as the names of sensors do that take turns; a state changes now and then."""
-    counts = Counter(cells)
+    kinds = len(set(cells))
+    words = (
+        all(re.match(r"[$#]?[A-Za-z_]", cell) for cell in set(cells)) and not {cell.lower() for cell in cells} & _STATES
+    )
+    again = sum(a == b for a, b in zip(cells, cells[kinds:], strict=False))
     changes = sum(a != b for a, b in pairwise(cells))
-    words = all(re.match(r"[$#]?[A-Za-z_]", cell) for cell in counts)
-    return words and changes >= TURNS * len(cells) and min(counts.values()) >= ALIKE * max(counts.values())
+    return words and min(again, changes) >= TURNS * (len(cells) - kinds)
 
 
 def tag_counts(path: Path, layout: Layout) -> Counter[str]:

@@ -175,11 +175,24 @@ def test_a_column_that_names_sensors_parts_them(text_log, column, names, place, 
         assert repairs(imu) == {}
 
 
-def test_a_state_that_flickers_parts_no_imu(text_log):
-    header = f"walks,{TWO}\n"
-    rows = "".join(f"{'yes' if i // 50 % 2 else 'no'},{seconds(t)},{numbers(w)},{numbers(f)}\n"
+@pytest.mark.parametrize("state", [
+    lambda i: "walks" if i // 50 % 2 else "stands", lambda i: "true" if i % 2 else "false", lambda i: ("calm", "rough")[i * i // 7 % 2],
+])  # fmt: skip
+def test_a_state_that_flickers_parts_no_imu(text_log, state):
+    header = f"how,{TWO}\n"
+    rows = "".join(f"{state(i)},{seconds(t)},{numbers(w)},{numbers(f)}\n"
                    for i, (t, w, f) in enumerate(zip(TIMES, RATES, FORCES, strict=True)))  # fmt: skip
     (imu,) = read(text_log(header + rows)).imus
+    assert imu.angular_rate.time.tolist() == TIMES.tolist()
+
+
+@pytest.mark.parametrize("name", ["frame", "segment", "id"])
+def test_a_counter_that_stays_for_some_rows_parts_no_imu(text_log, name):
+    rows = "".join(
+        f"{i // 8},{seconds(t)},{numbers(w)},{numbers(f)}\n"
+        for i, (t, w, f) in enumerate(zip(TIMES, RATES, FORCES, strict=True))
+    )
+    (imu,) = read(text_log(f"{name},{TWO}\n{rows}")).imus
     assert imu.angular_rate.time.tolist() == TIMES.tolist()
 
 
