@@ -30,7 +30,7 @@ def test_from_a_bench_to_a_model_that_corrects(imuwb, cube, turns, tmp_path):
     assert truth.axes["accel_x"].scale_factor
     done = imuwb("calibration", "six-position", *cube, "-o", "six.rrd", "--json", "six.json")
     assert done.code == 0, done.err
-    assert "wrote six.calibration.toml" in done.err
+    assert "six.calibration.toml" in done.out
     document = json.loads((tmp_path / "six.json").read_text("utf-8"))
     assert (document["analysis"], document["params"]["method"], document["level"]) == (
         "calibration",
@@ -48,10 +48,11 @@ def test_from_a_bench_to_a_model_that_corrects(imuwb, cube, turns, tmp_path):
     model = ImuErrorModel.read(tmp_path / "all.calibration.toml")
     assert model.axes["gyro_x"].scale_factor == pytest.approx(truth.axes["gyro_x"].scale_factor, abs=1e-3)
     assert model.axes["accel_x"].bias == bias["value"]
-    done = imuwb("health", cube[-1], "--through", "correction:model=all.calibration.toml", "-o", "a.rrd")
+    done = imuwb("health", cube[-1], "--through", "correction:model=all.calibration.toml", "-o", "a.rrd", "--full")
     assert done.code == 0, done.err
     assert "causal" in done.err
     assert "g-sensitivity" in done.err
+    assert "went through correction" in done.out
 
 
 def test_a_model_is_named_as_it_is_asked_for(imuwb, cube, tmp_path):

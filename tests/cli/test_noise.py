@@ -45,7 +45,17 @@ def still(tmp_path):
 @pytest.mark.slow
 def test_one_log_leaves_a_recording_a_model_and_json(imuwb, still, tmp_path):
     done = imuwb(
-        "noise", still, "--denoise", 3, "--json", "out.json", "--study", "bandwidth=8,4", "--study", "rate=20,10"
+        "noise",
+        still,
+        "--denoise",
+        3,
+        "--json",
+        "out.json",
+        "--study",
+        "bandwidth=8,4",
+        "--study",
+        "rate=20,10",
+        "--full",
     )
     assert done.code == 0, done.err
     found = entities(tmp_path / "still.rrd")
@@ -87,7 +97,7 @@ def test_a_log_long_enough_has_a_denoising_tab(imuwb, tmp_path):
 def test_equal_logs_of_one_sensor_do_not_differ_and_give_a_turn_on_bias(imuwb, tmp_path):
     biases = (0.01, 0.03, 0.02)
     logs = [written(tmp_path / f"run{i}.csv", 10 + i, 60, bias) for i, bias in enumerate(biases)]
-    done = imuwb("noise", *logs, "--no-choose", "--json", "out.json")
+    done = imuwb("noise", *logs, "--no-choose", "--json", "out.json", "--full")
     assert done.code == 0, done.err
     assert "3 logs: no coefficient differs" in done.err
     found = json.loads((tmp_path / "out.json").read_text("utf-8"))["result"]["repeatability"]
@@ -112,7 +122,7 @@ def test_equal_logs_of_one_sensor_do_not_differ_and_give_a_turn_on_bias(imuwb, t
 @pytest.mark.slow
 def test_logs_that_differ_are_named(imuwb, tmp_path):
     logs = [written(tmp_path / f"run{i}.csv", 20 + i, 60, times=1.5 if i else 1.0) for i in range(2)]
-    done = imuwb("noise", *logs, "--no-choose", "--json", "-")
+    done = imuwb("noise", *logs, "--no-choose", "--json", "-", "--full")
     assert json.loads(done.out)["result"]["repeatability"]["differ"] == ["gyro_x N"]
     assert "2 logs differ in gyro_x N" in done.err
 
@@ -131,7 +141,7 @@ def test_several_logs_in_several_settings_name_the_log(imuwb, tmp_path):
 @pytest.mark.slow
 def test_a_gap_is_noted(imuwb, tmp_path):
     log = written(tmp_path / "gap.csv", 4, 120, keep=lambda n: np.r_[0 : n // 3, n // 2 : n])
-    done = imuwb("noise", log, "--no-choose", "--denoise", 0)
+    done = imuwb("noise", log, "--no-choose", "--denoise", 0, "--full")
     assert done.code == 0, done.err
     assert "1 gaps" in done.err
 

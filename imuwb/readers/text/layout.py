@@ -178,7 +178,8 @@ def cells_of(row: str, delimiter: str, decimal: str = ".") -> list[str]:
     if delimiter == " ":
         parts = row.split()
     elif '"' in row:
-        parts = next(csv.reader([row.strip()], delimiter=delimiter, skipinitialspace=True), [""])
+        # A lone CR within a damaged line would end the row for the parser.
+        parts = next(csv.reader([row.strip().replace("\r", " ")], delimiter=delimiter, skipinitialspace=True), [""])
     else:
         parts = row.strip(" \r").split(delimiter)
     cells = [part.strip().strip('"') for part in parts]

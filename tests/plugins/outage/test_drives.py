@@ -108,7 +108,7 @@ def test_the_command(command, mcap, toml, log):
     write(log, "second.mcap")
     code, out, err = command(
         "outage", mcap, "second.mcap", "--error-model", toml, "--models", "none", "--at", "150:10,165:10", "-o", "o.rrd",
-        "--json", "o.json",
+        "--json", "o.json", "--full",
     )  # fmt: skip
     assert code == 0, err
     assert "all drives" in out

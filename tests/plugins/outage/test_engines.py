@@ -224,7 +224,7 @@ def test_the_command_line(command, mcap, toml, log, script):
     save(off(log, 2.0), Path("o.csv"))
     code, out, err = command(
         "outage", mcap, "--error-model", toml, "--models", "full", "--at", "150:10", "--solution", "kf=o.csv,no=none.nav",
-        "--filter-command", script(), "-o", "o.rrd", "--json", "o.json",
+        "--filter-command", script(), "-o", "o.rrd", "--json", "o.json", "--full",
     )  # fmt: skip
     assert code == 0, err
     assert "straight" in out
