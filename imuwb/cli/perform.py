@@ -117,8 +117,8 @@ def _drawn(
             answer = (
                 plugin.answer(done.result) if offers(analysis, "answer") else default_answer(logs, shown[beginning:])
             )
-            if not getattr(analysis, "SHOWS_FAULTS", False):
-                answer = replace(answer, sentences=(*log_state(logs), *answer.sentences))
+            known = log_state(logs, faults=not getattr(analysis, "SHOWS_FAULTS", False))
+            answer = replace(answer, sentences=(*known, *answer.sentences))
         origin = Origin(name, tuple(map(str, paths)), "" if objections else str(places.model or ""), command=_typed())
         review.summary(panel(answer, origin), answer.figure)
         text = document(name, __version__, done.parameters, done.result, logs, review.notes, done.study)
