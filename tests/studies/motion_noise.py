@@ -6,7 +6,9 @@ ranges of ``RANGES``. The filters know the sensor's model at rest: ``bench`` use
 ``estimate_motion_noise`` returns. Outages of 60 s begin every 10 s from the second minute on, and are judged at 10, 30 and 60 s.
 
 NEES/2 is 1 if sigma is right. Outages of a drive are dependent; its mean is one value, and the intervals of NEES/2 are those of the
-mean over drives. An amplitude is held if the interval of 95 % has the true value.
+mean over drives. An amplitude is held if the interval of 95 % has the true value. The variance of an estimate is the larger one of the
+sandwich's and the curvature's, and an amplitude that is not shown has an interval from 0 on, which holds the truth in 97.5 %: intervals
+hold it in 95 % or somewhat more by construction.
 
 Command: ``python tests/studies/motion_noise.py`` (210 drives: about 25 minutes on two cores).
 Seeds: seed r makes the amplitudes, the sensor and the route of drive r; the sensor of drive r is number r modulo 3.

@@ -46,10 +46,11 @@ def budget(solution: Solution, events: Integers, duration: float) -> Budget:
     for name, states in _groups(solution):
         mask = np.zeros(int(solution.tables.first[6]), dtype=bool)
         mask[states] = True
-        kept = solution.track.covariance * (mask[:, None] & mask)
+        kept = np.zeros(solution.track.covariance.shape)  # an outage needs the covariance at its start only
+        kept[events] = solution.track.covariance[events] * (mask[:, None] & mask)
         alone = replace(solution, track=solution.track._replace(covariance=kept), tables=quiet)
         sources[name] = _horizontal(alone, events, duration)
-    empty = solution.track._replace(covariance=np.zeros_like(solution.track.covariance))
+    empty = solution.track._replace(covariance=np.zeros(solution.track.covariance.shape))
     for name, tables in _noises(solution.tables):
         sources[name] = _horizontal(replace(solution, track=empty, tables=tables), events, duration)
     variance = np.array(list(sources.values()))
