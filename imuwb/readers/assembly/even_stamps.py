@@ -83,9 +83,8 @@ def even_stamps(stamps: Integers, *, forced: bool = False) -> EvenStamps | None:
     found = [_even_part(part, period, bursts, forced=forced) for part in parts]
     whole = [part for part in found if part is not None]
     time = np.concatenate([part.time for part in whole]) if len(whole) == len(found) else stamps[:0]
-    if (
-        not time.size or np.diff(time).min() <= 0
-    ):  # times that run into those of the next part: the stamps are in no order
+    # Times that run into those of the next part show stamps that are in no order.
+    if not time.size or np.diff(time).min() <= 0:
         return None
     off = stamps - time
     latest = float(np.abs(off).max())
