@@ -181,7 +181,7 @@ def _odd_rate(path: Path, layout: Layout, clock: Clock) -> Iterator[Note]:
         UsageError: it would sample faster than any does.
     """
     stamp = clock.stamp
-    if stamp is None or stamp.kind != "number" or len(stamp.columns) > 1:
+    if stamp is None or stamp.kind != "number" or len(stamp.columns) != 1:
         return
     column, measure = stamp.columns[0], cast("Unit", stamp.columns[0].unit)
     numbers = [float(cell) for cell in layout.cells(column.index) if is_number(cell)]
