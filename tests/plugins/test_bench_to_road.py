@@ -21,7 +21,16 @@ def test_the_model_of_a_real_bench_record_replays_a_drive(command, shared):
     car = shared / "drive"
     log = (car / "derived_imu_si_gpst.csv.gz", "--gnss", car / "gnss_1934_sf.pos")
     code, _, err = command(
-        "outage", *log, "--error-model", "bench.error-model.toml", "-o", "car.rrd", "--json", "car.json"
+        "outage",
+        *log,
+        "--durations",
+        "30",
+        "--error-model",
+        "bench.error-model.toml",
+        "-o",
+        "car.rrd",
+        "--json",
+        "car.json",
     )
     assert code == 0, err
     result = json.loads(Path("car.json").read_text("utf-8"))["result"]
