@@ -19,6 +19,10 @@ from .made import Shown, sensor, stated
 pytestmark = pytest.mark.slow
 
 
+#: what would else be estimated, for seconds
+KNOWN = ("--mounting", "0,0,0", "--gnss-delay", "0", "--clock-rate", "1")
+
+
 def named(log, path):
     return replace(log, provenance=replace(log.provenance, path=path))
 
@@ -76,7 +80,7 @@ def test_a_drive_that_cannot_be_replayed_does_not_end_the_others(two, options):
 
 def test_equal_names_get_a_number(two, options):
     same = [two[0], replace(two[1], provenance=Provenance("/b/north.bin", "made", "", 0))]
-    assert list(outage.run(same, Parameters(**options)).drives) == ["north 1", "north 2"]
+    assert list(outage.run(same, stated(**options)).drives) == ["north 1", "north 2"]
 
 
 def test_outages_of_a_file_belong_to_their_log(two, toml, tmp_path):
@@ -107,7 +111,7 @@ def test_files_of_one_run_need_one_log(two, options):
 def test_the_command(command, mcap, toml, log):
     write(log, "second.mcap")
     code, out, err = command(
-        "outage", mcap, "second.mcap", "--error-model", toml, "--models", "none", "--at", "150:10,165:10", "-o", "o.rrd",
+        "outage", mcap, "second.mcap", "--error-model", toml, "--models", "none", "--at", "150:10,165:10", *KNOWN, "-o", "o.rrd",
         "--json", "o.json", "--full",
     )  # fmt: skip
     assert code == 0, err
