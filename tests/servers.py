@@ -1,4 +1,4 @@
-"""Servers of tests on this machine: a web server that counts what it sends and fails as it is told, and S3 as moto makes it."""
+"""Servers of the tests on this machine: a web server that counts what it sends and can fail on purpose, and an S3 server (moto)."""
 
 from __future__ import annotations
 

@@ -15,6 +15,7 @@ from imuwb.arrays import Integers
 from imuwb.readers.assembly.time_order import CLOCK_STEP
 from imuwb.readers.batch import Batch, CannotSeekError, Limits, Remark
 from imuwb.readers.bytes import source
+from imuwb.readers.bytes.bisection import bracket
 from imuwb.readers.bytes.gather import gather
 from imuwb.readers.flight.dataflash_records import RecordFormat, formats, walk
 from imuwb.readers.flight.dataflash_streams import WANTED, batches_of
@@ -108,12 +109,7 @@ class _Records:
         return self._bracket(time)[1]
 
     def _bracket(self, time: int) -> tuple[int, int]:
-        low = max((place for place, at in self._known.items() if at < time), default=0)
-        high = min((place for place, at in self._known.items() if at >= time and place > low), default=self._size)
-        while high - low > FINE:
-            middle = (low + high) // 2
-            low, high = (middle, high) if self._time(middle) < time else (low, middle)
-        return low, high
+        return bracket(self._known, self._time, time, self._size, FINE)
 
     def _time(self, place: int) -> int:
         """Return the time since power-up (ns) of the first record that has one from a place on."""

@@ -15,6 +15,7 @@ from pyarrow import DataType, RecordBatch
 from imuwb.readers.assembly.time_order import CLOCK_STEP
 from imuwb.readers.batch import CannotSeekError, Limits
 from imuwb.readers.bytes import source
+from imuwb.readers.bytes.bisection import bracket
 from imuwb.readers.text.cells import blocks
 from imuwb.readers.text.clock import Clock
 from imuwb.readers.text.layout import Layout
@@ -87,14 +88,7 @@ class _Times:
         return self._bracket(time)[1]
 
     def _bracket(self, time: int) -> tuple[int, int]:
-        low = max((place for place, at in self._known.items() if at < time), default=0)
-        high = min((place for place, at in self._known.items() if at >= time and place > low), default=self._size)
-        while high - low > FINE:
-            middle = (low + high) // 2
-            if self._time(middle) < time:
-                low = middle
-            else:
-                high = middle
+        low, high = bracket(self._known, self._time, time, self._size, FINE)
         return self._line(low), self._line(high)
 
     def _time(self, place: int) -> int:
