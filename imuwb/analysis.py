@@ -55,7 +55,7 @@ It is registered under ``imuwb.conditioners``.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol
 
 from imuwb.colors import PALE, Color
@@ -65,7 +65,7 @@ if TYPE_CHECKING:
 
     from imuwb.arrays import Floats, Integers
     from imuwb.log import Log
-    from imuwb.statistics import Coefficient
+    from imuwb.statistics import Coefficient, Estimate
 
 
 class DataclassInstance(Protocol):
@@ -188,6 +188,8 @@ class Answer:
     next: tuple[Step, ...] = ()
     aside: str = ""  #: at the end of the first line: "95 % intervals"
     figure: Figure | None = None  #: shows the answer; None: the first figure that is drawn
+    #: the figures of the answer as numbers, in units of data sheets, for a catalog of recordings: name -> estimate
+    numbers: Mapping[str, Estimate] = field(default_factory=dict[str, "Estimate"])
 
 
 @dataclass(frozen=True, slots=True)

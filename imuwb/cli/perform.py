@@ -30,6 +30,7 @@ from imuwb.review.document import document
 from imuwb.review.log_state import log_state
 from imuwb.review.overview import overview
 from imuwb.review.panel import Origin, panel
+from imuwb.review.properties import properties, recording_name
 from imuwb.review.recording import RecordingReview
 from imuwb.writers import write_text
 
@@ -117,11 +118,14 @@ def _drawn(
             answer = (
                 plugin.answer(done.result) if offers(analysis, "answer") else default_answer(logs, shown[beginning:])
             )
+            findings = plugin.findings(done.result) if offers(analysis, "findings") else ()
             known = log_state(logs, faults=not getattr(analysis, "SHOWS_FAULTS", False))
+            stated = properties(name, __version__, getattr(done.parameters, "level", None), logs, answer, findings)
             answer = replace(answer, sentences=(*known, *answer.sentences))
         origin = Origin(name, tuple(map(str, paths)), "" if objections else str(places.model or ""), command=_typed())
         review.summary(panel(answer, origin), answer.figure)
         text = document(name, __version__, done.parameters, done.result, logs, review.notes, done.study)
+        review.state(recording_name(name, logs, answer), stated, text)
         page = _page(name, panel(answer, origin), review, answer, logs) if places.page is not None else ""
         review.close()
     except BaseException:

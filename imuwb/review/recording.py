@@ -1,7 +1,7 @@
 """The review as a Rerun recording: tabs of figures, series, tables and notes; the recording contains its blueprint."""
 
 import socket
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import NoReturn
@@ -14,9 +14,10 @@ from imuwb.analysis import Figure, Series, Table
 from imuwb.arrays import Floats
 from imuwb.colors import Color
 from imuwb.errors import ImuwbError
-from imuwb.review import chart
+from imuwb.review import chart, recorded
 from imuwb.review.drawn import Drawn, Item, Track
 from imuwb.review.envelope import envelope
+from imuwb.review.recorded import Value
 from imuwb.review.rrd import is_whole, why_cut
 from imuwb.review.tab import Tab
 from imuwb.writers.whole import partial
@@ -156,6 +157,15 @@ class RecordingReview:
         if figure is not None:
             views.append(chart.draw(figure, self.recording, "/summary/figure"))
         self._summary = rrb.Horizontal(*views, column_shares=SUMMARY_SHARES[: len(views)], name="Summary")
+
+    def state(self, name: str, properties: Mapping[str, Value], document: str) -> None:
+        """Write the name of the recording, its properties, and the JSON of the result."""
+        recorded.state(self.recording, name, properties)
+        self.keep(recorded.DOCUMENT, recorded.compact(document))
+
+    def keep(self, name: str, text: str) -> None:
+        """Keep a text, which ``imuwb.review.recorded`` reads."""
+        recorded.keep(self.recording, name, text)
 
     def close(self) -> Path:
         """Write the blueprint, rename the file to its final name and return its path; the review cannot be used after this.
