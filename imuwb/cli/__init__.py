@@ -1,23 +1,26 @@
 """The command line: a command for each analysis, an option for each parameter."""
 
 import gc
-import io
 import os
 import sys
 import warnings
-from pathlib import Path
 
+from imuwb.cli.ending import INTERRUPTED, Signals, prepare_streams
 from imuwb.errors import ImuwbError
 
 OBJECTS = 50_000  #: new objects after which Python looks for garbage; imports make many that stay
-INTERRUPTED = 130  #: exit code that shells expect from a program that Ctrl-C ended
 
 
 def main() -> None:
     """Run the command line. Every error is a message on stderr and an exit code, never a traceback."""
     gc.set_threshold(OBJECTS)
     warnings.showwarning = _print_warning
-    _prepare_streams()
+    prepare_streams()
+    with Signals() as signals:
+        _run(signals)
+
+
+def _run(signals: Signals) -> None:
     try:
         # Imported here, so that an error on import is reported like the others.
         from imuwb.cli.app import build  # noqa: PLC0415
@@ -25,14 +28,11 @@ def main() -> None:
 
         arguments = words_before(os.environ) if ASKED in os.environ else sys.argv[1:]
         build(arguments)(prog_name="imuwb")
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the program that reads our output has ended
-        sys.exit(1)
     except (KeyboardInterrupt, SystemExit) as leaving:
         if isinstance(leaving, SystemExit) and leaving.code != INTERRUPTED:
             raise
         _print("imuwb: interrupted; unfinished files are not written")
-        sys.exit(INTERRUPTED)
+        sys.exit(signals.exit_code)
     except Exception as error:
         if os.environ.get("IMUWB_TRACEBACK") and not isinstance(error, ImuwbError):
             raise
@@ -57,15 +57,6 @@ def _text_of(error: Exception) -> str:
         f"internal error: {type(error).__name__}: {error}\n"
         "This is a fault of imuwb. Run the command again with IMUWB_TRACEBACK=1, and report the output."
     )
-
-
-def _prepare_streams() -> None:
-    sys.stdout = sys.stdout or Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115 - None if the parent closed it
-    sys.stderr = sys.stderr or sys.stdout
-    for stream in (sys.stdout, sys.stderr):
-        # Units have letters that the encoding of a pipe or of an old console may lack.
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(encoding=stream.encoding if stream.isatty() else "utf-8", errors="replace")
 
 
 def _print(text: str) -> None:

@@ -30,7 +30,7 @@ def convert(
 
     MCAP has ROS 2 messages. CSV has a file for each kind of stream, with the units in the names of the columns.
     """
-    from imuwb.cli.places import check_places  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.cli.places import check_places, reserved  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.reading import read_log  # noqa: PLC0415
     from imuwb.cli.terminal import progress, shower  # noqa: PLC0415
     from imuwb.writers import SUFFIXES, places, write  # noqa: PLC0415
@@ -42,12 +42,11 @@ def convert(
     content = read_log(sources[0], reading, part)
     content.streams()
     files = places(content, output)
-    check_places(files, sources, force=force)
+    with reserved(files, sources, force=force), progress(f"writing {output.name}") as report:
+        write(content, output, report)
     show = shower(data=False)
     for note in (*content.notes, *baked_in(content), *_left_out(content, output)):
         show(note)
-    with progress(f"writing {output.name}") as report:
-        write(content, output, report)
     for file in files:
         typer.echo(f"wrote {file}", err=True)
 

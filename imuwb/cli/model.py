@@ -1,13 +1,16 @@
 """imuwb model: show, compare, export and check error models."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from imuwb.errors import ImuwbError, UsageError
+
+if TYPE_CHECKING:
+    from imuwb.stochastic import ImuErrorModel
 
 FEWEST = 100  #: samples for which curves are drawn
 
@@ -120,7 +123,7 @@ def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | Non
     """Print the terms; draw them only if a recording is wanted."""
     from imuwb.cli.places import check_places  # noqa: PLC0415 - help must not wait
     from imuwb.cli.terminal import shower  # noqa: PLC0415
-    from imuwb.review.models import draw_models, tables_of  # noqa: PLC0415
+    from imuwb.review.models import tables_of  # noqa: PLC0415
     from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
 
     if not (0 < rate < math.inf and 0 < hours < math.inf and hours * 3600 * rate >= FEWEST):
@@ -131,12 +134,17 @@ def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | Non
     models = {path.name: ImuErrorModel.read(path) for path in paths}
     if len(models) < len(paths):
         models = {str(path): ImuErrorModel.read(path) for path in paths}
+    if output is not None:  # it is written before the first line is printed
+        _draw(models, rate, hours, output)
     show = shower(data=True)
     for table in tables_of(models):
         show(table)
-    if output is None:
-        return
+    if output is not None:
+        typer.echo(f"wrote {output}", err=True)
 
+
+def _draw(models: "Mapping[str, ImuErrorModel]", rate: float, hours: float, output: Path) -> None:
+    from imuwb.review.models import draw_models  # noqa: PLC0415 - help must not wait
     from imuwb.review.recording import RecordingReview  # noqa: PLC0415 - the viewer's library is slow to import
 
     review = RecordingReview(output)
@@ -147,4 +155,3 @@ def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | Non
     except BaseException:
         review.discard()
         raise
-    typer.echo(f"wrote {output}", err=True)

@@ -16,7 +16,7 @@ from imuwb import __version__
 from imuwb.analysis import Analysis, Answer, Table, offers
 from imuwb.cli.imus import compares, comparison, split, with_choice
 from imuwb.cli.options import Request
-from imuwb.cli.places import Places, check_places
+from imuwb.cli.places import Places, reserved
 from imuwb.cli.reading import read_log
 from imuwb.cli.studies import cases, grid
 from imuwb.cli.terminal import print_panel, progress, shower
@@ -32,6 +32,7 @@ from imuwb.review.overview import overview
 from imuwb.review.panel import Origin, panel
 from imuwb.review.properties import properties, recording_name
 from imuwb.review.recording import RecordingReview
+from imuwb.stochastic import ImuErrorModel
 from imuwb.writers import write_text
 
 VIEWER = "rerun+http://127.0.0.1:9876/proxy"
@@ -48,22 +49,16 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Place], parameters: o
     grid(request.conditions.study)
     places = Places.of(analysis, paths, request.outputs, parameters)
     gnss = [place_of(request.part.gnss)] if request.part.gnss is not None else []
-    check_places(places.all(), [*paths, *gnss], force=request.outputs.force)
-
-    whole = [
-        with_choice(read_log(path, request.reading, request.part), analysis, parameters, request) for path in paths
-    ]
-    through = [conditioned(log, request.conditions.through) for log in split(whole, compared=compared)]
-    logs = [log for log, _ in through]
-    with errors_named(name, analysis), progress(f"{name}: computing") as report, watched(lambda part: report(part, 1)):
-        # The study comes first, because it finds a setting that does not suit a log before the long work begins.
-        study = plugin.study(cases(logs, request.conditions.study), parameters) if request.conditions.study else None
-        result = plugin.run(logs, parameters)
-
-    drawn = _drawn(
-        name, analysis, Done(whole if compared else logs, parameters, result, study, through[0]), places, request, paths
-    )
-    _write(drawn, places, plugin, result, parameters)
+    with reserved(places.all(), [*paths, *gnss], force=request.outputs.force):
+        whole = [
+            with_choice(read_log(path, request.reading, request.part), analysis, parameters, request) for path in paths
+        ]
+        through = [conditioned(log, request.conditions.through) for log in split(whole, compared=compared)]
+        logs = [log for log, _ in through]
+        study, result = _computed(name, analysis, logs, parameters, request)
+        done = Done(whole if compared else logs, parameters, result, study, through[0])
+        drawn = _drawn(name, analysis, done, places, request, paths)
+        _write(drawn, places, plugin, result, parameters)
     # All files are written before the first line is printed: the program that reads the output may end at any time.
     _print(drawn, places, full=request.outputs.full)
     if drawn.objections and places.model is not None:
@@ -71,6 +66,17 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Place], parameters: o
         raise MissingDataError(
             f"{places.model} is {state}: {'; '.join(drawn.objections)}; to write the error model all the same, give --force-model"
         )
+
+
+def _computed(
+    name: str, analysis: Analysis, logs: Sequence[Log], parameters: object, request: Request
+) -> tuple[object, object]:
+    """Return the result of the study, None if none is wanted, and that of the analysis."""
+    plugin = cast("Any", analysis)
+    with errors_named(name, analysis), progress(f"{name}: computing") as report, watched(lambda part: report(part, 1)):
+        # The study comes first, because it finds a setting that does not suit a log before the long work begins.
+        study = plugin.study(cases(logs, request.conditions.study), parameters) if request.conditions.study else None
+        return study, plugin.run(logs, parameters)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +119,7 @@ def _drawn(
             if done.study is not None:
                 review.tab("Study")
                 plugin.draw_study(done.study, review)
-            model = plugin.error_model(done.result).to_toml() if places.model is not None else ""
+            model = plugin.error_model(done.result) if places.model is not None else None
             objections = _objections(analysis, done.result, places, request)
             answer = (
                 plugin.answer(done.result) if offers(analysis, "answer") else default_answer(logs, shown[beginning:])
@@ -124,21 +130,28 @@ def _drawn(
             answer = replace(answer, sentences=(*known, *answer.sentences))
         origin = Origin(name, tuple(map(str, paths)), "" if objections else str(places.model or ""), command=_typed())
         review.summary(panel(answer, origin), answer.figure)
-        text = document(name, __version__, done.parameters, done.result, logs, review.notes, done.study)
-        review.state(recording_name(name, logs, answer), stated, text)
-        page = _page(name, panel(answer, origin), review, answer, logs) if places.page is not None else ""
+        text, run = document(name, __version__, done.parameters, done.result, logs, review.notes, done.study)
+        review.state(recording_name(name, logs, answer), {"run": run, **stated}, text)
+        page = _page(name, panel(answer, origin), review, answer, logs, run) if places.page is not None else ""
+        saved = "" if model is None or objections else _of_run(model, run).to_toml()
         review.close()
     except BaseException:
         review.discard()
         raise
-    return Drawn(answer, origin, tuple(shown), text, page, "" if objections else model, objections)
+    return Drawn(answer, origin, tuple(shown), text, page, saved, objections)
 
 
-def _page(name: str, lines: Sequence[str], review: RecordingReview, answer: Answer, logs: Sequence[Log]) -> str:
+def _of_run(model: ImuErrorModel, run: str) -> ImuErrorModel:
+    return replace(model, provenance={**model.provenance, "run": run})
+
+
+def _page(
+    name: str, lines: Sequence[str], review: RecordingReview, answer: Answer, logs: Sequence[Log], run: str
+) -> str:
     from imuwb.review.page.html import page  # noqa: PLC0415 - matplotlib takes half a second
 
     title = f"{name.capitalize()}: {', '.join(Path(log.provenance.path).name for log in logs)}"
-    return page(title, lines, review.drawn, logs, _typed(), __version__, answer.figure)
+    return page(title, lines, review.drawn, logs, _typed(), __version__, run, answer.figure)
 
 
 def _typed() -> str:
@@ -207,7 +220,7 @@ def errors_named(name: str, analysis: Analysis) -> Generator[None]:
     """Raise ImuwbError with the plugin's name and its line in place of an error that imuwb did not raise on purpose."""
     try:
         yield
-    except ImuwbError:
+    except (ImuwbError, MemoryError):
         raise
     except Exception as error:
         if os.environ.get("IMUWB_TRACEBACK"):

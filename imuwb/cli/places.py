@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
@@ -13,6 +14,7 @@ from imuwb.cli.options import Outputs
 from imuwb.errors import ImuwbError, UsageError
 from imuwb.readers.bytes.address import Place
 from imuwb.readers.text.sidecar import sidecar_of
+from imuwb.writers import together
 
 SUFFIXES = (".rrd", ".gz", ".csv", ".txt", ".mcap", ".pos", ".bin", ".tlog", ".ulg", ".log")
 
@@ -65,6 +67,19 @@ def _beside(log: Place) -> Path:
         return Path(f"{stem(log)}.rrd")
     named = log if log.name.strip(".") else log.resolve()  # "." and ".." are folders of another name
     return named.with_name(f"{stem(named)}.rrd")
+
+
+@contextmanager
+def reserved(files: Sequence[Path], logs: Sequence[Place], *, force: bool) -> Generator[None]:
+    """Check the places of all outputs, keep other processes from them, and give the files their names together after the block.
+
+    Raises:
+        UsageError, ImuwbError: as in ``check_places``; another process writes one of the files.
+    """
+    check_places(files, logs, force=force)
+    with together(files):
+        check_places(files, logs, force=force)  # before, another process may have been at its end
+        yield
 
 
 def check_places(files: Sequence[Path], logs: Sequence[Place], *, force: bool) -> None:

@@ -1,5 +1,6 @@
 """Results as JSON: SI units, no NaN, provenance with every result."""
 
+import hashlib
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -11,6 +12,7 @@ import numpy as np
 from imuwb.log import Log
 
 SCHEMA = 1
+RUN = 16  #: letters of the name of a run
 
 
 def plain(value: object) -> object:  # noqa: PLR0911 - one return for each kind of value
@@ -48,8 +50,10 @@ def document(
     logs: Sequence[Log],
     notes: Sequence[str],
     study: object = None,
-) -> str:
-    """Return the JSON text of a result and its provenance.
+) -> tuple[str, str]:
+    """Return the JSON text of a result and its provenance, and the name of the run, which all files of the run have.
+
+    The name is a hash of the text, so the same result of the same log has the same name.
 
     Args:
         analysis: name of the analysis, with the method if it has several: "calibration six-position".
@@ -74,7 +78,9 @@ def document(
     }
     if study is not None:
         content["study"] = study
-    return json_text(content)
+    text = json_text(content)
+    run = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()[:RUN]
+    return f'{{\n "run": "{run}",{text[1:]}', run
 
 
 def _log(log: Log) -> dict[str, object]:

@@ -4,7 +4,6 @@ import socket
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import NoReturn
 from urllib.parse import urlsplit
 
 import rerun as rr
@@ -20,7 +19,7 @@ from imuwb.review.envelope import envelope
 from imuwb.review.recorded import Value
 from imuwb.review.rrd import is_whole, why_cut
 from imuwb.review.tab import Tab
-from imuwb.writers.whole import partial
+from imuwb.writers.whole import Draft
 
 ROWS = 65_536  #: rows of a chunk
 SERIES_WIDTH = 1.2  #: width of a line over time
@@ -30,7 +29,7 @@ VIEWER_PATIENCE = 2.0  #: s; longest wait for a running viewer
 
 
 class RecordingReview:
-    """Shows results in a recording file, which is written under another name and renamed when it is whole."""
+    """Shows results in a recording file, which is written as a draft and gets its name when it is whole."""
 
     def __init__(
         self,
@@ -55,17 +54,16 @@ class RecordingReview:
         """
         if live is not None:
             _require_viewer(live)
-        self.output = Path(output).resolve()
-        self._partial = partial(self.output)
+        self._draft = Draft.of(output)
         self._show = show
         self.recording = rr.RecordingStream(application, recording_id=recording, send_properties=True)
         try:
-            self._partial.touch()
-            sinks: list[rr.FileSink | rr.GrpcSink] = [rr.FileSink(str(self._partial))]
+            sinks: list[rr.FileSink | rr.GrpcSink] = [rr.FileSink(str(self._draft.path))]
             if live is not None:
                 sinks.append(rr.GrpcSink(live))
             self.recording.set_sinks(*sinks)
         except OSError as error:
+            self._draft.discard()
             raise ImuwbError(
                 f"{output}: cannot be written: {error.strerror}; choose another place with --output"
             ) from error
@@ -168,7 +166,7 @@ class RecordingReview:
         recorded.keep(self.recording, name, text)
 
     def close(self) -> Path:
-        """Write the blueprint, rename the file to its final name and return its path; the review cannot be used after this.
+        """Write the blueprint, finish the file and return its place; the review cannot be used after this.
 
         Raises:
             ImuwbError: the file could not be written as a whole.
@@ -177,18 +175,17 @@ class RecordingReview:
         with suppress(RuntimeError):  # the thread that writes has ended; the file shows whether it wrote everything
             self.recording.flush()
         self._disconnect()
-        if not is_whole(self._partial):
-            self._fail(why_cut(self._partial))
-        try:
-            self._partial.replace(self.output)
-        except OSError as error:
-            self._fail(error.strerror)
-        return self.output
+        if not is_whole(self._draft.path):
+            reason = why_cut(self._draft.path)
+            self.discard()
+            raise ImuwbError(f"{self._draft.place}: cannot be written: {reason}")
+        self._draft.finish()
+        return self._draft.place
 
     def discard(self) -> None:
         """Remove the unfinished file."""
         self._disconnect()
-        self._partial.unlink(missing_ok=True)
+        self._draft.discard()
 
     def _send_blueprint(self) -> None:
         for tab in self._tabs:
@@ -200,10 +197,6 @@ class RecordingReview:
             rrb.Tabs(*layouts), rrb.BlueprintPanel(state="collapsed"), rrb.SelectionPanel(state="collapsed"), time_panel
         )
         self.recording.send_blueprint(blueprint)
-
-    def _fail(self, reason: str | None) -> NoReturn:
-        self.discard()
-        raise ImuwbError(f"{self.output}: cannot be written: {reason}")
 
     def _disconnect(self) -> None:
         with suppress(RuntimeError):  # the thread that writes has ended

@@ -5,9 +5,9 @@ from pathlib import Path
 from imuwb.errors import UsageError
 from imuwb.log import Log
 from imuwb.progress import Progress
-from imuwb.writers.whole import whole_file, write_text
+from imuwb.writers.whole import together, whole_file, write_text
 
-__all__ = ["SUFFIXES", "places", "whole_file", "write", "write_text"]
+__all__ = ["SUFFIXES", "places", "together", "whole_file", "write", "write_text"]
 
 SUFFIXES = (".mcap", ".csv")
 

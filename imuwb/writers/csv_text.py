@@ -16,7 +16,8 @@ from imuwb.arrays import Floats
 from imuwb.errors import MissingDataError
 from imuwb.log import GnssStream, ImuStream, Log, Reference, Scalars
 from imuwb.progress import Progress
-from imuwb.writers.whole import whole_file, write_text
+from imuwb.sidecars import MARK, mark_of, sidecar_beside
+from imuwb.writers.whole import together, whole_file, write_text
 
 ROWS = 1 << 16
 _WAYS = ("north", "east", "down")
@@ -24,11 +25,7 @@ _WAYS = ("north", "east", "down")
 
 def places(log: Log, path: Path) -> tuple[Path, ...]:
     """Return the files that a log becomes: the tables, and the sidecar of each."""
-    return tuple(file for table in _tables(log, path).values() for file in (table, _sidecar(table)))
-
-
-def _sidecar(table: Path) -> Path:
-    return table.with_name(f"{table.name}.toml")
+    return tuple(file for table in _tables(log, path).values() for file in (table, sidecar_beside(table)))
 
 
 def _tables(log: Log, path: Path) -> dict[str, Path]:
@@ -63,26 +60,30 @@ def write_csv(log: Log, path: Path, progress: Progress | None = None) -> None:
     )
     truth = f"\n[simulated]\n{truth}" if truth else ""
     epochs = [stream.origin.epoch for stream in (*log.imus, *log.gnss, *log.references)]
-    for (kind, place), table in zip(_tables(log, path).items(), made, strict=True):
-        for written in _written(table, place):
-            if progress is not None:
-                progress(done + written, rows)
-        done += table.num_rows
-        # A speed has no origin of its own: its clock is that of the other streams.
-        origins = [stream.origin.epoch for stream in kinds[kind] if not isinstance(stream, Scalars)]
-        epoch = (*origins, *epochs, "log")[0]
-        frame = 'frame = "FRD"\n' if kind == "imu" else ""
-        write_text(_sidecar(place), f'# Frame and epoch of {place.name}.\n{frame}epoch = "{epoch}"\n{truth}')
+    with together(places(log, path)):
+        for (kind, place), table in zip(_tables(log, path).items(), made, strict=True):
+            # A speed has no origin of its own: its clock is that of the other streams.
+            origins = [stream.origin.epoch for stream in kinds[kind] if not isinstance(stream, Scalars)]
+            epoch = (*origins, *epochs, "log")[0]
+            frame = 'frame = "FRD"\n' if kind == "imu" else ""
+            for written in _written(table, place, f'{frame}epoch = "{epoch}"\n{truth}'):
+                if progress is not None:
+                    progress(done + written, rows)
+            done += table.num_rows
 
 
-def _written(table: pa.Table, place: Path) -> Iterator[int]:
-    """Write a table; yield the number of rows that are written, piece by piece."""
-    with whole_file(place) as temporary, temporary.open("wb") as file:
-        file.write((",".join(table.column_names) + "\n").encode())
-        options = csv.WriteOptions(include_header=False, quoting_style="none")
-        for start in range(0, table.num_rows, ROWS):
-            csv.write_csv(table.slice(start, ROWS), file, options)
-            yield min(start + ROWS, table.num_rows)
+def _written(table: pa.Table, place: Path, stated: str) -> Iterator[int]:
+    """Write a table and the sidecar that states its frame and epoch; yield the number of rows that are written, piece by piece."""
+    with whole_file(place) as temporary:
+        with temporary.open("wb") as file:
+            file.write((",".join(table.column_names) + "\n").encode())
+            options = csv.WriteOptions(include_header=False, quoting_style="none")
+            for start in range(0, table.num_rows, ROWS):
+                csv.write_csv(table.slice(start, ROWS), file, options)
+                yield min(start + ROWS, table.num_rows)
+        mark = mark_of(temporary)
+    head = f"# What {place.name} does not state itself. Delete the next line if the table has changed and the rest is still true.\n"
+    write_text(sidecar_beside(place), f'{head}{MARK} = "{mark}"\n{stated}')
 
 
 def write_reference(reference: Reference, more: Mapping[str, Floats], path: Path) -> None:
@@ -90,9 +91,9 @@ def write_reference(reference: Reference, more: Mapping[str, Floats], path: Path
     table = _reference_table(reference)
     for name, values in more.items():
         table = table.append_column(name, pa.array(values, from_pandas=True))
-    for _ in _written(table, path):
-        pass
-    write_text(_sidecar(path), f'# Epoch of {path.name}.\nepoch = "{reference.origin.epoch}"\n')
+    with together((path, sidecar_beside(path))):
+        for _ in _written(table, path, f'epoch = "{reference.origin.epoch}"\n'):
+            pass
 
 
 def _gnss_table(gnss: GnssStream) -> pa.Table:

@@ -1,16 +1,115 @@
-"""Writes files whole or not at all: each file is written under another name in the same folder, then renamed."""
+"""Writes files whole: each is a draft in the same folder, gets on the disk, and is then renamed.
 
+A process holds a lock on each of its drafts. A second process is told of it, and a draft without a lock is what a killed
+process left: the next process that writes the file takes it over. The drafts of one run are renamed together, after the
+last one is finished.
+"""
+
+import errno
 import os
-from collections.abc import Generator
-from contextlib import contextmanager
+import signal
+import sys
+import threading
+from collections.abc import Generator, Iterable
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import BinaryIO
 
 from imuwb.errors import ImuwbError
+from imuwb.sidecars import draft_of, sidecar_beside, waiting
+
+FAR = 1 << 40  #: place of the byte that is locked on Windows, where a lock keeps others from the bytes
+BUSY = (errno.EACCES, errno.EAGAIN, errno.EDEADLK)
+SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")  #: wait until all files of a run have their names
 
 
-def partial(path: Path) -> Path:
-    """Return the path to which a file is written until it is whole."""
-    return path.with_name(f".{path.name}.{os.getpid()}.partial")
+@dataclass(slots=True, eq=False)
+class Draft:
+    """A file that is not finished. It is at ``path``, and will be at ``place``; its process holds a lock."""
+
+    place: Path
+    path: Path
+    _lock: BinaryIO
+    together: bool = False  #: whether it is renamed with others
+    finished: bool = False
+
+    @staticmethod
+    def of(place: str | Path, *, together: bool = False) -> "Draft":
+        """Return an empty draft; that of the run, if the file is renamed together with others.
+
+        Raises:
+            ImuwbError: it cannot be written, or another process writes it.
+        """
+        place = Path(place).resolve()  # a link stays a link, and leads to the new file
+        if (draft := _together.get(place)) is not None:
+            return draft
+        path = draft_of(place)
+        try:
+            _finish_sidecar(place)
+            lock = _locked(place, path)
+        except OSError as error:
+            raise _failure(place, error) from error
+        return Draft(place, path, lock, together)
+
+    def finish(self) -> None:
+        """Give the file its name; if it belongs to others, they get their names together.
+
+        Raises:
+            ImuwbError: the file cannot be written.
+        """
+        self.finished = True
+        if not self.together:
+            _rename([self])
+
+    def discard(self) -> None:
+        """Remove the draft, unless it has its name."""
+        if self._lock.closed:
+            return
+        if os.name == "nt":  # no open file can be removed there
+            self._lock.close()
+        with suppress(OSError):
+            self.path.unlink(missing_ok=True)
+        self._lock.close()
+
+    def to_disk(self) -> None:
+        """Wait until the bytes of the file are on the disk."""
+        with self.path.open("r+b") as file:
+            os.fsync(file.fileno())
+
+    def rename(self) -> None:
+        """Give the file its name."""
+        if os.name == "nt":
+            self._lock.close()
+        self.path.replace(self.place)
+        self._lock.close()
+
+
+_together: dict[Path, Draft] = {}  #: drafts of this process that are renamed together
+
+
+@contextmanager
+def together(places: Iterable[str | Path]) -> Generator[None]:
+    """Rename the files at ``places`` that are written in the block after its end, in the order in which they were begun.
+
+    After an error, none is renamed. A file at another place is renamed when it is finished. A place that an outer block has
+    is renamed by that one.
+
+    Raises:
+        ImuwbError: a file cannot be written, or another process writes it.
+    """
+    own: list[Draft] = []
+    try:
+        for place in dict.fromkeys(Path(p).resolve() for p in places):
+            if place not in _together:
+                own.append(Draft.of(place, together=True))
+                _together[place] = own[-1]
+        yield
+        _rename([draft for draft in own if draft.finished])
+    finally:
+        for draft in own:
+            _together.pop(draft.place, None)
+            draft.discard()
 
 
 @contextmanager
@@ -18,20 +117,132 @@ def whole_file(path: str | Path) -> Generator[Path]:
     """Yield a path to write to; after the block the file is at ``path``; after an error it is nowhere.
 
     Raises:
-        ImuwbError: the file cannot be written.
+        ImuwbError: the file cannot be written, or another process writes it.
     """
-    path = Path(path).resolve()  # a link stays a link, and leads to the new file
-    temporary = partial(path)
+    draft = Draft.of(path)
     try:
-        yield temporary
-        temporary.replace(path)
+        yield draft.path
+        draft.finish()
     except OSError as error:
-        raise ImuwbError(f"{path}: cannot be written: {error.strerror or error}") from error
+        raise _failure(draft.place, error) from error
     finally:
-        temporary.unlink(missing_ok=True)
+        if not draft.together:
+            draft.discard()
 
 
 def write_text(path: str | Path, text: str) -> None:
     """Write a text file, whole or not at all; a character that UTF-8 does not have, such as a part of a file's name, is replaced."""
     with whole_file(path) as temporary:
         temporary.write_text(text, "utf-8", "replace")
+
+
+def _failure(place: Path, error: OSError) -> ImuwbError:
+    return ImuwbError(f"{place}: cannot be written: {error.strerror or error}")
+
+
+def _rename(drafts: list[Draft]) -> None:
+    """Give finished files their names; no signal that a program can wait for ends the program in between."""
+    done: list[str] = []
+    for draft in drafts:
+        try:
+            draft.to_disk()
+        except OSError as error:
+            raise _failure(draft.place, error) from error
+    with _signals_wait():
+        for draft in drafts:
+            try:
+                draft.rename()
+            except OSError as error:
+                others = (
+                    f"; of the same run, {', '.join(done)} {'is' if len(done) == 1 else 'are'} written" if done else ""
+                )
+                raise ImuwbError(f"{_failure(draft.place, error)}{others}") from error
+            done.append(draft.place.name)
+        for folder in {draft.place.parent for draft in drafts}:
+            _folder_to_disk(folder)
+
+
+def _folder_to_disk(folder: Path) -> None:
+    """Wait until the names in a folder are on the disk, where the system can do so."""
+    with suppress(OSError):
+        number = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(number)
+        finally:
+            os.close(number)
+
+
+@dataclass(slots=True)
+class _Waiting:
+    """Signals that came while they had to wait."""
+
+    came: list[int] = field(default_factory=list[int])
+
+    def note(self, number: int, frame: object) -> None:
+        del frame
+        self.came.append(number)
+
+
+@contextmanager
+def _signals_wait() -> Generator[None]:
+    """Deliver signals after the block."""
+    if threading.current_thread() is not threading.main_thread():  # only the main thread has handlers, and runs them
+        yield
+        return
+    waiting_signals = _Waiting()
+    numbers = [getattr(signal, name) for name in SIGNALS if hasattr(signal, name)]
+    kept = [n for n in numbers if signal.getsignal(n) not in (None, signal.SIG_IGN)]
+    before = {number: signal.signal(number, waiting_signals.note) for number in kept}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        for number in waiting_signals.came:
+            signal.raise_signal(number)
+
+
+def _finish_sidecar(place: Path) -> None:
+    """Give the finished sidecar of a table its name, if the process that wrote both was killed before it could."""
+    table = place.with_suffix("")
+    if place.suffix == ".toml" and sidecar_beside(table) == place and (draft := waiting(table)) is not None:
+        with suppress(ImuwbError):  # the process that writes it is about to do the same
+            lock = _locked(place, draft, keep=True)
+            draft.replace(place)
+            lock.close()
+
+
+def _locked(place: Path, path: Path, *, keep: bool = False) -> BinaryIO:
+    """Return the open and locked file of a draft, which is made empty unless it is kept."""
+    while True:
+        file = path.open("ab")
+        if _lock(file):
+            # Between opening and locking, the other process may have renamed or removed it.
+            with suppress(FileNotFoundError):
+                if os.path.samestat(os.fstat(file.fileno()), path.stat()):
+                    if not keep:
+                        file.truncate(0)
+                    return file
+            file.close()
+            continue
+        file.close()
+        raise ImuwbError(
+            f"{place}: another process of imuwb writes this file now; wait for its end, or choose another name"
+        )
+
+
+def _lock(file: BinaryIO) -> bool:
+    """Lock a file for this process, and return whether no other one has the lock; some file systems have no locks."""
+    try:
+        if sys.platform == "win32":
+            import msvcrt  # noqa: PLC0415 - of that system alone
+
+            file.seek(FAR)
+            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+        else:
+            import fcntl  # noqa: PLC0415 - of the other systems
+
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        return error.errno not in BUSY
+    return True

@@ -150,6 +150,7 @@ def test_a_gap_is_noted(imuwb, tmp_path):
 def test_too_short_or_constant_is_missing_data(imuwb, tmp_path, analysis):
     short = written(tmp_path / "short.csv", 5, 2)
     constant = written(tmp_path / "constant.csv", 5, 60, times=0.0)
+    (tmp_path / "constant.csv.toml").unlink()  # it belongs to the table as it was
     for path, named in ((short, "40 samples"), (constant, "constant")):
         if path is constant:
             lines = path.read_text("utf-8").splitlines()

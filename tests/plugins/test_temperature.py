@@ -63,7 +63,7 @@ def result(chamber):
 
 
 def test_each_set_point_holds_the_truth_and_says_so_in_json(chamber, result):
-    text = document("temperature", "0", temperature.Parameters(), result, chamber, [])
+    text, _ = document("temperature", "0", temperature.Parameters(), result, chamber, [])
     found = json.loads(text)["result"]
     assert list(found["axes"]) == list(AXES)
     inside = []

@@ -39,7 +39,7 @@ def chamber(
     from imuwb.simulation import set_points  # noqa: PLC0415
     from imuwb.simulation.chamber import names  # noqa: PLC0415
     from imuwb.stochastic import is_thermal  # noqa: PLC0415
-    from imuwb.writers import write  # noqa: PLC0415
+    from imuwb.writers import together, write  # noqa: PLC0415
 
     model = sensor.model()
     temperatures = set_points(points.first, points.last, points.step)
@@ -47,12 +47,13 @@ def chamber(
     check_folder(output, files, force=force)
     if not is_thermal(model) and not any(axis.thermal for axis in model.axes.values()):
         typer.echo(f"note: {model.name} does not depend on temperature: all set-points have the same noise", err=True)
-    with progress("simulating") as report:
+    output.mkdir(exist_ok=True)
+    with together(files), progress("simulating") as report:
         logs = recorded(
             model, temperatures, points.hours * 3600, samples.rate, samples.seed, quantize=samples.quantize,
             bandwidth=samples.bandwidth, progress=report,
         )  # fmt: skip
         for log, file in zip(logs, files, strict=True):
-            output.mkdir(exist_ok=True)
             write(log, file)
-            typer.echo(f"wrote {file}", err=True)
+    for file in files:
+        typer.echo(f"wrote {file}", err=True)

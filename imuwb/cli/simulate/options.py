@@ -10,6 +10,7 @@ import typer
 from imuwb.errors import UsageError
 from imuwb.log import Log
 from imuwb.options import NOT_NEGATIVE, POSITIVE, Form, Options
+from imuwb.sidecars import draft_of
 from imuwb.simulation import Temperature
 from imuwb.stochastic import ImuErrorModel
 
@@ -128,7 +129,7 @@ def check_folder(folder: Path, files: list[Path], *, force: bool) -> None:
     if not folder.is_dir():
         check_place(folder, force=False)
         return
-    held = sorted(set(folder.iterdir()) - set(files))
+    held = sorted(set(folder.iterdir()) - set(files) - set(map(draft_of, files)))
     if held or any(file.exists() for file in files):
         if not force:
             raise UsageError(
@@ -142,17 +143,17 @@ def check_folder(folder: Path, files: list[Path], *, force: bool) -> None:
 
 def save(logs: Mapping[Path, Log], texts: Mapping[Path, str] | None = None, *, force: bool) -> None:
     """Write logs and texts, and print where."""
-    from imuwb.cli.places import check_places  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.cli.places import reserved  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.terminal import progress  # noqa: PLC0415
     from imuwb.writers import places, write, write_text  # noqa: PLC0415
 
     texts = texts or {}
     files = [*(place for path, log in logs.items() for place in places(log, path)), *texts]
-    check_places(files, [], force=force)
-    for path, log in logs.items():
-        with progress(f"writing {path.name}") as report:
-            write(log, path, report)
-    for path, text in texts.items():
-        write_text(path, text)
+    with reserved(files, [], force=force):
+        for path, log in logs.items():
+            with progress(f"writing {path.name}") as report:
+                write(log, path, report)
+        for path, text in texts.items():
+            write_text(path, text)
     for file in files:
         typer.echo(f"wrote {file}", err=True)

@@ -15,6 +15,7 @@ from imuwb.errors import UnreadableLogError
 from imuwb.notes import Note
 from imuwb.readers.bytes.address import Place, place_of
 from imuwb.readers.bytes.remote import RemoteLog, is_web_page
+from imuwb.sidecars import ends_hash
 
 Source: TypeAlias = Path | RemoteLog  #: what a log is read from
 
@@ -23,7 +24,6 @@ PIECE = 1 << 16  #: bytes read at a time from a packed file
 BLOCK = 8 << 20  #: bytes read at a time from a file of records
 _UNPACKING = cast("type[Exception]", isal_zlib.error)  # the library's type hints say that it is a value
 GZIP_WINDOW = 31  #: bits: the largest window, after gzip's own header
-END = 1 << 20  #: bytes at each end of a file, for the fingerprint of a file that is not read as a whole
 GZIP_MAGIC = b"\x1f\x8b"
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 
@@ -224,11 +224,8 @@ def ends_fingerprint(path: Source) -> str:
     """Return ``sha256-ends:...`` of a log's size and of its first and last MiB: its identity without the cost of reading it."""
     if isinstance(path, Path) and path.is_dir():
         return fingerprint(path)
-    length = size(path)
     with opened(path) as file:
-        first = file.read(END)
-        file.seek(max(length - END, 0))
-        return f"sha256-ends:{hashlib.sha256(b'%d ' % length + first + file.read(END)).hexdigest()}"
+        return ends_hash(file, size(path))
 
 
 def _files(path: Path) -> list[Path]:

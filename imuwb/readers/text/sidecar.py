@@ -5,11 +5,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
-from imuwb.errors import UsageError
+from imuwb.errors import UnreadableLogError, UsageError
 from imuwb.log import AXES
 from imuwb.notes import Note
 from imuwb.readers.batch import Remark, simulated
 from imuwb.readers.read_options import ReadOptions
+from imuwb.sidecars import MARK, mark_of, waiting
 
 #: key -> the rule for its value
 _KEYS = {
@@ -19,6 +20,7 @@ _KEYS = {
     "frame": '"FRD" or "FLU"',
     "simulated": "a table of texts",
     "epoch": '"unix" (1970 UTC), "boot" (power-up) or "log" (the log\'s start)',
+    MARK: "a text, which a sidecar has that imuwb writes",
 }
 #: keys of error models, of filters, and of lists of limits (``imuwb model check``)
 _OTHERS = {*AXES, "error_model", "gyro", "accel"}
@@ -31,6 +33,7 @@ def with_sidecar(path: Path, options: ReadOptions) -> tuple[ReadOptions, tuple[R
 
     Raises:
         UsageError: the sidecar is not TOML, or has an unknown key or a wrong value.
+        UnreadableLogError: the sidecar was written with another table.
     """
     passed: list[Remark] = []
     for sidecar in _candidates(path):
@@ -40,6 +43,11 @@ def with_sidecar(path: Path, options: ReadOptions) -> tuple[ReadOptions, tuple[R
             passed.append(Remark(Note("no-sidecar", text)))
             continue
         _check(sidecar, stated)
+        if stated.pop(MARK, None) not in (None, mark_of(path)):
+            raise UnreadableLogError(
+                f"{sidecar} was written with another table than {path.name}, which has changed since then, or was replaced; write the "
+                f"table again, or, if all that {sidecar.name} states is true of it, delete the line that begins with {MARK!r} there"
+            )
         try:
             completed = replace(
                 options,
@@ -70,8 +78,10 @@ def sidecar_of(path: Path) -> Path | None:
 
 
 def _candidates(path: Path) -> list[Path]:
-    """Return the files that may be the sidecar of a log."""
-    return [place for name in names_of(path.name) if (place := path.parent / name).is_file()]
+    """Return the files that may be the sidecar of a log; first the one that was finished and did not get its name."""
+    unnamed = waiting(path) if path.is_file() else None
+    named = [place for name in names_of(path.name) if (place := path.parent / name).is_file()]
+    return [unnamed, *named] if unnamed is not None else named
 
 
 def names_of(log: str) -> tuple[str, ...]:
@@ -102,7 +112,7 @@ def _check(sidecar: Path, stated: dict[str, Any]) -> None:
 def _has_type(key: str, value: object) -> bool:
     if key == "rate":
         return isinstance(value, int | float) and not isinstance(value, bool)
-    if key in ("frame", "epoch"):
+    if key in ("frame", "epoch", MARK):
         return isinstance(value, str)
     if key == "columns":
         return isinstance(value, list) and all(isinstance(name, str) for name in cast("list[object]", value))

@@ -29,7 +29,7 @@ class Part:
 
 def page(
     title: str, panel: Sequence[str], drawn: Sequence[Drawn], logs: Sequence[Log], command: str, version: str,
-    figure: Figure | None = None,
+    run: str, figure: Figure | None = None,
 ) -> str:  # fmt: skip
     """Return the HTML of an analysis: one file without links to others.
 
@@ -40,6 +40,7 @@ def page(
         logs: the logs that were analysed.
         command: that makes the page again.
         version: of imuwb.
+        run: name of the run, which all its files have.
         figure: shown beside the answer; None: the first one that was drawn.
     """
     first = figure or next((one.item for one in drawn if isinstance(one.item, Figure)), None)
@@ -52,7 +53,14 @@ def page(
     )
     sources = [(log.provenance.path, log.provenance.format, log.provenance.hash) for log in logs]
     return template.render(
-        title=title, panel=panel, figure=shown, parts=parts, sources=sources, command=command, version=version
+        title=title,
+        panel=panel,
+        figure=shown,
+        parts=parts,
+        sources=sources,
+        command=command,
+        version=version,
+        run=run,
     )
 
 

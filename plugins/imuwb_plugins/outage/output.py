@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from imuwb.sidecars import sidecar_beside
 from imuwb.writers import write_text
 from imuwb.writers.trajectory import check_trajectory, write_smoothed, write_trajectory
 from imuwb_plugins.outage.parameters import Parameters
@@ -13,7 +14,8 @@ def outputs(parameters: Parameters) -> tuple[Path, ...]:
     trajectories = [path for path in (parameters.navigation, parameters.smoothed) if path is not None]
     for path in trajectories:
         check_trajectory(path)
-    return (*trajectories, *(() if parameters.save_filter is None else (parameters.save_filter,)))
+    sidecars = [sidecar_beside(path) for path in trajectories if path.suffix == ".csv"]
+    return (*trajectories, *sidecars, *(() if parameters.save_filter is None else (parameters.save_filter,)))
 
 
 def write_outputs(result: Result, parameters: Parameters) -> None:

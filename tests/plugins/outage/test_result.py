@@ -19,7 +19,7 @@ from .made import sensor, stated
 
 
 def test_json_is_the_contract(few, log):
-    text = document("outage", "0", Parameters(), few, [log], [])
+    text, _ = document("outage", "0", Parameters(), few, [log], [])
     result = json.loads(text, parse_constant=pytest.fail)["result"]
     assert len(result["outages"]) == 7
     for one in result["outages"]:

@@ -51,7 +51,7 @@ def drawn(text="a note"):
 
 def made(text="a note"):
     log = SimpleNamespace(provenance=SimpleNamespace(path=text, format="csv", hash="sha256:1"))
-    return page(f"Noise: {text}", ("NOISE  x", text), drawn(text), [log], f"imuwb noise '{text}'", "1.0")
+    return page(f"Noise: {text}", ("NOISE  x", text), drawn(text), [log], f"imuwb noise '{text}'", "1.0", "run")
 
 
 class Elements(HTMLParser):

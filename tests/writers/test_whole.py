@@ -1,0 +1,164 @@
+"""Files are old or new, never a part or a mixture, whatever ends the process that writes them."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from imuwb import readers
+from imuwb.errors import ImuwbError, UnreadableLogError
+from imuwb.log import ImuStream, Log, Origin, Provenance, Triad
+from imuwb.sidecars import draft_of
+from imuwb.writers import together, whole, whole_file, write, write_text
+
+
+class Killed(BaseException):
+    """Stands for a signal that no program can catch."""
+
+
+def log_of(epoch, rate):
+    time = np.arange(50) * 10_000_000
+    triads = [Triad(time, np.full((50, 3), value)) for value in (rate, 9.8)]
+    imu = ImuStream("imu", *triads, origin=Origin(frame="FRD", epoch=epoch))
+    return Log(Provenance("x", "test", "", 0), imus=(imu,))
+
+
+def read_state(path):
+    imu = readers.read(path).imu()
+    return imu.origin.epoch, float(imu.angular_rate.value[0, 0])
+
+
+@pytest.fixture
+def kill(monkeypatch):
+    """Return a function that ends the writing before or after the n-th rename, with nothing cleaned up."""
+
+    def before(count, work):
+        left, rename = [count], Path.replace
+        locks = []
+
+        def replace(self, target):
+            if not left[0]:
+                raise Killed
+            left[0] -= 1
+            return rename(self, target)
+
+        with monkeypatch.context() as patch:
+            patch.setattr(Path, "replace", replace)
+            patch.setattr(whole.Draft, "discard", lambda draft: locks.append(draft._lock))
+            try:
+                work()
+            except Killed:
+                return True
+            finally:
+                for lock in locks:
+                    lock.close()
+        return False
+
+    return before
+
+
+def test_a_table_and_its_sidecar_read_as_old_or_new_at_every_kill(kill, tmp_path):
+    path, states = tmp_path / "o.csv", []
+    old, new = log_of("boot", 1.0), log_of("unix", 2.0)
+    for count in range(4):
+        write(old, path)
+        assert sorted(os.listdir(tmp_path)) == ["o.csv", "o.csv.toml"]  # nothing is left of the kill before
+        killed = kill(count, lambda: write(new, path))
+        states.append((killed, read_state(path)))
+    assert states == [(True, ("boot", 1.0)), (True, ("unix", 2.0)), (False, ("unix", 2.0)), (False, ("unix", 2.0))]
+
+
+def test_a_sidecar_without_its_name_is_not_lost_to_a_run_that_fails(kill, tmp_path):
+    path = tmp_path / "o.csv"
+    write(log_of("boot", 1.0), path)
+    kill(1, lambda: write(log_of("unix", 2.0), path))
+    with pytest.raises(ZeroDivisionError), together((path, tmp_path / "o.csv.toml")):
+        1 / 0  # noqa: B018 - this fails on purpose
+    assert sorted(os.listdir(tmp_path)) == ["o.csv", "o.csv.toml"]
+    assert read_state(path) == ("unix", 2.0)
+
+
+def test_a_sidecar_of_another_table_is_refused_and_one_written_by_hand_is_used(tmp_path):
+    path, sidecar = tmp_path / "o.csv", tmp_path / "o.csv.toml"
+    write(log_of("boot", 1.0), path)
+    path.write_text(path.read_text("utf-8").replace("9.8", "9.7"), "utf-8")
+    with pytest.raises(UnreadableLogError, match=r"o\.csv\.toml was written with another table.*delete the line"):
+        readers.read(path)
+    sidecar.write_text("\n".join(t for t in sidecar.read_text("utf-8").splitlines() if not t.startswith("table")), "utf-8")
+    assert read_state(path) == ("boot", 1.0)
+
+
+def test_files_of_a_run_get_their_names_together(kill, tmp_path):
+    files = [tmp_path / name for name in "abc"]
+
+    def run(text):
+        with together(files):
+            for file in files[:2]:
+                write_text(file, text)
+            write_text(tmp_path / "apart", text)
+
+    run("old")
+    assert sorted(os.listdir(tmp_path)) == ["a", "apart", "b"]
+    assert kill(1, lambda: run("new"))
+    assert [files[0].read_text(), files[1].read_text(), (tmp_path / "apart").read_text()] == ["old", "old", "new"]
+    with pytest.raises(ZeroDivisionError), together(files):
+        write_text(files[0], "new")
+        1 / 0  # noqa: B018 - this fails on purpose
+    assert files[0].read_text() == "old"
+    run("new")
+    assert [file.read_text() for file in files[:2]] == ["new", "new"]
+    assert sorted(os.listdir(tmp_path)) == ["a", "apart", "b"]
+
+
+def test_a_second_writer_is_told_and_the_first_wins_whole(tmp_path):
+    place = tmp_path / "a"
+    with whole_file(place) as temporary:
+        temporary.write_text("first", "utf-8")
+        with pytest.raises(ImuwbError, match="another process of imuwb writes this file"):
+            write_text(place, "second")
+        command = f"from imuwb.writers import write_text; write_text({str(place)!r}, 'third')"
+        done = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True, check=False)
+        assert "another process of imuwb writes this file" in done.stderr
+    assert place.read_text("utf-8") == "first"
+    write_text(place, "second")
+    assert (place.read_text("utf-8"), os.listdir(tmp_path)) == ("second", ["a"])
+
+
+def test_a_disk_that_is_full_at_the_end_leaves_the_old_file(tmp_path, monkeypatch):
+    write_text(tmp_path / "a", "old")
+    monkeypatch.setattr(os, "fsync", lambda number: os.write(os.open("/dev/full", os.O_WRONLY), b"1"))
+    with pytest.raises(ImuwbError, match="a: cannot be written: No space left on device"):
+        write_text(tmp_path / "a", "new")
+    assert ((tmp_path / "a").read_text(), os.listdir(tmp_path)) == ("old", ["a"])
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="the system has no such signals")
+def test_signals_wait_until_all_files_of_a_run_have_their_names(tmp_path, monkeypatch):
+    came, rename, files = [], Path.replace, [tmp_path / "a", tmp_path / "b"]
+    before = signal.signal(signal.SIGTERM, lambda number, _: came.append((number, sorted(os.listdir(tmp_path)))))
+
+    def replace(self, target):
+        os.kill(os.getpid(), signal.SIGTERM)
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "replace", replace)
+    try:
+        with together(files):
+            for file in files:
+                write_text(file, "new")
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert set(map(str, came)) == {str((signal.SIGTERM.value, ["a", "b"]))}
+
+
+def test_a_thread_writes_too(tmp_path):
+    thread = threading.Thread(target=write_text, args=(tmp_path / "a", "new"))
+    thread.start()
+    thread.join()
+    assert (tmp_path / "a").read_text() == "new"
+    assert not draft_of(tmp_path / "a").exists()
