@@ -30,7 +30,7 @@ class Draft:
 
     place: Path
     path: Path
-    _lock: BinaryIO
+    lock: BinaryIO
     together: bool = False  #: whether it is renamed with others
     finished: bool = False
 
@@ -64,13 +64,13 @@ class Draft:
 
     def discard(self) -> None:
         """Remove the draft, unless it has its name."""
-        if self._lock.closed:
+        if self.lock.closed:
             return
         if os.name == "nt":  # no open file can be removed there
-            self._lock.close()
+            self.lock.close()
         with suppress(OSError):
             self.path.unlink(missing_ok=True)
-        self._lock.close()
+        self.lock.close()
 
     def to_disk(self) -> None:
         """Wait until the bytes of the file are on the disk."""
@@ -80,9 +80,9 @@ class Draft:
     def rename(self) -> None:
         """Give the file its name."""
         if os.name == "nt":
-            self._lock.close()
+            self.lock.close()
         self.path.replace(self.place)
-        self._lock.close()
+        self.lock.close()
 
 
 _together: dict[Path, Draft] = {}  #: drafts of this process that are renamed together
