@@ -32,6 +32,8 @@ from imuwb.review.overview import overview
 from imuwb.review.panel import Origin, panel
 from imuwb.review.properties import properties, recording_name
 from imuwb.review.recording import RecordingReview
+from imuwb.review.report import Report, report_of
+from imuwb.review.report_document import KEPT, report_from, text_of
 from imuwb.stochastic import ImuErrorModel
 from imuwb.writers import write_text
 
@@ -132,7 +134,10 @@ def _drawn(
         review.summary(panel(answer, origin), answer.figure)
         text, run = document(name, __version__, done.parameters, done.result, logs, review.notes, done.study)
         review.state(recording_name(name, logs, answer), {"run": run, **stated}, text)
-        page = _page(name, panel(answer, origin), review, answer, logs, run) if places.page is not None else ""
+        kept = text_of(report_of(answer, origin, review.drawn, logs, run, __version__))
+        review.keep(KEPT, kept)
+        # The page is made of what is kept, so that imuwb report makes the same page from the recording.
+        page = _page(report_from(kept, places.recording)) if places.page is not None else ""
         saved = "" if model is None or objections else _of_run(model, run).to_toml()
         review.close()
     except BaseException:
@@ -145,13 +150,10 @@ def _of_run(model: ImuErrorModel, run: str) -> ImuErrorModel:
     return replace(model, provenance={**model.provenance, "run": run})
 
 
-def _page(
-    name: str, lines: Sequence[str], review: RecordingReview, answer: Answer, logs: Sequence[Log], run: str
-) -> str:
+def _page(report: Report) -> str:
     from imuwb.review.page.html import page  # noqa: PLC0415 - matplotlib takes half a second
 
-    title = f"{name.capitalize()}: {', '.join(Path(log.provenance.path).name for log in logs)}"
-    return page(title, lines, review.drawn, logs, _typed(), __version__, run, answer.figure)
+    return page([report])
 
 
 def _typed() -> str:

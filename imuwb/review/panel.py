@@ -2,7 +2,7 @@
 
 import textwrap
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from imuwb.analysis import Answer, Step
 from imuwb.texts import printable
@@ -80,15 +80,21 @@ def _rows(answer: Answer, width: int) -> list[str]:
     return [line if len(line) <= width else f"{line[: width - 1]}{CUT}" for line in lines]
 
 
+def filled(steps: Sequence[Step], origin: Origin) -> tuple[Step, ...]:
+    """Return steps whose commands have the names of the logs and of the model; one that needs a model is left out if none was saved."""
+    logs, model = " ".join(map(_quoted, origin.logs)), _quoted(origin.model)
+    return tuple(
+        replace(step, command=step.command.replace("{log}", logs).replace("{model}", model).replace("{command}", origin.command))
+        for step in steps
+        if origin.model or "{model}" not in step.command
+    )  # fmt: skip
+
+
 def _steps(steps: Sequence[Step], origin: Origin, width: int) -> list[str]:
     lines: list[str] = []
-    for step in steps:
-        if "{model}" in step.command and not origin.model:
-            continue  # no model was saved
-        command = step.command.replace("{log}", " ".join(map(_quoted, origin.logs)))
-        command = command.replace("{model}", _quoted(origin.model)).replace("{command}", origin.command)
+    for step in filled(steps, origin):
         label = "Next" if not lines else ""
-        text = f"{label.ljust(INDENT)}{command}"
+        text = f"{label.ljust(INDENT)}{step.command}"
         whole = f"{text}  {step.why}"
         lines += [whole] if len(whole) <= width or len(text) > width else [text, f"{' ' * INDENT}{step.why}"]
     return lines

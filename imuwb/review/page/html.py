@@ -1,19 +1,28 @@
-"""Writes the page of an analysis: the panel, figures, tables and notes by tab, and where they come from."""
+"""Writes pages: the answer, a figure that shows it, notes, then all figures and tables, and where they come from."""
 
+import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 from importlib import resources
+from typing import Any
 
-from jinja2 import Environment, StrictUndefined
+from jinja2 import Environment, FunctionLoader, StrictUndefined
 
 from imuwb.analysis import Figure, Series, Table
-from imuwb.log import Log
-from imuwb.review.drawn import Drawn, Track
-from imuwb.review.page.svg import Picture, figure_picture, series_picture, track_picture
+from imuwb.review.page.canvas import Drawing, Look
+from imuwb.review.page.pictures import Picture, drawings, picture
+from imuwb.review.page.small import with_classes
+from imuwb.review.page.themes import DARK, GRID_NAME, INK_NAME, LIGHT, PAGE, PRINT, color_of, readable, text_of
+from imuwb.review.report import Report
+from imuwb.units import UNITS
 
 OVERVIEW = "Overview"  #: begin of the names of the tabs that show the logs
 MOST_SERIES = 6  #: of a tab
 MOST_TRACKS = 12
+NOTES = 6  #: that are shown at once
+PAPER_LETTERS, LONG_CELL = 110, 36  #: letters of a line of a table on paper; of a cell that is then broken
+_COLOR = re.compile(r"#[0-9a-f]{6}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,63 +33,149 @@ class Part:
     name: str  #: for links
     pictures: tuple[Picture, ...]
     tables: tuple[Table, ...]
+    more: str  #: what is left out; empty: nothing
+
+    @property
+    def contents(self) -> str:
+        """Return how much there is: "2 figures, 5 tables"."""
+        counts = ((len(self.pictures), "figure"), (len(self.tables), "table"))
+        return ", ".join(f"{count} {word}{'s' if count > 1 else ''}" for count, word in counts if count)
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """One run of an analysis."""
+
+    title: str
+    name: str
+    report: Report
+    figure: Picture | None  #: shows the answer
+    parts: tuple[Part, ...]
     notes: tuple[str, ...]
 
 
-def page(
-    title: str, panel: Sequence[str], drawn: Sequence[Drawn], logs: Sequence[Log], command: str, version: str,
-    run: str, figure: Figure | None = None,
-) -> str:  # fmt: skip
-    """Return the HTML of an analysis: one file without links to others.
+def page(reports: Sequence[Report], title: str = "", remarks: Sequence[str] = ()) -> str:
+    """Return the HTML of one or several runs: one file without links to others, for a light and a dark screen, and for paper.
 
     Args:
-        title: of the page.
-        panel: the lines of the answer.
-        drawn: all that the analysis has drawn.
-        logs: the logs that were analysed.
-        command: that makes the page again.
-        version: of imuwb.
-        run: name of the run, which all its files have.
-        figure: shown beside the answer; None: the first one that was drawn.
+        reports: the runs, in order.
+        title: of the page; empty: that of the run.
+        remarks: what a reader must know of the runs together.
     """
-    first = figure or next((one.item for one in drawn if isinstance(one.item, Figure)), None)
-    counter = iter(range(1_000_000))
-    shown = None if first is None else figure_picture(first, next(counter))
-    parts = tuple(_parts([one for one in drawn if one.item is not first], counter))
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    template = environment.from_string(
-        resources.files("imuwb.review.page").joinpath("page.html.jinja").read_text("utf-8")
-    )
-    sources = [(log.provenance.path, log.provenance.format, log.provenance.hash) for log in logs]
-    return template.render(
-        title=title,
-        panel=panel,
-        figure=shown,
-        parts=parts,
-        sources=sources,
-        command=command,
-        version=version,
-        run=run,
-    )
+    return _whole(reports, title, remarks, PAGE, printed=False)
 
 
-def _parts(drawn: Sequence[Drawn], counter: Iterator[int]) -> Iterator[Part]:
-    tabs = list(dict.fromkeys(one.tab for one in drawn))
-    for number, tab in enumerate(
-        sorted(tabs, key=lambda tab: tab.startswith(OVERVIEW))
-    ):  # the answer's own parts first
-        items = [one.item for one in drawn if one.tab == tab]
-        pictures = [figure_picture(item, next(counter)) for item in items if isinstance(item, Figure)]
-        series = [item for item in items if isinstance(item, Series) and item.time.size]
-        pictures += [series_picture(item, next(counter)) for item in series[:MOST_SERIES]]
-        tracks = [item for item in items if isinstance(item, Track) and len(item.position)]
-        if tracks:
-            pictures.append(track_picture(tracks[:MOST_TRACKS], next(counter)))
-        tables = tuple(item for item in items if isinstance(item, Table))
-        notes = tuple(str(item) for item in items if isinstance(item, str))
-        if len(series) > MOST_SERIES:
-            notes += (f"{len(series) - MOST_SERIES} more series are in the recording",)
-        if len(tracks) > MOST_TRACKS:
-            notes += (f"{len(tracks) - MOST_TRACKS} more tracks are in the recording",)
-        if pictures or tables or notes:
-            yield Part(tab, f"part-{number}", tuple(pictures), tables, notes)
+def printed(reports: Sequence[Report], title: str = "", remarks: Sequence[str] = ()) -> str:
+    """Return the HTML of a page for paper: all parts open, its colours stated where they are used."""
+    return _whole(reports, title, remarks, PRINT, printed=True)
+
+
+def fragment(report: Report) -> str:
+    """Return the answer and its figure as HTML for a notebook: it brings its styles, and takes the colours of what is round it."""
+    shown = None if report.figure is None else picture(report.figure, PAGE, f"i{id(report):x}-")
+    svg = "" if shown is None else shown.svg.replace(INK_NAME, "currentColor").replace(GRID_NAME, "#88888855")
+    return _environment().get_template("fragment.html.jinja").render(report=report, svg=svg)
+
+
+def svg_of(drawing: Drawing, prefix: str = "s-") -> str:
+    """Return a figure, a series or tracks as an SVG element for a light background, complete in itself."""
+    return picture(drawing, PRINT, prefix).svg
+
+
+def _whole(reports: Sequence[Report], title: str, remarks: Sequence[str], look: Look, *, printed: bool) -> str:
+    numbers = iter(range(1_000_000))
+    sections = tuple(_section(report, place, look, numbers) for place, report in enumerate(reports))
+    css, sections = ("", sections) if printed else _with_classes(sections)
+    named = {color: f"c{color[1:]}" for color in sorted(set(_COLOR.findall(css)) - {INK_NAME, GRID_NAME})}
+    for old, new in {
+        INK_NAME: "var(--ink)",
+        GRID_NAME: "var(--grid)",
+        **{c: f"var(--{n})" for c, n in named.items()},
+    }.items():
+        css = css.replace(old, new)
+    values = [(name, color_of(color)) for color, name in named.items()]
+    return _environment().get_template("page.html.jinja").render(
+        title=title or sections[0].title, sections=sections, remarks=remarks, printed=printed, css=css,
+        light="".join(f"--{name}:{text_of(readable(color, LIGHT))};" for name, color in values),
+        dark="".join(f"--{name}:{text_of(readable(color, DARK))};" for name, color in values),
+        version=reports[0].version, shown_notes=NOTES, script=_read("page.js"), sheet=_read("page.css"),
+    )  # fmt: skip
+
+
+def _section(report: Report, place: int, look: Look, numbers: Iterator[int]) -> Section:
+    first = report.figure
+    shown = None if first is None else picture(first, look, f"f{next(numbers):x}-")
+    notes = [str(one.item) for one in report.drawn if isinstance(one.item, str)]
+    known = set(report.answer.sentences)
+    return Section(
+        report.title, f"run-{place}", report, shown, tuple(_parts(report, f"run-{place}", look, numbers)),
+        tuple(note for note in dict.fromkeys(notes) if note not in known),
+    )  # fmt: skip
+
+
+def _parts(report: Report, name: str, look: Look, numbers: Iterator[int]) -> Iterator[Part]:
+    tabs = list(dict.fromkeys(one.tab for one in report.drawn))
+    for place, tab in enumerate(sorted(tabs, key=lambda tab: tab.startswith(OVERVIEW))):  # the answer's own parts first
+        own = [one for one in report.drawn if one.tab == tab]
+        kept, more = _most([drawing for _, drawing in drawings(own)])
+        pictures = tuple(picture(drawing, look, f"f{next(numbers):x}-") for drawing in kept)
+        tables = tuple(one.item for one in own if isinstance(one.item, Table) and one.item.rows)
+        if pictures or tables:
+            yield Part(tab, f"{name}-{place}", pictures, tables, more)
+
+
+def _most(items: Sequence[Drawing]) -> tuple[list[Drawing], str]:
+    """Return the pictures that a tab of a page shows, and what more there is."""
+    figures = [item for item in items if isinstance(item, Figure)]
+    series = [item for item in items if isinstance(item, Series)]
+    tracks = [item for item in items if not isinstance(item, Figure | Series)]
+    rest = [f"{len(series) - MOST_SERIES} more series"] if len(series) > MOST_SERIES else []
+    rest += [f"{len(group) - MOST_TRACKS} more tracks" for group in tracks if len(group) > MOST_TRACKS]
+    kept = [*figures, *(group[:MOST_TRACKS] for group in tracks), *series[:MOST_SERIES]]
+    return kept, f"The recording has {' and '.join(rest)}." if rest else ""
+
+
+def _with_classes(sections: Sequence[Section]) -> tuple[str, tuple[Section, ...]]:
+    """Return a style sheet, and sections whose pictures use it."""
+    pictures = [
+        p
+        for s in sections
+        for p in (*((s.figure,) if s.figure else ()), *(p for part in s.parts for p in part.pictures))
+    ]
+    css, svgs = with_classes([p.svg for p in pictures])
+    short = {id(p): replace(p, svg=svg) for p, svg in zip(pictures, svgs, strict=True)}
+    return css, tuple(
+        replace(
+            s, figure=short[id(s.figure)] if s.figure else None,
+            parts=tuple(replace(part, pictures=tuple(short[id(p)] for p in part.pictures)) for part in s.parts),
+        )
+        for s in sections
+    )  # fmt: skip
+
+
+def _read(name: str) -> str:
+    return resources.files("imuwb.review.page").joinpath(name).read_text("utf-8")
+
+
+def _size(table: Table) -> str:
+    """Return how wide a table is on paper: "", "wide" or "widest"."""
+    widths = [
+        max(len(row[i]) for row in (table.headings, *table.rows) if i < len(row)) for i in range(len(table.headings))
+    ]
+    letters = sum(min(width, LONG_CELL) + 2 for width in widths)
+    return "" if letters <= PAPER_LETTERS else "wide" if letters <= 1.5 * PAPER_LETTERS else "widest"
+
+
+def _states_units(value: Any) -> bool:  # noqa: ANN401 - jinja calls it with any value
+    """Return whether a row of an answer states the units of the rows above it."""
+    return not value[0] and any(cell in UNITS for cell in value)
+
+
+@cache
+def _environment() -> Environment:
+    environment = Environment(
+        loader=FunctionLoader(_read), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters["size"] = _size
+    environment.tests["units"] = _states_units
+    return environment

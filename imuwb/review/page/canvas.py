@@ -1,0 +1,185 @@
+"""Draws figures, series and tracks with matplotlib, for a page or for a paper."""
+
+import io
+import textwrap
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure as Canvas
+
+from imuwb.analysis import Curve, Figure, Series
+from imuwb.arrays import Floats
+from imuwb.colors import Color, color_at
+from imuwb.log import SECOND
+from imuwb.review.drawn import Track
+from imuwb.review.page.ticks import put_ticks
+from imuwb.review.track import local_plane
+
+HEIGHT = {"figure": 0.5, "series": 0.38, "track": 0.7}  #: of the width
+TITLE = 44  #: letters of a line of an axis's title
+LEGEND = 40  #: letters of a line of the legend
+MARKED = 40  #: points, up to which each has a marker
+Drawing: TypeAlias = Figure | Series | Sequence[Track]
+#: form -> what keeps the date out of its file, so that equal results make equal files
+NO_DATE: dict[str, dict[str, None]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+TIMES = ((2 * 86400, "d", 86400), (2 * 3600, "h", 3600), (300, "min", 60), (0, "s", 1))  #: from that span, s: its unit
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """How a canvas looks."""
+
+    width: float  #: inches
+    font: float  #: points
+    ink: str  #: colour of texts
+    grid: str
+    color: Callable[[Color], str]  #: the colour of a curve, from that of imuwb
+    background: str | None = None  #: None: transparent
+    dots: float = 72.0  #: per inch, of a PNG
+
+
+def render(item: Drawing, look: Look, form: str) -> bytes:
+    """Return a figure, a series, or tracks that share a picture, as a file of a form: svg, png or pdf."""
+    with mpl.rc_context(_style(look)):
+        if isinstance(item, Figure):
+            canvas, axes = _canvas(look, HEIGHT["figure"])
+            _figure(item, look, axes)
+        elif isinstance(item, Series):
+            canvas, axes = _canvas(look, HEIGHT["series"])
+            _series(item, look, axes)
+        else:
+            canvas, axes = _canvas(look, HEIGHT["track"])
+            _tracks(item, look, axes)
+        _finish(canvas, axes)
+        file = io.BytesIO()
+        canvas.savefig(file, format=form, metadata=NO_DATE.get(form), dpi=look.dots)
+        return file.getvalue()
+
+
+def _figure(figure: Figure, look: Look, axes: Any) -> None:  # noqa: ANN401 - matplotlib has no types
+    """Draw a figure of an analysis. Each axis is as long as the solid curves need."""
+    axes.set(
+        xlabel=figure.x_title,
+        ylabel="\n".join(textwrap.wrap(figure.y_title, TITLE)),
+        xscale=figure.x_scale,
+        yscale=figure.y_scale,
+    )
+    _limit(axes, figure)
+    for curve in figure.curves:
+        _draw(axes, curve, look)
+    for vertical in figure.verticals:
+        axes.axvline(vertical.x, color=look.color(vertical.color), ls="--", lw=0.8, label=_label(vertical.text))
+    for mark in figure.marks:
+        label = _label(f"{mark.text}: {mark.y:.3g} at {mark.x:.3g}")
+        axes.plot([mark.x], [mark.y], "D", ms=4, mec=look.ink, mew=0.5, color=look.color(mark.color), label=label)
+
+
+def _series(series: Series, look: Look, axes: Any) -> None:  # noqa: ANN401 - matplotlib has no types
+    """Draw quantities over time."""
+    time = series.time - series.time[0] if series.time.size else series.time
+    span = float(time[-1]) / SECOND if time.size else 0.0
+    unit, length = next((unit, length) for least, unit, length in TIMES if span >= least)
+    axes.set(xlabel=f"time from the first sample [{unit}]", ylabel=f"[{series.unit}]")
+    for i, name in enumerate(series.names):
+        r, g, b = series.colors[i][:3] if i < len(series.colors) else color_at(i)
+        color = look.color((r, g, b))
+        axes.plot(time / (length * SECOND), series.values[:, i], lw=0.7, color=color, label=_label(name))
+
+
+def _tracks(tracks: Sequence[Track], look: Look, axes: Any) -> None:  # noqa: ANN401 - matplotlib has no types
+    """Draw trajectories, in metres east and north of the first point of the first one."""
+    origin = tracks[0].position[0]
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set(xlabel="east [m]", ylabel="north [m]")
+    named: set[str] = set()
+    for track in tracks:
+        points = local_plane(track.position, origin)
+        (line,) = axes.plot(points[:, 0], -points[:, 1], color=look.color(track.color), lw=1.2)
+        name = track.label or track.name
+        if name not in named:
+            line.set_label(_label(name))
+        named.add(name)
+    axes.plot([0], [0], "o", ms=5, color=look.ink, label="start")
+
+
+def _canvas(look: Look, height: float) -> tuple[Canvas, Any]:
+    """Return an empty canvas and its axes."""
+    canvas = Canvas(figsize=(look.width, look.width * height), facecolor=look.background or "none")
+    return canvas, canvas.add_subplot(facecolor="none")
+
+
+def _style(look: Look) -> Any:  # noqa: ANN401 - matplotlib names its settings in a type of its own
+    size = look.font
+    return {
+        "font.size": size, "font.family": "sans-serif", "text.color": look.ink, "axes.labelcolor": look.ink,
+        "axes.edgecolor": look.ink, "xtick.color": look.ink, "ytick.color": look.ink, "axes.grid": True, "grid.color": look.grid,
+        "legend.frameon": False, "legend.fontsize": size - 1, "axes.spines.top": False, "axes.spines.right": False,
+        "axes.linewidth": 0.7, "grid.linewidth": 0.7, "figure.constrained_layout.use": True, "xtick.major.size": 0,
+        "ytick.major.size": 0, "lines.linewidth": 1.2, "axes.unicode_minus": True, "axes.formatter.limits": (-4, 5),
+        "svg.fonttype": "none", "svg.hashsalt": "imuwb", "pdf.fonttype": 42,
+    }  # fmt: skip
+
+
+def _label(text: str) -> str | None:
+    """Return a text for the legend; None for no text, and a text that matplotlib neither hides nor reads as a formula."""
+    shown = "\n".join(textwrap.wrap(text, LEGEND)).replace("$", r"\$")
+    return f"\N{ZERO WIDTH SPACE}{shown}" if shown.startswith("_") else shown or None
+
+
+def _draw(axes: Any, curve: Curve, look: Look) -> None:  # noqa: ANN401 - matplotlib has no types
+    color, label = look.color(curve.color), _label(curve.label)
+    few = curve.x.size <= MARKED
+    shape: dict[str, Any] = {
+        "line": {"marker": "o" if few else None, "ms": 3}, "curve": {}, "points": {"ls": "", "marker": "o", "ms": 3},
+        "fit": {"lw": 0.9, "alpha": 0.9}, "faint": {"lw": 0.6, "alpha": 0.55},
+    }[curve.style]  # fmt: skip
+    axes.plot(curve.x, curve.y, color=color, label=label, **shape)
+    if curve.lower is None or curve.upper is None:
+        return
+    if few:
+        gap = np.full_like(curve.x, np.nan)
+        bars_x, bars_y = (
+            np.stack(parts, axis=1).ravel() for parts in ((curve.x, curve.x, gap), (curve.lower, curve.upper, gap))
+        )
+        axes.plot(bars_x, bars_y, color=color, lw=0.8, alpha=0.7)
+    else:
+        axes.fill_between(curve.x, curve.lower, curve.upper, color=color, alpha=0.18, lw=0)
+
+
+def _limit(axes: Any, figure: Figure) -> None:  # noqa: ANN401 - matplotlib has no types
+    """Limit the axes to what the figure states, or to its solid curves and its marks; a faint curve may be cut off."""
+    solid = [curve for curve in figure.curves if curve.style != "faint"] or list(figure.curves)
+    marks = figure.marks
+    across = [*(curve.x for curve in solid), np.array([mark.x for mark in marks])]
+    up = [*(part for c in solid for part in (c.y, c.lower, c.upper)), np.array([mark.y for mark in marks])]
+    for limits, scale, parts, put in (
+        (figure.x_limits, figure.x_scale, across, axes.set_xlim),
+        (figure.y_limits, figure.y_scale, up, axes.set_ylim),
+    ):
+        put(*(limits or _ends(parts, log=scale == "log")))
+
+
+def _ends(parts: Iterable[Floats | None], *, log: bool) -> tuple[float, float]:
+    """Return the ends of an axis that contain all values, with air; any ends if there is no value."""
+    arrays = [np.asarray(part, float).ravel() for part in parts if part is not None]
+    values = np.concatenate(arrays) if arrays else np.empty(0)
+    values = values[np.isfinite(values) & ((values > 0) | (not log))]
+    if not values.size:
+        return (1.0, 10.0) if log else (0.0, 1.0)
+    low, high = float(values.min()), float(values.max())
+    if log:
+        return max(low, high * 1e-9) / 1.3, high * 1.3
+    air = (high - low) * 0.05 or abs(high) * 0.1 or 1.0
+    return low - air, high + air
+
+
+def _finish(canvas: Canvas, axes: Any) -> None:  # noqa: ANN401 - matplotlib has no types
+    """Put ticks and a legend."""
+    put_ticks(axes)
+    for line in (*axes.get_xgridlines(), *axes.get_ygridlines()):
+        line.set_clip_on(False)
+    if axes.get_legend_handles_labels()[1]:
+        canvas.legend(loc="outside right upper")
