@@ -22,7 +22,7 @@ COMMANDS = {
     "info": (LOGS, "Show the streams of a log: rates, gaps, clocks, units, frames and repairs."),
     "convert": (LOGS, "Write all streams of a log, or a part of them, as MCAP or CSV."),
     "simulate": (LOGS, "Simulate logs of sensors whose errors are known."),
-    "model": (RESULTS, "Show, compare, export and check error models."),
+    "model": (RESULTS, "Show, compare, check, export, import and explain error models."),
     "view": (RESULTS, "Open a recording in the Rerun viewer on this machine."),
     "plugins": (RESULTS, "List the installed analyses, conditioners and readers."),
     "demo": (RESULTS, "Run the two main jobs on the sample logs: identify noise, replay GNSS outages."),

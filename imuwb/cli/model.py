@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from imuwb.cli import estimator_files
 from imuwb.errors import ImuwbError, UsageError
 
 if TYPE_CHECKING:
@@ -14,7 +15,11 @@ if TYPE_CHECKING:
 
 FEWEST = 100  #: samples for which curves are drawn
 
-app = typer.Typer(no_args_is_help=True, help="Show, compare, export and check error models.")
+app = typer.Typer(no_args_is_help=True, help="Show, compare, check, export, import and explain error models.")
+
+app.command("export")(estimator_files.export)
+app.command("import")(estimator_files.import_)
+app.command("explain")(estimator_files.explain)
 
 _Model = Annotated[Path, typer.Argument(help="The error model.", metavar="MODEL.toml")]
 _Output = Annotated[
@@ -49,36 +54,6 @@ def compare(
     if len(models) < 2:  # noqa: PLR2004 - one has nothing to be compared with
         raise UsageError(f"{len(models)} model is given; compare needs two or more; for one model use imuwb model show")
     _review(models, rate, hours, output, force=force)
-
-
-@app.command()
-def export(
-    model: _Model,
-    *,
-    to: Annotated[str, typer.Option(help="The tool: kalibr, ros, kf-gins, px4 or json.", metavar="TOOL")],
-    rate: Annotated[float, typer.Option(help="Rate of the sensor's samples, for tools that need it (Hz).")] = 100.0,
-    horizon: Annotated[
-        float,
-        typer.Option(help="For tools without bias instability: the time over which a random walk replaces it (s)."),
-    ] = 60.0,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="The file to write. Default: stdout.", metavar="FILE")
-    ] = None,
-    force: _Force = False,
-) -> None:
-    """Write an error model in the form of another tool, in its units."""
-    from imuwb.cli.places import check_place  # noqa: PLC0415 - help must not wait
-    from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
-    from imuwb.stochastic.exports import export as exported  # noqa: PLC0415
-    from imuwb.writers import write_text  # noqa: PLC0415
-
-    text = exported(ImuErrorModel.read(model), to, rate=rate, horizon=horizon)
-    if output is None:
-        typer.echo(text, nl=False)
-        return
-    check_place(output, force=force)
-    write_text(output, text)
-    typer.echo(f"wrote {output}", err=True)
 
 
 @app.command()

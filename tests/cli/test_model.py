@@ -88,8 +88,8 @@ def test_models_are_compared(imuwb, flicker, other, tmp_path):
     ("arguments", "named"),
     [(["compare", "gm.toml"], "two or more"), (["show", "gm.toml", "-o", "x.html"], ".rrd"),
      (["show", "gm.toml", "--rate", "0"], "--rate is 0"), (["show", "gm.toml", "--hours", "-1"], "--hours -1"),
-     (["show", "gone.toml"], "gone.toml: cannot be read"), (["export", "gm.toml", "--to", "excel"], "kalibr, ros"),
-     (["export", "gm.toml", "--to", "ros", "--rate", "0"], "must be positive"),
+     (["show", "gone.toml"], "gone.toml: cannot be read"), (["export", "gm.toml", "--to", "excel"], "kalibr, openvins"),
+     (["export", "gm.toml", "--to", "ros", "--rate", "0"], "must be above 0"),
      (["check", "gm.toml", "--against", "gone.toml"], "cannot be read"),
      (["check", "gm.toml", "--against", "gm.toml", "--factor", "0"], "--factor is 0")],
 )  # fmt: skip
@@ -125,12 +125,30 @@ def test_an_export_goes_to_stdout_alone(imuwb, gm):
     assert json.loads(arw.split(":")[1].split("#")[0]) == pytest.approx([2.42, 1.988, 2.164])
 
 
-def test_an_export_that_lacks_a_term_is_missing_data(imuwb, tmp_path):
+def test_an_export_that_lacks_a_sensor_is_missing_data(imuwb, tmp_path):
     (tmp_path / "white.toml").write_text('[[gyro_x.processes]]\nprocess = "white_noise"\nN = 0.001\n', "utf-8")
     for tool in ("kalibr", "ros", "kf-gins", "px4"):
-        done = imuwb("model", "export", "white.toml", "--to", tool, "-o", "out.txt")
+        done = imuwb("model", "export", "white.toml", "--to", tool, "--rate", "100", "-o", "out.txt")
         assert (done.code, done.out) == (3, "")
         assert not (tmp_path / "out.txt").exists()
+
+
+def test_a_file_goes_out_and_comes_back_in(imuwb, gm, tmp_path):
+    assert imuwb("model", "export", gm, "--to", "vins", "--rate", "200", "-o", "vins.yaml").code == 0
+    done = imuwb("model", "import", "vins.yaml", "--rate", "200", "-o", "back.toml")
+    assert (done.code, "read as vins" in done.err) == (0, True)
+    shown = imuwb("model", "export", "back.toml", "--to", "vins").out
+    values = [line for line in (tmp_path / "vins.yaml").read_text("utf-8").splitlines() if not line.startswith("#")]
+    assert [line for line in shown.splitlines() if not line.startswith("#")] == values
+    assert imuwb("model", "import", "vins.yaml").code == 2  # no rate
+
+
+def test_an_explanation_and_noise_in_motion(imuwb, gm):
+    done = imuwb("model", "explain", gm, "--for", "fast-lio", "--rate", "200")
+    assert (done.code, "acc_cov" in done.out, "times 10" in done.out) == (0, True, True)
+    louder = imuwb("model", "export", gm, "--to", "kalibr", "--in-motion", gm)
+    assert "gyro 1.00" in louder.out
+    assert imuwb("model", "export", gm, "--to", "kalibr", "--in-motion", "wheel=2").code == 2
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,199 @@
+"""imuwb model export, import and explain: the files of estimators and simulators."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from imuwb.errors import UsageError
+
+if TYPE_CHECKING:  # help must not wait for numpy
+    from imuwb.estimators import Options
+    from imuwb.stochastic import ImuErrorModel
+
+_Model = Annotated[Path, typer.Argument(help="The error model.", metavar="MODEL.toml")]
+_Tool = "kalibr, openvins, vins, orb-slam3, lio-sam, fast-lio, gtsam, kimera, ros, kf-gins, ob-gins, navego, psins, pyins, px4, ardupilot, matlab, gnss-ins-sim, gazebo, airsim, pegasus, rotors"
+_Rate = Annotated[
+    float | None,
+    typer.Option(help="Rate of the samples (Hz), for tools whose values depend on it. Default: that of the model."),
+]
+_Step = Annotated[
+    float | None,
+    typer.Option(help="Step of the estimator's filter (s), for px4 and ardupilot. Default: 0.01 and 0.0125."),
+]
+_Horizon = Annotated[
+    float,
+    typer.Option(
+        help="Time without aids (s) after which the estimator's drift is to be right, where a process must stand for another."
+    ),
+]
+_Limits = Annotated[
+    bool, typer.Option("--limits", help="Write what the record does not show at its upper limit. Default: left out.")
+]
+_Scale = Annotated[
+    float | None, typer.Option(help="1-sigma of the scale factors (ppm), for tools that have a place for it.")
+]
+_Motion = Annotated[
+    str | None,
+    typer.Option(
+        help="Noise in motion: factors of N, such as gyro=23,accel=10, or the model or filter that a replay of a drive has saved.",
+        metavar="FACTORS|FILE.toml",
+    ),
+]
+_Output = Annotated[
+    Path | None, typer.Option("--output", "-o", help="The file to write. Default: stdout.", metavar="FILE")
+]
+_Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exist.")]
+
+
+def export(
+    model: _Model,
+    *,
+    to: Annotated[str, typer.Option(help=f"The tool: {_Tool}, or json (the whole model, SI).", metavar="TOOL")],
+    rate: _Rate = None,
+    step: _Step = None,
+    horizon: _Horizon = 60.0,
+    limits: _Limits = False,
+    in_motion: _Motion = None,
+    scale_factor: _Scale = None,
+    output: _Output = None,
+    force: _Force = False,
+) -> None:
+    """Write an error model as the file of an estimator or simulator, in its units.
+
+    The comments of the file state what was chosen, matched and left out, and what that does to a drift.
+
+    Example: imuwb model export static.error-model.toml --to vins --rate 200 -o imu.yaml
+    """
+    from imuwb.cli.places import check_place  # noqa: PLC0415 - help must not wait
+    from imuwb.estimators import as_json  # noqa: PLC0415
+    from imuwb.estimators import export as exported  # noqa: PLC0415
+    from imuwb.writers import write_text  # noqa: PLC0415
+
+    if output is not None:
+        check_place(output, force=force)
+    read, options, said = _given(model, rate, step, horizon, in_motion, scale_factor, limits=limits)
+    if to == "json":
+        text, notes = as_json(read), ()
+    else:
+        made = exported(read, to, options, said)
+        text, notes = made.text, made.notes
+    if output is None:
+        typer.echo(text, nl=False)
+        return
+    write_text(output, text)
+    for note in notes:
+        typer.echo(f"note: {note}", err=True)
+    typer.echo(f"wrote {output}", err=True)
+
+
+def import_(
+    file: Annotated[Path, typer.Argument(help="File of an estimator, or of data-sheet numbers.", metavar="FILE")],
+    *,
+    from_: Annotated[
+        str | None,
+        typer.Option("--from", help=f"The tool. Default: by the names in the file. {_Tool}.", metavar="TOOL"),
+    ] = None,
+    rate: _Rate = None,
+    step: _Step = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="The error model to write. Default: stdout.", metavar="MODEL.toml"),
+    ] = None,
+    force: _Force = False,
+) -> None:
+    """Read the numbers of an estimator's file into an error model. What the file does not state stays unknown.
+
+    Example: imuwb model import imu.yaml -o stated.toml
+    """
+    import math  # noqa: PLC0415 - as small as the command
+
+    from imuwb.cli.places import check_places  # noqa: PLC0415 - help must not wait
+    from imuwb.estimators import Setting, read_estimator_file  # noqa: PLC0415
+    from imuwb.writers import write_text  # noqa: PLC0415
+
+    for name, value in (("--rate", rate), ("--step", step)):
+        if value is not None and not 0 < value < math.inf:
+            raise UsageError(f"{name} is {value}; it must be above 0")
+    if output is not None:
+        check_places([output], [file], force=force)
+    reading = read_estimator_file(file, from_, Setting(rate or math.nan, step or math.nan))
+    for note in reading.notes:
+        typer.echo(f"note: {note}", err=True)
+    if output is None:
+        typer.echo(reading.model.to_toml(), nl=False)
+        return
+    write_text(output, reading.model.to_toml())
+    typer.echo(f"wrote {output}, read as {reading.tool.name}", err=True)
+
+
+def explain(
+    model: _Model,
+    *,
+    for_: Annotated[str, typer.Option("--for", help=f"The tool: {_Tool}.", metavar="TOOL")],
+    rate: _Rate = None,
+    step: _Step = None,
+    horizon: _Horizon = 60.0,
+    limits: _Limits = False,
+    in_motion: _Motion = None,
+    scale_factor: _Scale = None,
+) -> None:
+    """Say what to write into an estimator's file and why, and how wrong the usual shortcuts are for this sensor.
+
+    Example: imuwb model explain static.error-model.toml --for vins
+    """
+    from imuwb.analysis import Table  # noqa: PLC0415 - help must not wait
+    from imuwb.cli.terminal import shower  # noqa: PLC0415
+    from imuwb.estimators import explain as explained  # noqa: PLC0415
+
+    read, options, said = _given(model, rate, step, horizon, in_motion, scale_factor, limits=limits)
+    found = explained(read, for_, options, said)
+    show = shower(data=True)
+    show(Table(found.export.tool.title, ("name", "value", "unit", "what it is"), found.rows))
+    for sentence in (*found.sentences, *found.export.notes):
+        typer.echo(sentence[0].upper() + sentence[1:] + ("" if sentence.endswith(".") else "."))
+    rows = [(s.habit, s.sensor, f"{s.ratio:.3g} times") for s in found.shortcuts]
+    caption = f"sigma of position after {horizon:g} s that the estimator then states, over the right one"
+    show(Table("Usual shortcuts, for this sensor", ("habit", "sensor", "sigma"), tuple(rows), caption))
+
+
+def _given(
+    model: Path,
+    rate: float | None,
+    step: float | None,
+    horizon: float,
+    motion: str | None,
+    scale: float | None,
+    *,
+    limits: bool,
+) -> "tuple[ImuErrorModel, Options, tuple[str, ...]]":
+    """Return the model, in motion where that is asked for, the options, and what the factors of a file are."""
+    from imuwb.estimators import (  # noqa: PLC0415 - help must not wait
+        Factors,
+        Options,
+        with_motion,
+    )
+    from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
+
+    read = ImuErrorModel.read(model)
+    factors, said = None, ()
+    if motion is not None and motion.endswith(".toml"):
+        read, sentence = with_motion(read, _road_model(Path(motion)))
+        said = (sentence,)
+    elif motion is not None:
+        factors = Factors.of_text(motion)
+    return read, Options(rate, step, horizon, limits, None if scale is None else scale * 1e-6, factors), said
+
+
+def _road_model(path: Path) -> "ImuErrorModel":
+    """Return the error model of a file that imuwb outage saved: a model, or a filter, which has one inside."""
+    from imuwb.navigation.filter_document import read_filter  # noqa: PLC0415 - help must not wait
+    from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
+
+    try:
+        return ImuErrorModel.read(path)
+    except UsageError as no_model:
+        try:
+            return read_filter(path).error_model
+        except UsageError:
+            raise no_model from None

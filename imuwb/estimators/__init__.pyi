@@ -1,0 +1,15 @@
+from .explain import Explanation as Explanation
+from .explain import Shortcut as Shortcut
+from .explain import explain as explain
+from .export import Export as Export
+from .export import Options as Options
+from .export import export as export
+from .export import with_motion as with_motion
+from .formula import Setting as Setting
+from .model_json import as_json as as_json
+from .reading import Reading as Reading
+from .reading import read_estimator_file as read_estimator_file
+from .reading import read_estimator_text as read_estimator_text
+from .sensor import Factors as Factors
+from .tool import Tool as Tool
+from .tool import tools as tools

@@ -1,0 +1,106 @@
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from imuwb.errors import UsageError
+from imuwb.estimators import Options, Setting, export, read_estimator_file, read_estimator_text, tools
+from imuwb.stochastic import AxisModel, Constant, GaussMarkov, ImuErrorModel, RandomWalk, Sum, WhiteNoise
+
+SIZES = st.floats(1e-8, 1e-1)
+RATE = 200.0
+
+
+def models(bounded):
+    """Return models of white noise, one kind of slow error, and biases at turn-on."""
+    return st.composite(_drawn)(bounded)
+
+
+def _drawn(draw, bounded):
+    axes = {}
+    for sensor in ("gyro", "accel"):
+        for axis in "xyz":
+            slow = GaussMarkov(draw(SIZES), 1800.0) if bounded else RandomWalk(draw(SIZES))
+            axes[f"{sensor}_{axis}"] = AxisModel(Sum((WhiteNoise(draw(SIZES)), slow, Constant(draw(SIZES)))))
+    return ImuErrorModel("m", axes, {"rate": f"{RATE:g} Hz"})
+
+
+@pytest.mark.parametrize("tool", list(tools()))
+@settings(max_examples=5, deadline=None)
+@given(data=st.data())
+def test_what_an_export_states_is_read_back_to_its_digits(tool, data):
+    """The file of the model that was read is the file itself, but for numbers outside of a tool's range."""
+    model = data.draw(models("sigma" in tools()[tool].terms))
+    options = Options(rate=RATE, scale_factor=1e-4)
+    first = export(model, tool, options)
+    reading = read_estimator_text(first.text, "file", None, Setting(rate=RATE))
+    assert reading.tool.name == tool
+    again = export(reading.model, tool, options)
+    assert set(again.values) == set(first.values)
+    for key, values in first.values.items():
+        assert again.values[key] == pytest.approx(values, rel=2e-3 if "Stab" in key else 1e-6), key
+    for axis, content in model.axes.items():
+        white = content.processes.terms[0].N
+        worst = max(model.axes[f"{axis[:-1]}{a}"].processes.terms[0].N for a in "xyz")
+        field = next(f for f in tools()[tool].fields if f.term == "N" and f.sensor == axis.partition("_")[0])
+        if field.least is None:
+            expected = worst if field.shape == "largest" else white
+            assert pytest.approx(expected, rel=1e-8) == reading.model.axes[axis].processes.terms[0].N
+
+
+@pytest.mark.parametrize(
+    ("text", "n", "k"),
+    [
+        ("imu0:\n  accelerometer_noise_density: 0.002\n  gyroscope_noise_density:   1.6e-4  #Noise\n  gyroscope_random_walk: 2e-6\n", 1.6e-4, 2e-6),
+        ("%YAML:1.0\n---\nIMU.NoiseGyro: 1.7e-04 # rad/s^0.5\nIMU.NoiseAcc: 2.0e-03\nIMU.GyroWalk: 1.9393e-05\nIMU.AccWalk: 3.0e-3\nIMU.Frequency: 200.0\n", 1.7e-4, 1.9393e-5),
+        ("lio_sam:\n  imuAccNoise: 3.9939570888238808e-03\n  imuGyrNoise: 1.5636343949698187e-03\n  imuGyrBiasN: 3.5640318696367613e-05\n", 1.5636343949698187e-3, 3.5640318696367613e-5),
+        ("acc_n: 0.08          # accelerometer measurement noise\ngyr_n: 0.004\nacc_w: 0.00004\ngyr_w: 2.0e-6\n", 0.004 / math.sqrt(400), 2e-6 / math.sqrt(200)),
+    ],
+)  # fmt: skip
+def test_files_as_their_tools_come_with_are_read(text, n, k):
+    terms = read_estimator_text(text, "file", None, Setting(rate=200)).model.axes["gyro_y"].processes.terms
+    assert terms == (WhiteNoise(pytest.approx(n)), RandomWalk(pytest.approx(k)))
+
+
+def test_what_a_file_does_not_state_stays_unknown_and_is_said():
+    reading = read_estimator_text("gyroscope_noise_density: 1e-4\naccelerometer_noise_density: 1e-3\n", "imu.yaml")
+    assert reading.model.axes["gyro_x"].processes == Sum((WhiteNoise(1e-4),))
+    assert any("gyroscope_random_walk" in note and "unknown" in note for note in reading.notes)
+    assert reading.model.doubts
+    assert ImuErrorModel.from_toml(reading.model.to_toml()).axes == reading.model.axes
+
+
+@pytest.mark.parametrize(
+    ("text", "tool", "named"),
+    [
+        ("hello: 3\n", None, "--from"),
+        ("hello: 3\n", "kalibr", "no value of kalibr"),
+        ("acc_n: 0.1\ngyr_n: 0.2\n", None, "--rate"),
+        ("gyroscope_noise_density: -1\naccelerometer_noise_density: 1\n", None, "0 or more"),
+        (
+            "gyroscope_noise_density: 1\naccelerometer_noise_density: 1\ngyroscope_noise_density: 2\n",
+            None,
+            "stated 2 times",
+        ),
+        ("imunoise:\n  arw: [1, 2]\n  vrw: [1, 2, 3]\n  gbstd: [1, 2, 3]\n  gsstd: [1, 2, 3]\n", None, "2 numbers"),
+        (
+            "<!DOCTYPE a [<!ENTITY b 'c'>]><imu><angular_velocity/><linear_acceleration/></imu>",
+            "gazebo",
+            "document type",
+        ),
+        ("<imu><angular_velocity></imu>", "gazebo", "not XML"),
+        ("acc_n: 0.1", "nothing", "--from nothing"),
+    ],
+)
+def test_wrong_files_are_named(text, tool, named):
+    with pytest.raises(UsageError, match=named):
+        read_estimator_text(text, "file", tool)
+
+
+def test_a_file_that_cannot_be_read_is_named(tmp_path):
+    with pytest.raises(UsageError, match=r"none\.yaml: cannot be read"):
+        read_estimator_file(tmp_path / "none.yaml")
+    (tmp_path / "bytes.yaml").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(UsageError, match="cannot be read"):
+        read_estimator_file(tmp_path / "bytes.yaml")
