@@ -1,12 +1,9 @@
-"""Compiles loops, and decides how long compiled code on disk is valid.
+"""Compiles loops, and decides how long compiled code on disk is valid: while all modules of its folder are unchanged.
 
-Two private parts of numba are used, so pyproject sets an upper bound for numba:
-
-* ``_cache._cache_file._version`` of a compiled function. numba uses code on disk as long as the file of the function itself is
-  unchanged, although the code contains all functions that it calls, which may be in other files. There is no public way to
-  add these files to the condition.
-* the options ``_nrt`` and ``no_cfunc_wrapper``, which numba documents for its own use. Without them a function counts the
-  references of arrays that it only reads.
+numba itself would use code on disk as long as the file of the function is unchanged, although the code contains all functions
+that it calls, which may be in other files.
+The options ``_nrt`` and ``no_cfunc_wrapper``, which numba documents for its own use, are used too: without them a function counts the
+references of arrays that it only reads. pyproject sets an upper bound for numba.
 """
 
 import hashlib
@@ -17,7 +14,10 @@ from typing import Any, TypeVar, cast
 
 import numba
 
+from imuwb.kept_code import Kept
+
 Function = TypeVar("Function", bound=Callable[..., object])
+kernels: dict[str, Any] = {}  #: compiled functions of this process by ``module:name``
 
 
 def compiled(*, reorder: bool = False, arrays: bool = True) -> Callable[[Function], Function]:
@@ -29,17 +29,18 @@ def compiled(*, reorder: bool = False, arrays: bool = True) -> Callable[[Functio
             about a third of the time in loops of a microsecond, and a quarter of the compiler's time; its products and sums
             are fused.
     """
-    options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
+    options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
     if reorder:
         options["fastmath"] = {"reassoc", "contract", "nsz"}
     if not arrays:
         options |= {"_nrt": False, "no_cfunc_wrapper": True, "fastmath": {"contract"}}
 
     def decorate(function: Function) -> Function:
-        dispatcher = numba.njit(**options)(function)
-        cache_file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
-        if cache_file is not None:
-            cache_file._version += _fingerprint(Path(function.__code__.co_filename).parent)  # noqa: SLF001 - no public way
+        dispatcher = cast("Any", numba.njit(**options)(function))
+        if dispatcher is not function:  # with NUMBA_DISABLE_JIT nothing is compiled
+            version = _fingerprint(Path(function.__code__.co_filename).parent)
+            dispatcher._cache = Kept(function, version)  # noqa: SLF001 - no public way
+            kernels[f"{function.__module__}:{function.__qualname__}"] = dispatcher
         return cast("Function", dispatcher)
 
     return decorate

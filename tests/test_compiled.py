@@ -1,13 +1,18 @@
 """Compiled code is kept on disk, and used only while all modules in its folder are unchanged."""
 
+import json
 import os
 import subprocess
 import sys
+from importlib import import_module, resources
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from imuwb.compiled import compiled
+import imuwb
+from imuwb import kept_code, signatures
+from imuwb.compiled import compiled, kernels
 
 INNER = "from imuwb.compiled import compiled\n\n\n@compiled()\ndef inner(x):\n    return x + {}\n"
 OUTER = "from imuwb.compiled import compiled\nfrom inner import inner\n\n\n@compiled()\ndef outer(x):\n    return inner(x)\n"
@@ -80,3 +85,58 @@ def test_a_function_that_makes_no_arrays_may_change_given_arrays():
     values = np.arange(5.0)
     compiled(arrays=False)(doubled)(values)
     assert values.tolist() == [0, 2, 4, 6, 8]
+
+
+def third(x):
+    return x / 3
+
+
+def compiled_again():
+    """Return the function with nothing of it in memory, its value, and how often kept code was used."""
+    function = compiled()(third)
+    return function(6.0), sum(function.stats.cache_hits.values())
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setattr(kept_code.config, "CACHE_DIR", str(tmp_path))
+    return tmp_path
+
+
+def no_write(*_):
+    raise OSError(30, "Read-only file system")
+
+
+def test_damaged_code_is_made_again(folder):
+    assert [compiled_again() for _ in range(2)] == [(2.0, 0), (2.0, 1)]
+    for kind in ("*.nbi", "*.nbc"):
+        for damage in (lambda b: b[:-5], lambda b: b[:0], lambda b: b[:200] + bytes([b[200] ^ 1]) + b[201:]):
+            (file,) = folder.rglob(kind)
+            file.write_bytes(damage(file.read_bytes()))
+            assert [compiled_again() for _ in range(2)] == [(2.0, 0), (2.0, 1)], kind
+
+
+def test_code_is_read_where_nothing_can_be_written_and_without_it_there_is_a_warning(folder, monkeypatch):
+    compiled_again()
+    monkeypatch.setattr(kept_code.CheckedFile, "_write", no_write)
+    monkeypatch.setattr(kept_code, "lost", [])
+    assert compiled_again() == (2.0, 1)
+    for file in folder.rglob("*.nb?"):
+        file.unlink()
+    with pytest.warns(UserWarning, match="Read-only file system.*half a minute; set NUMBA_CACHE_DIR to a folder"):
+        assert compiled_again() == (2.0, 0)
+    assert compiled_again() == (2.0, 0)  # once is enough
+
+
+def test_every_compiled_function_has_signatures_or_is_called_by_compiled_code_alone():
+    listed = json.loads(resources.files("imuwb").joinpath(signatures.NAME).read_text("utf-8"))
+    home = Path(imuwb.__file__).parent
+    for file in home.rglob("*.py"):
+        if "\n@compiled(" in file.read_text("utf-8"):
+            import_module(".".join(("imuwb", *file.relative_to(home).with_suffix("").parts)))
+    ours = {name for name in kernels if name.startswith("imuwb")}
+    assert listed.keys() <= ours
+    assert ours - listed.keys() <= {"imuwb.readers.flight.ulog_records:_chained"}
+    for found in listed.values():
+        for signature in found:
+            assert [signatures.text_of(signatures.type_of(text)) for text in signature] == signature

@@ -1,0 +1,27 @@
+"""imuwb warm: compiles everything before it is needed."""
+
+import os
+import time
+
+import typer
+
+from imuwb.errors import ImuwbError
+
+
+def warm() -> None:
+    """Compile everything once, so that no later run has to: for an image, or before many workers start.
+
+    The code is kept in the folder that NUMBA_CACHE_DIR names, else beside the modules of imuwb, else in the cache of the user. Later
+    runs read it there even if they cannot write there. It is valid for one version of imuwb, Python and numba, and for one type
+    of processor. A file there that is damaged is made again.
+    """
+    from imuwb import kept_code  # noqa: PLC0415 - help must not wait for numba
+    from imuwb.signatures import compile_all  # noqa: PLC0415
+
+    began = time.perf_counter()
+    count, made = compile_all()
+    if kept_code.lost:
+        raise ImuwbError(f"compiled code cannot be kept ({kept_code.lost[0]}); {kept_code.REMEDY}")
+    took = time.perf_counter() - began
+    typer.echo(f"{count} functions are ready after {took:.1f} s; {'they were compiled' if made else 'all were there'}.")
+    typer.echo(f"Their code is in {os.path.commonpath(kept_code.used)} ({len(kept_code.used)} folders).")
