@@ -107,6 +107,7 @@ def no_write(*_):
     raise OSError(30, "Read-only file system")
 
 
+@pytest.mark.slow
 def test_damaged_code_is_made_again(folder):
     assert [compiled_again() for _ in range(2)] == [(2.0, 0), (2.0, 1)]
     for kind in ("*.nbi", "*.nbc"):
@@ -128,6 +129,7 @@ def test_code_is_read_where_nothing_can_be_written_and_without_it_there_is_a_war
     assert compiled_again() == (2.0, 0)  # once is enough
 
 
+@pytest.mark.slow
 def test_every_compiled_function_has_signatures_or_is_called_by_compiled_code_alone():
     listed = json.loads(resources.files("imuwb").joinpath(signatures.NAME).read_text("utf-8"))
     home = Path(imuwb.__file__).parent
