@@ -63,6 +63,12 @@ class ReadOptions:
         "Definitions of a ROS log's messages, if the log does not hold them: a folder with .msg files, or one of them.",
         Form("DIR", "my_msgs/msg"),
     ] = None
+    memory: Annotated[
+        float | None,
+        "Memory (GB) that the reading may take, for a log that needs more than 1 GB and 100 times its size.",
+        Between(0.01, 1e5),
+        Form("GB", "8"),
+    ] = None
 
     def __post_init__(self) -> None:
         """Check the values before a file is opened."""

@@ -16,8 +16,9 @@ from imuwb.notes import Note
 from imuwb.progress import Progress
 from imuwb.readers.assembly.assemble import assemble
 from imuwb.readers.batch import Batch, Limits, Reader, Remark
-from imuwb.readers.bytes import source
+from imuwb.readers.bytes import budget, source
 from imuwb.readers.bytes.address import Place
+from imuwb.readers.bytes.budget import Budget
 from imuwb.readers.bytes.remote import RemoteLog
 from imuwb.readers.bytes.source import Source
 from imuwb.readers.part_reading import read_part
@@ -30,7 +31,7 @@ from imuwb.summary import LogSummary, summarize
 #: those that are known by checksums and by possible numbers, and text is last. Only the readers that are asked are imported.
 ORDER = {"mcap": -1, "ubx": 1, "nmea": 2, "kf_gins": 3, "sbet": 3, "tlog": 4, "csv": 5}
 TEXT = "csv"  #: format of the reader that takes any text with digits
-OF_ALL = ("rate", "even")  #: options that apply to the logs of every reader
+OF_ALL = ("rate", "even", "memory")  #: options that apply to the logs of every reader
 #: bytes; a part of a larger file has the fingerprint of the file's ends
 HASHED = 1 << 28
 
@@ -112,12 +113,18 @@ def _parts(
     sought = getattr(reader, "part", None) if limits is not None else None
     with source.named(path):
         file = _readable(reader, path, progress)
-        for part in reader.stream(file, options) if sought is None else sought(file, options, limits):
+        rows = partial(reader.stream, file, options) if sought is None else partial(sought, file, options, limits)
+        for part in budget.within(_budget(path, options), rows):
             if progress is not None and isinstance(part, Batch):
                 progress(part.bytes_read, size)
             yield part
     if isinstance(path, RemoteLog):
         yield from map(Remark, path.notes)
+
+
+def _budget(path: Source, options: ReadOptions) -> Budget:
+    """Return how much memory the reading of a log may take."""
+    return Budget(str(path), source.size(path), options.memory)
 
 
 def _readable(reader: Reader, path: Source, progress: Progress | None = None) -> Path:
@@ -160,7 +167,7 @@ def read(
         options = options or ReadOptions()
         opened = partial(_parts, reader, path, options, progress)
         file = Provenance(_text(path), reader.format, "", source.size(path))
-        made = partial(assemble, provenance=file, rate=options.rate, even=options.even)
+        made = partial(assemble, provenance=file, rate=options.rate, even=options.even, budget=_budget(path, options))
         log = made(opened()) if part is None else read_part(opened, made, part, counted=options.rate is not None)
         digest = fingerprint.result() if fingerprint is not None else source.fingerprint(path)
         return replace(log, provenance=replace(log.provenance, hash=digest or source.ends_fingerprint(path)))
@@ -187,7 +194,9 @@ def indexed(place: str | Place | RemoteLog, options: ReadOptions | None = None) 
         from_index = getattr(reader, "describe", None)
         if from_index is None:
             return None
-        return cast("LogSummary | None", from_index(_readable(reader, path), options or ReadOptions()))
+        options = options or ReadOptions()
+        summary = partial(from_index, _readable(reader, path), options)
+        return cast("LogSummary | None", budget.under(_budget(path, options), summary))
 
 
 def _text(path: Source) -> str:

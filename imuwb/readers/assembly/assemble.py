@@ -29,6 +29,7 @@ from imuwb.readers.assembly.sample_times import Clock, sample_times
 from imuwb.readers.assembly.siblings import sibling, with_fix_rows, with_parts_joined
 from imuwb.readers.assembly.time_order import in_order, taken
 from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.bytes.budget import Budget
 
 Key = tuple[str, Kind, tuple[str, ...]]
 
@@ -57,7 +58,12 @@ NOT_FINITE = Repair(Note("not_finite", "rows with a value that is not a number l
 
 
 def assemble(
-    parts: Iterable[Batch | Remark], provenance: Provenance, *, rate: float | None = None, even: bool = False
+    parts: Iterable[Batch | Remark],
+    provenance: Provenance,
+    *,
+    rate: float | None = None,
+    even: bool = False,
+    budget: Budget = Budget(),  # noqa: B008 - a frozen value
 ) -> Log:
     """Return the log of a reader's batches and remarks.
 
@@ -71,9 +77,13 @@ def assemble(
         provenance: the file.
         rate: Hz, the rate of the IMUs, if the user states it; it beats their stamps.
         even: the samples of the IMUs are even, as the user states.
+        budget: the memory that the rows may take.
+
+    Raises:
+        OverBudgetError: the rows take more.
     """
     truth: dict[str, str] = {}
-    groups, repairs, notes = _grouped(_without_truth(parts, truth), provenance.size)
+    groups, repairs, notes = _grouped(_without_truth(parts, truth), provenance.size, budget)
     streams: list[Batch] = []
     for (stream, kind, _), group in groups.items():
         rows = _joined(group, repairs.pop(stream, []))
@@ -99,14 +109,17 @@ def _without_truth(parts: Iterable[Batch | Remark], truth: dict[str, str]) -> It
 
 
 def _grouped(
-    parts: Iterable[Batch | Remark], size: int
+    parts: Iterable[Batch | Remark], size: int, budget: Budget
 ) -> tuple[dict[Key, GrowingRows], dict[str, list[Repair]], list[str]]:
     """Return rows by stream and columns, repairs by stream, and notes."""
     groups: dict[Key, GrowingRows] = {}
     repairs: dict[str, list[Repair]] = defaultdict(list)
-    notes: list[str] = []
+    notes: dict[str, None] = {}  # in order
+    held = 0
     for part in parts:
         if isinstance(part, Batch):
+            held += part.time.nbytes + sum(values.nbytes for values in part.columns.values())
+            budget.check(held, "its rows")
             for piece in _pieces(part):
                 key = piece.stream, piece.kind, tuple(piece.columns)
                 if key not in groups:
@@ -114,9 +127,9 @@ def _grouped(
                 groups[key].add(piece)
         elif part.stream:
             repairs[part.stream].append(Repair(part.text, part.count, part.effect))
-        elif part.text not in notes:  # files that are one log may give one note
-            notes.append(part.text)
-    return groups, repairs, notes
+        else:  # files that are one log may give one note
+            notes.setdefault(part.text)
+    return groups, repairs, list(notes)
 
 
 def _pieces(batch: Batch) -> tuple[Batch, ...]:

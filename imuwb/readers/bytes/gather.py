@@ -75,5 +75,6 @@ def alike(keys: NDArray[Any], rows: Integers) -> Iterator[tuple[int, Integers]]:
     if (keys == keys[0]).all():
         yield int(keys[0]), rows
         return
-    for key in np.unique(keys):
-        yield int(key), rows[keys == key]
+    order = np.argsort(keys, kind="stable")  # once for all keys, of which a file may have as many as rows
+    for part in np.split(order, np.flatnonzero(np.diff(keys[order])) + 1):
+        yield int(keys[part[0]]), rows[part]

@@ -3,7 +3,7 @@
 import gzip
 import hashlib
 import zlib
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from contextlib import contextmanager, nullcontext
 from io import BufferedReader
 from pathlib import Path
@@ -13,6 +13,7 @@ from isal import isal_zlib
 
 from imuwb.errors import UnreadableLogError
 from imuwb.notes import Note
+from imuwb.readers.bytes import budget
 from imuwb.readers.bytes.address import Place, place_of
 from imuwb.readers.bytes.remote import RemoteLog, is_web_page
 from imuwb.sidecars import ends_hash
@@ -165,6 +166,39 @@ def pieces(file: BinaryIO, faults: list[str]) -> Iterator[bytes]:
     except (OSError, EOFError, zlib.error) as error:
         text = f"the packed file is cut or damaged ({error}): the part that can be unpacked is used"
         faults.append(Note("packed_cut", text))
+
+
+def whole(file: BinaryIO, faults: list[str]) -> bytes:
+    """Return the whole unpacked content of a file; faults as in ``pieces``.
+
+    Raises:
+        OverBudgetError: it takes more memory than the log may.
+    """
+    content = bytearray()
+    for piece in pieces(file, faults):
+        content += piece
+        budget.check(len(content), "its unpacked content")
+    return bytes(content)
+
+
+def lines(pieces: Iterable[bytes]) -> Iterator[tuple[bytes, bool]]:
+    """Yield a text in blocks that end with a line's end, each with whether it is the last, which may lack the end or be empty.
+
+    A line that is longer than its piece is put together once, not again with each further piece.
+
+    Raises:
+        UnreadableLogError: a line is longer than any of a log.
+    """
+    parts, size = list[bytes](), 0
+    for piece in pieces:
+        cut = piece.rfind(b"\n") + 1
+        if cut:
+            yield b"".join((*parts, piece[:cut])), False
+            parts, size = [], 0
+        parts.append(piece[cut:])
+        size += len(piece) - cut
+        budget.check_line(size)
+    yield b"".join(parts), True
 
 
 def blocks(file: BinaryIO, faults: list[str]) -> Iterator[tuple[bytes, bool]]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import cast
 
 from imuwb.errors import UnreadableLogError
-from imuwb.readers.bytes import source
+from imuwb.readers.bytes import budget, source
 from imuwb.readers.bytes.source import Source
 
 
@@ -31,6 +31,7 @@ def unpacked(path: Source, faults: list[str]) -> Generator[Path]:
                 with whole.open("wb") as content:
                     for piece in source.pieces(file, faults):
                         content.write(piece)
+                        budget.check(content.tell(), "its unpacked content")
             except OSError as error:
                 free = shutil.disk_usage(folder).free >> 20
                 raise UnreadableLogError(

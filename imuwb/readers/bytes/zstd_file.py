@@ -25,7 +25,7 @@ class ZstdFile(io.BufferedReader):
 class _Unpacking(io.RawIOBase):
     def __init__(self, packed: BinaryIO) -> None:
         super().__init__()
-        self._packed, self._frame, self._ready, self._rest = packed, None, b"", b""
+        self._packed, self._frame, self._ready, self._rest = packed, None, memoryview(b""), b""
 
     def readable(self) -> bool:
         return True
@@ -41,7 +41,7 @@ class _Unpacking(io.RawIOBase):
                 return 0
             self._frame = self._frame or zstandard.ZstdDecompressor().decompressobj()
             try:
-                self._ready = self._frame.decompress(piece)
+                self._ready = memoryview(self._frame.decompress(piece))
             except zstandard.ZstdError as error:
                 raise OSError(str(error)) from error
             if self._frame.eof:  # several frames in a row are one file

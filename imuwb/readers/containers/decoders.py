@@ -3,6 +3,7 @@
 import json
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
+from itertools import count, islice
 from typing import Any, cast
 
 import numpy as np
@@ -138,7 +139,7 @@ class _ObjectDecoder:
     def fields(self, messages: Messages, rows: Integers) -> dict[str, int]:
         for row in rows[:FIRST]:
             try:
-                return dict(_paths(self._unpack(_payload(messages, row))))
+                return dict(islice(_paths(self._unpack(_payload(messages, row)), count()), ros_layout.LONGEST_PLAN))
             except Exception:  # noqa: BLE001, S112 - a damaged message shows no fields; the next may
                 continue
         return {}
@@ -216,17 +217,20 @@ def _protobuf(schema: Schema | None) -> Callable[[bytes], object]:
     return decoder
 
 
-def _paths(message: Any, prefix: str = "", depth: int = 0) -> Iterator[tuple[str, int]]:  # noqa: ANN401 - any decoded object
-    """Yield (dotted path, length) of a decoded message's numbers (length 0) and arrays of numbers."""
-    if depth > ros_layout.DEEPEST:
+def _paths(message: Any, looked: Iterator[int], prefix: str = "", depth: int = 0) -> Iterator[tuple[str, int]]:  # noqa: ANN401 - any decoded object
+    """Yield (dotted path, length) of a decoded message's numbers (length 0) and arrays of numbers.
+
+    No more than so many fields are looked at: a type of protobuf may contain itself.
+    """
+    if depth > ros_layout.DEEPEST or next(looked) > ros_layout.LONGEST_PLAN:
         return
     if isinstance(message, dict):
         for name, value in cast("dict[str, object]", message).items():
-            yield from _paths(value, f"{prefix}.{name}" if prefix else name, depth + 1)
+            yield from _paths(value, looked, f"{prefix}.{name}" if prefix else name, depth + 1)
     elif hasattr(message, "DESCRIPTOR"):
         for field in message.DESCRIPTOR.fields:
             name = f"{prefix}.{field.name}" if prefix else str(field.name)
-            yield from _paths(getattr(message, field.name), name, depth + 1)
+            yield from _paths(getattr(message, field.name), looked, name, depth + 1)
     elif isinstance(message, int | float):
         yield prefix, 0
     elif hasattr(message, "__len__") and not isinstance(message, str | bytes) and len(message):

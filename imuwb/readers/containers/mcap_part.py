@@ -29,7 +29,7 @@ from imuwb.readers.containers.mcap_records import (
     Records,
     unpacked_chunk,
 )
-from imuwb.readers.containers.messages import AHEAD, Channel, Messages, Piece, Schema
+from imuwb.readers.containers.messages import AHEAD, Channel, Messages, Piece, Schema, size_of
 from imuwb.readers.containers.topics import Topics
 from imuwb.readers.read_options import ReadOptions
 from imuwb.ros import MCAP_MAGIC, OURS, TRUTH
@@ -142,7 +142,7 @@ class _Chunks(Recording):
 
     def messages_of(self, places: list[int]) -> Iterator[tuple[int, list[Messages]]]:
         """Yield places of chunks, each with the chunk's messages."""
-        for place, piece in zip(places, ahead(self._read(places), AHEAD), strict=True):
+        for place, piece in zip(places, ahead(self._read(places), AHEAD, size_of), strict=True):
             self.notes.extend(piece.notes)
             yield place, list(self._messages(piece))
 

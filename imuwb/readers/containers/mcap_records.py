@@ -41,18 +41,33 @@ PREFIX = 9  #: bytes of a record before its content: opcode u8, length u64
 HEADER = 22  #: bytes of a message before its payload: channel u16, sequence u32, log time u64, publish time u64
 LATEST = np.uint64(2**62)  #: ns; a later time (after 2116) is damage
 LOG_TIME, PUBLISH_TIME = 6, 14  #: offsets in a message
+MOST_NOTES = 100  #: on damaged records
 ATTACHMENT_HEAD = 1 << 16  #: bytes of an attachment that are looked at
+_SHORTEST = np.full(256, -1, np.int64)  #: bytes of the content of each kind of record
+_SHORTEST[[SCHEMA, CHANNEL, CHUNK, ATTACHMENT, METADATA, DATA_END]] = 0
+_SHORTEST[MESSAGE] = HEADER
+DECLARED = {
+    SCHEMA: 14,
+    CHANNEL: 12,
+    METADATA: 8,
+    ATTACHMENT: 32,
+}  #: bytes of a record that declares something, at least
 CHUNK_HEADER = 40  #: bytes of a chunk before its records, at least
 
 
 def _walk(
     buffer: Bytes,
     start: int,
+    least: Integers,
     opcode: Bytes,
     content: Integers,
     length: Integers,
 ) -> tuple[int, int]:  # pragma: no cover - compiled
-    """Fill the tables (if they have room) with the whole records from ``start``; return their number, and where they end."""
+    """Fill the tables (if they have room) with the whole records from ``start``; return their number, and where they end.
+
+    ``least``: (256,) bytes of the content of each kind, at least; a shorter one is in no table, so that a table is as small as its
+    records. -1: no record of this kind is of use.
+    """
     count, at, size = 0, start, buffer.size
     while at + 9 <= size:
         n = np.uint64(0)
@@ -60,11 +75,13 @@ def _walk(
             n |= np.uint64(buffer[at + 1 + k]) << np.uint64(8 * k)
         if n > np.uint64(size - at - 9):
             break
-        if opcode.size:
-            opcode[count] = buffer[at]
-            content[count] = at + 9
-            length[count] = n
-        count += 1
+        shortest = least[buffer[at]]
+        if shortest >= 0 and n >= np.uint64(shortest):
+            if opcode.size:
+                opcode[count] = buffer[at]
+                content[count] = at + 9
+                length[count] = n
+            count += 1
         at += 9 + int(n)
     return count, at
 
@@ -79,13 +96,13 @@ class Records(NamedTuple):
 
 
 def walk(buffer: Bytes, start: int = 0) -> Records:
-    """Return the whole records of a buffer from an offset on."""
+    """Return the whole records of a buffer from an offset on: those of the kinds that are read."""
     fill = compiled_loop(_walk) if worth_compiling(buffer.size) else _walk
     nothing = np.empty(0, np.uint8), np.empty(0, np.int64), np.empty(0, np.int64)
-    count, end = fill(buffer, start, *nothing)
+    count, end = fill(buffer, start, _SHORTEST, *nothing)
     tables = np.empty(count, np.uint8), np.empty(count, np.int64), np.empty(count, np.int64)
     if count:
-        fill(buffer, start, *tables)
+        fill(buffer, start, _SHORTEST, *tables)
     return Records(*tables, end)
 
 
@@ -187,7 +204,15 @@ class Recording(RecordFile[Records]):
     def _messages(self, piece: Piece[Records]) -> Iterator[Messages]:
         opcode, content, length, _ = piece.records
         raw = piece.buffer.data
-        for i in np.flatnonzero(np.isin(opcode, (SCHEMA, CHANNEL, METADATA, ATTACHMENT))):
+        declared, short = np.zeros(opcode.size, np.bool_), 0
+        for kind, least in DECLARED.items():
+            mine = opcode == kind
+            whole = mine & (length >= least)
+            declared |= whole
+            short += int(np.count_nonzero(mine)) - int(np.count_nonzero(whole))
+        if short:
+            self.notes.append(Note("damaged_record", f"{short} damaged schema, channel or metadata records left out"))
+        for i in np.flatnonzero(declared):
             # Of an attachment, which may be large, only its beginning is needed.
             size = min(length[i], ATTACHMENT_HEAD) if opcode[i] == ATTACHMENT else length[i]
             self._declare(int(opcode[i]), bytes(raw[content[i] : content[i] + size]))
@@ -229,7 +254,8 @@ class Recording(RecordFile[Records]):
                 self.channels.setdefault(number, Channel(topic, encoding, schema))
         except (struct.error, ValueError) as error:
             note = Note("damaged_record", f"a damaged schema, channel or metadata record left out: {error}")
-            self.notes.append(note)
+            if len(self.notes) < MOST_NOTES:
+                self.notes.append(note)
 
 
 def _end_fault(file: BinaryIO, at: int, size: int) -> str:

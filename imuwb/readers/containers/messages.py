@@ -66,6 +66,11 @@ class Piece(Generic[Records]):
     notes: tuple[Note, ...] = ()  #: notes on the faults of the piece
 
 
+def size_of(piece: Piece[Any]) -> int:
+    """Return the bytes of a piece."""
+    return piece.buffer.nbytes
+
+
 class Container(ABC):
     """A file of messages, read from its beginning to its end; schemas and channels are added on the way."""
 
@@ -92,9 +97,10 @@ class RecordFile(Container, Generic[Records]):
 
     def messages(self) -> Iterator[Messages]:
         """Yield the messages of each chunk, or, in a file without chunks, of each block."""
-        for piece in ahead(self._pieces(), AHEAD):
+        for piece in ahead(self._pieces(), AHEAD, size_of):
             self.notes.extend(piece.notes)
             yield from self._messages(piece)
+            del piece  # a large one is gone before the next is unpacked
 
     @abstractmethod
     def _pieces(self) -> Iterator[Piece[Records]]: ...

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from imuwb.arrays import Integers
+from imuwb.readers.bytes import budget
 from imuwb.readers.bytes.source import ZSTD_MAGIC
 from imuwb.readers.bytes.unpack import unpack
 from imuwb.readers.containers.messages import Messages
@@ -24,7 +25,12 @@ def are_packed(messages: Messages, rows: Integers) -> bool:
 def unpacked_messages(messages: Messages, rows: Integers) -> Messages:
     """Return some messages with their content; one that cannot be unpacked is empty."""
     starts, lengths = messages.start[rows], messages.length[rows]
-    contents = [_unpacked(messages.buffer.data[a : a + n]) for a, n in zip(starts, lengths, strict=True)]
+    contents: list[bytes] = []
+    held = 0
+    for start, size in zip(starts, lengths, strict=True):
+        contents.append(_unpacked(messages.buffer.data[start : start + size]))
+        held += len(contents[-1])
+        budget.check(held, "what its packed messages contain")
     length = np.array([len(content) for content in contents], np.int64)
     return replace(
         messages,

@@ -6,16 +6,21 @@ Source: https://design.ros2.org/articles/idl_interface_definition.html; ros2/ros
 """
 
 import re
-from collections.abc import Iterator
+from collections import ChainMap
+from collections.abc import Iterator, Mapping
 
-_WORD = re.compile(r'"(?:[^"\\]|\\.)*"|::|\w+|[{}()<>\[\];,=@#:]|[^\s\w]')
-_COMMENT = re.compile(r'("(?:[^"\\]|\\.)*")|//[^\n]*|/\*.*?\*/|^\s*#[^\n]*', re.DOTALL | re.MULTILINE)
+_WORD = re.compile(r'"(?:[^"\\]|\\.)*(?:"|\Z)|::|\w+|[{}()<>\[\];,=@#:]|[^\s\w]')
+#: a text or a comment without its end goes to the end, so that no part is searched twice
+_COMMENT = re.compile(
+    r'("(?:[^"\\]|\\.)*(?:"|\Z))|//[^\n]*|/\*.*?(?:\*/|\Z)|^[^\S\n]*#[^\n]*', re.DOTALL | re.MULTILINE
+)
 _RULE = re.compile(r"^=+\s*$(?:\s*^IDL:[^\n]*$)?", re.MULTILINE)  # MCAP puts several files in one text
 _NUMBERS = {
     "double": "float64", "float": "float32", "boolean": "bool", "octet": "byte", "char": "char", "string": "string",
     "wstring": "wstring", "wchar": "uint16", "short": "int16", "long": "int32", "long long": "int64", "unsigned short": "uint16",
     "unsigned long": "uint32", "unsigned long long": "uint64",
 }  # fmt: skip
+LONGEST = 512  #: letters of a type's name; a longer one is damage
 _COMPOUND = ("unsigned", "long", "short")  #: of which the names of numbers are made up
 
 
@@ -25,7 +30,7 @@ def converted(text: str) -> dict[str, str]:
     words = _Words(_WORD.findall(text))
     found: dict[str, str] = {}
     try:
-        _module(words, (), {}, found)
+        _module(words, (), ChainMap(), found)
     except (IndexError, RecursionError):  # the text ends, or nests, where the language does not
         return found
     return found
@@ -51,7 +56,7 @@ class _Words:
             depth += {"{": 1, "}": -1}.get(word, 0)
 
 
-def _module(words: _Words, path: tuple[str, ...], typedefs: dict[str, str], found: dict[str, str]) -> None:
+def _module(words: _Words, path: tuple[str, ...], typedefs: ChainMap[str, str], found: dict[str, str]) -> None:
     """Take the declarations up to the module's end, and add its structures."""
     while (word := words.peek()) and word != "}":
         words.take()
@@ -60,7 +65,7 @@ def _module(words: _Words, path: tuple[str, ...], typedefs: dict[str, str], foun
         elif word == "module":
             name = words.take()
             words.take()  # {
-            _module(words, (*path, name), dict(typedefs), found)
+            _module(words, (*path, name), typedefs.new_child(), found)
             words.take()  # }
         elif word == "struct":
             name = words.take()
@@ -75,7 +80,7 @@ def _module(words: _Words, path: tuple[str, ...], typedefs: dict[str, str], foun
             words.skip_to(";")
 
 
-def _fields(words: _Words, typedefs: dict[str, str]) -> Iterator[str]:
+def _fields(words: _Words, typedefs: Mapping[str, str]) -> Iterator[str]:
     while words.peek() != "}":
         if words.peek() == "@":
             words.take()
@@ -94,7 +99,7 @@ def _skip_annotation(words: _Words) -> None:
         words.skip_to(")")
 
 
-def _declared(words: _Words, typedefs: dict[str, str]) -> Iterator[str]:
+def _declared(words: _Words, typedefs: Mapping[str, str]) -> Iterator[str]:
     """Yield ``type name`` of each name in a declaration."""
     kind, mark = _kind(words, typedefs), ","
     while mark == ",":
@@ -105,7 +110,7 @@ def _declared(words: _Words, typedefs: dict[str, str]) -> Iterator[str]:
         mark = words.take()
 
 
-def _kind(words: _Words, typedefs: dict[str, str]) -> str:
+def _kind(words: _Words, typedefs: Mapping[str, str]) -> str:
     """Return a type in ROS's own language."""
     kind = words.take()
     if kind == "sequence":
@@ -114,6 +119,8 @@ def _kind(words: _Words, typedefs: dict[str, str]) -> str:
         bound = ""
         while (word := words.take()) != ">":
             bound += word.replace(",", "<=")
+        if len(inner) + len(bound) > LONGEST:
+            raise IndexError(inner[:LONGEST])
         return f"{inner}[{bound}]"
     while kind.rpartition(" ")[2] in _COMPOUND and words.peek() in (*_COMPOUND, "double"):
         kind += f" {words.take()}"
@@ -121,5 +128,7 @@ def _kind(words: _Words, typedefs: dict[str, str]) -> str:
         words.skip_to(">")
     while words.peek() == "::":
         kind += words.take() + words.take()
+        if len(kind) > LONGEST:
+            raise IndexError(kind[:LONGEST])
     parts = [part for part in kind.split("::") if part != "msg"]
     return typedefs.get(kind) or typedefs.get(parts[-1]) or _NUMBERS.get(kind, "/".join(parts[-2:]))

@@ -37,7 +37,8 @@ _BODIES = {"cdr": 4, "ros1": 0}  #: bytes before a message's fields
 LARGEST_ARRAY = 64  #: messages in an array; larger arrays have no stamp, rate or position that imuwb reads
 DEEPEST = 16  #: levels of nested messages
 DIGITS = 6  #: digits of the length of a fixed array; a number with more digits is damage
-LONGEST_PLAN = 4096  #: fields
+LONGEST_PLAN = 4096  #: fields that are looked at, also those that are messages
+MOST_JUMPS = 64  #: strings and sequences before a field that is read
 PADDING = 3  #: bytes at most after a message, with which some middleware fills it up to a multiple of 4
 
 
@@ -86,7 +87,7 @@ def whole_plan(name: str, definition: str, part: Callable[[str], str] = lambda _
     Raises:
         UnknownLayoutError: a type is not defined, or the definition nests without end.
     """
-    texts = _Texts({**_KNOWN, **dict(sections(short(name), definition))}, part)
+    texts = _Types({**_KNOWN, **dict(sections(short(name), definition))}, part)
     steps: list[LayoutField | Jump] = []
     whole = _flatten(texts, short(name), "", steps, 0)
     return tuple(steps), whole
@@ -102,15 +103,42 @@ def sections(name: str, definition: str) -> Iterator[tuple[str, str]]:
             yield short(head.removeprefix("MSG:").strip()), body
 
 
-@dataclass(frozen=True, slots=True)
-class _Texts:
-    """The definitions of a message and of the types that it contains."""
+class _Types:
+    """The definitions of a message and of the types that it contains; each is parsed once, however often it is used."""
 
-    own: dict[str, str]
-    part: Callable[[str], str]
+    def __init__(self, own: dict[str, str], part: Callable[[str], str]) -> None:
+        self.own, self.part = own, part
+        self.looked = 0  #: fields so far
+        self._lines: dict[str, list[re.Match[str]]] = {}
+        self._found: dict[tuple[str, str], str] = {}
+
+    def fields(self, name: str) -> Iterator[re.Match[str]]:
+        """Yield the fields of a type.
+
+        Raises:
+            UnknownLayoutError: too many fields were looked at; a small definition can nest so that they never end.
+        """
+        if name not in self._lines:
+            lines = (_FIELD.match(line.split("#", 1)[0].strip()) for line in self.own[name].splitlines())
+            # blank lines and constants are no fields
+            self._lines[name] = [match for match in lines if match is not None and not match[7].startswith("=")]
+        for match in self._lines[name]:
+            self.count(name)
+            yield match
+
+    def count(self, name: str) -> None:
+        """Count a field or a message."""
+        self.looked += 1
+        if self.looked > LONGEST_PLAN:
+            raise UnknownLayoutError(f"{name} has too many levels or too many fields")
 
     def find(self, kind: str, parent: str) -> str:
         """Return the whole name of a type that is used in another."""
+        if (kind, parent) not in self._found:
+            self._found[kind, parent] = self._find(kind, parent)
+        return self._found[kind, parent]
+
+    def _find(self, kind: str, parent: str) -> str:
         package = parent.rpartition("/")[0]
         names = (short(kind), f"{package}/{kind}", *(("std_msgs/Header",) if kind == "Header" else ()))
         for name in names:
@@ -126,14 +154,12 @@ class _Texts:
         raise UnknownLayoutError(f"type {kind!r}, used in {parent}, is not defined")
 
 
-def _flatten(texts: _Texts, name: str, prefix: str, steps: list[LayoutField | Jump], depth: int) -> bool:
+def _flatten(texts: _Types, name: str, prefix: str, steps: list[LayoutField | Jump], depth: int) -> bool:
     """Append the fields of a message; return False if later fields have no common offset."""
-    if depth > DEEPEST or len(steps) > LONGEST_PLAN:
+    texts.count(name)
+    if depth > DEEPEST:
         raise UnknownLayoutError(f"{name} has too many levels or too many fields")
-    for line in texts.own[name].splitlines():
-        match = _FIELD.match(line.split("#", 1)[0].strip())
-        if match is None or match[7].startswith("="):  # blank, or a constant
-            continue
+    for match in texts.fields(name):
         kind, array, bounded, number, path = match[1], match[3], match[4], match[5], prefix + match[6]
         if len(number or "") > DIGITS:
             raise UnknownLayoutError(f"an array in {name} has {number[:DIGITS]}... elements, which is too many")
@@ -141,6 +167,8 @@ def _flatten(texts: _Texts, name: str, prefix: str, steps: list[LayoutField | Ju
         if kind in _PRIMITIVES and not (array and fixed is None):
             steps.append(LayoutField(path, _PRIMITIVES[kind], fixed or 0))
         elif kind in _PRIMITIVES or (kind == "string" and not array):
+            if sum(isinstance(step, Jump) for step in steps) >= MOST_JUMPS:
+                return False
             size = int(_PRIMITIVES.get(kind, "u1")[1])
             steps.append(Jump(path, size, size))
         elif kind in ("string", "wstring") or (array and (fixed is None or fixed > LARGEST_ARRAY)):

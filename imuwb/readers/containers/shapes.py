@@ -6,6 +6,7 @@ one of these, the name has a prefix. A shape states which fields make which colu
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -110,19 +111,30 @@ def recognised(
         shapes: groups of shapes; where a group has a shape of a prefix, or uses a key, later groups are not asked for it.
     """
     recipes: list[Recipe] = []
+    fields = tuple(known.items())
     for group in shapes:
         found: list[Recipe] = []
         taken = {recipe.prefix for recipe in recipes}
         used = {path for recipe in recipes for path in (*recipe.paths, recipe.prefix + path_of(recipe.shape.key))}
-        for path in known:
-            for shape in group:
-                key = path_of(shape.key)
-                if path not in used and (path == key or path.endswith(f".{key}")):
-                    recipe = _recipe(shape, path[: -len(key)], known)
-                    if recipe is not None and recipe.prefix not in taken and shape.allowed(schema, topic):
-                        found.append(recipe)
+        for path, recipe in _candidates(fields, group):
+            if path not in used and recipe.prefix not in taken and recipe.shape.allowed(schema, topic):
+                found.append(recipe)
         recipes += found
     return tuple(recipes)
+
+
+@lru_cache(maxsize=64)  # the topics of a log often have one type, and a log may have thousands of topics
+def _candidates(fields: tuple[tuple[str, int], ...], group: tuple[Shape, ...]) -> tuple[tuple[str, Recipe], ...]:
+    """Return the recipes that the fields of a message allow, each with the path of its key."""
+    known, found = dict(fields), list[tuple[str, Recipe]]()
+    for path in known:
+        for shape in group:
+            key = path_of(shape.key)
+            if path == key or path.endswith(f".{key}"):
+                recipe = _recipe(shape, path[: -len(key)], known)
+                if recipe is not None:
+                    found.append((path, recipe))
+    return tuple(found)
 
 
 def _recipe(shape: Shape, prefix: str, known: Mapping[str, int]) -> Recipe | None:

@@ -3,15 +3,24 @@
 import sqlite3
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.bytes.ahead import TOGETHER
 from imuwb.readers.containers.messages import Channel, Container, Messages, Schema
 from imuwb.readers.containers.recording_folder import Form, has_recording
 from imuwb.readers.containers.split import container_of
-from imuwb.readers.containers.sqlite_file import MAGIC, in_wal_mode, opened
+from imuwb.readers.containers.sqlite_file import (
+    MAGIC,
+    OddTableError,
+    in_wal_mode,
+    missing_bytes,
+    opened,
+    tables,
+)
 from imuwb.readers.read_options import ReadOptions
 
 format = "db3"  # noqa: A001 - the contract's name
@@ -62,30 +71,23 @@ class Database(Container):
         """Yield the messages, some thousand at a time."""
         try:
             with opened(self.path, self.notes) as database:
-                database.execute("PRAGMA writable_schema=ON")  # otherwise a cut file is not opened at all
                 _declare(database, self.channels, self.schemas)
                 yield from _messages(database, self.path.stat().st_size)
+        except OddTableError as error:
+            self.notes.append(Note("odd_table", f"the database is not read further: {error}"))
+            return
         except (sqlite3.Error, OverflowError, UnicodeDecodeError) as error:
             fault = f"the database is cut or damaged ({error}); all data before this point are used"
             self.notes.append(Note("cut", fault))
             return
-        if missing := _missing(self.path):
+        if missing := missing_bytes(self.path):
             fault = f"the database lacks its last {missing} bytes: it was cut, and rows may be missing"
             self.notes.append(Note("cut", fault))
 
 
-def _missing(path: Path) -> int:
-    """Return how many bytes the file lacks of the size in its header."""
-    with path.open("rb") as file:
-        head = file.read(32)
-    size = int.from_bytes(head[16:18], "big")
-    return max((65536 if size == 1 else size) * int.from_bytes(head[28:32], "big") - path.stat().st_size, 0)
-
-
 def _declare(database: sqlite3.Connection, channels: dict[int, Channel], schemas: dict[int, Schema]) -> None:
     definitions: dict[str, tuple[str, str]] = {}
-    tables = {str(name) for (name,) in database.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
-    if "message_definitions" in tables:
+    if "message_definitions" in tables(database):
         rows = database.execute("SELECT topic_type, encoding, encoded_message_definition FROM message_definitions")
         definitions = {str(name): (str(language), str(text)) for name, language, text in rows}
     for number, topic, kind, encoding in database.execute("SELECT id, name, type, serialization_format FROM topics"):
@@ -97,19 +99,23 @@ def _declare(database: sqlite3.Connection, channels: dict[int, Channel], schemas
 
 
 def _messages(database: sqlite3.Connection, size: int) -> Iterator[Messages]:
+    (pages,), (page,) = (database.execute(f"PRAGMA {name}").fetchone() for name in ("page_count", "page_size"))
+    most = int(pages) * int(page)
     try:
-        total = max(int(database.execute("SELECT COUNT(*) FROM messages").fetchone()[0]), 1)
-    except sqlite3.Error:  # the end is cut, so the number of rows is unknown
-        total = size
+        last = database.execute("SELECT MAX(rowid) FROM messages").fetchone()[0] or 1
+    except sqlite3.Error:  # the end is cut
+        last = most
     cursor = database.execute(
-        "SELECT topic_id, timestamp, CASE WHEN LENGTH(data) < ? THEN data END, LENGTH(data) FROM messages ORDER BY rowid",
-        (LARGEST,),
+        "SELECT topic_id, timestamp, CASE WHEN LENGTH(data) < ? THEN data END, LENGTH(data), rowid FROM messages ORDER BY rowid",
+        (min(LARGEST, most),),
     )
     done, lost = 0, False
-    while rows := cursor.fetchmany(ROWS):
-        done += len(rows)
+    while rows := _some(cursor):
+        done += sum(len(row[2]) for row in rows if isinstance(row[2], bytes | str))
+        if done > most:
+            raise OddTableError("its rows have more bytes than the file")
         kept: list[tuple[int, int, bytes]] = []
-        for *row, length in rows:
+        for *row, length, _ in rows:
             # SQLite fills a cut page with zeros: a row without data is lost, and the next row may be half of one.
             if _whole(tuple(row)) and not lost:
                 kept.append(tuple(row))
@@ -121,8 +127,19 @@ def _messages(database: sqlite3.Connection, size: int) -> Iterator[Messages]:
         time = np.array(times, np.int64)
         yield Messages(
             np.frombuffer(b"".join(data), np.uint8), np.array(numbers, np.int64), time, time,
-            np.cumsum(length) - length, length, size * done // total,
+            np.cumsum(length) - length, length, int(size * min(max(rows[-1][4] / last, 0.0), 1.0)),
         )  # fmt: skip
+
+
+def _some(cursor: sqlite3.Cursor) -> list[tuple[Any, ...]]:
+    """Return the next rows, some thousand or some megabytes."""
+    rows, held = list[tuple[Any, ...]](), 0
+    for row in cursor:
+        rows.append(row)
+        held += len(row[2]) if isinstance(row[2], bytes | str) else 0
+        if len(rows) == ROWS or held > TOGETHER:
+            break
+    return rows
 
 
 def _whole(row: tuple[object, ...]) -> bool:

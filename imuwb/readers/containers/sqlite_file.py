@@ -5,21 +5,32 @@ back. SQLite uses both only where it may write, so a copy is opened. Source: htt
 https://www.sqlite.org/fileformat.html (offsets 18 and 19 of the header; the magic of a journal).
 """
 
+import re
 import shutil
 import sqlite3
 import tempfile
 from collections.abc import Generator
 from contextlib import closing, contextmanager
+from functools import partial
 from pathlib import Path
 from urllib.parse import quote
 
 from imuwb.notes import Note
+from imuwb.readers.bytes import budget
+from imuwb.texts import printable
 
 MAGIC = b"SQLite format 3\0"
 JOURNAL_MAGIC = b"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7"  #: of a journal that is not taken back yet
 WAL_HEADER = 32  #: bytes; a write-ahead log of this length or less has no rows
 IN_WAL_MODE = b"\2\2"  #: the header's versions of writing and reading
+LEAST_LENGTH, LARGEST_LENGTH = 1 << 20, 1 << 30  #: bytes of a value
+LEAST_STEPS, STEPS = 10_000_000, 100  #: steps of SQLite's machine for any file, and for each of its bytes
+EVERY = 10_000  #: steps after which they are compared with the budget
 SPARE = 64 << 20  #: bytes that a copy leaves free in the temporary folder
+
+
+TABLES = ("topics", "messages", "message_definitions")
+_ORDINARY = re.compile(r"\s*CREATE\s+TABLE\b(?!.*\bWITHOUT\s+ROWID\b)", re.IGNORECASE | re.DOTALL)
 
 
 @contextmanager
@@ -33,6 +44,10 @@ def opened(path: Path, notes: list[Note]) -> Generator[sqlite3.Connection]:
     """
     log = _pending(path)
     if log is None:
+        if missing := missing_bytes(path):
+            with _filled(path, missing) as whole, closing(_connected(whole, "mode=ro&immutable=1")) as database:
+                yield database
+            return
         if _lacks_log(path):
             text = (
                 f"the database was written with a write-ahead log, and {path.name}-wal is not beside it: if the recorder was not "
@@ -57,6 +72,29 @@ def opened(path: Path, notes: list[Note]) -> Generator[sqlite3.Connection]:
         with closing(_connected(copy, "mode=rw")) as database:
             notes.append(_applied(path, log, database))
             yield database
+
+
+def missing_bytes(path: Path) -> int:
+    """Return how many bytes the file lacks of the size in its header."""
+    with path.open("rb") as file:
+        head = file.read(32)
+    size = int.from_bytes(head[16:18], "big")
+    return max((65536 if size == 1 else size) * int.from_bytes(head[28:32], "big") - path.stat().st_size, 0)
+
+
+@contextmanager
+def _filled(path: Path, missing: int) -> Generator[Path]:
+    """Give a cut database with zeros in place of what it lacks, in a copy; SQLite opens no file whose tables begin after its end."""
+    size = path.stat().st_size + missing
+    if missing > budget.current().most or size > shutil.disk_usage(tempfile.gettempdir()).free - SPARE:
+        yield path
+        return
+    with tempfile.TemporaryDirectory(prefix="imuwb-") as folder:
+        copy = Path(folder) / "cut.db3"
+        shutil.copyfile(path, copy)
+        with copy.open("r+b") as file:
+            file.truncate(size)
+        yield copy
 
 
 def _pending(path: Path) -> Path | None:
@@ -97,7 +135,26 @@ def _copied(path: Path, log: Path, folder: Path) -> Path:
 
 
 def _connected(path: Path, mode: str) -> sqlite3.Connection:
-    return sqlite3.connect(f"file:{quote(str(path.resolve()))}?{mode}", uri=True)
+    """Return a connection that runs nothing that the file's schema may hold, and works in proportion to the file's size.
+
+    Source: https://www.sqlite.org/security.html, "Untrusted SQLite Database Files".
+    """
+    database = sqlite3.connect(f"file:{quote(str(path.resolve()))}?{mode}", uri=True)
+    size = sum(f.stat().st_size for f in (path, path.with_name(f"{path.name}-wal")) if f.is_file())
+    database.text_factory = partial(str, encoding="utf-8", errors="replace")
+    for limit, most in (
+        (sqlite3.SQLITE_LIMIT_LENGTH, min(max(size, LEAST_LENGTH), LARGEST_LENGTH)),
+        (sqlite3.SQLITE_LIMIT_SQL_LENGTH, 1 << 16),
+        (sqlite3.SQLITE_LIMIT_EXPR_DEPTH, 32),
+        (sqlite3.SQLITE_LIMIT_ATTACHED, 0),
+        (sqlite3.SQLITE_LIMIT_TRIGGER_DEPTH, 1),
+    ):
+        database.setlimit(limit, most)
+    for pragma in ("trusted_schema=OFF", "cell_size_check=ON", "mmap_size=0"):
+        database.execute(f"PRAGMA {pragma}")
+    steps = iter(range((LEAST_STEPS + STEPS * size) // EVERY))
+    database.set_progress_handler(lambda: next(steps, None) is None, EVERY)
+    return database
 
 
 def _applied(path: Path, log: Path, database: sqlite3.Connection) -> Note:
@@ -113,13 +170,38 @@ def _applied(path: Path, log: Path, database: sqlite3.Connection) -> Note:
 
 
 def _count(database: sqlite3.Connection) -> int | None:
-    """Return the number of messages; None if the database is damaged."""
+    """Return the number of messages; None if the database is damaged, or ``messages`` is no table."""
     try:
-        if (
-            database.execute("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = 'messages'").fetchone()
-            is None
-        ):
+        if "messages" not in tables(database):
             return 0
-        return int(database.execute("SELECT COUNT(*) FROM messages").fetchone()[0])
-    except sqlite3.Error:
+        # COUNT(*) would walk the pages of the table without a look at the budget.
+        return int(database.execute("SELECT COUNT(timestamp) FROM messages").fetchone()[0])
+    except (sqlite3.Error, OddTableError):
         return None
+
+
+class OddTableError(Exception):
+    """A database has a view, a virtual table or computed columns where a recording has a table."""
+
+
+def tables(database: sqlite3.Connection) -> dict[str, tuple[str, ...]]:
+    """Return the columns of the tables that a recording has.
+
+    Raises:
+        OddTableError: one of them is no ordinary table.
+        sqlite3.Error: the schema is damaged.
+    """
+    found: dict[str, tuple[str, ...]] = {}
+    names = ", ".join(f"'{name}'" for name in TABLES)
+    query = f"SELECT name, type, sql FROM sqlite_master WHERE name COLLATE NOCASE IN ({names})"  # noqa: S608 - constants
+    for name, kind, sql in database.execute(query).fetchall():
+        shown = str(name).lower()
+        if kind != "table" or not _ORDINARY.match(str(sql)):
+            raise OddTableError(
+                f"{shown} is no table of a recording, but computed by the file ({printable(str(kind))})"
+            )
+        columns = database.execute(f"PRAGMA table_xinfo({shown})").fetchall()
+        if any(column[6] for column in columns):
+            raise OddTableError(f"{shown} has columns that the file computes, which no recording has")
+        found[shown] = tuple(str(column[1]) for column in columns)
+    return found

@@ -14,11 +14,12 @@ from imuwb.readers.bytes.source import Source
 from imuwb.readers.containers.messages import Container, Messages
 from imuwb.readers.containers.ros_definitions import Definitions
 from imuwb.readers.containers.topic import UNIX, Decoding, Topic
-from imuwb.readers.containers.unused_topics import unused_topics
+from imuwb.readers.containers.unused_topics import MOST_NAMES, unused_topics
 from imuwb.readers.read_options import ReadOptions
 from imuwb.texts import names_text, seconds_text
 from imuwb.units import SECOND
 
+MOST_TOPICS = 4096  #: topics that are read; no robot has so many
 APART = 10 * SECOND  #: ns; stamps that differ from the times of recording by more are of another clock
 
 
@@ -31,6 +32,7 @@ def streamed(path: Source, container: Container, options: ReadOptions) -> Iterat
     topics = Topics(container, options)
     for messages in container.messages():
         yield from topics.batches(messages)
+        del messages  # their buffer may be large
     if not topics.count:
         why = "; ".join(container.notes) or "the recording is empty"
         raise UnreadableLogError(f"{path}: no message can be read: {why}")
@@ -51,6 +53,7 @@ class Topics:
         self._definitions = Definitions(options.messages)
         self._topics: dict[tuple[str, ...], Topic] = {}
         self._undeclared = Counter[int]()
+        self._beyond = Counter[int]()  #: messages of the channels after the first ``MOST_TOPICS``
         self._bytes_read = 0
 
     def batches(self, messages: Messages) -> Iterator[Batch]:
@@ -66,6 +69,9 @@ class Topics:
             schema = self._container.schemas.get(channel.schema_id)
             # The publishers of a topic have a channel each; their messages are one stream, in the file's order.
             key = channel.topic, channel.message_encoding, schema.name if schema else ""
+            if key not in self._topics and len(self._topics) >= MOST_TOPICS:
+                self._beyond.update({number: rows.size})
+                continue
             rows_of[key].append(rows)
             if key not in self._topics:
                 above_sea = channel.topic in self._container.above_sea
@@ -91,8 +97,17 @@ class Topics:
 
     def remarks(self) -> Iterator[Remark]:
         """Yield the faults of each channel."""
-        for number, lost in self._undeclared.items():
+        for number, lost in self._undeclared.most_common(MOST_NAMES):
             yield Remark(Note("undeclared", f"{lost} messages of channel {number}, which is not declared, left out"))
+        if len(self._undeclared) > MOST_NAMES:
+            rest = self._undeclared.total() - sum(lost for _, lost in self._undeclared.most_common(MOST_NAMES))
+            text = (
+                f"{rest} messages of {len(self._undeclared) - MOST_NAMES} other channels that are not declared left out"
+            )
+            yield Remark(Note("undeclared", text))
+        if self._beyond:
+            text = f"{self._beyond.total()} messages of {len(self._beyond)} channels left out: no more than {MOST_TOPICS} topics are read"
+            yield Remark(Note("too_many_topics", text))
         for topic in self._topics.values():
             yield from topic.remarks()
         yield from map(Remark, self._other_clocks())

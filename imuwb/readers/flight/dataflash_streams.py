@@ -91,15 +91,13 @@ def _binary_tables(path: Path, notes: list[str]) -> Tables:
 
 
 def _text_tables(path: Path, notes: list[str]) -> TextTables:
-    tables, rest, fault = TextTables(WANTED - {"ISBD"}), b"", source.packed_fault(path)
+    tables, fault = TextTables(WANTED - {"ISBD"}), source.packed_fault(path)
     with source.open_unpacked(path) as file:
-        for piece in source.pieces(file, notes):
-            *lines, rest = (rest + piece).split(b"\n")
-            tables.take(lines, to_first_bad=bool(fault))
+        for block, last in source.lines(source.pieces(file, notes)):
+            tables.take(block.split(b"\n")[: None if last else -1], to_first_bad=bool(fault))
             if fault and tables.bad:
                 notes.append(source.damaged(fault, "everything from the first odd line on is left out"))
                 return tables
-    tables.take([rest])
     if tables.bad:
         notes.append(Note("bad_line", f"{tables.bad} lines left out: they are cut, or have text in place of numbers"))
     return tables

@@ -175,21 +175,33 @@ def layout(name: str, formats: dict[str, str]) -> tuple[tuple[Field, ...], int]:
     A definition is used up to the first unknown type.
     """
     fields: list[Field] = []
-    end = _flatten(name, formats, "", 0, fields, 0)
+    end = _flatten(_Walk(formats), name, "", 0, fields, 0)
     last = max((f.end for f in fields), default=0)
     return (tuple(fields), last) if end is not None or fields else ((), 0)
 
 
-def _flatten(name: str, formats: dict[str, str], prefix: str, at: int, fields: list[Field], depth: int) -> int | None:
+class _Walk:
+    """The definitions of messages; each is parsed once, and all fields that are looked at are counted."""
+
+    def __init__(self, formats: dict[str, str]) -> None:
+        self._formats = formats
+        self._parsed: dict[str, list[re.Match[str] | None]] = {}
+        self._looked = 0
+
+    def fields(self, name: str) -> list[re.Match[str] | None]:
+        """Return the fields of a message; one that is no field, or after which the message has too many, is None."""
+        if name not in self._parsed:
+            texts = (text.strip() for text in self._formats.get(name, "?").split(";"))
+            self._parsed[name] = [_FIELD.match(text) for text in texts if text]
+        self._looked += 1 + len(self._parsed[name])
+        return self._parsed[name] if self._looked <= LONGEST else [None]
+
+
+def _flatten(walk: _Walk, name: str, prefix: str, at: int, fields: list[Field], depth: int) -> int | None:
     """Append the fields of a message; return the offset of its end, or None if the end is unknown."""
-    if name not in formats or depth > DEEPEST:
-        return None
-    for text in formats[name].split(";"):
-        match = _FIELD.match(text.strip())
+    for match in walk.fields(name) if depth <= DEEPEST else [None]:
         if match is None:
-            if text.strip():
-                return None
-            continue
+            return None
         kind, count, label = match[1], int(match[2] or 0), match[3]
         if kind in _PRIMITIVES:
             if not label.startswith("_padding"):
@@ -197,8 +209,8 @@ def _flatten(name: str, formats: dict[str, str], prefix: str, at: int, fields: l
             at += np.dtype(_PRIMITIVES[kind]).itemsize * max(count, 1)
             continue
         for i in range(max(count, 1)):
-            inner = _flatten(kind, formats, f"{prefix}{label}{f'[{i}]' if count else ''}.", at, fields, depth + 1)
-            if inner is None or len(fields) > LONGEST:
+            inner = _flatten(walk, kind, f"{prefix}{label}{f'[{i}]' if count else ''}.", at, fields, depth + 1)
+            if inner is None:
                 return None
             at = inner
     return at

@@ -61,7 +61,7 @@ def _faults(log: ULogFile) -> Iterator[Note]:
 def _bytes(path: Path, notes: list[str]) -> Bytes:
     with source.open_unpacked(path) as file:
         if source.is_packed(file):
-            return np.frombuffer(b"".join(source.pieces(file, notes)), np.uint8)
+            return np.frombuffer(source.whole(file, notes), np.uint8)
     return np.memmap(path, np.uint8, "r")
 
 

@@ -48,7 +48,7 @@ def doubles(path: Path, width: int) -> Floats:
     """Return the whole rows of a file of little-endian doubles, (n, width); a file that is not packed is mapped into memory."""
     with source.open_unpacked(path) as file:
         if source.is_packed(file):
-            numbers = np.frombuffer(b"".join(source.pieces(file, [])), np.uint8)
+            numbers = np.frombuffer(source.whole(file, []), np.uint8)
         else:
             numbers = np.memmap(path, np.uint8, "r")
     rows = numbers.size // (8 * width)

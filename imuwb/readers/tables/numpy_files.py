@@ -12,6 +12,7 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from imuwb.errors import UnreadableLogError
+from imuwb.readers.bytes import budget
 from imuwb.readers.tables.named_arrays import Tree
 from imuwb.readers.tables.packed import refuse_packed
 
@@ -34,6 +35,7 @@ def arrays(path: Path) -> Tree:
     try:
         if zipfile.is_zipfile(path):
             with zipfile.ZipFile(path) as archive:
+                budget.check(sum(info.file_size for info in archive.infolist()), "its unpacked arrays")
                 return {info.filename.removesuffix(".npy"): _read(archive, info) for info in archive.infolist()}
         return {"array": array_of(path)}
     except FAULTS as error:
@@ -72,7 +74,7 @@ def _check(file: IO[bytes], size: int) -> None:
     count = 1
     for length in shape:
         count *= length
-    if count * kind.itemsize > size:
+    if not kind.itemsize or count * kind.itemsize > size:
         raise ValueError(f"its header states {count} numbers, more than the file has")
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from imuwb.notes import Note
 from imuwb.readers.bytes import source
+from imuwb.readers.bytes.budget import check_line
 from imuwb.readers.text.encoding import plain
 from imuwb.readers.text.keyed_lines import values_of
 from imuwb.readers.text.layout import COMMENT, Layout
@@ -105,6 +106,7 @@ class Rows(io.RawIOBase):
             last = next((i for i in range(len(pieces) - 1, -1, -1) if b"\n" in pieces[i]), None)
             if last is None:
                 self._tail = b"".join([self._tail, *pieces])
+                check_line(len(self._tail))
                 return b""
             cut = pieces[last].rfind(b"\n") + 1
             data = b"".join([self._tail, *pieces[:last], pieces[last][:cut]])

@@ -43,7 +43,7 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     """
     notes = list[str]()
     with source.open_unpacked(path) as file:
-        text = b"".join(source.pieces(file, notes))
+        text = source.whole(file, notes)
     rows = _rows(path, text)
     start, step, gravity = rows[1, 3], rows[1, 4] / 1000, rows[1, 5]
     if not (0 < step < LONGEST_STEP and GRAVITY[0] < gravity < GRAVITY[1] and abs(start) < LATEST):

@@ -90,8 +90,10 @@ def _tables(path: Path, notes: list[str], faults: Counter[str]) -> Iterator[tupl
 def _lines(pieces: Iterator[bytes], faults: Counter[str]) -> Iterator[bytes]:
     """Yield lines; a last line without its end is taken as cut if it has fewer cells than the others, or a shorter last cell."""
     rest, least = b"", list[tuple[int, int]]()
-    for piece in pieces:
-        *whole, rest = (rest + piece).split(b"\n")
+    for block, last in source.lines(pieces):
+        *whole, rest = block.split(b"\n")
+        if last:
+            break
         yield from whole
         sizes = [_size(line) for line in whole if line.strip() and not line.startswith(b"%")]
         least = [min(least + sizes)] if sizes else least

@@ -48,10 +48,8 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     head = (line for text in source.head(path).split(b"\n")[:-1] if (line := line_of(text)) is not None)
     log.describe(head)
     with source.open_unpacked(path) as file:
-        rest = b""
-        for block, last in source.blocks(file, notes):
-            *whole, rest = (rest + block).split(b"\n")
-            for text in (*whole, rest) if last else whole:
+        for block, _ in source.lines(piece for piece, _ in source.blocks(file, notes)):
+            for text in block.split(b"\n"):
                 if (line := line_of(text)) is not None:
                     log.take(line)
             yield from log.full(source.position(file))

@@ -209,12 +209,7 @@ def tag_counts(path: Path, layout: Layout) -> Counter[str]:
     cell = rb"[^ \t\n]*" if layout.delimiter == " " else rb"[^" + mark + rb"\n]*"
     cells = rb"(?:" + cell + mark + rb"){" + str(place).encode() + rb"}[ \t]*(" + cell + rb")"
     pattern = re.compile(rb"(?m)^[^\n{]*: (\w+) \{" if keyed else rb"(?m)^[ \t]*" + cells)
-    rest = b""
     with source.open_unpacked(path) as file:
-        for piece in plain(source.pieces(file, []), layout.encoding):
-            data = rest + piece
-            cut = data.rfind(b"\n") + 1
-            counts.update(pattern.findall(data[:cut]))
-            rest = data[cut:]
-    counts.update(pattern.findall(rest))
+        for block, _ in source.lines(plain(source.pieces(file, []), layout.encoding)):
+            counts.update(pattern.findall(block))
     return Counter({tag.decode("utf-8", "replace").strip().strip('"'): n for tag, n in counts.items()})

@@ -8,6 +8,7 @@ from tempfile import TemporaryDirectory
 from typing import IO
 
 from imuwb.errors import UnreadableLogError
+from imuwb.readers.bytes import budget
 from imuwb.readers.text.sensor_files import MOST_FILES, SUFFIXES
 
 MAGIC = b"PK\x03\x04"
@@ -31,7 +32,8 @@ def unpacked(path: Path) -> Generator[Path]:
     """
     try:
         with zipfile.ZipFile(path) as archive, TemporaryDirectory(prefix="imuwb-") as folder:
-            left = LARGEST
+            budget.check(sum(member.file_size for member in _texts(path, archive)), "its unpacked content")
+            left = min(LARGEST, budget.current().most)
             for member in _texts(path, archive):
                 if member.flag_bits & 1:
                     raise UnreadableLogError(f"{path}: {member.filename} has a password; unpack the zip file first")
@@ -76,7 +78,7 @@ def _copied(path: Path, packed: IO[bytes], file: IO[bytes], most: int) -> int:
         size += len(piece)
         if size > most:
             raise UnreadableLogError(
-                f"{path}: unpacked, it has more than {LARGEST >> 30} GiB; unpack it, and name the folder"
+                f"{path}: unpacked, it has more than its own list of files states; unpack it, and name the folder"
             )
         file.write(piece)
     return size
