@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -31,6 +31,34 @@ def output_option(*flags: str, text: str, metavar: str | None = None) -> Any:  #
 
 
 Force = Annotated[bool, output_option("--force", text="Overwrite files that exist.")]
+Html = Annotated[
+    Path | None,
+    output_option("--html", text="Also write a page that needs no viewer: one file.", metavar="FILE.html"),
+]
+Pdf = Annotated[
+    Path | None,
+    output_option("--pdf", text="Also write the page as PDF; needs the extra imuwb[pdf].", metavar="FILE.pdf"),
+]
+Figures = Annotated[
+    Path | None,
+    output_option("--figures", text="Also write each figure to a file in a folder, for a paper.", metavar="FOLDER"),
+]
+FigureFormat = Annotated[
+    Literal["png", "pdf", "svg"] | None,
+    output_option("--figure-format", "--format", text="Format of --figures. Default: png."),
+]
+Tables = Annotated[
+    Path | None,
+    output_option(
+        "--tables", text="Also write each table to a file in a folder; units are in the headings.", metavar="FOLDER"
+    ),
+]
+TableFormat = Annotated[
+    Literal["csv", "latex", "md"] | None,
+    output_option(
+        "--table-format", text="Format of --tables. Default: csv, with a column for each end of an interval."
+    ),
+]
 
 
 @dataclass(frozen=True)
@@ -94,10 +122,12 @@ class Outputs:
         output_option("--output", "-o", text="Recording to write. Default: LOG with .rrd.", metavar="FILE.rrd"),
     ] = None
     force: Force = False
-    html: Annotated[
-        Path | None,
-        output_option("--html", text="Also write a page that needs no viewer: one file.", metavar="FILE.html"),
-    ] = None
+    html: Html = None
+    pdf: Pdf = None
+    figures: Figures = None
+    figure_format: FigureFormat = None
+    tables: Tables = None
+    table_format: TableFormat = None
     json: Annotated[
         str | None, output_option("--json", text="Write the result as JSON to a file; - for stdout.", metavar="FILE")
     ] = None

@@ -16,6 +16,7 @@ from imuwb import __version__
 from imuwb.analysis import Analysis, Answer, Table, offers
 from imuwb.cli.imus import compares, comparison, split, with_choice
 from imuwb.cli.options import Request
+from imuwb.cli.page_files import PageFiles
 from imuwb.cli.places import Places, reserved
 from imuwb.cli.reading import read_log
 from imuwb.cli.studies import cases, grid
@@ -60,9 +61,9 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Place], parameters: o
         study, result = _computed(name, analysis, logs, parameters, request)
         done = Done(whole if compared else logs, parameters, result, study, through[0])
         drawn = _drawn(name, analysis, done, places, request, paths)
-        _write(drawn, places, plugin, result, parameters)
+        pages = _write(drawn, places, plugin, result, parameters)
     # All files are written before the first line is printed: the program that reads the output may end at any time.
-    _print(drawn, places, full=request.outputs.full)
+    _print(drawn, places, pages, full=request.outputs.full)
     if drawn.objections and places.model is not None:
         state = "left as it was" if places.model.exists() else "not written"
         raise MissingDataError(
@@ -100,7 +101,7 @@ class Drawn:
     origin: Origin
     shown: tuple[Table | str, ...]  #: all tables and notes
     document: str  #: JSON
-    page: str  #: HTML; empty: none is wanted
+    report: Report  #: what a page shows
     model: str  #: TOML; empty: none is saved
     objections: tuple[str, ...]  #: why the error model is not written
 
@@ -137,23 +138,17 @@ def _drawn(
         kept = text_of(report_of(answer, origin, review.drawn, logs, run, __version__))
         review.keep(KEPT, kept)
         # The page is made of what is kept, so that imuwb report makes the same page from the recording.
-        page = _page(report_from(kept, places.recording)) if places.page is not None else ""
+        report = report_from(kept, places.recording)
         saved = "" if model is None or objections else _of_run(model, run).to_toml()
         review.close()
     except BaseException:
         review.discard()
         raise
-    return Drawn(answer, origin, tuple(shown), text, page, saved, objections)
+    return Drawn(answer, origin, tuple(shown), text, report, saved, objections)
 
 
 def _of_run(model: ImuErrorModel, run: str) -> ImuErrorModel:
     return replace(model, provenance={**model.provenance, "run": run})
-
-
-def _page(report: Report) -> str:
-    from imuwb.review.page.html import page  # noqa: PLC0415 - matplotlib takes half a second
-
-    return page([report])
 
 
 def _typed() -> str:
@@ -162,18 +157,20 @@ def _typed() -> str:
     return shlex.join(["imuwb", *sys.argv[1:], *force])
 
 
-def _write(drawn: Drawn, places: Places, plugin: Any, result: object, parameters: object) -> None:  # noqa: ANN401 - an analysis
+def _write(
+    drawn: Drawn, places: Places, plugin: Any, result: object, parameters: object  # noqa: ANN401 - an analysis
+) -> tuple[str, ...]:  # fmt: skip
+    """Write all files but the recording, and return what was written for people without the viewer."""
     if places.document is not None:
         write_text(places.document, drawn.document + "\n")
-    if places.page is not None:
-        write_text(places.page, drawn.page)
     if places.model is not None and drawn.model:
         write_text(places.model, drawn.model)
     if places.own:
         plugin.write_outputs(result, parameters)
+    return places.pages.write([drawn.report]) if places.pages.wanted else ()
 
 
-def _print(drawn: Drawn, places: Places, *, full: bool) -> None:
+def _print(drawn: Drawn, places: Places, pages: Sequence[str], *, full: bool) -> None:
     """Print the answer; before it, all tables and notes if they are wanted, or the JSON."""
     data = not places.to_stdout
     if places.to_stdout:
@@ -182,9 +179,9 @@ def _print(drawn: Drawn, places: Places, *, full: bool) -> None:
         show = shower(data=data)
         for item in drawn.shown:
             show(item)
-    written = replace(places, model=places.model if drawn.model else None)
+    written = replace(places, model=places.model if drawn.model else None, pages=PageFiles())
     recording, *others = map(str, written.all())
-    print_panel(drawn.answer, replace(drawn.origin, wrote=(f"{recording} (imuwb view)", *others)), data=data)
+    print_panel(drawn.answer, replace(drawn.origin, wrote=(f"{recording} (imuwb view)", *pages, *others)), data=data)
 
 
 def _objections(analysis: Analysis, result: object, places: Places, request: Request) -> tuple[str, ...]:

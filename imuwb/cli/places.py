@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Generator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, cast
 
 from imuwb.analysis import Analysis, offers
 from imuwb.cli.options import Outputs
+from imuwb.cli.page_files import PageFiles
 from imuwb.errors import ImuwbError, UsageError
 from imuwb.readers.bytes.address import Place
 from imuwb.readers.text.sidecar import sidecar_of
@@ -28,14 +29,14 @@ class Places:
     model: Path | None  #: the error model
     to_stdout: bool  #: whether the JSON goes to stdout
     own: tuple[Path, ...] = ()  #: files that the analysis itself writes
-    page: Path | None = None  #: the HTML
+    pages: PageFiles = field(default_factory=PageFiles)  #: page, PDF, figures and tables
 
     @staticmethod
     def of(analysis: Analysis, logs: Sequence[Place], outputs: Outputs, parameters: object) -> Places:
         """Return the places that the user gives, or the default places beside the first log; in the working folder if it is remote.
 
         Raises:
-            UsageError: the name of the recording does not end in .rrd.
+            UsageError: the name of the recording does not end in .rrd, or an option of the page's files is wrong.
         """
         recording = outputs.output or _beside(logs[0])
         if recording.suffix != ".rrd":
@@ -46,11 +47,16 @@ class Places:
         to_stdout = outputs.json == "-"
         document = Path(outputs.json) if outputs.json and not to_stdout else None
         own = cast("Any", analysis).outputs(parameters) if offers(analysis, "outputs") else ()
-        return Places(recording, document, model, to_stdout, own, outputs.html)
+        pages = PageFiles(
+            outputs.html, outputs.pdf, outputs.figures, outputs.figure_format, outputs.tables, outputs.table_format
+        )
+        pages.check(force=outputs.force)
+        return Places(recording, document, model, to_stdout, own, pages)
 
     def all(self) -> list[Path]:
         """Return all files that are written."""
-        return [file for file in (self.recording, self.page, self.document, self.model, *self.own) if file is not None]
+        files = (self.recording, *self.pages.files, self.document, self.model, *self.own)
+        return [file for file in files if file is not None]
 
 
 def stem(place: Place) -> str:

@@ -10,7 +10,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
-from imuwb.analysis import Curve, Figure, Series
+from imuwb.analysis import Curve, Figure, Mark, Series
 from imuwb.arrays import Floats
 from imuwb.colors import Color, color_at
 from imuwb.log import SECOND
@@ -21,6 +21,8 @@ from imuwb.review.track import local_plane
 HEIGHT = {"figure": 0.5, "series": 0.38, "track": 0.7}  #: of the width
 TITLE = 44  #: letters of a line of an axis's title
 LEGEND = 40  #: letters of a line of the legend
+BACKGROUND_STYLES = ("fit", "faint")  #: that curves of several colours share
+FAINT = 0.25  #: share of the length of an axis by which a faint curve may make it longer at each end
 MARKED = 40  #: points, up to which each has a marker
 Drawing: TypeAlias = Figure | Series | Sequence[Track]
 #: form -> what keeps the date out of its file, so that equal results make equal files
@@ -69,12 +71,33 @@ def _figure(figure: Figure, look: Look, axes: Any) -> None:  # noqa: ANN401 - ma
     )
     _limit(axes, figure)
     for curve in figure.curves:
-        _draw(axes, curve, look)
+        _draw(axes, curve, look, _legend_color(figure, curve, look))
     for vertical in figure.verticals:
         axes.axvline(vertical.x, color=look.color(vertical.color), ls="--", lw=0.8, label=_label(vertical.text))
     for mark in figure.marks:
-        label = _label(f"{mark.text}: {mark.y:.3g} at {mark.x:.3g}")
+        label = _label(mark_text(figure, mark))
         axes.plot([mark.x], [mark.y], "D", ms=4, mec=look.ink, mew=0.5, color=look.color(mark.color), label=label)
+
+
+def mark_text(figure: Figure, mark: Mark) -> str:
+    """Return a mark's name and its place with the units of the axes: "N x: 145 deg/h at 1 s"."""
+    x, y = (
+        f"{value:.3g} {unit}".rstrip()
+        for value, unit in ((mark.x, _unit(figure.x_title)), (mark.y, _unit(figure.y_title)))
+    )
+    return f"{mark.text}: {y} at {x}"
+
+
+def _unit(title: str) -> str:
+    """Return the unit that the title of an axis contains; empty: none, or 1."""
+    unit = title.rpartition("[")[2].partition("]")[0] if "[" in title else ""
+    return "" if unit == "1" else unit
+
+
+def _legend_color(figure: Figure, curve: Curve, look: Look) -> str:
+    """Return the colour of a curve in the legend: that of texts for a style that curves of several colours share."""
+    colors = {other.color for other in figure.curves if other.style == curve.style}
+    return look.ink if curve.style in BACKGROUND_STYLES and len(colors) > 1 else look.color(curve.color)
 
 
 def _series(series: Series, look: Look, axes: Any) -> None:  # noqa: ANN401 - matplotlib has no types
@@ -129,14 +152,16 @@ def _label(text: str) -> str | None:
     return f"\N{ZERO WIDTH SPACE}{shown}" if shown.startswith("_") else shown or None
 
 
-def _draw(axes: Any, curve: Curve, look: Look) -> None:  # noqa: ANN401 - matplotlib has no types
+def _draw(axes: Any, curve: Curve, look: Look, legend: str) -> None:  # noqa: ANN401 - matplotlib has no types
     color, label = look.color(curve.color), _label(curve.label)
     few = curve.x.size <= MARKED
     shape: dict[str, Any] = {
         "line": {"marker": "o" if few else None, "ms": 3}, "curve": {}, "points": {"ls": "", "marker": "o", "ms": 3},
         "fit": {"lw": 0.9, "alpha": 0.9}, "faint": {"lw": 0.6, "alpha": 0.55},
     }[curve.style]  # fmt: skip
-    axes.plot(curve.x, curve.y, color=color, label=label, **shape)
+    axes.plot(curve.x, curve.y, color=color, **shape)
+    if label:
+        axes.plot([], [], color=legend, label=label, **shape)
     if curve.lower is None or curve.upper is None:
         return
     if few:
@@ -150,30 +175,39 @@ def _draw(axes: Any, curve: Curve, look: Look) -> None:  # noqa: ANN401 - matplo
 
 
 def _limit(axes: Any, figure: Figure) -> None:  # noqa: ANN401 - matplotlib has no types
-    """Limit the axes to what the figure states, or to its solid curves and its marks; a faint curve may be cut off."""
-    solid = [curve for curve in figure.curves if curve.style != "faint"] or list(figure.curves)
-    marks = figure.marks
-    across = [*(curve.x for curve in solid), np.array([mark.x for mark in marks])]
-    up = [*(part for c in solid for part in (c.y, c.lower, c.upper)), np.array([mark.y for mark in marks])]
-    for limits, scale, parts, put in (
-        (figure.x_limits, figure.x_scale, across, axes.set_xlim),
-        (figure.y_limits, figure.y_scale, up, axes.set_ylim),
+    """Limit the axes to what the figure states, or to its curves and marks; of faint curves, ends may be cut off."""
+    faint, solid = ([c for c in figure.curves if (c.style == "faint") == which] for which in (True, False))
+    for limits, scale, mark, parts, put in (
+        (figure.x_limits, figure.x_scale, "x", ("x",), axes.set_xlim),
+        (figure.y_limits, figure.y_scale, "y", ("y", "lower", "upper"), axes.set_ylim),
     ):
-        put(*(limits or _ends(parts, log=scale == "log")))
+        values, extra = (
+            _shown([getattr(c, part) for c in curves for part in parts], log=scale == "log")
+            for curves in (solid, faint)
+        )
+        marks = _shown([np.array([getattr(one, mark) for one in figure.marks])], log=scale == "log")
+        put(*(limits or _ends(np.concatenate([values, marks]), extra, log=scale == "log")))
 
 
-def _ends(parts: Iterable[Floats | None], *, log: bool) -> tuple[float, float]:
-    """Return the ends of an axis that contain all values, with air; any ends if there is no value."""
+def _shown(parts: Iterable[Floats | None], *, log: bool) -> Floats:
+    """Return all values that an axis can show; logarithms for a logarithmic one."""
     arrays = [np.asarray(part, float).ravel() for part in parts if part is not None]
     values = np.concatenate(arrays) if arrays else np.empty(0)
     values = values[np.isfinite(values) & ((values > 0) | (not log))]
+    return np.log10(values) if log else values
+
+
+def _ends(values: Floats, extra: Floats, *, log: bool) -> tuple[float, float]:
+    """Return the ends of an axis that contain all values, with air, and as much of extra ones as is worth its place."""
+    values, extra = (values, extra) if values.size else (extra, values)
     if not values.size:
         return (1.0, 10.0) if log else (0.0, 1.0)
     low, high = float(values.min()), float(values.max())
-    if log:
-        return max(low, high * 1e-9) / 1.3, high * 1.3
-    air = (high - low) * 0.05 or abs(high) * 0.1 or 1.0
-    return low - air, high + air
+    room = FAINT * (high - low)
+    if extra.size:
+        low, high = max(min(low, float(extra.min())), low - room), min(max(high, float(extra.max())), high + room)
+    air = (high - low) * 0.04 or (0.2 if log else abs(high) * 0.1 or 1.0)
+    return (10 ** (low - air), 10 ** (high + air)) if log else (low - air, high + air)
 
 
 def _finish(canvas: Canvas, axes: Any) -> None:  # noqa: ANN401 - matplotlib has no types

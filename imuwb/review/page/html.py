@@ -21,7 +21,7 @@ OVERVIEW = "Overview"  #: begin of the names of the tabs that show the logs
 MOST_SERIES = 6  #: of a tab
 MOST_TRACKS = 12
 NOTES = 6  #: that are shown at once
-PAPER_LETTERS, LONG_CELL = 110, 36  #: letters of a line of a table on paper; of a cell that is then broken
+PAPER_LETTERS, LONG_CELL = 100, 24  #: letters of a line of a table on paper; of a cell that is then broken
 _COLOR = re.compile(r"#[0-9a-f]{6}")
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from imuwb.analysis import Figure, Series
 from imuwb.log import SECOND
 from imuwb.review.drawn import Drawn, Track
-from imuwb.review.page.canvas import Drawing, Look, render
+from imuwb.review.page.canvas import Drawing, Look, mark_text, render
 from imuwb.review.page.small import small
 from imuwb.texts import names_text, seconds_text
 
@@ -52,7 +52,7 @@ def described(drawing: Drawing) -> str:
         curves = _names([curve.label for curve in drawing.curves])
         across = _extent([np.asarray(curve.x, float) for curve in drawing.curves])
         up = _extent([np.asarray(curve.y, float) for curve in drawing.curves])
-        marks = "; ".join(f"{m.text}: {m.y:.3g} at {m.x:.3g}" for m in drawing.marks)
+        marks = "; ".join(mark_text(drawing, mark) for mark in drawing.marks)
         return (
             f"{curves}Across: {drawing.x_title}, {across}, {drawing.x_scale}. Up: {drawing.y_title}, {up}, {drawing.y_scale}."
             f"{f' Marks: {marks}.' if marks else ''}"

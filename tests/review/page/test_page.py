@@ -49,7 +49,7 @@ def test_the_answer_comes_first_then_its_figure_and_the_overview_is_last(report)
     assert places == sorted(places)
     for said in (
         "gyro x",
-        "N x: 1 at 1",
+        "N x: 1 deg/h at 1 s",
         "here",
         "deviation [deg/h]",
         "9.00 m/s/√h",
