@@ -64,7 +64,7 @@ if TYPE_CHECKING:
     import rerun as rr
 
     from imuwb.arrays import Floats, Integers
-    from imuwb.log import Log
+    from imuwb.log import Epoch, Log
     from imuwb.statistics import Coefficient, Estimate
 
 
@@ -98,7 +98,8 @@ class Curve:
     color: Color
     lower: Floats | None = None  #: ends of the interval at each point
     upper: Floats | None = None
-    style: str = "line"  #: "line" (with points), "curve" (without), "points", "fit" (thin), or "faint"
+    #: "line" (with points), "curve" (without), "points", "fit" (thin), "faint", or "band" (from ``lower`` to ``upper``)
+    style: str = "line"
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +110,7 @@ class Mark:
     y: float
     text: str
     color: Color
+    value: str = ""  #: with its unit; the legend shows it after the text
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,6 +136,7 @@ class Figure:
     verticals: tuple[Vertical, ...] = ()
     x_limits: tuple[float, float] | None = None  #: None: limits that contain all curves
     y_limits: tuple[float, float] | None = None
+    group: str = ""  #: figures of one tab and group share their axes, have one legend, and are drawn side by side
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,7 +160,7 @@ class Series:
     values: Floats  #: (n, k)
     names: tuple[str, ...]
     colors: tuple[tuple[int, ...], ...] = ()  #: RGB or RGBA
-    epoch: str = "log"  #: zero of the time: "unix", "boot" or "log"
+    epoch: Epoch | None = None  #: zero of the time; None: that of the log
 
 
 @dataclass(frozen=True, slots=True)

@@ -62,6 +62,7 @@ def _imported(path: Path, application: str | None, recording: str | None) -> int
     """Write the recording of a log to stdout, and return the exit code."""
     from imuwb import readers  # noqa: PLC0415 - declining must not wait for numpy
     from imuwb.errors import ImuwbError  # noqa: PLC0415
+    from imuwb.review.clock import Clock  # noqa: PLC0415
     from imuwb.review.overview import overview  # noqa: PLC0415
     from imuwb.review.recording import RecordingReview  # noqa: PLC0415
 
@@ -73,7 +74,9 @@ def _imported(path: Path, application: str | None, recording: str | None) -> int
     if not (log.imus or log.gnss or log.references or log.speeds):
         return NOT_OURS
     with tempfile.TemporaryDirectory() as folder:
-        review = RecordingReview(Path(folder) / "imported.rrd", application=application or "imuwb", recording=recording)
+        review = RecordingReview(
+            Path(folder) / "imported.rrd", clock=Clock.of([log]), application=application or "imuwb", recording=recording
+        )  # fmt: skip
         overview([log], review)
         with review.close().open("rb") as file:
             shutil.copyfileobj(file, sys.stdout.buffer)

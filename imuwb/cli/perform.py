@@ -26,6 +26,7 @@ from imuwb.errors import ImuwbError, MissingDataError, UsageError
 from imuwb.log import Log
 from imuwb.progress import watched
 from imuwb.readers.bytes.address import Place, place_of
+from imuwb.review.clock import Clock
 from imuwb.review.default_answer import default_answer
 from imuwb.review.document import document
 from imuwb.review.log_state import log_state
@@ -111,7 +112,8 @@ def _drawn(
 ) -> Drawn:
     """Write the recording, and return what else there is to write and to print."""
     plugin, shown, logs = cast("Any", analysis), list[Table | str](), done.logs
-    review = RecordingReview(places.recording, live=VIEWER if request.outputs.live else None, show=shown.append)
+    live = VIEWER if request.outputs.live else None
+    review = RecordingReview(places.recording, live=live, show=shown.append, clock=Clock.of(logs))
     try:
         overview(logs, review)
         beginning = len(shown)  # what the overview shows is no answer

@@ -1,151 +1,237 @@
-"""A figure as line strips and labels in a 2D view, which zooms and needs no plotting library."""
+"""A figure as line strips and labels in a 2D view, which zooms and needs no plotting library.
+
+The size of the view is chosen first. A unit of the view is a pixel of a screen of 1440 x 900; the viewer draws the same larger on
+a larger screen. Everything beside the frame has a margin of its own, so that no text hides a curve.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from imuwb.analysis import Curve, Figure
+from imuwb.analysis import Curve, Figure, Vertical
 from imuwb.colors import FRAME, GRID, INK, SUBGRID
-from imuwb.review import drawing
-from imuwb.review.frame import HEIGHT, WIDTH, Frame, Point
+from imuwb.review import drawing, legend
+from imuwb.review.band import band
+from imuwb.review.frame import Frame, Point
+from imuwb.review.sizes import text_width
 
 if TYPE_CHECKING:
+    import numpy as np
     import rerun as rr
     import rerun.blueprint as rrb
 
-# Lengths are in the view's own units, in which the frame is 1200 wide.
-MARGIN_X, MARGIN_Y = (90.0, 25.0), (60.0, 90.0)  #: space for titles and labels: left and right, above and below
-LABEL_DROP = 16.0  #: the viewer puts a label below its point by about this much
-LEGEND_STEP = 32.0  #: distance between the lines of the legend
-LEGEND_AIR, LEGEND_LINE, LEGEND_HALF = 12.0, 45.0, 60.0
-LETTER = 15.0  #: approximate width of a letter if the figure fills a quarter of the screen
-ABOVE = 26.0  #: distance of a mark's label above its point
-ASIDE = 42.0  #: distance between the labels of marks that would hide each other
+LABEL_DROP = 11.0  #: the viewer puts a label below its point by this much
+LEFT, BOTTOM, RIGHT = 16.0, 52.0, 16.0  #: margins besides those of texts
+TITLE, TEXT_ROW = 16.0, 18.0  #: height of the y axis's title above the frame; height of a row of texts there
+X_TICK, X_TITLE = 14.0, 36.0  #: distances below the frame
+LEAST_FRAME = 120.0  #: width and height
+MARK_ABOVE, MARK_NEAR = 13.0, 14.0  #: distance of a mark's number above its point, and between numbers
 DASH = 7.0  #: length of a dash of a vertical line
-VERTICAL_ROWS = 4  #: number of heights at which the texts of neighbouring vertical lines are placed
-THICKNESS = {"line": 1.6, "curve": 1.2, "points": 1.6, "fit": 0.9, "faint": 0.5}
-ALPHA = {"line": 255, "curve": 255, "points": 255, "fit": 220, "faint": 110}
+THICKNESS = {"line": 1.6, "curve": 1.3, "points": 1.6, "fit": 0.9, "faint": 0.5, "band": 0.8}
+ALPHA = {"line": 255, "curve": 255, "points": 255, "fit": 220, "faint": 110, "band": 160}
 INTERVAL_ALPHA = 130
 DOTTED = ("line", "points")  #: styles that show each point
-#: styles that curves of several colours share; the legend shows these styles in the colour of text
-BACKGROUND_STYLES = ("fit", "faint")
-GRID_ORDER, INTERVAL_ORDER, VERTICAL_ORDER, CURVE_ORDER, POINT_ORDER, LEGEND_ORDER, MARK_ORDER = (
-    0,
-    10,
-    15,
-    20,
-    25,
-    30,
-    40,
-)
+GRID_ORDER, INTERVAL_ORDER, VERTICAL_ORDER, POINT_ORDER, LEGEND_ORDER, MARK_ORDER = 0, 10, 15, 25, 30, 40
+#: what is drawn over what: a sigma is over the errors that it is compared with
+CURVE_ORDER = {"band": 5, "faint": 12, "fit": 21, "line": 20, "curve": 22, "points": 20}
 
 
-def draw(figure: Figure, recording: rr.RecordingStream, path: str) -> rrb.View:
-    """Log a figure below an entity path, and return its view."""
-    frame = Frame(figure)
-    _grid(figure, frame, recording, path)
+@dataclass(frozen=True, slots=True)
+class Margins:
+    """The space around the frame, px."""
+
+    left: float
+    right: float
+    top: float
+    bottom: float
+
+
+def draw(
+    figure: Figure,
+    recording: rr.RecordingStream,
+    path: str,
+    size: Point,
+    group: Sequence[Figure] = (),
+) -> rrb.View:
+    """Log a figure below an entity path, and return its view.
+
+    Args:
+        figure: to draw.
+        recording: where it is drawn.
+        path: of its entities.
+        size: width and height of the view, px.
+        group: figures that share their axes with this one; the first has the legend.
+    """
+    group = group or (figure,)
+    rows = legend.entries(figure) if figure is group[0] else ()
+    margins = _margins(figure, rows, size, Frame(group, *size), above=len(group) > 1)
+    width, height = size[0] - margins.left - margins.right, size[1] - margins.top - margins.bottom
+    frame = Frame(group, max(width, LEAST_FRAME), max(height, LEAST_FRAME))
+    _grid(frame, recording, path)
+    texts = _axis_texts(figure, frame, margins)
     for i, curve in enumerate(figure.curves):
         _curve(curve, frame, recording, f"{path}/curves/{i:02d}_{drawing.entity_name(curve.label) or 'curve'}")
-    _verticals(figure, frame, recording, f"{path}/verticals")
-    _legend(figure, frame, recording, f"{path}/legend")
-    _marks(figure, frame, recording, f"{path}/marks")
-    x_range, y_range = (-MARGIN_X[0], WIDTH + MARGIN_X[1]), (-MARGIN_Y[0], HEIGHT + MARGIN_Y[1])
+    texts += _verticals(figure.verticals, frame, recording, f"{path}/verticals")
+    texts += _marks(figure, frame, recording, f"{path}/marks")
+    texts += _legend(rows, frame, margins, recording, f"{path}/legend", above=len(group) > 1)
+    drawing.labels(recording, f"{path}/texts", [((x, y - LABEL_DROP), text) for (x, y), text in texts], INK)
+    x_range, y_range = (-margins.left, frame.width + margins.right), (-margins.top, frame.height + margins.bottom)
     return drawing.plane_view(path, figure.title, x_range, y_range)
 
 
-def _grid(figure: Figure, frame: Frame, recording: rr.RecordingStream, path: str) -> None:
-    """Log the frame, its grid, the labels of the ticks and the titles of the axes."""
-    across = [(WIDTH * tick.at, tick.label) for tick in frame.x.ticks()]
-    up = [(HEIGHT * (1 - tick.at), tick.label) for tick in frame.y.ticks()]
-    strips = [[(x, 0.0), (x, HEIGHT)] for x, _ in across] + [[(0.0, y), (WIDTH, y)] for y, _ in up]
+def _margins(figure: Figure, rows: Sequence[legend.Entry], size: Point, frame: Frame, *, above: bool) -> Margins:
+    """Return the margins that the texts need: ticks on the left, the legend on the right or above, texts of verticals above."""
+    ticks = max((text_width(tick.label) for tick in frame.y.ticks()), default=0.0)
+    texts_above = len(_rows_above(figure.verticals, frame)) + (above and bool(rows))
+    right = 0.0 if above else legend.width(rows, size[0])
+    return Margins(ticks + LEFT, max(right, RIGHT), 2 * TITLE + TEXT_ROW * texts_above, BOTTOM)
+
+
+def _grid(frame: Frame, recording: rr.RecordingStream, path: str) -> None:
+    """Log the frame and its grid."""
+    across = [(frame.width * tick.at, tick.label) for tick in frame.x.ticks()]
+    up = [(frame.height * (1 - tick.at), tick.label) for tick in frame.y.ticks()]
+    w, h = frame.width, frame.height
+    strips = [[(x, 0.0), (x, h)] for x, _ in across] + [[(0.0, y), (w, y)] for y, _ in up]
     colors = [GRID if label else SUBGRID for _, label in (*across, *up)]
-    strips.append([(0.0, 0.0), (WIDTH, 0.0), (WIDTH, HEIGHT), (0.0, HEIGHT), (0.0, 0.0)])
+    strips.append([(0.0, 0.0), (w, 0.0), (w, h), (0.0, h), (0.0, 0.0)])
     drawing.lines(recording, f"{path}/grid", strips, [*colors, FRAME], 0.5, GRID_ORDER)
-    texts = [
-        *(((x, HEIGHT + 26), label) for x, label in across if label),
-        *(((-42.0, y), label) for y, label in up if label),
-        ((WIDTH / 2, HEIGHT + 62), figure.x_title),
-        ((WIDTH / 2, -22.0), figure.y_title),
+
+
+def _axis_texts(figure: Figure, frame: Frame, margins: Margins) -> list[tuple[Point, str]]:
+    """Return the labels of the ticks and the titles of the axes; a label is centred on its point."""
+    across = [((frame.width * tick.at, frame.height + X_TICK), tick.label) for tick in frame.x.ticks() if tick.label]
+    up = [
+        ((-6.0 - text_width(tick.label) / 2, frame.height * (1 - tick.at)), tick.label)
+        for tick in frame.y.ticks()
+        if tick.label
     ]
-    _texts(recording, f"{path}/texts", texts)
+    title = legend.cut(figure.y_title, margins.left + frame.width)
+    left = max(text_width(title) / 2 - margins.left, 0.0) if text_width(title) > frame.width else text_width(title) / 2
+    return [
+        *_apart(across), *up, ((frame.width / 2, frame.height + X_TITLE), figure.x_title), ((left, -TITLE), title)
+    ]  # fmt: skip
+
+
+def _apart(texts: list[tuple[Point, str]]) -> list[tuple[Point, str]]:
+    """Return every text, or every second, third and so on, so that neighbours do not touch."""
+    step = 1
+    while step < len(texts) and any(
+        b[0][0] - a[0][0] < (text_width(a[1]) + text_width(b[1])) / 2 + legend.GAP
+        for a, b in zip(texts[::step], texts[step::step], strict=False)
+    ):
+        step += 1
+    return texts[::step]
 
 
 def _curve(curve: Curve, frame: Frame, recording: rr.RecordingStream, path: str) -> None:
     """Log a curve: its line, its intervals and its points, as far as its style has these."""
     color = (*curve.color, ALPHA[curve.style])
+    if curve.style == "band":
+        band(curve, frame, recording, path, CURVE_ORDER["band"])
+        return
     parts = frame.strips(curve.x, curve.y)
     strips = [part for part in parts if len(part) > 1]
     if strips and curve.style != "points":
-        drawing.lines(recording, path, strips, [color] * len(strips), THICKNESS[curve.style], CURVE_ORDER)
+        order = CURVE_ORDER[curve.style]
+        drawing.lines(recording, path, strips, [color] * len(strips), THICKNESS[curve.style], order)
     if curve.lower is not None and curve.upper is not None:
-        intervals = zip(curve.x, curve.lower, curve.upper, strict=True)
-        bars = [bar for x, low, high in intervals if (bar := frame.bar(x, low, high)) is not None]
-        if bars:
-            colors = [(*curve.color, INTERVAL_ALPHA)] * len(bars)
-            drawing.lines(recording, f"{path}/intervals", bars, colors, 0.8, INTERVAL_ORDER)
+        _intervals(curve, curve.lower, curve.upper, frame, recording, path)
     if curve.style in DOTTED:
         places = [place for part in parts for place in part]
         drawing.points(recording, f"{path}/points", places, [color] * len(places), 2.2, POINT_ORDER)
 
 
-def _verticals(figure: Figure, frame: Frame, recording: rr.RecordingStream, path: str) -> None:
-    """Log the dashed vertical lines; the texts of neighbours are placed at different heights."""
-    shown = [vertical for vertical in figure.verticals if frame.x.contains(vertical.x)]
+def _intervals(
+    curve: Curve, lower: np.ndarray, upper: np.ndarray, frame: Frame, recording: rr.RecordingStream, path: str
+) -> None:
+    intervals = zip(curve.x, lower, upper, strict=True)
+    bars = [bar for x, low, high in intervals if (bar := frame.bar(x, low, high)) is not None]
+    if bars:
+        colors = [(*curve.color, INTERVAL_ALPHA)] * len(bars)
+        drawing.lines(recording, f"{path}/intervals", bars, colors, 0.8, INTERVAL_ORDER)
+
+
+def _rows_above(verticals: Sequence[Vertical], frame: Frame) -> list[list[tuple[float, Vertical]]]:
+    """Return the vertical lines inside, in as few rows as keep their texts apart; each with the middle of its text."""
+    rows: list[list[tuple[float, Vertical]]] = []
+    for vertical in sorted((v for v in verticals if frame.x.contains(v.x)), key=lambda v: v.x):
+        half = text_width(vertical.text) / 2
+        at = min(max(frame.width * frame.x.position(vertical.x), half), max(frame.width - half, half))
+        for row in rows:
+            last, other = row[-1]
+            if at - half > last + text_width(other.text) / 2 + legend.GAP:
+                row.append((at, vertical))
+                break
+        else:
+            rows.append([(at, vertical)])
+    return rows
+
+
+def _verticals(
+    verticals: Sequence[Vertical], frame: Frame, recording: rr.RecordingStream, path: str
+) -> list[tuple[Point, str]]:
+    """Log the dashed vertical lines, and return their texts, which are above the frame."""
+    rows = _rows_above(verticals, frame)
+    shown = [vertical for row in rows for _, vertical in row]
     if not shown:
-        return
-    at = [WIDTH * frame.x.position(vertical.x) for vertical in shown]
-    rows = np.arange(0.0, HEIGHT, 2 * DASH).tolist()
-    dashes = [[(x, y), (x, y + DASH)] for x in at for y in rows]
-    colors = [vertical.color for vertical in shown for _ in rows]
+        return []
+    at = [frame.width * frame.x.position(vertical.x) for vertical in shown]
+    steps = [2 * DASH * i for i in range(math.ceil(frame.height / (2 * DASH)))]
+    dashes = [[(x, y), (x, min(y + DASH, frame.height))] for x in at for y in steps]
+    colors = [vertical.color for vertical in shown for _ in steps]
     drawing.lines(recording, f"{path}/lines", dashes, colors, 0.8, VERTICAL_ORDER)
-    heights = [HEIGHT - 24.0 - LEGEND_STEP * (i % VERTICAL_ROWS) for i in range(len(shown))]
-    texts = [((x, y), vertical.text) for x, y, vertical in zip(at, heights, shown, strict=True)]
-    _texts(recording, f"{path}/texts", texts)
+    top = -2 * TITLE - TEXT_ROW * (len(rows) - 0.5)
+    return [((x, top + TEXT_ROW * i), v.text) for i, row in enumerate(reversed(rows)) for x, v in row]
 
 
-def _legend(figure: Figure, frame: Frame, recording: rr.RecordingStream, path: str) -> None:
-    """Log the names of the curves, in the upper corner where fewer points lie."""
-    named = sorted((curve for curve in figure.curves if curve.label), key=lambda c: c.style in BACKGROUND_STYLES)
-    if not named:
-        return
-    heights = [28.0 + LEGEND_STEP * i for i in range(len(named))]
-    # A label is centred on its point.
-    half = max(LETTER / 2 * max(len(curve.label) for curve in named), LEGEND_HALF)
-    wide = 2 * half + 2 * LEGEND_AIR + LEGEND_LINE
-    lowest = heights[-1] + LEGEND_STEP
-    on_right = _crowd(figure, frame, WIDTH - wide, WIDTH, lowest) <= _crowd(figure, frame, 0.0, wide, lowest)
-    center = (WIDTH if on_right else wide + LEGEND_AIR) - LEGEND_AIR - half
-    end = center - half - LEGEND_AIR
-    strips = [[(end - LEGEND_LINE, y), (end, y)] for y in heights]
-    colors = [INK if curve.style in BACKGROUND_STYLES else curve.color for curve in named]
-    drawing.lines(recording, f"{path}/lines", strips, colors, [THICKNESS[c.style] for c in named], LEGEND_ORDER)
-    _texts(recording, f"{path}/texts", [((center, y), curve.label) for y, curve in zip(heights, named, strict=True)])
-
-
-def _crowd(figure: Figure, frame: Frame, left: float, right: float, lowest: float) -> int:
-    """Return how many points of curves lie in an upper part of the frame."""
-    points = [p for curve in figure.curves for p in zip(curve.x.tolist(), curve.y.tolist(), strict=True)]
-    places = [frame.place(x, y) for x, y in points if frame.x.shows(x) and frame.y.shows(y)]
-    return sum(left <= at <= right and 0 <= height <= lowest for at, height in places)
-
-
-def _marks(figure: Figure, frame: Frame, recording: rr.RecordingStream, path: str) -> None:
-    """Log the marks; labels that would hide each other are placed side by side."""
-    marks = [mark for mark in figure.marks if frame.contains(mark.x, mark.y)]
-    if not marks:
-        return
-    places = [frame.place(mark.x, mark.y) for mark in marks]
-    drawing.points(recording, f"{path}/points", places, [mark.color for mark in marks], 4.5, MARK_ORDER)
+def _marks(figure: Figure, frame: Frame, recording: rr.RecordingStream, path: str) -> list[tuple[Point, str]]:
+    """Log the marks, and return their numbers; a number that another would hide stands higher."""
+    numbers = legend.numbered(figure.marks)
+    inside = [(m, n) for m, n in zip(figure.marks, numbers, strict=True) if frame.contains(m.x, m.y)]
+    if not inside:
+        return []
+    places = [frame.place(mark.x, mark.y) for mark, _ in inside]
+    drawing.points(recording, f"{path}/points", places, [mark.color for mark, _ in inside], 4.5, MARK_ORDER)
     texts: list[tuple[Point, str]] = []
-    for (x, y), mark in zip(places, marks, strict=True):
-        crowd = sum(math.dist((x, y), other) < ASIDE for other in places[: len(texts)])
-        texts.append(((x + ASIDE * crowd, y - ABOVE), mark.text))
-    _texts(recording, f"{path}/texts", texts)
+    for (x, y), (_, number) in zip(places, inside, strict=True):
+        height = y - MARK_ABOVE
+        while any(math.dist((x, height), other) < MARK_NEAR for other, _ in texts):
+            height -= MARK_NEAR
+        if number:
+            texts.append(((x, height), number))
+    return texts
 
 
-def _texts(recording: rr.RecordingStream, path: str, texts: list[tuple[Point, str]]) -> None:
-    """Log texts whose middle lies at the given points."""
-    drawing.labels(recording, path, [((x, y - LABEL_DROP), text) for (x, y), text in texts], INK)
+def _legend(
+    rows: Sequence[legend.Entry],
+    frame: Frame,
+    margins: Margins,
+    recording: rr.RecordingStream,
+    path: str,
+    *,
+    above: bool,
+) -> list[tuple[Point, str]]:
+    """Log the samples of the legend, and return its texts: right of the frame, or above the frame in one row."""
+    places: list[tuple[Point, legend.Entry]] = []
+    if above:
+        at, height = 0.0, -2 * TITLE - TEXT_ROW / 2
+        for row in rows:
+            places.append(((at, height), row))
+            at += legend.SAMPLE + 3 * legend.GAP + text_width(row.text)
+    else:
+        x = frame.width + legend.GAP
+        places += [((x, y), row) for y, row in legend.fitting(rows, frame.height, margins.right)]
+    lines = [(p, row) for p, row in places if row.style not in ("mark", "")]
+    dots = [(p, row) for p, row in places if row.style == "mark"]
+    if lines:
+        strips = [[(x, y), (x + legend.SAMPLE, y)] for (x, y), _ in lines]
+        thickness = [THICKNESS[row.style] for _, row in lines]
+        drawing.lines(recording, f"{path}/lines", strips, [row.color for _, row in lines], thickness, LEGEND_ORDER)
+    if dots:
+        middles = [(x + legend.SAMPLE / 2, y) for (x, y), _ in dots]
+        drawing.points(recording, f"{path}/points", middles, [row.color for _, row in dots], 4.5, MARK_ORDER)
+    return [((x + legend.SAMPLE + legend.GAP + text_width(row.text) / 2, y), row.text) for (x, y), row in places]

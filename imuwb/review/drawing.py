@@ -27,6 +27,18 @@ def lines(
     recording.log(path, rr.LineStrips2D(strips, colors=colors, radii=radii, draw_order=order), static=True)
 
 
+def areas(
+    recording: rr.RecordingStream,
+    path: str,
+    columns: Sequence[Sequence[Point]],
+    color: tuple[int, ...],
+    half: float,
+    order: float,
+) -> None:
+    """Log columns of a half width, in the view's units, which together fill an area."""
+    recording.log(path, rr.LineStrips2D(columns, colors=[color], radii=half, draw_order=order), static=True)
+
+
 def points(
     recording: rr.RecordingStream,
     path: str,

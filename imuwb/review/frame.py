@@ -1,31 +1,34 @@
 """The frame of a figure: where a point lies in the view, and which parts of curves are inside."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TypeAlias
 
-from imuwb.analysis import Figure
+from imuwb.analysis import Curve, Figure
 from imuwb.review.scale import Scale
 
 Point: TypeAlias = tuple[float, float]
 
-WIDTH, HEIGHT = 1200.0, 560.0  #: size of the frame, in the view's own units
 SAME = 1e-6  #: greatest distance between two points that count as one, in the view's units
 
 
 class Frame:
-    """The two axes of a figure."""
+    """The two axes of a figure, and the size of their frame in the view's units; the origin is its upper left corner."""
 
-    def __init__(self, figure: Figure) -> None:
-        """Choose axes that contain all curves and intervals; faint curves may be cut off."""
-        solid = [curve for curve in figure.curves if curve.style != "faint"] or list(figure.curves)
-        self.x = Scale.around(figure.x_scale, (curve.x for curve in solid), figure.x_limits)
-        heights = (part for curve in solid for part in (curve.y, curve.lower, curve.upper))
-        self.y = Scale.around(figure.y_scale, heights, figure.y_limits)
+    def __init__(self, figures: Sequence[Figure], width: float, height: float) -> None:
+        """Choose axes that contain all curves and intervals of the figures that share them; faint curves may be cut off."""
+        self.width, self.height = width, height
+        first = figures[0]
+        curves = [curve for figure in figures for curve in _solid(figure)]
+        xs = [limits for figure in figures if (limits := figure.x_limits) is not None]
+        ys = [limits for figure in figures if (limits := figure.y_limits) is not None]
+        self.x = Scale.around(first.x_scale, (curve.x for curve in curves), _widest(xs))
+        heights = (part for curve in curves for part in (curve.y, curve.lower, curve.upper))
+        self.y = Scale.around(first.y_scale, heights, _widest(ys))
 
     def place(self, x: float, y: float) -> Point:
         """Return where a point lies in the view; y grows downward there."""
-        return _view((self.x.position(x), self.y.position(y)))
+        return self._view((self.x.position(x), self.y.position(y)))
 
     def contains(self, x: float, y: float) -> bool:
         """Return whether a point lies inside."""
@@ -40,7 +43,7 @@ class Frame:
         if bottom > 1:
             return None
         across = self.x.position(x)
-        return [_view((across, max(bottom, 0.0))), _view((across, min(self.y.position(high), 1.0)))]
+        return [self._view((across, max(bottom, 0.0))), self._view((across, min(self.y.position(high), 1.0)))]
 
     def strips(self, xs: Iterable[float], ys: Iterable[float]) -> list[list[Point]]:
         """Return the parts of a curve that are inside; a point without a neighbour is a part."""
@@ -53,7 +56,7 @@ class Frame:
             now = (self.x.position(x), self.y.position(y))
             piece = _clip(last or now, now)
             if piece is not None:
-                begin, end = _view(piece[0]), _view(piece[1])
+                begin, end = self._view(piece[0]), self._view(piece[1])
                 if last is None or not parts or math.dist(parts[-1][-1], begin) > SAME:
                     parts.append([begin])
                 if last is not None:
@@ -61,10 +64,17 @@ class Frame:
             last = now
         return parts
 
+    def _view(self, position: Point) -> Point:
+        """Return the point of the view for a position on both axes, 0 to 1 from left to right and from bottom to top."""
+        return self.width * position[0], self.height * (1 - position[1])
 
-def _view(position: Point) -> Point:
-    """Return the point of the view for a position on both axes, 0 to 1 from left to right and from bottom to top."""
-    return WIDTH * position[0], HEIGHT * (1 - position[1])
+
+def _solid(figure: Figure) -> Sequence[Curve]:
+    return [curve for curve in figure.curves if curve.style != "faint"] or list(figure.curves)
+
+
+def _widest(limits: Sequence[tuple[float, float]]) -> tuple[float, float] | None:
+    return (min(low for low, _ in limits), max(high for _, high in limits)) if limits else None
 
 
 def _clip(a: Point, b: Point) -> tuple[Point, Point] | None:

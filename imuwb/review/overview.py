@@ -1,69 +1,87 @@
-"""The first tab of every recording; it shows the content of the logs."""
+"""The tabs of every recording that show the content of the logs: the IMU that is analysed, axis by axis, and the other streams."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
 from imuwb.analysis import Review, Series
-from imuwb.colors import AXIS_COLORS, PALE, TRACK_COLORS
+from imuwb.colors import AXIS_COLORS, GREY, TRACK_COLORS
 from imuwb.log import ImuStream, Log, Triad
+from imuwb.review.clock import Clock
 from imuwb.review.envelope import extremes
 from imuwb.review.tables import streams_of_many, streams_table
 from imuwb.summary import summarize
 
 MANY = 3  #: up to this number of logs, each is shown over time
-SAMPLES = 100_000  #: least number of samples that the median and the spread of an axis are estimated from
-SPREAD = 0.99  #: the spread of an axis is this quantile of the distances from its median
-STILL = 0.1  #: up to this spread, as a share of the distance between the axes' medians, axes are drawn without their medians
-ALPHA = 150  #: opacity of the lines of three axes, which cross each other
+SPANS = 1000  #: of an axis, whose chart fills half a screen
+ALPHA = 150  #: opacity of the lines of three axes in one chart
+#: sensor -> quantity, display unit, value of one SI unit in the display unit
+SENSORS = {"gyro": ("angular rate", "deg/s", float(np.degrees(1.0))), "accel": ("specific force", "m/s²", 1.0)}
 
 
 def overview(logs: Sequence[Log], review: Review) -> None:
-    """Show the streams of each log over time, its tracks, and a table of its streams.
+    """Show each log: at most six charts of the first IMU, one for each axis, a table of the streams, and a tab of the other streams.
 
     Of more than three logs only the first is shown over time, and one table lists the streams of all.
     """
-    many = len(logs) > MANY
+    many, clock = len(logs) > MANY, Clock.of(logs)
     if many:
         review.tab("Overview")
         review.table(streams_of_many([summarize(log) for log in logs]))
     for log in logs[:1] if many else logs:
-        review.tab("Overview" if len(logs) == 1 else f"Overview {log.provenance.path}")
-        _streams(log, review)
+        name = "" if len(logs) == 1 else f" {log.provenance.path}"
+        review.tab(f"Overview{name}")
+        _show((s for imu in log.imus[:1] for s in _axes(imu)), log, clock, review)
         if not many:
             review.table(streams_table(summarize(log)))
-    for note in dict.fromkeys(note for log in logs for note in log.notes):
-        review.note(note)
+        if log is logs[0]:
+            for note in dict.fromkeys(note for log in logs for note in log.notes):
+                review.note(note)
+        review.tab(f"Other streams{name}")
+        for gnss, color in zip(log.gnss, TRACK_COLORS, strict=False):
+            review.track(gnss.name, gnss.position, color)
+        _show(_others(log), log, clock, review)
 
 
-def _streams(log: Log, review: Review) -> None:
+def _show(all_series: Iterable[Series], log: Log, clock: Clock, review: Review) -> None:
+    """Show series; one whose values are all equal is a note, because its chart would be empty."""
+    for series in all_series:
+        known = series.values[np.isfinite(series.values)]
+        if series.values.shape[1] == 1 and known.size and known.min() == known.max():
+            review.note(f"{series.title}: {known[0]:.6g} {series.unit} throughout")
+        elif series.time.size:
+            review.series(clock.moved(series, log))
+
+
+def _axes(imu: ImuStream) -> Iterator[Series]:
+    """Yield a chart for each axis, because the extremes of one axis would hide the others."""
+    for sensor, triad in _triads(imu):
+        quantity, unit, scale = SENSORS[sensor]
+        time, drawn = extremes(triad.time, triad.value, SPANS)
+        for axis in triad.axes:
+            values = drawn[:, "xyz".index(axis)] * scale
+            title = f"{sensor} {axis}: {quantity} of {imu.name}"
+            yield Series(title, unit, time, values[:, None], (f"{sensor} {axis}",), (AXIS_COLORS[axis],))
+
+
+def _triads(imu: ImuStream) -> Iterator[tuple[str, Triad]]:
+    triads = {"gyro": imu.angular_rate, "accel": imu.specific_force}
+    yield from ((sensor, triad) for sensor, triad in triads.items() if triad is not None)
+
+
+def _others(log: Log) -> Iterator[Series]:
+    """Yield temperatures, speeds, and the other IMUs with their axes in one chart."""
     for imu in log.imus:
-        if imu.angular_rate is not None:
-            review.series(_triad(imu, imu.angular_rate, "angular rate", "gyro", "deg/s", np.degrees(1.0)))
-        if imu.specific_force is not None:
-            review.series(_triad(imu, imu.specific_force, "specific force", "accel", "m/s²", 1.0))
         if imu.temperature is not None:
-            t, title = imu.temperature, f"{imu.name} temperature"
-            review.series(Series(title, "°C", t.time, t.value[:, None], ("temperature",), (PALE,), imu.origin.epoch))
-    for gnss, color in zip(log.gnss, TRACK_COLORS, strict=False):
-        review.track(gnss.name, gnss.position, color)
-
-
-def _triad(imu: ImuStream, triad: Triad, quantity: str, sensor: str, unit: str, scale: float) -> Series:
-    """Return three axes over time, without their medians if the sensor is still, because different medians would hide the noise."""
-    axes = triad.axes
-    columns = ["xyz".index(axis) for axis in axes]
-    sample = triad.value[:: max(len(triad) // SAMPLES, 1), columns] * scale
-    median = np.median(sample, axis=0)
-    spread = np.quantile(np.abs(sample - median), SPREAD, axis=0).max()
-    # Of a long series only the extremes are drawn, so only these are scaled.
-    time, drawn = extremes(triad.time, triad.value)
-    values = drawn[:, columns] * scale
-    names = tuple(f"{sensor} {axis}" for axis in axes)
-    title = f"{imu.name} {quantity}"
-    if spread < STILL * np.ptp(median):
-        values = values - median
-        names = tuple(f"{name}, about {m:.3f}" for name, m in zip(names, median, strict=True))
-        title += ", each axis about its median"
-    colors = tuple((*AXIS_COLORS[axis], ALPHA) for axis in axes)
-    return Series(title, unit, time, values, names, colors, imu.origin.epoch)
+            t = imu.temperature
+            yield Series(f"temperature of {imu.name}", "°C", t.time, t.value[:, None], ("temperature",), (GREY,))
+    for speed in log.speeds:
+        yield Series(f"speed: {speed.name}", "m/s", speed.time, speed.value[:, None], ("speed",), (GREY,))
+    for imu in log.imus[1:]:
+        for sensor, triad in _triads(imu):
+            quantity, unit, scale = SENSORS[sensor]
+            time, drawn = extremes(triad.time, triad.value, SPANS)
+            values = drawn[:, ["xyz".index(axis) for axis in triad.axes]] * scale
+            names = tuple(f"{sensor} {axis}" for axis in triad.axes)
+            colors = tuple((*AXIS_COLORS[axis], ALPHA) for axis in triad.axes)
+            yield Series(f"{quantity} of {imu.name}", unit, time, values, names, colors)

@@ -14,16 +14,18 @@ from imuwb.arrays import Floats
 from imuwb.colors import Color
 from imuwb.errors import ImuwbError
 from imuwb.review import chart, recorded
+from imuwb.review.clock import Clock
 from imuwb.review.drawn import Drawn, Item, Track
 from imuwb.review.envelope import envelope
 from imuwb.review.recorded import Value
 from imuwb.review.rrd import is_whole, why_cut
+from imuwb.review.sizes import AREA, TITLE_BAR
 from imuwb.review.tab import Tab
 from imuwb.writers.whole import Draft
 
 ROWS = 65_536  #: rows of a chunk
 SERIES_WIDTH = 1.2  #: width of a line over time
-SUMMARY_SHARES = (1.0, 1.3)  #: of the panel and of the figure beside it
+PANEL = 670.0  #: px, width of the panel on the first tab; 80 columns fit
 VIEWER_PORT = 9876
 VIEWER_PATIENCE = 2.0  #: s; longest wait for a running viewer
 
@@ -37,6 +39,7 @@ class RecordingReview:
         *,
         live: str | None = None,
         show: Callable[[Table | str], None] = lambda what: None,  # noqa: ARG005 - there is no terminal
+        clock: Clock = Clock(),  # noqa: B008 - it is frozen
         application: str = "imuwb",
         recording: str | None = None,
     ) -> None:
@@ -45,6 +48,7 @@ class RecordingReview:
         Args:
             output: the file; it appears when ``close`` is called.
             live: address of a running viewer that also gets the recording, such as ``rerun+http://127.0.0.1:9876/proxy``.
+            clock: of the first log; all series are on it.
             show: called with each table and note, for the terminal.
             application: name of the program that the viewer shows.
             recording: identity of the recording; None: a new one.
@@ -68,7 +72,7 @@ class RecordingReview:
                 f"{output}: cannot be written: {error.strerror}; choose another place with --output"
             ) from error
         self._tabs: list[Tab] = []
-        self._timeline: str | None = None
+        self._clock = clock
         self.notes: list[str] = []
         self.drawn: list[Drawn] = []  #: all calls, for other renderers
         self._summary: rrb.Container | None = None
@@ -88,11 +92,15 @@ class RecordingReview:
     def figure(self, figure: Figure) -> None:
         """Show a figure."""
         self._keep(figure)
-        path = f"{self._tab.path}/figure_{len(self._tab.figures)}"
-        self._tab.figures.append(chart.draw(figure, self.recording, path))
+        self._tab.pictures.append(figure)
 
     def series(self, series: Series) -> None:
-        """Show quantities over time. Long series are drawn as the envelopes of their extremes."""
+        """Show quantities over time. Long series are drawn as the envelopes of their extremes.
+
+        Raises:
+            ValueError: the series has another clock than the recording.
+        """
+        series = self._clock.on(series)
         self._keep(series)
         path = f"{self._tab.path}/series_{len(self._tab.series)}"
         time, values = envelope(series.time, series.values)
@@ -102,20 +110,18 @@ class RecordingReview:
             widths=[SERIES_WIDTH] * len(names),
         )  # fmt: skip
         self.recording.log(path, style, static=True)
-        timeline = "time" if series.epoch == "unix" else "time_since_start"
-        self._timeline = self._timeline or timeline
         for start in range(0, time.size, ROWS):
             rows = slice(start, start + ROWS)
             if series.epoch == "unix":
-                index = rr.TimeColumn(timeline, timestamp=time[rows].astype("datetime64[ns]"))
+                index = rr.TimeColumn(self._clock.timeline, timestamp=time[rows].astype("datetime64[ns]"))
             else:
-                index = rr.TimeColumn(timeline, duration=time[rows].astype("timedelta64[ns]"))
+                index = rr.TimeColumn(self._clock.timeline, duration=time[rows].astype("timedelta64[ns]"))
             scalars = rr.Scalars.columns(scalars=values[rows].ravel()).partition([values.shape[1]] * time[rows].size)
             self.recording.send_columns(path, [index], scalars)
         whole = rr.TimeRange(start=rr.TimeRangeBoundary.infinite(), end=rr.TimeRangeBoundary.infinite())
         view = rrb.TimeSeriesView(
             origin=path, name=f"{series.title} [{series.unit}]", axis_x=rrb.TimeAxis(view_range=whole),
-            plot_legend=rrb.PlotLegend(corner="RightTop"),
+            plot_legend=rrb.PlotLegend(corner="RightTop", visible=len(names) > 1),
         )  # fmt: skip
         self._tab.series.append(view)
 
@@ -123,10 +129,7 @@ class RecordingReview:
         """Show a table."""
         self._keep(table)
         self._show(table)
-        cells = [table.headings, ["---"] * len(table.headings), *table.rows]
-        lines = ["| " + " | ".join(_literal(cell) for cell in row) + " |" for row in cells]
-        markdown = "\n".join(lines) + (f"\n\n{table.caption}" if table.caption else "")
-        self._tab.add_text(self.recording, table.title, markdown, wide=table.wide)
+        self._tab.tables.append(table)
 
     def note(self, text: str) -> None:
         """State what a reader of the result must know."""
@@ -139,12 +142,12 @@ class RecordingReview:
         """Show a trajectory in local east and north, with a label at its end."""
         self._keep(Track(name, position, color, label))
         if view := self._tab.tracks.add(self.recording, name, position, color, label):
-            self._tab.figures.append(view)
+            self._tab.pictures.append(view)
 
     def map_track(self, name: str, position: Floats, color: Color) -> None:
         """Show a trajectory on a map, which the viewer fetches from the network."""
         if view := self._tab.maps.add(self.recording, name, position, color):
-            self._tab.figures.append(view)
+            self._tab.pictures.append(view)
 
     def summary(self, panel: Sequence[str], figure: Figure | None = None) -> None:
         """Show the lines of the panel on the first tab, beside one figure; None: the first figure of all tabs."""
@@ -153,8 +156,10 @@ class RecordingReview:
         views: list[rrb.View] = [rrb.TextDocumentView(origin="/summary/answer", name="Answer")]
         figure = figure or next((one.item for one in self.drawn if isinstance(one.item, Figure)), None)
         if figure is not None:
-            views.append(chart.draw(figure, self.recording, "/summary/figure"))
-        self._summary = rrb.Horizontal(*views, column_shares=SUMMARY_SHARES[: len(views)], name="Summary")
+            size = (AREA[0] - PANEL, AREA[1] - TITLE_BAR)
+            views.append(chart.draw(figure, self.recording, "/summary/figure", size))
+        shares = (PANEL, AREA[0] - PANEL)[: len(views)]
+        self._summary = rrb.Horizontal(*views, column_shares=shares, name="Summary")
 
     def state(self, name: str, properties: Mapping[str, Value], document: str) -> None:
         """Write the name of the recording, its properties, and the JSON of the result."""
@@ -188,11 +193,9 @@ class RecordingReview:
         self._draft.discard()
 
     def _send_blueprint(self) -> None:
-        for tab in self._tabs:
-            tab.add_notes(self.recording)
         layouts = [] if self._summary is None else [self._summary]
-        layouts += [layout for tab in self._tabs if (layout := tab.layout()) is not None]
-        time_panel = rrb.TimePanel(state="collapsed", play_state="paused", timeline=self._timeline)
+        layouts += [layout for tab in self._tabs if (layout := tab.layout(self.recording)) is not None]
+        time_panel = rrb.TimePanel(state="collapsed", play_state="paused", timeline=self._clock.timeline)
         blueprint = rrb.Blueprint(
             rrb.Tabs(*layouts), rrb.BlueprintPanel(state="collapsed"), rrb.SelectionPanel(state="collapsed"), time_panel
         )
@@ -213,8 +216,3 @@ def _require_viewer(address: str) -> None:
         raise ImuwbError(
             f"--live: no viewer listens at {host}:{port}; start one with: rerun --bind 127.0.0.1"
         ) from error
-
-
-def _literal(cell: str) -> str:
-    """Return a cell in which no character is read as markup."""
-    return cell if set(cell) <= {"-"} else cell.replace("|", "\\|").replace("*", "\\*").replace("_", "\\_")

@@ -147,7 +147,7 @@ class SensorErrors:
     """The errors of the sensors over time: a filter's estimates with three sigma, and the truth if the log has it."""
 
     filter: str
-    epoch: str  #: of time
+    epoch: Epoch  #: of time
     time: Integers  #: (m,) ns
     estimates: Floats  #: (m, 6, 3) rad/s and m/s²: estimate, three sigma below, three sigma above
     true_time: Integers | None  #: (k,) ns

@@ -1,0 +1,164 @@
+"""The pages of a tab: what fits on one screen is one page; more goes on on pages of its own, so that nothing is below the fold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import TypeAlias
+
+import rerun.blueprint as rrb
+
+from imuwb.analysis import Figure, Table
+from imuwb.review.sizes import AREA, TABS_BAR, TITLE_BAR, notes_height, table_height, table_width, text_width
+
+LEAST_FIGURE, LEAST_SERIES = 385.0, 120.0  #: heights
+IN_PAIRS = 3  #: more series than this are in two columns, the first half on the left
+MOST_SERIES = 6  #: on a page
+ABREAST, MOST_OF_GROUP = 4, 8  #: figures of a group in a row, and on a page
+MOST_TEXTS = 3  #: tables in a row
+NOTES_WIDTH = 620.0  #: of notes beside a table
+NAME_LETTERS = 34  #: of a page
+
+
+@dataclass(frozen=True, slots=True)
+class Notes:
+    """Notes that share a view."""
+
+    texts: tuple[str, ...]
+
+
+Item: TypeAlias = Figure | Table | Notes | rrb.View  #: a view is drawn already: a series, a track, a map
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """What a view shows, and the size of the view, px."""
+
+    item: Item
+    width: float
+    height: float = 0.0
+    group: tuple[Figure, ...] = ()  #: figures that share their axes with this one
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """Views side by side."""
+
+    cells: tuple[Cell, ...]
+    least: float  #: height
+    grows: float  #: share of the height that is left on the page
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """Rows that fill one screen."""
+
+    name: str
+    rows: tuple[Row, ...]
+
+
+def pages(
+    pictures: Sequence[rrb.View | Figure], series: Sequence[rrb.View], tables: Sequence[Table], notes: Sequence[str]
+) -> tuple[Page, ...]:
+    """Return the pages of a tab; each has a name for a tab within the tab."""
+    texts: list[Table | Notes] = list(tables)
+    if notes:
+        texts.insert(1, Notes(tuple(notes)))
+    rows = [*_pictures(pictures), *_series(series), *_texts(texts)]
+    whole = _broken(rows, AREA[1])
+    parts = whole if len(whole) < 2 else _broken(rows, AREA[1] - TABS_BAR)  # noqa: PLR2004 - several need a bar of tabs
+    height = AREA[1] - (TABS_BAR if len(parts) > 1 else 0.0)
+    return tuple(Page(_name(part), _filled(part, height)) for part in parts)
+
+
+def _pictures(items: Sequence[rrb.View | Figure]) -> Iterator[Row]:
+    """Yield figures in pairs, and the figures of a group side by side."""
+    for name, group in groupby(items, key=lambda item: item.group if isinstance(item, Figure) else ""):
+        members = list(group)
+        figures = tuple(item for item in members if isinstance(item, Figure)) if name else ()
+        for start in range(0, len(members), MOST_OF_GROUP):
+            page = members[start : start + MOST_OF_GROUP]
+            abreast = -(-len(page) // -(-len(page) // ABREAST)) if name else 2
+            for first in range(0, len(page), abreast):
+                part = page[first : first + abreast]
+                width = AREA[0] / (abreast if name else len(part))
+                yield Row(tuple(Cell(item, width, group=figures) for item in part), LEAST_FIGURE, 3.0)
+
+
+def _series(views: Sequence[rrb.View]) -> Iterator[Row]:
+    for start in range(0, len(views), MOST_SERIES):
+        page = views[start : start + MOST_SERIES]
+        if len(page) <= IN_PAIRS:
+            yield from (Row((Cell(view, AREA[0]),), LEAST_SERIES, 1.0) for view in page)
+            continue
+        half = -(-len(page) // 2)
+        for i in range(half):
+            part = page[i::half]
+            yield Row(tuple(Cell(view, AREA[0] / len(part)) for view in part), LEAST_SERIES, 1.0)
+
+
+def _texts(items: Sequence[Table | Notes]) -> Iterator[Row]:
+    """Yield tables and notes; those that fit are side by side."""
+    row: list[tuple[Table | Notes, float]] = []
+    for item in items:
+        width = AREA[0] if isinstance(item, Table) and item.wide else _natural(item)
+        if row and (len(row) == MOST_TEXTS or sum(w for _, w in row) + width > AREA[0]):
+            yield _text_row(row)
+            row = []
+        row.append((item, width))
+    if row:
+        yield _text_row(row)
+
+
+def _natural(item: Table | Notes) -> float:
+    if isinstance(item, Table):
+        return min(max(table_width(item), text_width(item.title) + 110.0, 300.0), AREA[0])
+    return min(max(map(text_width, item.texts)) + 60.0, NOTES_WIDTH)
+
+
+def _text_row(row: Sequence[tuple[Table | Notes, float]]) -> Row:
+    whole = sum(width for _, width in row)
+    cells = tuple(Cell(item, AREA[0] * width / whole) for item, width in row)
+    return Row(cells, max(_height(cell.item, cell.width) for cell in cells), 0.0)
+
+
+def _height(item: Item, width: float) -> float:
+    if isinstance(item, Table):
+        return table_height(item, width)
+    return notes_height(list(item.texts), width) if isinstance(item, Notes) else 0.0
+
+
+def _broken(rows: Sequence[Row], height: float) -> list[list[Row]]:
+    """Return the rows of each page."""
+    parts: list[list[Row]] = []
+    for row in rows:
+        if not parts or sum(other.least for other in parts[-1]) + row.least > height:
+            parts.append([])
+        parts[-1].append(row)
+    return parts
+
+
+def _filled(rows: Sequence[Row], height: float) -> tuple[Row, ...]:
+    """Return the rows with heights that fill a page: figures and series grow, a table only where nothing else does."""
+    left = max(height - sum(row.least for row in rows), 0.0)
+    growth = [row.grows for row in rows] if any(row.grows for row in rows) else [row.least for row in rows]
+    heights = [row.least + left * own / sum(growth) for row, own in zip(rows, growth, strict=True)]
+    return tuple(
+        Row(
+            tuple(Cell(cell.item, cell.width, max(high - TITLE_BAR, 1.0), cell.group) for cell in row.cells),
+            high, row.grows,
+        )
+        for row, high in zip(rows, heights, strict=True)
+    )  # fmt: skip
+
+
+def _name(rows: Sequence[Row]) -> str:
+    """Return the name of a page: that of its figures, or that of its first table."""
+    first = rows[0].cells[0].item
+    if isinstance(first, Figure):
+        return "Figures"
+    if isinstance(first, Notes):
+        return "Notes"
+    title = first.title if isinstance(first, Table) else str(first.name or "Over time")
+    return title if len(title) <= NAME_LETTERS else f"{title[: NAME_LETTERS - 1].rstrip()}…"
