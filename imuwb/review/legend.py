@@ -11,6 +11,7 @@ from imuwb.review.sizes import text_width
 BACKGROUND_STYLES = ("fit", "faint")
 SAMPLE, GAP = 26.0, 10.0  #: length of a sample of a line; distance from it to its text
 STEP, LEAST_STEP = 22.0, 15.5  #: distance between rows
+LEAST_TEXT = 80.0  #: width, of the text that says how many rows are missing
 MOST_SHARE = 0.42  #: of a view's width; longer texts are cut
 
 
@@ -20,7 +21,7 @@ class Entry:
 
     text: str
     color: Color
-    style: str  #: of the curve; "mark" for a mark
+    style: str  #: of the curve; "mark" for a mark; empty: only the text
 
 
 def entries(figure: Figure) -> tuple[Entry, ...]:
@@ -57,7 +58,8 @@ def width(rows: Sequence[Entry], view: float) -> float:
     """Return the width of the margin that a legend needs in a view of a width."""
     if not rows:
         return 0.0
-    return min(max(text_width(row.text) for row in rows) + SAMPLE + 3 * GAP, MOST_SHARE * view)
+    longest = max(LEAST_TEXT, *(text_width(row.text) for row in rows))
+    return min(longest + SAMPLE + 3 * GAP, MOST_SHARE * view)
 
 
 def fitting(rows: Sequence[Entry], height: float, width: float) -> Iterator[tuple[float, Entry]]:
@@ -68,7 +70,8 @@ def fitting(rows: Sequence[Entry], height: float, width: float) -> Iterator[tupl
         shown = [*rows[: most - 1], Entry(f"and {len(rows) - most + 1} more", INK, "")]
     step = min(STEP, height / len(shown)) if shown else STEP
     for i, row in enumerate(shown):
-        yield step * (i + 0.5), Entry(cut(row.text, width - SAMPLE - 3 * GAP + 1.0), row.color, row.style)
+        text = cut(row.text, width - SAMPLE - 3 * GAP + 1.0) if row.style else row.text
+        yield step * (i + 0.5), Entry(text, row.color, row.style)
 
 
 def cut(text: str, width: float) -> str:

@@ -17,6 +17,7 @@ IN_PAIRS = 3  #: more series than this are in two columns, the first half on the
 MOST_SERIES = 6  #: on a page
 ABREAST, MOST_OF_GROUP = 4, 8  #: figures of a group in a row, and on a page
 MOST_TEXTS = 3  #: tables in a row
+UNLIKE, SHORT = 2.0, 280.0  #: ratio of heights that do not go together, unless both are below this height
 NOTES_WIDTH = 620.0  #: of notes beside a table
 NAME_LETTERS = 34  #: of a page
 
@@ -103,12 +104,18 @@ def _texts(items: Sequence[Table | Notes]) -> Iterator[Row]:
     row: list[tuple[Table | Notes, float]] = []
     for item in items:
         width = AREA[0] if isinstance(item, Table) and item.wide else _natural(item)
-        if row and (len(row) == MOST_TEXTS or sum(w for _, w in row) + width > AREA[0]):
+        full = len(row) == MOST_TEXTS or sum(w for _, w in row) + width > AREA[0]
+        if row and (full or not _alike(_height(item, width), _height(*row[0]))):
             yield _text_row(row)
             row = []
         row.append((item, width))
     if row:
         yield _text_row(row)
+
+
+def _alike(one: float, other: float) -> bool:
+    """Return whether two heights go together; a short table has no place beside a long one, whose page may be another one."""
+    return max(one, other) <= max(UNLIKE * min(one, other), SHORT)
 
 
 def _natural(item: Table | Notes) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from imuwb.analysis import Answer, Curve, Figure, Mark, Series, Step, Table, Vertical
 from imuwb.arrays import Floats
 from imuwb.errors import UnreadableLogError
-from imuwb.log import SECOND
+from imuwb.log import SECOND, Epoch
 from imuwb.review.drawn import Drawn, Item, Track
 from imuwb.review.report import Report, Source, cleaned
 
@@ -21,7 +21,8 @@ DIGITS = 5  #: significant digits of a value
 STEPS = 20_000  #: of a range of values that can be told apart
 EXACT = 2**53  #: up to it every whole number is a float
 PLACES = 9  #: decimals of a position in rad: 6 mm
-STYLES, SCALES = ("line", "curve", "points", "fit", "faint"), ("log", "linear")
+STYLES, SCALES = ("line", "curve", "points", "fit", "faint", "band"), ("log", "linear")
+EPOCHS: tuple[Epoch, ...] = ("unix", "boot", "log")
 
 
 def text_of(report: Report) -> str:
@@ -135,12 +136,15 @@ def _figure(one: Mapping[str, Any]) -> Figure:
         Curve(str(c["label"]), _array(c["x"]), _array(c["y"]), _color(c["color"]), _band(c["lower"]), _band(c["upper"]), _one_of(STYLES, c["style"]))
         for c in one["curves"]
     )  # fmt: skip
-    marks = tuple(Mark(float(m["x"]), float(m["y"]), str(m["text"]), _color(m["color"])) for m in one["marks"])
+    marks = tuple(
+        Mark(float(m["x"]), float(m["y"]), str(m["text"]), _color(m["color"]), str(m.get("value", "")))
+        for m in one["marks"]
+    )
     verticals = tuple(Vertical(float(v["x"]), str(v["text"]), _color(v["color"])) for v in one["verticals"])
     x_scale, y_scale = (cast("Any", _one_of(SCALES, one[key])) for key in ("x_scale", "y_scale"))
     return Figure(
         str(one["title"]), str(one["x_title"]), str(one["y_title"]), curves, marks, x_scale, y_scale, verticals,
-        _limits(one["x_limits"]), _limits(one["y_limits"]),
+        _limits(one["x_limits"]), _limits(one["y_limits"]), str(one.get("group", "")),
     )  # fmt: skip
 
 
@@ -148,7 +152,8 @@ def _series(one: Mapping[str, Any]) -> Series:
     time = int(one["start"]) + np.rint(_array(one["time"]) * SECOND).astype(np.int64)
     values = np.stack([_array(column) for column in one["values"]], axis=1)
     colors = tuple(_color(color) for color in one["colors"])
-    return Series(str(one["title"]), str(one["unit"]), time, values, _texts(one["names"]), colors, str(one["epoch"]))
+    epoch = EPOCHS[EPOCHS.index(one["epoch"])]
+    return Series(str(one["title"]), str(one["unit"]), time, values, _texts(one["names"]), colors, epoch)
 
 
 def _table(one: Mapping[str, Any]) -> Table:

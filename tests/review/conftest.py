@@ -41,9 +41,11 @@ def drawing():
 def drawn():
     """Return what a figure logs."""
 
-    def draw(figure):
+    def draw(figure, size=(720, 385), group=()):
         drawing = Drawing()
-        chart.draw(figure, drawing, "f")
+        view = chart.draw(figure, drawing, "f", size, group)
+        bounds = view.properties["VisualBounds2D"].range.as_arrow_array().to_pylist()[0]
+        drawing.view = (bounds["x_range"], bounds["y_range"])
         return drawing
 
     return draw

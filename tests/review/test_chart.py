@@ -4,8 +4,15 @@ import numpy as np
 import pytest
 
 from imuwb.analysis import Curve, Figure, Mark, Vertical
-from imuwb.colors import GRID, INK, SUBGRID
-from imuwb.review.frame import HEIGHT, WIDTH, Frame
+from imuwb.colors import GRID, SUBGRID
+from imuwb.review.frame import Frame as WholeFrame
+from imuwb.review.sizes import text_width
+
+WIDTH, HEIGHT = 1000.0, 500.0
+
+
+def Frame(figure):  # noqa: N802 - of one figure
+    return WholeFrame((figure,), WIDTH, HEIGHT)
 
 
 def test_figures_place_decades_evenly_and_upwards(line):
@@ -34,9 +41,10 @@ def test_faint_curves_do_not_stretch_the_axes(line):
 
 def test_a_curve_is_cut_at_the_frame(line, drawn):
     figure = line(np.arange(5.0), [0.0, 10.0, 0.0, 0.5, -3.0], kind="linear", limits=(0.0, 1.0), style="curve")
-    strips = drawn(figure).strips("f/curves/00_c")
+    paths = drawn(figure)
+    strips, (width, height) = paths.strips("f/curves/00_c"), paths.strips("f/grid")[-1][2]
     assert len(strips) == 2  # up and out of the frame; then in, down, and out again
-    place = Frame(figure).place
+    place = WholeFrame((figure,), width, height).place
     points = [p for s in strips for p in s]
     assert min(p[1] for p in points) == pytest.approx(place(0, 1)[1], abs=1e-3)
     assert max(p[1] for p in points) == pytest.approx(place(0, 0)[1], abs=1e-3)
@@ -75,58 +83,102 @@ def test_verticals_and_marks_outside_the_frame_are_left_out(at, inside, line, dr
 
 
 def test_a_vertical_is_dashed_from_top_to_bottom(line, drawn):
-    strips = drawn(line([1.0, 10.0], [1.0, 2.0], verticals=[Vertical(2.0, "v")])).strips("f/verticals/lines")
+    paths = drawn(line([1.0, 10.0], [1.0, 2.0], verticals=[Vertical(2.0, "v")]))
+    strips, height = paths.strips("f/verticals/lines"), paths.strips("f/grid")[-1][2][1]
     ends = [(a[1], b[1]) for a, b in strips]
     assert ends[0] == (0, 7)
     assert all(low - high == 7 for (_, high), (low, _) in pairwise(ends))
-    assert HEIGHT - 14 <= ends[-1][0] < HEIGHT
+    assert height - 14 <= ends[-1][0] < height
 
 
-def test_texts_of_neighbouring_verticals_stand_at_four_heights(line, drawn):
-    verticals = [Vertical(2.0 + i / 10, f"v{i}") for i in range(5)]
-    heights = [y for _, y in drawn(line([1.0, 10.0], [1.0, 2.0], verticals=verticals)).places("f/verticals/texts")]
-    assert len(set(heights)) == 4
-    assert heights[0] == heights[4]
+@pytest.fixture
+def boxes():
+    """Return the boxes of all texts of a figure, as the viewer draws them: (text, left, top, right, bottom)."""
+
+    def of(paths):
+        texts = zip(paths.labels("f/texts"), paths.places("f/texts"), strict=True)
+        return [(t, x - text_width(t) / 2, y + 11 - 7, x + text_width(t) / 2, y + 11 + 7) for t, (x, y) in texts]
+
+    return of
 
 
-def test_the_label_of_a_mark_is_above_its_point(line, drawn):
-    figure = line([0.0, 100.0], [0.0, 10.0], marks=[Mark(50.0, 5.0, "m", (1, 2, 3))], kind="linear")
-    place = Frame(figure).place(50.0, 5.0)
-    assert drawn(figure).places("f/marks/texts") == [[place[0], place[1] - 26 - 16]]  # the viewer draws it 16 lower
+CROWDED = {
+    "marks": [Mark(2.0 + i / 9, 1.5, f"B {i}", (9, i % 2, 9), "31.4 deg/h") for i in range(9)],
+    "verticals": [Vertical(2.0 + i / 10, f"line at {i} Hz") for i in range(9)],
+}
 
 
-def test_labels_of_marks_that_hide_each_other_stand_side_by_side(line, drawn):
-    def texts(*xs):
-        marks = [Mark(x, 5.0, "m", (1, 2, 3)) for x in xs]
-        return [
-            x for x, _ in drawn(line([0.0, 100.0], [0.0, 10.0], marks=marks, kind="linear")).places("f/marks/texts")
-        ]
+@pytest.mark.parametrize("size", [(720, 385), (720, 780), (360, 385), (1440, 400)])
+@pytest.mark.parametrize("crowd", [{}, CROWDED])
+@pytest.mark.parametrize("kind", ["log", "linear"])
+def test_no_text_hides_a_curve_or_another_text(size, crowd, kind, line, drawn, boxes):
+    figure = line([1.0, 1e4], [1.0, 2e4], kind=kind, **crowd)
+    paths = drawn(figure, size)
+    (left, right), (top, bottom) = paths.view
+    assert (right - left, bottom - top) == pytest.approx(size, rel=0.3)
+    frame = paths.strips("f/grid")[-1]
+    width, height = frame[2]
+    texts = boxes(paths)
+    for text, x0, y0, x1, y1 in texts:
+        assert left - 1 <= x0 <= x1 <= right + 1, text
+        assert top <= y0 <= y1 <= bottom, text
+        assert x0 >= width or x1 <= 0 or y0 >= height or y1 <= 0, text
+    for i, (text, x0, y0, x1, y1) in enumerate(texts):
+        for other, a0, b0, a1, b1 in texts[:i]:
+            assert x0 >= a1 or a0 >= x1 or y0 >= b1 or b0 >= y1, (text, other)
 
-    scale = WIDTH / 108  # 4 % of the range are free on both sides
-    near, far = texts(50.0, 50.0 + 41 / scale), texts(50.0, 50.0 + 43 / scale)
-    assert near[1] - near[0] == pytest.approx(41 + 42, abs=0.1)
-    assert far[1] - far[0] == pytest.approx(43, abs=0.1)
+
+def test_the_legend_has_the_values_of_marks_after_the_curves(line, drawn):
+    marks = [Mark(1.0, 1.0, "N x", (1, 2, 3), "2.4 deg/√h"), Mark(3.0, 2.0, "N y", (4, 5, 6))]
+    labels = drawn(line([1.0, 10.0], [1.0, 2.0], marks=marks)).labels("f/texts")
+    assert labels[-3:] == ["c", "N x 2.4 deg/√h", "N y"]
+    assert "1" not in labels
 
 
-@pytest.mark.parametrize(("ys", "right"), [([1.0, 1.0, 10.0], False), ([10.0, 1.0, 1.0], True)])
-def test_the_legend_is_where_no_curve_is(ys, right, line, drawn):
-    (x, y) = drawn(line([0.0, 50.0, 100.0], ys, kind="linear")).places("f/legend/texts")[0]
-    assert (x > WIDTH / 2) == right
-    assert y < HEIGHT / 4
+def test_marks_of_one_colour_have_numbers(line, drawn):
+    marks = [Mark(2.0, 1.5, "here", (1, 2, 3)), Mark(2.0, 1.5, "there", (1, 2, 3))]
+    paths = drawn(line([1.0, 10.0], [1.0, 2.0], marks=marks))
+    assert {"1", "2", "1 here", "2 there"} <= set(paths.labels("f/texts"))
+    one, two = (paths.places("f/texts")[paths.labels("f/texts").index(n)] for n in "12")
+    assert one[1] - two[1] >= 14  # the second is higher
 
 
-def test_the_legend_has_room_for_its_longest_name_and_lists_fits_last(drawn):
-    x, name = np.array([1.0, 2.0]), "a name of thirty letters......"
-    curves = [
-        Curve(label, x, x, (1, 2, 3), style=style) for label, style in (("fit", "fit"), (name, "line"), ("", "line"))
-    ]
-    paths = drawn(Figure("f", "x", "y", tuple(curves)))
-    assert paths.labels("f/legend/texts") == [name, "fit"]
-    assert paths.colors("f/legend/lines")[0][:3] == (1, 2, 3)
-    assert paths.colors("f/legend/lines")[1][:3] == INK
-    (begin, end), center = paths.strips("f/legend/lines")[0], paths.places("f/legend/texts")[0][0]
-    assert end[0] - begin[0] == 45
-    assert abs(center - end[0]) >= 30 * 15 / 2
+def test_a_legend_that_is_too_long_says_how_much_is_missing(line, drawn):
+    marks = [Mark(1.0 + i, 1.0, f"m{i}", (i, 2, 3)) for i in range(60)]
+    labels = drawn(line([1.0, 100.0], [1.0, 2.0], marks=marks), (720, 385)).labels("f/texts")
+    count = sum(label.startswith("m") for label in labels)
+    assert labels[-1] == f"and {60 - count} more"
+
+
+def test_figures_of_a_group_share_their_axes_and_the_first_has_the_legend(line, drawn):
+    first, second = (line([0.0, 1.0], [0.0, high], kind="linear") for high in (1.0, 100.0))
+    group = (first, second)
+    one, two = (drawn(figure, (360, 385), group) for figure in group)
+    assert "c" in one.labels("f/texts")
+    assert "c" not in two.labels("f/texts")
+    ticks = [{t for t in paths.labels("f/texts") if t[0].isdigit()} for paths in (one, two)]
+    assert ticks[0] == ticks[1] >= {"0", "100"}
+
+
+def test_sigma_is_drawn_over_the_errors(line, drawn):
+    order = {}
+    for style in ("faint", "curve"):
+        paths = drawn(line([1.0, 10.0], [1.0, 2.0], style=style))
+        (order[style],) = paths["f/curves/00_c"].draw_order.as_arrow_array().to_pylist()
+    assert order["curve"] > order["faint"]
+
+
+def test_a_band_fills_the_space_between_its_ends(line, drawn):
+    figure = line([0.0, 10.0], [1.0, 1.0], kind="linear", style="band", lower=np.array([1.0, 3.0]), upper=np.array([4.0, 4.0]))  # fmt: skip
+    paths = drawn(figure)
+    columns = paths.strips("f/curves/00_c")
+    width, height = paths.strips("f/grid")[-1][2]
+    x = [c[0][0] for c in columns]
+    assert np.diff(x) == pytest.approx(2 * paths["f/curves/00_c"].radii.as_arrow_array().to_pylist()[0], rel=1e-4)
+    assert columns[0][0][1] > columns[-1][0][1]  # the lower end rises
+    assert columns[0][1][1] == pytest.approx(columns[-1][1][1])
+    assert 0 <= min(x) <= max(x) <= width
+    assert height > 0
 
 
 def test_labelled_grid_lines_are_brighter(line, drawn):

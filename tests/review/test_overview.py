@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from imuwb.log import SECOND, GnssStream, ImuStream, Log, Origin, Provenance, Triad
+from imuwb.log import SECOND, GnssStream, ImuStream, Log, Origin, Provenance, Scalars, Triad
 from imuwb.review.overview import overview
 
 
@@ -45,21 +45,44 @@ def shown():
     return Shown()
 
 
-@pytest.mark.parametrize(("spread", "about"), [(0.9, True), (1.1, False)])
-def test_a_still_sensor_is_drawn_about_its_medians(spread, about, log, shown):
-    overview([log(spread=spread / 0.99)], shown)  # 99 % of the distances from the median are below the spread
-    (series,) = shown.all_series
-    assert ("about its median" in series.title) == about
-    assert series.values[500, 2] == pytest.approx(0.0 if about else 10.0)
-    assert (series.names[2] == "accel z, about 10.000") == about
+def test_each_axis_of_the_first_imu_has_a_chart_whose_title_has_the_range(log, shown):
+    overview([log(spread=0.02)], shown)
+    assert [series.title for series in shown.all_series] == [
+        "accel x of imu, -0.0200 to 0.0200", "accel y of imu, -0.0200 to 0.0200", "accel z of imu, 9.9800 to 10.0200"
+    ]  # fmt: skip
+    assert all(series.values.shape[1] == 1 for series in shown.all_series)
 
 
-@pytest.mark.parametrize(("count", "tabs", "tables"), [(1, 1, 1), (3, 3, 3), (4, 2, 1)])
+def test_other_imus_are_on_the_tab_of_the_streams(log, shown):
+    content = log()
+    overview([replace(content, imus=(*content.imus, replace(content.imus[0], name="second")))], shown)
+    assert shown.tabs == ["Overview", "Streams"]
+    assert [series.title for series in shown.all_series[3:]] == ["specific force of second"]
+    assert shown.all_series[3].values.shape[1] == 3
+
+
+def test_a_quantity_that_never_changes_is_a_note_and_no_chart(log, shown):
+    content, time = log(), np.arange(10) * SECOND
+    warm = [replace(content.imus[0], temperature=Scalars("t", time, np.full(10, 25.0)))]
+    overview([replace(content, imus=tuple(warm))], shown)
+    assert "temperature of imu: 25 °C throughout" in shown.notes
+    assert len(shown.all_series) == 3
+
+
+def test_logs_with_another_clock_start_where_the_first_one_starts(log, shown):
+    first, second = log(), log("b.mcap")
+    imu = replace(second.imus[0], origin=Origin(epoch="unix"), specific_force=None, angular_rate=Triad(np.arange(5) * SECOND + 10**18, np.eye(5, 3)))  # fmt: skip
+    overview([first, replace(second, imus=(imu,), gnss=(), zero=10**18)], shown)
+    assert {series.epoch for series in shown.all_series} == {"log"}
+    assert shown.all_series[3].time[0] == 0
+
+
+@pytest.mark.parametrize(("count", "tabs", "tables"), [(1, 2, 1), (3, 6, 3), (4, 3, 1)])
 def test_of_more_than_three_logs_the_first_is_shown_over_time(count, tabs, tables, log, shown):
     overview([log(f"{i}.mcap") for i in range(count)], shown)
     assert len(shown.tabs) == tabs
     assert len(shown.tables) == tables
-    assert len(shown.all_series) == min(count, 3) if count < 4 else 1
+    assert len(shown.all_series) == 3 * (min(count, 3) if count < 4 else 1)
     assert sum(len(table.rows) for table in shown.tables) == 2 * count
     assert shown.notes.count("a note") == 1
 

@@ -5,6 +5,7 @@ from rerun.chunk import RrdReader
 from imuwb.analysis import Series, Table
 from imuwb.errors import ImuwbError
 from imuwb.log import SECOND
+from imuwb.review.clock import Clock
 from imuwb.review.recording import RecordingReview
 from imuwb.review.rrd import is_whole, why_cut
 from imuwb.review.tab import Tab
@@ -15,7 +16,7 @@ def test_a_recording_contains_all_that_was_shown(review, line, entities, tmp_pat
     review.tab("Mine")
     review.figure(line([1.0, 10.0], [1.0, 2.0]))
     time = np.arange(5000, dtype=np.int64) * SECOND
-    review.series(Series("s", "m", time, np.ones((5000, 3)), ("a", "b", "c"), epoch="unix"))
+    review.series(Series("s", "m", time, np.ones((5000, 3)), ("a", "b", "c")))
     review.table(Table("T", ("a", "b"), (("1 m", "x|y"),)))
     position = np.array([[0.8, 0.1, 0.0], [0.80001, 0.10001, 0.0]])
     review.track("gnss", position, (1, 2, 3))
@@ -23,7 +24,7 @@ def test_a_recording_contains_all_that_was_shown(review, line, entities, tmp_pat
     review.note("look here")
     assert not (tmp_path / "r.rrd").exists()
     paths = entities(review.close())
-    for end in ("figure_0/grid", "series_0", "text_0", "text_1", "track/0_gnss", "map/0_gnss"):
+    for end in ("figure_0/grid", "series_0", "text_1", "text_2", "track/0_gnss", "map/0_gnss"):
         assert f"/mine/{end}" in paths
     assert [type(item).__name__ for item in shown] == ["Table", "str"]
     assert [p.name for p in tmp_path.iterdir()] == ["r.rrd"]
@@ -59,21 +60,27 @@ def test_a_recording_without_its_first_or_last_bytes_is_not_whole(review, tmp_pa
     assert why_cut(tmp_path / "no" / "r.rrd") == "No such file or directory"
 
 
-def test_notes_are_beside_the_first_table(drawing):
+def test_a_series_takes_the_clock_of_the_log_and_another_clock_is_an_error(tmp_path):
+    time = np.arange(10, dtype=np.int64)
+    review = RecordingReview(tmp_path / "r.rrd", clock=Clock("unix", 0))
+    review.series(Series("mine", "m", time, np.ones((10, 1)), ("a",)))
+    with pytest.raises(ValueError, match="'other' counts its time from the power-up, the recording from 1970"):
+        review.series(Series("other", "m", time, np.ones((10, 1)), ("a",), epoch="boot"))
+    assert review.drawn[0].item.epoch == "unix"
+    timelines = {name for chunk in RrdReader(str(review.close())).stream() for name in chunk.timeline_names}
+    assert timelines == {"time"}
+
+
+def test_a_text_of_a_log_is_no_markup_and_no_control_character(drawing):
     tab = Tab.of("My tab")
-    for name in ("first", "second"):
-        tab.add_text(drawing, name, "text")
-    tab.add_text(drawing, "large", "text", wide=True)
-    tab.notes += ["a", "b"]
-    tab.add_notes(drawing)
-    assert [view.name for view in tab.texts] == ["first", "Notes", "second"]
-    assert sorted(drawing) == [f"/my_tab/text_{i}" for i in range(4)]
-    assert [type(row).__name__ for row in tab.layout().contents] == [
-        "TextDocumentView",
-        "Horizontal",
-        "TextDocumentView",
-    ]
+    tab.tables.append(Table("T", ("a|b",), (("<b>*x* [y](http://z)\u2028\x1b[2J",),), "_c_"))
+    tab.layout(drawing)
+    (text,) = drawing["/my_tab/text_0"].text.as_arrow_array().to_pylist()
+    assert text.splitlines()[0] == "| a\\|b |"
+    assert "\\<b\\>\\*x\\* \\[y\\](http://z)" in text
+    assert "\\_c\\_" in text
+    assert not {"\u2028", "\x1b"} & set(text)
 
 
 def test_an_empty_tab_has_no_layout():
-    assert Tab.of("empty").layout() is None
+    assert Tab.of("empty").layout(None) is None

@@ -154,10 +154,13 @@ def _label(text: str) -> str | None:
 
 def _draw(axes: Any, curve: Curve, look: Look, legend: str) -> None:  # noqa: ANN401 - matplotlib has no types
     color, label = look.color(curve.color), _label(curve.label)
+    if curve.style == "band" and curve.lower is not None and curve.upper is not None:
+        axes.fill_between(curve.x, curve.lower, curve.upper, color=color, alpha=0.18, lw=0, label=label)
+        return
     few = curve.x.size <= MARKED
     shape: dict[str, Any] = {
         "line": {"marker": "o" if few else None, "ms": 3}, "curve": {}, "points": {"ls": "", "marker": "o", "ms": 3},
-        "fit": {"lw": 0.9, "alpha": 0.9}, "faint": {"lw": 0.6, "alpha": 0.55},
+        "fit": {"lw": 0.9, "alpha": 0.9}, "faint": {"lw": 0.6, "alpha": 0.55}, "band": {},
     }[curve.style]  # fmt: skip
     axes.plot(curve.x, curve.y, color=color, **shape)
     if label:

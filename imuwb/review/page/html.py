@@ -17,7 +17,7 @@ from imuwb.review.page.themes import DARK, GRID_NAME, INK_NAME, LIGHT, PAGE, PRI
 from imuwb.review.report import Report
 from imuwb.units import UNITS
 
-OVERVIEW = "Overview"  #: begin of the names of the tabs that show the logs
+OVERVIEW = ("Overview", "Streams", "Logs")  #: begin of the names of the tabs that show the logs
 MOST_SERIES = 6  #: of a tab
 MOST_TRACKS = 12
 NOTES = 6  #: that are shown at once

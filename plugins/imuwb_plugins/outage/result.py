@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 from imuwb.arrays import Floats, Integers
-from imuwb.log import Reference
+from imuwb.log import Epoch, Reference
 from imuwb.notes import Note
 from imuwb.replay import (
     Choice,
