@@ -32,7 +32,7 @@ An analysis of several methods has ``METHODS`` instead, {name: module}; each mod
 becomes a command of a group. The JSON of its result has the method among the parameters.
 
 An analysis is registered under the entry-point group ``imuwb.analyses``, or is a single file: ``imuwb ./mine.py LOG``. The first
-line of its docstring is its help. ``imuwb --help`` imports every analysis, so its module imports nothing heavy: import numpy
+line of its docstring is its help; a last paragraph ``Example: imuwb mine LOG`` is the example at the end of its help. ``imuwb --help`` imports every analysis, so its module imports nothing heavy: import numpy
 inside ``run`` and ``draw``, or attach them with ``lazy_loader`` as the plugins of imuwb do.
 
 A conditioner changes the samples before an analysis uses them (``--through NAME:key=value,...``). It is a module with

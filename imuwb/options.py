@@ -1,10 +1,11 @@
 """Options: the types of their values, how users write them as texts, and which values are allowed.
 
-An option is a field of a frozen dataclass. Its annotation declares the type, the help, the form of the text and the range:
+An option is a field of a frozen dataclass. Its annotation declares the type, the help, the form of the text, the range and the
+group in ``--help``:
 
     lever_arm: Annotated[tuple[float, float, float], "from the IMU to the antenna (m)", Form("F,R,D", "0.4,0,-1.2")]
     mounting: Literal["auto"] | tuple[float, float, float]
-    level: Level = 0.95
+    level: Annotated[Level, Group("Intervals")] = 0.95
 
 ``check`` turns texts into values, and refuses values that are not allowed. A dataclass calls it in ``__post_init__``, or inherits
 that from ``Options``. The command line, ``--through`` and Python code all use it, so that an option means the same everywhere.
@@ -17,7 +18,7 @@ These texts stand for values: numbers; the words of a ``Literal``; ``1,2,3`` for
 import math
 import types
 import typing
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias, cast
@@ -55,10 +56,19 @@ NOT_NEGATIVE = Between(0.0)
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """The text of an option: its pattern for ``--help``, and an example for errors."""
+    """The text of an option: its pattern for ``--help``, an example for errors, and what a shell offers."""
 
     pattern: str
     example: str = ""
+    words: tuple[str, ...] | Callable[[], Iterable[str]] = ()  #: that may stand in the text, or what returns them
+    streams: str = ""  #: kind of streams (``imuwb.log.Kind``) of the log whose names may stand in the text
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """The group of an option in ``--help``."""
+
+    title: str
 
 
 #: Probability with which an interval contains the truth. At one half, a one-sided limit would be the estimate itself.
@@ -74,6 +84,7 @@ class Option:
     help: str = ""
     between: Between | None = None
     form: Form | None = None
+    group: str = ""  #: in ``--help``; empty: that of all options of the dataclass
 
 
 def options_of(parameters: type) -> tuple[Option, ...]:
@@ -89,7 +100,9 @@ def _option(name: str, hint: Any) -> Option:  # noqa: ANN401 - an annotation
     metadata.reverse()  # the metadata of an alias, such as Level, come first; metadata that a field adds override them
     text = next((item for item in metadata if isinstance(item, str)), "")
     between = next((item for item in metadata if isinstance(item, Between)), None)
-    return Option(name, kind, text, between, next((item for item in metadata if isinstance(item, Form)), None))
+    form = next((item for item in metadata if isinstance(item, Form)), None)
+    group = next((item.title for item in metadata if isinstance(item, Group)), "")
+    return Option(name, kind, text, between, form, group)
 
 
 def check(parameters: object) -> None:
@@ -138,6 +151,13 @@ def _members(kind: Any) -> Iterator[Any]:  # noqa: ANN401 - a type
     """Yield the types of a union, Literals first; a type that is no union alone."""
     members = typing.get_args(kind) if typing.get_origin(kind) in (typing.Union, types.UnionType) else (kind,)
     yield from sorted((m for m in members if m is not type(None)), key=lambda m: typing.get_origin(m) is not Literal)
+
+
+def words_of(kind: Any) -> Iterator[str]:  # noqa: ANN401 - a type
+    """Yield the words of the Literals in a type."""
+    for member in _members(kind):
+        if typing.get_origin(member) is Literal:
+            yield from map(str, typing.get_args(member))
 
 
 def _value(kind: Any, text: str) -> Any:  # noqa: ANN401 - of the type ``kind``

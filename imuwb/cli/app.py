@@ -9,6 +9,7 @@ from typing import Annotated, cast
 import typer
 
 from imuwb.analysis import Analysis, offers
+from imuwb.cli.help import EXAMPLE, HelpfulGroup, columns, parted
 from imuwb.cli.once import OnceCommand
 from imuwb.cli.options import PANELS
 from imuwb.cli.parameters import expanded
@@ -37,8 +38,8 @@ def build(arguments: list[str]) -> typer.Typer:
     first argument that ends in .py is the file of a plugin.
     """
     app = typer.Typer(
-        no_args_is_help=True, context_settings={"help_option_names": ["-h", "--help"]}, rich_markup_mode="rich",
-        pretty_exceptions_enable=False,
+        cls=HelpfulGroup, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"], "terminal_width": columns()},
     )  # fmt: skip
     app.callback()(_root)
     name = arguments[0] if arguments else ""
@@ -76,7 +77,7 @@ def _add_core(app: typer.Typer, name: str) -> None:
     if hasattr(module, "app"):
         for command in module.app.registered_commands:
             command.cls = OnceCommand
-        app.add_typer(module.app, name=name, rich_help_panel=panel)
+        app.add_typer(module.app, name=name, cls=HelpfulGroup, rich_help_panel=panel)
     else:
         function = getattr(module, name)
         help_text = paragraphs(function.__doc__)
@@ -114,7 +115,7 @@ def _add(app: typer.Typer, name: str, analysis: Analysis, origin: str) -> None:
         return
     if not isinstance(methods, Mapping) or not methods:
         raise UsageError(f"{origin}: METHODS must be a mapping of names to analyses; it is {methods!r}")
-    group = typer.Typer(no_args_is_help=True, help=paragraphs(analysis.__doc__ or name))
+    group = typer.Typer(cls=HelpfulGroup, no_args_is_help=True, help=paragraphs(analysis.__doc__ or name))
     for method, module in cast("Mapping[str, Analysis]", methods).items():
         _add_command(group, method, f"{short} {method}", module, f"{origin}, {method}")
     app.add_typer(group, name=name, rich_help_panel=ANALYSES)
@@ -133,6 +134,8 @@ def _add_command(app: typer.Typer, name: str, full: str, analysis: Analysis, ori
 
     function = command_function(full, analysis)
     text = paragraphs(analysis.__doc__ or full)
+    if not parted(text)[1]:
+        text += f"\n\n{EXAMPLE} imuwb {name if name.endswith('.py') else full} LOG"
     app.command(name, cls=OnceCommand, help=text, short_help=text.splitlines()[0], rich_help_panel=ANALYSES)(function)
 
 

@@ -29,6 +29,8 @@ def convert(
     """Write all streams of a log, or a part of them, as MCAP or CSV.
 
     MCAP has ROS 2 messages. CSV has a file for each kind of stream, with the units in the names of the columns.
+
+    Example: imuwb convert run.mcap -o run.csv --start 60 --end 120
     """
     from imuwb.cli.places import check_places, reserved  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.reading import read_log  # noqa: PLC0415

@@ -29,6 +29,8 @@ def demo(
     """Run the two main jobs on the sample logs: identify noise, replay GNSS outages.
 
     The noise of a still log gives the error model with which the outages of a drive are replayed.
+
+    Example: imuwb demo -o demo.rrd
     """
     from imuwb.cli.parameters import make  # noqa: PLC0415 - help must not wait
     from imuwb.cli.perform import perform  # noqa: PLC0415

@@ -8,7 +8,8 @@ import typer
 
 from imuwb import registry
 from imuwb.analysis import Table
-from imuwb.cli.options import LOG_ARGUMENT
+from imuwb.cli.help import LOG, READING
+from imuwb.cli.options import LOG_ARGUMENT, output_option
 from imuwb.errors import MissingDataError
 from imuwb.log import Log
 from imuwb.readers.read_options import ReadOptions
@@ -26,18 +27,26 @@ def info(
     join: Annotated[
         list[str] | None,
         typer.Option(
-            "--join", metavar="LOG", help="File with the gyro, the accelerometer or the temperature that the log lacks."
+            "--join",
+            metavar="LOG",
+            rich_help_panel=LOG,
+            help="File with the gyro, the accelerometer or the temperature that the log lacks.",
         ),
     ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON on stdout.")] = False,
+    json: Annotated[bool, output_option("--json", text="Print JSON on stdout.")] = False,
     scan: Annotated[
         bool,
         typer.Option(
-            "--scan", help="Read every message of a log above 256 MB, or 16 MB if it is remote, not only its index."
+            "--scan",
+            rich_help_panel=READING,
+            help="Read every message of a log above 256 MB, or 16 MB if it is remote, not only its index.",
         ),
     ] = False,
 ) -> None:
-    """Show the streams of a log: rates, gaps, clocks, units, frames and repairs."""
+    """Show the streams of a log: rates, gaps, clocks, units, frames and repairs.
+
+    Example: imuwb info flight.bin
+    """
     from imuwb.cli.reading import joined_sensors, read_log  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.terminal import shower  # noqa: PLC0415
     from imuwb.readers.bytes import source  # noqa: PLC0415

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from imuwb.cli import estimator_files
+from imuwb.cli.options import Force, output_option
 from imuwb.errors import ImuwbError, UsageError
 
 if TYPE_CHECKING:
@@ -21,36 +22,48 @@ app.command("export")(estimator_files.export)
 app.command("import")(estimator_files.import_)
 app.command("explain")(estimator_files.explain)
 
-_Model = Annotated[Path, typer.Argument(help="The error model.", metavar="MODEL.toml")]
+MODEL = "The error model"  #: group of the options in the help
+_Model = Annotated[Path, typer.Argument(help="The error model.", metavar="MODEL.toml", rich_help_panel=MODEL)]
 _Output = Annotated[
     Path | None,
-    typer.Option(
-        "--output", "-o", help="Draw the Allan deviation and the spectrum in this recording.", metavar="FILE.rrd"
+    output_option(
+        "--output", "-o", text="Draw the Allan deviation and the spectrum in this recording.", metavar="FILE.rrd"
     ),
 ]
-_Rate = Annotated[float, typer.Option(help="Rate of the samples for which the curves are drawn (Hz).")]
-_Hours = Annotated[float, typer.Option(help="Length of the record for which the curves are drawn (h).")]
-_Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exist.")]
+_Rate = Annotated[
+    float, output_option("--rate", text="Rate of the samples for which the curves are drawn (Hz).", metavar="HZ")
+]
+_Hours = Annotated[
+    float, output_option("--hours", text="Length of the record for which the curves are drawn (h).", metavar="HOURS")
+]
 
 
 @app.command()
 def show(
-    model: _Model, *, rate: _Rate = 100.0, hours: _Hours = 10.0, output: _Output = None, force: _Force = False
+    model: _Model, *, rate: _Rate = 100.0, hours: _Hours = 10.0, output: _Output = None, force: Force = False
 ) -> None:
-    """Show the terms of an error model; with -o also its Allan deviation and its spectrum."""
+    """Show the terms of an error model; with -o also its Allan deviation and its spectrum.
+
+    Example: imuwb model show static.error-model.toml -o model.rrd
+    """
     _review([model], rate, hours, output, force=force)
 
 
 @app.command()
 def compare(
-    models: Annotated[list[Path], typer.Argument(help="Two or more error models.", metavar="MODEL.toml...")],
+    models: Annotated[
+        list[Path], typer.Argument(help="Two or more error models.", metavar="MODEL.toml", rich_help_panel=MODEL)
+    ],
     *,
     rate: _Rate = 100.0,
     hours: _Hours = 10.0,
     output: _Output = None,
-    force: _Force = False,
+    force: Force = False,
 ) -> None:
-    """Compare the terms of error models; with -o also their Allan deviations and spectra."""
+    """Compare the terms of error models; with -o also their Allan deviations and spectra.
+
+    Example: imuwb model compare bench.toml chamber.toml
+    """
     if len(models) < 2:  # noqa: PLR2004 - one has nothing to be compared with
         raise UsageError(f"{len(models)} model is given; compare needs two or more; for one model use imuwb model show")
     _review(models, rate, hours, output, force=force)
@@ -63,14 +76,21 @@ def check(
     against: Annotated[
         Path,
         typer.Option(
-            help='File of limits, such as \\[gyro] N = "0.3 deg/√h", or another error model: the upper ends of its intervals are the limits.',
+            help='File of limits, such as [gyro] N = "0.3 deg/√h", or another error model: the upper ends of its intervals are the limits.',
             metavar="FILE.toml",
+            rich_help_panel=MODEL,
         ),
     ],
-    factor: Annotated[float, typer.Option(help="Factor by which the limits are multiplied.")] = 1.0,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON on stdout.")] = False,
+    factor: Annotated[
+        float,
+        typer.Option(help="Factor by which the limits are multiplied.", metavar="NUMBER", rich_help_panel=MODEL),
+    ] = 1.0,
+    json: Annotated[bool, output_option("--json", text="Print JSON on stdout.")] = False,
 ) -> None:
-    """Check an error model against a data sheet or another sensor. Exit code 1: a limit is exceeded, or may be exceeded."""
+    """Check an error model against a data sheet or another sensor. Exit code 1: a limit is exceeded, or may be exceeded.
+
+    Example: imuwb model check static.error-model.toml --against datasheet.toml --factor 1.2
+    """
     from imuwb.cli.terminal import shower  # noqa: PLC0415 - help must not wait
     from imuwb.review.document import plain  # noqa: PLC0415
     from imuwb.review.models import verdicts_table  # noqa: PLC0415

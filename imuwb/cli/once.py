@@ -3,12 +3,13 @@
 from collections import Counter
 from typing import Any
 
-from typer.core import TyperCommand, TyperOption
+from typer.core import TyperOption
 
+from imuwb.cli.help import HelpfulCommand
 from imuwb.errors import UsageError
 
 
-class OnceCommand(TyperCommand):
+class OnceCommand(HelpfulCommand):
     """A command that refuses an option that is given twice, of which only the last value would count."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:  # noqa: ANN401 - its type moved between versions of typer

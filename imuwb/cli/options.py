@@ -2,32 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from imuwb.cli.completion import completer, conditioner_words, study_words
+from imuwb.cli.help import CONDITIONERS, LOG, OUTPUT, READING
 from imuwb.options import Form
 
 if TYPE_CHECKING:
     from imuwb.readers import ReadOptions
 
-#: group of options -> its panel of ``--help``, by the name of its dataclass
-PANELS = {
-    "Part": "The part of the log",
-    "ReadOptions": "How the log is read",
-    "Conditions": "Conditioners",
-    "Outputs": "Output",
-}
+#: dataclass of options -> its group in ``--help``
+PANELS = {"Part": LOG, "ReadOptions": READING, "Conditions": CONDITIONERS, "Outputs": OUTPUT}
 LOG_HELP = "A log, or its address (https, s3, gs, az, file): MCAP, ROS bag, db3, tlog, bin, ulg, CSV or RTKLIB .pos."
 #: ``Annotated[str, LOG_ARGUMENT]``: the log of a command, or its logs.
-LOG_ARGUMENT = typer.Argument(help=LOG_HELP, metavar="LOG")
+LOG_ARGUMENT = typer.Argument(help=LOG_HELP, metavar="LOG", rich_help_panel=LOG)
 
 
-def output_option(*flags: str, text: str, metavar: str | None = None) -> Any:  # noqa: ANN401 - typer's own marker
-    """Return the marker of an option in the panel of outputs."""
-    return typer.Option(*flags, help=text, rich_help_panel=PANELS["Outputs"], metavar=metavar)
+def output_option(
+    *flags: str, text: str, metavar: str | None = None, words: Callable[[], Iterable[str]] | None = None
+) -> Any:  # noqa: ANN401 - typer's own marker
+    """Return the marker of an option in the group of outputs; a shell offers its words."""
+    offered = None if words is None else completer(Form(metavar or "", words=words))
+    return typer.Option(*flags, help=text, rich_help_panel=OUTPUT, metavar=metavar, autocompletion=offered)
 
 
 Force = Annotated[bool, output_option("--force", text="Overwrite files that exist.")]
@@ -69,7 +70,7 @@ class Part:
         str | None,
         "IMU to use, by its name in imuwb info. A+B: the gyroscopes of A with the accelerometers of B. "
         "all: compare all IMUs (noise, allan).",
-        Form("NAME|A+B|all"),
+        Form("NAME|A+B|all", words=("all",), streams="imu"),
     ] = None
     start: Annotated[
         str | None, "Start of the part: seconds from the log's start, or a date and time (ISO 8601).", Form("TIME")
@@ -104,12 +105,12 @@ class Conditions:
         list[str],
         "Conditioner for the samples. Repeat the option for several conditioners, in their order. "
         "imuwb plugins lists the conditioners.",
-        Form("NAME:key=value,..."),
+        Form("NAME:key=value,...", words=conditioner_words),
     ] = field(default_factory=list[str])
     study: Annotated[
         list[str],
         "Repeat the analysis for several values of a conditioner's parameter. Repeat the option for a grid of two parameters.",
-        Form("NAME.key=1,2,3|1..3"),
+        Form("NAME.key=1,2,3|1..3", words=study_words),
     ] = field(default_factory=list[str])
 
 

@@ -5,7 +5,7 @@ import re
 import types
 import typing
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import MISSING, Field, fields, is_dataclass
+from dataclasses import MISSING, Field, fields, is_dataclass, replace
 from functools import wraps
 from pathlib import Path
 from typing import Annotated, Any, Literal, cast
@@ -13,13 +13,16 @@ from typing import Annotated, Any, Literal, cast
 import typer
 from typer.models import OptionInfo
 
+from imuwb.cli.completion import completer
+from imuwb.cli.help import ANALYSIS
 from imuwb.errors import UsageError
-from imuwb.options import Option, options_of, read, text_of
+from imuwb.options import Form, Option, options_of, read, text_of, words_of
 from imuwb.units import UNITS
 
 _ADDRESS = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:[/\\]")  # a path has one slash of the two
 #: Types that typer reads itself. ``imuwb.options`` reads all others from their texts.
 NATIVE = (bool, int, float, str, Path, list[str], list[Path])
+_METAVARS = {int: "N", float: "NUMBER", str: "TEXT", Path: "FILE"}
 
 
 def parameters_of(kind: Any, panel: str | None = None) -> list[inspect.Parameter]:  # noqa: ANN401 - a dataclass of the plugin's
@@ -41,11 +44,29 @@ def _parameter(option: Option, default: Any, hint: Any, panel: str | None) -> in
             kind = list[str] if _is_mapping(kind) else str | None if default is None else str
         flag = f"--{option.name.replace('_', '-')}"
         typed = typer.Option(
-            f"{flag}/--no-{flag[2:]}" if kind is bool else flag, help=_sentence(option.help), rich_help_panel=panel,
-            metavar=option.form.pattern if option.form is not None else None,
+            f"{flag}/--no-{flag[2:]}" if kind is bool else flag, help=_sentence(option.help),
+            rich_help_panel=option.group or panel or ANALYSIS, show_default=default is not False,
+            metavar=option.form.pattern if option.form is not None else metavar(option.kind),
+            autocompletion=completer(form_of(option)),
         )  # fmt: skip
         hint = Annotated[kind, typed]
     return inspect.Parameter(option.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=hint)
+
+
+def metavar(kind: Any) -> str | None:  # noqa: ANN401 - a type
+    """Return what stands for a value of a type in ``--help``: N, NUMBER, FILE, or the words of a Literal."""
+    members = [member for member in typing.get_args(kind) or (kind,) if member is not type(None)]
+    if typing.get_origin(kind) is Literal:
+        return "|".join(map(str, members))
+    if len(members) > 1:
+        return None
+    return _METAVARS.get(members[0]) or (metavar(members[0]) if typing.get_args(members[0]) else None)
+
+
+def form_of(option: Option) -> Form:
+    """Return the form of an option; its words are those of its form, or those of its type."""
+    form = option.form or Form("")
+    return form if form.words else replace(form, words=tuple(words_of(option.kind)))
 
 
 def _is_native(kind: Any) -> bool:  # noqa: ANN401 - a type

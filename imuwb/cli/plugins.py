@@ -12,6 +12,8 @@ def plugins() -> None:
     """List the installed analyses, conditioners and readers.
 
     The list shows the parameters of conditioners, and the package that each plugin comes from.
+
+    Example: imuwb plugins
     """
     from imuwb.analysis import Table  # noqa: PLC0415 - help must not wait for rich
     from imuwb.cli.terminal import shower  # noqa: PLC0415

@@ -11,8 +11,15 @@ import typer
 from imuwb.errors import ImuwbError, UnreadableLogError
 
 
-def view(recording: Annotated[Path, typer.Argument(help="Recording that imuwb wrote.", metavar="REC.rrd")]) -> None:
-    """Open a recording in the Rerun viewer on this machine."""
+def view(
+    recording: Annotated[
+        Path, typer.Argument(help="Recording that imuwb wrote.", metavar="REC.rrd", rich_help_panel="The recording")
+    ],
+) -> None:
+    """Open a recording in the Rerun viewer on this machine.
+
+    Example: imuwb view static.rrd
+    """
     check_recording(recording)
     # With CI the viewer sends no usage statistics; there is no option for this.
     environment = {**os.environ, "CI": "true"}

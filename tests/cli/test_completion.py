@@ -1,5 +1,8 @@
 """Completion: the program is called as the scripts of the shells call it."""
 
+import subprocess
+import sys
+
 import pytest
 
 from imuwb.cli.completion import words_before
@@ -38,6 +41,42 @@ def test_a_shell_is_offered_what_fits(imuwb, shell, line, offered, absent):
     shown = imuwb(**shell(line)).out
     assert all(word in shown for word in offered), shown
     assert not any(word in shown for word in absent), shown
+
+
+@pytest.mark.parametrize(
+    ("line", "offered", "absent"),
+    [
+        ("imuwb model export --to k", ["kalibr", "kf-gins"], ["ros"]),
+        ("imuwb outage log.mcap --models 15AV,", ["15AV,full", "15AV,motion"], ["15AV,15AV"]),
+        ("imuwb noise log.mcap --through wav", ["wavelet", "levels="], ["kaiser"]),
+        ("imuwb simulate drive --preset t", ["turin-1", "turin-2"], []),
+        ("imuwb simulate static --preset m", ["mpu-6050"], ["stim300"]),
+        ("imuwb lssa log.mcap --trend ", ["constant", "quadratic"], ["--trend"]),
+        ("imuwb outage log.mcap --mounting ", ["auto"], []),
+        ("imuwb noise static.mcap --imu ", ["all", "/imu/data"], ["temperature"]),
+        ("imuwb noise gone.mcap --imu ", ["all"], ["/imu/data"]),
+        ("imuwb noise log.csv --imu ", ["imu"], []),
+    ],
+)
+def test_a_shell_is_offered_values(imuwb, static_mcap, csv_log, rows, line, offered, absent):
+    csv_log(rows(20))
+    shown = imuwb(**fish(line)).out
+    assert all(word in shown for word in offered), shown
+    assert not any(word in shown for word in absent), shown
+
+
+@pytest.mark.slow
+def test_what_is_offered_imports_neither_scipy_nor_the_viewer(static_mcap):
+    for line in ("imuwb noise static.mcap --imu ", "imuwb outage x --models ", "imuwb noise x --through "):
+        words = {"_IMUWB_COMPLETE": "complete_zsh", "_TYPER_COMPLETE_ARGS": line}
+        code = (
+            f"import os, sys; os.environ.update({words!r}); import imuwb.cli\n"
+            "try: imuwb.cli.main()\nfinally: print({'scipy', 'rerun', 'numba', 'matplotlib'} & set(sys.modules))"
+        )
+        done = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=static_mcap.parent
+        )
+        assert done.stdout.rstrip().endswith("set()"), done.stdout + done.stderr
 
 
 @pytest.mark.parametrize(

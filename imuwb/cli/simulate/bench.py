@@ -5,17 +5,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-import typer
-
-from imuwb.cli.simulate.options import Force, Samples, Sensor, check_folder, save
+from imuwb.cli.options import Force, output_option
+from imuwb.cli.simulate.options import Samples, Sensor, check_folder, save
 from imuwb.options import POSITIVE, Between, Form, Options
-from imuwb.simulation import Site
+from imuwb.simulation import Site, preset_names
 from imuwb.stochastic import ImuErrorModel
 
 TRUTH, ATTITUDES = "truth.toml", "attitudes.txt"
 
-_Output = Annotated[Path, typer.Option("--output", "-o", help="The folder of the logs.", metavar="FOLDER")]
-_Format = Annotated[Literal["mcap", "csv"], typer.Option("--format", help="Format of the logs.")]
+_Output = Annotated[Path, output_option("--output", "-o", text="The folder of the logs.", metavar="FOLDER")]
+_Format = Annotated[Literal["mcap", "csv"], output_option("--format", text="Format of the logs.", metavar="mcap|csv")]
 
 
 @dataclass(frozen=True)
@@ -25,6 +24,7 @@ class BenchSensor(Sensor):
     preset: Annotated[
         str | None,
         "name of a published sensor; scale factors, cross-couplings and g-sensitivities are random, within the tolerances of an MPU-6050",
+        Form("NAME", words=preset_names),
     ] = None
     error_model: Annotated[
         Path | None, "error model of a sensor of your own; its terms are the truth", Form("MODEL.toml")
@@ -98,7 +98,10 @@ def six_position(
     *, output: _Output, sensor: BenchSensor, turns: Positions, bench: Bench, samples: BenchSamples,
     kind: _Format = "mcap", force: Force = False,
 ) -> None:  # fmt: skip
-    """Simulate an IMU on the faces of a cube, or in many positions, and the truth, for imuwb calibration."""
+    """Simulate an IMU on the faces of a cube, or in many positions, and the truth, for imuwb calibration.
+
+    Example: imuwb simulate six-position --preset mpu-6050 --minutes 1 -o cube
+    """
     import numpy as np  # noqa: PLC0415 - help must not wait for it
 
     from imuwb import simulation  # noqa: PLC0415
@@ -122,7 +125,10 @@ def rate_table(
     *, output: _Output, table: Table, sensor: BenchSensor, bench: Bench, samples: BenchSamples,
     kind: _Format = "mcap", force: Force = False,
 ) -> None:  # fmt: skip
-    """Simulate an IMU on a rate table, a staircase of rates both ways, and the truth, for imuwb calibration."""
+    """Simulate an IMU on a rate table, a staircase of rates both ways, and the truth, for imuwb calibration.
+
+    Example: imuwb simulate rate-table --preset mpu-6050 --rates 10,50,100 -o table
+    """
     from imuwb import simulation  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.terminal import progress  # noqa: PLC0415
 

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from imuwb.cli.options import output_option
 from imuwb.cli.simulate.options import Filtered, Sensor, check_folder
 from imuwb.options import POSITIVE, Options
 
@@ -14,8 +15,13 @@ from imuwb.options import POSITIVE, Options
 class SetPoints(Options):
     """The temperatures of the chamber, and how long it stays at each."""
 
-    first: Annotated[float, typer.Option("--from", help="The first set-point (°C).", metavar="CELSIUS")] = -30.0
-    last: Annotated[float, typer.Option("--to", help="The last set-point (°C).", metavar="CELSIUS")] = 60.0
+    first: Annotated[
+        float,
+        typer.Option("--from", help="The first set-point (°C).", metavar="CELSIUS", rich_help_panel="The chamber"),
+    ] = -30.0
+    last: Annotated[
+        float, typer.Option("--to", help="The last set-point (°C).", metavar="CELSIUS", rich_help_panel="The chamber")
+    ] = 60.0
     step: Annotated[float, "difference between two set-points, negative if they fall (°C)"] = 10.0
     hours: Annotated[float, "duration of each log (h)", POSITIVE] = 3.0
 
@@ -23,16 +29,18 @@ class SetPoints(Options):
 def chamber(
     *,
     output: Annotated[
-        Path, typer.Option("--output", "-o", help="The folder of the logs, one for each set-point.", metavar="FOLDER")
+        Path, output_option("--output", "-o", text="The folder of the logs, one for each set-point.", metavar="FOLDER")
     ],
     points: SetPoints,
     sensor: Sensor,
     samples: Filtered,
-    force: Annotated[bool, typer.Option("--force", help="Write into a folder that is not empty.")] = False,
+    force: Annotated[bool, output_option("--force", text="Write into a folder that is not empty.")] = False,
 ) -> None:
     """Simulate a still IMU in a climate chamber: a log at each temperature.
 
     For one log with a ramp of temperature, use static --temperature -40:70.
+
+    Example: imuwb simulate chamber --preset mpu-6050 --from -20 --to 50 --hours 1 -o chamber
     """
     from imuwb.cli.terminal import progress  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.simulation import chamber as recorded  # noqa: PLC0415

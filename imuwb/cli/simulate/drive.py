@@ -6,11 +6,12 @@ from typing import Annotated, TypeAlias
 
 import typer
 
+from imuwb.cli.options import Force
 from imuwb.cli.simulate.disturbances import Disturbances, ErrorsOfFixes, gnss_errors
-from imuwb.cli.simulate.options import Force, Output, Warm, check_output, model_of, save
+from imuwb.cli.simulate.options import Output, Warm, check_output, model_of, save
 from imuwb.errors import UsageError
 from imuwb.options import NOT_NEGATIVE, POSITIVE, Form, Options
-from imuwb.simulation import Odometer, Receiver, Route
+from imuwb.simulation import Odometer, Receiver, Route, preset_names
 from imuwb.stochastic import ImuErrorModel
 
 Triple: TypeAlias = tuple[float, float, float]
@@ -21,7 +22,9 @@ class Drive(Options):
     """The route, and its true trajectory."""
 
     preset: Annotated[
-        str | None, "route after Quinchia et al. (2013): turin-1 (17.3 min, town) or turin-2 (15.05 min, with highway)"
+        str | None,
+        "route after Quinchia et al. (2013): turin-1 (17.3 min, town) or turin-2 (15.05 min, with highway)",
+        Form("NAME", words=("turin-1", "turin-2")),
     ] = None
     duration: Annotated[
         float | None, "duration of a route through town, country and highway, in place of a preset (s)", Form("SECONDS")
@@ -50,9 +53,11 @@ class Drive(Options):
 class Vehicle(Warm):
     """The IMU of the car."""
 
-    sensor: Annotated[str | None, "name of a published sensor; with an unknown name, the error lists all sensors"] = (
-        None
-    )
+    sensor: Annotated[
+        str | None,
+        "name of a published sensor; with an unknown name, the error lists all sensors",
+        Form("NAME", words=preset_names),
+    ] = None
     error_model: Annotated[Path | None, "error model of a sensor of your own", Form("MODEL.toml")] = None
     vibration: Annotated[
         float,
@@ -127,7 +132,10 @@ def drive(
     wheels: Wheels,
     force: Force = False,
 ) -> None:
-    """Simulate a car with an IMU and GNSS, and the truth. A preset's outages are printed as imuwb outage takes them."""
+    """Simulate a car with an IMU and GNSS, and the truth. A preset's outages are printed as imuwb outage takes them.
+
+    Example: imuwb simulate drive --preset turin-1 --sensor mpu-6050 --seed 1 -o drive.mcap
+    """
     from imuwb import simulation  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.terminal import progress  # noqa: PLC0415
 

@@ -7,29 +7,31 @@ from typing import Annotated
 
 import typer
 
+from imuwb.cli.options import output_option
 from imuwb.errors import UsageError
 from imuwb.log import Log
 from imuwb.options import NOT_NEGATIVE, POSITIVE, Form, Options
 from imuwb.sidecars import draft_of
-from imuwb.simulation import Temperature
+from imuwb.simulation import Temperature, preset_names
 from imuwb.stochastic import ImuErrorModel
 
 LEAST_RAMP = 1.0  #: s
 
 Output = Annotated[
     Path,
-    typer.Option("--output", "-o", help="The log to write; its suffix, .mcap or .csv, is its format.", metavar="FILE"),
+    output_option("--output", "-o", text="The log to write; its suffix, .mcap or .csv, is its format.", metavar="FILE"),
 ]
-Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exist.")]
 
 
 @dataclass(frozen=True)
 class Sensor(Options):
     """The sensor that is simulated: a published sensor, or one with the user's error model."""
 
-    preset: Annotated[str | None, "name of a published sensor; with an unknown name, the error lists all sensors"] = (
-        None
-    )
+    preset: Annotated[
+        str | None,
+        "name of a published sensor; with an unknown name, the error lists all sensors",
+        Form("NAME", words=preset_names),
+    ] = None
     error_model: Annotated[Path | None, "error model of a sensor of your own", Form("MODEL.toml")] = None
 
     def model(self) -> ImuErrorModel:
@@ -88,7 +90,7 @@ class Warm(Filtered):
 PANELS = {
     "Sensor": "The IMU", "Samples": "The IMU", "Filtered": "The IMU", "Warm": "The IMU", "Vehicle": "The IMU",
     "BenchSensor": "The IMU", "BenchSamples": "The IMU", "Bench": "The bench", "Positions": "The bench",
-    "Table": "The bench", "Drive": "The drive", "Disturbances": "The road, and noise in motion",
+    "Table": "The bench", "SetPoints": "The chamber", "Length": "The IMU", "Drive": "The drive", "Disturbances": "The road, and noise in motion",
     "Gnss": "The GNSS receiver", "Wheels": "The odometer",
 }  # fmt: skip
 

@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from typing import Annotated
 
-from imuwb.cli.simulate.options import Force, Output, Sensor, Warm, check_output, save
+from imuwb.cli.options import Force
+from imuwb.cli.simulate.options import Output, Sensor, Warm, check_output, save
 from imuwb.options import POSITIVE, Options
 
 
@@ -15,7 +16,10 @@ class Length(Options):
 
 
 def static(*, output: Output, sensor: Sensor, length: Length, samples: Warm, force: Force = False) -> None:
-    """Simulate a still IMU with the noise of a published sensor or of an error model."""
+    """Simulate a still IMU with the noise of a published sensor or of an error model.
+
+    Example: imuwb simulate static --preset 3dm-gx3-25 --hours 7 --seed 1 -o static.mcap
+    """
     from imuwb import simulation  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.terminal import progress  # noqa: PLC0415
 

@@ -2,6 +2,8 @@
 
 Overlapping Allan deviation of all axes with intervals, one fit of the whole sum of processes, and the slope of a free line where
 each process dominates. Likelihood and wavelet variances give estimates for comparison.
+
+Example: imuwb allan static.mcap --imu /imu/data -o allan.rrd
 """
 
 import lazy_loader

@@ -2,6 +2,8 @@
 
 By fast Fourier transform, normalised, with the band that white noise stays in. The likeliest Gauss-Markov process (sigma, Tc) is
 fitted and tested. Denoising shows the slow processes that white noise hides.
+
+Example: imuwb autocorrelation static.mcap --longest 600
 """
 
 import lazy_loader

@@ -2,6 +2,8 @@
 
 x(n) = -sum alpha_k x(n-k) + beta0 w(n). Orders are compared by AICc, BIC and FPE, coefficients are tested at 99 %, and innovations
 are tested for whiteness. Give --through wavelet:levels=6 to model the denoised samples, as the papers do.
+
+Example: imuwb autoregressive static.mcap --through wavelet:levels=6 --save-model ar.toml
 """
 
 import lazy_loader

@@ -46,6 +46,8 @@ class SixPosition(Positions):
 
     Give one log of each face in any order, or one log of all: the axis that points up is found from the data. Gyros get a bias
     and a g-sensitivity.
+
+    Example: imuwb calibration six-position cube/*.mcap -o cube.rrd
     """
 
     METHOD: ClassVar[str] = "six-position"
@@ -57,6 +59,8 @@ class MultiPosition(Positions):
 
     Without --attitudes, the calibration uses only that gravity is the same in each position; the x axis of the result is then
     the axis of the x accelerometer.
+
+    Example: imuwb calibration multi-position turns.mcap --latitude 45
     """
 
     METHOD: ClassVar[str] = "multi-position"
@@ -80,6 +84,8 @@ class RateTable:
 
     Give one log for each axis, or several. The steps of each log are found and matched to --rates, clockwise and
     counter-clockwise.
+
+    Example: imuwb calibration rate-table table/*.mcap -o table.rrd
     """
 
     rates: Annotated[

@@ -1,6 +1,8 @@
 """Faults of a log: gaps, stuck or saturated channels, spikes, wrong gravity, with time, count and consequence.
 
 A verdict for each stream, its rate over time, when the IMU is still and when it moves, and the tracks.
+
+Example: imuwb health flight.bin --json faults.json
 """
 
 import lazy_loader

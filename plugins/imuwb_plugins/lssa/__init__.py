@@ -2,6 +2,8 @@
 
 Vanicek's spectrum with known constituents estimated together with every line, significance at one frequency and in the whole
 record, and tests whether the noise is a random walk or autoregressive (Pagiatakis; El-Diasty and others).
+
+Example: imuwb lssa static.mcap --noise ar:2 --highest 5
 """
 
 import lazy_loader

@@ -3,6 +3,8 @@
 Allan deviation, likelihood, wavelet variance, spectrum, autocorrelation and autoregressive models of one log, side by side, with a
 verdict for each axis. Several logs of one sensor are compared: which coefficients differ, and how much the bias changes from one
 turn-on to the next. --study repeats the analysis after conditioners.
+
+Example: imuwb noise static.mcap --html static.html
 """
 
 import lazy_loader

@@ -2,6 +2,8 @@
 
 Each filter runs once over all fixes. Outages then branch off after the fixes: a sweep, or those of --at. The drift is measured
 against the best reference of the log: truth, RTK-fixed positions, or a filter's smoothed run.
+
+Example: imuwb outage drive.mcap --error-model static.error-model.toml --lever-arm 0.4,0,-1.2 --straight 0.2
 """
 
 import lazy_loader

@@ -2,6 +2,8 @@
 
 Welch's method with segments of up to 2^20 samples, averaged over bands of frequency, and the sum of processes that fits by
 likelihood. Densities are one-sided.
+
+Example: imuwb psd run.mcap --start 60 --end 7200
 """
 
 import lazy_loader

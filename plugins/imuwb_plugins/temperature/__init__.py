@@ -2,6 +2,8 @@
 
 Give one log for each set-point, or logs with plateaus or ramps. The result has the coefficients at each temperature with
 intervals, a test of each whether it depends on temperature, and a function of temperature chosen by cross-validation.
+
+Example: imuwb temperature cold.mcap room.mcap hot.mcap --function quadratic -o chamber.rrd
 """
 
 import lazy_loader
