@@ -1,5 +1,7 @@
 """imuwb demo: the two main jobs on the sample logs."""
 
+import shlex
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, cast
 
@@ -35,24 +37,32 @@ def demo(
     from imuwb.cli.parameters import make  # noqa: PLC0415 - help must not wait
     from imuwb.cli.perform import perform  # noqa: PLC0415
     from imuwb.cli.places import Places, check_places  # noqa: PLC0415
+    from imuwb.cli.typed import options_given  # noqa: PLC0415
     from imuwb.readers.read_options import ReadOptions  # noqa: PLC0415
 
     still, drive = (samples() / log for log in LOGS.values())
     (still_name, still_analysis), (drive_name, drive_analysis) = (marked(log) for log in LOGS)
-    still_outputs = Outputs(output=output, force=force)
-    drive_outputs = Outputs(output=output.with_name(f"{output.stem}-drive.rrd"), force=force)
+    drive_output = output.with_name(f"{output.stem}-drive.rrd")
+    still_outputs, drive_outputs = (
+        Outputs(output=file, html=file.with_suffix(".html"), force=force) for file in (output, drive_output)
+    )
     settings = make(still_analysis.Parameters, {})
     places = Places.of(still_analysis, [still], still_outputs, settings)
     drive_settings = make(drive_analysis.Parameters, {"error_model": places.model})
     drive_places = Places.of(drive_analysis, [drive], drive_outputs, drive_settings)
     check_places([*places.all(), *drive_places.all()], [still, drive], force=force)
 
-    def request(outputs: Outputs) -> Request:
-        return Request(ReadOptions(), Part(), Conditions(), outputs)
+    def request(name: str, log: Path, outputs: Outputs, settings: object) -> Request:
+        own = options_given(settings, replace(outputs, force=True))
+        return Request(
+            ReadOptions(), Part(), Conditions(), outputs, " ".join(("imuwb", name, shlex.quote(str(log)), *own))
+        )
 
-    perform(still_name, still_analysis, [still], settings, request(still_outputs))
-    perform(drive_name, drive_analysis, [drive], drive_settings, request(drive_outputs))
-    typer.echo(f"look at the results: imuwb view {output}; imuwb view {drive_outputs.output}", err=True)
+    perform(still_name, still_analysis, [still], settings, request(still_name, still, still_outputs, settings))
+    perform(
+        drive_name, drive_analysis, [drive], drive_settings, request(drive_name, drive, drive_outputs, drive_settings)
+    )
+    typer.echo(f"look at the results: imuwb view {output}; imuwb view {drive_output}; or open their .html", err=True)
 
 
 def marked(log: str) -> tuple[str, Analysis]:

@@ -1,22 +1,23 @@
 """imuwb info: shows the streams of a log."""
 
-from collections.abc import Callable
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, cast
 
 import typer
 
 from imuwb import registry
-from imuwb.analysis import Table
+from imuwb.analysis import Step
 from imuwb.cli.help import LOG, READING
 from imuwb.cli.options import LOG_ARGUMENT, output_option
 from imuwb.errors import MissingDataError
+from imuwb.health import Fault
 from imuwb.log import Log
+from imuwb.readers.bytes.address import place_of
 from imuwb.readers.read_options import ReadOptions
 from imuwb.summary import LogSummary
 
 LARGE = 256 << 20  #: bytes; a larger log is summarized from its index, if it has one
-NAMED = 3  #: faults that the last line names, at most
 LARGE_REMOTE = 16 << 20  #: bytes; likewise of a remote log
 
 
@@ -33,6 +34,7 @@ def info(
             help="File with the gyro, the accelerometer or the temperature that the log lacks.",
         ),
     ] = None,
+    full: Annotated[bool, output_option("--full", text="Print all tables and notes too.")] = False,
     json: Annotated[bool, output_option("--json", text="Print JSON on stdout.")] = False,
     scan: Annotated[
         bool,
@@ -48,11 +50,10 @@ def info(
     Example: imuwb info flight.bin
     """
     from imuwb.cli.reading import joined_sensors, read_log  # noqa: PLC0415 - help must not wait for numpy
-    from imuwb.cli.terminal import shower  # noqa: PLC0415
+    from imuwb.cli.typed import options_given  # noqa: PLC0415
     from imuwb.readers.bytes import source  # noqa: PLC0415
     from imuwb.readers.reading import indexed  # noqa: PLC0415
-    from imuwb.review.contents import can_be_used, contents_table, usable_table  # noqa: PLC0415
-    from imuwb.review.tables import truth_table  # noqa: PLC0415
+    from imuwb.review.contents import can_be_used  # noqa: PLC0415
     from imuwb.summary import summarize  # noqa: PLC0415
 
     with source.accessed(log) as place:
@@ -70,16 +71,12 @@ def info(
 
         typer.echo(json_text(summary))
     else:
-        show = shower(data=True)
-        if summary.streams:
-            show(usable_table(summary, whole))
-            show(contents_table(summary))
-        for note in summary.notes:
-            show(note)
-        if summary.truth:
-            show(truth_table(summary))
-        if whole is not None:
-            show_faults(whole, show)
+        read = (
+            str(place_of(log)),
+            *options_given(reading),
+            *(word for file in join or () for word in ("--join", file)),
+        )
+        _show(summary, whole, read, full=full)
     if not can_be_used(summary):
         raise MissingDataError(f"{summary.path}: {_why(summary)}")
 
@@ -93,15 +90,50 @@ def _why(summary: LogSummary) -> str:
     return f"nothing in this file can be used; {why}"
 
 
-def show_faults(log: Log, show: Callable[[Table | str], None]) -> None:
-    """State how many faults a log has, and the worst: the faults, or else the first warning."""
+def _show(summary: LogSummary, whole: Log | None, read: Sequence[str], *, full: bool) -> None:
+    """Print the answer; before it, all tables and notes if they are wanted. ``read``: the log, and how it is read."""
+    from imuwb.cli.terminal import print_panel, shower  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.review.contents import contents_table, usable_table  # noqa: PLC0415
+    from imuwb.review.log_answer import log_answer  # noqa: PLC0415
+    from imuwb.review.panel import Origin  # noqa: PLC0415
+    from imuwb.review.tables import truth_table  # noqa: PLC0415
+
+    if full:
+        show = shower(data=True)
+        for table in (usable_table(summary, whole), contents_table(summary)) if summary.streams else ():
+            show(table)
+        for note in summary.notes:
+            show(note)
+        if summary.truth:
+            show(truth_table(summary))
+    faults = None if whole is None else faults_of(whole)
+    answer = log_answer(summary, whole, faults, tuple(_steps(summary, faults or ())))
+    print_panel(answer, Origin("log", read[:1], options=tuple(read[1:])), data=True)
+
+
+def faults_of(log: Log) -> tuple[Fault, ...]:
+    """Return what is wrong with the clocks and the receivers of a log, the worst first."""
     from imuwb.health import check  # noqa: PLC0415 - help must not wait for numpy
 
-    found = [fault for fault in check(log, samples=False).faults if fault.severity != "note"]
-    if found:
-        grave = [fault for fault in found if fault.severity == "fault"] or found[:1]
-        named = dict.fromkeys(f"{f.stream}: {f.what}" + (f" ({f.count} times)" if f.count > 1 else "") for f in grave)
-        worst = "; ".join(list(named)[:NAMED]) + ("; ..." if len(named) > NAMED else "")
-        shows_all = registry.marked(registry.ANALYSES, "SHOWS_FAULTS", value=True)
-        command = f"; imuwb {shows_all[0]} shows all" if shows_all else ""
-        show(f"{len(found)} faults and warnings; the worst: {worst}{command}")
+    return tuple(check(log, samples=False).faults)
+
+
+def _steps(summary: LogSummary, faults: Sequence[Fault]) -> Iterator[Step]:
+    """Yield what can be done next: look at the faults, or analyse the log."""
+    from imuwb.review.contents import ALONE  # noqa: PLC0415 - help must not wait for numpy
+
+    kinds = {stream.kind for stream in summary.streams}
+    counts = {severity: sum(fault.severity == severity for fault in faults) for severity in ("fault", "warning")}
+    found = [f"{n} {word}{'s' * (n > 1)}" for word, n in counts.items() if n]
+    shows_all = registry.marked(registry.ANALYSES, "SHOWS_FAULTS", value=True)
+    if shows_all and kinds & set(ALONE):
+        worst = next((f"; the worst: {fault.stream}: {fault.what}" for fault in faults[:1] if found), "")
+        yield Step(
+            f"imuwb {shows_all[0]} {{log}}",
+            f"{' and '.join(found)}{worst}" if found else "whether its samples are sound",
+        )
+    drives = {"imu", "gnss"} <= kinds
+    fits = registry.marked(registry.ANALYSES, "DEMO", value="drive" if drives else "still")
+    if fits and "imu" in kinds and not found:
+        model = " --error-model MODEL.toml" if drives else ""
+        yield Step(f"imuwb {fits[0]} {{log}}{model}", registry.summary_of(fits[1]).partition(":")[0])

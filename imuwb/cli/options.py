@@ -157,3 +157,4 @@ class Request:
     part: Part
     conditions: Conditions
     outputs: Outputs
+    command: str = ""  #: that does the same; empty: the one that was typed

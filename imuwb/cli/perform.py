@@ -1,8 +1,6 @@
 """Runs one analysis, from the paths of the logs to the recording."""
 
 import os
-import shlex
-import sys
 import traceback
 from collections.abc import Generator, Sequence
 from contextlib import contextmanager
@@ -22,6 +20,7 @@ from imuwb.cli.reading import read_log
 from imuwb.cli.studies import cases, grid
 from imuwb.cli.terminal import print_panel, progress, shower
 from imuwb.cli.through import Step, conditioned, step
+from imuwb.cli.typed import options_given, typed_again
 from imuwb.errors import ImuwbError, MissingDataError, UsageError
 from imuwb.log import Log
 from imuwb.progress import watched
@@ -133,7 +132,10 @@ def _drawn(
             known = log_state(logs, faults=not getattr(analysis, "SHOWS_FAULTS", False))
             stated = properties(name, __version__, getattr(done.parameters, "level", None), logs, answer, findings)
             answer = replace(answer, sentences=(*known, *answer.sentences))
-        origin = Origin(name, tuple(map(str, paths)), "" if objections else str(places.model or ""), command=_typed())
+        origin = Origin(
+            name, tuple(map(str, paths)), "" if objections else str(places.model or ""),
+            command=request.command or typed_again(), options=options_given(request.reading, request.part),
+        )  # fmt: skip
         review.summary(panel(answer, origin), answer.figure)
         text, run = document(name, __version__, done.parameters, done.result, logs, review.notes, done.study)
         review.state(recording_name(name, logs, answer), {"run": run, **stated}, text)
@@ -151,12 +153,6 @@ def _drawn(
 
 def _of_run(model: ImuErrorModel, run: str) -> ImuErrorModel:
     return replace(model, provenance={**model.provenance, "run": run})
-
-
-def _typed() -> str:
-    """Return the command as it was typed, so that it can be typed again with more options."""
-    force = [] if "--force" in sys.argv else ["--force"]
-    return shlex.join(["imuwb", *sys.argv[1:], *force])
 
 
 def _write(

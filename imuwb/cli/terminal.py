@@ -13,7 +13,7 @@ from rich.table import Table as RichTable
 from imuwb.analysis import Answer, Table
 from imuwb.review.panel import WIDTH, Origin, panel
 
-NARROWEST, WIDEST = 60, 100  #: columns of a panel on a terminal
+NARROWEST, WIDEST = 30, 100  #: columns of a panel on a terminal
 WIDE = 200  #: columns of an output that is no terminal
 
 

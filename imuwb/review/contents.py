@@ -48,15 +48,25 @@ def usable_table(summary: LogSummary, log: Log | None) -> Table:
 
 def _stated(gnss: GnssStream) -> str:
     """Return what a receiver states, and what it does not."""
+    has = _states(gnss)
+    known = ", ".join(("position", *(name for name, there in has.items() if there)))
+    missing = ", ".join(f"no {name}" for name in not_stated(gnss))
+    return f": {known}" + (f"; {missing}" if missing else "")
+
+
+def not_stated(gnss: GnssStream) -> tuple[str, ...]:
+    """Return what a receiver does not state: velocity, position sigmas, velocity sigmas."""
+    return tuple(name for name, there in _states(gnss).items() if not there)
+
+
+def _states(gnss: GnssStream) -> dict[str, bool]:
     values = {
         "velocity": gnss.velocity, "position sigmas": gnss.position_sigma, "velocity sigmas": gnss.velocity_sigma
     }  # fmt: skip
     has = {name: value is not None and bool(np.isfinite(value).any()) for name, value in values.items()}
     if not has["velocity"]:  # no sigma of a velocity is missed without one
         del has["velocity sigmas"]
-    known = ", ".join(("position", *(name for name, there in has.items() if there)))
-    missing = ", ".join(f"no {name}" for name, there in has.items() if not there)
-    return f": {known}" + (f"; {missing}" if missing else "")
+    return has
 
 
 def contents_table(summary: LogSummary) -> Table:

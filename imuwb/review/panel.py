@@ -5,15 +5,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from imuwb.analysis import Answer, Step
+from imuwb.names import CUT, shortened
 from imuwb.texts import printable
 
 WIDTH, HEIGHT = 80, 15  #: columns and lines
 GAP = 2  #: columns between cells
-NAMED = 0.5  #: largest share of the first line that the names of the logs take
+NAMED = 16  #: columns that the name of the log has at least
 INDENT = 7  #: columns of "Next" and "Wrote" with the blanks after them
 MOST_NEXT = 2  #: commands
 LEAST = 2  #: lines of sentences that a long table leaves room for
-CUT = "…"
+WHOLE = 60  #: columns; on a narrower screen a row takes several lines, and the panel as many as it needs
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,14 +26,17 @@ class Origin:
     model: str = ""  #: path of the saved error model; empty: none
     wrote: tuple[str, ...] = ()  #: files; the recording is the first
     command: str = ""  #: that was typed
+    options: tuple[str, ...] = ()  #: words that say how the logs are read
 
 
 def panel(answer: Answer, origin: Origin, width: int = WIDTH, height: int = HEIGHT) -> tuple[str, ...]:
     """Return the lines of the panel.
 
     The first line, the commands and the files are always there; rows and sentences are cut to the lines that are left, and then
-    the last of them says so.
+    the last of them says so. On a screen that is too narrow for a table, nothing is cut.
     """
+    if width < WHOLE:
+        return _narrow(answer, origin, width)
     first = _first_line(answer, origin, width)
     rows = _rows(answer, width)
     sentences = [line for sentence in answer.sentences for line in textwrap.wrap(sentence, width)]
@@ -48,24 +52,36 @@ def panel(answer: Answer, origin: Origin, width: int = WIDTH, height: int = HEIG
     return tuple(map(printable, lines))
 
 
-def shortened(text: str, width: int) -> str:
-    """Return a text of at most so many columns, without its middle, because names differ at their ends."""
-    if len(text) <= width:
-        return text
-    end = (width - 1) * 2 // 3
-    return f"{text[: width - 1 - end]}{CUT}{text[len(text) - end :]}"
+def _narrow(answer: Answer, origin: Origin, width: int) -> tuple[str, ...]:
+    """Return the panel for a screen on which a table is too wide: each row as a sentence."""
+    head = f"{origin.analysis.upper()}  {_named(origin)}: {answer.about}"
+    lines = [line for text in (head, answer.aside) for line in textwrap.wrap(text, width)]
+    for row in answer.rows:
+        name, *cells = row
+        named = [f"{head} {cell}".strip() for head, cell in zip(answer.headings[1:], cells, strict=False) if cell]
+        text = f"{name}: {', '.join(named)}" if name else f"({', '.join(named)})"
+        lines += textwrap.wrap(text, width, subsequent_indent="  ")
+    lines += [line for sentence in answer.sentences for line in textwrap.wrap(sentence, width)]
+    lines += _steps(answer.next[:MOST_NEXT], origin, width)
+    lines += _labelled("Wrote", ", ".join(origin.wrote), width) if origin.wrote else []
+    return tuple(map(printable, lines))
 
 
 def _first_line(answer: Answer, origin: Origin, width: int) -> str:
-    name = origin.logs[0].replace("\\", "/").rpartition("/")[2] if origin.logs else ""
+    name = _named(origin)
     more = f" and {len(origin.logs) - 1} more" if len(origin.logs) > 1 else ""
     aside = f"  {answer.aside}" if answer.aside else ""
     head = f"{origin.analysis.upper()}  "
-    room = max(int(NAMED * width), width - len(head) - len(f"{more}: {answer.about}{aside}"))
+    room = max(NAMED, width - len(head) - len(f"{more}: {answer.about}{aside}"))
     text = f"{head}{shortened(name, room)}{more}: {answer.about}"
     if len(text) + len(aside) > width:
-        return shortened(text, width)
+        return text if len(text) <= width else f"{text[: width - 1]}{CUT}"
     return f"{text}{aside.rjust(width - len(text))}" if aside else text
+
+
+def _named(origin: Origin) -> str:
+    """Return the name of the first log, without its folder."""
+    return origin.logs[0].replace("\\", "/").rpartition("/")[2] if origin.logs else ""
 
 
 def _rows(answer: Answer, width: int) -> list[str]:
@@ -82,7 +98,7 @@ def _rows(answer: Answer, width: int) -> list[str]:
 
 def filled(steps: Sequence[Step], origin: Origin) -> tuple[Step, ...]:
     """Return steps whose commands have the names of the logs and of the model; one that needs a model is left out if none was saved."""
-    logs, model = " ".join(map(_quoted, origin.logs)), _quoted(origin.model)
+    logs, model = " ".join((*map(_quoted, origin.logs), *origin.options)), _quoted(origin.model)
     return tuple(
         replace(step, command=step.command.replace("{log}", logs).replace("{model}", model).replace("{command}", origin.command))
         for step in steps
@@ -95,8 +111,8 @@ def _steps(steps: Sequence[Step], origin: Origin, width: int) -> list[str]:
     for step in filled(steps, origin):
         label = "Next" if not lines else ""
         text = f"{label.ljust(INDENT)}{step.command}"
-        whole = f"{text}  {step.why}"
-        lines += [whole] if len(whole) <= width or len(text) > width else [text, f"{' ' * INDENT}{step.why}"]
+        whole = f"{text}  {step.why}".rstrip()
+        lines += [whole] if len(whole) <= width else [text, *_labelled("", step.why, width)]
     return lines
 
 

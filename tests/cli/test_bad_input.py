@@ -276,9 +276,9 @@ def test_a_unit_that_is_none_is_wrong_usage_of_every_format(imuwb, static_mcap, 
 def test_options_that_a_format_does_not_use_are_named(imuwb, static_mcap, csv_log, rows):
     done = imuwb("info", static_mcap, "--units", "gyro=deg/s", "--rate", "5", "--columns", "a,b")
     assert done.code == 0
-    assert "--columns, --units not used: a mcap log" in done.err
-    assert "not used" not in imuwb("info", static_mcap, "--frame", "FLU").err
-    assert "--time-source not used" in imuwb("info", csv_log(rows()), "--time-source", "log").err
+    assert "--columns, --units not used: a mcap log" in " ".join(done.out.split())
+    assert "not used" not in imuwb("info", static_mcap, "--frame", "FLU").out
+    assert "--time-source not used" in imuwb("info", csv_log(rows()), "--time-source", "log").out
 
 
 def test_a_clock_that_jumps_by_decades_is_named(imuwb, csv_log, rows):
@@ -289,7 +289,7 @@ def test_a_clock_that_jumps_by_decades_is_named(imuwb, csv_log, rows):
     assert done.code == 0, done.err
     worst = json.loads(done.out)["result"]["faults"][0]
     assert all(figure in worst["what"] for figure in ("clock jumps", "53.9 years", "50 rows", "1950"))
-    assert "clock jumps" in imuwb("info", path).err
+    assert "clock jumps" in imuwb("info", path).out
 
 
 @pytest.mark.parametrize(

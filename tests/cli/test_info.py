@@ -10,8 +10,11 @@ from mcap.writer import Writer
 
 from imuwb import health
 from imuwb.cli import info
+from imuwb.health import Fault
 from imuwb.log import SECOND, GnssStream, ImuStream, Log, Orientation, Provenance, Triad
 from imuwb.review.contents import can_be_used, contents_table, usable_table
+from imuwb.review.log_answer import log_answer
+from imuwb.review.panel import HEIGHT, WIDTH, Origin, panel
 from imuwb.summary import summarize
 from imuwb.writers import write
 
@@ -19,29 +22,35 @@ from imuwb.writers import write
 def test_faults_are_counted_and_the_analysis_of_faults_is_named(imuwb, csv_log, rows):
     lines = rows()
     jumped = [f"{float(line.split(',')[0]) + 1.7e9:.2f},{line.partition(',')[2]}" for line in lines[50:]]
-    shown = imuwb("info", csv_log([*lines[:50], *jumped])).err
-    assert "faults and warnings" in shown
+    shown = imuwb("info", csv_log([*lines[:50], *jumped])).out
     assert "53.9 years" in shown
     assert "imuwb health" in shown
+    assert "fault" in shown.splitlines()[-1] + shown.splitlines()[-2]
+
+
+def made(severity, stream="imu", what="gap"):
+    return Fault(stream, what, what, severity)
 
 
 def test_notes_are_not_counted_as_faults(imuwb, static_mcap, monkeypatch):
-    def faults(*severities):
-        found = [SimpleNamespace(severity=s, count=1, stream="imu", what="gap") for s in severities]
-        monkeypatch.setattr(health, "check", lambda *_, **__: SimpleNamespace(faults=found))
-        return imuwb("info", static_mcap).err
+    def shown(*severities):
+        faults = [made(severity) for severity in severities]
+        monkeypatch.setattr(health, "check", lambda *_, **__: SimpleNamespace(faults=faults))
+        return imuwb("info", static_mcap).out
 
-    assert "imuwb health" not in faults("note")
-    assert "2 faults" in faults("fault", "warning", "note")
+    assert "No fault" in shown("note")
+    found = shown("fault", "warning", "note")
+    assert "1 fault and 1 warning" in found
+    assert "!! imu: gap" in found
 
 
 @pytest.mark.parametrize(("arguments", "read"), [((), False), (("--scan",), True)])
 def test_a_large_log_is_summarized_from_its_index(imuwb, static_mcap, monkeypatch, arguments, read):
     seen = []
-    monkeypatch.setattr(info, "show_faults", lambda log, _: seen.append(log))
+    monkeypatch.setattr(info, "faults_of", lambda log: seen.append(log) or ())
     monkeypatch.setattr(info, "LARGE", static_mcap.stat().st_size - 1)
-    assert imuwb("info", static_mcap, *arguments).code == 0
-    assert bool(seen) == read
+    shown = imuwb("info", static_mcap, *arguments)
+    assert (shown.code, bool(seen), "--scan" in shown.out) == (0, read, not read)
     count = json.loads(imuwb("info", static_mcap, *arguments, "--json").out)["streams"][0]["count"]
     assert count == 3000
 
@@ -67,19 +76,52 @@ def csv_of(path, columns="", change=None):
 def test_what_can_be_used_comes_first_and_the_worst_fault_last(imuwb, tmp_path):
     path = csv_of(tmp_path / "log.csv", change=lambda k, cells: ["nan", *cells[1:]] if k % 40 == 0 else cells)
     done = imuwb("info", path)
-    assert done.code == 0
+    assert (done.code, done.err) == (0, "")
+    lines = done.out.splitlines()
+    assert len(lines) <= HEIGHT
+    assert lines[0].startswith("LOG  log.csv: csv, ")
+    assert lines[2].split()[:3] == ["noise,", "drift", "imu"]
+    assert "13 times" in done.out
+    assert "2.6 % of its rows" in " ".join(" ".join(lines[-2:]).split())
+
+
+def test_everything_else_is_printed_when_it_is_asked_for(imuwb, static_mcap):
+    done = imuwb("info", static_mcap, "--full")
     assert done.out.splitlines()[0].startswith("Can be used")
-    assert "IMU  │ imu (" in done.out
-    last = done.err.splitlines()[-1]
-    assert "2.6 % of its rows" in last
-    assert "(13 times)" in last
+    assert "│ /imu/data (" in done.out
+    assert "True parameters" in done.out
+    assert any(line.startswith("LOG  static.mcap") for line in done.out.splitlines())
 
 
-def test_all_faults_are_named_up_to_three(imuwb, static_mcap, monkeypatch):
-    found = [SimpleNamespace(severity="fault", count=1, stream="imu", what=f"fault{i}") for i in range(5)]
-    monkeypatch.setattr(health, "check", lambda *_, **__: SimpleNamespace(faults=found))
-    last = imuwb("info", static_mcap).err.splitlines()[-1]
-    assert [f"fault{i}" in last for i in range(5)] == [True, True, True, False, False]
+@pytest.mark.parametrize("many", [True, False])
+def test_a_log_of_many_streams_fits(many):
+    summary = summarize(many_imus() if many else log_of())
+    found = [made("fault", f"imu.{i}", f"fault{j} " + "long " * 20) for i in range(11) for j in range(9)]
+    answer = log_answer(summary, None, found)
+    lines = panel(answer, Origin("log", ("log.bin",)))
+    assert len(lines) <= HEIGHT
+    assert all(len(line) <= WIDTH for line in lines)
+    assert "0-" in answer.rows[0][1]  # streams that are alike share a row
+    assert sum(text.startswith("!!") for text in answer.sentences) > 2
+
+
+def many_imus():
+    """Return a log like an autopilot's: three IMUs, eight in batches, and one that is slow."""
+    time = np.arange(2000) * (SECOND // 100)
+    burst = np.concatenate([k * 20 * SECOND + np.arange(400) * (SECOND // 1000) for k in range(4)])
+    slow = np.arange(40) * SECOND
+    imus = [(f"IMU.{i}", time) for i in range(3)] + [(f"ISB.{i}", burst) for i in range(8)] + [("vehicle_imu.0", slow)]
+    still = [
+        ImuStream(name, *(Triad(t, np.random.default_rng(0).standard_normal((t.size, 3))),) * 2) for name, t in imus
+    ]
+    return Log(Provenance("made", "dataflash", "", 0), tuple(still))
+
+
+def test_what_each_stream_can_be_used_for():
+    rows = {row[1]: (row[0], row[4]) for row in log_answer(summarize(many_imus()), None, ()).rows}
+    assert rows["IMU.0-2"] == ("noise, drift", "")
+    assert rows["ISB.0-7"] == ("vibration", "in batches, 97 % missing")
+    assert rows["vehicle_imu.0"] == ("—", "too slow")
 
 
 @pytest.mark.parametrize("arguments", [(), ("--json",)])
@@ -97,10 +139,10 @@ def test_a_log_of_which_nothing_can_be_used_ends_with_3(imuwb, tmp_path, argumen
     assert "nothing in this file can be used" in done.err.splitlines()[-1]
 
 
-def test_an_acceleration_without_gravity_is_the_last_word(imuwb, tmp_path):
+def test_an_acceleration_without_gravity_is_named(imuwb, tmp_path):
     path = tmp_path / "log.mcap"
     write(log_of(force=np.random.default_rng(0).standard_normal((500, 3))), path)
-    assert "gravity is missing" in imuwb("info", path).err.splitlines()[-1]
+    assert "gravity is missing" in " ".join(imuwb("info", path).out.split())
 
 
 def log_of(force=None, **streams):

@@ -94,5 +94,5 @@ def test_even_motion_is_in_the_answer(make_log):
     time = np.arange(61) * SECOND
     gnss = GnssStream("fix", time, np.tile([0.8, 0.2, 0.0], (61, 1)), np.tile([20.0, 0.0, 0.0], (61, 1)))
     result = health.run([replace(log, gnss=(gnss,))], health.Parameters())
-    assert "even motion" in health.answer(result).about
+    assert "moves evenly" in health.answer(result).sentences[-1]
     assert "even motion" not in health.answer(health.run([log], health.Parameters())).about

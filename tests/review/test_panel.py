@@ -1,7 +1,8 @@
 import pytest
 
 from imuwb.analysis import Answer, Step
-from imuwb.review.panel import HEIGHT, WIDTH, Origin, panel, shortened
+from imuwb.names import shortened
+from imuwb.review.panel import HEIGHT, WIDTH, Origin, panel
 
 ROWS = tuple((f"gyro {axis}", "2.40 [2.38, 2.43]", "40 [32, 47]", "yes") for axis in "xyz")
 ANSWER = Answer(

@@ -1,0 +1,34 @@
+"""Commands as users type them, for those that imuwb shows to be typed next."""
+
+import shlex
+import sys
+from collections.abc import Iterator
+from dataclasses import fields
+from typing import Any, cast
+
+from imuwb.cli.parameters import default_of
+from imuwb.options import text_of
+from imuwb.readers.bytes.address import without_secrets
+
+
+def typed_again() -> str:
+    """Return the command that was typed, so that it can be typed again with more options."""
+    force = [] if "--force" in sys.argv else ["--force"]
+    return shlex.join(["imuwb", *map(without_secrets, sys.argv[1:]), *force])
+
+
+def options_given(*groups: object) -> tuple[str, ...]:
+    """Return the options of some dataclasses that differ from their defaults, as words of a command."""
+    return tuple(shlex.quote(word) for group in groups for word in _words(group))
+
+
+def _words(group: object) -> Iterator[str]:
+    for f in fields(cast("Any", group)):
+        value, flag = getattr(group, f.name), f"--{f.name.replace('_', '-')}"
+        if value == default_of(f) or value is None:
+            continue
+        if isinstance(value, bool):
+            yield flag if value else f"--no-{flag[2:]}"
+            continue
+        for text in map(str, cast("list[object]", value)) if isinstance(value, list) else (text_of(value),):
+            yield from (flag, text)
