@@ -108,7 +108,7 @@ def _show(summary: LogSummary, whole: Log | None, read: Sequence[str], *, full: 
             show(truth_table(summary))
     faults = None if whole is None else faults_of(whole)
     answer = log_answer(summary, whole, faults, tuple(_steps(summary, faults or ())))
-    print_panel(answer, Origin("log", read[:1], options=tuple(read[1:])), data=True)
+    print_panel(answer, Origin("log", (read[0],), options=tuple(read[1:])), data=True)
 
 
 def faults_of(log: Log) -> tuple[Fault, ...]:
