@@ -5,7 +5,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from imuwb.cli.completion import completer
 from imuwb.errors import UsageError
+from imuwb.options import Form
 
 if TYPE_CHECKING:  # help must not wait for numpy
     from imuwb.estimators import Options
@@ -13,6 +15,7 @@ if TYPE_CHECKING:  # help must not wait for numpy
 
 _Model = Annotated[Path, typer.Argument(help="The error model.", metavar="MODEL.toml")]
 _Tool = "kalibr, openvins, vins, orb-slam3, lio-sam, fast-lio, gtsam, kimera, ros, kf-gins, ob-gins, navego, psins, pyins, px4, ardupilot, matlab, gnss-ins-sim, gazebo, airsim, pegasus, rotors"
+_tools = completer(Form("TOOL", words=(*_Tool.split(", "), "json")))
 _Rate = Annotated[
     float | None,
     typer.Option(help="Rate of the samples (Hz), for tools whose values depend on it. Default: that of the model."),
@@ -49,7 +52,10 @@ _Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exis
 def export(
     model: _Model,
     *,
-    to: Annotated[str, typer.Option(help=f"The tool: {_Tool}, or json (the whole model, SI).", metavar="TOOL")],
+    to: Annotated[
+        str,
+        typer.Option(help=f"The tool: {_Tool}, or json (the whole model, SI).", metavar="TOOL", autocompletion=_tools),
+    ],
     rate: _Rate = None,
     step: _Step = None,
     horizon: _Horizon = 60.0,
@@ -92,7 +98,12 @@ def import_(
     *,
     from_: Annotated[
         str | None,
-        typer.Option("--from", help=f"The tool. Default: by the names in the file. {_Tool}.", metavar="TOOL"),
+        typer.Option(
+            "--from",
+            help=f"The tool. Default: by the names in the file. {_Tool}.",
+            metavar="TOOL",
+            autocompletion=_tools,
+        ),
     ] = None,
     rate: _Rate = None,
     step: _Step = None,
@@ -130,7 +141,7 @@ def import_(
 def explain(
     model: _Model,
     *,
-    for_: Annotated[str, typer.Option("--for", help=f"The tool: {_Tool}.", metavar="TOOL")],
+    for_: Annotated[str, typer.Option("--for", help=f"The tool: {_Tool}.", metavar="TOOL", autocompletion=_tools)],
     rate: _Rate = None,
     step: _Step = None,
     horizon: _Horizon = 60.0,

@@ -3,6 +3,7 @@
 Option and text stand in two columns; a long option has a line of its own, so that the texts stay wide enough to be read at 80 columns.
 """
 
+import re
 import shutil
 import textwrap
 from collections.abc import Iterable
@@ -17,8 +18,11 @@ FIRST = 26  #: columns of an option, at most; at most a third of the help
 LOG, READING, CONDITIONERS, OUTPUT, GENERAL = "The log", "How the log is read", "Conditioners", "Output", "General"
 ANALYSIS = "The analysis"  #: group of the options of an analysis that state none
 LAST = (READING, CONDITIONERS, OUTPUT, GENERAL)  #: groups at the end
+TIE = "\0"  #: a blank at which no line ends
 EXAMPLE = "Example:"  #: begin of the last paragraph of a docstring
-COMMANDS = "Commands"
+KINDS = {"int": "N", "float": "NUMBER", "str": "TEXT", "path": "FILE"}  #: type -> what stands for its values
+COMMANDS, OPTIONS = "Commands", "Options"
+ALWAYS = ("help", "config", "save_config")  #: options that every command has
 
 
 def columns() -> int:
@@ -45,14 +49,18 @@ class HelpfulCommand(TyperCommand):
             record = param.get_help_record(ctx)
             if record is not None:
                 panel = getattr(param, "rich_help_panel", None)
-                groups.setdefault(panel or GENERAL, []).append((_name(param, record[0]), record[1]))
+                general = param.name in ALWAYS
+                groups.setdefault(panel or (GENERAL if general else OPTIONS), []).append(
+                    (_name(param, record[0]), record[1])
+                )
         for group in sorted(groups, key=lambda group: (group != LOG, LAST.index(group) if group in LAST else -1)):
             _write_group(group, groups[group], formatter)
         if example or self.epilog:
             formatter.write(f"\n{typer.style(EXAMPLE, bold=True)}\n")
-            command = example or self.epilog or ""
+            # An option and its value stay on one line.
+            command = re.sub(r"(?<= )(--?[\w-]+) (?=[^-])", f"\\1{TIE}", example or self.epilog or "")
             lines = textwrap.wrap(command, formatter.width - 6, break_long_words=False, break_on_hyphens=False)
-            formatter.write(" \\\n      ".join(lines).join(("  ", "\n")))
+            formatter.write(" \\\n      ".join(lines).replace(TIE, " ").join(("  ", "\n")))
 
 
 class HelpfulGroup(TyperGroup):
@@ -81,7 +89,7 @@ def _name(param: Any, name: str) -> str:  # noqa: ANN401 - its type moved betwee
         return name.partition(" <")[0]
     if param.is_flag and param.secondary_opts and not param.default:
         return name.partition(" / ")[0]
-    return name
+    return re.sub(r"<(\w+)>", lambda kind: KINDS.get(kind[1], kind[0]), name)
 
 
 def _write_text(text: str, formatter: Any) -> None:  # noqa: ANN401 - as above

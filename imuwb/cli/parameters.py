@@ -14,7 +14,7 @@ import typer
 from typer.models import OptionInfo
 
 from imuwb.cli.completion import completer
-from imuwb.cli.help import ANALYSIS
+from imuwb.cli.help import ANALYSIS, KINDS
 from imuwb.errors import UsageError
 from imuwb.options import Form, Option, options_of, read, text_of, words_of
 from imuwb.units import UNITS
@@ -22,7 +22,7 @@ from imuwb.units import UNITS
 _ADDRESS = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:[/\\]")  # a path has one slash of the two
 #: Types that typer reads itself. ``imuwb.options`` reads all others from their texts.
 NATIVE = (bool, int, float, str, Path, list[str], list[Path])
-_METAVARS = {int: "N", float: "NUMBER", str: "TEXT", Path: "FILE"}
+_METAVARS = {int: KINDS["int"], float: KINDS["float"], str: KINDS["str"], Path: KINDS["path"]}
 
 
 def parameters_of(kind: Any, panel: str | None = None) -> list[inspect.Parameter]:  # noqa: ANN401 - a dataclass of the plugin's

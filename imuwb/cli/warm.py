@@ -9,11 +9,13 @@ from imuwb.errors import ImuwbError
 
 
 def warm() -> None:
-    """Compile everything once, so that no later run has to: for an image, or before many workers start.
+    """Compile everything once, so that no later run has to.
 
-    The code is kept in the folder that NUMBA_CACHE_DIR names, else beside the modules of imuwb, else in the cache of the user. Later
+    This is for an image, or before many workers start. The code is kept in the folder that NUMBA_CACHE_DIR names, else beside the modules of imuwb, else in the cache of the user. Later
     runs read it there even if they cannot write there. It is valid for one version of imuwb, Python and numba, and for one type
     of processor. A file there that is damaged is made again.
+
+    Example: imuwb warm
     """
     from imuwb import kept_code  # noqa: PLC0415 - help must not wait for numba
     from imuwb.signatures import compile_all  # noqa: PLC0415
