@@ -19,7 +19,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from imuwb.arrays import Floats, Integers, all_finite, blocks_of
+from imuwb.arrays import Floats, Integers, all_finite, blocks_of, step_range
 from imuwb.errors import MissingDataError
 from imuwb.geodesy.local_track import LocalTrack
 from imuwb.sampling import sampling
@@ -57,9 +57,8 @@ def _frozen(
 
 def _frozen_time(time: object, name: str) -> Nanoseconds:
     array = _frozen(time, np.int64, (None,), f"{name} time")
-    steps = np.diff(array)
-    if array.size > 1 and steps.min() <= 0:
-        row = int(np.argmax(steps <= 0)) + 1
+    if array.size > 1 and step_range(array)[0] <= 0:
+        row = int(np.argmax(np.diff(array) <= 0)) + 1
         raise ValueError(f"{name} time must increase; row {row} has {array[row]} ns after {array[row - 1]} ns")
     return array
 

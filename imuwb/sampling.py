@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from imuwb.arrays import Booleans, Integers, blocks_of
+from imuwb.arrays import Booleans, Integers, blocks_of, step_blocks, step_range
 from imuwb.units import SECOND
 
 SPAN = 100  #: steps; over this number of steps rounding averages out
@@ -80,11 +80,10 @@ def nearest(time: Integers, at: Integers) -> Integers:
     return np.where(np.abs(at[after] - time) < np.abs(time - at[before]), after, before)
 
 
-def _scatter(steps: Integers) -> float:
-    """Return the standard deviation of many steps, without a second array of their size."""
-    mean = float(steps.mean())
-    squares = sum(float(np.square(steps[rows] - mean).sum()) for rows in blocks_of(steps.size))
-    return float((squares / steps.size) ** 0.5)
+def _scatter(time: Integers, mean: float) -> float:
+    """Return the standard deviation of the steps about their mean."""
+    squares = sum(float(np.square(steps - mean).sum()) for steps in step_blocks(time))
+    return float((squares / (time.size - 1)) ** 0.5)
 
 
 def sampling(time: Integers) -> Sampling:
@@ -95,10 +94,11 @@ def sampling(time: Integers) -> Sampling:
     """
     if time.size < 2:  # noqa: PLR2004 - a step needs two rows
         return Sampling(float("nan"), (), (), 0.0)
+    mean = float(time[-1] - time[0]) / (time.size - 1)
+    shortest, longest = step_range(time)
+    if longest <= GAP * shortest or _is_complete(time, float(longest), mean):
+        return Sampling(mean / SECOND, (), (), _scatter(time, mean) / mean)
     steps = np.diff(time)
-    mean = float(time[-1] - time[0]) / steps.size
-    if steps.max() <= GAP * steps.min() or _is_complete(time, float(steps.max()), mean):
-        return Sampling(mean / SECOND, (), (), _scatter(steps) / mean)
     interval, rounding = _interval(time, steps)
     long = steps > GAP * interval + rounding
     usual = steps[~long]
@@ -119,8 +119,11 @@ def _is_complete(time: Integers, longest: float, mean: float) -> bool:
     span = min(SPAN, (time.size - 1) // 2) // 2 * 2  # even: short and long steps may alternate
     if not span or longest > UNEVEN * mean:
         return False
-    sums = time[span:] - time[:-span]
-    return float(sums.max() - sums.min()) < mean / 2
+    low, high = np.iinfo(np.int64).max, np.iinfo(np.int64).min
+    for rows in blocks_of(time.size - span):
+        sums = time[rows.start + span : rows.stop + span] - time[rows]
+        low, high = min(low, int(sums.min())), max(high, int(sums.max()))
+    return float(high - low) < mean / 2
 
 
 def _interval(time: Integers, steps: Integers) -> tuple[float, float]:

@@ -13,6 +13,7 @@ import numpy as np
 import pywt
 
 from imuwb.arrays import Floats
+from imuwb.compiled import compiled
 
 Rule = Literal["sure", "universal", "bayes", "all", "none"]
 Shrinkage = Literal["soft", "hard"]
@@ -80,13 +81,19 @@ def denoise(
     check(values.shape[-1], level, wavelet)
     if level == 0:
         return Denoised(values, ())
-    approximation, *details = _parted(values, wavelet, level)
+    # Level by level, so that of a long series no more arrays stand in memory than a level needs.
+    details: list[Floats] = []
     thresholds: list[float] = []
-    for detail in details:  # coarsest first
-        thresholds.append(float(threshold(detail, rule)))
+    whole = values
+    for _ in range(level):  # finest first
+        whole, detail = pywt.dwt(whole, wavelet)
+        thresholds.append(threshold(detail, rule))
         _shrink(detail, thresholds[-1], shrinkage)
-    whole = pywt.waverec([approximation, *details], wavelet)[: values.size]
-    return Denoised(np.ascontiguousarray(whole), tuple(thresholds[::-1]))
+        details.append(detail)
+        del detail
+    while details:
+        whole = pywt.idwt(whole[: details[-1].size], details.pop(), wavelet)
+    return Denoised(np.ascontiguousarray(whole[: values.size]), tuple(thresholds))
 
 
 def denoise_causally(
@@ -177,10 +184,12 @@ def threshold(detail: Floats, rule: Rule) -> float:
     if rule == "bayes":
         rest = float(np.mean(detail**2)) - sigma**2
         return sigma**2 / rest**0.5 if rest > 0 else float(size[-1])
-    return sigma * sure_threshold(size / sigma)
+    size /= sigma
+    return sigma * sure_threshold(size)
 
 
-def sure_threshold(size: Floats) -> float:
+@compiled()
+def sure_threshold(size: Floats) -> float:  # pragma: no cover - compiled
     """Return the soft threshold with the least Stein risk for details of unit noise.
 
     risk(t) = n - 2 #(|x| <= t) + sum min(x², t²), evaluated at the magnitudes.
@@ -188,15 +197,16 @@ def sure_threshold(size: Floats) -> float:
     Args:
         size: (n,) magnitudes, rising.
     """
-    n = size.size
-    square = size * size
-    risk = np.cumsum(square)
-    larger = np.arange(n - 1, -1, -1, dtype=np.float64)
-    square *= larger
-    risk += square
-    larger *= 2.0
-    risk += larger  # 2 n less than the risk, at every threshold
-    return float(size[int(np.argmin(risk))])
+    total = best = 0.0
+    least = np.inf
+    for i in range(size.size):
+        larger = float(size.size - 1 - i)
+        square = size[i] * size[i]
+        total += square
+        risk = total + square * larger + 2.0 * larger  # 2 n less than the risk
+        if risk < least:
+            least, best = risk, size[i]
+    return best
 
 
 def _shrink(detail: Floats, limit: float | Floats, shrinkage: Shrinkage) -> None:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from imuwb.arrays import Floats, Integers, blocks_of
+from imuwb.arrays import Floats, Integers, blocks_of, step_blocks
 from imuwb.health.fault import Fault
 from imuwb.sampling import Sampling, runs, sampling
 from imuwb.texts import seconds_text
@@ -15,6 +15,7 @@ FEWEST = {True: 100, False: 10}
 JITTER = 0.2  #: share of the interval; a larger scatter of the stamps is a fault
 DROPPED = 1.5  #: times the usual step; a window with longer steps shows a drop of the rate
 WINDOW = 50  #: steps in a window
+AT_ONCE = 1 << 18  #: steps whose windows are looked at together
 WINDOWS = 4  #: least number of windows from which the usual step of a stream is known
 MOSTLY = 0.5  #: share of missing time; a stream with a larger share was recorded in batches
 MANY = 100  #: gaps; if a stream whose rate drops has more gaps, they are the steps of the lower rate
@@ -52,9 +53,9 @@ def clock_faults(name: str, time: Floats, *, inertial: bool) -> Iterator[Fault]:
 
 def _jumps(time: Floats) -> Integers:
     """Return the rows before which a clock was set: its step is longer than a day, and far longer than the recorded time."""
-    steps = np.diff(time)
-    if steps.max() <= DAY:
+    if max(float(steps.max()) for steps in step_blocks(time)) <= DAY:
         return np.empty(0, np.int64)
+    steps = np.diff(time)
     long = steps > DAY
     return np.flatnonzero(long & (steps > FAR * float(steps[~long].sum()))) + 1
 
@@ -122,16 +123,21 @@ def _core(edges: Integers) -> tuple[int, int]:
 
 def _rate_drops(name: str, time: Floats) -> Iterator[Fault]:
     """Yield spans without gaps in which the rate is lower."""
-    steps = np.diff(time)
-    if steps.size < WINDOWS * WINDOW:
+    count = (time.size - 1) // WINDOW
+    if count < WINDOWS:
         return
-    windows = steps[: steps.size // WINDOW * WINDOW].reshape(-1, WINDOW)
-    usual = np.median(windows, axis=1)
+    starts = time[: count * WINDOW + 1 : WINDOW]
+    usual = np.concatenate([np.median(steps, axis=1) for steps in _window_steps(time, count)])
     first, length = runs(usual > DROPPED * float(np.median(usual)))
     if first.size:
-        longest = int(np.argmax(length))
-        starts = time[:-1][: windows.size].reshape(-1, WINDOW)[:, 0]
-        spans = [float(windows[a : a + n].sum()) for a, n in zip(first, length, strict=True)]
+        spans = starts[first + length] - starts[first]
+        longest = float(starts[first[int(np.argmax(length))]])
         what = f"the rate drops, down to {1 / float(usual.max()):.3g} Hz"
         consequence = "the noise differs at that rate; leave these spans out with --start and --end"
-        yield Fault(name, "rate drop", what, "warning", int(first.size), float(starts[first[longest]]), max(spans), consequence)  # fmt: skip
+        yield Fault(name, "rate drop", what, "warning", int(first.size), longest, float(spans.max()), consequence)
+
+
+def _window_steps(time: Floats, count: int) -> Iterator[Floats]:
+    """Yield the steps of so many windows, (k, WINDOW), some windows at a time."""
+    for some in blocks_of(count, AT_ONCE // WINDOW):
+        yield np.diff(time[some.start * WINDOW : some.stop * WINDOW + 1]).reshape(-1, WINDOW)

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from imuwb.arrays import Booleans, Floats
+from imuwb.arrays import Booleans, Floats, standard_deviation
 from imuwb.health.channel import LOOKED_AT, Channel, value_text
 from imuwb.health.fault import Fault
 from imuwb.health.lone import Lone
@@ -70,7 +70,7 @@ def inertial_faults(
 
 def _stuck(channel: Channel) -> Iterator[Fault]:
     time = channel.time
-    alike = np.diff(channel.values) == 0
+    alike = channel.values[1:] == channel.values[:-1]
     alike[channel.breaks - 1] = False  # the values within a gap are unknown
     first, length = runs(alike)
     if not first.size:
@@ -94,7 +94,7 @@ def _usual_run(spans: Floats, changes: int) -> float:
 
 def _saturated(channel: Channel) -> Iterator[Fault]:
     values = channel.values
-    middle, spread = float(np.median(values)), float(np.std(values))
+    middle, spread = float(np.median(values)), standard_deviation(values)
     fine = channel.levels.size > FINE  # with so many values, equal samples do not follow each other by chance
     for end in (float(values.max()), float(values.min())):
         if not fine and abs(end - middle) < FAR * spread:

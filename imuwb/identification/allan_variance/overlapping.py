@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from imuwb.arrays import Floats, Integers
+from imuwb.arrays import Floats, Integers, alone
 from imuwb.compiled import compiled
 from imuwb.identification.allan_variance import noise_type
 from imuwb.identification.allan_variance.averaging import averaging_factors
@@ -87,20 +87,13 @@ def allan(
         ValueError: fewer than 2 samples, samples that are not finite, or no averaging time within the record.
     """
     values = np.asarray(values, dtype=np.float64)
-    phases = _phases(values, dt, breaks)
     place = _places(time, dt) if time is not None and breaks else None
-    factor = averaging_factors(averaging_times, max(map(len, phases)) - 1 if place is None else int(place[-1]) + 1, dt)
-    thin = np.ones_like(factor)
-    if fast:
-        factor = np.unique(factor // _strides(factor) * _strides(factor))
-        thin = _strides(factor)
-    longest = max(phases, key=len)
-    exponents = {int(m): noise_type.exponent(longest[::m]) for m in factor}
-    variance, terms = _variances(phases, factor, fast=fast)
+    with alone(values.size):
+        factor, exponents, variance, terms = _summed(values, dt, averaging_times, breaks, place, fast=fast)
     loss = np.ones(factor.size)
     if place is not None:
         factor, variance, terms, loss = _with_bridges(values, place, factor, variance, terms)
-        thin = _strides(factor) if fast else np.ones_like(factor)
+    thin = _strides(factor) if fast else np.ones_like(factor)
     deviation = np.sqrt(variance)
     kinds = _noise_types([exponents[int(m)] for m in factor])
     edf = loss * _degrees_of_freedom(factor, terms, kinds, thin)
@@ -108,6 +101,25 @@ def allan(
     return AllanDeviation(
         values.size, dt, level, factor, factor.astype(np.float64) * dt, deviation, lower, upper, edf, kinds, terms
     )
+
+
+def _summed(
+    values: Floats,
+    dt: float,
+    averaging_times: str | Sequence[float],
+    breaks: Sequence[int],
+    place: Integers | None,
+    *,
+    fast: bool,
+) -> tuple[Integers, dict[int, int | None], Floats, Integers]:
+    """Return the factors, the exponent of the noise at each, the variances and their terms; the running sums are freed."""
+    phases = _phases(values, dt, breaks)
+    factor = averaging_factors(averaging_times, max(map(len, phases)) - 1 if place is None else int(place[-1]) + 1, dt)
+    if fast:
+        factor = np.unique(factor // _strides(factor) * _strides(factor))
+    longest = max(phases, key=len)
+    exponents = {int(m): noise_type.exponent(longest[::m]) for m in factor}
+    return factor, exponents, *_variances(phases, factor, fast=fast)
 
 
 def _phases(values: Floats, dt: float, breaks: Sequence[int]) -> list[Floats]:

@@ -1,13 +1,12 @@
 """Autocorrelation of a record, and whether a first-order Gauss-Markov process explains it (Quinchia, 4.1 and 5.2)."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft, optimize
 
-from imuwb.arrays import Floats, alone, blocks_of
+from imuwb.arrays import Complexes, Floats, alone, standard_deviation
+from imuwb.compiled import compiled
 from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum, cosine_spectrum
 from imuwb.statistics import Estimate
 from imuwb.statistics.distributions import chi_square_tail, normal_limit
@@ -20,7 +19,7 @@ FEWEST = 32  #: number of the lowest coefficients, which are one group
 FEWEST_SAMPLES = 16
 SHORTEST = 1e-5  #: sampling intervals; a process with so short a Tc is white noise
 WIDEST = 30.0  #: half width of the interval of a logarithm; wider ones are cut here
-LONG = 1_000_000  #: samples; a longer record is transformed in single precision
+SHORTEST_PIECE = 1 << 14  #: samples that are transformed at once, at least
 SHOWN = 2000  #: number of lags that are kept, approximately
 VAGUE = 100.0  #: ratio of the ends of Tc's interval, above which the record does not show Tc
 
@@ -90,11 +89,10 @@ def autocorrelation(values: Floats, dt: float, longest: float | None = None, *, 
         )
     mean = float(values.mean())
     most = min(max(round((n * dt / 10 if longest is None else longest) / dt), 1), n - 1)
-    size = fft.next_fast_len(n + most, real=True)
-    variance = sum(float(np.square(values[rows] - mean).sum()) for rows in blocks_of(n)) / n
+    sigma = standard_deviation(values)
     with alone(n):
-        covariance = _covariance(values, mean, variance**0.5, size)[: most + 1].astype(np.float64)
-    every = covariance / covariance[0]
+        every = _covariance(values, mean, sigma, most)
+        every /= every[0]
     below = np.flatnonzero(every < np.exp(-1))
     falls_to = None
     if below.size:
@@ -110,23 +108,37 @@ def autocorrelation(values: Floats, dt: float, longest: float | None = None, *, 
         fitted = fit_gauss_markov(cosine_spectrum(values, dt), level)
     except ValueError:
         fitted = None
-    return Autocorrelation(kept.astype(np.float64) * dt, every[kept], band, level, variance, falls_to, fitted)
+    return Autocorrelation(kept.astype(np.float64) * dt, every[kept], band, level, sigma**2, falls_to, fitted)
 
 
-def _covariance(values: Floats, mean: float, sigma: float, size: int) -> NDArray[np.floating[Any]]:
-    """Return the sums of products of samples at all lags, by a transform of a record that zeros fill to a size.
+def _covariance(values: Floats, mean: float, sigma: float, most: int) -> Floats:
+    """Return the sums of products of samples less their mean, over sigma², at the lags 0 ... ``most``.
 
-    Single precision is accurate to a part in a million; the values of so long a record scatter by a thousandth.
+    The transform of a piece is multiplied with that of this piece and the next one, so memory is that of the longest lag. A series
+    that begins half a transform later has the same transform, but for the sign of every second frequency.
     """
-    scaled = np.zeros(size, np.float32 if values.size > LONG else np.float64)
-    for rows in blocks_of(values.size):
-        scaled[rows] = (values[rows] - mean) / sigma
-    transform = fft.rfft(scaled)
-    del scaled
-    power = np.abs(transform)
-    del transform
-    np.square(power, out=power)
-    return fft.irfft(power, size)
+    piece = fft.next_fast_len(max(most, min(values.size, SHORTEST_PIECE)))
+    total, padded = np.zeros(piece + 1, np.complex128), np.zeros(2 * piece)
+    later = np.empty(0, np.complex128)
+    # Piece by piece from the end: what follows a piece is known then.
+    for first in reversed(range(0, values.size, piece)):
+        part = values[first : first + piece]
+        np.subtract(part, mean, out=padded[: part.size])
+        padded[: part.size] /= sigma
+        padded[part.size : piece] = 0.0
+        own = np.fft.rfft(padded)  # numpy frees the tables of a transform, while scipy keeps them
+        _add_products(own, later, total)
+        later = own
+    return np.fft.irfft(total, 2 * piece)[: most + 1]
+
+
+@compiled()
+def _add_products(own: Complexes, later: Complexes, total: Complexes) -> None:  # pragma: no cover - compiled
+    for k in range(own.size):
+        both = own[k]
+        if later.size:
+            both += later[k] if k % 2 == 0 else -later[k]
+        total[k] += own[k].conjugate() * both
 
 
 def fit_gauss_markov(spectrum: CosineSpectrum, level: float = 0.95) -> GaussMarkovFit:

@@ -13,15 +13,16 @@ from itertools import pairwise
 import numpy as np
 from scipy import fft, linalg
 
-from imuwb.arrays import Booleans, Floats
+from imuwb.arrays import Booleans, Floats, blocks_of
 from imuwb.compiled import compiled
-from imuwb.identification.correlation.burg import burg
+from imuwb.identification.correlation.burg import Burg, burg
 from imuwb.notes import Note
 from imuwb.statistics.distributions import chi_square_tail, normal_limit
 from imuwb.stochastic import Autoregressive
 
 WHITE_LAGS = 20  #: lags of the innovations' autocorrelation that are tested, beyond those that the fit makes small
 BLOCK = 1024  #: samples; a block stays in the fastest cache while all lags use it
+AT_ONCE = 1 << 18  #: samples in the segments of a spectrum that are transformed at once
 GRID = 4096  #: samples in a segment of the innovations' spectrum
 RANDOM_WALK = 0.99  #: with alpha of order 1 below -0.99, the series is called a random walk
 WHITE = 0.02  #: with |alpha| of order 1 below 0.02, the series is called white noise
@@ -127,9 +128,10 @@ def fit_autoregressive(
     models = burg(values, orders, breaks)
     n, highest = models.n, len(models.alpha) - 1
     edges = [0, *sorted(breaks), values.size]
-    parts = [values[a:b] - models.mean for a, b in pairwise(edges) if b - a > highest]
-    innovations = np.concatenate([_errors(part, np.ascontiguousarray(models.alpha[highest])) for part in parts])
-    density = _density(innovations, models.alpha[highest])
+    parts = [values[a:b] for a, b in pairwise(edges) if b - a > highest]
+    innovations = [_errors(part, models.mean, np.ascontiguousarray(models.alpha[highest])) for part in parts]
+    density = _density(innovations[0] if len(parts) == 1 else np.concatenate(innovations), models.alpha[highest])
+    del innovations
     covariances = fft.irfft(density)[: highest + 1]
     z = normal_limit(level)
     fitted: list[Order] = []
@@ -146,7 +148,7 @@ def fit_autoregressive(
         ))  # fmt: skip
     chosen = min(fitted, key=lambda order: order.bic).order
     tested = sorted({p for p in (*test, chosen) if 1 <= p <= highest})
-    whiteness = tuple(_whiteness(parts, models.alpha[p], p) for p in tested)
+    whiteness = tuple(_whiteness(parts, models, p) for p in tested)
     return AutoregressiveFit(
         dt,
         n,
@@ -166,8 +168,10 @@ def _density(innovations: Floats, alpha: Floats) -> Floats:
     """
     size = min(GRID, 1 << max(innovations.size // 8, 2).bit_length() - 1)
     pieces = innovations[: innovations.size // size * size].reshape(-1, size)
-    window = np.hanning(size)
-    power = np.mean(np.abs(fft.rfft(pieces * window, axis=1)) ** 2, axis=0) / np.sum(window**2)
+    window, power = np.hanning(size), np.zeros(size // 2 + 1)
+    for some in blocks_of(len(pieces), max(AT_ONCE // size, 1)):
+        power += (np.abs(fft.rfft(pieces[some] * window, axis=1)) ** 2).sum(axis=0)
+    power /= len(pieces) * np.sum(window**2)
     fine = np.interp(np.linspace(0, 1, GRID // 2 + 1), np.linspace(0, 1, power.size), power)
     return fine / np.abs(fft.rfft([1.0, *alpha], GRID)) ** 2
 
@@ -190,10 +194,10 @@ def _bartlett(alpha: Floats, covariances: Floats, density: Floats, n: int) -> Fl
     return np.sqrt(np.diag(inverse @ inner @ inverse).clip(0))
 
 
-def _whiteness(parts: Sequence[Floats], alpha: Floats, order: int) -> Whiteness:
-    taps = np.ascontiguousarray(alpha)
+def _whiteness(parts: Sequence[Floats], models: Burg, order: int) -> Whiteness:
+    taps = np.ascontiguousarray(models.alpha[order])
     most = order + WHITE_LAGS
-    products = np.sum([_products(_errors(part, taps), most) for part in parts], axis=0)
+    products = np.sum([_products(_errors(part, models.mean, taps), most) for part in parts], axis=0)
     r = products[1:] / products[0]
     sizes = np.array([part.size - order for part in parts])
     lags = np.arange(1, most + 1)
@@ -206,14 +210,16 @@ def _whiteness(parts: Sequence[Floats], alpha: Floats, order: int) -> Whiteness:
 
 
 @compiled(reorder=True)
-def _errors(values: Floats, alpha: Floats) -> Floats:  # pragma: no cover - compiled
-    """Return x(n) + sum alpha_k x(n-k) for each n that has all the samples."""
+def _errors(values: Floats, mean: float, alpha: Floats) -> Floats:  # pragma: no cover - compiled
+    """Return x(n) + sum alpha_k x(n-k) for each n that has all the samples; x are the values less the mean."""
     p = alpha.size
-    out = values[p:].copy()
+    out = np.empty(values.size - p)
     for low in range(0, out.size, BLOCK):
         part = out[low : low + BLOCK]
+        around = values[low : low + part.size + p] - mean
+        part[:] = around[p:]
         for k in range(p):
-            before = values[p - 1 - k + low : p - 1 - k + low + part.size]
+            before = around[p - 1 - k : p - 1 - k + part.size]
             for i in range(part.size):
                 part[i] += alpha[k] * before[i]
     return out

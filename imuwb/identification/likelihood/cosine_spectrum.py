@@ -7,15 +7,15 @@ Fourier series, need no match of the record's two ends. Flicker and Gauss-Markov
 covariance is known in closed form. So a likelihood of the whole record costs one transform.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import fft, special
+from scipy import special
 
-from imuwb.arrays import LARGE, Booleans, Complexes, Floats, Integers, alone
+from imuwb.arrays import Booleans, Floats, Integers, alone
 from imuwb.compiled import compiled
+from imuwb.identification.likelihood.cosine_transform import cosine_transform, transform_length
 from imuwb.stochastic import FlickerNoise, GaussMarkov, Process, Quantization
 
 LOW = 32  #: lowest coefficients, which have a joint covariance
@@ -97,22 +97,21 @@ def cosine_spectrum(values: Floats, dt: float, lines: Sequence[tuple[float, floa
     """
     if values.size < FEWEST:
         raise ValueError(f"{values.size} samples are too few for a likelihood; it needs at least {FEWEST}")
-    if values.size > LARGE:
-        values = values[: _short_factors(values.size)]
+    values = values[: transform_length(values.size)]
     n = values.size
     level, slope = _straight_line(values)
     with alone(n):
-        coefficients = _cosine_transform(values, level, slope)
+        coefficients = cosine_transform(values, level, slope)
     spans = np.array([[max((f - half) * 2 * n * dt, 0.0), (f + half) * 2 * n * dt] for f, half in lines]).reshape(-1, 2)
     index = np.arange(1, LOW + 1)
     index = index[~((index >= spans[:, :1]) & (index <= spans[:, 1:])).any(axis=0)]
     edges = _edges(n)
-    power, count = _binned(
-        coefficients, edges, np.floor(spans[:, 0]).astype(np.int64), np.ceil(spans[:, 1]).astype(np.int64)
+    power, count = coefficients.sums_of_squares(
+        edges, np.floor(spans[:, 0]).astype(np.int64), np.ceil(spans[:, 1]).astype(np.int64)
     )
     full = count > 0
     return CosineSpectrum(
-        n, dt, slope / dt, index, coefficients[index] * np.sqrt(dt), edges[:-1][full], edges[1:][full] - 1,
+        n, dt, slope / dt, index, coefficients.at(index) * np.sqrt(dt), edges[:-1][full], edges[1:][full] - 1,
         power[full] / count[full] * dt, count[full],
     )  # fmt: skip
 
@@ -128,67 +127,6 @@ def _straight_line(values: Floats) -> tuple[float, float]:  # pragma: no cover -
         total += x
         moment += (k - middle) * x
     return values[0] + total / n, moment / (n * (float(n) * n - 1.0) / 12.0)
-
-
-def _short_factors(n: int) -> int:
-    """Return the largest length up to n that has no large prime factor, with which a transform needs ten times memory and time."""
-    while fft.next_fast_len(n, real=True) != n:
-        n -= 1
-    return n
-
-
-def _cosine_transform(values: Floats, level: float, slope: float) -> Floats:
-    """Return the orthonormal discrete cosine transform (type II) of values less a straight line, (n,).
-
-    It is that of Makhoul (1980), by a Fourier transform of the even samples, then the odd ones in reverse order. numpy frees the
-    tables of a transform, while scipy keeps them, which are twice as long as the record.
-    """
-    out = np.empty(values.size)
-    _interleaved(values, level, slope, out)
-    _turned(np.fft.rfft(out), out)
-    return out
-
-
-@compiled()
-def _interleaved(values: Floats, level: float, slope: float, out: Floats) -> None:  # pragma: no cover - compiled
-    middle = (values.size - 1) / 2.0
-    for k in range(values.size):
-        place = k // 2 if k % 2 == 0 else values.size - 1 - k // 2
-        out[place] = values[k] - level - slope * (k - middle)
-
-
-@compiled()
-def _turned(transform: Complexes, out: Floats) -> None:  # pragma: no cover - compiled
-    n = out.size
-    scale = math.sqrt(2.0 / n)
-    for k in range(transform.size):
-        angle = math.pi * k / (2.0 * n)
-        cosine, sine = math.cos(angle), math.sin(angle)
-        real, imaginary = transform[k].real, transform[k].imag
-        out[k] = scale * (real * cosine + imaginary * sine)
-        if k > 0:
-            out[n - k] = scale * (real * sine - imaginary * cosine)
-    out[0] /= math.sqrt(2.0)
-
-
-@compiled()
-def _binned(
-    coefficients: Floats, edges: Integers, first: Integers, last: Integers
-) -> tuple[Floats, Integers]:  # pragma: no cover - compiled
-    """Return the sums of squares between edges and their counts, without the lines at first ... last."""
-    sums, counts = np.zeros(edges.size - 1), np.zeros(edges.size - 1, np.int64)
-    for i in range(edges.size - 1):
-        total, count = 0.0, 0
-        for j in range(edges[i], edges[i + 1]):
-            inside = False
-            for line in range(first.size):
-                if first[line] <= j <= last[line]:
-                    inside = True
-            if not inside:
-                total += coefficients[j] ** 2
-                count += 1
-        sums[i], counts[i] = total, count
-    return sums, counts
 
 
 def _edges(n: int) -> Integers:

@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from imuwb.arrays import Booleans, Floats, Integers
+from imuwb.arrays import Booleans, Floats, Integers, step_range
 from imuwb.sampling import runs
 from imuwb.units import SECOND
 
@@ -70,7 +70,7 @@ def even_stamps(stamps: Integers, *, forced: bool = False) -> EvenStamps | None:
         stamps: (n,) ns, not falling; rows with equal stamps are different samples.
         forced: the samples are even, as the user states; then batches have no gaps between them.
     """
-    if stamps.size < FEWEST:
+    if stamps.size < FEWEST or (not forced and _is_even(stamps)):
         return None
     steps = np.diff(stamps)
     period = _usual_period(stamps, steps)
@@ -108,8 +108,10 @@ def batches_of(stamps: Integers) -> Batches | None:
     Args:
         stamps: (n,) ns, not falling.
     """
+    if stamps.size < FEWEST or _is_even(stamps):
+        return None
     steps = np.diff(stamps)
-    if stamps.size < FEWEST or SHORT * steps.max() <= steps.min() or not (period := _usual_period(stamps, steps)):
+    if SHORT * steps.max() <= steps.min() or not (period := _usual_period(stamps, steps)):
         return None
     bursts = _Bursts.of(steps, period)
     inner = float(np.median(steps[steps < SHORT * period])) if bursts.are_batches else 0.0
@@ -129,6 +131,12 @@ def spread_stamps(stamps: Integers) -> Integers:
     within = np.arange(stamps.size) - begin[groups]
     spread = stamps + (within * (np.minimum(room, usual) / counts)[groups]).astype(np.int64)
     return np.maximum.accumulate(spread - np.arange(stamps.size)) + np.arange(stamps.size)
+
+
+def _is_even(stamps: Integers) -> bool:
+    """Return whether all steps are alike, as in nearly all logs; an array of all steps would take the memory of the stamps."""
+    shortest, longest = step_range(stamps)
+    return shortest > 0 and longest - shortest <= CALM * float(stamps[-1] - stamps[0]) / (stamps.size - 1)
 
 
 def _usual_period(stamps: Integers, steps: Integers) -> float:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from imuwb.arrays import Floats
+from imuwb.arrays import Floats, step_blocks
 from imuwb.log import Kind, Nanoseconds, Repair
 from imuwb.notes import Note
 from imuwb.readers.assembly.even_stamps import EvenStamps, batches_of, even_stamps, spread_stamps
@@ -48,8 +48,7 @@ def sample_times(
     if inertial and clock.rate is not None:
         return _stated(time, clock.rate, repairs), columns
     frozen = inertial and bool(time[0] == time[-1])
-    steps = np.diff(time)
-    repeated = int(np.count_nonzero(steps == 0))
+    repeated = sum(int(np.count_nonzero(steps == 0)) for steps in step_blocks(time))
     if not (clock.exact or frozen) and (inertial or (repeated and clock.kind in _SAMPLED)):
         even = even_stamps(time, forced=clock.even and inertial)
         if even is not None:
@@ -68,7 +67,7 @@ def sample_times(
         return spread_stamps(time), columns
     if set(columns) != {"temperature"}:
         repairs.append(replace(FROZEN if frozen else REPEATED, count=repeated))
-    return taken(time, columns, np.concatenate([[True], steps > 0]))
+    return taken(time, columns, np.concatenate([[True], np.diff(time) > 0]))
 
 
 def _stated(time: Nanoseconds, rate: float, repairs: list[Repair]) -> Nanoseconds:

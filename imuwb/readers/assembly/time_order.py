@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from imuwb.arrays import Booleans, Floats, Integers
+from imuwb.arrays import Booleans, Floats, Integers, step_range
 from imuwb.log import Nanoseconds, Repair
 from imuwb.notes import Note
 from imuwb.units import SECOND
@@ -32,9 +32,10 @@ def in_order(
     """Return rows whose time does not fall, and add the repairs; of equal rows that follow each other, the first is kept."""
     if time.size and max(int(time.max()), -int(time.min())) >= LATEST:
         time, columns = _without(np.abs(time) >= LATEST, IMPOSSIBLE, time, columns, repairs)
-    steps = np.diff(time)
-    if steps.size and steps.min() > 0 and steps.max() <= CLOCK_STEP:
-        return time, columns  # nearly all logs
+    if time.size > 1:
+        shortest, longest = step_range(time)
+        if shortest > 0 and longest <= CLOCK_STEP:
+            return time, columns  # nearly all logs
     time, columns = _without(_damaged_stamps(time), ALONE, time, columns, repairs)
     if time.size < 2:  # noqa: PLR2004 - one row is in order
         return time, columns

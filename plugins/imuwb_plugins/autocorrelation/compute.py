@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from imuwb.analysis import Finding
-from imuwb.arrays import Floats
+from imuwb.arrays import Floats, alone
 from imuwb.axes import Axis, axes_of, for_each, gap_notes, rates
 from imuwb.conditioning import denoise
 from imuwb.identification import GaussMarkovFit, autocorrelation
@@ -60,7 +60,8 @@ def _axis(axis: Axis, parameters: Parameters) -> CorrelationAxis:
     after: CorrelationCurve | None = None
     if parameters.denoise:
         try:
-            after = _curve(denoise(np.ascontiguousarray(series), parameters.denoise).values, dt, parameters)
+            with alone(series.size):
+                after = _curve(denoise(series, parameters.denoise).values, dt, parameters)
         except ValueError:
             after = None  # the record is too short for so many levels, which a note reports
     return CorrelationAxis(

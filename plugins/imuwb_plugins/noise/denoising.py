@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
-from imuwb.arrays import Floats
+from imuwb.arrays import Floats, alone, standard_deviation
 from imuwb.axes import Axis, axes_of, rates
 from imuwb.conditioning import band_limit, denoise
 from imuwb.identification import allan, power_spectrum
@@ -46,7 +46,7 @@ def denoising(log: Log, levels: int) -> Denoising | None:
     """Return the last axis of each sensor, z if it has three, before and after denoising; None if the log is too short."""
     axes = {axis.sensor: axis for axis in axes_of(log.imu()).values()}
     axes = {axis.name: axis for axis in axes.values()}
-    axes = {name: axis for name, axis in axes.items() if unsuitable(axis.longest, FEWEST) is None}
+    axes = {name: x for name, x in axes.items() if unsuitable(x.values[x.longest_rows], FEWEST) is None}
     depths = sorted({0, min(SHALLOW, levels), levels})
     jobs = [(axis, k) for axis in axes.values() for k in depths]
     with ThreadPoolExecutor(2) as pool:
@@ -59,16 +59,17 @@ def denoising(log: Log, levels: int) -> Denoising | None:
 
 
 def _denoised(axis: Axis, levels: int) -> Denoised | None:
-    dt = axis.clock.interval
-    try:
-        quiet = denoise(axis.longest, levels).values
-    except ValueError:  # too short for so many levels
-        return None
-    curve, spectrum = allan(quiet, dt, "log:40", fast=True), power_spectrum(quiet, dt, SEGMENT)
-    return Denoised(
-        axis.name, levels, band_limit(1 / dt, levels), 2.0 ** (levels + 1) * dt, curve.averaging_time, curve.deviation,
-        spectrum.frequency, spectrum.density, float(quiet.std()),
-    )  # fmt: skip
+    dt, series = axis.clock.interval, axis.values[axis.longest_rows]
+    with alone(series.size):
+        try:
+            quiet = denoise(series, levels).values
+        except ValueError:  # too short for so many levels
+            return None
+        curve, spectrum = allan(quiet, dt, "log:40", fast=True), power_spectrum(quiet, dt, SEGMENT)
+        return Denoised(
+            axis.name, levels, band_limit(1 / dt, levels), 2.0 ** (levels + 1) * dt, curve.averaging_time, curve.deviation,
+            spectrum.frequency, spectrum.density, standard_deviation(quiet),
+        )  # fmt: skip
 
 
 def _density_limits(axes: Mapping[str, Axis], curves: Sequence[Denoised]) -> dict[str, tuple[float, float]]:
