@@ -2,11 +2,11 @@
 
 A sample is a row of six axes, of 56 bytes in a ``Log``. The record is white noise and a random walk at 1 kHz, written piece by piece as
 MCAP (zstd), so that the writer needs no memory. Every command runs in a process of its own, whose largest resident memory the system
-gives; bytes a sample are this memory over the number of samples, with the program and its libraries (0.15 to 0.35 GB). Times are those
+gives; bytes a sample are this memory over the number of samples, with the program and its libraries (0.33 to 0.40 GB). Times are those
 of the whole process, from its start to its end.
 
 Command: ``python tests/benchmarks/memory_a_sample.py [--hours 4] [--folder DIR] [--log FILE] [COMMAND ...]`` (4 h: about ten minutes,
-and 1.1 GB in the folder; 24 h: about an hour, 6.6 GB, and a machine of 16 GB). Seed: 0.
+and 1.1 GB in the folder; 24 h: about half an hour, 6.7 GB, and 8 GB of memory). Seed: 0.
 """
 
 # ruff: noqa: SLF001 - the record is written with the parts of imuwb's own writer, which is given a whole log otherwise

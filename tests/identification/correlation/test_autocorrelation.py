@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from imuwb.identification import autocorrelation
+from imuwb.identification.correlation import autocorrelation as correlations
 from imuwb.stochastic import FlickerNoise, GaussMarkov, RandomWalk, Sinusoid, WhiteNoise
 
 DT = 0.1
@@ -22,6 +23,14 @@ def test_equals_the_sum_over_lags(n):
     assert curve.variance == pytest.approx(values.var())
     assert curve.value[0] == 1
     assert np.abs(curve.value).max() <= 1 + 1e-12
+
+
+def test_pieces_give_the_sum_over_the_whole_record(monkeypatch):
+    monkeypatch.setattr(correlations, "SHORTEST_PIECE", 10)
+    values = GaussMarkov(1.0, 1.0).sample(997, DT, np.random.default_rng(0)) + 9.81
+    centered = values - values.mean()
+    full = np.correlate(centered, centered, "full")[996:]
+    np.testing.assert_allclose(autocorrelation(values, DT, 2.3).value, full[:24] / full[0], atol=1e-13)
 
 
 def test_the_lags_end_where_they_are_asked_to():
