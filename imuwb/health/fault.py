@@ -26,6 +26,7 @@ _HARMLESS: dict[str, tuple[Severity, str]] = {
     "batches": ("warning", "if the samples are even, rates and noise are wrong"),
     "stated_rate": ("note", "rates and noise are as right as the stated rate"),
     "no_height": ("warning", "use these fixes north and east only"),
+    "no_fix": ("note", "before its first fix, and where it loses the satellites, a receiver has no position"),
     "repeated_row": ("note", "nothing is lost"),
 }  # fmt: skip
 

@@ -104,7 +104,8 @@ def _gnss_table(gnss: GnssStream) -> pa.Table:
         if values is not None:
             columns |= {name.format(way): pa.array(values[:, i], from_pandas=True) for i, way in enumerate(_WAYS)}
     if gnss.fix_type is not None:
-        columns["fix_type"] = gnss.fix_type
+        # 0, an unknown type, is an empty cell, because readers take 0 as no fix.
+        columns["fix_type"] = pa.array(gnss.fix_type, mask=gnss.fix_type == 0)
     return pa.table(columns)
 
 

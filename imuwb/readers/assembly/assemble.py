@@ -28,6 +28,7 @@ from imuwb.readers.assembly.interleaved import sensors_in_turn, turns
 from imuwb.readers.assembly.sample_times import Clock, sample_times
 from imuwb.readers.assembly.siblings import sibling, with_fix_rows, with_parts_joined
 from imuwb.readers.assembly.time_order import in_order, taken
+from imuwb.readers.assembly.without_fix import without_unfixed
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes.budget import Budget
 
@@ -70,7 +71,7 @@ def assemble(
     Rows with a value that is not finite are left out. Rows that are out of order by less than a second are sorted. A row that
     repeats the time and all values of the row before is left out. If a clock is set back by more than a second, the time after it
     goes on by one usual step. Even samples whose stamps are not even get even times. Each repair is counted in the stream's
-    ``origin``.
+    ``origin``. Rows in which a receiver states that it has no fix are left out.
 
     Args:
         parts: what the reader yields.
@@ -220,6 +221,7 @@ def _log(provenance: Provenance, streams: list[Batch], notes: list[str]) -> Log:
     for rows in (r for r in streams if r.kind in ("velocity", "fix")):
         gnss, note = with_fix_rows(gnss, rows.stream, rows.time, rows.columns)
         gnss_notes.append(note)
+    gnss, unfixed_notes = without_unfixed(gnss)
     return Log(
         provenance,
         imus=imus,
@@ -228,7 +230,7 @@ def _log(provenance: Provenance, streams: list[Batch], notes: list[str]) -> Log:
         poses=tuple(map(_pose, of["pose"])),
         orientations=tuple(Orientation(r.stream, r.time, origin=r.origin, **r.columns) for r in of["orientation"]),
         speeds=tuple(_scalars(r, "speed") for r in of["speed"]),
-        notes=(*notes, *imu_notes, *gnss_notes),
+        notes=(*notes, *imu_notes, *gnss_notes, *unfixed_notes),
     )
 
 
@@ -273,6 +275,7 @@ def _gnss(rows: Batch) -> GnssStream:
         return np.where(np.isfinite(values), values, np.nan)
 
     fix = rows.columns.get("fix_type")
+    fix = None if fix is None or not np.isfinite(fix).any() else fix
     return GnssStream(
         rows.stream,
         rows.time,

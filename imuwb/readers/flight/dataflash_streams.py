@@ -268,7 +268,7 @@ class _Streams:
             "velocity": trajectory.velocities(fields["Spd"], fields["GCrs"], fields["VZ"]),
             "position_sigma": trajectory.sigmas(sigmas["HAcc"], sigmas["VAcc"]),
             "velocity_sigma": trajectory.sigmas(sigmas["SAcc"], sigmas["SAcc"]),
-            "fix_type": fields["Status"],
+            "fix_type": trajectory.fix_types(fields["Status"]),
         }
         yield from trajectory.located(stream, "gnss", self._time(columns), known, self._position_origin, self._size)
 

@@ -166,7 +166,7 @@ class _Streams:
             "velocity": trajectory.velocities(known("vel", UNKNOWN, 1e-2), known("cog", UNKNOWN, 1e-2)),
             "position_sigma": trajectory.sigmas(known("h_acc", 0, 1e-3), known("v_acc", 0, 1e-3)),
             "velocity_sigma": trajectory.sigmas(speed_sigma, speed_sigma),
-            "fix_type": values["fix_type"].astype(np.float64),
+            "fix_type": trajectory.fix_types(values["fix_type"]),
         }
         origin = Origin(f"1e-7 deg, mm{'' if ellipsoid else ABOVE_SEA}, cm/s", "NED", "unix")
         yield from trajectory.located(name, "gnss", time, columns, origin, self._bytes_read)

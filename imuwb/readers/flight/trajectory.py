@@ -43,6 +43,11 @@ def sigmas(horizontal: Floats, vertical: Floats) -> Floats:
     return np.stack([horizontal, horizontal, vertical], axis=1)
 
 
+def fix_types(numbers: NDArray[Any]) -> Floats:
+    """Return fix types by MAVLink's numbers; 0 (no receiver) and 1 (no fix) are 1."""
+    return np.maximum(numbers.astype(np.float64), 1.0)
+
+
 def usable(position: Floats) -> Booleans:
     """Return which rows, (n, 3) rad and m, are positions; a receiver without a fix states latitude 0 and longitude 0."""
     latitude, longitude, height = position.T

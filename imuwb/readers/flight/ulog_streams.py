@@ -140,7 +140,7 @@ class _Streams:
             sigma = _positive(columns["s_variance_m_s"])
             known["velocity_sigma"] = trajectory.sigmas(sigma, sigma)
         if "fix_type" in columns:
-            known["fix_type"] = columns["fix_type"].astype(float)
+            known["fix_type"] = trajectory.fix_types(columns["fix_type"])
         origin = Origin(f"deg, m{above_sea}, m/s", "NED", self._epoch)
         time = self._boot(columns) + (self._offset or 0)
         yield from trajectory.located(name, "gnss", time, known, origin, self._size)

@@ -68,6 +68,12 @@ def _position_stream(si: Values, rows: Booleans | None) -> Stream:
     return "gnss", columns, rows
 
 
+def _fix_type(values: Floats, column: Column) -> Floats:
+    """Return fix types by MAVLink's numbers: 0 and 1 are no fix; in a column called ``fix``, without "type", 1 may stand for a fix of any type."""
+    fixes = np.where(values == 1, np.nan, values) if column.name.lower().endswith("fix") else values
+    return np.where(fixes == 0, 1.0, fixes)
+
+
 def _north_east_down(si: Values, prefix: str) -> Floats | None:
     """Return three quantities as (n, 3); None if north or east is missing; the part down is nan if it is missing."""
     north, east, down = (si.get((f"{prefix}{way}", 0)) for way in _WAYS)
@@ -94,6 +100,8 @@ def _stacked(si: Values, keys: list[tuple[str, int]]) -> Floats | None:
 
 
 def _si(values: Floats, column: Column) -> Floats:
+    if column.quantity == "fix_type":
+        return _fix_type(values, column)
     measure = cast("Unit", column.unit)
     with np.errstate(over="ignore"):
         scale = column.sign * measure.factor

@@ -24,8 +24,8 @@ uses: tuple[str, ...] = ()
 LEFT_OUT = Note("bad_line", "lines left out: they are cut, or have text in place of numbers")
 ROWS = 20_000  #: most rows in a batch
 YEARS = range(1980, 2200)  #: a date outside is damage
-#: RTKLIB's quality flag (fixed, float, SBAS, DGPS, single, PPP) -> MAVLink's fix type
-FIX_TYPE = {1: 6, 2: 5, 3: 4, 4: 4, 5: 3, 6: 8}
+#: RTKLIB's quality flag (no solution, fixed, float, SBAS, DGPS, single, PPP) -> MAVLink's fix type
+FIX_TYPE = {0: 1, 1: 6, 2: 5, 3: 4, 4: 4, 5: 3, 6: 8}
 #: column of a receiver, RTKLIB's names of its parts north, east, up, and the sign that makes up down
 _TRIPLES = (
     ("position_sigma", ("sdn", "sde", "sdu"), 1), ("velocity", ("vn", "ve", "vu"), -1),

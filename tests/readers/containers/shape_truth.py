@@ -19,6 +19,14 @@ def assert_imu(imu, rate=RATE, force=FORCE):
     np.testing.assert_allclose(imu.specific_force.value, [force] * COUNT, rtol=1e-6)
 
 
+NO_FIX = 1
+
+
+def states_no_fix(log):
+    """Return whether a receiver without a fix is left out, and a note says so."""
+    return not log.gnss and [note.id for note in log.notes if "no fix" in note] == ["no_fix"]
+
+
 def assert_gnss(gnss, *, velocity=VELOCITY, sigma=None, velocity_sigma=None, fix=None, rtol=1e-6):
     place = [np.radians(LATITUDE), np.radians(LONGITUDE), HEIGHT]
     np.testing.assert_allclose(gnss.position, [place] * len(gnss), rtol=1e-9)

@@ -7,7 +7,21 @@ from imuwb.log import BY_FILTER
 from tests.readers.repairs import repairs
 
 from .ros_values import stamped
-from .shape_truth import COUNT, FORCE, HEIGHT, LATITUDE, LONGITUDE, RATE, VELOCITY, T, assert_gnss, assert_imu, xyz
+from .shape_truth import (
+    COUNT,
+    FORCE,
+    HEIGHT,
+    LATITUDE,
+    LONGITUDE,
+    NO_FIX,
+    RATE,
+    VELOCITY,
+    T,
+    assert_gnss,
+    assert_imu,
+    states_no_fix,
+    xyz,
+)  # fmt: skip
 
 # NovAtel
 
@@ -23,16 +37,17 @@ def novatel_fix(**values):
 @pytest.mark.parametrize(("kind", "fix"), [(0, 1), (16, 3), (17, 4), (34, 5), (50, 6), (56, 6)])
 def test_novatel_bestpos(log_of, form, kind, fix):
     log = log_of({"/bestpos": ("novatel_oem7_msgs/msg/BESTPOS", novatel_fix(pos_type__type=kind))}, form=form)
+    if fix == NO_FIX:
+        assert states_no_fix(log)
+        return
     (gnss,) = log.gnss
     assert_gnss(gnss, velocity=None, sigma=(0.25, 0.5, 1.0), fix=fix)
     assert gnss.time.tolist() == [T + i * 10**7 for i in range(COUNT)]
 
 
 def test_novatel_bestpos_that_is_not_computed_is_no_fix(log_of):
-    (gnss,) = log_of(
-        {"/bestpos": ("novatel_oem7_msgs/msg/BESTPOS", novatel_fix(pos_type__type=50, sol_status__status=1))}
-    ).gnss
-    assert set(gnss.fix_type.tolist()) == {1}
+    values = novatel_fix(pos_type__type=50, sol_status__status=1)
+    assert states_no_fix(log_of({"/bestpos": ("novatel_oem7_msgs/msg/BESTPOS", values)}))
 
 
 def test_novatel_bestvel_is_the_velocity_of_bestpos(log_of):
@@ -40,7 +55,7 @@ def test_novatel_bestvel_is_the_velocity_of_bestpos(log_of):
         return stamped(time, hor_speed=5.0, trk_gnd=90.0, ver_speed=0.5)
 
     (gnss,) = log_of({
-        "/novatel/oem7/bestpos": ("novatel_oem7_msgs/msg/BESTPOS", novatel_fix()),
+        "/novatel/oem7/bestpos": ("novatel_oem7_msgs/msg/BESTPOS", novatel_fix(pos_type__type=50)),
         "/novatel/oem7/bestvel": ("novatel_oem7_msgs/msg/BESTVEL", velocity),
     }).gnss  # fmt: skip
     np.testing.assert_allclose(gnss.velocity, [[0, 5, -0.5]] * COUNT, atol=1e-12)
@@ -146,7 +161,11 @@ def test_septentrio_pvt(log_of, mode, fix):
             vn=3.0, ve=-4.0, vu=-0.5, h_accuracy=200, v_accuracy=300,
         )  # fmt: skip
 
-    (gnss,) = log_of({"/pvtgeodetic": ("septentrio_gnss_driver/msg/PVTGeodetic", values)}).gnss
+    log = log_of({"/pvtgeodetic": ("septentrio_gnss_driver/msg/PVTGeodetic", values)})
+    if fix == NO_FIX:
+        assert states_no_fix(log)
+        return
+    (gnss,) = log.gnss
     # twice the root mean square of the distance in the plane; twice the sigma of the height
     assert_gnss(gnss, sigma=(np.sqrt(0.5),) * 2 + (1.5,), fix=fix)
 
@@ -199,7 +218,11 @@ def test_ublox_nav_pvt(log_of, kind, fix, flags, wanted):
             "vel_n": 3000, "vel_e": -4000, "vel_d": 500, "s_acc": 250, "fix_type": fix, "flags": flags,
         }  # fmt: skip
 
-    (gnss,) = log_of({"/ublox/navpvt": (f"ublox_msgs/msg/{kind}", values)}).gnss
+    log = log_of({"/ublox/navpvt": (f"ublox_msgs/msg/{kind}", values)})
+    if wanted == NO_FIX:
+        assert states_no_fix(log)
+        return
+    (gnss,) = log.gnss
     assert_gnss(gnss, sigma=(0.5, 0.5, 1.5), velocity_sigma=(0.25,) * 3, fix=wanted)
     assert gnss.time.tolist() == [T + i * 10**7 for i in range(COUNT)]
     assert repairs(gnss) == {"no_stamp": COUNT}

@@ -191,7 +191,9 @@ def test_a_fix_in_radians_with_its_sigma(mcap, ros, covariance, sigma):
 @pytest.mark.parametrize(("status", "kind"), [(-1, 1), (0, 3), (1, 4), (2, 4)])
 def test_the_status_of_a_fix(mcap, ros, status, kind):
     topic = mcap.Topic([(T, fix(ros, status, (0.0,) * 9))], "/fix", "sensor_msgs/msg/NavSatFix", ros.fix_2)
-    assert read(mcap.write(topic)).gnss[0].fix_type.tolist() == [kind]
+    log = read(mcap.write(topic))
+    assert [gnss.fix_type.tolist() for gnss in log.gnss] == ([[kind]] if kind > 1 else [])
+    assert ("no_fix" in [note.id for note in log.notes]) == (kind == 1)
 
 
 def test_a_fix_that_is_no_number_is_left_out_and_counted(mcap, ros):

@@ -83,7 +83,8 @@ def test_without_a_date_times_count_from_midnight(log_of):
 )
 def test_qualities(log_of, quality, expected):
     log = log_of(*(rmc(at(i)) + gga(at(i), quality=quality) for i in range(3)))
-    assert log.gnss[0].fix_type.tolist() == [expected] * 3
+    assert [gnss.fix_type.tolist() for gnss in log.gnss] == ([[expected] * 3] if expected > 1 else [])
+    assert ("no_fix" in ids(log.notes)) == (expected == 1)
 
 
 def test_south_and_west(log_of):
@@ -108,7 +109,7 @@ def test_gns_and_rmc_are_read_where_there_is_no_gga(log_of):
     assert log.gnss[0].fix_type.tolist() == [6] * 3
     assert log.gnss[0].position[:, 2].tolist() == [488] * 3
     log = log_of(*(rmc(at(i), state="AV"[i % 2]) for i in range(3)))
-    assert log.gnss[0].fix_type.tolist() == [3, 1, 3]
+    assert (log.gnss[0].fix_type.tolist(), repairs(log.gnss[0])["no_fix"]) == ([3, 3], 1)
     assert "no_height" in ids(log.notes)
 
 

@@ -41,7 +41,8 @@ def test_the_week_ends_within_the_log(log_of):
 )  # fmt: skip
 def test_fix_types(log_of, fix, flags, expected):
     log = log_of(*(ubx.pvt(ubx.utc(i), fix=fix, flags=flags) for i in range(2)))
-    assert log.gnss[0].fix_type.tolist() == [expected] * 2
+    assert [gnss.fix_type.tolist() for gnss in log.gnss] == ([[expected] * 2] if expected > 1 else [])
+    assert ("no_fix" in ids(log.notes)) == (expected == 1)
     assert ("dead_reckoning" in ids(log.notes), "sensor_fusion" in ids(log.notes)) == (fix == 1, fix == 4)
 
 

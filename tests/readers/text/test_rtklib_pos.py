@@ -191,7 +191,8 @@ def test_of_a_damaged_packed_file_nothing_behind_the_damage_is_used(text_log):
 def test_every_quality_flag_has_its_fix_type(fix_of):
     stamps = [f"2024/05/01 12:00:{i:02d}.000" for i in range(8)]
     fix = fix_of(pos(*stamps, scale="UTC", flags=range(8)))
-    assert fix.fix_type.tolist() == [0, 6, 5, 4, 4, 3, 8, 0]  # fixed, float, SBAS, DGPS, single, PPP
+    assert fix.fix_type.tolist() == [6, 5, 4, 4, 3, 8, 0]  # fixed, float, SBAS, DGPS, single, PPP; 0 is no solution
+    assert [(r.what.id, r.count) for r in fix.origin.repairs] == [("no_fix", 1)]
 
 
 @pytest.mark.parametrize(("year", "used"), [(1979, False), (1980, True), (2115, True), (2200, False), (2250, False)])
