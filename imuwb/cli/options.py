@@ -38,7 +38,7 @@ Html = Annotated[
 ]
 Pdf = Annotated[
     Path | None,
-    output_option("--pdf", text="Also write the page as PDF; needs the extra imuwb[pdf].", metavar="FILE.pdf"),
+    output_option("--pdf", text='Also write the page as PDF; needs the extra "pdf" of imuwb.', metavar="FILE.pdf"),
 ]
 Figures = Annotated[
     Path | None,
