@@ -9,12 +9,17 @@ references of arrays that it only reads. pyproject sets an upper bound for numba
 import hashlib
 from collections.abc import Callable
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
 
 from imuwb.kept_code import Kept
+from imuwb.own_process import without
+
+with without("cffi"):
+    import_module("numba.core.typing.cffi_utils")  # it looks for cffi when it is imported
 
 Function = TypeVar("Function", bound=Callable[..., object])
 kernels: dict[str, Any] = {}  #: compiled functions of this process by ``module:name``

@@ -1,19 +1,17 @@
 """The command line: a command for each analysis, an option for each parameter."""
 
-import gc
 import os
 import sys
 import warnings
 
+from imuwb import own_process
 from imuwb.cli.ending import INTERRUPTED, Signals, prepare_streams
 from imuwb.errors import ImuwbError
-
-OBJECTS = 50_000  #: new objects after which Python looks for garbage; imports make many that stay
 
 
 def main() -> None:
     """Run the command line. Every error is a message on stderr and an exit code, never a traceback."""
-    gc.set_threshold(OBJECTS)
+    own_process.command_line()
     warnings.showwarning = _print_warning
     prepare_streams()
     with Signals() as signals:

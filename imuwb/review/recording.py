@@ -6,6 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 from urllib.parse import urlsplit
 
+import pyarrow as pa
 import rerun as rr
 import rerun.blueprint as rrb
 
@@ -13,6 +14,7 @@ from imuwb.analysis import Figure, Series, Table
 from imuwb.arrays import Floats
 from imuwb.colors import Color
 from imuwb.errors import ImuwbError
+from imuwb.own_process import without
 from imuwb.review import chart, recorded
 from imuwb.review.clock import Clock
 from imuwb.review.drawn import Drawn, Item, Track
@@ -28,6 +30,9 @@ SERIES_WIDTH = 1.2  #: width of a line over time
 PANEL = 670.0  #: px, width of the panel on the first tab; 80 columns fit
 VIEWER_PORT = 9876
 VIEWER_PATIENCE = 2.0  #: s; longest wait for a running viewer
+
+with without("pandas"):
+    pa.array([0])  # the first array looks for pandas
 
 
 class RecordingReview:

@@ -15,6 +15,7 @@ import numpy as np
 from imuwb.errors import ImuwbError, UsageError
 from imuwb.geodesy.local_track import LocalTrack
 from imuwb.log import SECOND, GnssStream, ImuStream, Log, Reference, Triad
+from imuwb.own_process import environment
 from imuwb.readers import read_trajectory
 from imuwb.replay import Outage, fixes_outside
 from imuwb.writers import write
@@ -117,7 +118,12 @@ def _run(words: list[str], folder: Path, timeout: float) -> str:
         try:
             # No shell: the words are the user's own command, and each is one argument.
             process = subprocess.Popen(  # noqa: S603
-                words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=stderr, start_new_session=True
+                words,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=stderr,
+                start_new_session=True,
+                env=environment(),
             )
         except OSError as error:
             return f"it cannot be started: {error.strerror}"
