@@ -6,7 +6,7 @@ from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import typer
 
@@ -32,11 +32,13 @@ from imuwb.review.log_state import log_state
 from imuwb.review.overview import overview
 from imuwb.review.panel import Origin, panel
 from imuwb.review.properties import properties, recording_name
-from imuwb.review.recording import RecordingReview
 from imuwb.review.report import Report, report_of
 from imuwb.review.report_document import KEPT, report_from, text_of
 from imuwb.stochastic import ImuErrorModel
 from imuwb.writers import write_text
+
+if TYPE_CHECKING:
+    from imuwb.review.recording import RecordingReview
 
 VIEWER = "rerun+http://127.0.0.1:9876/proxy"
 
@@ -110,6 +112,8 @@ def _drawn(
     name: str, analysis: Analysis, done: Done, places: Places, request: Request, paths: Sequence[Place]
 ) -> Drawn:
     """Write the recording, and return what else there is to write and to print."""
+    from imuwb.review.recording import RecordingReview  # noqa: PLC0415 - rerun takes a quarter of a second to import
+
     plugin, shown, logs = cast("Any", analysis), list[Table | str](), done.logs
     live = VIEWER if request.outputs.live else None
     review = RecordingReview(places.recording, live=live, show=shown.append, clock=Clock.of(logs))
@@ -197,7 +201,7 @@ def check_count(name: str, analysis: Analysis, paths: Sequence[Place]) -> None:
         raise UsageError(f"{name} takes {count} log{'s' if count != '1' else ''}; {len(paths)} are given")
 
 
-def draw_conditioning(log: Log, steps: list[tuple[Step, Any]], review: RecordingReview) -> None:
+def draw_conditioning(log: Log, steps: list[tuple[Step, Any]], review: "RecordingReview") -> None:
     """State what the conditioners did to the samples, and show it on a separate tab."""
     if not steps:
         return
