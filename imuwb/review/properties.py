@@ -1,15 +1,19 @@
 """The name and the properties of a recording: what was analysed, the verdict, and the figures of the answer as numbers."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import PurePath
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 from imuwb.analysis import Answer, Finding
 from imuwb.log import Log
-from imuwb.review.recorded import Value
 from imuwb.texts import printable
 from imuwb.units import coefficient_units
+
+if TYPE_CHECKING:  # it imports rerun, which is slow
+    from imuwb.review.recorded import Value
 
 DIGITS = 6  #: significant digits of a number: a catalog shows all that there are
 

@@ -52,6 +52,11 @@ DECLARED = {
     METADATA: 8,
     ATTACHMENT: 32,
 }  #: bytes of a record that declares something, at least
+#: of each opcode, whether its records declare something and the least bytes of these: numpy looks this up fast
+_DECLARING, _LEAST = (
+    np.isin(np.arange(256), list(DECLARED)),
+    np.array([DECLARED.get(opcode, 0) for opcode in range(256)]),
+)
 CHUNK_HEADER = 40  #: bytes of a chunk before its records, at least
 
 
@@ -204,15 +209,11 @@ class Recording(RecordFile[Records]):
     def _messages(self, piece: Piece[Records]) -> Iterator[Messages]:
         opcode, content, length, _ = piece.records
         raw = piece.buffer.data
-        declared, short = np.zeros(opcode.size, np.bool_), 0
-        for kind, least in DECLARED.items():
-            mine = opcode == kind
-            whole = mine & (length >= least)
-            declared |= whole
-            short += int(np.count_nonzero(mine)) - int(np.count_nonzero(whole))
-        if short:
+        declaring = np.flatnonzero(_DECLARING[opcode])
+        whole = length[declaring] >= _LEAST[opcode[declaring]]
+        if short := int(np.count_nonzero(~whole)):
             self.notes.append(Note("damaged_record", f"{short} damaged schema, channel or metadata records left out"))
-        for i in np.flatnonzero(declared):
+        for i in declaring[whole]:
             # Of an attachment, which may be large, only its beginning is needed.
             size = min(length[i], ATTACHMENT_HEAD) if opcode[i] == ATTACHMENT else length[i]
             self._declare(int(opcode[i]), bytes(raw[content[i] : content[i] + size]))

@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from imuwb.arrays import Bytes, Integers
+from imuwb.arrays import Booleans, Bytes, Integers
 from imuwb.readers.bytes.gather import Field, alike, gather
 from imuwb.ros import short
 
@@ -201,7 +201,7 @@ def groups(
     if wire == "ros1":
         yield from _split(steps, wanted, (), rows, 0, "<", 1, buffer, start, length, 0)
         return
-    rows = rows[length >= 4]  # noqa: PLR2004 - the encapsulation header of CDR
+    rows = _of(rows, length >= 4)  # noqa: PLR2004 - the encapsulation header of CDR
     for code, chosen in alike(gather(buffer, start[rows], ">u2"), rows):
         if code in _ENCAPSULATIONS:
             order, align = _ENCAPSULATIONS[code]
@@ -225,18 +225,23 @@ def _split(
             at += size * max(step.count, 1)
             continue
         at = _aligned(at, min(4, align))
-        rows = rows[length[rows] >= body + at + 4]
+        rows = _of(rows, length[rows] >= body + at + 4)
         counts = gather(buffer, start[rows] + (body + at), f"{order}u4").astype(np.int64)
         fits = counts * step.size <= length[rows] - (body + at + 4)
-        for count, chosen in alike(counts[fits], rows[fits]):
+        for count, chosen in alike(_of(counts, fits), _of(rows, fits)):
             after = at + 4
             if count:
                 after = _aligned(after, min(step.align, align)) + count * step.size
             yield from _split(steps[i + 1 :], wanted, places, chosen, after, order, align, buffer, start, length, body)
         return
-    rows = rows[length[rows] >= max((place.end for place in places), default=0)]
+    rows = _of(rows, length[rows] >= max((place.end for place in places), default=0))
     if rows.size and len(places) == len(wanted):
         yield Group(rows, places)
+
+
+def _of(rows: Integers, which: Booleans) -> Integers:
+    """Return some of the rows; usually these are all, which are then not copied."""
+    return rows if which.all() else rows[which]
 
 
 def surplus(steps: Plan, wire: Wire, message: bytes, *, whole: bool) -> int | None:

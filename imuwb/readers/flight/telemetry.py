@@ -79,12 +79,14 @@ class Telemetry:
         recorded = gather(buffer, frames.record, ">u8")
         possible = (recorded > EARLIEST) & (recorded < LATEST)
         self.impossible += int(np.count_nonzero(~possible))
-        for number, count in zip(*np.unique(frames.number, return_counts=True), strict=True):
-            self.counts[int(number)] += int(count)
+        counts = np.bincount(frames.number)  # a sound frame is of a known message, whose number is below 65536
+        for number in np.flatnonzero(counts):
+            self.counts[int(number)] += int(counts[number])
         key = (frames.system << 40) | (frames.component << 32) | frames.number
         wanted = np.flatnonzero(possible & np.isin(frames.number, list(LAYOUTS)))
-        for message in np.unique(key[wanted]):
-            rows = wanted[key[wanted] == message]
+        keys = key[wanted]
+        for message in np.unique(keys):
+            rows = wanted[keys == message]
             number = int(frames.number[rows[0]])
             values = decoded(LAYOUTS[number], buffer, frames.payload[rows], frames.length[rows])
             piece = offset + frames.record[rows], recorded[rows].astype(np.int64) * MICRO, values
