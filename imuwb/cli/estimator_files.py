@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from imuwb.cli.completion import completer
+from imuwb.cli.models import model_of
 from imuwb.errors import UsageError
 from imuwb.options import Form
 
@@ -13,9 +14,11 @@ if TYPE_CHECKING:  # help must not wait for numpy
     from imuwb.estimators import Options
     from imuwb.stochastic import ImuErrorModel
 
-_Model = Annotated[Path, typer.Argument(help="The error model.", metavar="MODEL.toml")]
+_Model = Annotated[Path, typer.Argument(help="The error model, or the name of a published sensor.", metavar="MODEL")]
 _Tool = "kalibr, openvins, vins, orb-slam3, lio-sam, fast-lio, gtsam, kimera, ros, kf-gins, ob-gins, navego, psins, pyins, px4, ardupilot, matlab, gnss-ins-sim, gazebo, airsim, pegasus, rotors"
-_tools = completer(Form("TOOL", words=(*_Tool.split(", "), "json")))
+_Calibration = "kalibr-imu, openvins-imu, imu-tk, imu-calib, px4-cal, ardupilot-ins"
+_Thermal = "ardupilot-tcal, px4-tc"
+_tools = completer(Form("TOOL", words=(*", ".join((_Tool, _Calibration, _Thermal)).split(", "), "json")))
 _Rate = Annotated[
     float | None,
     typer.Option(help="Rate of the samples (Hz), for tools whose values depend on it. Default: that of the model."),
@@ -54,7 +57,11 @@ def export(
     *,
     to: Annotated[
         str,
-        typer.Option(help=f"The tool: {_Tool}, or json (the whole model, SI).", metavar="TOOL", autocompletion=_tools),
+        typer.Option(
+            help=f"The tool: {_Tool}; json (the whole model, SI); for a calibration {_Calibration}; for biases by temperature {_Thermal}.",
+            metavar="TOOL",
+            autocompletion=_tools,
+        ),
     ],
     rate: _Rate = None,
     step: _Step = None,
@@ -62,6 +69,9 @@ def export(
     limits: _Limits = False,
     in_motion: _Motion = None,
     scale_factor: _Scale = None,
+    instance: Annotated[
+        int, typer.Option(help="Number of the autopilot's IMU, from 0, for biases by temperature.")
+    ] = 0,
     output: _Output = None,
     force: _Force = False,
 ) -> None:
@@ -74,6 +84,7 @@ def export(
     from imuwb.cli.places import check_place  # noqa: PLC0415 - help must not wait
     from imuwb.estimators import as_json  # noqa: PLC0415
     from imuwb.estimators import export as exported  # noqa: PLC0415
+    from imuwb.estimators.calibration import FILES, THERMAL_FORMS, calibration_text, thermal_text  # noqa: PLC0415
     from imuwb.writers import write_text  # noqa: PLC0415
 
     if output is not None:
@@ -81,6 +92,10 @@ def export(
     read, options, said = _given(model, rate, step, horizon, in_motion, scale_factor, limits=limits)
     if to == "json":
         text, notes = as_json(read), ()
+    elif to in FILES:
+        text, notes = calibration_text(read, to)
+    elif to in THERMAL_FORMS:
+        text, notes = thermal_text(read, to, instance)
     else:
         made = exported(read, to, options, said)
         text, notes = made.text, made.notes
@@ -135,7 +150,7 @@ def import_(
         typer.echo(reading.model.to_toml(), nl=False)
         return
     write_text(output, reading.model.to_toml())
-    typer.echo(f"wrote {output}, read as {reading.tool.name}", err=True)
+    typer.echo(f"wrote {output}, read as {reading.form}", err=True)
 
 
 def explain(
@@ -168,6 +183,67 @@ def explain(
     show(Table("Usual shortcuts, for this sensor", ("habit", "sensor", "sigma"), tuple(rows), caption))
 
 
+def merge(
+    models: Annotated[list[Path], typer.Argument(help="Two or more error models.", metavar="MODEL.toml...")],
+    *,
+    take: Annotated[
+        list[str],
+        typer.Option(
+            help="Terms, and the model that gives them, by its file name or its place: N,B,K=1 or AR=old.toml. Others: the first. Terms: Q, N, B, K, R, GM, AR, lines, turn-on, calibration, sensor.",
+            metavar="TERMS=MODEL",
+        ),
+    ],
+    output: Annotated[Path, typer.Option("--output", "-o", help="The error model to write.", metavar="MODEL.toml")],
+    force: _Force = False,
+) -> None:
+    """Make one error model of the terms of several, such as the noise of a long record and the biases of a calibration.
+
+    Example: imuwb model merge static.toml cube.toml --take calibration=cube.toml -o sensor.toml
+    """
+    from imuwb.cli.places import check_places  # noqa: PLC0415 - help must not wait
+    from imuwb.stochastic import merge as merged  # noqa: PLC0415
+    from imuwb.writers import write_text  # noqa: PLC0415
+
+    if len(models) < 2:  # noqa: PLR2004 - one has nothing to be merged with
+        raise UsageError(f"{len(models)} model is given; merge needs two or more")
+    check_places([output], models, force=force)
+    taken: dict[str, int] = {}
+    for text in take:
+        parts, _, source = text.partition("=")
+        taken |= dict.fromkeys((part.strip() for part in parts.split(",")), _place(source.strip(), models))
+    write_text(output, merged([model_of(model) for model in models], taken).to_toml())
+    typer.echo(f"wrote {output}", err=True)
+
+
+def _place(source: str, models: list[Path]) -> int:
+    """Return which of the models a word names: by its place from 1, or by its file name."""
+    if source.isdecimal() and 1 <= int(source) <= len(models):
+        return int(source) - 1
+    found = [i for i, model in enumerate(models) if source in (str(model), model.name, model.stem)]
+    if len(found) != 1:
+        raise UsageError(f"--take ...={source}: it must be 1 to {len(models)}, or the name of one of the models")
+    return found[0]
+
+
+def list_() -> None:
+    """List the published sensors that imuwb knows, and what their sources state.
+
+    A name stands for a model: imuwb simulate static --preset NAME, imuwb model show NAME, imuwb model export NAME --to TOOL.
+    """
+    from imuwb.analysis import Table  # noqa: PLC0415 - help must not wait
+    from imuwb.cli.terminal import shower  # noqa: PLC0415
+    from imuwb.simulation import preset, preset_names  # noqa: PLC0415
+    from imuwb.stochastic.description import process_text  # noqa: PLC0415
+
+    rows: list[tuple[str, ...]] = []
+    for name in preset_names():
+        model = preset(name)
+        terms = ["; ".join(process_text(axis, term) for term in model.axes[axis].processes.terms) if axis in model.axes else "-"
+                 for axis in ("gyro_x", "accel_x")]  # fmt: skip
+        rows.append((name, *terms, model.provenance.get("source", "")))
+    shower(data=True)(Table("Published sensors: the x axes", ("name", "gyro", "accelerometer", "source"), tuple(rows)))
+
+
 def _given(
     model: Path,
     rate: float | None,
@@ -184,9 +260,8 @@ def _given(
         Options,
         with_motion,
     )
-    from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
 
-    read = ImuErrorModel.read(model)
+    read = model_of(model)
     factors, said = None, ()
     if motion is not None and motion.endswith(".toml"):
         read, sentence = with_motion(read, _road_model(Path(motion)))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from imuwb.cli import estimator_files
+from imuwb.cli.models import model_of
 from imuwb.cli.options import Force, output_option
 from imuwb.errors import ImuwbError, UsageError
 
@@ -21,6 +22,8 @@ app = typer.Typer(no_args_is_help=True, help="Show, compare, check, export, impo
 app.command("export")(estimator_files.export)
 app.command("import")(estimator_files.import_)
 app.command("explain")(estimator_files.explain)
+app.command("merge")(estimator_files.merge)
+app.command("list")(estimator_files.list_)
 
 MODEL = "The error model"  #: group of the options in the help
 _Model = Annotated[Path, typer.Argument(help="The error model.", metavar="MODEL.toml", rich_help_panel=MODEL)]
@@ -94,13 +97,12 @@ def check(
     from imuwb.cli.terminal import shower  # noqa: PLC0415 - help must not wait
     from imuwb.review.document import plain  # noqa: PLC0415
     from imuwb.review.models import verdicts_table  # noqa: PLC0415
-    from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
     from imuwb.stochastic.model_check import check as checked  # noqa: PLC0415
     from imuwb.stochastic.model_check import limits  # noqa: PLC0415
 
     if not 0 < factor < math.inf:
         raise UsageError(f"--factor is {factor}; it must be above 0")
-    verdicts = checked(ImuErrorModel.read(model), limits(against, factor))
+    verdicts = checked(model_of(model), limits(against, factor))
     kept = all(v.outcome == "within" for v in verdicts)
     if json:
         import json as json_module  # noqa: PLC0415 - the option has its name
@@ -119,16 +121,15 @@ def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | Non
     from imuwb.cli.places import check_places  # noqa: PLC0415 - help must not wait
     from imuwb.cli.terminal import shower  # noqa: PLC0415
     from imuwb.review.models import tables_of  # noqa: PLC0415
-    from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
 
     if not (0 < rate < math.inf and 0 < hours < math.inf and hours * 3600 * rate >= FEWEST):
         raise UsageError(f"--rate is {rate}, --hours {hours}; both must be above 0, and give at least {FEWEST} samples")
     if output is not None and output.suffix != ".rrd":
         raise UsageError(f"--output {output}: the suffix must be .rrd")
     check_places([output] if output else [], paths, force=force)
-    models = {path.name: ImuErrorModel.read(path) for path in paths}
+    models = {path.name: model_of(path) for path in paths}
     if len(models) < len(paths):
-        models = {str(path): ImuErrorModel.read(path) for path in paths}
+        models = {str(path): model_of(path) for path in paths}
     if output is not None:  # it is written before the first line is printed
         _draw(models, rate, hours, output)
     show = shower(data=True)

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from imuwb.errors import MissingDataError, UsageError
+from imuwb.estimators.calibration import calibration_lines
 from imuwb.estimators.formula import Setting
 from imuwb.estimators.layout import filled
 from imuwb.estimators.left_out import cost_texts
@@ -76,6 +77,10 @@ def export(model: ImuErrorModel, tool: str, options: Options | None = None, rema
     notes += _match_notes(chosen, sensors, setting)
     notes += cost_texts(chosen, model, setting.horizon)
     notes += chosen.notes
+    if chosen.calibration:
+        lines, turned = calibration_lines(model, chosen.calibration)
+        chosen = replace(chosen, layout=chosen.layout.replace("{calibration}", "\n".join(lines)))
+        notes += turned
     told = tuple(dict.fromkeys(notes))
     known = {key: value for key, value in values.items() if value is not None}
     return Export(chosen, filled(chosen, values, _head(chosen, model, setting), told), told, known)

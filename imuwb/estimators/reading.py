@@ -2,15 +2,30 @@
 
 import math
 import re
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from imuwb.errors import UsageError
+from imuwb.estimators.analysis_results import SLOPES, is_allan_variance_ros, is_imu_utils, read_imu_utils
+from imuwb.estimators.calibration import read_calibration_text
 from imuwb.estimators.formula import Setting
 from imuwb.estimators.tool import SETTINGS, Field, Tool, tool_named, tools
 from imuwb.log import AXES
-from imuwb.stochastic import AxisModel, Constant, FlickerNoise, GaussMarkov, ImuErrorModel, RandomWalk, Sum, WhiteNoise
+from imuwb.stochastic import (
+    AxisModel,
+    Constant,
+    FlickerNoise,
+    GaussMarkov,
+    ImuErrorModel,
+    RandomWalk,
+    Sum,
+    WhiteNoise,
+    is_data_sheet,
+    merge,
+    read_data_sheet,
+)
 
 LARGEST_FILE = 1 << 22  #: bytes; a file of settings is far smaller
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -23,7 +38,7 @@ _NUMBERS = rf"{_NUMBER}(?:[ \t]*[,;][ \t\n]*{_NUMBER}|[ \t]+{_NUMBER})*"
 class Reading:
     """What a file of an estimator states."""
 
-    tool: Tool
+    form: str  #: the tool, or another form, by name
     model: ImuErrorModel
     notes: tuple[str, ...]
 
@@ -54,7 +69,17 @@ def read_estimator_text(text: str, where: str, tool: str | None = None, setting:
     Raises:
         UsageError: as ``read_estimator_file``.
     """
-    chosen = _recognized(text, where) if tool is None else tool_named(tool, "--from")
+    setting = setting or Setting()
+    if tool is None and (found := _other_form(text, where, setting)) is not None:
+        return found
+    calibration = read_calibration_text(text, where)
+    chosen = _recognized(text) if tool is None else tool_named(tool, "--from")
+    if chosen is None and calibration is not None:
+        return Reading(*calibration, ("a calibration: biases, scale factors and couplings, no noise",))
+    if chosen is None:
+        raise UsageError(
+            f"{where}: its names are of no tool that imuwb reads; name the tool with --from, one of {', '.join(tools())}"
+        )
     plain = _without_comments(text, chosen)
     stated = {
         key: numbers
@@ -65,34 +90,45 @@ def read_estimator_text(text: str, where: str, tool: str | None = None, setting:
     if not any(key in stated for field in chosen.fields if field.sensor for key in field.keys):
         names = ", ".join(field.key for field in chosen.fields if field.sensor)
         raise UsageError(f"{where}: no value of {chosen.name} is in the file; it has names such as {names}")
-    setting = _setting(chosen, stated, setting or Setting(), where)
+    setting = _setting(chosen, stated, setting, where)
     axes = {axis: found for axis in AXES if (found := _axis(chosen, axis, stated, setting, where)) is not None}
     missing = [field.key for field in chosen.fields if field.sensor and not any(key in stated for key in field.keys)]
     notes = (
+        *((SLOPES,) if is_allan_variance_ros(text) else ()),
         *((f"the file does not state {', '.join(missing)}; what that says stays unknown, not 0",) if missing else ()),
         "values are as stated in the file, without intervals; if somebody tuned them for motion, they are larger than the sensor's own noise",
     )
     rate = {"rate": f"{setting.rate:g} Hz"} if math.isfinite(setting.rate) else {}
     provenance = {"source": f"{where}, read as {chosen.name}", **rate}
-    return Reading(
-        chosen,
-        ImuErrorModel(Path(where).stem, axes, provenance, ("stated in a file, not measured: no interval is known",)),
-        notes,
-    )
+    doubts = ("stated in a file, not measured: no interval is known",)
+    model = ImuErrorModel(Path(where).stem, axes, provenance, doubts)
+    if calibration is not None:
+        model = merge((model, calibration[1]), {"calibration": 1})
+    return Reading(chosen.name, model, notes)
 
 
-def _recognized(text: str, where: str) -> Tool:
+def _other_form(text: str, where: str, setting: Setting) -> Reading | None:
+    """Return what a data sheet or another program's result states; None for a file of settings."""
+    if is_imu_utils(text):
+        return Reading("imu_utils", *read_imu_utils(text, where, setting))
+    if where.endswith(".toml"):
+        try:
+            document = tomllib.loads(text)
+        except (tomllib.TOMLDecodeError, RecursionError) as error:
+            raise UsageError(f"{where}: not TOML: {error}") from error
+        if is_data_sheet(document):
+            said = ("numbers of a data sheet; what it does not state stays unknown",)
+            return Reading("data sheet", read_data_sheet(text, where), said)
+    return None
+
+
+def _recognized(text: str) -> Tool | None:
     """Return the tool whose names are in a text; the one with most names of its own, if several fit."""
-    fitting = [
-        t
-        for t in tools().values()
-        if t.identity and all(re.search(rf"(?<!\w){re.escape(key)}(?![\w])", text) for key in t.identity)
-    ]
-    if not fitting:
-        raise UsageError(
-            f"{where}: its names are of no tool that imuwb reads; name the tool with --from, one of {', '.join(tools())}"
-        )
-    return max(fitting, key=lambda t: len(t.identity))
+
+    def fits(tool: Tool) -> bool:
+        return bool(tool.identity) and all(re.search(rf"(?<!\w){re.escape(key)}(?!\w)", text) for key in tool.identity)
+
+    return max((tool for tool in tools().values() if fits(tool)), key=lambda tool: len(tool.identity), default=None)
 
 
 def _without_comments(text: str, tool: Tool) -> str:

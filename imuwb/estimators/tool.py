@@ -60,6 +60,7 @@ class Tool:
     step: float | None = None  #: s, the estimator's own, unless stated
     join: str = ", "
     notes: tuple[str, ...] = ()  #: traps that its users must know
+    calibration: str = ""  #: form of the calibration that its files have too
     identity: tuple[str, ...] = ()  #: keys that tell its files from those of others
 
     @property

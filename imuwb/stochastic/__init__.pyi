@@ -1,6 +1,8 @@
 from .autoregressive import Autoregressive as Autoregressive
 from .axis_model import AxisModel as AxisModel
 from .axis_model import of_either_sign as of_either_sign
+from .data_sheet import is_data_sheet as is_data_sheet
+from .data_sheet import read_data_sheet as read_data_sheet
 from .deterministic import corrected as corrected
 from .deterministic import is_ideal as is_ideal
 from .deterministic import is_thermal as is_thermal
@@ -10,6 +12,7 @@ from .flicker import FLICKER_LEVEL as FLICKER_LEVEL
 from .flicker import FlickerApproximation as FlickerApproximation
 from .flicker import FlickerNoise as FlickerNoise
 from .gauss_markov import GaussMarkov as GaussMarkov
+from .merging import merge as merge
 from .processes import Constant as Constant
 from .processes import Quantization as Quantization
 from .processes import RandomWalk as RandomWalk

@@ -6,7 +6,17 @@ from hypothesis import strategies as st
 
 from imuwb.errors import UsageError
 from imuwb.estimators import Options, Setting, export, read_estimator_file, read_estimator_text, tools
-from imuwb.stochastic import AxisModel, Constant, GaussMarkov, ImuErrorModel, RandomWalk, Sum, WhiteNoise
+from imuwb.stochastic import (
+    FLICKER_LEVEL,
+    AxisModel,
+    Constant,
+    FlickerNoise,
+    GaussMarkov,
+    ImuErrorModel,
+    RandomWalk,
+    Sum,
+    WhiteNoise,
+)
 
 SIZES = st.floats(1e-8, 1e-1)
 RATE = 200.0
@@ -35,7 +45,7 @@ def test_what_an_export_states_is_read_back_to_its_digits(tool, data):
     options = Options(rate=RATE, scale_factor=1e-4)
     first = export(model, tool, options)
     reading = read_estimator_text(first.text, "file", None, Setting(rate=RATE))
-    assert reading.tool.name == tool
+    assert reading.form == tool
     again = export(reading.model, tool, options)
     assert set(again.values) == set(first.values)
     for key, values in first.values.items():
@@ -96,6 +106,63 @@ def test_what_a_file_does_not_state_stays_unknown_and_is_said():
 def test_wrong_files_are_named(text, tool, named):
     with pytest.raises(UsageError, match=named):
         read_estimator_text(text, "file", tool)
+
+
+IMU_UTILS = """%YAML:1.0
+---
+type: IMU
+Gyr:
+   unit: " {gyr}"
+   avg-axis:
+      gyr_n: 2e-3
+      gyr_w: 1e-5
+   x-axis:
+      gyr_n: 2.0e-03
+      gyr_w: 1.0e-05
+Acc:
+   unit: " {acc}"
+   avg-axis:
+      acc_n: 2e-2
+   z-axis:
+      acc_n: 2.0e-02
+      acc_w: 1.0e-04
+"""
+
+
+def test_imu_utils_multiplies_by_the_rate_and_its_walk_is_the_lowest_point_of_the_allan_curve():
+    text = IMU_UTILS.format(gyr="rad/s", acc="m/s^2")
+    reading = read_estimator_text(text, "r.yaml", None, Setting(rate=400))
+    assert reading.form == "imu_utils"
+    assert reading.model.axes["gyro_x"].processes == Sum(
+        (WhiteNoise(1e-4), FlickerNoise(pytest.approx(1e-5 / FLICKER_LEVEL)))
+    )
+    with pytest.raises(UsageError, match="--rate"):
+        read_estimator_text(text, "r.yaml")
+    other = IMU_UTILS.format(gyr="gyr_n: rad / sqrt(s), gyr_w: rad / s^2 / sqrt(Hz)", acc="sqrt(s)")
+    assert read_estimator_text(other, "r.yaml").model.axes["accel_z"].processes == Sum(
+        (WhiteNoise(2e-2), RandomWalk(1e-4))
+    )
+
+
+def test_allan_variance_ros_gives_a_walk_that_is_a_limit():
+    text = "gyroscope_noise_density: 1e-4\naccelerometer_noise_density: 1e-3\nupdate_rate: 400.0 #Make sure this is correct\n"
+    assert any("upper limit" in note for note in read_estimator_text(text, "imu.yaml").notes)
+
+
+def test_data_sheets_calibrations_and_files_with_both_are_read():
+    sheet = read_estimator_text('name = "X"\n[gyro]\nN = "0.3 deg/√h"\n', "x.toml")
+    assert (sheet.form, sheet.model.name) == ("data sheet", "X")
+    cube = read_estimator_text("SM: [0.5, 0, 0, 0, 1, 0, 0, 0, 1]\nbias: [0.1, 0, 0]\n", "c.yaml")
+    assert (cube.form, cube.model.axes["accel_x"].scale_factor) == ("imu-calib", pytest.approx(1.0))
+    axes = {
+        f"{s}_{a}": AxisModel(Sum((WhiteNoise(1e-3), RandomWalk(1e-5))), scale_factor=0.01)
+        for s in ("gyro", "accel")
+        for a in "xyz"
+    }
+    both = read_estimator_text(export(ImuErrorModel("m", axes), "openvins").text, "o.yaml")
+    assert both.form == "openvins"
+    assert both.model.axes["gyro_z"].scale_factor == pytest.approx(0.01)
+    assert both.model.axes["gyro_z"].processes == axes["gyro_z"].processes
 
 
 def test_a_file_that_cannot_be_read_is_named(tmp_path):

@@ -1,0 +1,5 @@
+"""Calibrations in the files of other tools, out and in."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,9 @@
+from .files import FILES as FILES
+from .files import CalibrationFile as CalibrationFile
+from .files import calibration_lines as calibration_lines
+from .files import calibration_text as calibration_text
+from .files import read_calibration_text as read_calibration_text
+from .matrices import Matrices as Matrices
+from .thermal import THERMAL_FORMS as THERMAL_FORMS
+from .thermal import thermal_text as thermal_text
+from .thermal import undone as undone

@@ -1,0 +1,157 @@
+"""Biases by temperature as the parameters of ArduPilot (INS_TCAL) and PX4 (TC): polynomials of third order.
+
+ArduPilot (libraries/AP_InertialSensor/AP_InertialSensor_tempcal.cpp): with d = T - 35 °C, p(d) = (c1 d + c2 d² + c3 d³) · 1e-6, it
+subtracts p at the clamped temperature less p at the temperature of calibration, so that a constant belongs into the offset.
+PX4 (src/modules/sensors/temperature_compensation): offset = X0 + X1 d + X2 d² + X3 d³ with d = clamped T - TREF.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from imuwb.arrays import Floats
+from imuwb.errors import MissingDataError, UsageError
+from imuwb.log import AXES
+from imuwb.stochastic import ImuErrorModel
+
+REFERENCE = 35.0  #: °C, fixed in ArduPilot
+ORDER = 3
+LEAST_SPAN = 10.0  #: °C, that ArduPilot asks for
+THERMAL_FORMS = ("ardupilot-tcal", "px4-tc")
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """The bias of one axis as a polynomial about a reference."""
+
+    axis: str
+    coefficients: tuple[float, ...]  #: of d⁰ ... d³, SI per °C^k
+    misfit: float  #: largest difference at the set-points, SI
+
+    def at(self, difference: float) -> float:
+        """Return the bias at a difference from the reference (°C)."""
+        return float(np.polyval(self.coefficients[::-1], difference))
+
+
+def curves(model: ImuErrorModel, reference: float) -> tuple[tuple[Curve, ...], float, float]:
+    """Return the curves of all axes, and the range of temperatures (°C).
+
+    Raises:
+        MissingDataError: no axis has a bias by temperature, or the range is too narrow.
+    """
+    found: list[Curve] = []
+    ends: list[tuple[float, float]] = []
+    for axis in AXES:
+        points = model.axes[axis].thermal_bias if axis in model.axes else ()
+        if len(points) < 2:  # noqa: PLR2004 - one point is no curve
+            continue
+        celsius, bias = (np.array(column) for column in zip(*points, strict=True))
+        order = min(ORDER, len(points) - 1)
+        fit = np.polynomial.polynomial.polyfit(celsius - reference, bias, order)
+        misfit = np.abs(np.polynomial.polynomial.polyval(celsius - reference, fit) - bias).max()
+        found.append(Curve(axis, tuple(float(c) for c in np.pad(fit, (0, ORDER - order))), float(misfit)))
+        ends.append((float(celsius[0]), float(celsius[-1])))
+    if not found:
+        raise MissingDataError(
+            f"model {model.name} has no bias by temperature; a warm-up or a chamber record analysed by temperature gives one"
+        )
+    low, high = max(e[0] for e in ends), min(e[1] for e in ends)
+    if high - low < LEAST_SPAN:
+        raise MissingDataError(
+            f"model {model.name} has biases from {low:g} to {high:g} °C; the autopilots need {LEAST_SPAN:g} °C or more"
+        )
+    return tuple(found), low, high
+
+
+def thermal_text(model: ImuErrorModel, name: str, instance: int = 0) -> tuple[str, tuple[str, ...]]:
+    """Return the parameters of an autopilot for one of its IMUs, and notes.
+
+    Args:
+        model: with biases by temperature.
+        name: ``"ardupilot-tcal"`` or ``"px4-tc"``.
+        instance: number of the IMU, from 0.
+
+    Raises:
+        UsageError, MissingDataError: no such form, or no curve.
+    """
+    if name not in THERMAL_FORMS:
+        raise UsageError(f"--to {name}: it must be one of {', '.join(THERMAL_FORMS)}")
+    most = 2 if name == "ardupilot-tcal" else 3
+    if not 0 <= instance <= most:
+        raise UsageError(f"--instance {instance}: it must be 0 to {most}")
+    reference = REFERENCE if name == "ardupilot-tcal" else 25.0
+    found, low, high = curves(model, reference)
+    rows = (_ardupilot if name == "ardupilot-tcal" else _px4)(found, low, high, instance)
+    worst = [max((c.misfit for c in found if c.axis.startswith(sensor)), default=0.0) for sensor in ("gyro", "accel")]
+    notes = (
+        f"a polynomial of third order; it misses the model's set-points by up to {worst[0]:.2g} rad/s and {worst[1]:.2g} m/s²",
+        f"holds from {low:g} to {high:g} °C; outside, the autopilot keeps the value at the end",
+        "axes are those of the sensor, before the board's rotation; the record must not have been compensated while it was logged",
+    )
+    comments = [f"# {text}" for text in (f"model {model.name}", *notes)]
+    return "\n".join([*comments, *rows]) + "\n", notes
+
+
+def _ardupilot(found: tuple[Curve, ...], low: float, high: float, instance: int) -> list[str]:
+    prefix, number = f"INS_TCAL{instance + 1}", "" if instance == 0 else str(instance + 1)
+    rows = [f"{prefix}_ENABLE 1", f"{prefix}_TMIN {low:.9g}", f"{prefix}_TMAX {high:.9g}"]
+    for curve in found:
+        sensor, axis = curve.axis.split("_")
+        short = {"gyro": "GYR", "accel": "ACC"}[sensor]
+        rows += [f"{prefix}_{short}{k}_{axis.upper()} {1e6 * curve.coefficients[k]:.9g}" for k in range(1, ORDER + 1)]
+    middle = min(max(REFERENCE, low), high)
+    for sensor, short in (("accel", "ACC"), ("gyro", "GYR")):
+        offsets = [curve for curve in found if curve.axis.startswith(sensor)]
+        rows += [
+            f"INS_{short}{number}OFFS_{curve.axis[-1].upper()} {curve.at(middle - REFERENCE):.9g}" for curve in offsets
+        ]
+        rows += [f"INS_{short}{instance + 1}_CALTEMP {middle:.9g}"] if offsets else []
+    return rows
+
+
+def _px4(found: tuple[Curve, ...], low: float, high: float, instance: int) -> list[str]:
+    rows: list[str] = []
+    for sensor, short in (("accel", "A"), ("gyro", "G")):
+        own = [curve for curve in found if curve.axis.startswith(sensor)]
+        if not own:
+            continue
+        rows += [
+            f"TC_{short}_ENABLE\t1",
+            f"TC_{short}{instance}_TREF\t25",
+            f"TC_{short}{instance}_TMIN\t{low:.9g}",
+            f"TC_{short}{instance}_TMAX\t{high:.9g}",
+        ]
+        for curve in own:
+            place = "xyz".index(curve.axis[-1])
+            rows += [f"TC_{short}{instance}_X{k}_{place}\t{curve.coefficients[k]:.9g}" for k in range(ORDER + 1)]
+        rows.append(f"# set TC_{short}{instance}_ID to the device id of this sensor")
+    return rows
+
+
+def undone(name: str, values: dict[str, float], celsius: Floats, instance: int = 0) -> tuple[Floats, Floats]:
+    """Return what an autopilot with these parameters subtracts at temperatures: (n, 3) rad/s and (n, 3) m/s².
+
+    These are the formulas of the autopilots, by which a file is proven and a log's own compensation can be added back.
+    """
+    gyro, accel = np.zeros((len(celsius), 3)), np.zeros((len(celsius), 3))
+    for sensor, out in (("gyro", gyro), ("accel", accel)):
+        for place, axis in enumerate("XYZ"):
+            if name == "px4-tc":
+                prefix = f"TC_{sensor[0].upper()}{instance}"
+                d = np.clip(celsius, values[f"{prefix}_TMIN"], values[f"{prefix}_TMAX"]) - values[f"{prefix}_TREF"]
+                out[:, place] = sum(values.get(f"{prefix}_X{k}_{place}", 0.0) * d**k for k in range(ORDER + 1))
+                continue
+            prefix, short = f"INS_TCAL{instance + 1}", {"gyro": "GYR", "accel": "ACC"}[sensor]
+            number = "" if instance == 0 else str(instance + 1)
+            low, high = values[f"{prefix}_TMIN"], values[f"{prefix}_TMAX"]
+
+            def polynomial(t: Floats, axis: str = axis, prefix: str = prefix, short: str = short) -> Floats:
+                d = np.clip(t, low, high) - REFERENCE  # noqa: B023 - used at once
+                return 1e-6 * sum(
+                    (values.get(f"{prefix}_{short}{k}_{axis}", 0.0) * d**k for k in range(1, ORDER + 1)),
+                    np.zeros_like(d),
+                )
+
+            at = np.array([values[f"INS_{short}{instance + 1}_CALTEMP"]])
+            out[:, place] = polynomial(celsius) - polynomial(at) + values.get(f"INS_{short}{number}OFFS_{axis}", 0.0)
+    return gyro, accel

@@ -1,0 +1,84 @@
+"""One error model of the terms of several."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from imuwb.errors import UsageError
+from imuwb.log import AXES
+from imuwb.stochastic.autoregressive import Autoregressive
+from imuwb.stochastic.axis_model import AxisModel
+from imuwb.stochastic.error_model import ImuErrorModel
+from imuwb.stochastic.flicker import FlickerNoise
+from imuwb.stochastic.gauss_markov import GaussMarkov
+from imuwb.stochastic.processes import Constant, Quantization, RandomWalk, RateRamp, Sinusoid, WhiteNoise
+from imuwb.stochastic.sums import Process, Sum
+
+#: what can be taken from a model -> the kind of process
+KINDS: Mapping[str, type] = {
+    "Q": Quantization, "N": WhiteNoise, "B": FlickerNoise, "K": RandomWalk, "R": RateRamp, "GM": GaussMarkov,
+    "AR": Autoregressive, "lines": Sinusoid, "turn-on": Constant,
+}  # fmt: skip
+#: deterministic terms, which are taken together
+CALIBRATION = (
+    "bias",
+    "scale_factor",
+    "scale_factor_nonlinear",
+    "cross_coupling",
+    "g_sensitivity",
+    "thermal_bias",
+    "thermal_scale_factor",
+)
+SENSOR = ("bandwidth", "group_delay", "lsb", "range")
+PARTS = (*KINDS, "calibration", "sensor")
+
+
+def merge(models: Sequence[ImuErrorModel], taken: Mapping[str, int]) -> ImuErrorModel:
+    """Return a model with each kind of term from the model that is named for it; other kinds are those of the first.
+
+    Args:
+        models: two or more.
+        taken: one of ``PARTS`` -> place of a model.
+
+    Raises:
+        UsageError: a part that is unknown, or that a model is to give and does not have.
+    """
+    for part, place in taken.items():
+        if part not in PARTS:
+            raise UsageError(f"--take {part}: it must be one of {', '.join(PARTS)}")
+        if part in KINDS and not any(_own(models[place], axis, part) for axis in AXES):
+            raise UsageError(f"--take {part}: model {models[place].name} has none")
+    axes: dict[str, AxisModel] = {}
+    for axis in AXES:
+        if any(axis in model.axes for model in models):
+            axes[axis] = _axis([model.axes.get(axis, AxisModel()) for model in models], taken)
+    provenance = {f"{key} of {model.name}": text for model in models for key, text in model.provenance.items()} | {
+        "merged": "; ".join(f"{part} from {models[place].name}" for part, place in taken.items())
+    }
+    doubts = tuple(dict.fromkeys(doubt for model in models for doubt in model.doubts))
+    return ImuErrorModel(models[0].name, axes, provenance, doubts)
+
+
+def _axis(models: Sequence[AxisModel], taken: Mapping[str, int]) -> AxisModel:
+    terms: list[Process] = []
+    intervals: dict[str, tuple[float, float]] = {}
+    limits: dict[str, float] = {}
+    for part, kind in KINDS.items():
+        source = models[taken.get(part, 0)]
+        for i, term in enumerate(source.processes.terms):
+            if isinstance(term, kind):
+                kept = {
+                    key.partition(".")[2]: ends
+                    for key, ends in source.intervals.items()
+                    if key.partition(".")[0] == str(i)
+                }
+                intervals |= {f"{len(terms)}.{name}": ends for name, ends in kept.items()}
+                terms.append(term)
+        if part in source.limits and not any(isinstance(term, kind) for term in terms):
+            limits[part] = source.limits[part]
+    calibration, sensor = models[taken.get("calibration", 0)], models[taken.get("sensor", 0)]
+    rest = {name: getattr(calibration, name) for name in CALIBRATION} | {name: getattr(sensor, name) for name in SENSOR}
+    return replace(AxisModel(), processes=Sum(tuple(terms)), intervals=intervals, limits=limits, **rest)
+
+
+def _own(model: ImuErrorModel, axis: str, part: str) -> bool:
+    return axis in model.axes and any(isinstance(term, KINDS[part]) for term in model.axes[axis].processes.terms)

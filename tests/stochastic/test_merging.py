@@ -1,0 +1,46 @@
+import pytest
+
+from imuwb.errors import UsageError
+from imuwb.stochastic import Autoregressive, AxisModel, FlickerNoise, ImuErrorModel, RandomWalk, Sum, WhiteNoise, merge
+
+
+def model(name, *terms, **rest):
+    return ImuErrorModel(
+        name, {"gyro_x": AxisModel(Sum(terms), **rest)}, {"log": f"{name}.mcap"}, (f"{name} is in doubt",)
+    )
+
+
+A = model("a", WhiteNoise(1e-3), RandomWalk(2e-6), intervals={"0.N": (0.9e-3, 1.1e-3)}, bias=0.1, limits={"Q": 1e-9})
+B = model(
+    "b",
+    FlickerNoise(1e-5),
+    WhiteNoise(3e-3),
+    intervals={"1.N": (2e-3, 4e-3)},
+    bias=0.2,
+    scale_factor=0.01,
+    limits={"K": 1e-8},
+)
+C = model("c", Autoregressive((0.5,), 1e-4, 0.01))
+
+
+def test_each_term_comes_from_the_model_that_is_named_and_others_from_the_first():
+    merged = merge((A, B, C), {"N": 1, "B": 1, "AR": 2, "calibration": 1})
+    axis = merged.axes["gyro_x"]
+    assert set(axis.processes.terms) == {
+        WhiteNoise(3e-3),
+        RandomWalk(2e-6),
+        FlickerNoise(1e-5),
+        C.axes["gyro_x"].processes.terms[0],
+    }
+    place = axis.processes.terms.index(WhiteNoise(3e-3))
+    assert axis.intervals == {f"{place}.N": (2e-3, 4e-3)}
+    assert (axis.bias, axis.scale_factor, axis.limits) == (0.2, 0.01, {"Q": 1e-9})
+    assert merged.doubts == ("a is in doubt", "b is in doubt", "c is in doubt")
+    assert "N from b" in merged.provenance["merged"]
+    assert ImuErrorModel.from_toml(merged.to_toml()).axes == merged.axes
+
+
+@pytest.mark.parametrize(("taken", "named"), [({"X": 0}, "--take X"), ({"AR": 0}, "model a has none")])
+def test_what_cannot_be_taken_is_named(taken, named):
+    with pytest.raises(UsageError, match=named):
+        merge((A, B), taken)
