@@ -16,7 +16,8 @@ TERMS = {
     "allan": {"identification"},  # a kind of deviation
     "autoregressive": {"identification", "stochastic"},  # a process
     "bandwidth": {"stochastic", "review"},  # a term of an error model
-    "bias": {"conditioning", "identification", "review", "stochastic"},  # likewise
+    "bias": {"conditioning", "estimators", "identification", "review", "stochastic"},  # likewise
+    "calibration": {"estimators", "stochastic"},  # the deterministic terms of a model
     "kaiser": {"conditioning"},  # a window
     "noise": {"identification", "replay"},  # what is estimated
     "temperature": {

@@ -272,7 +272,7 @@ def _given(
 
 
 def _road_model(path: Path) -> "ImuErrorModel":
-    """Return the error model of a file that imuwb outage saved: a model, or a filter, which has one inside."""
+    """Return the error model of a file that a replay saved: a model, or a filter, which has one inside."""
     from imuwb.navigation.filter_document import read_filter  # noqa: PLC0415 - help must not wait
     from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
 

@@ -36,7 +36,7 @@ def calibration_text(model: ImuErrorModel, name: str) -> tuple[str, tuple[str, .
         raise UsageError(f"--to {name}: there is no such calibration; it must be one of {', '.join(FILES)}")
     if is_ideal(model):
         raise MissingDataError(
-            f"model {model.name} has no bias, scale factor or cross-coupling; imuwb calibration makes such a model"
+            f"model {model.name} has no bias, scale factor or cross-coupling; a calibration gives such a model"
         )
     form = FILES[name]
     try:
@@ -197,7 +197,7 @@ def _read_imu_calib(text: str) -> Matrices | None:
     scale, bias = found["SM"], found["bias"]
     if scale is None or bias is None or len(scale) != 9 or len(bias) != 3:  # noqa: PLR2004 - a matrix and a vector
         return None
-    accel = np.linalg.inv(scale.reshape(3, 3))
+    accel = _inverse(scale.reshape(3, 3))
     return Matrices(np.eye(3), np.zeros(3), np.zeros((3, 3)), accel, accel @ bias)
 
 
@@ -234,14 +234,19 @@ def _read_parameters(names: Callable[[str, str], str]) -> Callable[[str], Matric
     def read(text: str) -> Matrices | None:
         def triple(what: str, otherwise: float) -> Floats:
             values = [_list(text, names(what, axis)) for axis in "XYZ"]
-            return np.array([otherwise if value is None else value[0] for value in values])
+            return np.array([otherwise if value is None else float(value[0]) for value in values], dtype=np.float64)
 
         if not re.search(rf"(?<!\w){names('accel offset', 'X')}(?!\w)", text):
             return None
-        gains = np.diag(np.divide(1.0, triple("accel scale", 1.0)))
+        gains = np.diag(1.0 / triple("accel scale", 1.0))
         return Matrices(np.eye(3), triple("gyro offset", 0.0), np.zeros((3, 3)), gains, triple("accel offset", 0.0))
 
     return read
+
+
+def _inverse(matrix: Floats) -> Floats:
+    """Return the inverse of a matrix."""
+    return np.linalg.inv(matrix).astype(np.float64)
 
 
 def _matrix(text: str, key: str) -> Floats | None:
