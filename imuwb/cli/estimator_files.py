@@ -18,7 +18,7 @@ _Model = Annotated[Path, typer.Argument(help="The error model, or the name of a 
 _Tool = "kalibr, openvins, vins, orb-slam3, lio-sam, fast-lio, gtsam, kimera, ros, kf-gins, ob-gins, navego, psins, pyins, px4, ardupilot, matlab, gnss-ins-sim, gazebo, airsim, pegasus, rotors"
 _Calibration = "kalibr-imu, openvins-imu, imu-tk, imu-calib, px4-cal, ardupilot-ins"
 _Thermal = "ardupilot-tcal, px4-tc"
-_tools = completer(Form("TOOL", words=(*", ".join((_Tool, _Calibration, _Thermal)).split(", "), "json")))
+_tools = completer(Form("TOOL", words=(*f"{_Tool}, {_Calibration}, {_Thermal}".split(", "), "json")))
 _Rate = Annotated[
     float | None,
     typer.Option(help="Rate of the samples (Hz), for tools whose values depend on it. Default: that of the model."),
