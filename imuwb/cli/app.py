@@ -13,6 +13,7 @@ from imuwb.cli.help import EXAMPLE, HelpfulGroup, columns, parted
 from imuwb.cli.once import OnceCommand
 from imuwb.cli.options import PANELS
 from imuwb.cli.parameters import expanded
+from imuwb.cli.settings import with_settings
 from imuwb.errors import UsageError
 from imuwb.readers.bytes.address import is_address, place_of
 
@@ -78,11 +79,14 @@ def _add_core(app: typer.Typer, name: str) -> None:
     if hasattr(module, "app"):
         for command in module.app.registered_commands:
             command.cls = OnceCommand
+            command.callback = with_settings(command.callback)
         app.add_typer(module.app, name=name, cls=HelpfulGroup, rich_help_panel=panel)
     else:
         function = getattr(module, name)
         help_text = paragraphs(function.__doc__)
-        app.command(name, cls=OnceCommand, help=help_text, rich_help_panel=panel)(expanded(function, PANELS))
+        app.command(name, cls=OnceCommand, help=help_text, rich_help_panel=panel)(
+            with_settings(expanded(function, PANELS))
+        )
 
 
 def _nothing() -> None:
@@ -137,7 +141,9 @@ def _add_command(app: typer.Typer, name: str, full: str, analysis: Analysis, ori
     text = paragraphs(analysis.__doc__ or full)
     if not parted(text)[1]:
         text += f"\n\n{EXAMPLE} imuwb {name if name.endswith('.py') else full} LOG"
-    app.command(name, cls=OnceCommand, help=text, short_help=text.splitlines()[0], rich_help_panel=ANALYSES)(function)
+    app.command(name, cls=OnceCommand, help=text, short_help=text.splitlines()[0], rich_help_panel=ANALYSES)(
+        with_settings(function)
+    )
 
 
 def paragraphs(text: str) -> str:
