@@ -164,10 +164,12 @@ def _judged(
             return judgement, tuple(refused)
         text = f"{judgement.track.name} is refused as a reference: {judgement.refused}"
         refused.append(Note("reference-refused", text))
-    raise MissingDataError(
-        f"{prepared.log.provenance.path}: no outage can be scored: {'; '.join(refused)}; name another reference with --truth or "
-        "--reference"
+    remedy = (
+        "state its --truth-delay or --truth-lever, name another file with --truth, or judge without it: --reference smoothed"
+        if wanted == "truth"
+        else "name another reference with --truth or --reference"
     )
+    raise MissingDataError(f"{prepared.log.provenance.path}: no outage can be scored: {'; '.join(refused)}; {remedy}")
 
 
 def _early(prepared: Prepared, model: FilterModel, outages: Sequence[Outage]) -> tuple[Note, ...]:

@@ -1,6 +1,6 @@
 """The answer of an outage replay: how far each filter drifts, whether its sigma can be believed, and which filter to take."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import isfinite
 
 from imuwb.analysis import Answer, Step
@@ -13,6 +13,7 @@ from imuwb_plugins.outage.result import DurationSummary, FilterSummary, Result
 SHOWN = (30.0, 60.0)  #: s; outages as long as these are shown, else the two longest
 FILTERS = 6  #: rows
 CAUSES = ("misfit", "refused-positions", "reference-against-fixes")  #: ids of notes that say why a sigma is wrong
+LEFT_OUT = ("reference-refused", "drive-left-out")  #: ids of notes on what the figures are without
 TUNE = Step("{command} --tune", "fit the noise to this drive")
 AIDS = Step("{command} --straight 0.2 --still 0.05", "a car does not slip: bounds the drift")
 
@@ -38,7 +39,7 @@ def answer(result: Result | Drives) -> Answer:
     right = believed(last.models[names[0]])
     return Answer(
         _about(result, durations), ("filter", *(f"{own.duration:g} s without GNSS" for own in durations), "its sigma is"),
-        (*rows, *((name, "cannot run") for name in failed)), tuple(_sentences(result, durations, names)),
+        (*rows, *((name, _cannot(result, reasons)) for name, reasons in failed.items())), tuple(_sentences(result, durations, names)),
         (TUNE, AIDS) if right is False else (AIDS,), "median, 95 % interval", figures.drift(last),
     )  # fmt: skip
 
@@ -95,9 +96,28 @@ def _about(result: Result | Drives, durations: Sequence[DurationSummary]) -> str
     return f"{len(result.drives)} drives, {counts}" if isinstance(result, Drives) else counts
 
 
-def _failed(result: Result | Drives) -> dict[str, str]:
-    """Return the filters and engines that cannot run, of several drives in the first one, and why."""
-    return next(iter(result.drives.values())).failed if isinstance(result, Drives) else result.failed
+def _failed(result: Result | Drives) -> dict[str, dict[str, str]]:
+    """Return the filters and engines that cannot run: {name: {drive: why}}; the only drive has an empty name."""
+    drives = result.drives if isinstance(result, Drives) else {"": result}
+    names = dict.fromkeys(name for one in drives.values() for name in one.failed)
+    return {name: {drive: one.failed[name] for drive, one in drives.items() if name in one.failed} for name in names}
+
+
+def _cannot(result: Result | Drives, reasons: Mapping[str, str]) -> str:
+    """Return that a filter cannot run, and in which drives if it runs in others."""
+    everywhere = not isinstance(result, Drives) or len(reasons) == len(result.drives)
+    return "cannot run" if everywhere else f"cannot run in {_listed(list(reasons))}"
+
+
+def _why(name: str, reasons: Mapping[str, str]) -> Iterator[str]:
+    """Yield why a filter cannot run, drives with the same reason together."""
+    for reason in dict.fromkeys(reasons.values()):
+        drives = [drive for drive, why in reasons.items() if why == reason and drive]
+        yield f"{name} cannot run{f' in {_listed(drives)}' if drives else ''}: {reason}."
+
+
+def _listed(names: Sequence[str]) -> str:
+    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
 def _outages(count: int) -> str:
@@ -114,8 +134,9 @@ def _sentences(result: Result | Drives, durations: Sequence[DurationSummary], na
         yield f"{best}: {_verdict(own)}"
     if own.effective_count >= ENOUGH:
         yield f"1 in 20 outages of {last.duration:g} s ends beyond {number_text(own.p95_end)} m."
-    yield from (f"{note}." for note in result.notes if getattr(note, "id", "") == "reference-refused")
-    yield from (f"{name} cannot run: {reason}." for name, reason in _failed(result).items())
+    yield from (f"{note}." for note in result.notes if getattr(note, "id", "") in LEFT_OUT)
+    for name, reasons in _failed(result).items():
+        yield from _why(name, reasons)
     yield from _causes(result, own)
     if isinstance(result, Result):
         counts = " and ".join(_outages(next(iter(d.models.values())).effective_count) for d in durations)

@@ -50,7 +50,9 @@ def run_one(whole: Log, parameters: Parameters) -> Result:
     if base.aids.speed and not log.speeds:
         raise MissingDataError(f"{log.provenance.path}: the log has no speed, which --speed needs; leave --speed out")
     try:
-        replayed = replay(prepared, chosen.models, _outages(prepared, base, parameters), reference=parameters.reference)
+        replayed = replay(
+            prepared, chosen.models, _outages(prepared, base, parameters), reference=parameters.wanted_reference
+        )
     except ValueError as error:
         raise MissingDataError(f"{log.provenance.path}: {error}") from error
     replayed = replace(replayed, failed={**chosen.failed, **replayed.failed})

@@ -49,7 +49,7 @@ class Parameters:
     reference: Annotated[
         str,
         "Reference of the drift: truth (of the log or --truth), RTK-fixed positions, a filter's smoothed run over all fixes, its own "
-        "run, or the best of these; or ekf, the estimate of the vehicle's own filter; or a reference's name in imuwb info.",
+        "run, or the best of these (--truth, if it is given); or ekf, the estimate of the vehicle's own filter; or a reference's name in imuwb info.",
         Form("best|truth|fixed|smoothed|own|ekf|NAME", words=REFERENCES, streams="reference"),
         TRUTH,
     ] = "best"
@@ -243,6 +243,11 @@ class Parameters:
         ):
             if value not in between:
                 raise ValueError(f"turn_on is {value:g} {unit}; it must be {between}")
+
+    @property
+    def wanted_reference(self) -> str:
+        """The reference that the user wants: a file of --truth is no suggestion, so that no other reference takes its place unsaid."""
+        return "truth" if self.truth is not None and self.reference == "best" else self.reference
 
     def _check_correlation(self) -> None:
         """Raise ValueError if only one of the sigma and the correlation time is 0."""

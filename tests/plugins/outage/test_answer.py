@@ -3,11 +3,13 @@ from dataclasses import replace
 import pytest
 
 from imuwb.log import AXES
+from imuwb.notes import Note
 from imuwb.replay import Consistency, MotionNoise
 from imuwb.review.panel import HEIGHT, Origin, panel
 from imuwb.statistics import Estimate
 from imuwb_plugins import outage
 from imuwb_plugins.outage.answer import believed, sigma_text
+from imuwb_plugins.outage.drives import Drives
 from imuwb_plugins.outage.notes import motion_notes
 
 
@@ -42,6 +44,20 @@ def test_a_filter_that_cannot_run_is_a_row(few):
     answer = outage.answer(replace(few, failed={"odd": "too many states"}))
     assert ("odd", "cannot run") in answer.rows
     assert any("too many states" in sentence for sentence in answer.sentences)
+
+
+def test_of_several_drives_each_that_a_filter_cannot_run_in_is_named(few):
+    drives = {
+        "north": replace(few, failed={"odd": "too many states"}),
+        "south": replace(few, failed={"odd": "too many states", "kf": "no solution"}),
+        "west": replace(few, failed={"odd": "another sensor"}),
+    }
+    answer = outage.answer(Drives(few.summary, drives, (), (Note("drive-left-out", "east is left out: no fixes"),), {}))
+    assert answer.rows[-2:] == (("odd", "cannot run"), ("kf", "cannot run in south"))
+    assert "odd cannot run in north and south: too many states." in answer.sentences
+    assert "odd cannot run in west: another sensor." in answer.sentences
+    assert "kf cannot run in south: no solution." in answer.sentences
+    assert "east is left out: no fixes." in answer.sentences
 
 
 def with_summary(few, **changed):

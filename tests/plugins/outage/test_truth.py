@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from imuwb.errors import UsageError
+from imuwb.errors import MissingDataError, UsageError
 from imuwb.geodesy import quaternion_of_rotation, rotation_of_euler
 from imuwb.log import GnssStream, Log, Provenance
 from imuwb.notes import ids
@@ -84,6 +84,18 @@ def test_the_logs_own_truth_may_be_late_too(log, without, own, toml):
     assert ends(found) == pytest.approx(ends(own), rel=1e-6)
     with pytest.raises(UsageError, match="no truth of its own"):
         outage.run([without], stated(error_model=toml, **AT, truth_delay=0.3))
+
+
+def test_a_stated_truth_that_cannot_judge_is_an_error(log, without, toml, tmp_path):
+    """Its steps of 300 m contradict its own velocities; the default reference would fall back to a smoothed run."""
+    truth = log.references[0]
+    position = truth.position.copy()
+    position[:, 0] += 5e-5 * ((truth.time - truth.time[0]) // 9_000_000_000 % 2)  # 300 m to the north and back
+    path = tmp_path / "broken.csv"
+    write(Log(Provenance("t", "t", "", 0), references=(replace(truth, position=position),)), path)
+    with pytest.raises(MissingDataError, match=r"broken\.csv is refused as a reference.*--reference smoothed"):
+        judged(without, toml, path)
+    assert judged(without, toml, path, reference="own").reference == "none without outage"
 
 
 def test_an_estimate_of_the_vehicle_is_named_as_such(log, toml):
