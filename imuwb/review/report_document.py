@@ -152,7 +152,7 @@ def _series(one: Mapping[str, Any]) -> Series:
     time = int(one["start"]) + np.rint(_array(one["time"]) * SECOND).astype(np.int64)
     values = np.stack([_array(column) for column in one["values"]], axis=1)
     colors = tuple(_color(color) for color in one["colors"])
-    epoch = EPOCHS[EPOCHS.index(one["epoch"])]
+    epoch = None if one["epoch"] is None else EPOCHS[EPOCHS.index(one["epoch"])]
     return Series(str(one["title"]), str(one["unit"]), time, values, _texts(one["names"]), colors, epoch)
 
 

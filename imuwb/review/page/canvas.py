@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure as Canvas
 
 from imuwb.analysis import Curve, Figure, Mark, Series
@@ -23,6 +24,8 @@ TITLE = 44  #: letters of a line of an axis's title
 LEGEND = 40  #: letters of a line of the legend
 BACKGROUND_STYLES = ("fit", "faint")  #: that curves of several colours share
 FAINT = 0.25  #: share of the length of an axis by which a faint curve may make it longer at each end
+HIDDEN = "\N{ZERO WIDTH SPACE}"  #: before a label that matplotlib would leave out
+BAND = 8.0  #: width of a band in a legend
 MARKED = 40  #: points, up to which each has a marker
 Drawing: TypeAlias = Figure | Series | Sequence[Track]
 #: form -> what keeps the date out of its file, so that equal results make equal files
@@ -43,22 +46,59 @@ class Look:
     dots: float = 72.0  #: per inch, of a PNG
 
 
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A line of a legend that is not part of its drawing."""
+
+    label: str
+    color: str
+    line: float  #: width; 0: none
+    dot: float  #: size of a point; 0: none
+    opacity: float = 1.0
+    dashed: bool = False
+    mark: bool = False  #: whether the point is a diamond
+
+
 def render(item: Drawing, look: Look, form: str) -> bytes:
-    """Return a figure, a series, or tracks that share a picture, as a file of a form: svg, png or pdf."""
+    """Return a figure, a series, or tracks that share a picture, as a file of a form (svg, png or pdf), with its legend."""
+    return _rendered(item, look, form, legend=True)[0]
+
+
+def render_apart(item: Drawing, look: Look) -> tuple[bytes, tuple[Entry, ...]]:
+    """Return a drawing as SVG without its legend, and the legend."""
+    return _rendered(item, look, "svg", legend=False)
+
+
+def _rendered(item: Drawing, look: Look, form: str, *, legend: bool) -> tuple[bytes, tuple[Entry, ...]]:
     with mpl.rc_context(_style(look)):
+        kind = "figure" if isinstance(item, Figure) else "series" if isinstance(item, Series) else "track"
+        canvas, axes = _canvas(look, HEIGHT[kind])
         if isinstance(item, Figure):
-            canvas, axes = _canvas(look, HEIGHT["figure"])
             _figure(item, look, axes)
         elif isinstance(item, Series):
-            canvas, axes = _canvas(look, HEIGHT["series"])
             _series(item, look, axes)
         else:
-            canvas, axes = _canvas(look, HEIGHT["track"])
             _tracks(item, look, axes)
-        _finish(canvas, axes)
+        put_ticks(axes)
+        for line in (*axes.get_xgridlines(), *axes.get_ygridlines()):
+            line.set_clip_on(False)
+        handles, labels = axes.get_legend_handles_labels()
+        if legend and labels:
+            canvas.legend(loc="outside right upper")
         file = io.BytesIO()
         canvas.savefig(file, format=form, metadata=NO_DATE.get(form), dpi=look.dots)
-        return file.getvalue()
+        return file.getvalue(), tuple(_entry(handle, label) for handle, label in zip(handles, labels, strict=True))
+
+
+def _entry(handle: Any, label: str) -> Entry:  # noqa: ANN401 - matplotlib has no types
+    text = label.removeprefix(HIDDEN).replace(r"\$", "$").replace("\n", " ")
+    opacity = handle.get_alpha() or 1.0
+    if not hasattr(handle, "get_markersize"):  # a band
+        return Entry(text, to_hex(handle.get_facecolor()[0]), BAND, 0.0, opacity)
+    marker, style = handle.get_marker(), handle.get_linestyle()
+    dot = handle.get_markersize() if marker not in (None, "None", "") else 0.0
+    line = 0.0 if style in ("None", "") or marker == "D" else handle.get_linewidth()
+    return Entry(text, to_hex(handle.get_color()), line, dot, opacity, style == "--", marker == "D")
 
 
 def _figure(figure: Figure, look: Look, axes: Any) -> None:  # noqa: ANN401 - matplotlib has no types
@@ -80,12 +120,12 @@ def _figure(figure: Figure, look: Look, axes: Any) -> None:  # noqa: ANN401 - ma
 
 
 def mark_text(figure: Figure, mark: Mark) -> str:
-    """Return a mark's name and its place with the units of the axes: "N x: 145 deg/h at 1 s"."""
+    """Return a mark's name with its value; without one, its place with the units of the axes: "N x: 145 deg/h at 1 s"."""
     x, y = (
         f"{value:.3g} {unit}".rstrip()
         for value, unit in ((mark.x, _unit(figure.x_title)), (mark.y, _unit(figure.y_title)))
     )
-    return f"{mark.text}: {y} at {x}"
+    return f"{mark.text}: {mark.value}" if mark.value else f"{mark.text}: {y} at {x}"
 
 
 def _unit(title: str) -> str:
@@ -149,7 +189,7 @@ def _style(look: Look) -> Any:  # noqa: ANN401 - matplotlib names its settings i
 def _label(text: str) -> str | None:
     """Return a text for the legend; None for no text, and a text that matplotlib neither hides nor reads as a formula."""
     shown = "\n".join(textwrap.wrap(text, LEGEND)).replace("$", r"\$")
-    return f"\N{ZERO WIDTH SPACE}{shown}" if shown.startswith("_") else shown or None
+    return f"{HIDDEN}{shown}" if shown.startswith("_") else shown or None
 
 
 def _draw(axes: Any, curve: Curve, look: Look, legend: str) -> None:  # noqa: ANN401 - matplotlib has no types
@@ -159,7 +199,7 @@ def _draw(axes: Any, curve: Curve, look: Look, legend: str) -> None:  # noqa: AN
         return
     few = curve.x.size <= MARKED
     shape: dict[str, Any] = {
-        "line": {"marker": "o" if few else None, "ms": 3}, "curve": {}, "points": {"ls": "", "marker": "o", "ms": 3},
+        "line": {"marker": "o" if few else None, "ms": 3}, "curve": {}, "points": {"ls": "", "marker": "o", "ms": 4},
         "fit": {"lw": 0.9, "alpha": 0.9}, "faint": {"lw": 0.6, "alpha": 0.55}, "band": {},
     }[curve.style]  # fmt: skip
     axes.plot(curve.x, curve.y, color=color, **shape)
@@ -211,12 +251,3 @@ def _ends(values: Floats, extra: Floats, *, log: bool) -> tuple[float, float]:
         low, high = max(min(low, float(extra.min())), low - room), min(max(high, float(extra.max())), high + room)
     air = (high - low) * 0.04 or (0.2 if log else abs(high) * 0.1 or 1.0)
     return (10 ** (low - air), 10 ** (high + air)) if log else (low - air, high + air)
-
-
-def _finish(canvas: Canvas, axes: Any) -> None:  # noqa: ANN401 - matplotlib has no types
-    """Put ticks and a legend."""
-    put_ticks(axes)
-    for line in (*axes.get_xgridlines(), *axes.get_ygridlines()):
-        line.set_clip_on(False)
-    if axes.get_legend_handles_labels()[1]:
-        canvas.legend(loc="outside right upper")

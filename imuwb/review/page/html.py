@@ -21,7 +21,7 @@ OVERVIEW = ("Overview", "Streams", "Logs")  #: begin of the names of the tabs th
 MOST_SERIES = 6  #: of a tab
 MOST_TRACKS = 12
 NOTES = 6  #: that are shown at once
-PAPER_LETTERS, LONG_CELL = 100, 24  #: letters of a line of a table on paper; of a cell that is then broken
+PAPER_LETTERS, LONG_CELL = 125, 24  #: letters of a line of a table on paper; of a cell that is then broken
 _COLOR = re.compile(r"#[0-9a-f]{6}")
 
 
@@ -104,7 +104,7 @@ def _whole(reports: Sequence[Report], title: str, remarks: Sequence[str], look: 
 
 def _section(report: Report, place: int, look: Look, numbers: Iterator[int]) -> Section:
     first = report.figure
-    shown = None if first is None else picture(first, look, f"f{next(numbers):x}-")
+    shown = None if first is None else picture(first, look, f"f{next(numbers):x}-", apart=look is PAGE)
     notes = [str(one.item) for one in report.drawn if isinstance(one.item, str)]
     known = set(report.answer.sentences)
     return Section(
@@ -118,7 +118,7 @@ def _parts(report: Report, name: str, look: Look, numbers: Iterator[int]) -> Ite
     for place, tab in enumerate(sorted(tabs, key=lambda tab: tab.startswith(OVERVIEW))):  # the answer's own parts first
         own = [one for one in report.drawn if one.tab == tab]
         kept, more = _most([drawing for _, drawing in drawings(own)])
-        pictures = tuple(picture(drawing, look, f"f{next(numbers):x}-") for drawing in kept)
+        pictures = tuple(picture(drawing, look, f"f{next(numbers):x}-", apart=look is PAGE) for drawing in kept)
         tables = tuple(one.item for one in own if isinstance(one.item, Table) and one.item.rows)
         if pictures or tables:
             yield Part(tab, f"{name}-{place}", pictures, tables, more)
@@ -142,12 +142,15 @@ def _with_classes(sections: Sequence[Section]) -> tuple[str, tuple[Section, ...]
         for s in sections
         for p in (*((s.figure,) if s.figure else ()), *(p for part in s.parts for p in part.pictures))
     ]
-    css, svgs = with_classes([p.svg for p in pictures])
-    short = {id(p): replace(p, svg=svg) for p, svg in zip(pictures, svgs, strict=True)}
+    css, short = with_classes([svg for p in pictures for svg in (p.svg, *(sample for sample, _ in p.legend))])
+    rest = iter(short)
+    changed = {
+        id(p): replace(p, svg=next(rest), legend=tuple((next(rest), label) for _, label in p.legend)) for p in pictures
+    }
     return css, tuple(
         replace(
-            s, figure=short[id(s.figure)] if s.figure else None,
-            parts=tuple(replace(part, pictures=tuple(short[id(p)] for p in part.pictures)) for part in s.parts),
+            s, figure=changed[id(s.figure)] if s.figure else None,
+            parts=tuple(replace(part, pictures=tuple(changed[id(p)] for p in part.pictures)) for part in s.parts),
         )
         for s in sections
     )  # fmt: skip
@@ -163,7 +166,7 @@ def _size(table: Table) -> str:
         max(len(row[i]) for row in (table.headings, *table.rows) if i < len(row)) for i in range(len(table.headings))
     ]
     letters = sum(min(width, LONG_CELL) + 2 for width in widths)
-    return "" if letters <= PAPER_LETTERS else "wide" if letters <= 1.5 * PAPER_LETTERS else "widest"
+    return "" if letters <= PAPER_LETTERS else "wide" if letters <= 1.25 * PAPER_LETTERS else "widest"
 
 
 def _states_units(value: Any) -> bool:  # noqa: ANN401 - jinja calls it with any value

@@ -8,7 +8,7 @@ import numpy as np
 from imuwb.analysis import Figure, Series
 from imuwb.log import SECOND
 from imuwb.review.drawn import Drawn, Track
-from imuwb.review.page.canvas import Drawing, Look, mark_text, render
+from imuwb.review.page.canvas import Drawing, Entry, Look, mark_text, render, render_apart
 from imuwb.review.page.small import small
 from imuwb.texts import names_text, seconds_text
 
@@ -19,6 +19,7 @@ class Picture:
 
     title: str
     svg: str
+    legend: tuple[tuple[str, str], ...] = ()  #: (a sample of the line as SVG, its name), if the drawing has no legend
 
 
 def drawings(drawn: Sequence[Drawn]) -> Iterator[tuple[str, Drawing]]:
@@ -40,10 +41,31 @@ def title_of(drawing: Drawing) -> str:
     return f"Track of {drawing[0].name}: north up"
 
 
-def picture(drawing: Drawing, look: Look, prefix: str) -> Picture:
-    """Return a picture; its ids begin with a prefix."""
-    title = title_of(drawing)
-    return Picture(title, small(render(drawing, look, "svg").decode("utf-8"), prefix, title, described(drawing)))
+def picture(drawing: Drawing, look: Look, prefix: str, *, apart: bool = False) -> Picture:
+    """Return a picture; its ids begin with a prefix, and its legend may be apart, so that the drawing fits a phone."""
+    title, words = title_of(drawing), described(drawing)
+    if not apart:
+        return Picture(title, small(render(drawing, look, "svg").decode("utf-8"), prefix, title, words))
+    text, entries = render_apart(drawing, look)
+    return Picture(
+        title, small(text.decode("utf-8"), prefix, title, words), tuple((_sample(e), e.label) for e in entries)
+    )
+
+
+def _sample(entry: Entry) -> str:
+    """Return the line and the point of a curve as they are in the drawing."""
+    look = f"opacity: {entry.opacity:g}" if entry.opacity < 1 else ""
+    dashes = "stroke-dasharray: 3 1.5; " if entry.dashed else ""
+    paths = ""
+    if entry.line:
+        style = f"fill: none; stroke: {entry.color}; stroke-width: {entry.line:g}; {dashes}{look}"
+        paths += f'<path d="M2 5h20" style="{style.rstrip("; ")}"/>'
+    if entry.mark:
+        paths += f'<path d="M12 2l3 3-3 3-3-3z" style="fill: {entry.color}"/>'
+    elif entry.dot:
+        style = f"fill: none; stroke: {entry.color}; stroke-width: {entry.dot:g}; stroke-linecap: round"
+        paths += f'<path d="M12 5h0" style="{style}"/>'
+    return f'<svg viewBox="0 0 24 10" aria-hidden="true">{paths}</svg>'
 
 
 def described(drawing: Drawing) -> str:
