@@ -27,6 +27,7 @@ COMMANDS = {
     "model": (RESULTS, "Show, compare, check, export, import and explain error models."),
     "view": (RESULTS, "Open a recording in the Rerun viewer on this machine."),
     "report": (RESULTS, "Make one page of several analyses of a sensor or a drive, from their recordings."),
+    "catalog": (RESULTS, "Write a page of a folder of recordings: what each found, with links, sortable."),
     "plugins": (RESULTS, "List the installed analyses, conditioners and readers."),
     "warm": (RESULTS, "Compile everything once, so that no later run has to."),
     "demo": (RESULTS, "Run the two main jobs on the sample logs: identify noise, replay GNSS outages."),

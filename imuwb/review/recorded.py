@@ -89,7 +89,8 @@ def read(path: str | Path) -> Recorded:
     except OSError as error:
         raise UnreadableLogError(f"{path}: cannot be read: {error.strerror or error}") from error
     except (RuntimeError, ValueError) as error:  # those of the viewer's library
-        raise UnreadableLogError(f"{path}: the recording is damaged: {error}") from error
+        why = str(error).partition(f"{path}: ")[2] or str(error)
+        raise UnreadableLogError(f"{path}: the recording is damaged: {why}") from error
     names = [value for _, component, value in parts if component == _NAME and isinstance(value, str)]
     properties = {component: value for entity, component, value in parts if entity == _PROPERTIES}
     texts = {

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from imuwb.analysis import Answer, Step
+from imuwb.analysis import Answer, Finding, Step
 from imuwb.log import AXES
 from imuwb.noise_results import by_sensor
 from imuwb.statistics import UNKNOWN, Coefficient
@@ -38,6 +38,15 @@ def answer(result: Result) -> Answer:
         tuple(step for step in (first, *_uses(result)) if step is not None),
         f"{100 * allan.level:g} % intervals",
     )  # fmt: skip
+
+
+def findings(result: Result) -> tuple[Finding, ...]:
+    """Return the coefficients of the headline of each axis of the first log."""
+    return tuple(
+        Finding(axis, r.headline, r.coefficients, r.remarks, headline=True)
+        for axis, r in result.axes.items()
+        if r.headline is not None
+    )
 
 
 def _uses(result: Result) -> tuple[Step, ...]:

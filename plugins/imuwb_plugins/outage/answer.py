@@ -1,10 +1,11 @@
 """The answer of an outage replay: how far each filter drifts, whether its sigma can be believed, and which filter to take."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import isfinite
+from math import isfinite, nan
 
 from imuwb.analysis import Answer, Step
 from imuwb.replay import ENOUGH, Consistency, MotionNoise
+from imuwb.statistics import Estimate
 from imuwb.texts import number_text
 from imuwb_plugins.outage import figures
 from imuwb_plugins.outage.drives import Drives
@@ -40,8 +41,19 @@ def answer(result: Result | Drives) -> Answer:
     return Answer(
         _about(result, durations), ("filter", *(f"{own.duration:g} s without GNSS" for own in durations), "its sigma is"),
         (*rows, *((name, _cannot(result, reasons)) for name, reasons in failed.items())), tuple(_sentences(result, durations, names)),
-        (TUNE, AIDS) if right is False else (AIDS,), "median, 95 % interval", figures.drift(last),
+        (TUNE, AIDS) if right is False else (AIDS,), "median, 95 % interval", figures.drift(last), _numbers(durations, names[0]),
     )  # fmt: skip
+
+
+def _numbers(durations: Sequence[DurationSummary], best: str) -> dict[str, Estimate]:
+    """Return the drift of the best filter, and by how much its errors exceed its sigma."""
+    numbers: dict[str, Estimate] = {}
+    for own in (d for d in durations if best in d.models):
+        summary, after = own.models[best], f"after {own.duration:g} s"
+        numbers[f"drift {after}"] = Estimate(summary.median_end, *summary.median_end_interval, unit="m")
+        if (last := _last(summary)) is not None:
+            numbers[f"error over sigma {after}"] = Estimate(last.ratio, nan, nan)
+    return numbers
 
 
 def believed(own: FilterSummary) -> bool | None:
