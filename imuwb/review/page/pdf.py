@@ -1,7 +1,7 @@
 """A page as PDF, through WeasyPrint."""
 
 import logging
-from typing import Any, NoReturn
+from typing import Any
 
 from imuwb.errors import UsageError
 
@@ -23,7 +23,9 @@ def pdf(html: str) -> bytes:
         logging.ERROR
     )  # it states each rule of the style sheet that is for screens
     logging.getLogger("fontTools").setLevel(logging.ERROR)
-    return _library().HTML(string=html, url_fetcher=_refuse).write_pdf()
+    library = _library()
+    nothing = library.urls.URLFetcher(allowed_protocols=())  # a page has no links to other files
+    return library.HTML(string=html, url_fetcher=nothing).write_pdf()
 
 
 def _library() -> Any:  # noqa: ANN401 - it has no types
@@ -34,7 +36,3 @@ def _library() -> Any:  # noqa: ANN401 - it has no types
     except OSError as error:  # it finds no Pango
         raise UsageError(f"--pdf: WeasyPrint does not find a library that it needs: {error}; {REMEDY}") from error
     return weasyprint
-
-
-def _refuse(url: str, *_: object, **__: object) -> NoReturn:
-    raise ValueError(f"{url}: a page has no links to other files")

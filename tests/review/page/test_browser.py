@@ -3,8 +3,6 @@
 import re
 import shutil
 import subprocess
-import threading
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import pytest
 
@@ -25,26 +23,6 @@ dispatchEvent(new Event("beforeprint")); shown.push(document.querySelectorAll("d
 dispatchEvent(new Event("afterprint")); shown.push(document.querySelectorAll("details[open]").length);
 document.body.dataset.shown = JSON.stringify(shown);
 """
-
-
-@pytest.fixture
-def server():
-    """Return an address, and the requests that came to it."""
-    requests = []
-
-    class Handler(BaseHTTPRequestHandler):
-        def do_GET(self):
-            requests.append(self.path)
-            self.send_response(204)
-            self.end_headers()
-
-        def log_message(self, *_):
-            pass
-
-    with ThreadingHTTPServer(("127.0.0.1", 0), Handler) as listening:
-        threading.Thread(target=listening.serve_forever, daemon=True).start()
-        yield f"http://127.0.0.1:{listening.server_port}", requests
-        listening.shutdown()
 
 
 @pytest.mark.slow
