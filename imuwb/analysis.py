@@ -58,13 +58,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol
 
-from imuwb.colors import PALE, Color
+from imuwb.colors import INK, PALE, Color
 
 if TYPE_CHECKING:
     import rerun as rr
 
     from imuwb.arrays import Floats, Integers
     from imuwb.log import Epoch, Log
+    from imuwb.scene import Event, Scene, Span
     from imuwb.statistics import Coefficient, Estimate
 
 
@@ -150,6 +151,37 @@ class Table:
     wide: bool = False  #: the table fills a whole row of its tab in the recording
 
 
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """One value with its interval."""
+
+    label: str
+    value: float
+    color: Color
+    lower: float | None = None
+    upper: float | None = None
+
+    def text(self, unit: str) -> str:
+        """Return value, interval and unit."""
+        if self.lower is None or self.upper is None:
+            return f"{self.value:.3g} {unit}"
+        return f"{self.value:.3g} [{self.lower:.3g}, {self.upper:.3g}] {unit}"
+
+
+@dataclass(frozen=True, slots=True)
+class Bars:
+    """Values of several things side by side, all in one unit."""
+
+    title: str
+    unit: str
+    bars: tuple[Bar, ...]
+
+    def table(self) -> Table:
+        """Return the same as a table."""
+        rows = tuple((bar.label, bar.text(self.unit)) for bar in self.bars)
+        return Table(self.title, ("", "value [interval]"), rows)
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Series:
     """One or more quantities over time, all in one unit."""
@@ -161,6 +193,7 @@ class Series:
     names: tuple[str, ...]
     colors: tuple[tuple[int, ...], ...] = ()  #: RGB or RGBA
     epoch: Epoch | None = None  #: zero of the time; None: that of the log
+    spans: tuple[Span, ...] = ()  #: shaded; a review adds those of its tab
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,7 +263,10 @@ class Conditioner(Protocol):
 
 
 class Review(Protocol):
-    """Where an analysis shows its result. Each call writes to the recording; tables and notes go to the terminal too."""
+    """Where an analysis shows its result. Each call writes to the recording; tables and notes go to the terminal too.
+
+    A class that inherits from this protocol need not know scenes, spans, events and bars: it shows them by its other calls.
+    """
 
     def tab(self, name: str) -> None:
         """Open a tab; all later calls show on this tab."""
@@ -262,6 +298,27 @@ class Review(Protocol):
     def note(self, text: str) -> None:
         """State what a reader of the result must know."""
         ...
+
+    def scene(self, scene: Scene) -> None:
+        """Show a motion over time: the body, what estimators believe in each episode, and points; once on a tab.
+
+        Without a picture in time, it is a map of tracks: that of the body, and in the named episodes those of the estimators.
+        """
+        self.track(scene.body.name, scene.body.position, INK)
+        for episode in scene.episodes:
+            for belief in episode.beliefs if episode.name else ():
+                self.track(f"{belief.name}, {episode.name}", belief.position, belief.color)
+
+    def span(self, span: Span) -> None:
+        """Shade a span of time in all charts of the tab. Without shading, it is not shown: a span only helps to read a chart."""
+
+    def event(self, event: Event) -> None:
+        """Mark an event in all charts of the tab, and list it. Without marks, it is a note."""
+        self.note(f"{event.level}: {event.source}: {event.text}")
+
+    def bars(self, bars: Bars) -> None:
+        """Show bars with their intervals. Without bars, they are a table."""
+        self.table(bars.table())
 
     @property
     def recording(self) -> rr.RecordingStream:

@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from imuwb.analysis import Figure, Series, Table
+from imuwb.analysis import Bars, Figure, Series, Table
 from imuwb.arrays import Floats
 from imuwb.colors import Color
+from imuwb.scene import Event, Scene, Span
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -16,9 +17,10 @@ class Track:
     position: Floats  #: (n, 3) latitude rad, longitude rad, height m
     color: Color
     label: str = ""
+    picture: str = ""  #: title of the picture that tracks share; empty: all such tracks of a tab
 
 
-Item: TypeAlias = Figure | Series | Table | Track | str  #: a text is a note
+Item: TypeAlias = Figure | Bars | Series | Table | Track | Scene | Span | Event | str  #: a text is a note
 
 
 @dataclass(frozen=True, eq=False, slots=True)

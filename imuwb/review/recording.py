@@ -10,22 +10,26 @@ import pyarrow as pa
 import rerun as rr
 import rerun.blueprint as rrb
 
-from imuwb.analysis import Figure, Series, Table
+from imuwb.analysis import Bars, Figure, Series, Table
 from imuwb.arrays import Floats
 from imuwb.colors import Color
 from imuwb.errors import ImuwbError
 from imuwb.own_process import without
+from imuwb.review import bars as bar_chart
 from imuwb.review import chart, recorded
 from imuwb.review.clock import Clock
 from imuwb.review.drawn import Drawn, Item, Track
 from imuwb.review.envelope import envelope
 from imuwb.review.recorded import Value
 from imuwb.review.rrd import is_whole, why_cut
+from imuwb.review.shading import Chart
 from imuwb.review.sizes import AREA, TITLE_BAR
+from imuwb.review.stage import SPEED, windows_of
 from imuwb.review.tab import Tab
+from imuwb.review.timelines import Timelines
+from imuwb.scene import Event, Scene, Span
 from imuwb.writers.whole import Draft
 
-ROWS = 65_536  #: rows of a chunk
 SERIES_WIDTH = 1.2  #: width of a line over time
 PANEL = 670.0  #: px, width of the panel on the first tab; 80 columns fit
 VIEWER_PORT = 9876
@@ -78,6 +82,7 @@ class RecordingReview:
             ) from error
         self._tabs: list[Tab] = []
         self._clock = clock
+        self._timelines = Timelines(clock)
         self.notes: list[str] = []
         self.drawn: list[Drawn] = []  #: all calls, for other renderers
         self._summary: rrb.Container | None = None
@@ -109,26 +114,25 @@ class RecordingReview:
         self._keep(series)
         path = f"{self._tab.path}/series_{len(self._tab.series)}"
         time, values = envelope(series.time, series.values)
-        names = [f"{name} [{series.unit}]" for name in series.names]
+        unit = f" [{series.unit}]" if self._tab.stage is None else ""  # beside a scene there is little room
+        names = [f"{name}{unit}" for name in series.names]
         style = rr.SeriesLines(
             names=names, colors=list(series.colors) or None, aggregation_policy=rr.components.AggregationPolicy.MinMax,
             widths=[SERIES_WIDTH] * len(names),
         )  # fmt: skip
         self.recording.log(path, style, static=True)
-        for start in range(0, time.size, ROWS):
-            rows = slice(start, start + ROWS)
-            if series.epoch == "unix":
-                index = rr.TimeColumn(self._clock.timeline, timestamp=time[rows].astype("datetime64[ns]"))
-            else:
-                index = rr.TimeColumn(self._clock.timeline, duration=time[rows].astype("timedelta64[ns]"))
-            scalars = rr.Scalars.columns(scalars=values[rows].ravel()).partition([values.shape[1]] * time[rows].size)
-            self.recording.send_columns(path, [index], scalars)
+        self._timelines.rows(
+            path,
+            time,
+            lambda rows: rr.Scalars.columns(scalars=values[rows].ravel()).partition([values.shape[1]] * rows.size),
+        )
         whole = rr.TimeRange(start=rr.TimeRangeBoundary.infinite(), end=rr.TimeRangeBoundary.infinite())
         view = rrb.TimeSeriesView(
             origin=path, name=f"{series.title} [{series.unit}]", axis_x=rrb.TimeAxis(view_range=whole),
-            plot_legend=rrb.PlotLegend(corner="RightTop", visible=len(names) > 1),
+            plot_legend=rrb.PlotLegend(corner="RightTop" if self._tab.stage is None else "LeftTop", visible=len(names) > 1),
         )  # fmt: skip
         self._tab.series.append(view)
+        self._tab.charts.append(Chart(path, time, values))
 
     def table(self, table: Table) -> None:
         """Show a table."""
@@ -153,6 +157,30 @@ class RecordingReview:
         """Show a trajectory on a map, which the viewer fetches from the network."""
         if view := self._tab.maps.add(self.recording, name, position, color):
             self._tab.pictures.append(view)
+
+    def scene(self, scene: Scene) -> None:
+        """Show a motion over time; once on a tab, before its series."""
+        self._keep(scene)
+        self._tab.show(scene, self.recording, self._timelines)
+        for window in windows_of(scene):
+            self._timelines.window(window)
+
+    def span(self, span: Span) -> None:
+        """Shade a span of time in all charts of the tab."""
+        self._keep(span)
+        self._tab.spans.append(span)
+
+    def event(self, event: Event) -> None:
+        """Mark an event in all charts of the tab, and list it."""
+        self._keep(event)
+        self._tab.events.append(event)
+
+    def bars(self, bars: Bars) -> None:
+        """Show bars with their intervals."""
+        self._keep(bars)
+        self._show(bars.table())
+        path = f"{self._tab.path}/bars_{len(self._tab.pictures)}"
+        self._tab.pictures.append(bar_chart.draw(bars, self.recording, path))
 
     def summary(self, panel: Sequence[str], figure: Figure | None = None) -> None:
         """Show the lines of the panel on the first tab, beside one figure; None: the first figure of all tabs."""
@@ -198,9 +226,13 @@ class RecordingReview:
         self._draft.discard()
 
     def _send_blueprint(self) -> None:
+        for tab in self._tabs:
+            tab.finish(self.recording, self._timelines)
+        self._timelines.send(self.recording)
         layouts = [] if self._summary is None else [self._summary]
         layouts += [layout for tab in self._tabs if (layout := tab.layout(self.recording)) is not None]
-        time_panel = rrb.TimePanel(state="collapsed", play_state="paused", timeline=self._clock.timeline)
+        first, playing = self._timelines.first, SPEED if self._timelines.windows else None
+        time_panel = rrb.TimePanel(state="collapsed", play_state="paused", timeline=first, playback_speed=playing)
         blueprint = rrb.Blueprint(
             rrb.Tabs(*layouts), rrb.BlueprintPanel(state="collapsed"), rrb.SelectionPanel(state="collapsed"), time_panel
         )

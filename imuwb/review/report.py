@@ -10,6 +10,7 @@ from imuwb.analysis import Answer, Figure
 from imuwb.log import Log
 from imuwb.review.drawn import Drawn
 from imuwb.review.panel import Origin, filled
+from imuwb.review.still import still
 from imuwb.review.thin import thin, thin_figure
 from imuwb.texts import printable
 
@@ -68,7 +69,7 @@ def report_of(
     figure = answer.figure or next((one.item for one in drawn if isinstance(one.item, Figure)), None)
     answer = replace(answer, next=filled(answer.next, origin), figure=None, numbers={})
     sources = tuple(Source(p.path, p.format, p.hash, p.selection) for p in (log.provenance for log in logs))
-    shown = tuple(thin(one) for one in drawn if one.item is not figure)
+    shown = tuple(thin(one) for one in still(drawn) if one.item is not figure)
     command = origin.command or shlex.join(("imuwb", *origin.analysis.split(), *origin.logs))
     first = None if figure is None else thin_figure(figure)
     return cleaned(Report(origin.analysis, answer, first, shown, sources, command, run, version))

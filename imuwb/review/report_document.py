@@ -14,6 +14,7 @@ from imuwb.errors import UnreadableLogError
 from imuwb.log import SECOND, Epoch
 from imuwb.review.drawn import Drawn, Item, Track
 from imuwb.review.report import Report, Source, cleaned
+from imuwb.scene import Span
 
 KEPT = "page"  #: name of the text in a recording
 SCHEMA = 1
@@ -99,6 +100,7 @@ def _written(item: Item) -> dict[str, object]:
             "start": start,
             "time": time,
             "values": [_numbers(row) for row in item.values.T],
+            "spans": [_fields(span) for span in item.spans],
         }
     if isinstance(item, Table):
         return {"kind": "table", **_fields(item)}
@@ -152,8 +154,11 @@ def _series(one: Mapping[str, Any]) -> Series:
     time = int(one["start"]) + np.rint(_array(one["time"]) * SECOND).astype(np.int64)
     values = np.stack([_array(column) for column in one["values"]], axis=1)
     colors = tuple(_color(color) for color in one["colors"])
+    spans = tuple(
+        Span(int(s["begin"]), int(s["end"]), str(s["text"]), _color(s["color"])) for s in one.get("spans", ())
+    )
     epoch = None if one["epoch"] is None else EPOCHS[EPOCHS.index(one["epoch"])]
-    return Series(str(one["title"]), str(one["unit"]), time, values, _texts(one["names"]), colors, epoch)
+    return Series(str(one["title"]), str(one["unit"]), time, values, _texts(one["names"]), colors, epoch, spans)
 
 
 def _table(one: Mapping[str, Any]) -> Table:
@@ -163,7 +168,7 @@ def _table(one: Mapping[str, Any]) -> Table:
 
 def _track(one: Mapping[str, Any]) -> Track:
     position = np.array(one["position"], float).T.reshape(-1, 3)
-    return Track(str(one["name"]), position, _color(one["color"]), str(one["label"]))
+    return Track(str(one["name"]), position, _color(one["color"]), str(one["label"]), str(one.get("picture", "")))
 
 
 def _texts(values: Iterable[object]) -> tuple[str, ...]:

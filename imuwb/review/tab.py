@@ -10,12 +10,14 @@ import rerun.blueprint as rrb
 from imuwb.analysis import Figure, Table
 from imuwb.review import chart
 from imuwb.review.drawing import entity_name
+from imuwb.review.markdown import literal, markdown
 from imuwb.review.pages import Cell, Item, Notes, Page, pages
+from imuwb.review.shading import Chart, event_list, shade
 from imuwb.review.sizes import fitted
+from imuwb.review.theatre import Theatre
+from imuwb.review.timelines import Timelines
 from imuwb.review.track import Maps, Tracks
-from imuwb.texts import printable
-
-MARKUP = str.maketrans({c: f"\\{c}" for c in "|*_`<>[]~$\\"})
+from imuwb.scene import Event, Scene, Span
 
 
 @dataclass(slots=True)
@@ -30,6 +32,10 @@ class Tab:
     series: list[rrb.View] = field(default_factory=list[rrb.View])
     tables: list[Table] = field(default_factory=list[Table])
     notes: list[str] = field(default_factory=list[str])
+    charts: list[Chart] = field(default_factory=list[Chart])  #: the values of ``series``
+    spans: list[Span] = field(default_factory=list[Span])
+    events: list[Event] = field(default_factory=list[Event])
+    stage: Theatre | None = None  #: the views of the scene
     _drawn: int = 0  #: number of items that have entities
 
     @staticmethod
@@ -38,12 +44,34 @@ class Tab:
         path = f"/{entity_name(name.lower())}"
         return Tab(name, path, Tracks(f"{path}/track"), Maps(f"{path}/map"))
 
+    def show(self, scene: Scene, recording: rr.RecordingStream, timelines: Timelines) -> None:
+        """Log a scene.
+
+        Raises:
+            ValueError: the tab has a scene already.
+        """
+        if self.stage is not None:
+            raise ValueError(
+                f"tab {self.name}: a second scene, {scene.title}; a tab shows one, so open another tab for it"
+            )
+        self.stage = Theatre.of(scene, recording, timelines, f"{self.path}/scene")
+
+    def finish(self, recording: rr.RecordingStream, timelines: Timelines) -> None:
+        """Log the spans and the events, whose places in the charts follow from all that the tab shows."""
+        for shown in self.charts:
+            shade(shown, self.spans, self.events, recording, timelines)
+        if self.events:
+            view = event_list(self.events, timelines, f"{self.path}/events")
+            (self.series if self.stage is None else self.stage.below).append(view)
+
     def layout(self, recording: rr.RecordingStream) -> rrb.Container | None:
         """Draw all that the tab shows, and return the arrangement of the views, with tabs for several pages; None: nothing."""
-        parts = pages(self.pictures, self.series, self.tables, self.notes)
-        if not parts:
-            return None
+        parts = pages(self.pictures, self.series if self.stage is None else (), self.tables, self.notes)
         shown = [self._page(part, recording) for part in parts]
+        if self.stage is not None:
+            shown.insert(0, self.stage.layout("In time", self.series))
+        if not shown:
+            return None
         if len(shown) == 1:
             return rrb.Vertical(*shown[0].contents, row_shares=shown[0].row_shares, name=self.name)
         return rrb.Tabs(*shown, name=self.name)
@@ -71,15 +99,3 @@ class Tab:
         path = f"{self.path}/text_{number}"
         recording.log(path, rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN), static=True)
         return rrb.TextDocumentView(origin=path, name=name)
-
-
-def markdown(table: Table) -> str:
-    """Return a table and its caption as Markdown."""
-    head = (" | ".join(map(literal, table.headings)), " | ".join("---" for _ in table.headings))
-    lines = [f"| {row} |" for row in (*head, *(" | ".join(map(literal, row)) for row in table.rows))]
-    return "\n".join(lines) + (f"\n\n{literal(table.caption)}" if table.caption else "")
-
-
-def literal(text: str) -> str:
-    """Return a text in which no character is read as markup, and which has only characters that can be shown."""
-    return printable(text).translate(MARKUP)

@@ -146,10 +146,21 @@ def _series(series: Series, look: Look, axes: Any) -> None:  # noqa: ANN401 - ma
     span = float(time[-1]) / SECOND if time.size else 0.0
     unit, length = next((unit, length) for least, unit, length in TIMES if span >= least)
     axes.set(xlabel=f"time from the first sample [{unit}]", ylabel=f"[{series.unit}]")
+    _shade(series, look, axes, length)
     for i, name in enumerate(series.names):
         r, g, b = series.colors[i][:3] if i < len(series.colors) else color_at(i)
         color = look.color((r, g, b))
         axes.plot(time / (length * SECOND), series.values[:, i], lw=0.7, color=color, label=_label(name))
+
+
+def _shade(series: Series, look: Look, axes: Any, length: int) -> None:  # noqa: ANN401 - matplotlib has no types
+    """Shade the spans of a series; ``length`` is the unit of the time axis, s."""
+    named: set[str] = set()
+    for span in series.spans if series.time.size else ():
+        ends = [(t - int(series.time[0])) / (length * SECOND) for t in (span.begin, span.end)]
+        label = None if span.text in named else _label(span.text)
+        axes.axvspan(*ends, color=look.color(span.color), alpha=0.18, lw=0, label=label)
+        named.add(span.text)
 
 
 def _tracks(tracks: Sequence[Track], look: Look, axes: Any) -> None:  # noqa: ANN401 - matplotlib has no types

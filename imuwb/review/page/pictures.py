@@ -30,15 +30,15 @@ def drawings(drawn: Sequence[Drawn]) -> Iterator[tuple[str, Drawing]]:
             if isinstance(item, Figure) or (isinstance(item, Series) and item.time.size):
                 yield tab, item
         tracks = [item for item in items if isinstance(item, Track) and len(item.position)]
-        if tracks:
-            yield tab, tracks
+        for name in dict.fromkeys(track.picture for track in tracks):
+            yield tab, [track for track in tracks if track.picture == name]
 
 
 def title_of(drawing: Drawing) -> str:
     """Return the title of a picture."""
     if isinstance(drawing, Figure | Series):
         return drawing.title
-    return f"Track of {drawing[0].name}: north up"
+    return f"{drawing[0].picture or f'Track of {drawing[0].name}'}: north up"
 
 
 def picture(drawing: Drawing, look: Look, prefix: str, *, apart: bool = False) -> Picture:

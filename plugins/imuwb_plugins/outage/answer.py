@@ -31,7 +31,7 @@ def answer(result: Result | Drives) -> Answer:
     if not durations:
         return Answer("no outage is scored", sentences=tuple(result.notes[:3]))
     last = durations[-1]
-    names = _order(last)
+    names = last.ranked
     rows = tuple(
         (name, *(_drift(own.models.get(name)) for own in durations), sigma_text(last.models[name]))
         for name in names[:FILTERS]
@@ -81,15 +81,6 @@ def _shown(summaries: Sequence[DurationSummary]) -> list[DurationSummary]:
     known = [own for own in summaries if own.models]
     usual = [own for own in known if own.duration in SHOWN]
     return usual or sorted(known, key=lambda own: own.duration)[-2:]
-
-
-def _order(last: DurationSummary) -> list[str]:
-    """Return the filters, the best first."""
-    names = sorted(last.models, key=lambda name: last.models[name].median_end)
-    if last.choice is None:
-        return names
-    likely = [candidate.model for candidate in last.choice.candidates]
-    return [*likely, *(name for name in names if name not in likely)]
 
 
 def _drift(own: FilterSummary | None) -> str:

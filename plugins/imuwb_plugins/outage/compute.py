@@ -22,6 +22,7 @@ from imuwb.replay import (
     verdict,
 )
 from imuwb_plugins.outage import filters, notes, summary, tracks
+from imuwb_plugins.outage.drive import drive
 from imuwb_plugins.outage.given_outages import outages_of
 from imuwb_plugins.outage.installation import Installed, base_of, installed
 from imuwb_plugins.outage.models import Filters, filters_of
@@ -76,7 +77,7 @@ def _result(replayed: Replay, parameters: Parameters, own: Installed, chosen: Fi
         filters.budget(replayed), replayed.reference.name, tuple(dict.fromkeys(verdicts)),
         notes.notes(replayed, durations, infos, own, chosen), own.clocks, own.mounting, chosen.motion,
         own.correlation, chosen.tuned, chosen.error_model,
-        filters.sensor_errors(replayed), replayed.reference.position, tracks.tracks(replayed), parameters.map,
+        replayed.reference.position, drive(replayed, durations), parameters.map,
         tracks.navigation(replayed), replayed.failed, replayed,
     )  # fmt: skip
 

@@ -1,13 +1,11 @@
 """The figures of an outage replay."""
 
-from collections.abc import Iterator
-
 import numpy as np
 
-from imuwb.analysis import Curve, Figure, Series
+from imuwb.analysis import Curve, Figure
 from imuwb.colors import (
-    AXIS_COLORS,
     BLUE,
+    BROWN,
     GREEN,
     GREY,
     INK,
@@ -20,16 +18,13 @@ from imuwb.colors import (
     Color,
 )
 from imuwb.replay.scoring.budget import COMMON
-from imuwb.units import STANDARD_GRAVITY
-from imuwb_plugins.outage.result import DurationSummary, ErrorBudget, Result, SensorErrors
+from imuwb_plugins.outage.result import DurationSummary, ErrorBudget, Result
 
 COLORS: dict[str, Color] = {
-    "none": GREY, "15AV": BLUE, "18AV": GREEN, "18AVWD": RED, "15AR": ORANGE, "27AR": PURPLE, "full": TEAL, "motion": RED, "tuned": YELLOW,
+    "none": GREY, "15AV": BLUE, "18AV": GREEN, "18AVWD": BROWN, "15AR": ORANGE, "27AR": PURPLE, "full": TEAL, "motion": RED, "tuned": YELLOW,
 }  # fmt: skip
 SOURCES: tuple[Color, ...] = (RED, BLUE, GREEN, ORANGE, PURPLE, TEAL, YELLOW)
 TIME, ERROR = "time without GNSS [s]", "horizontal error [m]"
-SENSORS = (("gyros", "deg/h", float(np.degrees(3600.0)), 0), ("accelerometers", "mg", 1e3 / STANDARD_GRAVITY, 3))
-PARTS = ("", " -3 sigma", " +3 sigma")
 
 
 def color_of(name: str) -> Color:
@@ -85,21 +80,6 @@ def budget(b: ErrorBudget) -> Figure:
         f"Sources of the sigma of {b.filter}", TIME, "horizontal sigma [m]", tuple(curves),
         y_limits=(1e-2, 1.3 * float(b.total[-1])),
     )  # fmt: skip
-
-
-def sensor_errors(s: SensorErrors) -> Iterator[Series]:
-    """Yield the estimated errors of gyros and of accelerometers, and the true ones."""
-    names = tuple(f"{axis}{part}" for axis in "xyz" for part in PARTS)
-    colors = tuple((*AXIS_COLORS[axis], alpha) for axis in "xyz" for alpha in (255, 90, 90))
-    true_colors = tuple((*AXIS_COLORS[axis], 255) for axis in "xyz")
-    for sensor, unit, factor, first in SENSORS:
-        values = s.estimates[:, first : first + 3].reshape(len(s.time), -1) * factor
-        yield Series(f"Errors of the {sensor}, estimated by {s.filter}", unit, s.time, values, names, colors, s.epoch)
-        if s.true_time is not None and s.true is not None:
-            yield Series(
-                f"True errors of the {sensor}, means over 30 s", unit, s.true_time, s.true[:, first : first + 3] * factor,
-                ("x", "y", "z"), true_colors, s.epoch,
-            )  # fmt: skip
 
 
 def each_outage(result: Result) -> Figure:

@@ -1,20 +1,17 @@
-"""The filters of a replay: states, innovations, error budget and estimates of the sensors' errors."""
+"""The filters of a replay: states, innovations, error budget."""
 
 from collections import Counter
 
 import numpy as np
 
 from imuwb.arrays import Floats
-from imuwb.log import SECOND
 from imuwb.navigation import FilterModel, filter_text
-from imuwb.navigation.filter import axis_errors
-from imuwb.replay import HORIZONS, FilterRun, Outage, Replay, events_of, true_errors, without_overlap
+from imuwb.replay import HORIZONS, FilterRun, Outage, Replay, events_of, without_overlap
 from imuwb.replay import budget as error_budget
 from imuwb.replay.scoring.budget import COMMON
-from imuwb_plugins.outage.result import ErrorBudget, FilterInfo, SensorErrors
+from imuwb_plugins.outage.result import ErrorBudget, FilterInfo
 
 BUDGETED = 30  #: outages
-SIGMAS = 3  #: sigmas between an estimate and its limits
 
 
 def nis_per_dof(run: FilterRun) -> tuple[float, float | None, float | None]:
@@ -62,20 +59,3 @@ def budget(replay: Replay) -> ErrorBudget:
 
 def _root(variance: Floats) -> Floats:
     return np.sqrt(np.where(variance >= 0, variance, np.nan))
-
-
-def sensor_errors(replay: Replay) -> SensorErrors:
-    """Return the last filter's estimates of the sensors' errors, and the true ones if the log has them."""
-    name, last = list(replay.runs.items())[-1]
-    errors, sigma = axis_errors(last.solution)
-    log = replay.prepared.log
-    true = true_errors(replay.prepared)
-
-    def stamps(seconds: Floats) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
-        return (log.zero or 0) + np.rint(seconds * SECOND).astype(np.int64)
-
-    return SensorErrors(
-        name, log.imu().origin.epoch, stamps(last.solution.time),
-        np.stack([errors, errors - SIGMAS * sigma, errors + SIGMAS * sigma], axis=-1),
-        None if true is None else stamps(true[0]), None if true is None else true[1],
-    )  # fmt: skip

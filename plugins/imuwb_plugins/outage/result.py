@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass, field
 
-from imuwb.arrays import Floats, Integers
-from imuwb.log import Epoch, Reference
+from imuwb.analysis import Series
+from imuwb.arrays import Floats
+from imuwb.log import Reference
 from imuwb.notes import Note
 from imuwb.replay import (
     Choice,
@@ -17,6 +18,7 @@ from imuwb.replay import (
     Replay,
     Tuned,
 )
+from imuwb.scene import Event, Scene, Span
 from imuwb.statistics import Estimate
 from imuwb.stochastic import ImuErrorModel
 
@@ -92,6 +94,15 @@ class DurationSummary:
     by_motion: dict[str, dict[str, float]]  #: motion -> filter -> median error at the end, m
     choice: Choice | None  #: None: too few outages, or one filter
 
+    @property
+    def ranked(self) -> list[str]:
+        """Return the filters, the best first: by the likelihood of the errors; where it is not known, by their median."""
+        names = sorted(self.models, key=lambda name: self.models[name].median_end)
+        if self.choice is None:
+            return names
+        likely = [candidate.model for candidate in self.choice.candidates]
+        return [*likely, *(name for name in names if name not in likely)]
+
 
 @dataclass(frozen=True, slots=True)
 class FilterInfo:
@@ -143,35 +154,14 @@ class PublishedGain:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class SensorErrors:
-    """The errors of the sensors over time: a filter's estimates with three sigma, and the truth if the log has it."""
+class Drive:
+    """The drive in time: the vehicle, what the filters believe in some outages, and charts of the same times."""
 
-    filter: str
-    epoch: Epoch  #: of time
-    time: Integers  #: (m,) ns
-    estimates: Floats  #: (m, 6, 3) rad/s and m/s²: estimate, three sigma below, three sigma above
-    true_time: Integers | None  #: (k,) ns
-    true: Floats | None  #: (k, 6) rad/s and m/s², means over half a minute
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class OutageTrack:
-    """The tracks of all filters in one outage."""
-
-    start: float  #: s
-    positions: dict[str, Floats]  #: filter -> (L, 3) latitude rad, longitude rad, height m
-    ends: dict[str, float]  #: filter -> m, error at the end
-    best: str
-    worst: str
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Tracks:
-    """The tracks of some outages of one duration, and how many outages there are."""
-
-    duration: float  #: s
-    count: int
-    outages: tuple[OutageTrack, ...]
+    scene: Scene
+    charts: tuple[Series, ...]
+    spans: tuple[Span, ...]  #: the outages of the scene, and gaps of the fixes themselves
+    events: tuple[Event, ...]  #: faults of the log at a known time
+    about: str  #: which outages are shown
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -216,9 +206,8 @@ class Result:
     gnss_correlation: GnssCorrelation | None  #: None: given, or not shown by the log
     tuned: Tuned | None
     error_model: ImuErrorModel | None = field(metadata=HELD)  #: in motion, or tuned; None: no such filter
-    sensor_errors: SensorErrors = field(metadata=HELD)
     reference_track: Floats = field(metadata=HELD)  #: (n, 3) latitude rad, longitude rad, height m
-    tracks: tuple[Tracks, ...] = field(metadata=HELD)
+    drive: Drive = field(metadata=HELD)
     on_map: bool = field(metadata=HELD)
     navigation: tuple[Reference, Floats] = field(metadata=HELD)  #: the last filter's run; (n, 4) its quaternions
     failed: dict[str, str] = field(default_factory=dict[str, str])  #: filter that cannot run -> reason

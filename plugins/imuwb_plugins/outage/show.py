@@ -1,14 +1,12 @@
-"""The recording of an outage replay: drift first, then consistency, errors, budget, biases, tracks, outages and filters."""
+"""The recording of an outage replay: drift first, then the drive in time, consistency, errors, budget, outages and filters."""
 
 import rerun as rr
 
 from imuwb.analysis import Review
-from imuwb.colors import INK, SUBGRID
+from imuwb.colors import SUBGRID
 from imuwb.notes import Note
-from imuwb.texts import number_text
 from imuwb_plugins.outage import figures, tables
-from imuwb_plugins.outage.figures import color_of
-from imuwb_plugins.outage.result import Result, Tracks
+from imuwb_plugins.outage.result import Result
 
 FEW = 20  #: outages, up to which each is compared as in the paper
 
@@ -23,6 +21,10 @@ def draw(result: Result, review: Review) -> None:
         review.figure(figures.drift(own))
     for note in (*result.verdicts, *result.notes):
         review.note(note)
+    review.note(Note("drive", result.drive.about))
+    _drive(result, review)
+    if result.on_map:
+        _map(result, review)
     review.tab("Consistency")
     for own in result.summary:
         review.figure(figures.consistency(own))
@@ -36,10 +38,6 @@ def draw(result: Result, review: Review) -> None:
     review.tab("Budget")
     review.figure(figures.budget(result.budget))
     review.table(tables.budget(result.budget))
-    review.tab("Biases")
-    for series in figures.sensor_errors(result.sensor_errors):
-        review.series(series)
-    _tracks(result, review)
     review.tab("Outages")
     review.table(tables.outages(result))
     if len(result.outages) <= FEW:
@@ -49,30 +47,26 @@ def draw(result: Result, review: Review) -> None:
     _filters(result, review)
 
 
-def _tracks(result: Result, review: Review) -> None:
-    """Show the reference, and the tracks of the filters in some outages."""
-    review.tab("Tracks")
-    review.track("reference", result.reference_track, INK)
-    if result.on_map:
-        review.map_track("reference", result.reference_track, SUBGRID)
-    for own in result.tracks:
-        _tracks_of(own, result, review)
+def _drive(result: Result, review: Review) -> None:
+    """Show the drive in time: the vehicle, the filters in some outages, and charts on the same cursor."""
+    review.tab("Drive")
+    own = result.drive
+    review.scene(own.scene)
+    for series in own.charts:
+        review.series(series)
+    for span in own.spans:
+        review.span(span)
+    for event in own.events:
+        review.event(event)
 
 
-def _tracks_of(own: Tracks, result: Result, review: Review) -> None:
-    for outage in own.outages:
-        best, worst = outage.best, outage.worst
-        label = f"{best} {number_text(outage.ends[best])} m, {worst} {number_text(outage.ends[worst])} m"
-        for name in sorted(outage.positions, key=lambda name: name == best):  # the best one, with the label, on top
-            position, title = outage.positions[name], f"{name} at {outage.start:.0f} s"
-            if result.on_map:
-                review.map_track(title, position, color_of(name))
-            review.track(title.replace(" ", "_"), position, color_of(name), label if name == best else "")
-    text = (
-        f"tracks: {len(own.outages)} of {own.count} outages of {own.duration:g} s; the labels show the smallest and the largest "
-        "error at the end"
-    )
-    review.note(Note("tracks", text))
+def _map(result: Result, review: Review) -> None:
+    """Show the reference, and the filters in the named outages, on a map."""
+    review.tab("Map")
+    review.map_track("reference", result.reference_track, SUBGRID)
+    for episode in result.drive.scene.episodes:
+        for belief in episode.beliefs if episode.name else ():
+            review.map_track(f"{belief.name}, {episode.name}", belief.position, belief.color)
 
 
 def _comparison(result: Result, review: Review) -> None:

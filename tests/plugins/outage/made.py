@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from imuwb.analysis import Review
 from imuwb.log import AXES
 from imuwb.stochastic import AxisModel, Constant, FlickerNoise, GaussMarkov, ImuErrorModel, RandomWalk, Sum, WhiteNoise
 from imuwb_plugins.outage import Parameters
@@ -27,8 +28,10 @@ def stated(**options):
     return Parameters(**(known | options))
 
 
-class Shown:
+class Shown(Review):
     """A review that remembers what it was shown."""
+
+    recording = None
 
     def __init__(self) -> None:
         self.tabs, self.figures, self.tables, self.notes, self.tracks, self.logged = [], [], [], [], [], []

@@ -35,7 +35,7 @@ def test_tables_and_notes(few):
     assert few.published["15AV"].own_max == pytest.approx(np.mean(gains))
     assert "18AVWD" in printed.rows[-1][0]
     assert printed.rows[-1][4].endswith(f"/ {100 * np.mean(gains):.1f} %")
-    assert {"reference", "alignment-after-standstill", "aids", "sigma-right", "tracks"} <= set(ids(shown.notes))
+    assert {"reference", "alignment-after-standstill", "aids", "sigma-right", "drive"} <= set(ids(shown.notes))
     assert any(n.startswith("10 s: full: ") for n in shown.notes)
 
 
@@ -48,9 +48,9 @@ def test_every_figure_has_units_and_finite_curves(swept):
         for label in (figure.x_title, figure.y_title):
             assert "[" in label
         assert figure.curves
-    assert {"Consistency", "Errors", "Tracks", "Outages", "Comparison", "Filters"} <= set(shown.tabs)
+    assert {"Consistency", "Errors", "Drive", "Outages", "Comparison", "Filters"} <= set(shown.tabs)
     assert any(name == "reference" for name, _, _ in shown.tracks)
-    assert any(name.startswith("full_at_") for name, _, _ in shown.tracks)
+    assert any(name == "full, typical outage" for name, _, _ in shown.tracks)
 
 
 def test_a_sweep_lists_the_worst(swept):

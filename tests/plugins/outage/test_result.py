@@ -113,26 +113,17 @@ def test_the_budget_is_the_last_filters(few, replayed):
         assert np.nan_to_num(sigma) ** 2 == pytest.approx(np.maximum(variance, 0), abs=1e-12)
 
 
-def test_estimated_errors_have_three_sigma(few, replayed):
+def test_estimated_biases_have_three_sigma(few, replayed):
     from imuwb.navigation.filter import axis_errors
 
-    s = few.sensor_errors
-    errors, sigma = axis_errors(replayed.runs["full"].solution)
-    assert s.filter == "full"
-    assert s.estimates[..., 0] == pytest.approx(errors)
-    assert s.estimates[..., 2] - s.estimates[..., 1] == pytest.approx(6 * sigma, abs=1e-12)
-    assert s.true.shape[1] == 6
-
-
-def test_tracks_end_at_the_best_and_the_worst(few):
-    (of,) = few.tracks
-    assert (of.duration, of.count, len(of.outages)) == (10.0, 7, 6)
-    for track in of.outages:
-        (one,) = [o for o in few.outages if o.start == track.start]
-        assert track.ends == pytest.approx({name: m.end for name, m in one.models.items()})
-        assert track.ends[track.best] == min(track.ends.values())
-        assert track.ends[track.worst] == max(track.ends.values())
-        assert all(position.shape == (10, 3) for position in track.positions.values())
+    best = few.summary[-1].ranked[0]
+    errors, sigma = axis_errors(replayed.runs[best].solution)
+    gyro = few.drive.charts[-2]
+    assert (gyro.title.split(" of ")[0], gyro.unit) == ("Gyro bias", "deg/h")
+    columns = np.radians(gyro.values / 3600).reshape(len(errors), 3, -1)  # estimate, less and more by 3 sigma, truth
+    assert columns[..., 0] == pytest.approx(errors[:, :3])
+    assert columns[..., 2] - columns[..., 1] == pytest.approx(6 * sigma[:, :3], abs=1e-12)
+    assert np.isfinite(columns[..., 3]).all()
 
 
 def test_summary_is_of_the_outages(swept):
