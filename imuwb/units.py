@@ -48,10 +48,14 @@ _TABLE: dict[str, dict[str, float]] = {
     "frequency": {"Hz": 1, "kHz": 1e3},
     "length": {"m": 1, "cm": 1e-2, "mm": 1e-3, "km": 1e3, "ft": 0.3048},
     "angle": {"rad": 1, "mrad": 1e-3, "deg": _DEG, "arcsec": _DEG / _H, "degE7": _DEG * 1e-7},
-    "speed": {"m/s": 1, "km/h": 1 / 3.6, "cm/s": 1e-2, "mm/s": 1e-3, "knot": 1852 / _H, "ft/s": 0.3048, "mph": 1609.344 / _H},
+    "speed": {
+        "m/s": 1, "km/h": 1 / 3.6, "cm/s": 1e-2, "mm/s": 1e-3, "knot": 1852 / _H, "ft/s": 0.3048, "mph": 1609.344 / _H,
+        "g·s": _G, "mg·s": _G * 1e-3, "µg·s": _G * 1e-6,
+    },
     "angular_rate": {
         "rad/s": 1, "mrad/s": 1e-3, "µrad/s": 1e-6, "deg/s": _DEG, "mdeg/s": _DEG * 1e-3, "deg/h": _DEG / _H,
-        "arcsec/s": _DEG / _H, "rpm": math.pi / 30,
+        "deg/min": _DEG / 60, "rad/h": 1 / _H, "rad/min": 1 / 60, "arcsec/s": _DEG / _H, "arcsec/h": _DEG / _H**2, "rpm": math.pi / 30,
+        "rev/s": 2 * math.pi,
     },
     "specific_force": {
         "m/s²": 1, "g": _G, "mg": _G * 1e-3, "µg": _G * 1e-6, "m/s/h": 1 / _H, "cm/s²": 1e-2,
@@ -98,6 +102,9 @@ _ALIASES = {
     "usec": "us", "µs": "us", "μs": "us", "nsec": "ns", "degc": "°C", "c": "°C", "celsius": "°C",
     "degf": "°F", "f": "°F", "fahrenheit": "°F",
     "degree": "deg", "degrees": "deg", "°": "deg", "mps": "m/s", "kmh": "km/h", "kph": "km/h",
+    "dph": "deg/h", "degph": "deg/h", "°/min": "deg/min", "rad/hr": "rad/h", '"/s': "arcsec/s", "''/s": "arcsec/s", "arcsec/hr": "arcsec/h",
+    "rps": "rev/s", "rev/min": "rpm", "r/min": "rpm", "gn": "g", "g0": "g", "n/kg": "m/s²", "microg": "µg", "millig": "mg", "milli-g": "mg",
+    "micro-g": "µg", "g*s": "g·s", "g-s": "g·s", "gsec": "g·s", "mg*s": "mg·s", "ug*s": "µg·s",
     "radpersec": "rad/s", "degpersec": "deg/s", "mdps": "mdeg/s", "ugal": "µGal", "gal": "cm/s²", "m/^s": "m/s²",
     "as/s": "arcsec/s", "arcseconds": "arcsec", "knots": "knot", "kts": "knot", "kt": "knot", "kn": "knot", "kmph": "km/h",
     "1e-7deg": "degE7", "deg*1e-7": "degE7", "degx1e-7": "degE7", "deg*10^-7": "degE7", "10^-7deg": "degE7", "urad/s": "µrad/s",
@@ -114,8 +121,8 @@ def _canonical(text: str) -> str:
 
 #: word of a spelled unit -> its sign
 _WORDS = {
-    "radian": "rad", "degree": "deg", "second": "s", "sec": "s", "hour": "h", "hr": "h", "meter": "m", "metre": "m", "per": "/",
-    "millisecond": "ms", "microsecond": "us", "nanosecond": "ns", "arcsecond": "arcsec", "squared": "²", "°": "deg", "dgr": "deg",
+    "radian": "rad", "degree": "deg", "second": "s", "sec": "s", "hour": "h", "hr": "h", "minute": "min", "revolution": "rev", "turn": "rev",
+    "meter": "m", "metre": "m", "per": "/", "millisecond": "ms", "microsecond": "us", "nanosecond": "ns", "arcsecond": "arcsec", "squared": "²", "°": "deg", "dgr": "deg",
 }  # fmt: skip
 _EXPONENT = re.compile(r"[.*⋅]?(s|h)\^?[-−⁻]([12¹²])$")
 
@@ -169,7 +176,14 @@ def unit(name: str) -> Unit:
     """
     text = _canonical(name)
     folded = text.lower()
-    known = text if text in UNITS else _FOLDED.get(folded) or _ALIASES.get(folded) or _spelled(name)
+    stated = name.strip()
+    known = (
+        stated
+        if stated in UNITS
+        else text
+        if text in UNITS
+        else _FOLDED.get(folded) or _ALIASES.get(folded) or _spelled(name)
+    )
     if known is None:
         scale = _scale(name)
         if scale is not None:

@@ -10,7 +10,7 @@ from imuwb.readers.text import time_tag
 from imuwb.readers.text.cells import blocks
 from imuwb.readers.text.encoding import is_text
 from imuwb.readers.text.sensor_files import is_folder_of_sensors, partners_of
-from imuwb.readers.text.several import of_folder, of_tags, of_zip, with_partner
+from imuwb.readers.text.several import in_overlapping_blocks, of_folder, of_tags, of_zip, with_partner
 from imuwb.readers.text.sidecar import names_of, with_sidecar
 from imuwb.readers.text.tables import layouts_of
 from imuwb.readers.text.text_table import Table
@@ -51,6 +51,8 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     options, remarks = with_sidecar(path, options)
     yield from remarks
     layouts = layouts_of(path, options)
+    if layouts[0].tag is None:
+        layouts = in_overlapping_blocks(path, layouts[0], options) or layouts
     if layouts[0].tag is not None:
         yield from of_tags(path, layouts, options)
         return
@@ -67,7 +69,7 @@ def part(path: Path, options: ReadOptions, limits: Limits) -> Iterator[Batch | R
         raise CannotSeekError
     options, remarks = with_sidecar(path, options)
     layouts = layouts_of(path, options)
-    if layouts[0].tag is not None or partners_of(path):
+    if layouts[0].tag is not None or partners_of(path) or in_overlapping_blocks(path, layouts[0], options):
         raise CannotSeekError
     yield from remarks
     yield from Table(path, layouts[0], options, blocks, limits).parts()

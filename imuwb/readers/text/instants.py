@@ -10,6 +10,9 @@ from imuwb.units import SECOND, UNIX_EPOCH
 
 _CLOCK = r"(?P<h>\d{1,2})(?P<sep>[:\-_])(?P<mi>\d\d)(?P=sep)(?P<s>\d\d)(?:[.,:_](?P<f>\d+))?(?: ?(?P<half>[AP]M))?"
 _SHORT_CLOCK = r"(?P<h>\d\d)(?P<mi>\d\d)(?P<s>\d\d)(?:[.,](?P<f>\d+))?"
+#: a time of day as a number, 95958.5 for 09:59:58.5, without the zeros at its beginning
+_NUMBER_CLOCK = r"(?:(?P<h>\d{1,2})(?=\d{4}))?(?:(?P<mi>\d{1,2})(?=\d\d))?(?P<s>\d{1,2})(?:\.(?P<f>\d+))?"
+_DAY_DIGITS = 6  #: of HHMMSS; a second of the day has five at most
 _ZONE = r"(?: ?(?P<zone>Z|UTC|GMT|[+-]\d\d(?::?\d\d)?))?"
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 #: form of a date -> its pattern; of two that fit all cells, the first
@@ -35,12 +38,17 @@ class Form:
     ambiguous: bool = False  #: the day and the month may be exchanged
 
 
-def form_of(texts: Iterable[str]) -> Form | None:
-    """Return the form that most texts have; None for other texts. A date and a time of day are joined by a T."""
+def form_of(texts: Iterable[str], *, numbers: bool = False) -> Form | None:
+    """Return the form that most texts have; None for other texts. A date and a time of day are joined by a T.
+
+    Args:
+        texts: cells of a column, or of two.
+        numbers: whether the times of day are numbers, HHMMSS.
+    """
     cells = [text for text in texts if text]
     if not cells:
         return None
-    for clock in (_CLOCK, _SHORT_CLOCK):
+    for clock in (_NUMBER_CLOCK,) if numbers else (_CLOCK, _SHORT_CLOCK):
         for name, date in _DATES.items():
             found = _matches(rf"{date}[T _]+{clock}{_ZONE}", cells)
             if found is not None:
@@ -75,6 +83,14 @@ def is_time_of_day(text: str) -> bool:
     return re.fullmatch(_CLOCK + _ZONE, text, re.IGNORECASE) is not None
 
 
+def are_clock_numbers(cells: Iterable[str]) -> bool:
+    """Return whether all cells are numbers HHMMSS or HHMMSS.sss of times of day, and not seconds of the day."""
+    filled = [cell for cell in cells if cell]
+    found = [re.fullmatch(_NUMBER_CLOCK, cell) for cell in filled]
+    possible = all(m and int(m["h"] or 0) < 24 and int(m["mi"] or 0) < 60 and int(m["s"]) < 61 for m in found)  # noqa: PLR2004 - a clock
+    return possible and any(len(cell.partition(".")[0]) == _DAY_DIGITS for cell in filled)
+
+
 def nanoseconds(text: str, form: Form) -> int | None:
     """Return an instant in ns since 1970 UTC, or a time of day in ns since midnight; None for a text of another form.
 
@@ -85,15 +101,15 @@ def nanoseconds(text: str, form: Form) -> int | None:
         return None
     parts = match.groupdict()
     fraction = (parts["f"] or "")[:9].ljust(9, "0")
-    hour = parts["h"]
+    hour, minutes = parts["h"] or "0", parts["mi"] or "0"
     if half := (parts.get("half") or "").upper():
         hour = str(int(hour) % 12 + 12 * (half == "PM"))
     if not form.dated:
-        whole = (int(hour) * 60 + int(parts["mi"])) * 60 + int(parts["s"])
+        whole = (int(hour) * 60 + int(minutes)) * 60 + int(parts["s"])
         return whole * SECOND + int(fraction)
     month = parts.get("m") or str(_MONTHS.index(parts["name"].lower()) + 1)
     day, month = (month, parts["d"]) if form.month_first else (parts["d"], month)
-    minute = _minute(parts["y"], month, day, hour, parts["mi"], (parts["zone"] or "").upper())
+    minute = _minute(parts["y"], month, day, hour, minutes, (parts["zone"] or "").upper())
     return None if minute is None else minute + int(parts["s"]) * SECOND + int(fraction)
 
 

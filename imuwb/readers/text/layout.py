@@ -11,6 +11,7 @@ from imuwb.errors import ImuwbError, UnreadableLogError
 from imuwb.readers.bytes import source
 from imuwb.readers.text.column_names import columns
 from imuwb.readers.text.encoding import Encoding, encoding_of, head_text
+from imuwb.readers.text.grouping import marks_of, ungrouped
 from imuwb.readers.text.trust import is_number
 from imuwb.units import unit
 
@@ -46,6 +47,7 @@ class Layout:
     cut_first: bool = False  #: the file begins in the middle of a line, which is skipped
     fault: str = ""  #: why the content of the packed file may be wrong; empty for a sound file
     decimal: str = "."  #: decimal mark; cells in ``first`` and ``sample`` have a point
+    thousands: str = ""  #: separator of the thousands of a number; empty in nearly all files
     marked: str = ""  #: mark at the beginning of every row of numbers, such as "#"; empty in nearly all files
     sample: tuple[tuple[str, ...], ...] = ()  #: the cells of the first rows
     comments: tuple[str, ...] = ()  #: the lines before the first row, apart from the header
@@ -91,6 +93,9 @@ def _layout(path: Path, texts: list[str]) -> Layout:
         raise UnreadableLogError(f"{path}: the first {len(texts)} lines are all comments; a log needs rows of numbers")
     bare = [text.strip().removeprefix(marked) if marked else text for text in texts]
     delimiter, decimal = _marks([bare[i] for i in rows])
+    decimal, thousands = _grouped(path, [bare[i] for i in rows], delimiter, decimal)
+    if thousands:
+        bare = [ungrouped(text.encode(), delimiter, thousands).decode() for text in bare]
     cells = {i: cells_of(bare[i], delimiter, decimal) for i in rows}
     numeric = [i for i in rows if is_numeric(cells[i])]
     if not numeric:
@@ -112,10 +117,18 @@ def _layout(path: Path, texts: list[str]) -> Layout:
     return Layout(
         delimiter, first, header.names, tuple(cells[first]),
         cut_first=not header.names and len(cells[numeric[0]]) < usual,
-        decimal=decimal, marked=marked,
+        decimal=decimal, marked=marked, thousands=thousands,
         sample=tuple(tuple(cells[i]) for i in whole if i >= first)[:SAMPLE],
         comments=tuple(texts[i] for k, i in enumerate(before) if k not in header.lines),
     )  # fmt: skip
+
+
+def _grouped(path: Path, rows: list[str], delimiter: str, decimal: str) -> tuple[str, str]:
+    """Return the decimal mark, and the separator of thousands, which only quoted cells, or those of other delimiters, can have."""
+    if delimiter == " " or (delimiter == "," and not any('"' in row or "'" in row for row in rows)):
+        return decimal, ""
+    cells = (cell for row in rows for cell in cells_of(row, delimiter))
+    return marks_of(path, cells, decimal)
 
 
 def _first_like_others(whole: list[int], cells: Mapping[int, list[str]]) -> int:

@@ -12,6 +12,7 @@ from imuwb.notes import Note
 from imuwb.readers.bytes import source
 from imuwb.readers.bytes.budget import check_line
 from imuwb.readers.text.encoding import plain
+from imuwb.readers.text.grouping import ungrouped
 from imuwb.readers.text.keyed_lines import values_of
 from imuwb.readers.text.layout import COMMENT, Layout
 from imuwb.readers.text.trust import trusted
@@ -20,7 +21,7 @@ BLOCK = 1 << 20
 #: replaces every byte that is not ASCII by a question mark: no number has such a byte, and the parser fails on it
 _ASCII = bytes(range(128)) + b"?" * 128
 _COMMENTS = tuple(mark.encode() for mark in COMMENT)
-_QUOTED_COMMA = re.compile(rb'"([^",]*),([^",]*)"')
+_QUOTED = re.compile(rb'"([^"\n]*)"')
 ROWS_COMPARED = 100  #: number of rows with which a last line without its end is compared
 
 
@@ -160,8 +161,14 @@ class Rows(io.RawIOBase):
 
     def _separated(self, data: bytes) -> bytes:
         """Return the lines with the delimiter and the decimal point that the parser expects."""
+        if self._layout.thousands:
+            data = ungrouped(data, self._layout.delimiter, self._layout.thousands)
         if self._layout.decimal == ",":
-            data = _QUOTED_COMMA.sub(rb"\1.\2", data) if self._layout.delimiter == "," else data.replace(b",", b".")
+            data = (
+                _QUOTED.sub(lambda cell: cell[1].replace(b",", b"."), data)
+                if self._layout.delimiter == ","
+                else data.replace(b",", b".")
+            )
         if self._layout.delimiter == " ":
             data = re.sub(rb"[ \t]+", b",", re.sub(rb"(?m)^[ \t]+|[ \t]+(?=\r?$)", b"", data))
         return data

@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 from imuwb.errors import ImuwbError, UnreadableLogError, UsageError
@@ -16,7 +17,7 @@ from imuwb.readers.text.layout import Layout
 from imuwb.readers.text.left_out import UNKNOWN
 from imuwb.readers.text.sensor_files import files_in, partners_of
 from imuwb.readers.text.sidecar import with_sidecar
-from imuwb.readers.text.tables import layouts_of, name_of, tag_counts
+from imuwb.readers.text.tables import in_blocks, layouts_of, name_of, tag_counts
 from imuwb.readers.text.text_table import Blocks, Table
 from imuwb.readers.text.zipped import unpacked
 from imuwb.units import SECOND
@@ -54,6 +55,21 @@ def of_tags(path: Path, layouts: Sequence[Layout], options: ReadOptions) -> Iter
     """Yield the streams of the tables of one text file, and name the lines of no table."""
     yield from of_layouts(path, layouts, options, blocks)
     yield from other_rows(tag_counts(path, layouts[0]), layouts)
+
+
+def in_overlapping_blocks(path: Path, layout: Layout, options: ReadOptions) -> tuple[Layout, ...]:
+    """Return the tables of sensors whose rows stand one sensor after the other, although their times overlap; empty: there are none.
+
+    Where the times of the next block go on, the blocks may be runs of one sensor.
+    """
+    parted = in_blocks(path, layout)
+    try:
+        tables = [Table(path, one, options, blocks) for one in parted]
+    except (UsageError, UnreadableLogError):
+        return ()
+    if any(later.has_stream and later.start < earlier.end for earlier, later in pairwise(tables)):
+        return parted
+    return ()
 
 
 def of_layouts(path: Path, layouts: Sequence[Layout], options: ReadOptions, rows: Blocks) -> Iterator[Batch | Remark]:

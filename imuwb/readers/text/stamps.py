@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Literal
 
 from imuwb.readers.text.column_names import Column, with_units
-from imuwb.readers.text.instants import Form, form_of, is_date, is_time_of_day
+from imuwb.readers.text.instants import Form, are_clock_numbers, form_of, is_date, is_time_of_day
 from imuwb.readers.text.layout import Layout
 from imuwb.readers.text.trust import is_number
 from imuwb.units import UNITS
@@ -172,6 +172,7 @@ def _texts(named: Sequence[_Named], layout: Layout) -> Iterator[Stamp]:
         if p.numbers and "date" in p.words and _most(is_date, layout.cells(p.column.index))
     ]
     clocks = [index for index, column in texts.items() if _most(is_time_of_day, column)]
+    clocks += [p.column.index for p in named if days and p.numbers and _is_clock(p, layout)]
     joined = set[int]()
     for clock in clocks:
         day = min(days, key=lambda index: (abs(index - clock), index), default=None)
@@ -179,13 +180,19 @@ def _texts(named: Sequence[_Named], layout: Layout) -> Iterator[Stamp]:
             joined |= {day, clock}
             both = [f"{a}T{b}" for a, b in zip(layout.cells(day), layout.cells(clock), strict=True) if a and b]
             name = f"{columns[day].name} {columns[clock].name}".strip()
-            yield Stamp(name, "text", (columns[day], columns[clock]), form=form_of(both))
+            form = form_of(both, numbers=clock not in texts)
+            yield Stamp(name, "text", (columns[day], columns[clock]), form=form)
     for index, column in texts.items():
         form = form_of(column)
         if index not in joined and (form is not None or _is_time(named[index])):
             yield Stamp(
                 columns[index].name, "text", (columns[index],), form=form, relative=form is not None and not form.dated
             )
+
+
+def _is_clock(part: _Named, layout: Layout) -> bool:
+    """Return whether a column has times of day as numbers, HHMMSS."""
+    return _is_time(part) and are_clock_numbers(layout.cells(part.column.index))
 
 
 def _most(test: Callable[[str], bool], cells: Sequence[str]) -> bool:

@@ -173,6 +173,26 @@ def by_column(layout: Layout) -> Iterator[Layout]:
         return
 
 
+def in_blocks(path: Path, layout: Layout) -> tuple[Layout, ...]:
+    """Return the tables of a file in which the rows of each sensor stand together, by a column named after sensors; empty: there are none.
+
+    The first rows may be those of one sensor alone, so the whole file is looked at, if it has such a column.
+    """
+    for place, name in enumerate(layout.names):
+        if not _is_tag_name(name):
+            continue
+        cells = layout.cells(place)
+        kinds = set(cells)
+        if not all(map(_is_value, kinds)) or len(kinds) * REPEATED > len(cells):
+            continue
+        counts = tag_counts(path, replace(layout, tag=Tag(place, "")))
+        values = [value for value, count in counts.items() if count >= REPEATED and _is_value(value)]
+        if 1 < len(values) <= MOST:
+            names = tuple("-" if i == place else other for i, other in enumerate(layout.names))
+            return tuple(named_axes(replace(layout, names=names, tag=Tag(place, value)), value) for value in values)
+    return ()
+
+
 def _is_tag_name(name: str) -> bool:
     """Return whether a name, or its last part (``header.frame_id``), is one of a column that tells sensors apart."""
     low = name.lower()
@@ -212,4 +232,5 @@ def tag_counts(path: Path, layout: Layout) -> Counter[str]:
     with source.open_unpacked(path) as file:
         for block, _ in source.lines(plain(source.pieces(file, []), layout.encoding)):
             counts.update(pattern.findall(block))
-    return Counter({tag.decode("utf-8", "replace").strip().strip('"'): n for tag, n in counts.items()})
+    counts.subtract(pattern.findall("\n".join(head_lines(path)[: layout.skip]).encode()))  # a header is no row
+    return Counter({tag.decode("utf-8", "replace").strip().strip('"'): n for tag, n in counts.items() if n > 0})

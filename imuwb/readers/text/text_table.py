@@ -132,11 +132,19 @@ class Table:
     @property
     def start(self) -> int:
         """The time of the first row that has one, ns; 0 without such a row."""
+        return next((int(time[0]) for time in self._times()), 0)
+
+    @property
+    def end(self) -> int:
+        """The time of the last row that has one, ns; 0 without such a row. The whole table is read."""
+        return max((int(time[-1]) for time in self._times()), default=0)
+
+    def _times(self) -> Iterator[Integers]:
+        """Yield the times of the rows in pieces, none of which is empty."""
         for block, _ in blocks(self.path, self.layout, self._clock.kinds, Counter()):
             time, _ = self._clock.time(block, 0)
             if time.size:
-                return int(time[0])
-        return 0
+                yield time
 
     @property
     def has_stream(self) -> bool:

@@ -211,3 +211,28 @@ def test_a_fraction_beyond_a_second_costs_its_row(text_log):
     (imu,) = read(text_log("\n".join([*lines, ""]))).imus
     assert len(imu.angular_rate) == 299
     assert [repair.count for repair in imu.origin.repairs] == [1]
+
+
+@pytest.mark.parametrize("header", [("date", "time"), ("Date(YYYYMMDD)", "Time(HHMMSS.sss)"), ("utc_date", "utc_time")])
+@pytest.mark.parametrize(
+    "clock",
+    [
+        lambda t: f"{date_of(t, '%H%M%S')}.{milliseconds(t)}",
+        lambda t: f"{int(date_of(t, '%H%M%S'))}.{milliseconds(t)}",  # a number has no zeros before it
+    ],
+)
+def test_a_date_and_a_time_of_day_as_numbers(tmp_path, monkeypatch, header, clock):
+    midnight = (START // (86_400 * 10**9) + 1) * 86_400 * 10**9
+    monkeypatch.setattr("tests.readers.text.test_stamps.TIMES", midnight - 1_000_000_000 + STEP * np.arange(ROWS))
+    path = tmp_path / "log.csv"
+    path.write_text(table(header, lambda t: (date_of(t, "%Y%m%d"), clock(t))))
+    (imu,) = read(path).imus
+    assert imu.origin.epoch == "unix"
+    assert imu.angular_rate.time.tolist() == [midnight - 1_000_000_000 + STEP * i for i in range(ROWS)]
+
+
+def test_seconds_of_the_day_beside_a_date_are_no_times_of_day(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text(table(("date", "time"), lambda t: (date_of(t, "%Y%m%d"), f"{t / 1e9 % 86_400:.3f}"), rows=50))
+    with pytest.raises(UsageError, match="unit of time column 'time' is unknown"):
+        read(path)

@@ -251,3 +251,24 @@ def test_lines_of_names_and_values_are_tables(text_log, end):
         assert (imu.origin.epoch, repairs(imu)) == ("boot", {})
     assert "ATT" in unused(log)
     assert "MSG" in unused(log)
+
+
+@pytest.mark.parametrize(("name", "ids"), [("id", ("1", "2")), ("device_id", ("AA:01", "BB:02", "CC:03"))])
+@pytest.mark.parametrize("rows", [40, 1500])  # the second block begins within the head of the file, and after it
+def test_sensors_in_blocks_with_one_time_are_parted_by_their_column(text_log, name, ids, rows):
+    lines = [f"time_s,{name},gx_rad_s,gy_rad_s,gz_rad_s,ax_m_s2,ay_m_s2,az_m_s2"]
+    lines += [f"{i / 100:.2f},{own},{k / 10},0,0,0,0,9.{i % 10}" for k, own in enumerate(ids) for i in range(rows)]
+    log = read(text_log("\n".join(lines) + "\n"))
+    assert [imu.name.removeprefix("imu") for imu in log.imus] == list(ids)
+    for k, imu in enumerate(log.imus):
+        assert imu.angular_rate.time.tolist() == [10_000_000 * i for i in range(rows)]
+        assert set(imu.angular_rate.value[:, 0].tolist()) == {k / 10}
+        assert not imu.origin.repairs
+    assert not unused(log)
+
+
+def test_blocks_whose_time_goes_on_are_one_sensor(text_log):
+    lines = ["time_s,id,gx_rad_s,gy_rad_s,gz_rad_s,ax_m_s2,ay_m_s2,az_m_s2"]
+    lines += [f"{i / 100:.2f},{i // 200},0.{i % 7},0,0,0,0,9.8" for i in range(600)]
+    (imu,) = read(text_log("\n".join(lines) + "\n")).imus
+    assert len(imu.angular_rate) == 600
