@@ -4,9 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from imuwb.cli.options import LOG_ARGUMENT, Force, Part, output_option
+from imuwb.cli.options import LOG_ARGUMENT, Force, Full, Part, output_option
 from imuwb.errors import UsageError
 from imuwb.log import Log
 from imuwb.readers.bytes.address import place_of
@@ -25,6 +23,7 @@ def convert(
         ),
     ],
     force: Force = False,
+    full: Full = False,
 ) -> None:
     """Write all streams of a log, or a part of them, as MCAP or CSV.
 
@@ -35,6 +34,7 @@ def convert(
     from imuwb.cli.places import check_places, reserved  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.reading import read_log  # noqa: PLC0415
     from imuwb.cli.terminal import progress, shower  # noqa: PLC0415
+    from imuwb.cli.written import print_written  # noqa: PLC0415
     from imuwb.writers import SUFFIXES, places, write  # noqa: PLC0415
 
     if output.suffix not in SUFFIXES:
@@ -46,11 +46,14 @@ def convert(
     files = places(content, output)
     with reserved(files, sources, force=force), progress(f"writing {output.name}") as report:
         write(content, output, report)
-    show = shower(data=False)
-    for note in (*content.notes, *baked_in(content), *_left_out(content, output)):
-        show(note)
-    for file in files:
-        typer.echo(f"wrote {file}", err=True)
+    lost = (*_left_out(content, output), *baked_in(content))
+    if full:
+        show = shower(data=False)
+        for note in (*content.notes, *lost):
+            show(note)
+    count = len(content.notes)
+    others = (f"{count} note{'s' * (count > 1)} on what was read: --full",) if count and not full else ()
+    print_written("convert", content, files, (*lost, *others))
 
 
 def _left_out(log: Log, output: Path) -> Iterator[str]:

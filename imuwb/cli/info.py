@@ -9,7 +9,7 @@ import typer
 from imuwb import registry
 from imuwb.analysis import Step
 from imuwb.cli.help import LOG, READING
-from imuwb.cli.options import LOG_ARGUMENT, output_option
+from imuwb.cli.options import LOG_ARGUMENT, Full, output_option
 from imuwb.errors import MissingDataError
 from imuwb.health import Fault
 from imuwb.log import Log
@@ -34,7 +34,7 @@ def info(
             help="File with the gyro, the accelerometer or the temperature that the log lacks.",
         ),
     ] = None,
-    full: Annotated[bool, output_option("--full", text="Print all tables and notes too.")] = False,
+    full: Full = False,
     json: Annotated[bool, output_option("--json", text="Print JSON on stdout.")] = False,
     scan: Annotated[
         bool,
@@ -120,7 +120,8 @@ def faults_of(log: Log) -> tuple[Fault, ...]:
 
 def _steps(summary: LogSummary, faults: Sequence[Fault]) -> Iterator[Step]:
     """Yield what can be done next: look at the faults, or analyse the log."""
-    from imuwb.review.contents import ALONE  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.cli.next_steps import analysis_steps  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.review.contents import ALONE  # noqa: PLC0415
 
     kinds = {stream.kind for stream in summary.streams}
     counts = {severity: sum(fault.severity == severity for fault in faults) for severity in ("fault", "warning")}
@@ -132,8 +133,5 @@ def _steps(summary: LogSummary, faults: Sequence[Fault]) -> Iterator[Step]:
             f"imuwb {shows_all[0]} {{log}}",
             f"{' and '.join(found)}{worst}" if found else "whether its samples are sound",
         )
-    drives = {"imu", "gnss"} <= kinds
-    fits = registry.marked(registry.ANALYSES, "DEMO", value="drive" if drives else "still")
-    if fits and "imu" in kinds and not found:
-        model = " --error-model MODEL.toml" if drives else ""
-        yield Step(f"imuwb {fits[0]} {{log}}{model}", registry.summary_of(fits[1]).partition(":")[0])
+    if not found:
+        yield from analysis_steps(kinds)

@@ -9,7 +9,7 @@ import typer
 
 from imuwb.cli import estimator_files
 from imuwb.cli.models import model_of
-from imuwb.cli.options import Force, output_option
+from imuwb.cli.options import Force, Full, output_option
 from imuwb.errors import ImuwbError, UsageError
 
 if TYPE_CHECKING:
@@ -43,13 +43,19 @@ _Hours = Annotated[
 
 @app.command()
 def show(
-    model: _Model, *, rate: _Rate = 100.0, hours: _Hours = 10.0, output: _Output = None, force: Force = False
+    model: _Model,
+    *,
+    rate: _Rate = 100.0,
+    hours: _Hours = 10.0,
+    output: _Output = None,
+    force: Force = False,
+    full: Full = False,
 ) -> None:
     """Show the terms of an error model; with -o also its Allan deviation and its spectrum.
 
     Example: imuwb model show static.error-model.toml -o model.rrd
     """
-    _review([model], rate, hours, output, force=force)
+    _review([model], rate, hours, output, force=force, full=full)
 
 
 @app.command()
@@ -62,6 +68,7 @@ def compare(
     hours: _Hours = 10.0,
     output: _Output = None,
     force: Force = False,
+    full: Full = False,
 ) -> None:
     """Compare the terms of error models; with -o also their Allan deviations and spectra.
 
@@ -69,7 +76,7 @@ def compare(
     """
     if len(models) < 2:  # noqa: PLR2004 - one has nothing to be compared with
         raise UsageError(f"{len(models)} model is given; compare needs two or more; for one model use imuwb model show")
-    _review(models, rate, hours, output, force=force)
+    _review(models, rate, hours, output, force=force, full=full)
 
 
 @app.command()
@@ -88,15 +95,19 @@ def check(
         float,
         typer.Option(help="Factor by which the limits are multiplied.", metavar="NUMBER", rich_help_panel=MODEL),
     ] = 1.0,
+    full: Full = False,
     json: Annotated[bool, output_option("--json", text="Print JSON on stdout.")] = False,
 ) -> None:
     """Check an error model against a data sheet or another sensor. Exit code 1: a limit is exceeded, or may be exceeded.
 
     Example: imuwb model check static.error-model.toml --against datasheet.toml --factor 1.2
     """
-    from imuwb.cli.terminal import shower  # noqa: PLC0415 - help must not wait
+    from imuwb.analysis import Step  # noqa: PLC0415 - help must not wait
+    from imuwb.cli.terminal import print_panel, shower  # noqa: PLC0415
     from imuwb.review.document import plain  # noqa: PLC0415
+    from imuwb.review.model_answers import check_answer  # noqa: PLC0415
     from imuwb.review.models import verdicts_table  # noqa: PLC0415
+    from imuwb.review.panel import Origin  # noqa: PLC0415
     from imuwb.stochastic.model_check import check as checked  # noqa: PLC0415
     from imuwb.stochastic.model_check import limits  # noqa: PLC0415
 
@@ -110,17 +121,23 @@ def check(
         content = {"model": str(model), "against": str(against), "passed": kept, "limits": plain(verdicts)}
         typer.echo(json_module.dumps(content, indent=1, ensure_ascii=False))
     else:
-        shower(data=True)(verdicts_table(verdicts, model.name, against.name))
+        if full:
+            shower(data=True)(verdicts_table(verdicts, model.name, against.name))
+        step = Step("imuwb model show {log}", "all its terms")
+        print_panel(check_answer(verdicts, against.name, (step,)), Origin("check", (str(model),)), data=True)
     if not kept:
         failed = [f"{v.limit.axis} {v.limit.letter} ({v.outcome})" for v in verdicts if v.outcome != "within"]
         raise ImuwbError(f"{model}: not within {against}: {', '.join(failed)}")
 
 
-def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | None, *, force: bool) -> None:
+def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | None, *, force: bool, full: bool) -> None:
     """Print the terms; draw them only if a recording is wanted."""
+    from imuwb.cli.next_steps import model_steps  # noqa: PLC0415
     from imuwb.cli.places import check_places  # noqa: PLC0415 - help must not wait
-    from imuwb.cli.terminal import shower  # noqa: PLC0415
+    from imuwb.cli.terminal import print_panel, shower  # noqa: PLC0415
+    from imuwb.review.model_answers import compare_answer, show_answer  # noqa: PLC0415
     from imuwb.review.models import tables_of  # noqa: PLC0415
+    from imuwb.review.panel import Origin  # noqa: PLC0415
 
     if not (0 < rate < math.inf and 0 < hours < math.inf and hours * 3600 * rate >= FEWEST):
         raise UsageError(f"--rate is {rate}, --hours {hours}; both must be above 0, and give at least {FEWEST} samples")
@@ -133,10 +150,14 @@ def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | Non
     if output is not None:  # it is written before the first line is printed
         _draw(models, rate, hours, output)
     show = shower(data=True)
-    for table in tables_of(models):
+    for table in tables_of(models) if full else ():
         show(table)
-    if output is not None:
-        typer.echo(f"wrote {output}", err=True)
+    steps = tuple(model_steps())
+    answer = show_answer(next(iter(models.values())), steps) if len(models) == 1 else compare_answer(models, ())
+    wrote = () if output is None else (f"{output} (imuwb view)",)
+    print_panel(
+        answer, Origin("model" if len(models) == 1 else "models", tuple(map(str, paths)), wrote=wrote), data=True
+    )
 
 
 def _draw(models: "Mapping[str, ImuErrorModel]", rate: float, hours: float, output: Path) -> None:

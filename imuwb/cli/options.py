@@ -31,6 +31,7 @@ def output_option(
     return typer.Option(*flags, help=text, rich_help_panel=OUTPUT, metavar=metavar, autocompletion=offered)
 
 
+Full = Annotated[bool, output_option("--full", text="Print all tables and notes too.")]
 Force = Annotated[bool, output_option("--force", text="Overwrite files that exist.")]
 Html = Annotated[
     Path | None,

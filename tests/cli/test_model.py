@@ -76,6 +76,18 @@ def test_the_curves_are_those_of_the_processes():
     assert density.y[-1] == pytest.approx(white, rel=0.01)
 
 
+def test_answers_fit_a_screen_and_the_worst_comes_first(imuwb, gm, flicker, other):
+    shown = imuwb("model", "compare", gm, flicker, other).out.splitlines()
+    assert len(shown) <= 15
+    assert "Apart" in " ".join(shown)
+    checked = imuwb("model", "check", flicker, "--against", gm)
+    lines = checked.out.splitlines()
+    assert (checked.code, len(lines) <= 15, lines[2].split()[-1]) == (1, True, "beyond")
+    assert max(map(len, lines)) <= 80
+    whole = imuwb("model", "check", flicker, "--against", gm, "--full").out
+    assert "verdict" in whole.partition("CHECK")[0]
+
+
 def test_models_are_compared(imuwb, flicker, other, tmp_path):
     done = imuwb("model", "compare", flicker, other, "-o", "both.rrd")
     assert done.code == 0, done.err

@@ -80,7 +80,7 @@ def test_a_chamber_is_a_folder_of_logs(simulate, tmp_path):
     small = ("--preset", "motionpakii", "--hours", 0.002, "--from", -10, "--to", 10, "--rate", 50, "--seed", 4)
     code, out, err = simulate("chamber", *small, "-o", "c")
     assert (code, out) == (0, "")
-    assert err.count("wrote c") == 3
+    assert "Wrote  c" in err
     files = sorted((tmp_path / "c").iterdir())
     assert [file.name for file in files] == ["1_minus-10C.mcap", "2_0C.mcap", "3_plus-10C.mcap"]
     wanted = list(chamber(preset("motionpakii"), (-10.0, 0.0, 10.0), 7.2, 50, 4))

@@ -29,7 +29,7 @@ def test_a_preset_prints_its_outages_as_an_option(simulate, tmp_path):
     model.write_text(preset("mpu-6050").to_toml(), "utf-8")
     code, out, err = simulate("--preset", "turin-1", "--error-model", model, "--seed", 1, "--rate", 20, "-o", "d.mcap")
     assert (code, out) == (0, "--at 200:30,310:30,430:60,590:30,720:30,850:30\n")
-    assert "wrote d.mcap" in err
+    assert "Wrote  d.mcap" in err
     log = read(tmp_path / "d.mcap")
     assert (len(log.imus), len(log.gnss), len(log.references), len(log.speeds)) == (1, 1, 1, 0)
 

@@ -7,7 +7,8 @@ from typing import Annotated
 import typer
 
 from imuwb.cli.options import output_option
-from imuwb.cli.simulate.options import Filtered, Sensor, check_folder
+from imuwb.cli.simulate.options import TRUTH, Filtered, Sensor, check_folder, made
+from imuwb.log import Log
 from imuwb.options import POSITIVE, Options
 
 
@@ -43,6 +44,7 @@ def chamber(
     Example: imuwb simulate chamber --preset mpu-6050 --from -20 --to 50 --hours 1 -o chamber
     """
     from imuwb.cli.terminal import progress  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.cli.written import print_written  # noqa: PLC0415
     from imuwb.simulation import chamber as recorded  # noqa: PLC0415
     from imuwb.simulation import set_points  # noqa: PLC0415
     from imuwb.simulation.chamber import names  # noqa: PLC0415
@@ -55,13 +57,14 @@ def chamber(
     check_folder(output, files, force=force)
     if not is_thermal(model) and not any(axis.thermal for axis in model.axes.values()):
         typer.echo(f"note: {model.name} does not depend on temperature: all set-points have the same noise", err=True)
-    output.mkdir(exist_ok=True)
-    with together(files), progress("simulating") as report:
+    with made(output), together(files), progress("simulating") as report:
         logs = recorded(
             model, temperatures, points.hours * 3600, samples.rate, samples.seed, quantize=samples.quantize,
             bandwidth=samples.bandwidth, progress=report,
         )  # fmt: skip
+        first: Log | None = None
         for log, file in zip(logs, files, strict=True):
             write(log, file)
-    for file in files:
-        typer.echo(f"wrote {file}", err=True)
+            first = first or log
+    if first is not None:
+        print_written("simulate", first, files, (TRUTH,), len(files))

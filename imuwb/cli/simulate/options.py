@@ -1,6 +1,7 @@
 """What the commands of ``imuwb simulate`` share: their options, the sensor, and where logs go."""
 
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -16,6 +17,7 @@ from imuwb.simulation import Temperature, preset_names
 from imuwb.stochastic import ImuErrorModel
 
 LEAST_RAMP = 1.0  #: s
+TRUTH = "It states its true parameters: imuwb info --full shows them."
 
 Output = Annotated[
     Path,
@@ -143,10 +145,25 @@ def check_folder(folder: Path, files: list[Path], *, force: bool) -> None:
         check_place(file, force=force)
 
 
+@contextmanager
+def made(folder: Path) -> Generator[None]:
+    """Make a folder; take it away again if the work in it fails and leaves it empty."""
+    existed = folder.is_dir()
+    folder.mkdir(exist_ok=True)
+    try:
+        yield
+    except BaseException:
+        if not existed:
+            with suppress(OSError):  # it is not empty
+                folder.rmdir()
+        raise
+
+
 def save(logs: Mapping[Path, Log], texts: Mapping[Path, str] | None = None, *, force: bool) -> None:
     """Write logs and texts, and print where."""
     from imuwb.cli.places import reserved  # noqa: PLC0415 - help must not wait for numpy
     from imuwb.cli.terminal import progress  # noqa: PLC0415
+    from imuwb.cli.written import print_written  # noqa: PLC0415
     from imuwb.writers import places, write, write_text  # noqa: PLC0415
 
     texts = texts or {}
@@ -157,5 +174,7 @@ def save(logs: Mapping[Path, Log], texts: Mapping[Path, str] | None = None, *, f
                 write(log, path, report)
         for path, text in texts.items():
             write_text(path, text)
-    for file in files:
-        typer.echo(f"wrote {file}", err=True)
+    first = next(iter(logs.values()))
+    known = (f"The truth is in {' and '.join(path.name for path in texts)}.",) if texts else ()
+    truth = () if texts or not first.truth else (TRUTH,)
+    print_written("simulate", first, files, (*known, *truth), len(logs))
