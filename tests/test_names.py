@@ -28,6 +28,6 @@ def test_what_names_share_is_shortened_first():
 
 
 def test_a_list_says_how_many_names_are_left_out():
-    assert listed(["alpha", "beta", "gamma"], 12) == "alpha and 2 more"
+    assert listed(["alpha", "beta", "gamma"], 16) == "alpha and 2 more"
     assert listed([f"imu.{i}" for i in range(9)], 8) == "imu.0-8"
     assert len(listed(["a_very_long_name", "b_another_one"], 12)) <= 12
