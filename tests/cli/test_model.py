@@ -76,15 +76,17 @@ def test_the_curves_are_those_of_the_processes():
     assert density.y[-1] == pytest.approx(white, rel=0.01)
 
 
-def test_answers_fit_a_screen_and_the_worst_comes_first(imuwb, gm, flicker, other):
+def test_answers_fit_a_screen_and_the_worst_comes_first(imuwb, gm, flicker, other, tmp_path):
+    limits = tmp_path / "limits.toml"
+    limits.write_text('[gyro]\nN = "0.3 deg/√h"\n[accel]\nN = "9 m/s/√h"\n', "utf-8")
     shown = imuwb("model", "compare", gm, flicker, other).out.splitlines()
     assert len(shown) <= 15
     assert "No coefficient differs" in " ".join(shown)
-    checked = imuwb("model", "check", flicker, "--against", gm)
+    checked = imuwb("model", "check", flicker, "--against", limits)
     lines = checked.out.splitlines()
     assert (checked.code, len(lines) <= 15, lines[2].split()[-1]) == (1, True, "beyond")
     assert max(map(len, lines)) <= 80
-    whole = imuwb("model", "check", flicker, "--against", gm, "--full").out
+    whole = imuwb("model", "check", flicker, "--against", limits, "--full").out
     assert "verdict" in whole.partition("CHECK")[0]
 
 
