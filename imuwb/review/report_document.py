@@ -1,4 +1,4 @@
-"""A report as a text that a recording keeps, and back: figures with five digits, positions to a centimetre."""
+"""A report as a text that a recording keeps, and back: figures with four digits, positions to a centimetre."""
 
 import json
 import math
@@ -18,8 +18,8 @@ from imuwb.scene import Span
 
 KEPT = "page"  #: name of the text in a recording
 SCHEMA = 1
-DIGITS = 5  #: significant digits of a value
-STEPS = 20_000  #: of a range of values that can be told apart
+DIGITS = 4  #: significant digits of a value
+STEPS = 5000  #: of a range of values that can be told apart
 EXACT = 2**53  #: up to it every whole number is a float
 PLACES = 9  #: decimals of a position in rad: 6 mm
 STYLES, SCALES = ("line", "curve", "points", "fit", "faint", "band"), ("log", "linear")
@@ -93,7 +93,7 @@ def _written(item: Item) -> dict[str, object]:
         return {"kind": "figure", **_fields(item), "curves": curves, **others}
     if isinstance(item, Series):
         start = int(item.time[0]) if item.time.size else 0
-        time = [round(float(t - start) / SECOND, 4) for t in item.time]
+        time = _numbers((item.time - start) / SECOND)
         return {
             "kind": "series",
             **_fields(item),
@@ -120,7 +120,7 @@ def _numbers(values: Floats | None) -> list[float | None] | None:
 
 
 def _number(value: float, step: float) -> float:
-    """Return a value with five significant digits, or more if it is much larger than the step that can be seen."""
+    """Return a value with four significant digits, or more if it is much larger than the step that can be seen."""
     digits = 1 + math.floor(math.log10(abs(value) / step)) if step and abs(value) > step else 0
     rounded = float(f"{value:.{min(max(digits, DIGITS), 17)}g}")
     return int(rounded) if rounded.is_integer() and abs(rounded) < EXACT else rounded

@@ -16,7 +16,7 @@ LONGEST = 90  #: letters of a name
 def table_files(reports: Sequence[Report], form: str) -> dict[str, bytes]:
     """Return {file name: content} of the answer's table and of all tables, as csv, latex or md."""
     suffix, text = TABLE_FORMATS[form]
-    found = [(f"{report.analysis} {name}", table) for report in reports for name, table in _tables(report)]
+    found = [((f"{report.analysis} {tab}", name), table) for report in reports for tab, name, table in _tables(report)]
     names = _names([name for name, _ in found])
     return {f"{name}{suffix}": text(table).encode("utf-8") for name, (_, table) in zip(names, found, strict=True)}
 
@@ -28,7 +28,7 @@ def figure_files(reports: Sequence[Report], form: str) -> dict[str, bytes]:
     from imuwb.review.page.themes import PAPER  # noqa: PLC0415
 
     found = [
-        (f"{report.analysis} {tab} {title_of(drawing)}", drawing)
+        ((f"{report.analysis} {tab}", title_of(drawing)), drawing)
         for report in reports
         for tab, drawing in (*((("", report.figure),) if report.figure else ()), *drawings(report.drawn))
     ]
@@ -36,23 +36,24 @@ def figure_files(reports: Sequence[Report], form: str) -> dict[str, bytes]:
     return {f"{name}.{form}": render(drawing, PAPER, form) for name, (_, drawing) in zip(names, found, strict=True)}
 
 
-def _tables(report: Report) -> Iterator[tuple[str, Table]]:
+def _tables(report: Report) -> Iterator[tuple[str, str, Table]]:
+    """Yield tab, title and table."""
     if report.answer.rows:
-        yield "answer", answer_table(report.answer, report.title)
+        yield "", "answer", answer_table(report.answer, report.title)
     for one in report.drawn:
         if isinstance(one.item, Table) and one.item.rows:
-            yield f"{one.tab} {one.item.title}", one.item
+            yield one.tab, one.item.title, one.item
 
 
-def _names(texts: Sequence[str]) -> list[str]:
-    """Return names of files, one for each text: letters, digits and hyphens; equal ones are numbered."""
+def _names(texts: Sequence[tuple[str, str]]) -> list[str]:
+    """Return names of files for (analysis and tab, title): letters, digits and hyphens; equal ones are numbered."""
     names: list[str] = []
-    for text in texts:
-        plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode().lower()
-        found = re.findall(r"[a-z0-9]+", plain)
-        words = [
-            word for i, word in enumerate(found) if word.isdigit() or word not in found[:i]
-        ]  # "allan" is said once
+    for context, title in texts:
+        before = list(dict.fromkeys(_words(context)))
+        words = (
+            *before,
+            *(word for word in _words(title) if word.isdigit() or word not in before),
+        )  # "allan" is said once
         name = own = "-".join(words)[:LONGEST].rstrip("-") or "figure"
         number = 1
         while own in names:
@@ -60,3 +61,8 @@ def _names(texts: Sequence[str]) -> list[str]:
             own = f"{name}-{number}"
         names.append(own)
     return names
+
+
+def _words(text: str) -> list[str]:
+    plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode().lower()
+    return re.findall(r"[a-z0-9]+", plain)

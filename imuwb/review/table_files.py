@@ -16,7 +16,7 @@ LATEX = {
     "√": r"$\surd$", "σ": r"$\sigma$", "τ": r"$\tau$", "π": r"$\pi$", "≤": r"$\leq$", "≥": r"$\geq$", "≈": r"$\approx$", "−": "$-$", "∞": r"$\infty$",
     "→": r"$\to$", "\N{NO-BREAK SPACE}": "~",
 }  # fmt: skip
-_ROOT = re.compile(r"√([A-Za-z]+)")
+_FORMULA = re.compile(r"(√[A-Za-z]+|\^[-\d.]+)")  #: a root, a power
 _SAFE = range(0x20, 0x17F)  # letters that LaTeX knows in UTF-8
 _MARKUP = re.compile(r"([\\`*_{}\[\]<>|#~$])")
 
@@ -86,10 +86,13 @@ def _latex_cell(text: str) -> str:
 
 def _latex(text: str) -> str:
     """Return a text as LaTeX prints it, with pdfLaTeX too; a letter that it may not have is named by its code."""
-    parts = _ROOT.split(text)  # every second one is what stands below a root
     return "".join(
-        rf"$\sqrt{{\mathrm{{{part}}}}}$" if i % 2 else "".join(map(_letter, part)) for i, part in enumerate(parts)
+        _formula(part) if i % 2 else "".join(map(_letter, part)) for i, part in enumerate(_FORMULA.split(text))
     )
+
+
+def _formula(text: str) -> str:
+    return rf"$\sqrt{{\mathrm{{{text[1:]}}}}}$" if text[0] == "√" else f"$^{{{text[1:]}}}$"
 
 
 def _letter(letter: str) -> str:

@@ -14,7 +14,7 @@ NOISE = Table(
     "Noise of a_b", ("axis", "N", "B", "note [1]"),
     (("gyro_x", "2.40 [2.38, 2.43] deg/√h", "< 220 deg/h", "*1*"), ("accel z", "1 298 m/s/√h", "—", "50 % & more"),
      ("z", "—", "3.5e-05 [1e-05, —] deg/h", "[a]|<b>")),
-    "A ^ caption $5 # ü σ ⟨",
+    "A ^ caption $5 # ü σ ⟨ h^1.5",
 )  # fmt: skip
 ONE_UNIT = Table("t", ("f", "drift"), (("a", "22.8 m [19, 29.6]"), ("b", "1 m [0.5, 2]")))
 
@@ -70,7 +70,7 @@ def test_latex_has_no_character_that_stops_it():
         r"gyro\_x",
         r"50 \% \& more",
         "{}[a]",
-        r"\$5 \# ü $\sigma$ [U+27E8]",
+        r"\$5 \# ü $\sigma$ [U+27E8] h$^{1.5}$",
         r"\end{table}",
     ):
         assert said in text

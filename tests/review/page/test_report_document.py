@@ -17,14 +17,14 @@ def test_what_is_kept_makes_the_same_page(report):
     assert once.answer.next == report().answer.next
 
 
-def test_values_keep_five_digits_and_positions_a_centimetre(report):
+def test_values_keep_four_digits_and_positions_a_centimetre(report):
     first, again = report(), report_from(text_of(report()), "r.rrd")
     for one, two in zip(first.drawn, again.drawn, strict=True):
         assert one.tab == two.tab
     rate, rate_again = first.drawn[0].item, again.drawn[0].item
-    assert np.allclose(rate.values, rate_again.values, rtol=5e-5)
+    assert np.allclose(rate.values, rate_again.values, rtol=5e-4)
     assert (rate.epoch, rate.names, rate.unit) == (rate_again.epoch, rate_again.names, rate_again.unit)
-    assert np.abs(rate.time - rate_again.time).max() <= 10**5
+    assert np.abs(rate.time - rate_again.time).max() <= np.ptp(rate.time) / 5000
     track, track_again = first.drawn[3].item.position, again.drawn[3].item.position
     assert np.abs(track - track_again)[:, :2].max() * 6.4e6 < 0.01
 
@@ -54,5 +54,5 @@ def test_a_text_of_another_version_is_named(report):
 def test_a_small_change_of_a_large_value_is_kept():
     around = 9.8066123 + 1e-5 * np.arange(5)
     kept = json.loads(json.dumps(_numbers(around)))
-    assert np.abs(np.asarray(kept) - around).max() < 1e-8
+    assert np.abs(np.asarray(kept) - around).max() < 2e-8
     assert _numbers(np.array([np.nan, 1.0, np.inf])) == [None, 1, None]
