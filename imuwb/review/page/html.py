@@ -105,7 +105,8 @@ def _whole(reports: Sequence[Report], title: str, remarks: Sequence[str], look: 
 def _section(report: Report, place: int, look: Look, numbers: Iterator[int]) -> Section:
     first = report.figure
     shown = None if first is None else picture(first, look, f"f{next(numbers):x}-", apart=look is PAGE)
-    notes = [str(one.item) for one in report.drawn if isinstance(one.item, str)]
+    ordered = sorted(report.drawn, key=lambda one: one.tab.startswith(OVERVIEW))  # the answer's own notes first
+    notes = [str(one.item) for one in ordered if isinstance(one.item, str)]
     known = set(report.answer.sentences)
     return Section(
         report.title, f"run-{place}", report, shown, tuple(_parts(report, f"run-{place}", look, numbers)),

@@ -13,6 +13,9 @@ from imuwb.review.page.small import small
 from imuwb.texts import names_text, seconds_text
 
 
+SAMPLE = 1.5  #: lines of a legend are so much thicker than those of the drawing, which a page enlarges
+
+
 @dataclass(frozen=True, slots=True)
 class Picture:
     """An SVG element, and what it shows in words."""
@@ -58,12 +61,12 @@ def _sample(entry: Entry) -> str:
     dashes = "stroke-dasharray: 3 1.5; " if entry.dashed else ""
     paths = ""
     if entry.line:
-        style = f"fill: none; stroke: {entry.color}; stroke-width: {entry.line:g}; {dashes}{look}"
+        style = f"fill: none; stroke: {entry.color}; stroke-width: {SAMPLE * entry.line:g}; {dashes}{look}"
         paths += f'<path d="M2 5h20" style="{style.rstrip("; ")}"/>'
     if entry.mark:
         paths += f'<path d="M12 2l3 3-3 3-3-3z" style="fill: {entry.color}"/>'
     elif entry.dot:
-        style = f"fill: none; stroke: {entry.color}; stroke-width: {entry.dot:g}; stroke-linecap: round"
+        style = f"fill: none; stroke: {entry.color}; stroke-width: {SAMPLE * entry.dot:g}; stroke-linecap: round"
         paths += f'<path d="M12 5h0" style="{style}"/>'
     return f'<svg viewBox="0 0 24 10" aria-hidden="true">{paths}</svg>'
 

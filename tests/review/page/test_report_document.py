@@ -24,7 +24,7 @@ def test_values_keep_four_digits_and_positions_a_centimetre(report):
     rate, rate_again = first.drawn[0].item, again.drawn[0].item
     assert np.allclose(rate.values, rate_again.values, rtol=5e-4)
     assert (rate.epoch, rate.names, rate.unit) == (rate_again.epoch, rate_again.names, rate_again.unit)
-    assert np.abs(rate.time - rate_again.time).max() <= np.ptp(rate.time) / 5000
+    assert np.abs(rate.time - rate_again.time).max() <= np.ptp(rate.time) / 2000
     track, track_again = first.drawn[3].item.position, again.drawn[3].item.position
     assert np.abs(track - track_again)[:, :2].max() * 6.4e6 < 0.01
 
