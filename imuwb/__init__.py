@@ -3,6 +3,15 @@
 ``imuwb.read(path)`` gives a Log; ``imuwb.identification`` and its neighbours take its arrays.
 """
 
+import os
+import sys
+
+if sys.argv[:1] == ["-m"] and sys.path[:1] in ([""], [os.getcwd()]):  # noqa: PTH109 - as Python itself writes it
+    # ``python -m`` looks for modules in the current folder first, where a stranger's file may have the name of one.
+    _here = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))  # noqa: PTH100, PTH120 - pathlib is slow to import
+    if os.path.realpath(sys.path[0] or os.curdir) != os.path.realpath(_here):
+        del sys.path[0]
+
 import lazy_loader
 
 # The public names are in __init__.pyi. Each is imported when it is first used, so that ``import imuwb`` is fast.

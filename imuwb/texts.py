@@ -1,7 +1,10 @@
 """Numbers, times and estimates as texts for people. A quantity always has its unit."""
 
+import hashlib
 import math
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from unicodedata import category
 
 from imuwb.statistics.estimate import Coefficient, Estimate
 from imuwb.units import Unit
@@ -14,10 +17,53 @@ WIDE = 0.1  #: share of a value; with a wider interval, two digits are enough
 DECIMALS = 6  #: decimals of a value whose interval has no width or an infinite width
 
 
+LONGEST_NAME, LONGEST_TEXT = 120, 2000  #: letters of a name, and of a sentence, that a log gives
+_MARKUP = re.compile(r"([\\`*_\[\]<>|~#!&$])")  #: letters that Markdown may take as markup
+_LINE_START = re.compile(r"^(\s*)([-+=]|\d+[.)])(?=\s|$)")  #: what begins a list, a line or a heading
+
+
 def printable(text: str) -> str:
-    """Return a text that a terminal, a viewer and a page can show: what UTF-8 lacks, and control characters, are replaced."""
+    """Return a text that a terminal, a viewer and a page show as it is.
+
+    What UTF-8 lacks, control characters, line ends, and marks of no width, such as those that turn the direction of a text, are
+    replaced; other blanks become the usual one.
+    """
+    if text.isascii() and text.isprintable():
+        return text
     whole = text.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
-    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in whole)
+    return "".join(c if c.isprintable() else " " if category(c) == "Zs" else "\N{REPLACEMENT CHARACTER}" for c in whole)
+
+
+def printable_lines(text: str) -> str:
+    """Return a text of several lines, each as ``printable`` returns it."""
+    return "\n".join(map(printable, text.split("\n")))
+
+
+def name_of(text: str) -> str:
+    """Return a name that a log gives as a name that can be shown: printable, and not long; two names never become one."""
+    shown = printable(text)
+    if shown == text and len(text) <= LONGEST_NAME:
+        return text
+    mark = hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:6]
+    return f"{shown[:LONGEST_NAME]}{'…' if len(shown) > LONGEST_NAME else ''}~{mark}"
+
+
+def sentence_of(text: str) -> str:
+    """Return a sentence that may have words of a log: printable, and not long."""
+    shown = printable(text)
+    return shown if len(shown) <= LONGEST_TEXT else f"{shown[:LONGEST_TEXT]}…"
+
+
+def markdown_text(text: str) -> str:
+    """Return a text as Markdown that shows it letter by letter: no link, picture, heading, list or table begins in it."""
+    return _LINE_START.sub(r"\1\\\2", _MARKUP.sub(r"\\\1", printable(text)))
+
+
+def markdown_block(lines: Iterable[str]) -> str:
+    """Return lines as a block of Markdown that shows them as they are; no line ends the block."""
+    shown = [printable(line) for line in lines]
+    fence = "`" * max(3, *(len(run) + 1 for line in shown for run in re.findall("`+", line)), 3)
+    return "\n".join((f"{fence}text", *shown, fence))
 
 
 def number_text(value: float) -> str:

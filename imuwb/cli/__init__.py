@@ -40,8 +40,9 @@ def _run(signals: Signals) -> None:
 
 def _message_of(error: Exception) -> str:
     from imuwb.readers.bytes.address import without_secrets  # noqa: PLC0415 - only for messages
+    from imuwb.texts import printable_lines  # noqa: PLC0415
 
-    return without_secrets(_text_of(error))
+    return printable_lines(without_secrets(_text_of(error)))
 
 
 def _text_of(error: Exception) -> str:

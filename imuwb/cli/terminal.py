@@ -12,6 +12,7 @@ from rich.table import Table as RichTable
 
 from imuwb.analysis import Answer, Table
 from imuwb.review.panel import WIDTH, Origin, panel
+from imuwb.texts import printable, printable_lines
 
 NARROWEST, WIDEST = 30, 100  #: columns of a panel on a terminal
 WIDE = 200  #: columns of an output that is no terminal
@@ -29,18 +30,23 @@ def shower(*, data: bool) -> Callable[[Table | str], None]:
 
     def show(item: Table | str) -> None:
         if isinstance(item, str):
-            err.print(f"[yellow]note[/] {escape(item)}", soft_wrap=True)
+            err.print(f"[yellow]note[/] {escape(printable(item))}", soft_wrap=True)
             return
-        table = RichTable(title=escape(item.title), title_justify="left", title_style="bold", caption=escape(item.caption) or None,
+        table = RichTable(title=_cell(item.title), title_justify="left", title_style="bold", caption=_cell(item.caption) or None,
                           caption_justify="left")  # fmt: skip
         for heading in item.headings:
-            table.add_column(escape(heading))
+            table.add_column(_cell(heading))
         for row in item.rows:
             # A value and its unit stay on one line.
-            table.add_row(*(re.sub(r"(?<=[\d\]]) (?=\S+$)", "\N{NO-BREAK SPACE}", escape(cell)) for cell in row))
+            table.add_row(*(re.sub(r"(?<=[\d\]]) (?=\S+$)", "\N{NO-BREAK SPACE}", _cell(cell)) for cell in row))
         out.print(table)
 
     return show
+
+
+def _cell(text: str) -> str:
+    """Return a text of a table, of one line or several, in which the terminal finds nothing to do."""
+    return escape(printable_lines(text))
 
 
 def print_panel(answer: Answer, origin: Origin, *, data: bool) -> None:

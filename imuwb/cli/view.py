@@ -23,7 +23,8 @@ def view(
     check_recording(recording)
     # With CI the viewer sends no usage statistics; there is no option for this.
     environment = {**os.environ, "CI": "true"}
-    command = [sys.executable, "-m", "rerun", str(recording), "--bind", "127.0.0.1"]
+    # With -P no module of the current folder is imported in place of the viewer's.
+    command = [sys.executable, "-P", "-m", "rerun", str(recording), "--bind", "127.0.0.1"]
     done = subprocess.run(command, env=environment, check=False)  # noqa: S603 - our own interpreter, a checked file
     if done.returncode:
         raise ImuwbError(f"the viewer ended with exit code {done.returncode}; run it on a machine with a screen")

@@ -8,6 +8,7 @@ from typing import Any, cast
 
 import tomli_w
 
+from imuwb.documents import document_of, number, numbers, refuse, rows, table, whole, words
 from imuwb.errors import UsageError
 from imuwb.navigation.filter_model import Aids, FilterModel, Installation, Settings, Vibration
 from imuwb.stochastic import ImuErrorModel
@@ -17,6 +18,7 @@ READINGS = ("corrected", "as printed")
 PARTS: dict[str, type[Any]] = {
     "vibration": Vibration, "installation": Installation, "settings": Settings, "aids": Aids,
 }  # fmt: skip
+MOST_COUNTED = 10**9  #: largest whole number of a setting
 AXES, DEEPEST = 6, 30  #: how many levels of denoising there are (one for each axis), and the largest level
 
 
@@ -46,27 +48,25 @@ def read_filter(path: str | Path) -> FilterModel:
     parts = {part: _made(kind, document.pop(part, {}), f"{path}, {part}") for part, kind in PARTS.items()}
     reading = document.pop("reading", READINGS[0])
     if reading not in READINGS:
-        raise UsageError(f"{path}: reading is {reading!r}; it must be one of {', '.join(READINGS)}")
-    scale = _numbers(document.pop("scale_factor", [0.0, 0.0]), 2, f"{path}, scale_factor")
-    levels = document.pop("wavelet_levels", [])
-    if levels and not (len(levels) == AXES and all(isinstance(n, int) and 0 <= n <= DEEPEST for n in levels)):
-        raise UsageError(
-            f"{path}: wavelet_levels is {levels!r}; it must be empty or six whole numbers from 0 to {DEEPEST}"
-        )
-    name = str(document.pop("filter"))
+        refuse(f"{path}, reading", reading, f"one of {', '.join(READINGS)}")
+    scale = numbers(document.pop("scale_factor", [0.0, 0.0]), 2, f"{path}, scale_factor")
+    levels = _levels(document.pop("wavelet_levels", []), f"{path}, wavelet_levels")
+    name = words(document.pop("filter"), f"{path}, filter")
     if document:
         raise UsageError(f"{path}: unknown {', '.join(document)}; remove it")
-    error_model = ImuErrorModel.from_toml(tomli_w.dumps(cast("dict[str, Any]", model)), f"{path}, error_model")
-    return FilterModel(name, error_model, reading, (scale[0], scale[1]), tuple(levels), **parts)
+    error_model = ImuErrorModel.of_document(table(model, f"{path}, error_model"), f"{path}, error_model")
+    return FilterModel(name, error_model, cast("str", reading), (scale[0], scale[1]), levels, **parts)
 
 
-def _document(path: str | Path) -> dict[str, Any]:
-    try:
-        document = tomllib.loads(Path(path).read_text("utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"{path}: the file cannot be read: {error}") from error
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise UsageError(f"{path}: the file is not TOML: {error}") from error
+def _levels(content: object, where: str) -> tuple[int, ...]:
+    levels = rows(content, where)
+    if len(levels) not in (0, AXES):
+        refuse(where, content, f"empty or a list of {AXES} whole numbers from 0 to {DEEPEST}")
+    return tuple(whole(level, where, 0, DEEPEST) for level in levels)
+
+
+def _document(path: str | Path) -> dict[str, object]:
+    document = document_of(path, "a filter")
     if document.pop("schema", SCHEMA) != SCHEMA or "filter" not in document:
         raise UsageError(
             f"{path}: the file is not a filter of schema {SCHEMA}; --save-filter writes such a file; give an error model with --error-model"
@@ -74,11 +74,9 @@ def _document(path: str | Path) -> dict[str, Any]:
     return document
 
 
-def _made(kind: type[Any], table: object, where: str) -> Any:  # noqa: ANN401 - one of three
+def _made(kind: type[Any], stated: object, where: str) -> Any:  # noqa: ANN401 - one of three
     """Return a part of a filter from a table of the document."""
-    if not isinstance(table, dict):
-        raise UsageError(f"{where} is {table!r}; it must be a table")
-    content = cast("dict[str, object]", table)
+    content = table(stated, where)
     known = {f.name: f.default for f in fields(kind)}
     if unknown := [name for name in content if name not in known]:
         raise UsageError(f"{where}: unknown {', '.join(unknown)}; it may have {', '.join(known)}")
@@ -90,18 +88,7 @@ def _value(value: object, default: object, where: str) -> object:
     if isinstance(default, tuple):
         if isinstance(value, float):  # an earlier document has one factor for positions and velocities
             value = [value] * len(cast("tuple[float, ...]", default))
-        return _numbers(value, len(cast("tuple[float, ...]", default)), where)
+        return numbers(value, len(cast("tuple[float, ...]", default)), where)
     if isinstance(default, int):
-        if not isinstance(value, int) or isinstance(value, bool) or value < 1:
-            raise UsageError(f"{where} is {value!r}; it must be a whole number above 0")
-        return value
-    return _numbers([value], 1, where)[0]
-
-
-def _numbers(value: object, count: int, where: str) -> tuple[float, ...]:
-    content = cast("list[object]", value) if isinstance(value, list) else []
-    if len(content) != count or not all(
-        isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x) for x in content
-    ):
-        raise UsageError(f"{where} is {value!r}; it must be {count} finite number{'s' if count > 1 else ''}")
-    return tuple(float(cast("float", x)) for x in content)
+        return whole(value, where, 1, MOST_COUNTED)
+    return number(value, where, largest=math.inf)

@@ -21,6 +21,7 @@ from imuwb.readers.bytes.address import Place
 from imuwb.readers.bytes.budget import Budget
 from imuwb.readers.bytes.remote import RemoteLog
 from imuwb.readers.bytes.source import Source
+from imuwb.readers.log_texts import shown, shown_summary
 from imuwb.readers.part_reading import read_part
 from imuwb.readers.read_options import TIME_SOURCES, ReadOptions
 from imuwb.readers.unread import unread_binary, unread_text
@@ -117,7 +118,7 @@ def _parts(
         for part in budget.within(_budget(path, options), rows):
             if progress is not None and isinstance(part, Batch):
                 progress(part.bytes_read, size)
-            yield part
+            yield shown(part)
     if isinstance(path, RemoteLog):
         yield from map(Remark, path.notes)
 
@@ -196,7 +197,8 @@ def indexed(place: str | Place | RemoteLog, options: ReadOptions | None = None) 
             return None
         options = options or ReadOptions()
         summary = partial(from_index, _readable(reader, path), options)
-        return cast("LogSummary | None", budget.under(_budget(path, options), summary))
+        stated = cast("LogSummary | None", budget.under(_budget(path, options), summary))
+        return None if stated is None else shown_summary(stated)
 
 
 def _text(path: Source) -> str:

@@ -28,6 +28,7 @@ from imuwb.review.stage import SPEED, windows_of
 from imuwb.review.tab import Tab
 from imuwb.review.timelines import Timelines
 from imuwb.scene import Event, Scene, Span
+from imuwb.texts import markdown_block, printable
 from imuwb.writers.whole import Draft
 
 SERIES_WIDTH = 1.2  #: width of a line over time
@@ -128,7 +129,7 @@ class RecordingReview:
         )
         whole = rr.TimeRange(start=rr.TimeRangeBoundary.infinite(), end=rr.TimeRangeBoundary.infinite())
         view = rrb.TimeSeriesView(
-            origin=path, name=f"{series.title} [{series.unit}]", axis_x=rrb.TimeAxis(view_range=whole),
+            origin=path, name=printable(f"{series.title} [{series.unit}]"), axis_x=rrb.TimeAxis(view_range=whole),
             plot_legend=rrb.PlotLegend(corner="RightTop" if self._tab.stage is None else "LeftTop", visible=len(names) > 1),
         )  # fmt: skip
         self._tab.series.append(view)
@@ -184,7 +185,7 @@ class RecordingReview:
 
     def summary(self, panel: Sequence[str], figure: Figure | None = None) -> None:
         """Show the lines of the panel on the first tab, beside one figure; None: the first figure of all tabs."""
-        text = "\n".join(("```text", *panel, "```"))
+        text = markdown_block(panel)
         self.recording.log("/summary/answer", rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN), static=True)
         views: list[rrb.View] = [rrb.TextDocumentView(origin="/summary/answer", name="Answer")]
         figure = figure or next((one.item for one in self.drawn if isinstance(one.item, Figure)), None)

@@ -10,7 +10,7 @@ import rerun.blueprint as rrb
 from imuwb.analysis import Figure, Table
 from imuwb.review import chart
 from imuwb.review.drawing import entity_name
-from imuwb.review.markdown import literal, markdown
+from imuwb.review.markdown import markdown
 from imuwb.review.pages import Cell, Item, Notes, Page, pages
 from imuwb.review.shading import Chart, event_list, shade
 from imuwb.review.sizes import fitted
@@ -18,6 +18,7 @@ from imuwb.review.theatre import Theatre
 from imuwb.review.timelines import Timelines
 from imuwb.review.track import Maps, Tracks
 from imuwb.scene import Event, Scene, Span
+from imuwb.texts import markdown_text, printable
 
 
 @dataclass(slots=True)
@@ -42,7 +43,7 @@ class Tab:
     def of(name: str) -> Tab:
         """Return an empty tab."""
         path = f"/{entity_name(name.lower())}"
-        return Tab(name, path, Tracks(f"{path}/track"), Maps(f"{path}/map"))
+        return Tab(printable(name), path, Tracks(f"{path}/track"), Maps(f"{path}/map"))
 
     def show(self, scene: Scene, recording: rr.RecordingStream, timelines: Timelines) -> None:
         """Log a scene.
@@ -93,9 +94,9 @@ class Tab:
         if isinstance(item, Figure):
             return chart.draw(item, recording, f"{self.path}/figure_{number}", (cell.width, cell.height), cell.group)
         if isinstance(item, Notes):
-            name, text = "Notes", "\n".join(f"- {literal(note)}" for note in item.texts)
+            name, text = "Notes", "\n".join(f"- {markdown_text(note)}" for note in item.texts)
         else:
             name, text = item.title, markdown(fitted(item, cell.width))
         path = f"{self.path}/text_{number}"
         recording.log(path, rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN), static=True)
-        return rrb.TextDocumentView(origin=path, name=name)
+        return rrb.TextDocumentView(origin=path, name=printable(name))

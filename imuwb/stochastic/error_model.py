@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from imuwb.errors import UsageError
+from imuwb.documents import document_of
 from imuwb.log import AXES
 from imuwb.stochastic.axis_model import AxisModel
 from imuwb.stochastic.description import axis_text
-from imuwb.stochastic.error_model_document import parsed, written
+from imuwb.stochastic.error_model_document import model_of, parsed, written
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,11 +54,12 @@ class ImuErrorModel:
         Raises:
             UsageError: the file cannot be read, or is no error model.
         """
-        try:
-            text = Path(path).read_text("utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise UsageError(f"{path}: cannot be read as an error model: {error}") from error
-        return ImuErrorModel.from_toml(text, str(path))
+        return ImuErrorModel.of_document(document_of(path, "an error model"), str(path))
+
+    @staticmethod
+    def of_document(document: dict[str, object], where: str) -> ImuErrorModel:
+        """Return the model that a TOML document is, with the errors of ``from_toml``; the document's keys are taken out."""
+        return ImuErrorModel(*model_of(document, where))
 
     def __str__(self) -> str:
         """Return the name, a line for each axis in display units, and the doubts."""

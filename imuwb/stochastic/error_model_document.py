@@ -3,13 +3,14 @@
 A parameter is a number in SI, a text with its unit (``"2.42 deg/√h"``), or a table with its interval.
 """
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any, cast
 
 import tomli_w
 
+from imuwb import documents
+from imuwb.documents import refuse, rows, shown, table, words
 from imuwb.errors import UsageError
 from imuwb.log import AXES
 from imuwb.stochastic.autoregressive import Autoregressive
@@ -64,27 +65,27 @@ def written(
 
 
 def _axis_table(axis: str, model: AxisModel) -> dict[str, object]:
-    table: dict[str, object] = {
+    stated: dict[str, object] = {
         name: f"{float(value)!r} {_unit_of(axis, name).name}" for name in _TERMS if (value := getattr(model, name))
     }
-    table |= {name: list(getattr(model, name)) for name in _VECTORS if any(getattr(model, name))}
+    stated |= {name: list(getattr(model, name)) for name in _VECTORS if any(getattr(model, name))}
     for name, term in _CURVES.items():
         if points := getattr(model, name):
-            table[name] = [
+            stated[name] = [
                 {"celsius": t, "value": f"{float(value)!r} {_unit_of(axis, term).name}"} for t, value in points
             ]
-    table["processes"] = _process_rows(axis, model.processes, model.intervals)
+    stated["processes"] = _process_rows(axis, model.processes, model.intervals)
     if model.limits:
-        table["not_identified"] = {
+        stated["not_identified"] = {
             name: {"upper": limit, "unit": _unit_of(axis, name).name} for name, limit in model.limits.items()
         }
     if model.thermal:
-        table["thermal"] = [{"celsius": t, "processes": _process_rows(axis, s, {})} for t, s in model.thermal]
-    return table
+        stated["thermal"] = [{"celsius": t, "processes": _process_rows(axis, s, {})} for t, s in model.thermal]
+    return stated
 
 
 def _process_rows(axis: str, processes: Sum, intervals: Mapping[str, tuple[float, float]]) -> list[dict[str, object]]:
-    rows: list[dict[str, object]] = []
+    found: list[dict[str, object]] = []
     for i, term in enumerate(cast("tuple[Any, ...]", processes.terms)):
         row: dict[str, object] = {"process": term.name}
         for f in fields(term):
@@ -96,8 +97,8 @@ def _process_rows(axis: str, processes: Sum, intervals: Mapping[str, tuple[float
             if (ends := intervals.get(f"{i}.{f.name}")) is not None:
                 entry["lower"], entry["upper"] = ends
             row[f.name] = entry
-        rows.append(row)
-    return rows
+        found.append(row)
+    return found
 
 
 # Reading: each value is taken out of a table by a function that checks its type.
@@ -109,16 +110,24 @@ def parsed(text: str, where: str) -> tuple[str, dict[str, AxisModel], dict[str, 
     Raises:
         UsageError: the text is no error model; the message states the place and the rule.
     """
-    try:
-        document: dict[str, object] = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise UsageError(f"{where}: not TOML: {error}") from error
+    return model_of(documents.parsed(text, where), where)
+
+
+def model_of(
+    document: dict[str, object], where: str
+) -> tuple[str, dict[str, AxisModel], dict[str, str], tuple[str, ...]]:
+    """Return what ``parsed`` returns, of a document that is read already; its keys are taken out."""
     schema = document.pop("schema", SCHEMA)
     if schema != SCHEMA:
-        raise UsageError(f"{where}: the schema number is {schema}; this imuwb reads schema {SCHEMA}; update imuwb")
-    name = str(document.pop("name", "unnamed"))
-    provenance = {k: str(v) for k, v in _table(document.pop("provenance", {}), f"{where}, provenance").items()}
-    doubts = tuple(str(doubt) for doubt in _list(document.pop("doubts", []), f"{where}, doubts"))
+        raise UsageError(
+            f"{where}: the schema number is {shown(schema)}; this imuwb reads schema {SCHEMA}; update imuwb"
+        )
+    name = words(document.pop("name", "unnamed"), f"{where}, name")
+    provenance = {
+        k: v if isinstance(v, str) else shown(v)
+        for k, v in table(document.pop("provenance", {}), f"{where}, provenance").items()
+    }
+    doubts = tuple(words(doubt, f"{where}, doubts") for doubt in rows(document.pop("doubts", []), f"{where}, doubts"))
     for axis in document:
         if axis not in AXES:
             raise UsageError(
@@ -127,75 +136,75 @@ def parsed(text: str, where: str) -> tuple[str, dict[str, AxisModel], dict[str, 
     if not document:
         raise UsageError(f"{where}: it has no axis; an error model has at least one of {', '.join(AXES)}")
     axes = {
-        axis: _axis(axis, _table(content, f"{where}, {axis}"), f"{where}, {axis}") for axis, content in document.items()
+        axis: _axis(axis, table(content, f"{where}, {axis}"), f"{where}, {axis}") for axis, content in document.items()
     }
     return name, axes, provenance, doubts
 
 
-def _axis(axis: str, table: dict[str, object], where: str) -> AxisModel:
+def _axis(axis: str, stated: dict[str, object], where: str) -> AxisModel:
     intervals: dict[str, tuple[float, float]] = {}
     limits: dict[str, float] = {}
     thermal: list[tuple[float, Sum]] = []
     terms: dict[str, Any] = {}
     processes = Sum()
-    for key, content in table.items():
+    for key, content in stated.items():
         place = f"{where}.{key}"
         if key == "processes":
             processes = _sum(axis, content, place, intervals)
         elif key == "not_identified":
             limits = _limits(axis, content, place)
         elif key == "thermal":
-            for row in _list(content, place):
-                point = _table(row, place)
+            for row in rows(content, place):
+                point = table(row, place)
                 celsius = _number(point.get("celsius"), f"{place}.celsius")
                 thermal.append((celsius, _sum(axis, point.get("processes", []), f"{place} at {celsius} °C", {})))
         elif key in _CURVES:
-            terms[key] = tuple(_point(axis, _CURVES[key], row, place) for row in _list(content, place))
+            terms[key] = tuple(_point(axis, _CURVES[key], row, place) for row in rows(content, place))
         elif key in _TERMS:
             terms[key] = _si(content, _unit_of(axis, key), place)
         elif key in _VECTORS:
-            numbers = tuple(_number(x, place) for x in _list(content, place))
+            numbers = tuple(_number(x, place) for x in rows(content, place))
             if len(numbers) != _VECTORS[key]:
-                _refuse(place, content, f"{_VECTORS[key]} numbers")
+                refuse(place, content, f"{_VECTORS[key]} numbers")
             terms[key] = numbers
         else:
             known = ", ".join((*_TERMS, *_VECTORS, *_CURVES, "processes", "not_identified", "thermal"))
-            _refuse(where, key, f"one of {known}")
+            refuse(where, key, f"one of {known}")
     return _made(
         AxisModel, where, processes=processes, intervals=intervals, limits=limits, thermal=tuple(thermal), **terms
     )
 
 
 def _point(axis: str, term: str, row: object, where: str) -> tuple[float, float]:
-    point = _table(row, where)
+    point = table(row, where)
     if odd := set(point) - {"celsius", "value"}:
-        _refuse(where, min(odd), "celsius or value")
+        refuse(where, min(odd), "celsius or value")
     celsius = _number(point.get("celsius"), f"{where}.celsius")
     return celsius, _si(point.get("value"), _unit_of(axis, term), f"{where} at {celsius} °C")
 
 
 def _limits(axis: str, content: object, where: str) -> dict[str, float]:
     limits: dict[str, float] = {}
-    for name, entry in _table(content, where).items():
+    for name, entry in table(content, where).items():
         if name not in _LIMITED:
-            _refuse(f"{where}.{name}", name, f"one of {', '.join(_LIMITED)}")
-        limit = _table(entry, f"{where}.{name}")
+            refuse(f"{where}.{name}", name, f"one of {', '.join(_LIMITED)}")
+        limit = table(entry, f"{where}.{name}")
         limits[name] = _si({**limit, "value": limit.get("upper")}, _unit_of(axis, name), f"{where}.{name}.upper")
     return limits
 
 
 def _sum(axis: str, content: object, where: str, intervals: dict[str, tuple[float, float]]) -> Sum:
     terms: list[Any] = []
-    for i, entry in enumerate(_list(content, where)):
-        row = _table(entry, f"{where}[{i}]")
+    for i, entry in enumerate(rows(content, where)):
+        row = table(entry, f"{where}[{i}]")
         name = row.pop("process", None)
         if not isinstance(name, str) or name not in PROCESSES:
-            _refuse(f"{where}[{i}].process", name, f"one of {', '.join(PROCESSES)}")
+            refuse(f"{where}[{i}].process", name, f"one of {', '.join(PROCESSES)}")
         kind = PROCESSES[cast("str", name)]
         wanted = [f.name for f in fields(kind)]
         if set(row) != set(wanted):
             odd = min(set(row) ^ set(wanted))
-            _refuse(
+            refuse(
                 f"{where}[{i}]",
                 odd,
                 f"left out: {name} has {', '.join(wanted)}" if odd in row else f"given: {name} needs {odd}",
@@ -204,7 +213,7 @@ def _sum(axis: str, content: object, where: str, intervals: dict[str, tuple[floa
         for parameter in wanted:
             place = f"{where}[{i}], {name}.{parameter}"
             if parameter == "alpha":
-                values["alpha"] = tuple(_number(a, place) for a in _list(row["alpha"], place))
+                values["alpha"] = tuple(_number(a, place) for a in rows(row["alpha"], place))
                 continue
             si = _unit_of(axis, parameter)
             values[parameter] = _si(row[parameter], si, place)
@@ -218,8 +227,8 @@ def _sum(axis: str, content: object, where: str, intervals: dict[str, tuple[floa
 def _interval(entry: object, si: Unit, where: str) -> tuple[float, float] | None:
     if not isinstance(entry, dict) or not {"lower", "upper"} & entry.keys():
         return None
-    table = cast("dict[str, object]", entry)
-    lower, upper = (_si({**table, "value": table.get(end)}, si, f"{where}.{end}") for end in ("lower", "upper"))
+    ends = cast("dict[str, object]", entry)
+    lower, upper = (_si({**ends, "value": ends.get(end)}, si, f"{where}.{end}") for end in ("lower", "upper"))
     return lower, upper
 
 
@@ -231,34 +240,20 @@ def _si(entry: object, si: Unit, where: str) -> float:
         try:
             entry, name = float(text), written or si.name
         except ValueError:
-            _refuse(where, entry, "a number and its unit")
+            refuse(where, entry, "a number and its unit")
     elif isinstance(entry, dict):
-        table = cast("dict[str, object]", entry)
-        if odd := set(table) - {"value", "unit", "lower", "upper"}:
-            _refuse(where, min(odd), "value, unit, lower or upper")
-        entry, name = table.get("value"), str(table.get("unit") or si.name)
+        stated = cast("dict[str, object]", entry)
+        if odd := set(stated) - {"value", "unit", "lower", "upper"}:
+            refuse(where, min(odd), "value, unit, lower or upper")
+        entry, name = stated.get("value"), words(stated.get("unit", "") or si.name, f"{where}.unit")
     given = unit(name)
     if given.dimension != si.dimension:
-        _refuse(where, name, f"a unit of {si.dimension.replace('_', ' ')}, such as {si.name}")
+        refuse(where, name, f"a unit of {si.dimension.replace('_', ' ')}, such as {si.name}")
     return given.to_si(_number(entry, where))
 
 
 def _number(content: object, where: str) -> float:
-    if isinstance(content, bool) or not isinstance(content, int | float) or not abs(content) < LARGEST:
-        _refuse(where, content, "a number, a text with a unit, or a table with a value")
-    return float(cast("float", content))
-
-
-def _table(content: object, where: str) -> dict[str, object]:
-    if not isinstance(content, dict):
-        _refuse(where, content, "a table")
-    return dict(cast("dict[str, object]", content))
-
-
-def _list(content: object, where: str) -> list[object]:
-    if not isinstance(content, list):
-        _refuse(where, content, "a list")
-    return cast("list[object]", content)
+    return documents.number(content, where, "a number, a text with a unit, or a table with a value", LARGEST)
 
 
 def _made(kind: Any, where: str, **values: object) -> Any:  # noqa: ANN401 - whatever it makes
@@ -266,7 +261,3 @@ def _made(kind: Any, where: str, **values: object) -> Any:  # noqa: ANN401 - wha
         return kind(**values)
     except ValueError as error:
         raise UsageError(f"{where}: {error}") from error
-
-
-def _refuse(where: str, content: object, rule: str) -> None:
-    raise UsageError(f"{where}: {content!r}; it must be {rule}")

@@ -1,12 +1,12 @@
 """An error model compared with a data sheet, or with another sensor."""
 
 import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
+from imuwb.documents import document_of, shown
 from imuwb.errors import ImuwbError, UsageError
 from imuwb.log import AXES
 from imuwb.statistics import UNKNOWN, Coefficient
@@ -52,12 +52,9 @@ def limits(path: str | Path, factor: float = 1.0) -> tuple[Limit, ...]:
     Raises:
         UsageError: the file cannot be read, or is neither of them.
     """
-    try:
-        document: dict[str, Any] = tomllib.loads(Path(path).read_text("utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise UsageError(f"{path}: cannot be read as limits: {error}") from error
-    if any(isinstance(document.get(axis), dict) and "processes" in document[axis] for axis in AXES):
-        model = ImuErrorModel.read(path)
+    document = document_of(path, "limits")
+    if any(isinstance(axis := document.get(name), dict) and "processes" in axis for name in AXES):
+        model = ImuErrorModel.of_document(document, str(path))
         uppers = [(axis, x, coefficient(a, x).upper) for axis, a in model.axes.items() for x in LETTERS]
         return tuple(Limit(axis, x, upper * factor) for axis, x, upper in uppers if math.isfinite(upper))
     made: list[Limit] = []
@@ -65,7 +62,7 @@ def limits(path: str | Path, factor: float = 1.0) -> tuple[Limit, ...]:
         axes = [axis for axis in AXES if axis == name or axis.startswith(f"{name}_")]
         if not axes or not isinstance(table, dict):
             raise UsageError(
-                f'{path}: {name!r}; limits have tables gyro, accel or {", ".join(AXES)}, such as [gyro] N = "0.3 deg/√h"'
+                f'{path}: {shown(name)}; limits have tables gyro, accel or {", ".join(AXES)}, such as [gyro] N = "0.3 deg/√h"'
             )
         for letter, text in cast("Mapping[str, object]", table).items():
             made += [Limit(axis, letter, _si(path, axis, letter, text) * factor) for axis in axes]
@@ -76,19 +73,19 @@ def limits(path: str | Path, factor: float = 1.0) -> tuple[Limit, ...]:
 
 def _si(path: str | Path, axis: str, letter: str, text: object) -> float:
     if letter not in LETTERS:
-        raise UsageError(f"{path}: {letter!r}; a limit must be one of {', '.join(LETTERS)}")
-    number, _, name = str(text).strip().partition(" ")
+        raise UsageError(f"{path}: {shown(letter)}; a limit must be one of {', '.join(LETTERS)}")
+    number, _, name = (text if isinstance(text, str) else "").strip().partition(" ")
     si = coefficient_units(axis, letter)[0]
     try:
         given = unit(name)
         value = given.to_si(float(number))
     except (ValueError, ImuwbError) as error:
         raise UsageError(
-            f'{path}: {letter} = {text!r}; it must be a number and its unit, such as "0.3 deg/√h"'
+            f'{path}: {letter} = {shown(text)}; it must be a number and its unit, such as "0.3 deg/√h"'
         ) from error
     if not name or given.dimension != si.dimension or not 0 < value < math.inf:
         raise UsageError(
-            f"{path}: {letter} = {text!r}; it must be positive, with a unit such as {coefficient_units(axis, letter)[1].name}"
+            f"{path}: {letter} = {shown(text)}; it must be positive, with a unit such as {coefficient_units(axis, letter)[1].name}"
         )
     return value
 

@@ -18,12 +18,13 @@ import numpy as np
 from imuwb.errors import UnreadableLogError
 from imuwb.notes import Note
 from imuwb.readers.batch import Remark, unused
+from imuwb.readers.bytes import budget
 from imuwb.readers.tables.named_arrays import Tree
 from imuwb.readers.tables.packed import refuse_packed
 from imuwb.units import SECOND
 
 MOST_NAMES = 40  #: channels that are named one by one
-LONGEST = 3600  #: s; a reading that takes longer does not end
+LONGEST, SLOWEST = 60.0, 1e5  #: s, and bytes each s; a reading that takes longer does not end
 
 
 def channels(path: Path) -> tuple[Tree, list[Remark]]:
@@ -38,12 +39,15 @@ def channels(path: Path) -> tuple[Tree, list[Remark]]:
         )
     refuse_packed(path)
     with TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "imuwb.readers.tables.mdf_export", str(path), folder]
+        command = [sys.executable, "-P", "-m", "imuwb.readers.tables.mdf_export", str(path), folder]
+        longest = LONGEST + path.stat().st_size / SLOWEST
         try:
-            environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-            subprocess.run(command, capture_output=True, check=False, timeout=LONGEST, env=environment)  # noqa: S603 - our own module
+            environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+            subprocess.run(command, capture_output=True, check=False, timeout=longest, env=environment)  # noqa: S603 - our own module
         except subprocess.TimeoutExpired as error:
-            raise UnreadableLogError(f"{path}: asammdf does not end within {LONGEST} s; the file is damaged") from error
+            raise UnreadableLogError(
+                f"{path}: asammdf does not end within {longest:.0f} s; the file is damaged"
+            ) from error
         index = Path(folder) / "index.json"
         told: dict[str, Any] = (
             json.loads(index.read_text("utf-8")) if index.exists() else {"error": "asammdf ended early"}
@@ -52,7 +56,9 @@ def channels(path: Path) -> tuple[Tree, list[Remark]]:
             raise UnreadableLogError(
                 f"{path}: the MDF file cannot be read ({told['error']}); it is cut or damaged: copy it again"
             )
-        arrays = [np.load(Path(folder) / f"{number}.npy", allow_pickle=False) for number in range(told["arrays"])]
+        names = [Path(folder) / f"{number}.npy" for number in range(told["arrays"])]
+        budget.check(sum(name.stat().st_size for name in names), "its channels")
+        arrays = [np.load(name, allow_pickle=False) for name in names]
     groups = {
         group: {name: arrays[number] for name, number in names.items()} for group, names in told["groups"].items()
     }

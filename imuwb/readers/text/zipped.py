@@ -1,6 +1,8 @@
 """Zip files of text logs, such as the exports of phone apps: unpacked to a folder that is removed after reading."""
 
+import lzma
 import zipfile
+import zlib
 from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
@@ -13,6 +15,8 @@ from imuwb.readers.text.sensor_files import MOST_FILES, SUFFIXES
 
 MAGIC = b"PK\x03\x04"
 LARGEST = 4 << 30  #: bytes of all unpacked files
+#: what the unpacking of damaged bytes raises
+FAULTS = (zipfile.BadZipFile, NotImplementedError, EOFError, OSError, ValueError, zlib.error, lzma.LZMAError)
 _NAMES = (b".csv", b".txt", b".tsv")
 
 
@@ -42,7 +46,7 @@ def unpacked(path: Path) -> Generator[Path]:
                 with archive.open(member) as packed, place.open("wb") as file:
                     left -= _copied(path, packed, file, left)
             yield Path(folder)
-    except (zipfile.BadZipFile, NotImplementedError, EOFError, OSError) as error:
+    except FAULTS as error:
         raise UnreadableLogError(
             f"{path}: the zip file is damaged or packed in an unusual way ({error}); unpack it, and name the folder"
         ) from error

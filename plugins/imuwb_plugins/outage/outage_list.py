@@ -2,12 +2,12 @@
 
 import csv
 import math
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Self, cast
 
+from imuwb.documents import parsed, shown
 from imuwb.errors import UsageError
 
 SUFFIXES = (".csv", ".toml")
@@ -93,10 +93,7 @@ def _csv_rows(path: Path, content: str) -> Iterator[tuple[str, Mapping[str, obje
 
 
 def _toml_rows(path: Path, content: str) -> Iterator[tuple[str, Mapping[str, object]]]:
-    try:
-        document = tomllib.loads(content)
-    except tomllib.TOMLDecodeError as error:
-        raise UsageError(f"at {path}: it is no TOML: {error}") from error
+    document = parsed(content, f"at {path}")
     rows = document.get("outage")
     if set(document) != {"outage"} or not isinstance(rows, list):
         raise UsageError(f"at {path}: it must have tables [[outage]] with start and duration (s), and nothing else")
@@ -113,9 +110,9 @@ def _outage(where: str, row: Mapping[str, Any]) -> NamedOutage:
         try:
             numbers.append(float(row[key]))
         except (KeyError, TypeError, ValueError):
-            raise UsageError(f"{where}: {key} is {row.get(key)!r}; it must be a number of seconds") from None
+            raise UsageError(f"{where}: {key} is {shown(row.get(key))}; it must be a number of seconds") from None
         if not math.isfinite(numbers[-1]):
-            raise UsageError(f"{where}: {key} is {row[key]!r}; it must be finite")
+            raise UsageError(f"{where}: {key} is {shown(row[key])}; it must be finite")
     texts = (str(row.get(key) or "").strip() for key in ("name", "log"))
     name, log = ("".join(c for c in text if c.isprintable()) for text in texts)
     return NamedOutage(numbers[0], numbers[1], name, log)
