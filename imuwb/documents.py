@@ -44,7 +44,7 @@ def document_of(path: str | Path, what: str) -> dict[str, object]:
         raise UsageError(f"{path}: cannot be read as {what}: it is not UTF-8: {error}") from error
     if len(content) > LARGEST:
         raise UsageError(f"{path}: cannot be read as {what}: it has more than {LARGEST >> 20} MiB")
-    return parsed(text, str(path))
+    return parsed(text, f"{path}: cannot be read as {what}")
 
 
 def parsed(text: str, where: str) -> dict[str, object]:

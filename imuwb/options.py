@@ -218,6 +218,9 @@ def whole_numbers(text: str, most: int) -> range:
     return numbers
 
 
+UNREAL = 1 << 1023  #: a whole number beyond has no float
+
+
 def _numbers(value: object) -> Iterator[float]:
     """Yield all numbers in a value."""
     if isinstance(value, Mapping):
@@ -226,7 +229,7 @@ def _numbers(value: object) -> Iterator[float]:
         for part in cast("tuple[object, ...]", value):
             yield from _numbers(part)
     elif isinstance(value, int | float) and not isinstance(value, bool):
-        yield float(value)
+        yield float(value) if abs(value) < UNREAL else math.copysign(math.inf, value)
 
 
 _SWITCHES = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}

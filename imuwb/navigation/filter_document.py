@@ -61,7 +61,7 @@ def read_filter(path: str | Path) -> FilterModel:
 def _levels(content: object, where: str) -> tuple[int, ...]:
     levels = rows(content, where)
     if len(levels) not in (0, AXES):
-        refuse(where, content, f"empty or a list of {AXES} whole numbers from 0 to {DEEPEST}")
+        refuse(where, content, f"empty or a list of six whole numbers from 0 to {DEEPEST}")
     return tuple(whole(level, where, 0, DEEPEST) for level in levels)
 
 

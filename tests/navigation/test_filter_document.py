@@ -42,6 +42,8 @@ def test_a_filter_is_read_as_it_is_written(tmp_path):
             "reading is 'roughly'.* corrected, as printed",
         ),
         (lambda t: t.replace("wavelet_levels = []", "wavelet_levels = [3]"), "six whole numbers"),
+        (lambda t: t.replace("wavelet_levels = []", "wavelet_levels = 5"), "wavelet_levels is 5; it must be a list"),
+        (lambda t: t.replace("wavelet_levels = []", f"wavelet_levels = {'[' * 40}{']' * 40}"), "nests deeper"),
         (lambda t: t.replace("[aids]", "[helpers]"), "unknown helpers"),
         (lambda t: t.partition("[error_model]")[0], "table error_model"),
         (lambda t: t.replace("gauss_markov", "gauss"), "error_model"),
@@ -57,5 +59,5 @@ def test_what_is_no_filter_is_refused_with_its_place(tmp_path, change, says):
 
 
 def test_a_file_that_is_not_there_is_said_to_be_that(tmp_path):
-    with pytest.raises(UsageError, match="none.toml: the file cannot be read"):
+    with pytest.raises(UsageError, match="none.toml: cannot be read as a filter"):
         read_filter(tmp_path / "none.toml")

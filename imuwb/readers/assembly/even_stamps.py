@@ -273,6 +273,8 @@ def _edge(since: Floats, period: float, rows: int, least: float) -> _Edge:
     edge = _Edge(_counted(since, period), period, np.inf, blocks)
     for _ in range(ROUNDS):
         edge = _sharper(since, edge.period, blocks, rows, least)
+        if not edge.period > 0:  # damaged times stand still
+            return _Edge(edge.number, period, np.inf, blocks)
     return edge
 
 

@@ -32,9 +32,9 @@ def velocities(speed: Floats, course: Floats, down: Floats | float = np.nan) -> 
 
     A value is nan if it is unknown, or beyond what any vehicle reaches.
     """
-    angle = np.radians(course)
-    velocity = np.stack([speed * np.cos(angle), speed * np.sin(angle), np.broadcast_to(down, speed.shape)], axis=1)
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore", over="ignore"):  # damaged numbers may be infinite
+        angle = np.radians(course)
+        velocity = np.stack([speed * np.cos(angle), speed * np.sin(angle), np.broadcast_to(down, speed.shape)], axis=1)
         return np.where(np.abs(velocity) < FASTEST, velocity, np.nan)
 
 

@@ -47,7 +47,8 @@ def _angles(cells: Sequence[bytes], ways: Sequence[bytes]) -> Floats:
     numbers = _numbers(cells)
     degrees = np.floor(numbers / 100)
     signs = np.array([-1.0 if way in (b"S", b"W") else 1.0 if way in (b"N", b"E") else np.nan for way in ways])
-    return signs * (degrees + (numbers - 100 * degrees) / 60)
+    with np.errstate(over="ignore", invalid="ignore"):  # of damaged numbers
+        return signs * (degrees + (numbers - 100 * degrees) / 60)
 
 
 def _texts(cells: Sequence[bytes]) -> NDArray[np.bytes_]:

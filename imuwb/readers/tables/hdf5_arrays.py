@@ -9,6 +9,7 @@ import numpy as np
 from imuwb.errors import UnreadableLogError
 from imuwb.readers.bytes import budget
 from imuwb.readers.tables.named_arrays import Tree
+from imuwb.texts import printable
 
 DEEPEST = 16  #: groups within each other
 MOST = 4096  #: groups and arrays that are looked at
@@ -42,14 +43,14 @@ def tree_of(path: Path, objects: list[str], *, matlab: bool = False) -> Tree:
             item: Any = None if elsewhere else group.get(name)  # no other file is opened
             if isinstance(item, h5py.Group):
                 if depth < DEEPEST:
-                    yield name, dict(walked(item, f"{shown}.", depth + 1))
+                    yield printable(name), dict(walked(item, f"{shown}.", depth + 1))
             elif not isinstance(item, h5py.Dataset) or not _is_read(item, size):
                 objects.append(shown)
             elif "MATLAB_empty" not in item.attrs:
                 held += item.size * item.dtype.itemsize
                 budget.check(held, "its unpacked arrays")
                 array = np.asarray(item[()])
-                yield _named(name, item), array.T if matlab else array
+                yield printable(_named(name, item)), array.T if matlab else array
 
     with h5py.File(path, "r") as file:
         return dict(walked(file, "", 0))

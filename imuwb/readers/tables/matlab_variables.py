@@ -12,6 +12,7 @@ from imuwb.errors import UnreadableLogError
 from imuwb.readers.batch import Remark, unused
 from imuwb.readers.bytes import source
 from imuwb.readers.tables.hdf5_arrays import tree_of
+from imuwb.readers.tables.matlab_check import check_structure
 from imuwb.readers.tables.named_arrays import Tree
 from imuwb.readers.tables.packed import refuse_packed
 
@@ -25,7 +26,7 @@ DEEPEST = 16  #: structures within each other
 #: what the libraries raise at damaged bytes
 FAULTS = (
     ValueError, TypeError, KeyError, IndexError, OverflowError, OSError, EOFError, MemoryError, AttributeError, NotImplementedError,
-    RuntimeError, AssertionError, ZeroDivisionError, zlib.error,
+    RuntimeError, AssertionError, ZeroDivisionError, UnboundLocalError, zlib.error,
 )  # fmt: skip
 
 
@@ -49,6 +50,7 @@ def variables(path: Path) -> tuple[Tree, list[Remark]]:
 
 
 def _of_version_5(path: Path, objects: list[str]) -> Tree:
+    check_structure(path.read_bytes())
     from scipy.io import loadmat  # noqa: PLC0415 - version 7.3 needs h5py alone
     from scipy.io.matlab import MatlabFunction, MatlabOpaque  # noqa: PLC0415
 

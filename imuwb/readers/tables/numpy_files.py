@@ -2,6 +2,7 @@
 
 import struct
 import tokenize
+import warnings
 import zipfile
 import zlib
 from pathlib import Path
@@ -18,6 +19,7 @@ from imuwb.readers.tables.packed import refuse_packed
 
 #: what NumPy and zipfile raise at damaged bytes
 FAULTS = (
+    SyntaxWarning, DeprecationWarning,
     ValueError, TypeError, KeyError, IndexError, OverflowError, OSError, EOFError, MemoryError, SyntaxError, NotImplementedError, RuntimeError,
     RecursionError, tokenize.TokenError, zlib.error, zipfile.BadZipFile, struct.error,
 )  # fmt: skip
@@ -68,7 +70,9 @@ def _read(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> NDArray[Any]:
 def _check(file: IO[bytes], size: int) -> None:
     """Raise ValueError if the header states Python objects, or more numbers than the file has bytes for."""
     version = npy.read_magic(file)
-    shape, _, kind = _READERS[min(version, (2, 0))](file, max_header_size=HEADER)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # odd literals are damage
+        shape, _, kind = _READERS[min(version, (2, 0))](file, max_header_size=HEADER)
     if kind.hasobject:
         raise ValueError("the array holds Python objects, which only a pickle can store; save numbers")
     count = 1

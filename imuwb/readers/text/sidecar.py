@@ -1,10 +1,10 @@
 """Reads the sidecar ``LOG.toml`` beside a text log; it states what the log itself does not."""
 
-import tomllib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
+from imuwb.documents import document_of, shown
 from imuwb.errors import UnreadableLogError, UsageError
 from imuwb.log import AXES
 from imuwb.notes import Note
@@ -90,10 +90,7 @@ def names_of(log: str) -> tuple[str, ...]:
 
 
 def _content(sidecar: Path) -> dict[str, Any]:
-    try:
-        return tomllib.loads(sidecar.read_text("utf-8"))
-    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise UsageError(f"{sidecar}: the log's sidecar is not valid TOML: {error}") from error
+    return document_of(sidecar, "the log's sidecar")
 
 
 def _is_model(stated: dict[str, Any]) -> bool:
@@ -104,9 +101,9 @@ def _is_model(stated: dict[str, Any]) -> bool:
 def _check(sidecar: Path, stated: dict[str, Any]) -> None:
     for key, value in stated.items():
         if key not in _KEYS:
-            raise UsageError(f"{sidecar}: unknown key {key!r}; a sidecar may have {', '.join(_KEYS)}")
+            raise UsageError(f"{sidecar}: unknown key {shown(key)}; a sidecar may have {', '.join(_KEYS)}")
         if not _has_type(key, value):
-            raise UsageError(f"{sidecar}: {key} is {value!r}; it must be {_KEYS[key]}")
+            raise UsageError(f"{sidecar}: {key} is {shown(value)}; it must be {_KEYS[key]}")
 
 
 def _has_type(key: str, value: object) -> bool:

@@ -16,7 +16,9 @@ from imuwb.readers.text.sensor_files import MOST_FILES, SUFFIXES
 MAGIC = b"PK\x03\x04"
 LARGEST = 4 << 30  #: bytes of all unpacked files
 #: what the unpacking of damaged bytes raises
-FAULTS = (zipfile.BadZipFile, NotImplementedError, EOFError, OSError, ValueError, zlib.error, lzma.LZMAError)
+FAULTS = (
+    zipfile.BadZipFile, NotImplementedError, EOFError, OSError, ValueError, IndexError, RuntimeError, zlib.error, lzma.LZMAError,
+)  # fmt: skip
 _NAMES = (b".csv", b".txt", b".tsv")
 
 
