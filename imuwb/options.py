@@ -229,7 +229,7 @@ def _numbers(value: object) -> Iterator[float]:
         for part in cast("tuple[object, ...]", value):
             yield from _numbers(part)
     elif isinstance(value, int | float) and not isinstance(value, bool):
-        yield float(value) if abs(value) < UNREAL else math.copysign(math.inf, value)
+        yield float(value) if abs(value) < UNREAL else math.inf if value > 0 else -math.inf
 
 
 _SWITCHES = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}

@@ -200,7 +200,7 @@ def _sum(axis: str, content: object, where: str, intervals: dict[str, tuple[floa
         name = row.pop("process", None)
         if not isinstance(name, str) or name not in PROCESSES:
             refuse(f"{where}[{i}].process", name, f"one of {', '.join(PROCESSES)}")
-        kind = PROCESSES[cast("str", name)]
+        kind = PROCESSES[name]
         wanted = [f.name for f in fields(kind)]
         if set(row) != set(wanted):
             odd = min(set(row) ^ set(wanted))

@@ -404,7 +404,7 @@ def _database(data: bytes, rng: random.Random) -> bytes:
     columns = ("messages.timestamp", "messages.data", "messages.topic_id", "topics.type", "topics.serialization_format", "topics.name",
                "message_definitions.encoded_message_definition")  # fmt: skip
     table, column = rng.choice(columns).split(".")
-    update = f"UPDATE OR IGNORE {table} SET {column} = ? WHERE id % {rng.choice(some)} = 0"  # noqa: S608 - the names above
+    update = f"UPDATE OR IGNORE {table} SET {column} = ? WHERE id % {rng.choice(some)} = 0"
     scripts = (
         "ALTER TABLE messages RENAME TO m; CREATE VIEW messages AS SELECT * FROM m UNION ALL SELECT 1, 1, 2, zeroblob(9000000)",
         "ALTER TABLE topics RENAME TO m; CREATE VIEW topics AS SELECT 1 AS id, 'x' AS name, 'y' AS type, 'cdr' AS serialization_format",
