@@ -1,7 +1,7 @@
 """The panel: the answer of an analysis in at most 15 lines of 80 columns, the same in the terminal and in the recording."""
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
 
 from imuwb.analysis import Answer, Step
@@ -42,9 +42,10 @@ def panel(answer: Answer, origin: Origin, width: int = WIDTH, height: int = HEIG
     sentences = [line for sentence in answer.sentences for line in textwrap.wrap(sentence, width)]
     wrote = _labelled("Wrote", ", ".join(origin.wrote), width) if origin.wrote else []
     left = height - 1 - len(wrote)
-    steps = _steps(answer.next[:MOST_NEXT], origin, width)
-    if len(rows) + min(len(sentences), LEAST) + len(steps) > left:
-        steps = _steps(answer.next[:1], origin, width)
+    room = left - len(rows) - min(len(sentences), LEAST)
+    steps = next((found for found in _shorter_steps(answer, origin, width) if len(found) <= room), None)
+    if steps is None:
+        *_, steps = _shorter_steps(answer, origin, width)
     left -= len(steps)
     least = min(len(sentences), max(left - len(rows), LEAST))  # a long table leaves room for what to believe
     kept = _cut(rows, left - least, width)
@@ -114,6 +115,13 @@ def _steps(steps: Sequence[Step], origin: Origin, width: int) -> list[str]:
         whole = f"{text}  {step.why}".rstrip()
         lines += [whole] if len(whole) <= width else [text, *_labelled("", step.why, width)]
     return lines
+
+
+def _shorter_steps(answer: Answer, origin: Origin, width: int) -> Generator[list[str]]:
+    """Yield the lines of the next steps, then of the first one, then of its command alone."""
+    yield _steps(answer.next[:MOST_NEXT], origin, width)
+    yield _steps(answer.next[:1], origin, width)
+    yield _steps([replace(step, why="") for step in answer.next[:1]], origin, width)
 
 
 def _quoted(path: str) -> str:

@@ -70,3 +70,18 @@ def test_no_text_of_a_log_reaches_the_terminal_as_a_command():
     text = "".join(panel(answer, Origin("noise", ("\x1b[31mlog\udce9.csv",))))
     assert text.isprintable()
     text.encode("utf-8")
+
+
+def test_a_row_of_the_table_counts_for_more_than_the_reason_of_a_command():
+    """The last row may be that of the units."""
+    answer = Answer(
+        "x",
+        ("a",),
+        tuple((f"row {i}",) for i in range(8)),
+        ("Trust them.", "They are still."),
+        (Step(f"imuwb {'lssa ' * 9}", "what shakes it " * 3),) * 2,
+    )
+    lines = panel(answer, Origin("noise", ("a.mcap",), "", ("folder/" * 9, "other/" * 9)))
+    assert len(lines) == HEIGHT
+    assert any("row 7" in line for line in lines)
+    assert not any("…" in line for line in lines)
