@@ -12,7 +12,6 @@ from imuwb.review.page.canvas import Drawing, Entry, Look, mark_text, render, re
 from imuwb.review.page.small import small
 from imuwb.texts import names_text, seconds_text
 
-
 SAMPLE = 1.5  #: lines of a legend are so much thicker than those of the drawing, which a page enlarges
 
 
