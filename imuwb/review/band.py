@@ -9,7 +9,7 @@ from imuwb.review import drawing
 from imuwb.review.frame import Frame, Point
 
 COLUMN = 4.0  #: width of a column, in the view's units
-SHARE = 0.25  #: of the curve's colour in the band; the rest is the background's
+SHARE = 0.16  #: of the curve's colour in the band; the rest is the background's
 
 
 def band(curve: Curve, frame: Frame, recording: rr.RecordingStream, path: str, order: float) -> None:

@@ -11,6 +11,7 @@ import rerun.blueprint as rrb
 
 from imuwb.analysis import Figure, Table
 from imuwb.review.sizes import AREA, TABS_BAR, TITLE_BAR, notes_height, table_height, table_width, text_width
+from imuwb.texts import printable
 
 LEAST_FIGURE, LEAST_SERIES = 385.0, 120.0  #: heights
 IN_PAIRS = 3  #: more series than this are in two columns, the first half on the left
@@ -65,12 +66,13 @@ def pages(
     """Return the pages of a tab; each has a name for a tab within the tab."""
     texts: list[Table | Notes] = list(tables)
     if notes:
-        texts.insert(1, Notes(tuple(notes)))
+        own = Notes(tuple(notes))
+        texts.insert(1 if tables and not tables[0].wide and _beside(tables[0], own) else len(texts), own)
     rows = [*_pictures(pictures), *_series(series), *_texts(texts)]
     whole = _broken(rows, AREA[1])
     parts = whole if len(whole) < 2 else _broken(rows, AREA[1] - TABS_BAR)  # noqa: PLR2004 - several need a bar of tabs
     height = AREA[1] - (TABS_BAR if len(parts) > 1 else 0.0)
-    return tuple(Page(_name(part), _filled(part, height)) for part in parts)
+    return tuple(Page(name, _filled(part, height)) for name, part in zip(_names(parts), parts, strict=True))
 
 
 def _pictures(items: Sequence[rrb.View | Figure]) -> Iterator[Row]:
@@ -111,6 +113,12 @@ def _texts(items: Sequence[Table | Notes]) -> Iterator[Row]:
         row.append((item, width))
     if row:
         yield _text_row(row)
+
+
+def _beside(table: Table, notes: Notes) -> bool:
+    """Return whether notes fit beside a table."""
+    widths = _natural(table), _natural(notes)
+    return sum(widths) <= AREA[0] and _alike(*map(_height, (table, notes), widths))
 
 
 def _alike(one: float, other: float) -> bool:
@@ -160,12 +168,23 @@ def _filled(rows: Sequence[Row], height: float) -> tuple[Row, ...]:
     )  # fmt: skip
 
 
-def _name(rows: Sequence[Row]) -> str:
-    """Return the name of a page: that of its figures, or that of its first table."""
-    first = rows[0].cells[0].item
-    if isinstance(first, Figure):
+def _names(parts: Sequence[Sequence[Row]]) -> list[str]:
+    """Return the names of pages: what each begins with; a name that comes again has a number."""
+    names: list[str] = []
+    for rows in parts:
+        name = _begin(rows[0].cells[0].item)
+        count = sum(other.partition(" (")[0] == name for other in names)
+        names.append(f"{name} ({count + 1})" if count else name)
+    return names
+
+
+def _begin(item: Item) -> str:
+    if isinstance(item, Figure):
         return "Figures"
-    if isinstance(first, Notes):
+    if isinstance(item, Notes):
         return "Notes"
-    title = first.title if isinstance(first, Table) else str(first.name or "Over time")
-    return title if len(title) <= NAME_LETTERS else f"{title[: NAME_LETTERS - 1].rstrip()}…"
+    if isinstance(item, rrb.TimeSeriesView):
+        return "Over time"
+    title = item.title if isinstance(item, Table) else str(item.name or "Map")
+    title = title.partition(":")[0]
+    return printable(title if len(title) <= NAME_LETTERS else f"{title[: NAME_LETTERS - 1].rstrip()}…")

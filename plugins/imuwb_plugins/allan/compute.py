@@ -129,11 +129,10 @@ def _read_outs(coefficients: Mapping[str, Coefficient], averaging_time: Floats) 
 
 def _model_curves(processes: Sum, begin: float, end: float, dt: float) -> ModelCurves:
     tau = np.geomspace(begin, max(end, 1.01 * begin), POINTS)
-    lines = [term for term in processes.terms if isinstance(term, Sinusoid)]
-    parts = [term for term in processes.terms if not isinstance(term, Sinusoid)]
-    whole, *terms = (
-        np.sqrt(part.allan_variance(tau, dt)) for part in (processes, *parts, *([Sum(tuple(lines))] if lines else []))
-    )
+    parts = [
+        term for term in processes.terms if not isinstance(term, Sinusoid)
+    ]  # the arches of lines would hide the others
+    whole, *terms = (np.sqrt(part.allan_variance(tau, dt)) for part in (processes, *parts))
     return ModelCurves(tau, whole, tuple(terms))
 
 

@@ -177,6 +177,6 @@ def draw_imus(result: ImuComparison, review: Review) -> None:
         f"Value [{100 * result.level:g} % interval]; < is an upper limit. An IMU is called quieter only where its whole interval lies below "
         "that of the other."
     )
-    review.table(Table("Noise of the IMUs", headings, tuple(rows), caption, wide=True))
+    review.table(Table("Noise of the IMUs", headings, tuple(rows), caption))
     for note in result.notes:
         review.note(note)

@@ -5,12 +5,12 @@ from imuwb.arrays import Floats
 from imuwb.colors import AXIS_COLORS, Color
 from imuwb.identification import Stationarity
 from imuwb.noise_results import SENSORS, by_sensor, with_models
-from imuwb.units import UNITS, Unit
+from imuwb.units import UNITS, Unit, coefficient_units
 from imuwb_plugins.allan import tables
 from imuwb_plugins.allan.result import AllanAxis, Result
 
 _UNITS = {"gyro": UNITS["deg/h"], "accel": UNITS["m/s²"]}
-DARKEST = 0.25  #: share of the axis's colour in the curve of the first part
+DARKEST = 0.45  #: share of the axis's colour in the curve of the first part
 
 
 def draw(result: Result, review: Review) -> None:
@@ -38,12 +38,24 @@ def _figure(sensor: str, axes: dict[str, AllanAxis], level: float) -> Figure:
         unit.factor,
     )
     marks = tuple(
-        Mark(m.averaging_time, unit.from_si(m.deviation), f"{m.letter} {axis[-1]}", AXIS_COLORS[axis[-1]])
+        Mark(
+            m.averaging_time,
+            unit.from_si(m.deviation),
+            f"{m.letter} {axis[-1]}",
+            AXIS_COLORS[axis[-1]],
+            _value(axis, r, m.letter),
+        )
         for axis, r in axes.items()
         for m in r.read_outs
     )
     title = f"Allan deviation [{unit.name}], {100 * level:g} % intervals"
     return Figure(f"{SENSORS[sensor]}: Allan deviation", "averaging time [s]", title, curves, marks)
+
+
+def _value(axis: str, r: AllanAxis, letter: str) -> str:
+    """Return a coefficient as a text for the legend, without its interval, which the table has."""
+    value, unit = r.coefficients[letter].value, coefficient_units(axis, letter)[1]
+    return "" if value is None else f"{unit.from_si(value):.3g} {unit.name}"
 
 
 def _curve(axis: str, time: Floats, ends: tuple[Floats, Floats, Floats], unit: Unit) -> Curve:

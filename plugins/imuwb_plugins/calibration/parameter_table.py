@@ -58,7 +58,7 @@ def parameter_table(parameters: Terms, sensor: str, imu: str, level: float) -> T
         f"Value [{100 * level:g} % interval]; measured = (1 + s + s2 |true|/range) true + couplings · other axes"
         + (" + g-sensitivity · specific force + b." if sensor == "gyro" else " + b.")
     )
-    return Table(f"{SENSORS[sensor][0]} of {imu}", ("axis", *(NAMES[k] for k in kinds)), rows, caption, wide=True)
+    return Table(f"{SENSORS[sensor][0]} of {imu}", ("axis", *(NAMES[k] for k in kinds)), rows, caption)
 
 
 def trace_figure(trace: Trace, raw_unit: str) -> Figure:

@@ -86,7 +86,7 @@ def _positions(result: PositionResult, sensors: list[str]) -> Table:
         "Axes are forward, right and down: a level IMU has z down. Probability that noise alone makes residuals as large as "
         f"these: {probability_text(result.probability)}."
     )
-    return Table("Positions", tuple(headings), rows, caption, wide=True)
+    return Table("Positions", tuple(headings), rows, caption)
 
 
 def _cells(result: PositionResult, at: int, sensor: str) -> tuple[str, str]:

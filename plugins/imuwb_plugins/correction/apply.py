@@ -57,7 +57,7 @@ def draw(applied: Applied, review: Review) -> None:
     if applied.celsius is not None:
         low, high = applied.celsius
         caption = f"… depends on temperature; the log's temperature is {low:.1f} to {high:.1f} °C."
-    review.table(Table(f"Terms of {applied.model} that were removed", headings, rows, caption, wide=True))
+    review.table(Table(f"Terms of {applied.model} that were removed", headings, rows, caption))
 
 
 def _row(axis: str, model: AxisModel) -> tuple[str, ...]:

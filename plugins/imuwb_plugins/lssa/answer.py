@@ -1,9 +1,13 @@
 """The answer of the least-squares spectrum: which lines are surely there."""
 
+from dataclasses import replace
+
 from imuwb.analysis import Answer, Step
+from imuwb.statistics import Estimate
 from imuwb.texts import number_text
 from imuwb.units import UNITS
 from imuwb_plugins.lssa.result import LssaAxis, PeakResult, Result
+from imuwb_plugins.lssa.show import figure
 
 _UNITS = {"gyro": UNITS["deg/s"], "accel": UNITS["mg"]}
 MOST = 7  #: rows
@@ -37,10 +41,28 @@ def answer(result: Result) -> Answer:
         sentences.append(text)
     if (common := _common(result)) is not None:
         sentences.append(f"{common} shows on several axes: most likely the place moves, not the sensor.")
+    strongest = _strongest(result)
     return Answer(
         _about(result), ("", "line", "amplitude", "", "and"), tuple(rows[:MOST]), tuple(sentences if rows else sentences[1:]), (NOISE,),
-        f"{100 * result.confidence:g} % intervals",
+        f"{100 * result.confidence:g} % intervals", None if strongest is None else figure(strongest, result), _numbers(result),
     )  # fmt: skip
+
+
+def _strongest(result: Result) -> str | None:
+    """Return the axis whose first line has the largest share of the residual; None: there is no line."""
+    first = {axis: lines[0].percent for axis, r in result.axes.items() if (lines := _claimed(r))}
+    return max(first, key=first.__getitem__, default=None)
+
+
+def _numbers(result: Result) -> dict[str, Estimate]:
+    """Return frequency and amplitude of the first line of each axis."""
+    numbers: dict[str, Estimate] = {}
+    for axis, r in result.axes.items():
+        for line in _claimed(r)[:1]:
+            name, unit = axis.replace("_", " "), _UNITS[axis.partition("_")[0]]
+            numbers[f"{name} line"] = replace(line.frequency, unit="Hz")
+            numbers[f"{name} amplitude"] = line.amplitude.scaled(1 / unit.factor, unit.name)
+    return numbers
 
 
 def _about(result: Result) -> str:

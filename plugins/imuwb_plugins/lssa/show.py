@@ -26,11 +26,13 @@ def draw(result: Result, review: Review) -> None:
         review.table(_constituents(result))
     for sensor, axes in by_sensor({a: r for a, r in result.axes.items() if r.why_none is None}).items():
         review.tab(f"Lssa: {SENSORS[sensor].lower()}")
-        for axis, spectrum in axes.items():
-            review.figure(_figure(axis, spectrum, result))
+        for axis in axes:
+            review.figure(figure(axis, result))
 
 
-def _figure(axis: str, spectrum: LssaAxis, result: Result) -> Figure:
+def figure(axis: str, result: Result) -> Figure:
+    """Return the spectrum of an axis, its levels, and its lines."""
+    spectrum = result.axes[axis]
     rate = DENSITY_UNITS[axis.partition("_")[0]]
     scale, y_title = {
         "density": (rate.factor**2, f"one-sided density [({rate.name})²/Hz]"),
@@ -53,13 +55,18 @@ def _figure(axis: str, spectrum: LssaAxis, result: Result) -> Figure:
             Curve("Fourier (Welch)", spectrum.fourier_frequency, spectrum.fourier_density / scale, GREY, style="faint")
         )
     marks = tuple(
-        Mark(peak.frequency.value, _height(spectrum, peak) / scale, peak.name, ORANGE)
+        Mark(peak.frequency.value, _height(spectrum, peak) / scale, peak.name, ORANGE, _amplitude(axis, peak))
         for peak in [p for p in spectrum.peaks if p.claimed][:LABELLED]
     )
     return Figure(
         f"{axis.replace('_', ' ')}: least-squares spectrum", "frequency [Hz]", y_title, tuple(curves), marks,
         y_scale="linear" if result.scale == "decibels" else "log",
     )  # fmt: skip
+
+
+def _amplitude(axis: str, peak: PeakResult) -> str:
+    unit = coefficient_units(axis, "rate")[1]
+    return f"{unit.from_si(peak.amplitude.value):.3g} {unit.name}"
 
 
 def _height(spectrum: LssaAxis, peak: PeakResult) -> float:
@@ -83,7 +90,7 @@ def _peaks(result: Result) -> Table:
         f"Intervals at {100 * result.confidence:g} %. Probability by chance: probability that noise alone makes so strong a line "
         "anywhere in the record. A line is claimed if each half of the record shows it by itself. A drifting line is found in averaged spectra of segments."
     )
-    return Table(f"Lines of {result.imu}; noise: {result.noise}", headings, rows, caption, wide=True)
+    return Table(f"Lines of {result.imu}; noise: {result.noise}", headings, rows, caption)
 
 
 def _frequency(peak: PeakResult) -> str:
@@ -124,7 +131,7 @@ def _hypotheses(result: Result) -> Table:
     )
     octave = "power of the lowest octave over the mean"
     headings = ("axis", "hypothesis", "verdict", "short lags", "slow drifts", octave)
-    return Table("Structure of the noise", headings, rows, caption, wide=True)
+    return Table("Structure of the noise", headings, rows, caption)
 
 
 def _statistic(test: ChiSquare) -> str:

@@ -43,7 +43,7 @@ def _coefficients(repeatability: Repeatability) -> Table:
         "chance makes the logs differ as much comes from a chi-square test of the squared coefficients against their mean."
     )
     headings = ("axis", "term", *repeatability.names, "all logs", "probability")
-    return Table("Repeatability", headings, tuple(rows), caption, wide=True)
+    return Table("Repeatability", headings, tuple(rows), caption)
 
 
 def _probability(c: Compared, *, differs: bool) -> str:

@@ -45,7 +45,7 @@ def _verdicts(estimates: Mapping[str, NoiseAxis]) -> Table:
     )
     doubtful = any(SUSPICIOUS in cell for row in rows for cell in row)
     caption = f"{SUSPICIOUS}look at the figures before you use the coefficients." if doubtful else ""
-    return Table("Verdicts", ("axis", "dominant process by averaging time", "remarks"), rows, caption, wide=True)
+    return Table("Verdicts", ("axis", "dominant process by averaging time", "remarks"), rows, caption)
 
 
 def _estimators(estimates: Mapping[str, NoiseAxis]) -> Table:
@@ -60,4 +60,4 @@ def _estimators(estimates: Mapping[str, NoiseAxis]) -> Table:
             rows.append((name, label, *cells))
     headings = ("axis", "estimator", "Q quantization", "N random walk", "B bias instability", "K rate random walk")
     caption = "Value [interval]; < is an upper limit. The error model takes those terms of the headline whose intervals do not begin at 0."
-    return Table("Noise by estimator", headings, tuple(rows), caption, wide=True)
+    return Table("Noise by estimator", headings, tuple(rows), caption)

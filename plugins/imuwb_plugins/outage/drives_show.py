@@ -54,7 +54,7 @@ def _by_drive(own: DurationSummary, result: Drives) -> Table:
         "drive", "filter", "outages (without overlap)", "median at the end", "NEES/2 at the end",
         "outages within the 95 % ellipse", "reference",
     )  # fmt: skip
-    return Table(f"Each drive, outages of {own.duration:g} s", headings, tuple(rows), wide=True)
+    return Table(f"Each drive, outages of {own.duration:g} s", headings, tuple(rows))
 
 
 def _draw_drive(name: str, one: Result, review: Review) -> None:

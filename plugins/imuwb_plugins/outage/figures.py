@@ -35,7 +35,8 @@ def color_of(name: str) -> Color:
 def drift(own: DurationSummary) -> Figure:
     """Return the drift of each filter: median and 95 % quantile."""
     curves: list[Curve] = []
-    for name, s in own.models.items():
+    for name in own.ranked:
+        s = own.models[name]
         curves.append(Curve(name, s.curve.elapsed, s.curve.median, color_of(name), style="curve"))
         curves.append(Curve("", s.curve.elapsed, s.curve.p95, color_of(name), style="faint"))
     title = f"Drift in outages of {own.duration:g} s: median, and 95 % quantile (faint)"
@@ -43,13 +44,17 @@ def drift(own: DurationSummary) -> Figure:
 
 
 def consistency(own: DurationSummary) -> Figure:
-    """Return the NEES of each filter over time."""
-    curves = tuple(
-        Curve(name, s.curve.elapsed, s.curve.nees_per_dof, color_of(name), style="curve")
-        for name, s in own.models.items()
-    )
+    """Return the NEES of each filter over time, and the band in which it lies if sigma is right."""
+    ranked = [(name, own.models[name]) for name in own.ranked]
+    curves = [Curve(name, s.curve.elapsed, s.curve.nees_per_dof, color_of(name), style="curve") for name, s in ranked]
+    tested = next((s.consistency for _, s in ranked if s.consistency), ())
+    if tested:
+        x, low, high = (np.array([getattr(c, part) for c in tested]) for part in ("elapsed", "lower", "upper"))
+        begin = min(float(curves[0].x[0]), float(x[0]))
+        x, low, high = (np.insert(values, 0, first) for values, first in ((x, begin), (low, low[0]), (high, high[0])))
+        curves.append(Curve("sigma is right", x, (low + high) / 2, INK, low, high, style="band"))
     title = f"NEES over its two degrees of freedom in outages of {own.duration:g} s"
-    return Figure(title, TIME, "mean NEES/2 [1]; 1: sigma is right, above 1: too small", curves, x_scale="linear")
+    return Figure(title, TIME, "mean NEES/2 [1]; above the band: sigma is too small", tuple(curves), x_scale="linear")
 
 
 def errors(result: Result, name: str) -> Figure:
@@ -60,13 +65,13 @@ def errors(result: Result, name: str) -> Figure:
     x = np.tile(np.append(elapsed, np.nan), len(lines))
     y = np.concatenate([np.append(line, np.nan) for line in lines])
     return Figure(
-        f"{name}: errors in {len(lines)} outages, and the median of the filter's sigma", TIME, ERROR,
+        f"{name}: errors in {len(lines)} outages, and its sigma", TIME, ERROR,
         (
             Curve("errors", x, y, color_of(name), style="faint"),
             Curve("1 sigma", elapsed, sigma, INK, style="curve"),
             Curve("3 sigma", elapsed, 3 * sigma, GREY, style="curve"),
         ),
-        x_scale="linear", y_scale="linear", y_limits=(0.0, 1.15 * samples.limit[name]),
+        x_scale="linear", y_scale="linear", y_limits=(0.0, 1.15 * samples.limit[name]), group="errors",
     )  # fmt: skip
 
 

@@ -28,7 +28,7 @@ def drift(own: DurationSummary, result: Result) -> Table:
             quantity_text(None if s.median_heading is None else float(np.degrees(s.median_heading)), "deg", 2),
             "—" if s.median_percent is None else f"{number_text(s.median_percent)} %", _yes(causal[name]) if name in causal else "—",
         )
-        for name, s in own.models.items()
+        for name, s in ((name, own.models[name]) for name in own.ranked)
     )  # fmt: skip
     rows += tuple((name, "cannot run", *("—",) * 9) for name in result.failed)
     headings = (
@@ -39,7 +39,7 @@ def drift(own: DurationSummary, result: Result) -> Table:
         "Horizontal errors at the end, with intervals by a moving-block bootstrap. Vertical, velocity, heading and share of the "
         "distance driven: medians at the end."
     )
-    return Table(f"Drift after {own.duration:g} s without GNSS", headings, rows, caption, wide=True)
+    return Table(f"Drift after {own.duration:g} s without GNSS", headings, rows, caption)
 
 
 def paired(own: DurationSummary) -> Table:
@@ -59,7 +59,7 @@ def paired(own: DurationSummary) -> Table:
         "Negative differences: the first filter is better. Improvement: 1 - filter/against. p-value: of log ratios, by random "
         "signs of blocks of neighbours."
     )
-    return Table(f"Pairs in the same outages of {own.duration:g} s", headings, rows, caption, wide=True)
+    return Table(f"Pairs in the same outages of {own.duration:g} s", headings, rows, caption)
 
 
 def choice(c: Choice) -> Table:
@@ -79,7 +79,7 @@ def choice(c: Choice) -> Table:
         "median error at the end",
         "blocks for which it is the best in the other blocks",
     )
-    return Table(f"Choice of a filter for outages of {c.duration:g} s", headings, rows, caption, wide=True)
+    return Table(f"Choice of a filter for outages of {c.duration:g} s", headings, rows, caption)
 
 
 def by_motion(own: DurationSummary) -> Table:
@@ -89,7 +89,7 @@ def by_motion(own: DurationSummary) -> Table:
         for kind, medians in own.by_motion.items()
     )
     title = f"Median error at the end by motion, outages of {own.duration:g} s"
-    return Table(title, ("motion", *own.models), rows, wide=True)
+    return Table(title, ("motion", *own.models), rows)
 
 
 def consistency(own: DurationSummary) -> Table:
@@ -99,7 +99,8 @@ def consistency(own: DurationSummary) -> Table:
             name, f"{c.elapsed:g} s", f"{c.nees_per_dof:.2f}", f"{c.lower:.2f} to {c.upper:.2f}", f"{c.coverage95 * 100:.0f} %",
             f"{c.ratio:.2f}", f"{s.nis_per_dof:.2f}" if np.isfinite(s.nis_per_dof) else "—",
         )
-        for name, s in own.models.items()
+        for name in own.ranked
+        for s in (own.models[name],)
         for c in s.consistency
     )  # fmt: skip
     headings = (
@@ -138,7 +139,7 @@ def outages(result: Result) -> Table:
         which = f"the {len(result.listed)} worst of {len(result.outages)} that do not overlap, by the best filter"
     title = f"Outages ({which}): mean / largest / final horizontal error"
     headings = ("start", "duration", "mean speed", "motion", *names)
-    return Table(title, headings, rows, f"Against {result.reference}.", wide=True)
+    return Table(title, headings, rows, f"Against {result.reference}.")
 
 
 def whole_run(result: Result) -> Table:
@@ -158,7 +159,7 @@ def whole_run(result: Result) -> Table:
         "within the 95 % ellipse",
     )  # fmt: skip
     caption = f"Horizontal errors once a second against {result.reference}, with all fixes; they are no drift."
-    return Table("Errors over the whole run", headings, rows, caption, wide=True)
+    return Table("Errors over the whole run", headings, rows, caption)
 
 
 def _outage(own: OutageResult, decimals: int = 1) -> tuple[str, str, str]:
@@ -180,7 +181,7 @@ def published(result: Result) -> Table:
             (f"improvement by {TESTED}", "", "", *(f"{g.own_mean * 100:.1f} / {g.own_max * 100:.1f} %" for g in gains))
         )
     title = "Mean / largest error against each filter's own run without outages (Quinchia, tables 9 and 10)"
-    return Table(title, ("start", "duration", "mean speed", *names), tuple(rows), caption, wide=True)
+    return Table(title, ("start", "duration", "mean speed", *names), tuple(rows), caption)
 
 
 def _left_out(processes: tuple[str, ...]) -> str:
@@ -206,7 +207,7 @@ def filters(result: Result) -> Table:
         "NIS/dof of velocities", "refused positions and velocities", "causal", "processes without a state",
     )  # fmt: skip
     caption = "Nine states are position, velocity and attitude; white noise needs no state (Quinchia, table 8). The JSON names all states."
-    return Table("Filters and their states", headings, rows, caption, wide=True)
+    return Table("Filters and their states", headings, rows, caption)
 
 
 def motion(noise: MotionNoise) -> Table:

@@ -35,7 +35,7 @@ def dependence(result: Result) -> Table:
         f"{100 * result.size:g} % of sensors, for each test."
     )
     headings = ("axis", "quantity", "statistic", "critical value", "distribution", "verdict", "function")
-    return Table(f"Does {result.imu} depend on temperature?", headings, tuple(rows), caption, wide=True)
+    return Table(f"Does {result.imu} depend on temperature?", headings, tuple(rows), caption)
 
 
 def _by_temperature(result: Result, axes: Sequence[str], title: str, columns: Sequence[Column], caption: str) -> Table:
@@ -145,7 +145,7 @@ def functions(result: Result) -> Table:
         "used. The error model is linear between temperatures 5 °C apart at most, and constant outside."
     )
     headings = ("axis", "quantity", "function", "formula or limit", "reason")
-    return Table("Functions of temperature", headings, tuple(rows), caption, wide=True)
+    return Table("Functions of temperature", headings, tuple(rows), caption)
 
 
 def _limit(axis: str, name: str, limit: float) -> str:
@@ -166,7 +166,7 @@ def candidates(result: Result) -> Table:
         "least. * marks the function: the simplest that agrees with the set-points, within a standard error of the best. Without "
         "*, the function is straight lines between the set-points."
     )
-    return Table("Cross-validation", ("axis", "quantity", *KINDS), rows, caption, wide=True)
+    return Table("Cross-validation", ("axis", "quantity", *KINDS), rows, caption)
 
 
 def _errors(law: FunctionResult) -> list[str]:
