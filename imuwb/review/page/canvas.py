@@ -94,7 +94,7 @@ def _entry(handle: Any, label: str) -> Entry:  # noqa: ANN401 - matplotlib has n
     text = label.removeprefix(HIDDEN).replace(r"\$", "$").replace("\n", " ")
     opacity = handle.get_alpha() or 1.0
     if not hasattr(handle, "get_markersize"):  # a band
-        return Entry(text, to_hex(handle.get_facecolor()[0]), BAND, 0.0, opacity)
+        return Entry(text, to_hex(np.atleast_2d(handle.get_facecolor())[0]), BAND, 0.0, opacity)
     marker, style = handle.get_marker(), handle.get_linestyle()
     dot = handle.get_markersize() if marker not in (None, "None", "") else 0.0
     line = 0.0 if style in ("None", "") or marker == "D" else handle.get_linewidth()

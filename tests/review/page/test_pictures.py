@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from imuwb.analysis import Curve, Figure, Series
+from imuwb.analysis import Curve, Figure, Mark, Series, Vertical
 from imuwb.colors import BLUE, INK, PALE, PALETTE, RED
 from imuwb.review.drawn import Track
 from imuwb.review.page.canvas import render
@@ -13,6 +13,7 @@ from imuwb.review.page.pictures import described, picture
 from imuwb.review.page.small import small, with_classes
 from imuwb.review.page.themes import DARK, LIGHT, PAGE, PAPER, contrast, readable
 from imuwb.review.page.ticks import number
+from imuwb.scene import Span
 
 
 def line(x, y, scale="linear", **more):
@@ -104,6 +105,20 @@ def test_odd_input_is_drawn_and_described():
         assert "<svg" in picture(item, PAGE, "p-").svg
         assert described(item)
     assert "_hidden $a$" in picture(odd[3], PAGE, "p-").svg
+
+
+def test_a_legend_that_is_apart_has_each_line_mark_and_band():
+    x = np.linspace(0, 1, 5)
+    curves = (Curve("a $b$", x, x, BLUE), Curve("band", x, x, RED, x, x + 1, style="band"), Curve("", x, x, RED))
+    figure = Figure(
+        "f", "x [s]", "y [m]", curves, (Mark(0.5, 1.0, "top", RED),), "linear", "linear", (Vertical(0.2, "here"),)
+    )
+    shown = picture(figure, PAGE, "f-", apart=True)
+    assert [label for _, label in shown.legend] == ["a $b$", "band", "here", "top: 1 m at 0.5 s"]
+    assert "band" not in re.sub("<desc.*?</desc>", "", shown.svg)
+    span = Span(2 * 10**9, 3 * 10**9, "outage", RED)
+    series = Series("s", "m", np.arange(5) * 10**9, np.arange(5.0)[:, None], ("a",), spans=(span,))
+    assert [label for _, label in picture(series, PAGE, "s-", apart=True).legend] == ["a", "outage"]
 
 
 @pytest.mark.parametrize(("form", "head"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")])
