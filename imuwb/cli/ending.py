@@ -32,9 +32,7 @@ class Output(io.FileIO):
 def prepare_streams() -> None:
     """Make stdout and stderr safe: against letters that they cannot show, programs that do not read on, and closed streams."""
     _take_numbers()
-    sys.stdout = sys.stdout or Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115 - None if the parent closed it
-    sys.stderr = sys.stderr or sys.stdout
-    sys.stdout, sys.stderr = map(_safe, (sys.stdout, sys.stderr))
+    sys.stdout, sys.stderr = _safe(sys.stdout), _safe(sys.stderr)
 
 
 def _take_numbers() -> None:
@@ -44,18 +42,22 @@ def _take_numbers() -> None:
     os.close(number)
 
 
-def _safe(stream: TextIO) -> TextIO:
+def _safe(stream: TextIO | None) -> TextIO:
+    if stream is None:  # the parent closed it
+        return Path(os.devnull).open("w", encoding="utf-8")
     if not isinstance(stream, io.TextIOWrapper):
         return stream
     # Units have letters that the encoding of a pipe or of an old console may lack.
     encoding = stream.encoding if stream.isatty() else "utf-8"
-    raw = getattr(stream.buffer, "raw", None)
+    raw = getattr(stream.buffer, "raw", stream.buffer)  # with PYTHONUNBUFFERED there is no buffer
     if type(raw) is not io.FileIO:
         stream.reconfigure(encoding=encoding, errors="replace")
         return stream
     stream.flush()
-    buffer = io.BufferedWriter(Output(raw.fileno(), "wb", closefd=False))
-    return io.TextIOWrapper(buffer, encoding, "replace", line_buffering=stream.line_buffering)
+    output = Output(raw.fileno(), "wb", closefd=False)
+    if raw is stream.buffer:
+        return io.TextIOWrapper(output, encoding, "replace", write_through=True)
+    return io.TextIOWrapper(io.BufferedWriter(output), encoding, "replace", line_buffering=stream.line_buffering)
 
 
 class Signals:

@@ -133,7 +133,7 @@ def check(
 def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | None, *, force: bool, full: bool) -> None:
     """Print the terms; draw them only if a recording is wanted."""
     from imuwb.cli.next_steps import model_steps  # noqa: PLC0415
-    from imuwb.cli.places import check_places  # noqa: PLC0415 - help must not wait
+    from imuwb.cli.places import reserved  # noqa: PLC0415 - help must not wait
     from imuwb.cli.terminal import print_panel, shower  # noqa: PLC0415
     from imuwb.review.model_answers import compare_answer, show_answer  # noqa: PLC0415
     from imuwb.review.models import tables_of  # noqa: PLC0415
@@ -143,12 +143,12 @@ def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | Non
         raise UsageError(f"--rate is {rate}, --hours {hours}; both must be above 0, and give at least {FEWEST} samples")
     if output is not None and output.suffix != ".rrd":
         raise UsageError(f"--output {output}: the suffix must be .rrd")
-    check_places([output] if output else [], paths, force=force)
     models = {path.name: model_of(path) for path in paths}
     if len(models) < len(paths):
         models = {str(path): model_of(path) for path in paths}
     if output is not None:  # it is written before the first line is printed
-        _draw(models, rate, hours, output)
+        with reserved([output], paths, force=force):
+            _draw(models, rate, hours, output)
     show = shower(data=True)
     for table in tables_of(models) if full else ():
         show(table)

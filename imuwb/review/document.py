@@ -32,7 +32,9 @@ def plain(value: object) -> object:  # noqa: PLR0911 - one return for each kind 
         return value if math.isfinite(value) else None
     if isinstance(value, dict):
         return {str(key): plain(item) for key, item in cast("dict[object, object]", value).items()}
-    if isinstance(value, list | tuple | set | frozenset):
+    if isinstance(value, set | frozenset):  # in an order that is the same in every process
+        return sorted((plain(item) for item in cast("set[object]", value)), key=str)
+    if isinstance(value, list | tuple):
         return [plain(item) for item in cast("list[object]", value)]
     return value if value is None or isinstance(value, str | int | bool) else str(value)
 

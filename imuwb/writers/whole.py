@@ -100,16 +100,18 @@ def together(places: Iterable[str | Path]) -> Generator[None]:
     """
     own: list[Draft] = []
     try:
-        for place in dict.fromkeys(Path(p).resolve() for p in places):
-            if place not in _together:
-                own.append(Draft.of(place, together=True))
-                _together[place] = own[-1]
+        with _signals_wait():
+            for place in dict.fromkeys(Path(p).resolve() for p in places):
+                if place not in _together:
+                    own.append(Draft.of(place, together=True))
+                    _together[place] = own[-1]
         yield
         _rename([draft for draft in own if draft.finished])
     finally:
-        for draft in own:
-            _together.pop(draft.place, None)
-            draft.discard()
+        with _signals_wait():
+            for draft in own:
+                _together.pop(draft.place, None)
+                draft.discard()
 
 
 @contextmanager
@@ -119,14 +121,16 @@ def whole_file(path: str | Path) -> Generator[Path]:
     Raises:
         ImuwbError: the file cannot be written, or another process writes it.
     """
-    draft = Draft.of(path)
+    draft: Draft | None = None
     try:
+        with _signals_wait():
+            draft = Draft.of(path)
         yield draft.path
         draft.finish()
     except OSError as error:
-        raise _failure(draft.place, error) from error
+        raise _failure(Path(path).resolve(), error) from error
     finally:
-        if not draft.together:
+        if draft is not None and not draft.together:
             draft.discard()
 
 
@@ -141,7 +145,7 @@ def _failure(place: Path, error: OSError) -> ImuwbError:
 
 
 def _rename(drafts: list[Draft]) -> None:
-    """Give finished files their names; no signal that a program can wait for ends the program in between."""
+    """Give finished files their names."""
     done: list[str] = []
     for draft in drafts:
         try:
@@ -185,7 +189,7 @@ class _Waiting:
 
 @contextmanager
 def _signals_wait() -> Generator[None]:
-    """Deliver signals after the block."""
+    """Deliver signals after the block, so that they leave no draft, and no file of a run without the others."""
     if threading.current_thread() is not threading.main_thread():  # only the main thread has handlers, and runs them
         yield
         return

@@ -164,3 +164,25 @@ def test_a_thread_writes_too(tmp_path):
     thread.join()
     assert (tmp_path / "a").read_text() == "new"
     assert not draft_of(tmp_path / "a").exists()
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="the system has no such signals")
+@pytest.mark.parametrize("when", ["_lock", "_rename"])
+def test_an_interruption_at_the_begin_or_at_the_end_leaves_no_draft(tmp_path, monkeypatch, when):
+    def interrupt(number, _):
+        raise KeyboardInterrupt(number)
+
+    def work(*arguments):
+        os.kill(os.getpid(), signal.SIGTERM)
+        return done(*arguments)
+
+    done = getattr(whole, when)
+    before = signal.signal(signal.SIGTERM, interrupt)
+    monkeypatch.setattr(whole, when, work)
+    try:
+        for files in ((), (tmp_path / "a", tmp_path / "b")):
+            with pytest.raises(KeyboardInterrupt), together(files):
+                write_text(tmp_path / "a", "new")
+            assert os.listdir(tmp_path) == []
+    finally:
+        signal.signal(signal.SIGTERM, before)
