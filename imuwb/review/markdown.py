@@ -14,7 +14,7 @@ def markdown(table: Table) -> str:
 
 def caption_text(caption: Caption) -> str:
     """Return a caption as Markdown; the first row of its table is in bold."""
-    parts = [f"### {markdown_text(caption.title)}", *map(markdown_text, caption.texts)]
+    parts = [f"**{markdown_text(caption.title)}**", *map(markdown_text, caption.texts)]
     if caption.rows:
         rows = [[markdown_text(cell) for cell in row] for row in caption.rows]
         rows[0] = [f"**{cell}**" if cell else "" for cell in rows[0]]

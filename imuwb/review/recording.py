@@ -133,7 +133,7 @@ class RecordingReview:
             plot_legend=rrb.PlotLegend(corner="RightTop" if self._tab.stage is None else "LeftTop", visible=len(names) > 1),
         )  # fmt: skip
         self._tab.series.append(view)
-        self._tab.charts.append(Chart(path, time, values))
+        self._tab.charts.append(Chart(path, time, values, series.spans))
 
     def table(self, table: Table) -> None:
         """Show a table."""

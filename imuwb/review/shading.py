@@ -36,6 +36,7 @@ class Chart:
     path: str
     time: Integers  #: (n,) ns
     values: Floats  #: (n, k)
+    spans: tuple[Span, ...] = ()  #: of this chart alone
 
     def range(self, begin: int, end: int) -> tuple[float, float] | None:
         """Return the least and the largest value between two times, or of all if there is none; None: no value at all."""

@@ -36,7 +36,7 @@ def still(drawn: Sequence[Drawn]) -> list[Drawn]:
         elif isinstance(item, Bars):
             shown.append(Drawn(one.tab, item.table()))
         elif isinstance(item, Series):
-            shown.append(Drawn(one.tab, replace(item, spans=tuple(spans.get(one.tab, ())))))
+            shown.append(Drawn(one.tab, replace(item, spans=(*item.spans, *spans.get(one.tab, ())))))
         elif not isinstance(item, Span | Event):
             shown.append(one)
     return shown + [Drawn(tab, _list(own)) for tab, own in events.items()]

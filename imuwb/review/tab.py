@@ -59,8 +59,11 @@ class Tab:
 
     def finish(self, recording: rr.RecordingStream, timelines: Timelines) -> None:
         """Log the spans and the events, whose places in the charts follow from all that the tab shows."""
+        if self.series and self.stage is None and timelines.windows:
+            first, whole = timelines.windows[0].name, timelines.clock.timeline
+            self.notes.insert(0, f"The charts show the {first}: for the whole log, choose {whole} at the lower left.")
         for shown in self.charts:
-            shade(shown, self.spans, self.events, recording, timelines)
+            shade(shown, [*shown.spans, *self.spans], self.events, recording, timelines)
         if self.events:
             view = event_list(self.events, timelines, f"{self.path}/events")
             (self.series if self.stage is None else self.stage.below).append(view)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import rerun as rr
@@ -16,9 +16,10 @@ from imuwb.review.timelines import Timelines, seconds
 from imuwb.scene import Scene
 
 HALVES = (1.2, 1.0)  #: shares of the width: the scene, the charts
-SCENE_SHARES = (2.1, 1.0)  #: shares of the height: the scene, what is below it
+SCENE_SHARES = (1.65, 1.0)  #: shares of the height: the scene, what is below it
 CHART_SHARES = (1.6, 1.0)  #: shares of the height: the first chart, each other one
 BELOW = (1.0, 1.25, 0.75)  #: shares of the width: the plan, what holds now, the events
+MOST_ROWS = 4  #: of charts: a legend needs some height
 PLAN, NOW = "The whole track", "Now"
 
 
@@ -43,9 +44,19 @@ class Theatre:
         )
         main: rrb.Container = left
         if series:
-            shares = [CHART_SHARES[0], *(CHART_SHARES[1] for _ in series[1:])]
-            main = rrb.Horizontal(left, rrb.Vertical(*series, row_shares=shares), column_shares=HALVES, name=name)
+            rows = list(_rows(series))
+            shares = [CHART_SHARES[0], *(CHART_SHARES[1] for _ in rows[1:])]
+            main = rrb.Horizontal(left, rrb.Vertical(*rows, row_shares=shares), column_shares=HALVES, name=name)
         return rrb.Vertical(main, name=name)
+
+
+def _rows(series: Sequence[rrb.View]) -> Iterator[rrb.View | rrb.Container]:
+    """Yield charts, at most four rows: those after the first are in pairs as far as it must be."""
+    pairs = max(len(series) - MOST_ROWS, 0)
+    yield series[0]
+    for k in range(1, 1 + 2 * pairs, 2):
+        yield rrb.Horizontal(*series[k : k + 2])
+    yield from series[1 + 2 * pairs :]
 
 
 def _captions(scene: Scene, recording: rr.RecordingStream, timelines: Timelines, path: str) -> rrb.View:

@@ -2,17 +2,23 @@
 
 from collections import defaultdict
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from rerun.chunk import RrdReader
 
-from imuwb.analysis import Bar, Bars, Review, Series, Table
+from imuwb.analysis import Answer, Bar, Bars, Review, Series, Table
 from imuwb.geodesy import quaternion_of_rotation, rotation_of_euler
 from imuwb.geodesy.tangent_plane import position_of
 from imuwb.log import SECOND
 from imuwb.review.clock import Clock
 from imuwb.review.drawn import Drawn, Track
+from imuwb.review.page.pictures import picture
+from imuwb.review.page.themes import PAGE
+from imuwb.review.panel import Origin
+from imuwb.review.report import report_of
+from imuwb.review.report_document import report_from, text_of
 from imuwb.review.shading import Chart, shade
 from imuwb.review.stage import Ground, _of_enu, _rings
 from imuwb.review.still import still
@@ -234,3 +240,19 @@ def test_on_a_page_a_scene_is_maps_and_a_span_is_shading():
     drawn = [(one.tab, one.item.spans) for one in shown if isinstance(one.item, Series)]
     assert drawn == [("Drive", (span,)), ("Other", ())]
     assert [one.item.title for one in shown if isinstance(one.item, Table)] == ["Drift", "Events"]
+
+
+def test_a_page_draws_shaded_series_and_keeps_them(tmp_path):
+    time = np.arange(30, dtype=np.int64) * SECOND
+    spans = (Span(5 * SECOND, 9 * SECOND, "outage"), Span(20 * SECOND, 25 * SECOND, "outage"))
+    values = np.ones((30, 3)) * np.arange(3)
+    series = Series("error", "m", time, values, ("e", "sigma", "sigma"), (RED,) * 3, "log", spans)
+    shown = picture(series, PAGE, "p-", apart=True)
+    assert [name for _, name in shown.legend] == ["outage", "e", "sigma"]
+    track = Track("gnss", places(np.arange(3.0), 0.0), RED, picture="Worst outage")
+    log = SimpleNamespace(provenance=SimpleNamespace(path="a.csv", format="csv", hash="", selection=""))
+    drawn = [Drawn("Drive", series), Drawn("Drive", track)]
+    report = report_of(Answer("1 h"), Origin("outage", ("a.csv",)), drawn, [log], "f00d", "1.0")
+    again = report_from(text_of(report), tmp_path)
+    assert again.drawn[0].item.spans == spans
+    assert again.drawn[1].item.picture == "Worst outage"

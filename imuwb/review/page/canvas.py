@@ -150,7 +150,8 @@ def _series(series: Series, look: Look, axes: Any) -> None:  # noqa: ANN401 - ma
     for i, name in enumerate(series.names):
         r, g, b = series.colors[i][:3] if i < len(series.colors) else color_at(i)
         color = look.color((r, g, b))
-        axes.plot(time / (length * SECOND), series.values[:, i], lw=0.7, color=color, label=_label(name))
+        label = None if name in series.names[:i] else _label(name)
+        axes.plot(time / (length * SECOND), series.values[:, i], lw=0.7, color=color, label=label)
 
 
 def _shade(series: Series, look: Look, axes: Any, length: int) -> None:  # noqa: ANN401 - matplotlib has no types
@@ -159,7 +160,16 @@ def _shade(series: Series, look: Look, axes: Any, length: int) -> None:  # noqa:
     for span in series.spans if series.time.size else ():
         ends = [(t - int(series.time[0])) / (length * SECOND) for t in (span.begin, span.end)]
         label = None if span.text in named else _label(span.text)
-        axes.axvspan(*ends, color=look.color(span.color), alpha=0.18, lw=0, label=label)
+        axes.fill_between(
+            ends,
+            0,
+            1,
+            transform=axes.get_xaxis_transform(),
+            color=look.color(span.color),
+            alpha=0.18,
+            lw=0,
+            label=label,
+        )
         named.add(span.text)
 
 

@@ -22,7 +22,10 @@ QUALITIES: dict[int, tuple[str, Color]] = {
 }  # fmt: skip
 FAINT = 90  #: opacity of fixes that are withheld
 NEAREST = 30.0  #: m, from the camera to the vehicle
-SHARE, TIMES = 0.55, 2.4  #: of the distance driven in the first outage, and of the largest error in it, to the camera
+SHARE, TIMES = (
+    0.55,
+    2.4,
+)  #: of the distance driven in the first outage, and of the errors and the sigma in it, to the camera
 
 
 def drive(replay: Replay, summaries: Sequence[DurationSummary]) -> Drive:
@@ -129,5 +132,6 @@ def _distance(replay: Replay, names: Sequence[str], outages: Sequence[Shown]) ->
     scores = [replay.runs[name].outages[first.duration].scores for name in names]
     errors = [float(own.horizontal[first.row, -1]) for own in scores]
     driven = float(scores[0].distance[first.row, -1])
-    known = [error for error in errors if np.isfinite(error)]
-    return max(SHARE * driven, TIMES * float(np.median(known)) if known else 0.0, NEAREST)
+    sigma = float(scores[0].sigma[first.row, -1])
+    known = [error for error in (*errors, sigma) if np.isfinite(error)]
+    return max(SHARE * driven, TIMES * max(float(np.median(known)), known[-1]) if known else 0.0, NEAREST)

@@ -93,8 +93,8 @@ def _heading_error(replay: Replay, best: str, outages: Sequence[Shown]) -> Serie
         sigma = SIGMAS * np.sqrt(drift.covariance[own.row, :, 8, 8])
         return np.degrees(np.stack([error, sigma, -sigma], axis=1))
 
-    color, against = color_of(best), "" if known else " against its run over all fixes"
-    looks = [(best, (*color, 255)), *((f"3 sigma of {best}", (*color, FAINT)),) * 2]
+    color, against = color_of(best), "" if known else " against all fixes"
+    looks = [(best, (*color, 255)), *(("3 sigma", (*color, FAINT)),) * 2]
     return _series(f"Heading error{against}", "deg", _in_outages(replay, outages, values), looks)
 
 
