@@ -21,6 +21,7 @@ MOSTLY = 0.5  #: share of missing time; a stream with a larger share was recorde
 MANY = 100  #: gaps; if a stream whose rate drops has more gaps, they are the steps of the lower rate
 MUCH = 0.01  #: share of missing time; a larger share is a fault
 CUT_OFF = 0.01  #: share of the rows; as few rows at an end of a stream can be left out
+SLOWEST = 5.0  #: s between the rows of an IMU; a longer interval shows a wrong unit of time
 DAY, YEAR = 86_400.0, 31_557_600.0  #: s
 FAR = 10.0  #: times the recorded time; a longer step is a jump of the clock
 
@@ -63,6 +64,10 @@ def _jumps(time: Floats) -> Integers:
 def _within(name: str, time: Floats, *, inertial: bool) -> Iterator[Fault]:
     """Yield gaps, jitter and drops of the rate."""
     clock = sampling(_nanoseconds(time))
+    if inertial and clock.interval > SLOWEST:
+        what = f"a row every {seconds_text(clock.interval)}, more slowly than IMUs are logged"
+        consequence = "the unit of its times is likely another, such as ms: then rates and noise are wrong; --units time=UNIT states it"
+        yield Fault(name, "slow clock", what, "fault", consequence=consequence)
     drops = list(_rate_drops(name, time))
     if clock.gaps and not (drops and len(clock.gaps) > MANY):
         gaps = _gaps(name, time, clock, inertial=inertial)

@@ -37,6 +37,12 @@ def test_stamps_that_are_rounded_are_no_fault(grain):
     assert found(np.round(even(step=1 / 130) / grain) * grain) == []
 
 
+@pytest.mark.parametrize(("step", "faults"), [(10.0, ["slow clock"]), (1.0, [])])
+def test_an_imu_that_is_too_slow_shows_a_wrong_unit_of_time(step, faults):
+    assert [fault.kind for fault in found(even(step=step)) if fault.severity == "fault"] == faults
+    assert not found(even(step=step), inertial=False)
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_little_jitter_is_no_fault(seed):
     assert found(even() + 3e-4 * np.random.default_rng(seed).standard_normal(N).clip(-4, 4)) == []

@@ -6,7 +6,7 @@ import os
 import shutil
 import tempfile
 from collections import deque
-from collections.abc import Collection, Generator, Iterator
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -105,7 +105,7 @@ class RemoteLog:
             return self._copy.open("rb")
         return cast("BinaryIO", io.BufferedReader(_RemoteFile(self), HEAD))
 
-    def copied(self, beside: Collection[str] = (), progress: Progress | None = None) -> Path:
+    def copied(self, beside: Sequence[str] = (), progress: Progress | None = None) -> Path:
         """Return a copy of the log on disk, and beside it copies of objects of some names, if there are such objects.
 
         Raises:
@@ -118,6 +118,10 @@ class RemoteLog:
                 text = f"{self}: its copy cannot be written: {error.strerror or error}; set TMPDIR to another folder"
                 raise UnreadableLogError(text) from None
             self._blocks.clear()
+        if beside and self.address.signed:
+            text = f"objects beside {self}, such as {beside[0]}, are not looked for: the query of its address is valid for it alone"
+            self.notes.append(Note("beside-not-sought", text))
+            return self._copy
         for name in beside:
             self._copy_beside(self._copy, name)
         return self._copy
@@ -216,7 +220,7 @@ class RemoteLog:
 
         address = self.address.beside(name)
         place = copy.with_name(address.file_name)
-        if self.address.signed or place.exists():
+        if place.exists():
             return
         transfer = Transfer(address, ranged=False)
         content = bytearray()

@@ -60,7 +60,10 @@ def describe(path: Source, options: ReadOptions) -> LogSummary | None:
             raise
         except Exception:  # noqa: BLE001 - a damaged index may raise anything in the library
             return None  # the reader of the messages reports the damage, and uses the whole messages
-    text = "from the file's index: the times are when messages were recorded; --scan also finds gaps and repairs"
+    text = (
+        "from the file's index: the times are when messages were recorded, and a topic is one stream, although its messages may be of several "
+        "sensors; --scan tells these apart, and finds gaps and repairs"
+    )
     notes = [Note("from_index", text), *extras_notes(extras)]
     notes += [Note("unused", remark.text) for remark in unused_topics(unused)]
     return LogSummary(str(path), "mcap", "", streams, tuple(notes), truth)

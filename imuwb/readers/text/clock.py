@@ -297,6 +297,12 @@ def _number_clock(path: Path, layout: Layout, stamp: Stamp, options: ReadOptions
             )
         text = f"time column {column.name!r} taken as {measure.name} since 1970, by the size of its first number"
         notes.append(Note("time_unit_guessed", text))
+    if abs(value) * measure.factor * SECOND > LATEST:
+        likely = next((u for u in map(unit, DIGITS) if OUR_DAYS[0] < value * u.factor < OUR_DAYS[1]), unit("ns"))
+        raise UsageError(
+            f"{path}: time column {column.name!r} is taken in {measure.name}, in which its first number, {value:g}, is later than the year "
+            f"2262; its unit is likely {likely.name}: --units time={likely.name}"
+        )
     epoch, ahead = options.epoch or "log", 0
     if options.epoch is None and OUR_DAYS[0] < value * measure.factor < OUR_DAYS[1]:
         epoch, ahead = "unix", _ahead_of_utc(replace(column, name=stamp.name), value * measure.factor, notes)

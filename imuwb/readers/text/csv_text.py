@@ -9,7 +9,7 @@ from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text import time_tag
 from imuwb.readers.text.cells import blocks
 from imuwb.readers.text.encoding import is_text
-from imuwb.readers.text.sensor_files import is_folder_of_sensors, partners_of
+from imuwb.readers.text.sensor_files import counterparts, is_folder_of_sensors, partners_of
 from imuwb.readers.text.several import in_overlapping_blocks, of_folder, of_tags, of_zip, with_partner
 from imuwb.readers.text.sidecar import names_of, with_sidecar
 from imuwb.readers.text.tables import layouts_of
@@ -31,8 +31,8 @@ def probe_folder(folder: Path) -> bool:
 
 
 def beside(name: str) -> tuple[str, ...]:
-    """Return the names of the files that may lie beside a log: its sidecar and its time tag."""
-    return *names_of(name), time_tag.name_of(name)
+    """Return the names of the files that may lie beside a log: its sidecar, its time tag, and the file of its other sensor."""
+    return *names_of(name), time_tag.name_of(name), *counterparts(name)
 
 
 def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:

@@ -37,6 +37,10 @@ LONE = {
     "accel": {"accel", "acc", "accelerometer", "acceleration", "specific force"},
 }
 SUFFIXES = (".csv", ".txt", ".tsv", ".dat", ".csv.gz", ".txt.gz")
+#: word in the name of a file -> that in the name of the file of the other sensor
+_PAIRS = {
+    "gyroscope": "accelerometer", "accelerometer": "gyroscope", "gyro": "accel", "accel": "gyro", "gyr": "acc", "acc": "gyr",
+}  # fmt: skip
 AXES = re.compile(r"[xyz](?:\s*[\[(].*[\])])?", re.IGNORECASE)
 MOST_FILES = 200  #: in a folder that is one log
 
@@ -122,6 +126,22 @@ def partners_of(path: Path) -> list[Path]:
         if difference <= BETTER | WORSE:
             found.append(((len(difference & WORSE), -len(difference & BETTER), file.name), file))
     return [file for _, file in sorted(found)]
+
+
+def counterparts(name: str) -> tuple[str, ...]:
+    """Return the name of the file with the other sensor of a record, where a name has one of the usual words; else nothing.
+
+    ``partners_of`` finds the files of a folder; of an address, only objects whose name is known can be found.
+    """
+    words = [word for word in _PAIRS if re.search(rf"(?<![a-z]){word}(?![a-z])", name, re.IGNORECASE)]
+    if len(words) != 1 or sensor_name(stem(Path(name))) is None:
+        return ()
+
+    def other(found: re.Match[str]) -> str:
+        word = _PAIRS[words[0]]
+        return word.upper() if found[0].isupper() else word.capitalize() if found[0][0].isupper() else word
+
+    return (re.sub(words[0], other, name, flags=re.IGNORECASE),)
 
 
 def files_in(folder: Path) -> list[Path]:

@@ -309,6 +309,16 @@ def test_the_sidecar_of_a_remote_log_is_asked_for_once(web):
     assert paths.count("/a/log.toml") == paths.count("/a/log.csv.toml") == 1
 
 
+def test_the_file_of_the_other_sensor_is_asked_for(web):
+    lines = [f"{i / 100:.2f},0.1,0.2,{i % 9}\n" for i in range(50)]
+    web.objects["a/Gyroscope.csv"] = ("time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s\n" + "".join(lines)).encode()
+    web.objects["a/Accelerometer.csv"] = (
+        ("time_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2\n" + "".join(lines)).replace("0.2", "9.8").encode()
+    )
+    (imu,) = read(web.url("a/Gyroscope.csv")).imus
+    assert len(imu.angular_rate) == len(imu.specific_force) == 50
+
+
 def test_faults_of_a_remote_sidecar_name_its_address(web, copies):
     web.objects |= {"a/log.csv": rows(), "a/log.toml": b"speed = 3\n"}
     with pytest.raises(UsageError, match="unknown key") as raised:
@@ -328,7 +338,10 @@ def test_errors_of_the_content_name_the_address(web, copies):
 def test_a_signed_log_has_no_sidecar_and_a_page_is_none(web):
     web.objects["log.csv"] = rows()
     web.page = b"<html>not here</html>"
-    check_rows(read(web.url("log.csv", query="?sig=1")))
+    log = read(web.url("log.csv", query="?sig=1"))
+    check_rows(log)
+    assert "beside-not-sought" in ids(log.notes)
+    assert "sig=1" not in "".join(log.notes)
     assert {request.path for request in web.requests} == {"/log.csv?sig=1"}
     check_rows(read(web.url("log.csv")))
 

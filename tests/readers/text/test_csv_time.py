@@ -163,6 +163,15 @@ def test_a_unit_in_which_an_imu_is_very_slow_is_named(text_log):
     assert "slow_time" not in ids(read(text_log(counted("time_ms", 10))).notes)
 
 
+@pytest.mark.parametrize(("name", "likely"), [("time_s", "ns"), ("time_s", "us"), ("time_s", "ms"), ("time_ms", "ns")])
+def test_a_unit_in_which_the_log_is_later_than_any_is_refused(text_log, name, likely):
+    lines = [f"{name},gx_rad_s,gy_rad_s,gz_rad_s,ax_m_s2,ay_m_s2,az_m_s2"]
+    scale = {"ms": 10**3, "us": 10**6, "ns": 10**9}[likely]
+    lines += [f"{(1_714_564_800 * 100 + i) * scale // 100},0.1,0.2,0.{i % 7},0,0,9.8" for i in range(50)]
+    with pytest.raises(UsageError, match=f"its unit is likely {likely}: --units time={likely}"):
+        read(text_log("\n".join(lines) + "\n"))
+
+
 def test_a_clock_that_stands_still_gives_no_rate(text_log):
     (imu,) = read(text_log(timed("time_s", *["5.0"] * 60).replace(",1,2", ",1,{}").format(*range(60)))).imus
     assert len(imu.angular_rate) == 1
