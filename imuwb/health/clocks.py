@@ -64,16 +64,16 @@ def _jumps(time: Floats) -> Integers:
 def _within(name: str, time: Floats, *, inertial: bool) -> Iterator[Fault]:
     """Yield gaps, jitter and drops of the rate."""
     clock = sampling(_nanoseconds(time))
-    if inertial and clock.interval > SLOWEST:
-        what = f"a row every {seconds_text(clock.interval)}, more slowly than IMUs are logged"
-        consequence = "the unit of its times is likely another, such as ms: then rates and noise are wrong; --units time=UNIT states it"
-        yield Fault(name, "slow clock", what, "fault", consequence=consequence)
     drops = list(_rate_drops(name, time))
     if clock.gaps and not (drops and len(clock.gaps) > MANY):
         gaps = _gaps(name, time, clock, inertial=inertial)
         yield gaps
         if gaps.kind == "batches":
             return
+    if inertial and not clock.gaps and clock.interval > SLOWEST:
+        what = f"a row every {seconds_text(clock.interval)}, more slowly than IMUs are logged"
+        consequence = "the unit of its times is likely another, such as ms: then rates and noise are wrong; --units time=UNIT states it"
+        yield Fault(name, "slow clock", what, "fault", consequence=consequence)
     if clock.jitter > JITTER:
         what = f"stamps scatter by {100 * clock.jitter:.0f} % of the interval"
         consequence = "do not trust averaging times near one interval; another --time-source may be better"
