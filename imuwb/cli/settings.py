@@ -8,7 +8,6 @@ file. Paths are those of the command line: relative to the folder in which the c
 
 import difflib
 import inspect
-import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import date, time
@@ -19,6 +18,7 @@ from typing import Annotated, Any, cast
 import typer
 
 from imuwb.cli.help import GENERAL
+from imuwb.documents import document_of, refuse
 from imuwb.errors import UsageError
 from imuwb.readers.bytes.address import without_secrets
 
@@ -114,7 +114,7 @@ class Settings:
                 return [_text(item) for item in (cast("list[object]", value) if isinstance(value, list) else [value])]
             return [_text(value)]
         except TypeError:
-            raise UsageError(f"{self.file}: {key} is {_shown(value)}; it must be {expected}") from None
+            refuse(f"{self.file}: {key}", value, expected)
 
 
 def read_settings(file: Path, command: str, params: Mapping[str, Any]) -> Settings:
@@ -128,16 +128,7 @@ def read_settings(file: Path, command: str, params: Mapping[str, Any]) -> Settin
     Raises:
         UsageError: there is no such file, it is no TOML, it is for another command, or it has an unknown key.
     """
-    try:
-        values = tomllib.loads(file.read_text("utf-8"))
-    except OSError as error:
-        raise UsageError(
-            f"--config {file}: {error.strerror}; give a settings file that --save-config has written"
-        ) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise UsageError(
-            f"{file}: it is not TOML: {error}; write one option in each line, such as level = 0.99"
-        ) from error
+    values = document_of(file, "a settings file")
     named = values.pop(COMMAND, command)
     if named != command:
         raise UsageError(
@@ -194,10 +185,3 @@ def _parts(values: list[object]) -> Iterator[str]:
     for value in values:
         inner = cast("list[object]", value) if isinstance(value, list) else [value]
         yield ":".join(map(_text, inner))
-
-
-def _shown(value: object) -> str:
-    if isinstance(value, bool):
-        return f"{str(value).lower()} (a switch)"
-    kinds = ((str, "a text"), (int | float, "a number"), (list, "a list"), (dict, "a table"))
-    return f"{value!r} ({next((name for kind, name in kinds if isinstance(value, kind)), type(value).__name__)})"
