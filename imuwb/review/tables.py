@@ -5,12 +5,14 @@ from datetime import UTC, datetime
 
 from imuwb.analysis import Table
 from imuwb.log import SECOND
+from imuwb.names import distinct
 from imuwb.summary import LogSummary, StreamSummary
 from imuwb.texts import seconds_text
 
 HEADINGS = (
     "stream", "kind", "rows", "rate", "duration", "start", "gaps", "units in file", "frame in file", "repairs",
 )  # fmt: skip
+PATH = 40  #: columns of the path of a log among several
 HASH_LETTERS = 19  #: number of letters of "sha256:40323baac812..." that are shown
 
 
@@ -28,7 +30,10 @@ def truth_table(summary: LogSummary) -> Table:
 
 def streams_of_many(summaries: Sequence[LogSummary]) -> Table:
     """Return one table of the streams of many logs."""
-    rows = tuple((summary.path, *row_of(stream)) for summary in summaries for stream in summary.streams)
+    paths = distinct([summary.path for summary in summaries], PATH)
+    rows = tuple(
+        (path, *row_of(stream)) for path, summary in zip(paths, summaries, strict=True) for stream in summary.streams
+    )
     return Table(f"Streams of {len(summaries)} logs", ("log", *HEADINGS), rows, wide=True)
 
 

@@ -7,12 +7,14 @@ import numpy as np
 from imuwb.analysis import Curve, Figure, Review, Table
 from imuwb.arrays import Floats
 from imuwb.colors import AXIS_COLORS
+from imuwb.names import distinct
 from imuwb.notes import Note
 from imuwb.texts import coefficient_text
 from imuwb.units import coefficient_units
 from imuwb_plugins.noise.repeatability import Compared, Repeatability
 
 LEAST = 0.1  #: share of a value at which a bar ends that would reach 0; a logarithmic axis has no 0
+NAME = 24  #: columns of the name of a log
 ASIDE = 0.08  #: distance between the axes' bars at one log
 
 
@@ -42,7 +44,7 @@ def _coefficients(repeatability: Repeatability) -> Table:
         "All logs: root mean square, weighted by duration; a log that does not show a term counts with its limit. The probability that "
         "chance makes the logs differ as much comes from a chi-square test of the squared coefficients against their mean."
     )
-    headings = ("axis", "term", *repeatability.names, "all logs", "probability")
+    headings = ("axis", "term", *distinct(repeatability.names, NAME), "all logs", "probability")
     return Table("Repeatability", headings, tuple(rows), caption)
 
 
@@ -60,12 +62,17 @@ def _turn_on(repeatability: Repeatability) -> Table:
         "Mean of each log, and the part of the scatter of the means that noise within the logs does not explain: sigma of the turn-on "
         "bias, which goes into the error model; < is a limit. For the accelerometers, the IMU must not have been moved between the logs."
     )
-    return Table("Turn-on bias", ("axis", *repeatability.names, "sigma of the turn-on bias"), tuple(rows), caption)
+    return Table(
+        "Turn-on bias",
+        ("axis", *distinct(repeatability.names, NAME), "sigma of the turn-on bias"),
+        tuple(rows),
+        caption,
+    )
 
 
 def _figures(repeatability: Repeatability) -> Iterator[Figure]:
     """Yield N and B of each axis from log to log, with their intervals; of a limit only the upper end of the bar shows."""
-    names = repeatability.names
+    names = distinct(repeatability.names, NAME)
     for sensor, title in (("gyro", "Gyroscopes"), ("accel", "Accelerometers")):
         axes = [axis for axis in repeatability.coefficients if axis.startswith(sensor)]
         for letter, name in (("N", "random walk N"), ("B", "bias instability B")):

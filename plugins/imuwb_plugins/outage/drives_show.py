@@ -4,10 +4,13 @@ from dataclasses import replace
 
 from imuwb.analysis import Review, Table
 from imuwb.colors import INK
+from imuwb.names import distinct
 from imuwb.texts import interval_text, number_text
 from imuwb_plugins.outage import figures, show, tables
 from imuwb_plugins.outage.drives import Drives
 from imuwb_plugins.outage.result import DurationSummary, Result
+
+NAME = 32  #: columns of the name of a drive
 
 
 def draw(result: Result | Drives, review: Review) -> None:
@@ -33,14 +36,14 @@ def draw(result: Result | Drives, review: Review) -> None:
             review.table(tables.choice(own.choice))
         if own.paired:
             review.table(tables.paired(own))
-    for name, one in result.drives.items():
+    for name, one in zip(distinct(tuple(result.drives), NAME), result.drives.values(), strict=True):
         _draw_drive(name, one, review)
 
 
 def _by_drive(own: DurationSummary, result: Drives) -> Table:
     """Return the median drift and the consistency of each filter in each drive."""
     rows: list[tuple[str, ...]] = []
-    for name, one in result.drives.items():
+    for name, one in zip(distinct(tuple(result.drives), NAME), result.drives.values(), strict=True):
         for summary in (s for s in one.summary if s.duration == own.duration):
             rows += [
                 (
