@@ -6,6 +6,8 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import PurePath
 from typing import Any, TypeVar, cast
 
+import numpy as np
+
 from imuwb.analysis import Answer, Figure
 from imuwb.log import Log
 from imuwb.review.drawn import Drawn
@@ -69,10 +71,19 @@ def report_of(
     figure = answer.figure or next((one.item for one in drawn if isinstance(one.item, Figure)), None)
     answer = replace(answer, next=filled(answer.next, origin), figure=None, numbers={})
     sources = tuple(Source(p.path, p.format, p.hash, p.selection) for p in (log.provenance for log in logs))
-    shown = tuple(thin(one) for one in still(drawn) if one.item is not figure)
+    shown = tuple(thin(one) for one in still(drawn) if figure is None or not _is_same(one.item, figure))
     command = origin.command or shlex.join(("imuwb", *origin.analysis.split(), *origin.logs))
     first = None if figure is None else thin_figure(figure)
     return cleaned(Report(origin.analysis, answer, first, shown, sources, command, run, version))
+
+
+def _is_same(item: object, figure: Figure) -> bool:
+    """Return whether what was drawn is a figure, or one made again with the same curves."""
+    if item is figure or not isinstance(item, Figure):
+        return item is figure
+    return (item.title, len(item.curves)) == (figure.title, len(figure.curves)) and all(
+        np.array_equal(a.y, b.y, equal_nan=True) for a, b in zip(item.curves, figure.curves, strict=True)
+    )
 
 
 def cleaned(value: _Any) -> _Any:

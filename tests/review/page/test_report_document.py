@@ -1,12 +1,17 @@
 """A report that a recording keeps is the same report again; what was changed by hand is refused."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from imuwb.analysis import Answer
 from imuwb.errors import UnreadableLogError
+from imuwb.review.drawn import Drawn
 from imuwb.review.page.html import page
+from imuwb.review.panel import Origin
+from imuwb.review.report import report_of
 from imuwb.review.report_document import _numbers, report_from, text_of
 
 
@@ -56,3 +61,11 @@ def test_a_small_change_of_a_large_value_is_kept():
     kept = json.loads(json.dumps(_numbers(around)))
     assert np.abs(np.asarray(kept) - around).max() < 2e-8
     assert _numbers(np.array([np.nan, 1.0, np.inf])) == [None, 1, None]
+
+
+def test_the_figure_of_the_answer_is_not_shown_again(figure):
+    log = SimpleNamespace(provenance=SimpleNamespace(path="a.csv", format="csv", hash="1", selection=""))
+    drawn = [Drawn("one", figure()), Drawn("two", figure(30)), Drawn("three", "a note")]
+    made = report_of(Answer("all", figure=figure()), Origin("noise", ("a.csv",)), drawn, [log], "run", "1.0")
+    assert [one.tab for one in made.drawn] == ["two", "three"]
+    assert made.command == "imuwb noise a.csv"
