@@ -15,26 +15,35 @@ from importlib import import_module, resources
 from typing import Any, cast
 
 from numba.core import types
+from numba.core.errors import NumbaError
 
 from imuwb.compiled import kernels
 
 NAME = "signatures.json"
 
 
-def compile_all() -> tuple[int, int]:
+def listed() -> dict[str, list[list[Any]]]:
+    """Return the signatures in the file, {module:function: [types of the arguments, ...]}."""
+    return json.loads(resources.files("imuwb").joinpath(NAME).read_text("utf-8"))
+
+
+def compile_all() -> tuple[int, int, tuple[str, ...]]:
     """Compile all functions for all their signatures, or read the code that is kept.
 
     Returns:
-        the number of signatures, and of those that had to be compiled.
+        the number of signatures, the number of compilations, and the functions that are not, or not with these arguments.
     """
-    listed = cast("dict[str, list[list[Any]]]", json.loads(resources.files("imuwb").joinpath(NAME).read_text("utf-8")))
-    for name in listed:
-        import_module(name.partition(":")[0])
-    for name, signatures in listed.items():
-        for signature in signatures:
-            kernels[name].compile(tuple(map(type_of, signature)))
-    compiled = [sum(kernels[name].stats.cache_misses.values()) for name in listed]
-    return sum(map(len, listed.values())), sum(compiled)
+    count, failed, found = 0, list[str](), listed()
+    for name, signatures in found.items():
+        try:
+            import_module(name.partition(":")[0])
+            for signature in signatures:
+                kernels[name].compile(tuple(map(type_of, signature)))
+                count += 1
+        except (ImportError, AttributeError, KeyError, TypeError, NumbaError):  # the list is older than the function
+            failed.append(name)
+    made = [sum(kernels[name].stats.cache_misses.values()) for name in found if name in kernels]
+    return count, sum(made), tuple(failed)
 
 
 def type_of(text: Any) -> Any:  # noqa: ANN401 - JSON, and a type of numba

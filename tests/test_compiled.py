@@ -1,10 +1,10 @@
 """Compiled code is kept on disk, and used only while all modules in its folder are unchanged."""
 
-import json
+import inspect
 import os
 import subprocess
 import sys
-from importlib import import_module, resources
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -131,7 +131,7 @@ def test_code_is_read_where_nothing_can_be_written_and_without_it_there_is_a_war
 
 @pytest.mark.slow
 def test_every_compiled_function_has_signatures_or_is_called_by_compiled_code_alone():
-    listed = json.loads(resources.files("imuwb").joinpath(signatures.NAME).read_text("utf-8"))
+    listed = signatures.listed()
     home = Path(imuwb.__file__).parent
     for file in home.rglob("*.py"):
         if "\n@compiled(" in file.read_text("utf-8"):
@@ -139,6 +139,7 @@ def test_every_compiled_function_has_signatures_or_is_called_by_compiled_code_al
     ours = {name for name in kernels if name.startswith("imuwb")}
     assert listed.keys() <= ours
     assert ours - listed.keys() <= {"imuwb.readers.flight.ulog_records:_chained"}
-    for found in listed.values():
+    for name, found in listed.items():
         for signature in found:
+            assert len(signature) == len(inspect.signature(kernels[name].py_func).parameters), name
             assert [signatures.text_of(signatures.type_of(text)) for text in signature] == signature

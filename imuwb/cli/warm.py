@@ -21,9 +21,13 @@ def warm() -> None:
     from imuwb.signatures import compile_all  # noqa: PLC0415
 
     began = time.perf_counter()
-    count, made = compile_all()
+    count, made, failed = compile_all()
     if kept_code.lost:
         raise ImuwbError(f"compiled code cannot be kept ({kept_code.lost[0]}); {kept_code.REMEDY}")
     took = time.perf_counter() - began
     typer.echo(f"{count} functions are ready after {took:.1f} s; {'they were compiled' if made else 'all were there'}.")
+    if failed:
+        typer.echo(
+            f"{len(failed)} functions have changed since the list was made, and are compiled when they are needed."
+        )
     typer.echo(f"Their code is in {os.path.commonpath(kept_code.used)} ({len(kept_code.used)} folders).")
