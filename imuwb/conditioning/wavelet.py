@@ -1,8 +1,10 @@
 """Wavelet denoising: details below a threshold are taken as noise (Quinchia, 4.5 and 5.6).
 
 Level k keeps frequencies below rate/2^(k+1). Stein's unbiased risk estimate (SURE; Donoho and Johnstone 1995) gives each level
-the threshold with the least expected error; the common libraries do not have it. The noise is scaled level by level, by the
-median of the details' magnitudes.
+the threshold with the least expected error; the common libraries do not have it. What the noise is taken to be is a choice of its
+own (``Scale``): each level's median of magnitudes, that of the finest level for all, or 1 in the unit of the samples. The last one
+(MATLAB's "one") makes the threshold of SI data larger than every detail, so that all are removed. Quinchia's table 2 can only have
+been made so: its AR models then say what the low-pass of the wavelet does, not what the sensor does.
 """
 
 import warnings
@@ -17,6 +19,7 @@ from imuwb.compiled import compiled
 
 Rule = Literal["sure", "universal", "bayes", "all", "none"]
 Shrinkage = Literal["soft", "hard"]
+Scale = Literal["level", "first", "none"]
 MEDIAN = 0.6745  #: median magnitude of a standard normal value
 WAVELETS = 16  #: number of wavelets of the last level in a sliding window
 BATCH = 1 << 22  #: samples in the windows that are denoised at once
@@ -64,7 +67,12 @@ def measured_band(values: Floats, rate: float, noise: float) -> float:
 
 
 def denoise(
-    values: Floats, level: int, wavelet: str = "db4", rule: Rule = "sure", shrinkage: Shrinkage = "soft"
+    values: Floats,
+    level: int,
+    wavelet: str = "db4",
+    rule: Rule = "sure",
+    shrinkage: Shrinkage = "soft",
+    scale: Scale = "level",
 ) -> Denoised:
     """Return a series denoised as a whole: every value depends on all later ones.
 
@@ -74,6 +82,7 @@ def denoise(
         wavelet: a discrete wavelet of PyWavelets.
         rule: ``"sure"``, ``"universal"`` (σ√(2 ln n)), ``"bayes"`` (σ²/σ_x), ``"all"`` (no detail is kept), ``"none"``.
         shrinkage: ``"soft"`` or ``"hard"``.
+        scale: sigma of the noise: of each level (``"level"``), of the finest one (``"first"``), or 1 unit (``"none"``).
 
     Raises:
         ValueError: an unknown wavelet, or a series too short for the level.
@@ -84,10 +93,12 @@ def denoise(
     # Level by level, so that of a long series no more arrays stand in memory than a level needs.
     details: list[Floats] = []
     thresholds: list[float] = []
-    whole = values
+    whole, sigma = values, None
     for _ in range(level):  # finest first
         whole, detail = pywt.dwt(whole, wavelet)
-        thresholds.append(threshold(detail, rule))
+        if not thresholds:
+            sigma = _sigma_of(detail, scale)
+        thresholds.append(threshold(detail, rule, sigma))
         _shrink(detail, thresholds[-1], shrinkage)
         details.append(detail)
         del detail
@@ -97,7 +108,13 @@ def denoise(
 
 
 def denoise_causally(
-    values: Floats, level: int, wavelet: str = "db4", rule: Rule = "sure", shrinkage: Shrinkage = "soft", hop: int = 1
+    values: Floats,
+    level: int,
+    wavelet: str = "db4",
+    rule: Rule = "sure",
+    shrinkage: Shrinkage = "soft",
+    scale: Scale = "level",
+    hop: int = 1,
 ) -> Denoised:
     """Return a series denoised in a sliding window: no value depends on one more than ``hop - 1`` samples later.
 
@@ -110,6 +127,7 @@ def denoise_causally(
         wavelet: a discrete wavelet of PyWavelets.
         rule: as in ``denoise``.
         shrinkage: as in ``denoise``.
+        scale: as in ``denoise``; the finest level is that of each window.
         hop: samples between windows; the output is late by ``hop - 1`` samples at most.
 
     Raises:
@@ -127,23 +145,27 @@ def denoise_causally(
     out[:length] = values[:length]  # where a first window is too short for the level
     for end in range(hop, length, hop):
         if end >= _shortest(level, wavelet):
-            out[end - hop : end] = denoise(values[:end], level, wavelet, rule, shrinkage).values[-hop:]
+            out[end - hop : end] = denoise(values[:end], level, wavelet, rule, shrinkage, scale).values[-hop:]
     ends = np.arange(length, values.size + 1, hop)
     if ends.size == 0 or ends[-1] != values.size:
         ends = np.append(ends, values.size)
     windows = np.lib.stride_tricks.sliding_window_view(values, length)
     for start in range(0, ends.size, max(BATCH // length, 1)):
         batch = ends[start : start + max(BATCH // length, 1)]
-        last = _denoised_windows(windows[batch - length], level, wavelet, rule, shrinkage)[:, -hop:]
+        last = _denoised_windows(windows[batch - length], level, wavelet, rule, shrinkage, scale)[:, -hop:]
         out[(batch[:, None] - hop + np.arange(hop)).clip(0)] = last
     return Denoised(out, ())
 
 
-def _denoised_windows(windows: Floats, level: int, wavelet: str, rule: Rule, shrinkage: Shrinkage) -> Floats:
+def _denoised_windows(
+    windows: Floats, level: int, wavelet: str, rule: Rule, shrinkage: Shrinkage, scale: Scale
+) -> Floats:
     """Return windows, (w, n), each denoised by itself."""
     approximation, *details = _parted(windows, wavelet, level)
+    sigmas = [_sigma_of(finest, scale) for finest in details[-1]]
     for detail in details:
-        _shrink(detail, np.apply_along_axis(threshold, 1, detail, rule)[:, None], shrinkage)
+        limits = [threshold(row, rule, sigma) for row, sigma in zip(detail, sigmas, strict=True)]
+        _shrink(detail, np.array(limits)[:, None], shrinkage)
     return pywt.waverec([approximation, *details], wavelet, axis=-1)[:, : windows.shape[1]]
 
 
@@ -169,14 +191,22 @@ def _parted(values: Floats, wavelet: str, level: int) -> list[Floats]:
         return list(pywt.wavedec(values, wavelet, level=level, axis=-1))
 
 
-def threshold(detail: Floats, rule: Rule) -> float:
-    """Return the threshold of one level's details."""
+def _sigma_of(finest: Floats, scale: Scale) -> float | None:
+    """Return the sigma of the noise that all levels have; None where each has its own."""
+    if scale == "level":
+        return None
+    return 1.0 if scale == "none" else float(np.median(np.abs(finest))) / MEDIAN
+
+
+def threshold(detail: Floats, rule: Rule, sigma: float | None = None) -> float:
+    """Return the threshold of one level's details; sigma is that of its noise, or None: from their median magnitude."""
     if rule in ("all", "none"):
         return np.inf if rule == "all" else 0.0
     size = np.abs(detail)
     size.sort()
-    half = size.size // 2
-    sigma = float(size[half] if size.size % 2 else (size[half - 1] + size[half]) / 2) / MEDIAN
+    if sigma is None:
+        half = size.size // 2
+        sigma = float(size[half] if size.size % 2 else (size[half - 1] + size[half]) / 2) / MEDIAN
     if sigma == 0:
         return 0.0
     if rule == "universal":

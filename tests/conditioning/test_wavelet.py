@@ -208,3 +208,29 @@ def test_four_standard_errors_above_the_noise_are_motion():
     slow = np.fft.irfft(spectrum, n)
     # 511 segments: a standard error is 1/22.6 of the noise.
     assert measured_band(noise + (5 / 22.6) ** 0.5 * slow, rate, 1.0) == pytest.approx(9.86, abs=0.1)
+
+
+def test_the_sigma_of_the_noise_is_each_levels_the_finest_levels_or_one():
+    x = np.cumsum(np.random.default_rng(7).standard_normal(4096)) * 1e-3
+    own, first, none = (
+        denoise(x, 3, "db4", "universal", "soft", scale).thresholds for scale in ("level", "first", "none")
+    )
+    sizes = [d.size for d in pywt.wavedec(x, "db4", level=3)[:0:-1]]
+    assert first == pytest.approx([own[0] / np.sqrt(np.log(sizes[0])) * np.sqrt(np.log(n)) for n in sizes])
+    assert none == pytest.approx([np.sqrt(2 * np.log(n)) for n in sizes])
+    assert own[2] > 2 * first[2]  # a walk is larger at slow levels
+    causal = denoise_causally(x, 3, scale="first", hop=128).values
+    window = slice(1536 - 16 * 8, 1536)
+    assert causal[1530] == pytest.approx(denoise(x[window], 3, scale="first").values[-6])
+
+
+def test_quinchias_table_2_is_what_a_low_pass_leaves_of_any_noise():
+    """AR(3) of gyro x in table 2: -2.564, 2.131, -0.567. With a sigma of 1 rad/s every detail of a gyro is removed."""
+    from imuwb.identification import burg
+    from imuwb.stochastic import FlickerNoise, WhiteNoise
+
+    drawn = (WhiteNoise(7.04e-4) + FlickerNoise(2.16e-4)).sample(1 << 18, 0.01, np.random.default_rng(2))
+    quiet = denoise(drawn, 7, scale="none").values
+    np.testing.assert_array_equal(quiet, denoise(drawn, 7, rule="all").values)
+    assert burg(quiet, 3).alpha[3] == pytest.approx([-2.564, 2.131, -0.567], abs=0.01)
+    assert burg(denoise(drawn, 7).values, 3).alpha[3][0] > -2.2

@@ -67,7 +67,7 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, Applied]:
 
     def axis(values: Floats, name: str, rate: float) -> Floats:
         level = _level(values, rate, parameters, AXES.index(name))
-        how = (level, parameters.wavelet, parameters.threshold, parameters.shrinkage)
+        how = (level, parameters.wavelet, parameters.threshold, parameters.shrinkage, parameters.scale)
         done = denoise_causally(values, *how, parameters.hop) if parameters.causal else denoise(values, *how)
         axes.setdefault(name, AxisChoice(level, band_limit(rate, level), done.thresholds))
         return done.values
@@ -75,7 +75,8 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, Applied]:
     changed = condition_streams(log, design)
     band = min((choice.band for choice in axes.values() if choice.level), default=None)
     step = Conditioning("wavelet", _text(parameters), parameters.causal, max(delays), _note(axes), band)
-    rule = f"{parameters.shrinkage}, {parameters.threshold}"
+    noise = {"level": "each level", "first": "the finest level", "none": "1 SI unit"}[parameters.scale]
+    rule = f"{parameters.shrinkage}, {parameters.threshold}, noise of {noise}"
     applied = Applied(parameters.wavelet, rule, parameters.causal, axes)
     return replace(changed, conditioning=(*log.conditioning, step)), applied
 
@@ -97,7 +98,7 @@ def _text(parameters: Parameters) -> str:
     band = parameters.motion_band if parameters.motion_band == "measured" else f"{parameters.motion_band:g}"
     return (
         f"levels={levels},motion_band={band},wavelet={parameters.wavelet},"
-        f"threshold={parameters.threshold},shrinkage={parameters.shrinkage},causal={parameters.causal}"
+        f"threshold={parameters.threshold},scale={parameters.scale},shrinkage={parameters.shrinkage},causal={parameters.causal}"
     ).lower()
 
 

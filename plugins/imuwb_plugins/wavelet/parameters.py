@@ -29,6 +29,10 @@ class Parameters:
         Literal["sure", "universal", "bayes", "all", "none"],
         "rule of the threshold; all removes every detail, none removes nothing",
     ] = "sure"
+    scale: Annotated[
+        Literal["level", "first", "none"],
+        "sigma of the noise: of each level, of the finest level for all, or none: 1 in SI units, which removes every detail of usual records, as in Quinchia's table 2",
+    ] = "level"
     shrinkage: Annotated[Literal["soft", "hard"], "soft: details above the threshold shrink; hard: they stay"] = "soft"
     causal: Annotated[bool, "denoise in a sliding window of past samples, in place of the whole record"] = False
     hop: Annotated[int, "samples between two windows, with causal", Between(1)] = 8
