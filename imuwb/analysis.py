@@ -19,7 +19,8 @@ and these, if it needs them:
 * ``findings(result) -> tuple of Finding``: the result of each axis in terms that several analyses share.
 * ``outputs(parameters) -> tuple of paths`` and ``write_outputs(result, parameters)``: files that the analysis
   itself writes. Existing files are overwritten only with --force.
-* ``study(cases, parameters) -> result`` and ``draw_study(result, review)``, for ``--study``.
+* ``study(cases, parameters) -> result`` and ``draw_study(result, review)``, for ``--study``; ``answer_study(result) -> Answer`` for
+  its answer. Without it, the first table of ``draw_study`` takes its place.
 * ``compare_imus(logs, parameters) -> result`` and ``draw_imus(result, review)``, for ``--imu all``: one log for each IMU of a log;
   ``answer_imus(result) -> Answer`` for its answer.
 * ``imu_of(log, parameters) -> name``: the IMU that is analysed if the user names none; without it, the first.

@@ -26,7 +26,7 @@ from imuwb.log import Log
 from imuwb.progress import watched
 from imuwb.readers.bytes.address import Place, place_of
 from imuwb.review.clock import Clock
-from imuwb.review.default_answer import default_answer
+from imuwb.review.default_answer import ALL, default_answer
 from imuwb.review.document import document
 from imuwb.review.log_state import log_state
 from imuwb.review.overview import overview
@@ -124,6 +124,7 @@ def _drawn(
         review.tab(name.capitalize())
         with errors_named(name, analysis):
             plugin.draw(done.result, review)
+            studied = len(shown)
             if done.study is not None:
                 review.tab("Study")
                 plugin.draw_study(done.study, review)
@@ -135,7 +136,8 @@ def _drawn(
             findings = plugin.findings(done.result) if offers(analysis, "findings") else ()
             known = log_state(logs, faults=not getattr(analysis, "SHOWS_FAULTS", False))
             stated = properties(name, __version__, getattr(done.parameters, "level", None), logs, answer, findings)
-            answer = replace(answer, sentences=(*known, *answer.sentences))
+            shown_first = answer if done.study is None else _study_answer(plugin, done, shown[studied:])
+            answer = replace(shown_first, sentences=(*known, *shown_first.sentences))
         origin = Origin(
             name, tuple(map(str, paths)), "" if objections else str(places.model or ""),
             command=request.command or typed_again(), options=options_given(request.reading, request.part),
@@ -153,6 +155,12 @@ def _drawn(
         review.discard()
         raise
     return Drawn(answer, origin, tuple(shown), text, report, saved, objections)
+
+
+def _study_answer(plugin: Any, done: Done, shown: Sequence[Table | str]) -> Answer:  # noqa: ANN401 - an analysis
+    """Return the answer of a study, which is what its user asks for; without one of the plugin, its first table."""
+    answer = plugin.answer_study(done.study) if offers(plugin, "answer_study") else default_answer(done.logs, shown)
+    return replace(answer, next=(*answer.next, *(() if ALL in answer.next else (ALL,))))
 
 
 def _of_run(model: ImuErrorModel, run: str) -> ImuErrorModel:

@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 
-from imuwb.analysis import Answer, Table
+from imuwb.analysis import Answer, Step, Table
 from imuwb.log import Log
 from imuwb.sampling import sampling
-from imuwb.texts import number_text, seconds_text
+from imuwb.texts import duration_text, number_text
 
 ROWS, NOTES, COLUMNS = 8, 3, 5  #: of the table, and of the notes
+ALL = Step("{command} --full", "all tables and notes")
 
 
 def default_answer(logs: Sequence[Log], shown: Sequence[Table | str]) -> Answer:
@@ -19,10 +20,11 @@ def default_answer(logs: Sequence[Log], shown: Sequence[Table | str]) -> Answer:
     """
     table = next((item for item in shown if isinstance(item, Table)), None)
     notes = tuple(item for item in shown if isinstance(item, str))[:NOTES]
-    if table is None:
-        return Answer(about(logs), sentences=notes)
-    rows = tuple(row[:COLUMNS] for row in table.rows[:ROWS])
-    return Answer(about(logs), table.headings[:COLUMNS], rows, notes)
+    rows = () if table is None else tuple(row[:COLUMNS] for row in table.rows[:ROWS])
+    headings = () if table is None else table.headings[:COLUMNS]
+    whole = table is None or (len(rows) == len(table.rows) and len(headings) == len(table.headings))
+    steps = () if whole and len(shown) == len(notes) + (table is not None) else (ALL,)
+    return Answer(about(logs), headings, rows, notes, steps)
 
 
 def about(logs: Sequence[Log]) -> str:
@@ -34,4 +36,4 @@ def about(logs: Sequence[Log]) -> str:
         return "no rows"
     time = timed[0].time
     rate = sampling(time).rate or 0.0
-    return f"{seconds_text((int(time[-1]) - int(time[0])) / 1e9)}, {number_text(rate)} Hz"
+    return f"{duration_text((int(time[-1]) - int(time[0])) / 1e9)}, {number_text(rate)} Hz"

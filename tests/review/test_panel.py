@@ -1,7 +1,9 @@
 import pytest
 
-from imuwb.analysis import Answer, Step
+from imuwb.analysis import Answer, Step, Table
+from imuwb.log import Log, Provenance
 from imuwb.names import shortened
+from imuwb.review.default_answer import default_answer
 from imuwb.review.panel import HEIGHT, WIDTH, Origin, panel
 
 ROWS = tuple((f"gyro {axis}", "2.40 [2.38, 2.43]", "40 [32, 47]", "yes") for axis in "xyz")
@@ -85,3 +87,29 @@ def test_a_row_of_the_table_counts_for_more_than_the_reason_of_a_command():
     assert len(lines) == HEIGHT
     assert any("row 7" in line for line in lines)
     assert not any("…" in line for line in lines)
+
+
+@pytest.mark.parametrize(("rows", "notes", "more"), [(3, 1, False), (9, 1, True), (3, 4, True), (0, 0, False)])
+def test_the_answer_of_a_plugin_that_states_none_names_the_way_to_the_rest(rows, notes, more):
+    log = Log(Provenance("made", "csv", "", 0))
+    table = [Table("T", ("a", "b"), (("1", "2"),) * rows)] if rows else []
+    answer = default_answer([log], [*table, *("note",) * notes])
+    assert (len(answer.rows), len(answer.sentences)) == (min(rows, 8), min(notes, 3))
+    assert bool(answer.next) == more
+    lines = panel(answer, Origin("mine", ("a.csv",), command="imuwb ./mine.py a.csv --force"))
+    assert any(line.startswith("Next   imuwb ./mine.py a.csv --force --full") for line in lines) == more
+
+
+def test_a_narrow_screen_shows_each_row_as_a_sentence_and_cuts_nothing():
+    lines = panel(ANSWER, ORIGIN, 40)
+    assert all(len(line) <= 40 for line in lines if "imuwb" not in line)
+    text = " ".join(lines)
+    for part in ("gyro z: N 2.40 [2.38, 2.43]", "trust yes", "95 % intervals", "Trust them."):
+        assert part in " ".join(text.split())
+    assert "…" not in text
+
+
+def test_the_next_command_says_how_the_log_is_read():
+    step = Step("imuwb lssa {log}", "why")
+    lines = panel(Answer("x", next=(step,)), Origin("noise", ("a.csv",), options=("--rate", "100")))
+    assert lines[1].startswith("Next   imuwb lssa a.csv --rate 100")

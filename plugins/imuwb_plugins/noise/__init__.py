@@ -18,7 +18,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
     submod_attrs={
         "parameters": ["Parameters"],
         "compute": ["compare_imus", "run"],
-        "answer": ["answer", "answer_imus", "findings"],
+        "answer": ["answer", "answer_imus", "answer_study", "findings"],
         "show": ["draw", "draw_imus"],
         "model": ["error_model", "objections"],
         "settings": ["study"],

@@ -1,12 +1,13 @@
 """The answer of the noise analysis: N, B and K of each axis, and whether to trust them."""
 
+import math
 from collections.abc import Mapping
 
 from imuwb.analysis import Answer, Finding, Step
 from imuwb.log import AXES
 from imuwb.noise_results import by_sensor
 from imuwb.statistics import UNKNOWN, Coefficient
-from imuwb.texts import coefficient_cell, coefficient_text
+from imuwb.texts import coefficient_cell, coefficient_text, number_text
 from imuwb.units import UNITS, Unit, coefficient_units
 from imuwb_plugins.allan import imus_answer
 from imuwb_plugins.allan.answer import about_record
@@ -15,8 +16,10 @@ from imuwb_plugins.allan.result import Result as Allan
 from imuwb_plugins.allan.trust import meanings, trust
 from imuwb_plugins.noise.repeatability import Repeatability
 from imuwb_plugins.noise.result import Result
+from imuwb_plugins.noise.settings import Study
 
 LETTERS = "NBK"
+SETTINGS = 7  #: of a study, in its answer
 DRIVE = Step("imuwb outage DRIVE --error-model {model}", "how far a drive drifts")
 
 
@@ -59,6 +62,35 @@ def _uses(result: Result) -> tuple[Step, ...]:
 def answer_imus(result: ImuComparison) -> Answer:
     """Return N of each IMU of a log."""
     return imus_answer.answer_imus(result)
+
+
+def answer_study(result: Study) -> Answer:
+    """Return N of each axis in each setting."""
+    axes = [axis for axis in AXES if all(axis in case.axes for case in result.cases)]
+    rows = tuple(
+        (", ".join(f"{key} {value}" for key, value in case.settings.items()),
+         *(_short(case.axes[axis].coefficients.get("N", UNKNOWN), _unit(axis, "N")) for axis in axes))
+        for case in result.cases[:SETTINGS]
+    )  # fmt: skip
+    units = ("", *(_unit(axis, "N").name for axis in axes))
+    more = len(result.cases) - SETTINGS
+    rules = [r.axis for r in result.rule if not r.holds]
+    sentences = [f"{more} more settings: --full."] if more > 0 else []
+    if result.rule:
+        kept = "on all axes" if not rules else f"but not on {', '.join(rules)}".replace("_", " ")
+        sentences.append(f"N stays the same where the rate is at least twice the bandwidth, {kept}.")
+    return Answer(
+        f"{len(result.cases)} settings",
+        ("N", *(axis.replace("_", " ") for axis in axes)),
+        (*rows, units),
+        tuple(sentences),
+    )
+
+
+def _short(coefficient: Coefficient, unit: Unit) -> str:
+    if coefficient.value is None:
+        return f"< {number_text(unit.from_si(coefficient.upper))}" if math.isfinite(coefficient.upper) else "—"
+    return number_text(unit.from_si(coefficient.value))
 
 
 def _cells(axis: str, coefficients: Mapping[str, Coefficient]) -> tuple[str, ...]:

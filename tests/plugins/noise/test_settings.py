@@ -7,6 +7,7 @@ from imuwb.errors import MissingDataError
 from imuwb.log import SECOND, ImuStream, Log, Provenance, Triad
 from imuwb.stochastic import WhiteNoise
 from imuwb_plugins.noise import show_settings
+from imuwb_plugins.noise.answer import answer_study
 from imuwb_plugins.noise.parameters import Parameters
 from imuwb_plugins.noise.settings import AxisCase, CaseResult, rule, study
 
@@ -110,3 +111,16 @@ def test_settings_are_drawn_over_each_other(grid):
     table, rules = tables
     assert len(table.rows) == 27
     assert [row[0] for row in rules.rows] == ["gyro_x", "gyro_y", "gyro_z"]
+
+
+def test_the_answer_has_a_row_for_each_setting(grid):
+    answer = answer_study(grid)
+    count = len(grid.cases)
+    assert answer.about == f"{count} settings"
+    assert len(answer.rows) <= 8
+    first = grid.cases[0]
+    assert answer.rows[0][0] == ", ".join(f"{key} {value}" for key, value in first.settings.items())
+    n = first.axes["gyro_x"].coefficients["N"]
+    assert float(answer.rows[0][1]) == pytest.approx(n.value * 3437.75, rel=6e-3)  # deg/√h
+    assert answer.rows[-1][0] == ""
+    assert "twice the bandwidth" in answer.sentences[-1]
