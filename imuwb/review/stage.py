@@ -26,7 +26,8 @@ BOW: Color = (120, 160, 220)
 HALF_TURN = (0.0, math.sqrt(0.5), math.sqrt(0.5), 0.0)  #: quaternion from north-east-down to east-north-up
 RINGS = (1.0, 3.0)  #: sigmas
 STRONG, FAINT = 255, 80  #: opacity of the most important estimator, and of the others
-WIDE, THIN = 1.8, 0.7  #: widths of lines, points of the screen
+WIDE, THIN, DOT = 1.8, 0.7, 3.5  #: widths of lines and of a dot, points of the screen
+NOWHERE: Floats = np.empty((0, 3))
 MOST_POINTS = 2000
 COARSE = 5  #: every such point of a track that grows is drawn, and the last one
 CLEARED = 0.5  #: s after an episode, when its tracks vanish
@@ -73,8 +74,9 @@ def stage(scene: Scene, recording: rr.RecordingStream, timelines: Timelines, pat
     recording.log(path, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     _still(scene, ground, recording, path)
     _body(scene, ground, recording, timelines, path)
+    _looks(scene, recording, path)
     for episodes, on in groups(scene):
-        _beliefs(scene, episodes, on, ground, recording, timelines, path)
+        _beliefs(scene, episodes, on, ground, timelines, path)
     eye = rrb.EyeControls3D(
         kind="Orbital", position=[scene.distance * part for part in EYE], look_target=[0, 0, 0], eye_up=[0, 0, 1]
     )
@@ -141,66 +143,65 @@ def _of_enu(quaternion: Floats) -> Floats:
     ], axis=1)  # fmt: skip
 
 
+def _looks(scene: Scene, recording: rr.RecordingStream, path: str) -> None:
+    """Log the colours and widths of estimators, which are the same in all episodes; the first one is strong."""
+    colors = [*_estimators(scene).values()]
+    faint = [(*color, FAINT) for color in colors]
+    ringed = [color for own in ([(*c, STRONG) for c in colors[:1]] + faint[1:]) for color in (own,) * len(RINGS)]
+    widths = [-(1.0 if i < len(RINGS) else 0.5) for i in range(len(ringed))]
+    recording.log(f"{path}/ahead", rr.LineStrips3D.from_fields(colors=faint, radii=-THIN), static=True)
+    recording.log(f"{path}/grown", rr.LineStrips3D.from_fields(colors=colors, radii=-WIDE), static=True)
+    rings = rr.Ellipsoids3D.from_fields(colors=ringed, line_radii=widths, fill_mode="MajorWireframe")
+    recording.log(f"{path}/rings", rings, static=True)
+    recording.log(f"{path}/labels", rr.Points3D.from_fields(radii=-DOT, show_labels=True), static=True)
+
+
+def _estimators(scene: Scene) -> dict[str, Color]:
+    """Return the estimators of all episodes in their order, and their colours."""
+    return {belief.name: belief.color for episode in scene.episodes for belief in episode.beliefs}
+
+
 def _beliefs(
-    scene: Scene,
-    episodes: Sequence[Episode],
-    on: tuple[str, ...],
-    ground: Ground,
-    recording: rr.RecordingStream,
-    timelines: Timelines,
-    path: str,
+    scene: Scene, episodes: Sequence[Episode], on: tuple[str, ...], ground: Ground, timelines: Timelines, path: str
 ) -> None:
     """Keep the tracks, ellipses and labels of estimators in some episodes that are on the same timelines."""
     ahead, grown, rings, labels = map(Frames, (rr.LineStrips3D, rr.LineStrips3D, rr.Ellipsoids3D, rr.Points3D))
     for episode in episodes:
         if not episode.beliefs:
             continue
-        places = [ground.level(belief) for belief in episode.beliefs]
-        colors = [belief.color for belief in episode.beliefs]
-        faint = [(*color, FAINT) for color in colors]
+        known = {belief.name: belief for belief in episode.beliefs}
+        beliefs = [known.get(name) for name in _estimators(scene)]
+        places = [NOWHERE if belief is None else ground.level(belief) for belief in beliefs]
         if episode.name:
             early = Frames(rr.LineStrips3D)
-            early.add(episode.begin - seconds(scene.before), _strips(places, faint, THIN))
+            early.add(episode.begin - seconds(scene.before), {"strips": places})
             early.keep(timelines, f"{path}/ahead", (episode.name,))
-        ahead.add(episode.begin, _strips(places, faint, THIN))
+        ahead.add(episode.begin, {"strips": places})
+        ringed = len(places) if episode.name else 1  # elsewhere the first one is enough: rings take most room
         for k, time in enumerate(episode.beliefs[0].time.tolist()):
             kept = np.append(np.arange(0, k, COARSE), k)
-            grown.add(time, _strips([place[kept] for place in places], colors, WIDE))
-            rings.add(time, _rings(episode.beliefs, places, k))
-            here = [place[k] for place in places]
-            labels.add(time, _labels(episode.beliefs, here, _body_at(scene, ground, time)))
+            grown.add(time, {"strips": [place[kept] if len(place) else place for place in places]})
+            rings.add(time, _rings(beliefs[:ringed], places[:ringed], k))
+            here = [place[k] for place in places if len(place)]
+            labels.add(time, _labels([own for own in beliefs if own], here, _body_at(scene, ground, time)))
         for frames in (ahead, grown, rings, labels):
             frames.clear(episode.end + seconds(CLEARED))
-    recording.log(f"{path}/rings", rr.Ellipsoids3D.from_fields(fill_mode="MajorWireframe"), static=True)
-    named = {"ahead": ahead, "grown": grown, "rings": rings, "labels": labels}
-    for name, frames in named.items():
+    for name, frames in {"ahead": ahead, "grown": grown, "rings": rings, "labels": labels}.items():
         frames.keep(timelines, f"{path}/{name}", on)
 
 
-def _strips(places: Sequence[Floats], colors: Sequence[tuple[int, ...]], width: float) -> Parts:
-    return {"strips": list(places), "colors": list(colors), "radii": [-width] * len(places)}
-
-
-def _rings(beliefs: Sequence[Belief], places: Sequence[Floats], k: int) -> Parts:
-    """Return the ellipses of all estimators at one time; those of the first one are strong."""
-    parts: dict[str, list[object]] = {
-        "centers": [],
-        "half_sizes": [],
-        "quaternions": [],
-        "colors": [],
-        "line_radii": [],
-    }
-    for number, (belief, place) in enumerate(zip(beliefs, places, strict=True)):
-        north_east = belief.covariance[k]
+def _rings(beliefs: Sequence[Belief | None], places: Sequence[Floats], k: int) -> Parts:
+    """Return the ellipses of all estimators at one time; one that is not there has none."""
+    parts: dict[str, list[object]] = {"centers": [], "half_sizes": [], "quaternions": []}
+    for belief, place in zip(beliefs, places, strict=True):
+        north_east = np.zeros((2, 2)) if belief is None else belief.covariance[k]
         values, vectors = np.linalg.eigh(north_east[::-1, ::-1])  # of east and north
         axes = np.sqrt(np.maximum(values, 0.0))
         half = math.atan2(vectors[1, 0], vectors[0, 0]) / 2
         for ring in RINGS:
-            parts["centers"].append(place[k])
+            parts["centers"].append(np.zeros(3) if belief is None else place[k])
             parts["half_sizes"].append([ring * axes[0], ring * axes[1], 0.0])
             parts["quaternions"].append([0.0, 0.0, math.sin(half), math.cos(half)])
-            parts["colors"].append((*belief.color, STRONG if number == 0 else FAINT))
-            parts["line_radii"].append(-(1.0 if number == 0 else 0.5))
     return parts
 
 
@@ -215,10 +216,7 @@ def _labels(beliefs: Sequence[Belief], here: Sequence[Floats], body: Floats) -> 
     shown = dict.fromkeys((0, int(np.argmax(off))))
     texts = [f"{beliefs[i].name}: {_metres(off[i])} off" for i in shown]
     colors: list[Color] = [beliefs[i].color for i in shown]
-    return {
-        "positions": [here[i] for i in shown], "labels": texts, "colors": colors, "radii": [-3.5] * len(texts),
-        "show_labels": [True] * len(texts),
-    }  # fmt: skip
+    return {"positions": [here[i] for i in shown], "labels": texts, "colors": colors}
 
 
 def _metres(value: float) -> str:

@@ -256,3 +256,17 @@ def test_a_page_draws_shaded_series_and_keeps_them(tmp_path):
     again = report_from(text_of(report), tmp_path)
     assert again.drawn[0].item.spans == spans
     assert again.drawn[1].item.picture == "Worst outage"
+
+
+def test_an_estimator_that_is_missing_in_an_episode_keeps_its_colour(review):
+    own = scene("worst outage", "best outage")
+    first, second = own.episodes
+    alone = replace(own, episodes=(first, replace(second, beliefs=second.beliefs[1:])))
+    review.review.tab("Drive")
+    review.review.scene(alone)
+    found = rows(review.review.close())
+    grown = {seconds(r, "time_since_start"): r for r in found["/drive/scene/grown"]}
+    assert [len(strip) > 0 for strip in grown[25.0]["LineStrips3D:strips"]] == [True, True]
+    assert [len(strip) > 0 for strip in grown[55.0]["LineStrips3D:strips"]] == [False, True]
+    static = grown[None]["LineStrips3D:colors"]
+    assert [(c >> 24, c >> 8 & 255) for c in static] == [(200, 0), (0, 200)]

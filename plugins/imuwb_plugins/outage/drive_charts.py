@@ -17,6 +17,7 @@ from imuwb_plugins.outage.drive_outages import Shown, stamps
 from imuwb_plugins.outage.figures import color_of
 
 KMH = 3.6
+MOST = 400  #: times at which biases are shown: they change slowly
 SIGMAS = 3.0  #: of the lines beside headings and biases
 FAINT = 110  #: opacity of lines of sigma
 SENSORS = (
@@ -128,10 +129,11 @@ def _biases(replay: Replay, best: str) -> Iterator[Series]:
             if true is not None:
                 parts.append(np.interp(solution.time, true[0], true[1][:, first + i]))
                 looks.append(("true", (*INK, FAINT)))
-        values = np.stack(parts, axis=1) * factor
+        kept = slice(None, None, -(-solution.time.size // MOST))
+        values = np.stack(parts, axis=1)[kept] * factor
         yield _series(
             f"{title} of {best} with all fixes, 3 sigma faint",
             unit,
-            (stamps(replay, solution.time), values),
+            (stamps(replay, solution.time[kept]), values),
             looks,
         )
