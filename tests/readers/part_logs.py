@@ -10,7 +10,7 @@ from mcap.writer import CompressionType, Writer
 from imuwb.errors import ImuwbError
 from imuwb.readers import read
 from imuwb.selection import Part, select
-from tests.readers.containers.bag_writer import MAGIC, chunk, connection, message
+from tests.readers.containers.bag_writer import MAGIC, bag_header, chunk, chunk_info, connection, message
 
 T = 1_714_564_800 * 10**9
 MS = 10**6
@@ -136,6 +136,20 @@ def as_bag(path, ros, made):
     chunks = (chunk(b"".join(records[i : i + 50]), "lz4") for i in range(0, len(records), 50))
     declared = (connection(number, ros.imu_1, topic) for topic, number in numbers.items())
     path.write_bytes(b"".join((MAGIC, *declared, *chunks)))
+    return path
+
+
+def as_indexed_bag(path, ros, made):
+    """Write a bag of the IMUs with an index, in chunks of 20 messages."""
+    numbers = {"/a": 0, "/b": 1}
+    written = [s for s in made if s.topic in numbers]
+    declared = b"".join(connection(number, ros.imu_1, topic) for topic, number in numbers.items())
+    groups = [written[i : i + 20] for i in range(0, len(written), 20)]
+    content, infos, at = b"", b"", len(MAGIC) + len(bag_header(0, 2, 0))
+    for group in groups:
+        infos += chunk_info(at + len(content), [(numbers[s.topic], s.recorded) for s in group])
+        content += chunk(b"".join(message(numbers[s.topic], s.recorded, payload(ros, s, None)) for s in group), "lz4")
+    path.write_bytes(MAGIC + bag_header(at + len(content), 2, len(groups)) + content + declared + infos)
     return path
 
 

@@ -10,7 +10,7 @@ from imuwb.errors import MissingDataError, UsageError
 from imuwb.log import SECOND, Origin
 from imuwb.notes import ids
 from imuwb.readers import Batch, ReadOptions, read
-from imuwb.readers.containers import mcap_part
+from imuwb.readers.containers import bag_part, mcap_part
 from imuwb.readers.flight import dataflash_part
 from imuwb.readers.part_rows import PartRows
 from imuwb.readers.text import csv_part
@@ -21,7 +21,7 @@ from tests.readers.part_logs import FAULTS, T, assert_alike, parts_of, samples
 
 CONTAINERS = {
     "mcap": part_logs.as_mcap, "loose.mcap": part_logs.as_loose_mcap, "db3": part_logs.as_db3, "bag": part_logs.as_bag,
-    "csv": part_logs.as_csv,
+    "indexed.bag": part_logs.as_indexed_bag, "csv": part_logs.as_csv,
 }  # fmt: skip
 
 
@@ -37,7 +37,8 @@ def written(fresh, ros):
 
 @pytest.mark.parametrize(
     ("container", "fault"),
-    [("mcap", "late"), ("mcap", "set back"), ("csv", "repeated"), ("db3", "gap"),
+    [("mcap", "late"), ("mcap", "set back"), ("csv", "repeated"), ("db3", "gap"), ("indexed.bag", "late"),
+     *(pytest.param("indexed.bag", fault, marks=pytest.mark.slow) for fault in FAULTS if fault != "late"),
      *(pytest.param("mcap", fault, marks=pytest.mark.slow) for fault in FAULTS if fault not in ("late", "set back")),
      *(pytest.param("csv", fault, marks=pytest.mark.slow) for fault in FAULTS if fault != "repeated"),
      *(pytest.param(container, "late", marks=pytest.mark.slow) for container in ("loose.mcap", "bag"))],
@@ -178,6 +179,16 @@ def test_only_chunks_of_the_part_are_read(written, monkeypatch):
     assert_alike(path, Part(start="70", end="71"), read(path))
     with path.open("rb") as file:
         chunks = len(make_reader(file).get_summary().chunk_indexes)
+    assert chunks > 40
+    assert 0 < len(unpacked) < 0.5 * chunks
+
+
+def test_only_chunks_of_the_part_of_a_bag_are_read(written, monkeypatch):
+    path, made = written("indexed.bag", samples()), samples()
+    unpacked, unpack = [], bag_part.unpack
+    monkeypatch.setattr(bag_part, "unpack", lambda *given: unpacked.append(1) or unpack(*given))
+    assert_alike(path, Part(start="70", end="71"), read(path))
+    chunks = sum(sample.topic in ("/a", "/b") for sample in made) // 20
     assert chunks > 40
     assert 0 < len(unpacked) < 0.5 * chunks
 

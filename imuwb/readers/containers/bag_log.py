@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.batch import Batch, CannotSeekError, Limits, Remark
 from imuwb.readers.bytes.source import Source
 from imuwb.readers.containers.messages import BAG_MAGIC
 from imuwb.readers.containers.recording_folder import Form, has_recording
@@ -38,3 +38,16 @@ def stream(path: Source, options: ReadOptions) -> Iterator[Batch | Remark]:
     from imuwb.readers.containers.topics import streamed  # noqa: PLC0415
 
     return streamed(path, container_of(path, FORM, Bag), options)
+
+
+def part(path: Source, options: ReadOptions, limits: Limits) -> Iterator[Batch | Remark]:
+    """Return the messages of the chunks that have rows of a part, by the bag's index.
+
+    Raises:
+        CannotSeekError: the bag has no index, or its chunks are in no order of time.
+    """
+    if isinstance(path, Path) and path.is_dir():
+        raise CannotSeekError
+    from imuwb.readers.containers import bag_part  # noqa: PLC0415 - a probe needs no compiled code
+
+    return bag_part.part(path, options, limits)

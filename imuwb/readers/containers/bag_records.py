@@ -114,7 +114,7 @@ class Bag(RecordFile[Records]):
                     start = int(records.data[i])
                     head = bytes(buffer[records.header[i] : start - 4])
                     packed = buffer.data[start : start + int(records.length[i])]
-                    unpacked = partial(unpack, packed, *_packing(head))
+                    unpacked = partial(unpack, packed, *packing_of(head))
                     yield self._chunk(unpacked, offset + start, offset + start + len(packed))
                 rest, offset = block[records.end :], offset + records.end
             if rest:
@@ -126,8 +126,8 @@ class Bag(RecordFile[Records]):
         text = f"the file ends at byte {end} inside a record that begins at byte {offset}"
         header = int.from_bytes(rest[:4], "little")
         unpacked = b""
-        if len(rest) > 8 + header and _fields(rest[4 : 4 + header]).get("op") == bytes([CHUNK]):
-            compression, size = _packing(rest[4 : 4 + header])
+        if len(rest) > 8 + header and fields_of(rest[4 : 4 + header]).get("op") == bytes([CHUNK]):
+            compression, size = packing_of(rest[4 : 4 + header])
             unpacked = unpack_front(memoryview(rest)[8 + header :], compression, size)
         return self._piece(unpacked, end, Note("cut", f"{text}; all data before this point are used"))
 
@@ -146,8 +146,8 @@ class Bag(RecordFile[Records]):
     def _declare(self, piece: Piece[Records], i: int) -> None:
         records, raw = piece.records, piece.buffer.data
         start, length = int(records.data[i]), int(records.length[i])
-        outer = _fields(bytes(raw[int(records.header[i]) : start - 4]))
-        inner = _fields(bytes(raw[start : start + length]))
+        outer = fields_of(bytes(raw[int(records.header[i]) : start - 4]))
+        inner = fields_of(bytes(raw[start : start + length]))
         number = outer.get("conn", b"")
         if len(number) != 4 or "type" not in inner:  # noqa: PLR2004 - u32
             self.notes.append(Note("damaged_record", "a damaged connection record left out"))
@@ -169,7 +169,7 @@ def _whole(rest: bytes) -> int:
     return 8 + header + int.from_bytes(rest[4 + header : 8 + header], "little")
 
 
-def _fields(header: bytes) -> dict[str, bytes]:
+def fields_of(header: bytes) -> dict[str, bytes]:
     """Return the whole fields of a header, by name."""
     fields: dict[str, bytes] = {}
     at = 0
@@ -183,8 +183,8 @@ def _fields(header: bytes) -> dict[str, bytes]:
     return fields
 
 
-def _packing(header: bytes) -> tuple[str, int]:
+def packing_of(header: bytes) -> tuple[str, int]:
     """Return a chunk's compression and unpacked size, as its header states them."""
-    fields = _fields(header)
+    fields = fields_of(header)
     compression = fields.get("compression", b"none").decode("utf-8", "replace")
     return compression, int.from_bytes(fields.get("size", b""), "little")

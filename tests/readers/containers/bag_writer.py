@@ -71,6 +71,31 @@ def message(number, time, payload):
     return record(payload, op=b"\x02", conn=struct.pack("<I", number), time=stamp)
 
 
+def bag_header(index_at, connections, chunks):
+    """Return the bag header, padded to 4096 bytes as recorders do."""
+    numbers = {
+        "index_pos": struct.pack("<Q", index_at),
+        "conn_count": struct.pack("<I", connections),
+        "chunk_count": struct.pack("<I", chunks),
+    }
+    bare = record(b"", op=b"\x03", **numbers)
+    return record(b" " * (4096 - len(bare)), op=b"\x03", **numbers)
+
+
+def chunk_info(at, messages):
+    """Return what the index states of a chunk with messages, (number of the connection, recorder's ns) each."""
+    times = [struct.pack("<II", *divmod(end(time for _, time in messages), 10**9)) for end in (min, max)]
+    counts = {number: sum(n == number for n, _ in messages) for number, _ in messages}
+    data = b"".join(struct.pack("<II", *item) for item in counts.items())
+    values = {
+        "ver": struct.pack("<I", 1),
+        "chunk_pos": struct.pack("<Q", at),
+        "start_time": times[0],
+        "end_time": times[1],
+    }
+    return record(data, op=b"\x06", **values, count=struct.pack("<I", len(counts)))
+
+
 def chunk(records, compression="none", size=None, packed=None):
     """Return a chunk of records; ``size`` is what it claims, ``packed`` what it holds instead."""
     packed = PACK[compression](records) if packed is None else packed
