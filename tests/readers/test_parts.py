@@ -10,7 +10,7 @@ from imuwb.errors import MissingDataError, UsageError
 from imuwb.log import SECOND, Origin
 from imuwb.notes import ids
 from imuwb.readers import Batch, ReadOptions, read
-from imuwb.readers.containers import bag_part, mcap_part
+from imuwb.readers.containers import bag_part, mcap_part, sqlite_part
 from imuwb.readers.flight import dataflash_part
 from imuwb.readers.part_rows import PartRows
 from imuwb.readers.text import csv_part
@@ -38,6 +38,7 @@ def written(fresh, ros):
 @pytest.mark.parametrize(
     ("container", "fault"),
     [("mcap", "late"), ("mcap", "set back"), ("csv", "repeated"), ("db3", "gap"), ("indexed.bag", "late"),
+     *(pytest.param("db3", fault, marks=pytest.mark.slow) for fault in FAULTS if fault != "gap"),
      *(pytest.param("indexed.bag", fault, marks=pytest.mark.slow) for fault in FAULTS if fault != "late"),
      *(pytest.param("mcap", fault, marks=pytest.mark.slow) for fault in FAULTS if fault not in ("late", "set back")),
      *(pytest.param("csv", fault, marks=pytest.mark.slow) for fault in FAULTS if fault != "repeated"),
@@ -191,6 +192,20 @@ def test_only_chunks_of_the_part_of_a_bag_are_read(written, monkeypatch):
     chunks = sum(sample.topic in ("/a", "/b") for sample in made) // 20
     assert chunks > 40
     assert 0 < len(unpacked) < 0.5 * chunks
+
+
+def test_only_rows_of_the_part_of_a_database_are_read(written, monkeypatch):
+    path, messages_of, rows = written("db3", samples()), sqlite_part.messages_of, []
+
+    def counted(*given):
+        for messages in messages_of(*given):
+            rows.append(messages.start.size)
+            yield messages
+
+    monkeypatch.setattr(sqlite_part, "messages_of", counted)
+    monkeypatch.setattr(sqlite_part, "TOGETHER", 20)
+    assert_alike(path, Part(start="70", end="71"), read(path))
+    assert 0 < sum(rows) < 0.5 * len(samples())
 
 
 def test_rows_outside_the_part_are_not_kept():

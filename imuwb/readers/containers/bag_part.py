@@ -14,7 +14,7 @@ from imuwb.readers.bytes import source
 from imuwb.readers.bytes.source import Source
 from imuwb.readers.bytes.unpack import LARGEST, unpack
 from imuwb.readers.containers.bag_records import CHUNK, CONNECTION, Bag, Records, fields_of, packing_of, walk
-from imuwb.readers.containers.chunk_part import Chunk, Indexed, part_of
+from imuwb.readers.containers.chunk_part import Chunk, IndexedFile, part_of
 from imuwb.readers.containers.messages import BAG_MAGIC, Piece
 from imuwb.readers.read_options import ReadOptions
 from imuwb.units import SECOND
@@ -32,7 +32,7 @@ def part(path: Source, options: ReadOptions, limits: Limits) -> Iterator[Batch |
     return part_of(_Chunks(path), options, limits)
 
 
-class _Chunks(Bag, Indexed[Records]):
+class _Chunks(Bag, IndexedFile[Records]):
     """The chunks of a bag with an index, by their place in the file."""
 
     def __init__(self, log: Source) -> None:

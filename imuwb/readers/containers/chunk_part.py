@@ -8,12 +8,11 @@ from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain, pairwise
-from typing import Any
 
 from imuwb.readers.assembly.time_order import CLOCK_STEP
 from imuwb.readers.batch import Batch, CannotSeekError, Limits, Remark, simulated
 from imuwb.readers.bytes.ahead import ahead
-from imuwb.readers.containers.messages import AHEAD, Messages, Piece, RecordFile, Records, size_of
+from imuwb.readers.containers.messages import AHEAD, Container, Messages, Piece, RecordFile, Records, size_of
 from imuwb.readers.containers.topics import Topics
 from imuwb.readers.read_options import ReadOptions
 from imuwb.units import SECOND
@@ -25,20 +24,20 @@ BEGINNING = 12 * SECOND  #: ns; all chunks of this time from the start on are re
 class Chunk:
     """What the index states of a chunk."""
 
-    offset: int  #: of its record in the file
+    offset: int  #: of its record in the file, or the number of a group of rows
     start: int  #: ns, time of recording of its first message
     end: int  #: ns, of its last message
     channels: frozenset[int]  #: whose messages it has
 
 
-class Indexed(RecordFile[Records]):
+class Indexed(Container):
     """A recording with an index of its chunks. ``chunks`` are all chunks in the order of the file, channels and schemas are declared."""
 
     chunks: tuple[Chunk, ...]
 
     @abstractmethod
-    def read_chunks(self, places: list[int]) -> Iterator[Piece[Records]]:
-        """Yield the content of chunks, by their places in ``chunks``."""
+    def messages_of(self, places: list[int]) -> Iterator[tuple[int, list[Messages]]]:
+        """Yield places of chunks, each with the chunk's messages."""
 
     def check_order(self) -> None:
         """Raise CannotSeekError unless the chunks follow each other in time."""
@@ -65,6 +64,14 @@ class Indexed(RecordFile[Records]):
                     yield i
                     break
 
+
+class IndexedFile(RecordFile[Records], Indexed):
+    """Such a recording whose messages are records of bytes."""
+
+    @abstractmethod
+    def read_chunks(self, places: list[int]) -> Iterator[Piece[Records]]:
+        """Yield the content of chunks, by their places in ``chunks``."""
+
     def messages_of(self, places: list[int]) -> Iterator[tuple[int, list[Messages]]]:
         """Yield places of chunks, each with the chunk's messages."""
         for place, piece in zip(places, ahead(self.read_chunks(places), AHEAD, size_of), strict=True):
@@ -72,7 +79,7 @@ class Indexed(RecordFile[Records]):
             yield place, list(self._messages(piece))
 
 
-def part_of(recording: Indexed[Any], options: ReadOptions, limits: Limits) -> Iterator[Batch | Remark]:
+def part_of(recording: Indexed, options: ReadOptions, limits: Limits) -> Iterator[Batch | Remark]:
     """Yield the streams of the first chunks, and of the chunks that may have rows within the limits, in the file's order.
 
     Raises:

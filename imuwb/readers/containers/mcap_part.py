@@ -11,7 +11,7 @@ from mcap.summary import Summary
 from imuwb.readers.batch import Batch, CannotSeekError, Limits, Remark
 from imuwb.readers.bytes.source import Source, opened
 from imuwb.readers.bytes.unpack import LARGEST
-from imuwb.readers.containers.chunk_part import Chunk, Indexed, part_of
+from imuwb.readers.containers.chunk_part import Chunk, IndexedFile, part_of
 from imuwb.readers.containers.mcap_extras import READ, above_sea_level, attachment_text, extras_notes
 from imuwb.readers.containers.mcap_index import metadata_at
 from imuwb.readers.containers.mcap_records import (
@@ -39,7 +39,7 @@ def part(path: Source, options: ReadOptions, limits: Limits) -> Iterator[Batch |
     return part_of(_Chunks(path), options, limits)
 
 
-class _Chunks(Recording, Indexed[Records]):
+class _Chunks(Recording, IndexedFile[Records]):
     """The chunks of an MCAP file with an index, by their place in the file."""
 
     def __init__(self, log: Source) -> None:

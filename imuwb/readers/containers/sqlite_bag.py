@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from imuwb.notes import Note
-from imuwb.readers.batch import Batch, Remark
+from imuwb.readers.batch import Batch, CannotSeekError, Limits, Remark
 from imuwb.readers.bytes.ahead import TOGETHER
 from imuwb.readers.containers.messages import Channel, Container, Messages, Schema
 from imuwb.readers.containers.recording_folder import Form, has_recording
@@ -59,6 +59,19 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
     return streamed(path, container_of(path, FORM, Database), options)
 
 
+def part(path: Path, options: ReadOptions, limits: Limits) -> Iterator[Batch | Remark]:
+    """Return the messages of the rows that are in a part, by the index of their times.
+
+    Raises:
+        CannotSeekError: the database is damaged, or its rows are in no order of time.
+    """
+    if path.is_dir():
+        raise CannotSeekError
+    from imuwb.readers.containers import sqlite_part  # noqa: PLC0415 - a probe needs no compiled code
+
+    return sqlite_part.part(path, options, limits)
+
+
 class Database(Container):
     """A recording in SQLite. It does not state whether heights are above mean sea level."""
 
@@ -71,8 +84,8 @@ class Database(Container):
         """Yield the messages, some thousand at a time."""
         try:
             with opened(self.path, self.notes) as database:
-                _declare(database, self.channels, self.schemas)
-                yield from _messages(database, self.path.stat().st_size)
+                declare(database, self.channels, self.schemas)
+                yield from messages_of(database, self.path.stat().st_size)
         except OddTableError as error:
             self.notes.append(Note("odd_table", f"the database is not read further: {error}"))
             return
@@ -85,7 +98,8 @@ class Database(Container):
             self.notes.append(Note("cut", fault))
 
 
-def _declare(database: sqlite3.Connection, channels: dict[int, Channel], schemas: dict[int, Schema]) -> None:
+def declare(database: sqlite3.Connection, channels: dict[int, Channel], schemas: dict[int, Schema]) -> None:
+    """Add the topics of a recording, and the definitions of their messages where it has some."""
     definitions: dict[str, tuple[str, str]] = {}
     if "message_definitions" in tables(database):
         rows = database.execute("SELECT topic_type, encoding, encoded_message_definition FROM message_definitions")
@@ -98,7 +112,10 @@ def _declare(database: sqlite3.Connection, channels: dict[int, Channel], schemas
         schemas[number] = Schema(str(kind), language, text.encode())
 
 
-def _messages(database: sqlite3.Connection, size: int) -> Iterator[Messages]:
+def messages_of(
+    database: sqlite3.Connection, size: int, first: int = -(2**63), last_row: int = 2**63 - 1
+) -> Iterator[Messages]:
+    """Yield the messages of some rows, some thousand at a time."""
     (pages,), (page,) = (database.execute(f"PRAGMA {name}").fetchone() for name in ("page_count", "page_size"))
     most = int(pages) * int(page)
     try:
@@ -106,8 +123,9 @@ def _messages(database: sqlite3.Connection, size: int) -> Iterator[Messages]:
     except sqlite3.Error:  # the end is cut
         last = most
     cursor = database.execute(
-        "SELECT topic_id, timestamp, CASE WHEN LENGTH(data) < ? THEN data END, LENGTH(data), rowid FROM messages ORDER BY rowid",
-        (min(LARGEST, most),),
+        "SELECT topic_id, timestamp, CASE WHEN LENGTH(data) < ? THEN data END, LENGTH(data), rowid FROM messages "
+        "WHERE rowid BETWEEN ? AND ? ORDER BY rowid",
+        (min(LARGEST, most), first, last_row),
     )
     done, lost = 0, False
     while rows := _some(cursor):
