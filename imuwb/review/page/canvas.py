@@ -104,8 +104,8 @@ def _entry(handle: Any, label: str) -> Entry:  # noqa: ANN401 - matplotlib has n
 def _figure(figure: Figure, look: Look, axes: Any) -> None:  # noqa: ANN401 - matplotlib has no types
     """Draw a figure of an analysis. Each axis is as long as the solid curves need."""
     axes.set(
-        xlabel=figure.x_title,
-        ylabel="\n".join(textwrap.wrap(figure.y_title, TITLE)),
+        xlabel=_plain(figure.x_title),
+        ylabel=_plain("\n".join(textwrap.wrap(figure.y_title, TITLE))),
         xscale=figure.x_scale,
         yscale=figure.y_scale,
     )
@@ -145,7 +145,7 @@ def _series(series: Series, look: Look, axes: Any) -> None:  # noqa: ANN401 - ma
     time = series.time - series.time[0] if series.time.size else series.time
     span = float(time[-1]) / SECOND if time.size else 0.0
     unit, length = next((unit, length) for least, unit, length in TIMES if span >= least)
-    axes.set(xlabel=f"time from the first sample [{unit}]", ylabel=f"[{series.unit}]")
+    axes.set(xlabel=f"time from the first sample [{unit}]", ylabel=_plain(f"[{series.unit}]"))
     _shade(series, look, axes, length)
     for i, name in enumerate(series.names):
         r, g, b = series.colors[i][:3] if i < len(series.colors) else color_at(i)
@@ -207,9 +207,14 @@ def _style(look: Look) -> Any:  # noqa: ANN401 - matplotlib names its settings i
     }  # fmt: skip
 
 
+def _plain(text: str) -> str:
+    """Return a text that matplotlib does not read as a formula."""
+    return text.replace("$", r"\$")
+
+
 def _label(text: str) -> str | None:
     """Return a text for the legend; None for no text, and a text that matplotlib neither hides nor reads as a formula."""
-    shown = "\n".join(textwrap.wrap(text, LEGEND)).replace("$", r"\$")
+    shown = _plain("\n".join(textwrap.wrap(text, LEGEND)))
     return f"{HIDDEN}{shown}" if shown.startswith("_") else shown or None
 
 
