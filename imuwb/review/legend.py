@@ -40,11 +40,11 @@ def entries(figure: Figure) -> tuple[Entry, ...]:
 
 
 def _color(curve: Curve, curves: Sequence[Curve]) -> Color:
-    """Return the colour of a curve, or that of text for a style that curves of several colours have."""
+    """Return the colour of a curve, or that of text if it names the curves of several colours that have its style."""
     if curve.style not in BACKGROUND_STYLES:
         return curve.color
-    alike = {other.color for other in curves if other.style == curve.style}
-    return INK if len(alike) > 1 else curve.color
+    others = {other.color for other in curves if other.style == curve.style and not other.label}
+    return INK if others - {curve.color} else curve.color
 
 
 def numbered(marks: Sequence[Mark]) -> tuple[str, ...]:

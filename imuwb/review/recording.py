@@ -27,6 +27,7 @@ from imuwb.review.sizes import AREA, TITLE_BAR
 from imuwb.review.stage import SPEED, windows_of
 from imuwb.review.tab import Tab
 from imuwb.review.timelines import Timelines
+from imuwb.review.value_axis import value_range
 from imuwb.scene import Event, Scene, Span
 from imuwb.texts import markdown_block, printable
 from imuwb.writers.whole import Draft
@@ -127,9 +128,11 @@ class RecordingReview:
             time,
             lambda rows: rr.Scalars.columns(scalars=values[rows].ravel()).partition([values.shape[1]] * rows.size),
         )
+        stated = value_range(values)
         whole = rr.TimeRange(start=rr.TimeRangeBoundary.infinite(), end=rr.TimeRangeBoundary.infinite())
         view = rrb.TimeSeriesView(
             origin=path, name=printable(f"{series.title} [{series.unit}]"), axis_x=rrb.TimeAxis(view_range=whole),
+            axis_y=None if stated is None else rrb.ScalarAxis(range=stated),
             plot_legend=rrb.PlotLegend(corner="RightTop" if self._tab.stage is None else "LeftTop", visible=len(names) > 1),
         )  # fmt: skip
         self._tab.series.append(view)

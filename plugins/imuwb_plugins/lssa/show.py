@@ -43,11 +43,11 @@ def figure(axis: str, result: Result) -> Figure:
     level = f"{100 * result.level:g} %"
     nothing = NOTHING_DB if result.scale == "decibels" else 0.0
     curves = [
-        Curve(name, spectrum.frequency[values > nothing], values[values > nothing] / scale, color, style="curve")
-        for name, values, color in (
-            (f"{axis.replace('_', ' ')}, highest in each bin", spectrum.shown, AXIS_COLORS[axis[-1]]),
-            (f"{level}, one frequency", spectrum.shown_limit, GREY),
-            (f"{level}, whole record", spectrum.shown_record_limit, ORANGE),
+        Curve(name, spectrum.frequency[values > nothing], values[values > nothing] / scale, color, style=style)
+        for name, values, color, style in (
+            (f"{axis.replace('_', ' ')}, highest in each bin", spectrum.shown, AXIS_COLORS[axis[-1]], "curve"),
+            (f"{level}, one frequency", spectrum.shown_limit, GREY, "fit"),
+            (f"{level}, whole record", spectrum.shown_record_limit, ORANGE, "fit"),
         )
     ]
     if result.scale == "density":
