@@ -1,5 +1,6 @@
 """A command whose output nobody reads, or is closed, does its work all the same."""
 
+import json
 import os
 import subprocess
 import sys
@@ -32,3 +33,25 @@ def test_files_are_written_and_the_exit_code_is_that_of_the_work(tmp_path, stati
     assert (tmp_path / "o.csv").read_text("utf-8").startswith("time_ns,")
     assert code("info", static_mcap, "--json") == 0
     assert code("info", "nothing.mcap") == 4
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="names that are not UTF-8")
+def test_a_log_whose_name_is_not_utf_8_has_all_outputs(imuwb, tmp_path, static_mcap):
+    log = Path(os.fsdecode(os.fsencode(tmp_path) + b"/b\xff.mcap"))
+    static_mcap.rename(log)
+    assert imuwb("psd", log, "--json", "o.json", "--html", "o.html", "--force").code == 0
+    assert json.loads((tmp_path / "o.json").read_text("utf-8"))["logs"][0]["path"].endswith(
+        "b\N{REPLACEMENT CHARACTER}.mcap"
+    )
+    assert log.with_suffix(".rrd").stat().st_size > 10_000
+
+
+def test_a_log_that_does_not_fit_in_memory_is_a_plain_sentence(imuwb, static_mcap, monkeypatch):
+    def grow(*_):
+        raise MemoryError
+
+    monkeypatch.setattr("imuwb_plugins.psd.run", grow)
+    done = imuwb("psd", static_mcap)
+    assert (done.code, "does not fit in memory; analyse a part of it" in done.err) == (1, True)
+    assert sorted(os.listdir(static_mcap.parent)) == ["static.mcap"]

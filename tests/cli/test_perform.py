@@ -31,5 +31,10 @@ def test_an_error_in_a_plugin_names_the_plugin_and_errors_of_imuwb_stay():
         1 / 0  # noqa: B018 - this fails on purpose
     with pytest.raises(MissingDataError), errors_named("mine", analysis):
         raise MissingDataError
+    with (
+        pytest.raises(MemoryError),
+        errors_named("mine", analysis),
+    ):  # the command line says what to do, as of a reader's
+        raise MemoryError
     with pytest.raises(ImuwbError, match="outside its own code"), errors_named("mine", SimpleNamespace(__file__="")):
         raise ValueError
