@@ -42,6 +42,8 @@ def report(
 
     Each part has the answer, the figures and tables of its run, the log it is of, and the command that makes it again. The page
     states whether the parts are of one log.
+
+    Example: imuwb report static.rrd chamber.rrd drive.rrd -o sensor.html
     """
     from imuwb.analysis import Answer  # noqa: PLC0415 - help must not wait for numpy and rerun
     from imuwb.cli.page_files import PageFiles  # noqa: PLC0415

@@ -21,7 +21,8 @@ OVERVIEW = ("Overview", "Streams", "Logs")  #: begin of the names of the tabs th
 MOST_SERIES = 6  #: of a tab
 MOST_TRACKS = 12
 NOTES = 6  #: that are shown at once
-PAPER_LETTERS, LONG_CELL = 125, 24  #: letters of a line of a table on paper; of a cell that is then broken
+#: letters of a line of a table on paper; of a cell and of a heading that are then broken
+PAPER_LETTERS, LONG_CELL, WORD = 125, 24, 12
 _COLOR = re.compile(r"#[0-9a-f]{6}")
 
 
@@ -164,7 +165,8 @@ def _read(name: str) -> str:
 def _size(table: Table) -> str:
     """Return how wide a table is on paper: "", "wide" or "widest"."""
     widths = [
-        max(len(row[i]) for row in (table.headings, *table.rows) if i < len(row)) for i in range(len(table.headings))
+        max(min(len(heading), WORD), *(len(row[i]) for row in table.rows if i < len(row)), 0)
+        for i, heading in enumerate(table.headings)
     ]
     letters = sum(min(width, LONG_CELL) + 2 for width in widths)
     return "" if letters <= PAPER_LETTERS else "wide" if letters <= 1.25 * PAPER_LETTERS else "widest"
