@@ -65,6 +65,8 @@ def believed(own: FilterSummary) -> bool | None:
 def sigma_text(own: FilterSummary) -> str:
     """Return what follows "its sigma is": right, or how many times too small or too large."""
     last, right = _last(own), believed(own)
+    if not own.consistency:
+        return "not stated"
     if last is None or right is None:
         return "not to be judged"
     if right:
@@ -164,6 +166,8 @@ def _noisier(motion: MotionNoise) -> Iterator[str]:
 
 def _verdict(own: FilterSummary) -> str:
     right = believed(own)
+    if not own.consistency:
+        return "It states no sigma."
     if right is None:
         return f"Its sigma cannot be judged: {_outages(own.effective_count)} without overlap; {ENOUGH} are needed."
     return "Believe its sigma." if right else f"Do not believe its sigma: it is {sigma_text(own)}."

@@ -1,5 +1,7 @@
 """The figures of an outage replay."""
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from imuwb.analysis import Curve, Figure
@@ -10,12 +12,14 @@ from imuwb.colors import (
     GREY,
     INK,
     ORANGE,
+    PALE,
     PINK,
     PURPLE,
     RED,
     TEAL,
     YELLOW,
     Color,
+    between,
 )
 from imuwb.replay.scoring.budget import COMMON
 from imuwb_plugins.outage.result import DurationSummary, ErrorBudget, Result
@@ -24,31 +28,43 @@ COLORS: dict[str, Color] = {
     "none": GREY, "15AV": BLUE, "18AV": GREEN, "18AVWD": BROWN, "15AR": ORANGE, "27AR": PURPLE, "full": TEAL, "motion": RED, "tuned": YELLOW,
 }  # fmt: skip
 SOURCES: tuple[Color, ...] = (RED, BLUE, GREEN, ORANGE, PURPLE, TEAL, YELLOW)
+OTHERS: tuple[Color, ...] = (PINK, PALE, between(ORANGE, INK, 0.5))
 TIME, ERROR = "time without GNSS [s]", "horizontal error [m]"
 
 
 def color_of(name: str) -> Color:
     """Return the colour of a filter."""
-    return COLORS.get(name, PINK)
+    return COLORS.get(name, OTHERS[0])
+
+
+def colors_of(names: Iterable[str]) -> dict[str, Color]:
+    """Return the colours of filters and of other engines, which get colours that no filter has, in turns."""
+    names = list(names)
+    others = [name for name in names if name not in COLORS]
+    return {name: COLORS[name] if name in COLORS else OTHERS[others.index(name) % len(OTHERS)] for name in names}
 
 
 def drift(own: DurationSummary) -> Figure:
     """Return the drift of each filter: median and 95 % quantile."""
-    curves: list[Curve] = []
+    curves, colors = list[Curve](), colors_of(own.models)
     for name in own.ranked:
         s = own.models[name]
-        curves.append(Curve(name, s.curve.elapsed, s.curve.median, color_of(name), style="curve"))
-        curves.append(Curve("", s.curve.elapsed, s.curve.p95, color_of(name), style="faint"))
+        curves.append(Curve(name, s.curve.elapsed, s.curve.median, colors[name], style="curve"))
+        curves.append(Curve("", s.curve.elapsed, s.curve.p95, colors[name], style="faint"))
     title = f"Drift in outages of {own.duration:g} s: median, and 95 % quantile (faint)"
     return Figure(title, TIME, ERROR, tuple(curves), x_scale="linear")
 
 
 def consistency(own: DurationSummary) -> Figure:
-    """Return the NEES of each filter over time, and the band in which it lies if sigma is right."""
-    ranked = [(name, own.models[name]) for name in own.ranked]
-    curves = [Curve(name, s.curve.elapsed, s.curve.nees_per_dof, color_of(name), style="curve") for name, s in ranked]
+    """Return the NEES of each filter that states a sigma over time, and the band in which it lies if sigma is right."""
+    ranked, colors = [(name, own.models[name]) for name in own.ranked], colors_of(own.models)
+    curves = [
+        Curve(name, s.curve.elapsed, s.curve.nees_per_dof, colors[name], style="curve")
+        for name, s in ranked
+        if np.isfinite(s.curve.nees_per_dof).any()
+    ]
     tested = next((s.consistency for _, s in ranked if s.consistency), ())
-    if tested:
+    if tested and curves:
         x, low, high = (np.array([getattr(c, part) for c in tested]) for part in ("elapsed", "lower", "upper"))
         begin = min(float(curves[0].x[0]), float(x[0]))
         x, low, high = (np.insert(values, 0, first) for values, first in ((x, begin), (low, low[0]), (high, high[0])))
@@ -88,11 +104,12 @@ def budget(b: ErrorBudget) -> Figure:
 
 
 def each_outage(result: Result) -> Figure:
-    """Return the largest error of each filter in each outage (Quinchia, figure 26)."""
+    """Return the largest error of each filter and engine in each outage (Quinchia, figure 26)."""
     x = np.arange(1.0, len(result.outages) + 1)
+    colors = colors_of(dict.fromkeys(name for o in result.outages for name in o.models))
     curves = tuple(
-        Curve(f.name, x, np.array([o.models[f.name].max for o in result.outages]), color_of(f.name))
-        for f in result.filters
+        Curve(name, x, np.array([o.models[name].max if name in o.models else np.nan for o in result.outages]), color)
+        for name, color in colors.items()
     )
     return Figure(
         "Largest horizontal error in each outage (Quinchia, figure 26)", "number of the outage in the table [1]", ERROR,

@@ -37,7 +37,7 @@ def test_a_sigma_is_believed_within_the_interval_of_chance(few, nees, text, righ
     made = replace(own, consistency=(Consistency(10.0, nees, 0.5, 1.6, 0.9, nees**0.5),))
     assert (sigma_text(made), believed(made)) == (text, right)
     assert sigma_text(replace(made, effective_count=4)) == "not to be judged"
-    assert believed(replace(made, consistency=())) is None
+    assert (sigma_text(replace(made, consistency=())), believed(replace(made, consistency=()))) == ("not stated", None)
 
 
 def test_a_filter_that_cannot_run_is_a_row(few):
