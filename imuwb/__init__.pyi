@@ -7,6 +7,7 @@ from . import health as health
 from . import identification as identification
 from . import log as log
 from . import navigation as navigation
+from . import notebook as notebook
 from . import notes as notes
 from . import options as options
 from . import progress as progress
@@ -20,6 +21,7 @@ from . import texts as texts
 from . import units as units
 from . import writers as writers
 from .log import Log as Log
+from .notebook import run as run
 from .readers import describe as describe
 from .readers import read as read
 from .selection import select as select

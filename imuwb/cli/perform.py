@@ -28,6 +28,7 @@ from imuwb.readers.bytes.address import Place, place_of
 from imuwb.review.clock import Clock
 from imuwb.review.default_answer import ALL, default_answer
 from imuwb.review.document import document
+from imuwb.review.drawn import Drawn as Shown
 from imuwb.review.log_state import log_state
 from imuwb.review.overview import overview
 from imuwb.review.panel import Origin, panel
@@ -55,15 +56,8 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Place], parameters: o
     places = Places.of(analysis, paths, request.outputs, parameters)
     gnss = [place_of(request.part.gnss)] if request.part.gnss is not None else []
     with reserved(places.all(), [*paths, *gnss], force=request.outputs.force):
-        whole = [
-            with_choice(read_log(path, request.reading, request.part), analysis, parameters, request) for path in paths
-        ]
-        through = [conditioned(log, request.conditions.through) for log in split(whole, compared=compared)]
-        logs = [log for log, _ in through]
-        study, result = _computed(name, analysis, logs, parameters, request)
-        done = Done(whole if compared else logs, parameters, result, study, through[0])
-        drawn = _drawn(name, analysis, done, places, request, paths)
-        pages = _write(drawn, places, plugin, result, parameters)
+        done, drawn = analysed(name, analysis, paths, parameters, request, places, compared=compared)
+        pages = _write(drawn, places, plugin, done.result, parameters)
     # All files are written before the first line is printed: the program that reads the output may end at any time.
     _print(drawn, places, pages, full=request.outputs.full)
     if drawn.objections and places.model is not None:
@@ -106,6 +100,32 @@ class Drawn:
     report: Report  #: what a page shows
     model: str  #: TOML; empty: none is saved
     objections: tuple[str, ...]  #: why the error model is not written
+    drawn: tuple[Shown, ...]  #: all that was drawn, with all its points
+
+
+def analysed(
+    name: str, analysis: Analysis, paths: Sequence[Place], parameters: object, request: Request, places: Places, *,
+    compared: bool,
+) -> tuple[Done, Drawn]:  # fmt: skip
+    """Read the logs, condition them, run the analysis, and write the recording; return all else that can be shown.
+
+    Args:
+        name: of the analysis.
+        analysis: its module; of a comparison of IMUs, what ``comparison`` returns.
+        paths: the logs.
+        parameters: of the analysis.
+        request: the options that all analyses share.
+        places: of the outputs.
+        compared: whether the IMUs of one log are compared.
+    """
+    whole = [
+        with_choice(read_log(path, request.reading, request.part), analysis, parameters, request) for path in paths
+    ]
+    through = [conditioned(log, request.conditions.through) for log in split(whole, compared=compared)]
+    logs = [log for log, _ in through]
+    study, result = _computed(name, analysis, logs, parameters, request)
+    done = Done(whole if compared else logs, parameters, result, study, through[0])
+    return done, _drawn(name, analysis, done, places, request, paths)
 
 
 def _drawn(
@@ -143,7 +163,8 @@ def _drawn(
             command=request.command or typed_again(), options=options_given(request.reading, request.part),
         )  # fmt: skip
         review.summary(panel(answer, origin), answer.figure)
-        text, run = document(name, __version__, done.parameters, done.result, logs, review.notes, done.study)
+        with errors_named(name, analysis):
+            text, run = document(name, __version__, done.parameters, done.result, logs, review.notes, done.study)
         review.state(recording_name(name, logs, answer), {"run": run, **stated}, text)
         kept = text_of(report_of(answer, origin, review.drawn, logs, run, __version__))
         review.keep(KEPT, kept)
@@ -154,7 +175,7 @@ def _drawn(
     except BaseException:
         review.discard()
         raise
-    return Drawn(answer, origin, tuple(shown), text, report, saved, objections)
+    return Drawn(answer, origin, tuple(shown), text, report, saved, objections, tuple(review.drawn))
 
 
 def _study_answer(plugin: Any, done: Done, shown: Sequence[Table | str]) -> Answer:  # noqa: ANN401 - an analysis

@@ -3,7 +3,11 @@
 A receiver's position errors change slowly: those of satellites, atmosphere and multipath last for a minute or longer. A filter
 whose error states include a first-order Gauss-Markov error of the position predicts the next fix better. Its sigma and its
 correlation time maximise the composite likelihood of the innovations (Varin, Reid and Firth 2011), as the noise in motion does
-(``motion_noise``). Intervals come from scores in blocks of a minute (sandwich), and are never narrower than the curvature's.
+(``motion_noise``). The interval of the sigma comes from scores in blocks of a minute (sandwich), and is never narrower than the
+curvature's. A drive has few correlation times, so that the likelihood of the time is skew: it falls slowly towards long times, which
+look like a constant. Its interval are the times whose profile likelihood, with the best sigma for each, is above the maximum less
+half the quantile of chi-square; the quantile is multiplied by the sandwich's variance over the curvature's where that exceeds one
+(Pace, Salvan and Sartori 2011, equation 2.5).
 """
 
 import math
@@ -25,6 +29,7 @@ from imuwb.statistics.distributions import normal_limit
 SIGMAS = (0.3, 0.9)  #: of the grid, over the median sigma of the fixes
 TIMES = (5.0, 20.0, 80.0)  #: s, of the grid
 STEP = 0.01  #: of the logarithms, for derivatives; a sigma near what the fixes state leaves little white noise: larger steps fail
+WALK, STEPS = 0.7, 8  #: steps along the profile, in sigmas of the log time, and their largest number
 IMPOSSIBLE = -1e6  #: log-likelihood of a fix if the filter becomes invalid
 
 
@@ -77,13 +82,25 @@ def estimate_gnss_correlation(prepared: Prepared, models: Sequence[FilterModel],
         options={"initial_simplex": start + 0.5 * np.array([[0, 0], [1, 0], [0, 1]]), "xatol": 0.01, "fatol": 0.02, "maxfev": 120},
     )  # fmt: skip
     theta = np.asarray(best.x, dtype=np.float64)
-    limit, sigma = normal_limit(level), fit.sigma(theta)
-    estimates = [
-        Estimate(value, value * math.exp(-limit * s), value * math.exp(limit * s), value * s, unit)
-        for value, s, unit in zip(np.exp(theta).tolist(), sigma.tolist(), ("m", "s"), strict=True)
-    ]
+    limit, spread = normal_limit(level), fit.spread(theta)
+    half = limit * float(spread.sigma[0])
+    low, high = fit.times(theta, spread, limit)
+    value, time = np.exp(theta).tolist()
     gain = float(fit.terms([theta]).sum()) - without
-    return GnssCorrelation(estimates[0], estimates[1], gain, int(counted.sum()))
+    return GnssCorrelation(
+        Estimate(value, value * math.exp(-half), value * math.exp(half), value * float(spread.sigma[0]), "m"),
+        Estimate(time, math.exp(low), math.exp(high), time * float(spread.sigma[1]), "s"), gain, int(counted.sum()),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Spread:
+    """How far the estimates of the two logarithms scatter."""
+
+    sigma: Floats  #: (2,)
+    inflation: float  #: variance of the time's estimate over that of the curvature, at least 1
+    ridge: float  #: change of the best log sigma with the log time
+    width: float  #: sigma of the log sigma for a given time
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -121,10 +138,11 @@ class _Fit:
         prior = np.array([((theta - centre) ** 2).sum() for theta in thetas]) / (2 * PRIOR**2)
         return self.terms(thetas).sum(axis=1) - prior
 
-    def sigma(self, theta: Floats) -> Floats:
-        """Return the sigmas of the two logarithms, (2,)."""
+    def spread(self, theta: Floats) -> _Spread:
+        """Return the sigmas of the two logarithms, and the shape of the likelihood near its maximum."""
         unit = np.eye(theta.size)
-        inverse = np.linalg.inv(curvature_of(self.values, theta, STEP))
+        curvature = curvature_of(self.values, theta, STEP)
+        inverse = np.linalg.inv(curvature)
         moved = self.terms([theta + side * STEP * u for u in unit for side in (1, -1)])
         scores = (moved[::2] - moved[1::2]) / (2 * STEP)  # (2, c)
         time = self.prepared.corrections.time[self.counted]
@@ -133,4 +151,34 @@ class _Fit:
         sums -= sums.mean(axis=1, keepdims=True)
         sandwich = inverse @ (sums @ sums.T) @ inverse
         variance = np.maximum(np.diagonal(sandwich), np.diagonal(inverse))
-        return np.sqrt(np.minimum(variance, PRIOR**2))
+        return _Spread(
+            np.sqrt(np.minimum(variance, PRIOR**2)), float(variance[1] / inverse[1, 1]),
+            -float(curvature[0, 1] / curvature[0, 0]), float(curvature[0, 0]) ** -0.5,
+        )  # fmt: skip
+
+    def times(self, theta: Floats, spread: _Spread, limit: float) -> tuple[float, float]:
+        """Return the ends of the interval of the log time by its profile likelihood; ``limit`` is that of a standard normal variable.
+
+        The profile is followed to both sides in steps; the root of the deviance is nearly linear, so ends are interpolated in it.
+        """
+        highest = float(self.values([theta])[0])
+        ends = list[float]()
+        for side in (-1, 1):
+            step, place, at, root = side * WALK * float(spread.sigma[1]), theta[0], theta[1], 0.0
+            wanted = limit * math.sqrt(spread.inflation)
+            for _ in range(STEPS):
+                place, best = self._best_sigma(place + spread.ridge * step, at + step, spread.width)
+                before, root, at = root, math.sqrt(max(2 * (highest - best), 0.0)), at + step
+                if root >= wanted:
+                    at -= step * (root - wanted) / (root - before)
+                    break
+            ends.append(float(at))
+        return ends[0], ends[1]
+
+    def _best_sigma(self, near: float, time: float, width: float) -> tuple[float, float]:
+        """Return the best log sigma for a log time, and the likelihood there, by a parabola; it is sought near a first guess."""
+        low, middle, high = self.values([np.array([near + k * width, time]) for k in (-1, 0, 1)])
+        bend = 2 * middle - low - high
+        shift = float(np.clip((high - low) / (2 * bend), -2, 2)) if bend > 0 else 2 * float(np.sign(high - low))
+        value = middle + shift * (high - low) / 2 - shift**2 * bend / 2
+        return near + shift * width, float(max(value, low, middle, high))
