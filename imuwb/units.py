@@ -200,6 +200,11 @@ def unix_nanoseconds(when: datetime) -> int:
     return (since.days * 86_400 + since.seconds) * SECOND + since.microseconds * 1000
 
 
+def units_of(dimension: str) -> tuple[str, ...]:
+    """Return the units of a dimension, the SI unit first."""
+    return tuple(name for name, own in UNITS.items() if own.dimension == dimension)
+
+
 def si_unit(dimension: str) -> str:
     """Return the SI unit of a dimension; °C for temperature."""
     return "°C" if dimension == "temperature" else next(iter(_TABLE[dimension]))

@@ -3,15 +3,17 @@
 import inspect
 import typing
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, cast
 
 from imuwb import registry
 from imuwb.analysis import Conditioner, Review, offers
 from imuwb.cli.parameters import default_of
 from imuwb.errors import UsageError
-from imuwb.log import Log
-from imuwb.options import Option, options_of, read
+from imuwb.log import Conditioning, Log
+from imuwb.options import Option, options_of, read, text_of
+
+UNSTATED = "the conditioner does not state whether it is causal, nor its delay"
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,15 +26,31 @@ class Step:
     option: str = "--through"  #: the option that names it, for errors
 
     def apply(self, log: Log) -> tuple[Log, Any]:
-        """Return the changed log, and the change for ``draw``.
+        """Return the changed log, and the change for ``draw``. The log states the conditioner, whatever that itself has recorded.
 
         Raises:
             UsageError: parameters that do not suit this log.
         """
         try:
-            return self.conditioner.condition(log, self.parameters)
+            changed, change = self.conditioner.condition(log, self.parameters)
         except ValueError as error:
             raise UsageError(f"{self.option} {self.name}: {error}") from error
+        return self._recorded(changed, log), change
+
+    def _recorded(self, changed: Log, before: Log) -> Log:
+        """Return the changed log with all steps before this one, and this one."""
+        kept = before.conditioning
+        own = changed.conditioning[len(kept) :] if changed.conditioning[: len(kept)] == kept else changed.conditioning
+        if not own:
+            own = (Conditioning(self.name, self._stated(), causal=False, delay=0.0, note=UNSTATED),)
+        return changed if changed.conditioning == (*kept, *own) else replace(changed, conditioning=(*kept, *own))
+
+    def _stated(self) -> str:
+        """Return the parameters as they follow the name on the command line."""
+        values = {f.name: getattr(self.parameters, f.name) for f in fields(self.parameters)}
+        return ",".join(
+            f"{name}={text_of(value).replace(',', '/')}" for name, value in values.items() if value is not None
+        )
 
     def draw(self, applied: Any, review: Review) -> None:  # noqa: ANN401 - the conditioner's own
         """Show the change, if the conditioner can draw it."""

@@ -1,6 +1,6 @@
 """What all fits of a sum of processes have in common, whatever the sum is fitted to."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from imuwb.statistics import Coefficient
 from imuwb.stochastic import Sum
@@ -23,6 +23,11 @@ class SumFit:
     processes: Sum  #: the terms that have a value
     misfit: float  #: chi-square over its degrees of freedom, where the sum explains the record
     probability: float  #: probability that chance makes so large a misfit
+
+    def __post_init__(self) -> None:
+        """Let each coefficient know its letter, so that it knows its units."""
+        known = {letter: replace(own, letter=letter) for letter, own in self.coefficients.items()}
+        object.__setattr__(self, "coefficients", known)
 
     def text(self, fit: str) -> str:
         """Return the name of the fit, its range, and the coefficients in one line."""

@@ -5,6 +5,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
+from types import BuiltinFunctionType, FunctionType, GeneratorType
 from typing import cast
 
 import numpy as np
@@ -12,36 +13,68 @@ import numpy as np
 from imuwb.log import Log
 
 SCHEMA = 1
+#: representations that say no more than the type and an address: of objects, functions, generators and classes
+_NAMELESS = (
+    object.__repr__,
+    FunctionType.__repr__,
+    BuiltinFunctionType.__repr__,
+    GeneratorType.__repr__,
+    type.__repr__,
+)
 RUN = 16  #: letters of the name of a run
 
 
-def plain(value: object) -> object:  # noqa: PLR0911 - one return for each kind of value
+def plain(value: object, place: str = "the value") -> object:  # noqa: PLR0911 - one return for each kind of value
     """Return a value in the types of JSON: a dataclass as an object, an array as a list, a number that is not finite as null.
 
-    Fields of dataclasses with ``document=False`` in their metadata are left out: only figures use them.
+    Fields of dataclasses with ``document=False`` in their metadata are left out: only figures use them. A value of another type is
+    written as its text.
+
+    Args:
+        value: any value.
+        place: where it stands, for errors.
+
+    Raises:
+        ValueError: a value has no text that says what it is, such as a function; the message names its place.
     """
     if is_dataclass(value) and not isinstance(value, type):
-        content = {f.name: plain(getattr(value, f.name)) for f in fields(value) if f.metadata.get("document", True)}
+        content = {
+            f.name: plain(getattr(value, f.name), f"{place}.{f.name}")
+            for f in fields(value)
+            if f.metadata.get("document", True)
+        }
         kind = getattr(type(value), "name", None)  # a process, whose parameters alone do not identify it
         return {"process": kind, **content} if isinstance(kind, str) else content
     if isinstance(value, np.ndarray):
-        return plain(value.tolist())
+        return plain(value.tolist(), place)
     if isinstance(value, np.generic):
-        return plain(value.item())
+        return plain(value.item(), place)
     if isinstance(value, float):
         return value if math.isfinite(value) else None
-    if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in cast("dict[object, object]", value).items()}
+    if isinstance(value, Mapping):
+        pairs = cast("Mapping[object, object]", value).items()
+        return {str(key): plain(item, f"{place}[{str(key)!r}]") for key, item in pairs}
     if isinstance(value, set | frozenset):  # in an order that is the same in every process
-        return sorted((plain(item) for item in cast("set[object]", value)), key=str)
+        return sorted((plain(item, place) for item in cast("set[object]", value)), key=str)
     if isinstance(value, list | tuple):
-        return [plain(item) for item in cast("list[object]", value)]
-    return value if value is None or isinstance(value, str | int | bool) else str(value)
+        return [plain(item, f"{place}[{i}]") for i, item in enumerate(cast("list[object]", value))]
+    if value is None or isinstance(value, str | int | bool):
+        return value
+    if type(value).__str__ is object.__str__ and type(value).__repr__ in _NAMELESS:
+        raise ValueError(
+            f"{place} is of the type {type(value).__qualname__}, which JSON cannot hold; make it a number, a text, an array, or a "
+            'dataclass or a mapping of these, or leave a field of a dataclass out with metadata={"document": False}'
+        )
+    return str(value)
 
 
 def json_text(value: object) -> str:
     """Return any value as JSON text."""
-    return json.dumps(plain(value), indent=1, ensure_ascii=False, allow_nan=False)
+    return _text(plain(value))
+
+
+def _text(value: object) -> str:
+    return json.dumps(value, indent=1, ensure_ascii=False, allow_nan=False)
 
 
 def document(
@@ -65,9 +98,13 @@ def document(
         logs: the logs that were analysed.
         notes: the notes that the review shows.
         study: result of a study; None: no study was run.
+
+    Raises:
+        ValueError: a result that JSON cannot hold; the message names the field.
     """
     name, _, method = analysis.partition(" ")
-    settings = {**({"method": method} if method else {}), **cast("Mapping[str, object]", plain(parameters))}
+    given = cast("Mapping[str, object]", plain(parameters, "parameters"))
+    settings = {**({"method": method} if method else {}), **given}
     content = {
         "imuwb": version,
         "schema": SCHEMA,
@@ -76,11 +113,11 @@ def document(
         "logs": [_log(log) for log in logs],
         "params": settings,
         "notes": list(notes),
-        "result": result,
+        "result": plain(result, "result"),
     }
     if study is not None:
-        content["study"] = study
-    text = json_text(content)
+        content["study"] = plain(study, "study")
+    text = _text(content)
     run = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()[:RUN]
     return f'{{\n "run": "{run}",{text[1:]}', run
 

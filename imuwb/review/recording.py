@@ -17,6 +17,7 @@ from imuwb.errors import ImuwbError
 from imuwb.own_process import without
 from imuwb.review import bars as bar_chart
 from imuwb.review import chart, recorded
+from imuwb.review.checked import check
 from imuwb.review.clock import Clock
 from imuwb.review.drawn import Drawn, Item, Track
 from imuwb.review.envelope import envelope
@@ -99,6 +100,7 @@ class RecordingReview:
         self._tabs.append(Tab.of(name))
 
     def _keep(self, item: Item) -> None:
+        check(item)
         self.drawn.append(Drawn(self._tab.name, item))
 
     def figure(self, figure: Figure) -> None:

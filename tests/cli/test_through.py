@@ -1,9 +1,18 @@
 import json
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
 import pytest
 
 from imuwb import read
-from imuwb.cli.through import step
+from imuwb.cli.through import Step, step
+
+
+@dataclass(frozen=True)
+class Own:
+    factor: float = 2.0
+    axes: tuple[int, ...] = (1, 2)
+    name: str | None = None
 
 
 @pytest.mark.parametrize(
@@ -117,3 +126,16 @@ def test_the_log_itself_stays_as_it_is(static_mcap):
         step(text).apply(log)
     assert (log.imu().angular_rate.value == before).all()
     assert log.conditioning == ()
+
+
+@pytest.mark.parametrize("drops", [False, True])
+def test_a_conditioner_that_records_nothing_is_recorded_all_the_same(static_mcap, drops):
+    """The host states every step, also those that a later conditioner drops."""
+    log, _ = step("bias:seconds=3").apply(read(static_mcap))
+    conditioner = SimpleNamespace(
+        condition=lambda log, _: (replace(log, conditioning=()) if drops else log, None)  # it forgets
+    )
+    changed, _ = Step("own", conditioner, Own()).apply(log)
+    assert [c.name for c in changed.conditioning] == ["bias", "own"]
+    assert changed.conditioning[-1].parameters == "factor=2,axes=1/2"
+    assert not changed.causal

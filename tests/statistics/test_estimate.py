@@ -1,7 +1,10 @@
 import math
 
+import numpy as np
 import pytest
 
+from imuwb.errors import UsageError
+from imuwb.identification import allan, fit_allan
 from imuwb.statistics import UNKNOWN, Coefficient, Estimate
 from imuwb.texts import coefficient_text, estimate_text, interval_text, number_text, quantity_text, seconds_text
 from imuwb.units import UNITS
@@ -53,3 +56,41 @@ def test_numbers_have_three_digits_and_no_power_of_ten_where_they_are_large():
     assert (quantity_text(None, "m"), quantity_text(0.5, "m")) == ("—", "0.5 m")
     assert interval_text(Estimate(12.3, 10, 150), "m") == "12.3 [10, 150] m"
     assert interval_text(Estimate(12.3, math.nan, math.nan, unit="m")) == "12.3 m"
+
+
+@pytest.mark.parametrize(
+    ("estimate", "name", "expected"),
+    [
+        (Estimate(1.0, 0.5, 2.0, 0.1, "rad/s"), "deg/s", (57.29578, 28.64789, 114.59156, 5.729578)),
+        (Estimate(25.0, 24.0, 26.0, 1.0, "°C"), "°F", (77.0, 75.2, 78.8, 1.8)),
+        (Estimate(0.5, 0.4, 0.6), "%", (50.0, 40.0, 60.0, None)),
+    ],
+)
+def test_an_estimate_in_another_unit(estimate, name, expected):
+    found = estimate.to(name)
+    assert (found.value, found.lower, found.upper) == pytest.approx(expected[:3], rel=1e-6)
+    assert found.sigma == (None if expected[3] is None else pytest.approx(expected[3], rel=1e-6))
+    assert found.unit == name
+
+
+def test_a_coefficient_in_the_units_of_data_sheets():
+    n = Coefficient(1e-4, 9e-5, 1.1e-4, "rad/s/√Hz")
+    assert n.to("deg/√h").value == pytest.approx(math.degrees(1e-4) * 60)
+    assert n.to("deg/√h").to("rad/s/√Hz").upper == pytest.approx(1.1e-4)
+    assert n.to("deg/sqrt(h)").unit == "deg/√h"
+    unknown = Coefficient(None, None, math.inf, "rad/s")
+    assert (unknown.to("deg/h").value, unknown.to("deg/h").upper) == (None, math.inf)
+    with pytest.raises(UsageError, match=r"deg/h is a unit of angular rate; the value is in rad/s/√Hz.*deg/√h"):
+        n.to("deg/h")
+
+
+def test_a_coefficient_of_samples_of_any_sensor_knows_its_letter():
+    """The units of a fit's coefficients follow from those of the samples; the letter says which units there can be."""
+    curve = allan(np.random.default_rng(1).normal(0, 1e-3, 4000), dt=0.01)
+    n = fit_allan(curve).coefficients["N"]
+    assert n.unit == ""
+    assert n.to("deg/√h").value == pytest.approx(math.degrees(n.value) * 60)
+    assert n.to("µg/√Hz").value == pytest.approx(n.value / 9.80665e-6)
+    for wrong in ("deg/h", "m", "deg/h^1.5"):
+        with pytest.raises(UsageError, match="which N is not; write one of"):
+            n.to(wrong)
