@@ -3,10 +3,10 @@
 import html
 import json
 import shutil
+import weakref
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, cast
 
 from imuwb.analysis import Analysis, Answer, Table, offers
@@ -28,9 +28,10 @@ RECORDING = "run.rrd"  #: name in the folder of a result
 class Outcome:
     """The result of an analysis, with all that its recording and its page show."""
 
-    def __init__(self, analysis: Analysis, done: Done, drawn: Drawn, folder: "TemporaryDirectory[str]") -> None:
-        """Take what was computed, and the folder of its recording, which lives as long as this object."""
+    def __init__(self, analysis: Analysis, done: Done, drawn: Drawn, folder: Path) -> None:
+        """Take what was computed, and the folder of its recording, which is removed with this object."""
         self._analysis, self._done, self._drawn, self._folder = analysis, done, drawn, folder
+        weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
 
     @property
     def result(self) -> Any:  # noqa: ANN401 - each analysis has its own
@@ -114,7 +115,7 @@ class Outcome:
 
     def _save_recording(self, path: Path) -> None:
         with whole_file(path) as draft:
-            shutil.copyfile(Path(self._folder.name) / RECORDING, draft)
+            shutil.copyfile(self._folder / RECORDING, draft)
 
     def _save_page(self, path: Path) -> None:
         (PageFiles(pdf=path) if path.suffix == ".pdf" else PageFiles(html=path)).write([self._drawn.report])

@@ -1,11 +1,12 @@
 """Runs an analysis as the command line does, from a notebook or a program."""
 
 import shlex
+import shutil
 import typing
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import mkdtemp
 from typing import Any, cast
 
 from imuwb import registry
@@ -59,16 +60,20 @@ def run(analysis: str, *logs: str | Path, force: bool = False, force_model: bool
     for text in request.conditions.through:
         step(text)
     grid(request.conditions.study)
-    compared = compares(plugin, request)
-    plugin = comparison(analysis, plugin, paths, request) if compared else plugin
+    compared, name = compares(plugin, request), Path(analysis).stem if analysis.endswith(".py") else analysis
+    plugin = comparison(name, plugin, paths, request) if compared else plugin
     files = tuple(plugin.outputs(parameters)) if offers(plugin, "outputs") else ()
-    folder = TemporaryDirectory(prefix="imuwb-", ignore_cleanup_errors=True)
-    places = Places(Path(folder.name) / RECORDING, None, None, to_stdout=False, own=files)
-    gnss = [place_of(request.part.gnss)] if request.part.gnss is not None else []
-    with reserved(places.all(), [*paths, *gnss], force=force):
-        done, drawn = analysed(analysis, plugin, paths, parameters, request, places, compared=compared)
-        if files:
-            plugin.write_outputs(done.result, parameters)
+    folder = Path(mkdtemp(prefix="imuwb-"))
+    try:
+        places = Places(folder / RECORDING, None, None, to_stdout=False, own=files)
+        gnss = [place_of(request.part.gnss)] if request.part.gnss is not None else []
+        with reserved(places.all(), [*paths, *gnss], force=force):
+            done, drawn = analysed(name, plugin, paths, parameters, request, places, compared=compared)
+            if files:
+                plugin.write_outputs(done.result, parameters)
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
     return Outcome(plugin, done, drawn, folder)
 
 
