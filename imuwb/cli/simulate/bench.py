@@ -1,15 +1,19 @@
 """imuwb simulate six-position and rate-table: what a calibration bench would record, and the truth."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from imuwb.cli.options import Force, output_option
-from imuwb.cli.simulate.options import Samples, Sensor, check_folder, save
+from imuwb.cli.simulate.options import Samples, Sensor, check_folder, save, sensor_names
 from imuwb.options import POSITIVE, Between, Form, Options
-from imuwb.simulation import Site, preset_names
-from imuwb.stochastic import ImuErrorModel
+
+if TYPE_CHECKING:  # help must not wait for numpy
+    from imuwb.simulation import Site
+    from imuwb.stochastic import ImuErrorModel
 
 TRUTH, ATTITUDES = "truth.toml", "attitudes.txt"
 
@@ -24,7 +28,7 @@ class BenchSensor(Sensor):
     preset: Annotated[
         str | None,
         "name of a published sensor; scale factors, cross-couplings and g-sensitivities are random, within the tolerances of an MPU-6050",
-        Form("NAME", words=preset_names),
+        Form("NAME", words=sensor_names),
     ] = None
     error_model: Annotated[
         Path | None, "error model of a sensor of your own; its terms are the truth", Form("MODEL.toml")

@@ -1,15 +1,19 @@
 """imuwb simulate chamber: a still IMU at one temperature after another."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from imuwb.cli.options import output_option
 from imuwb.cli.simulate.options import TRUTH, Filtered, Sensor, check_folder, made
-from imuwb.log import Log
 from imuwb.options import POSITIVE, Options
+
+if TYPE_CHECKING:  # help must not wait for numpy
+    from imuwb.log import Log
 
 
 @dataclass(frozen=True)

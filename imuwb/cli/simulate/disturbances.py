@@ -1,12 +1,16 @@
 """Options for what a real drive has in addition: a rough road, noise in motion, errors of the receiver."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 from imuwb.errors import UsageError
 from imuwb.options import NOT_NEGATIVE, Form, Options
-from imuwb.simulation import GnssErrors, MotionNoise, Road
+
+if TYPE_CHECKING:  # help must not wait for numpy
+    from imuwb.simulation import GnssErrors, MotionNoise, Road
 
 #: key of --gnss-errors -> the key without which it has no effect, or none
 KEYS = {

@@ -1,18 +1,22 @@
 """imuwb simulate drive: a car with an IMU and GNSS, and the truth."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
 from imuwb.cli.options import Force
 from imuwb.cli.simulate.disturbances import Disturbances, ErrorsOfFixes, gnss_errors
-from imuwb.cli.simulate.options import Output, Warm, check_output, model_of, save
+from imuwb.cli.simulate.options import Output, Warm, check_output, model_of, save, sensor_names
 from imuwb.errors import UsageError
 from imuwb.options import NOT_NEGATIVE, POSITIVE, Form, Options
-from imuwb.simulation import Odometer, Receiver, Route, preset_names
-from imuwb.stochastic import ImuErrorModel
+
+if TYPE_CHECKING:  # help must not wait for numpy
+    from imuwb.simulation import Odometer, Receiver, Route
+    from imuwb.stochastic import ImuErrorModel
 
 Triple: TypeAlias = tuple[float, float, float]
 
@@ -56,7 +60,7 @@ class Vehicle(Warm):
     sensor: Annotated[
         str | None,
         "name of a published sensor; with an unknown name, the error lists all sensors",
-        Form("NAME", words=preset_names),
+        Form("NAME", words=sensor_names),
     ] = None
     error_model: Annotated[Path | None, "error model of a sensor of your own", Form("MODEL.toml")] = None
     vibration: Annotated[

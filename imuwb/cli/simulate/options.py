@@ -1,20 +1,24 @@
 """What the commands of ``imuwb simulate`` share: their options, the sensor, and where logs go."""
 
+from __future__ import annotations
+
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from imuwb.cli.options import output_option
 from imuwb.errors import UsageError
-from imuwb.log import Log
 from imuwb.options import NOT_NEGATIVE, POSITIVE, Form, Options
 from imuwb.sidecars import draft_of
-from imuwb.simulation import Temperature, preset_names
-from imuwb.stochastic import ImuErrorModel
+
+if TYPE_CHECKING:  # help must not wait for numpy
+    from imuwb.log import Log
+    from imuwb.simulation import Temperature
+    from imuwb.stochastic import ImuErrorModel
 
 LEAST_RAMP = 1.0  #: s
 TRUTH = "It states its true parameters: imuwb info --full shows them."
@@ -25,6 +29,13 @@ Output = Annotated[
 ]
 
 
+def sensor_names() -> tuple[str, ...]:
+    """Return the names of the published sensors, for a shell."""
+    from imuwb.simulation import preset_names  # noqa: PLC0415 - only a shell asks
+
+    return preset_names()
+
+
 @dataclass(frozen=True)
 class Sensor(Options):
     """The sensor that is simulated: a published sensor, or one with the user's error model."""
@@ -32,7 +43,7 @@ class Sensor(Options):
     preset: Annotated[
         str | None,
         "name of a published sensor; with an unknown name, the error lists all sensors",
-        Form("NAME", words=preset_names),
+        Form("NAME", words=sensor_names),
     ] = None
     error_model: Annotated[Path | None, "error model of a sensor of your own", Form("MODEL.toml")] = None
 
