@@ -89,7 +89,7 @@ def main() -> None:
     text = (
         "# Lines and first lines of all commands\n\n"
         "`python tests/studies/terminal.py`, on the sample logs (one hour at 20 Hz; a drive of ten minutes at 50 Hz), with compiled\n"
-        "kernels in the cache. Lines that stay on the screen of a terminal; with `--full` all tables and notes, which is what a\n"
+        "kernels in the cache. Lines that stay on the screen of a terminal, without\nthe rules of tables; with `--full` all tables and notes, which is what a\n"
         "command printed before it had a panel. CPU time until the first letters are on the terminal, and in all.\n\n"
         "| command | lines at 80 columns | at 120 | at 120 with `--full` | CPU to the first line [s] | CPU in all [s] |\n"
         "|---|---|---|---|---|---|\n" + "\n".join(rows) + "\n"
