@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 import typer
 
 from imuwb import __version__
-from imuwb.analysis import Analysis, Answer, Table, offers
+from imuwb.analysis import Analysis, Answer, Figure, Table, offers
 from imuwb.cli.imus import compares, comparison, split, with_choice
 from imuwb.cli.options import Request
 from imuwb.cli.page_files import PageFiles
@@ -142,10 +142,12 @@ def _drawn(
         beginning = len(shown)  # what the overview shows is no answer
         draw_conditioning(*done.conditioned, review)
         review.tab(name.capitalize())
+        before = len(review.drawn)  # a figure of a conditioner shows no answer
         with errors_named(name, analysis):
             plugin.draw(done.result, review)
             studied = len(shown)
             if done.study is not None:
+                before = len(review.drawn)
                 review.tab("Study")
                 plugin.draw_study(done.study, review)
             model = plugin.error_model(done.result) if places.model is not None else None
@@ -157,7 +159,8 @@ def _drawn(
             known = log_state(logs, faults=not getattr(analysis, "SHOWS_FAULTS", False))
             stated = properties(name, __version__, getattr(done.parameters, "level", None), logs, answer, findings)
             shown_first = answer if done.study is None else _study_answer(plugin, done, shown[studied:])
-            answer = replace(shown_first, sentences=(*known, *shown_first.sentences))
+            figure = shown_first.figure or _first_figure(review.drawn[before:])
+            answer = replace(shown_first, sentences=(*known, *shown_first.sentences), figure=figure)
         origin = Origin(
             name, tuple(map(str, paths)), "" if objections else str(places.model or ""),
             command=request.command or typed_again(), options=options_given(request.reading, request.part),
@@ -176,6 +179,10 @@ def _drawn(
         review.discard()
         raise
     return Drawn(answer, origin, tuple(shown), text, report, saved, objections, tuple(review.drawn))
+
+
+def _first_figure(drawn: Sequence[Shown]) -> Figure | None:
+    return next((one.item for one in drawn if isinstance(one.item, Figure)), None)
 
 
 def _study_answer(plugin: Any, done: Done, shown: Sequence[Table | str]) -> Answer:  # noqa: ANN401 - an analysis

@@ -81,6 +81,7 @@ def test_it_is_what_the_command_line_gives(folder, found, monkeypatch, capsys):
 
 def test_it_shows_itself_and_gives_what_it_shows(found):
     page = found._repr_html_()
+    assert found.answer.figure.title == "Jerk"  # and not the first figure, which is the conditioner's
     assert "Jerk" in page
     assert "<svg" in page
     assert "<script" not in page

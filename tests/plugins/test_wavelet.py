@@ -73,7 +73,9 @@ def test_a_whole_record_is_not_causal(make_log, noise):
     found, _ = condition(make_log(noise), levels="2")
     (made,) = found.conditioning
     assert (made.causal, made.delay, found.causal) == (False, 0.0, False)
-    assert made.parameters.startswith("levels=2,motion_band=5,wavelet=db4,threshold=sure,scale=level,shrinkage=soft,causal=false")
+    assert made.parameters.startswith(
+        "levels=2,motion_band=5,wavelet=db4,threshold=sure,scale=level,shrinkage=soft,causal=false"
+    )
 
 
 def test_parts_between_gaps_know_nothing_of_each_other(make_log, gap, noise):
