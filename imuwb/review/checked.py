@@ -1,5 +1,6 @@
 """Checks what a plugin draws, so that a mistake is an error with a remedy and no blank chart."""
 
+from dataclasses import is_dataclass
 from typing import Any, cast
 
 import numpy as np
@@ -26,8 +27,8 @@ def check(item: Item) -> None:
             raise ValueError(
                 f"track {item.name!r}: position has the shape {np.shape(item.position)}; give (n, 3): latitude rad, longitude rad, height m"
             )
-    elif not isinstance(cast("Any", item), str):
-        raise ValueError(f"the note {item!r} is no text; format it, with its unit")  # noqa: TRY004 - as the other checks
+    elif not isinstance(item, str) and not is_dataclass(cast("Any", item)):
+        raise ValueError(f"the note {item!r} is no text; format it, with its unit")
 
 
 def _check_curve(curve: Curve, place: str) -> None:
