@@ -48,10 +48,12 @@ def _message_of(error: Exception) -> str:
 def _text_of(error: Exception) -> str:
     if isinstance(error, ImuwbError):
         return str(error)
+    if isinstance(error, OSError) and error.errno in (errno.EMFILE, errno.ENFILE):
+        return "too many files are open at once; allow more (ulimit -n 256)"
     if isinstance(error, OSError):
         return f"{error.filename or 'output'}: {error.strerror or error}"
     if isinstance(error, MemoryError):
-        return "the log does not fit in memory; analyse a part of it with --start and --end"
+        return "this does not fit in memory; analyse a part of the log with --start and --end, or allow more memory (ulimit -v)"
     return (
         f"internal error: {type(error).__name__}: {error}\n"
         "This is a fault of imuwb. Run the command again with IMUWB_TRACEBACK=1, and report the output."

@@ -53,5 +53,5 @@ def test_a_log_that_does_not_fit_in_memory_is_a_plain_sentence(imuwb, static_mca
 
     monkeypatch.setattr("imuwb_plugins.psd.run", grow)
     done = imuwb("psd", static_mcap)
-    assert (done.code, "does not fit in memory; analyse a part of it" in done.err) == (1, True)
+    assert (done.code, "does not fit in memory; analyse a part of the log" in done.err) == (1, True)
     assert sorted(os.listdir(static_mcap.parent)) == ["static.mcap"]
