@@ -1,5 +1,6 @@
 """The command line: a command for each analysis, an option for each parameter."""
 
+import errno
 import os
 import sys
 import warnings
