@@ -19,19 +19,19 @@ DECIMALS = 6  #: decimals of a value whose interval has no width or an infinite 
 
 LONGEST_NAME, LONGEST_TEXT = 120, 2000  #: letters of a name, and of a sentence, that a log gives
 _MARKUP = re.compile(r"([\\`*_\[\]<>|~#!&$])")  #: letters that Markdown may take as markup
-_LINE_START = re.compile(r"^(\s*)([-+=]|\d+[.)])(?=\s|$)")  #: what begins a list, a line or a heading
+_LINE_START = re.compile(r"^(\s*\d*)([-+=.)])(?=\s|$)")  #: what begins a list, a line or a heading
 
 
 def printable(text: str) -> str:
     """Return a text that a terminal, a viewer and a page show as it is.
 
-    What UTF-8 lacks, control characters, line ends, and marks of no width, such as those that turn the direction of a text, are
-    replaced; other blanks become the usual one.
+    What UTF-8 lacks, control characters, line ends, and marks of no width, such as those that turn the direction of a text, become a
+    question mark, which every font has; other blanks become the usual one.
     """
     if text.isascii() and text.isprintable():
         return text
-    whole = text.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
-    return "".join(c if c.isprintable() else " " if category(c) == "Zs" else "\N{REPLACEMENT CHARACTER}" for c in whole)
+    known = (" " if category(c) == "Zs" else c for c in text)
+    return "".join(c if c.isprintable() and c != "\N{REPLACEMENT CHARACTER}" else "?" for c in known)
 
 
 def printable_lines(text: str) -> str:

@@ -10,8 +10,13 @@ from imuwb.texts import (
     decimals,
     estimate_text,
     interval_text,
+    markdown_block,
+    markdown_text,
+    name_of,
     names_text,
     number_text,
+    printable,
+    printable_lines,
     quantity_text,
     seconds_text,
 )
@@ -73,3 +78,15 @@ def test_a_coefficient_has_three_to_six_digits_by_its_relative_width(width, text
 )
 def test_many_names_are_counted(names, text):
     assert names_text(names, most=3) == text
+
+
+def test_words_of_a_log_are_shown_letter_by_letter():
+    assert printable("a\x1b[2J\n\u202eb\u00a0c\ufffd\ud800 µ√é加") == "a?[2J??b c?? µ√é加"
+    assert printable_lines("a\x07\nb") == "a?\nb"
+    assert name_of("/imu/data") == "/imu/data"
+    assert len({name_of(name) for name in ("a\x1b", "a\x07", "a?", "a" * 500, "a" * 501)}) == 5
+    assert all(len(name_of("a" * n)) < 140 for n in (10, 1000, 100_000))
+    assert markdown_text("![p](http://x)<b>|`_*#") == r"\!\[p\](http://x)\<b\>\|\`\_\*\#"
+    assert [markdown_text(line) for line in ("- a", "1. a", "-1.5", "+")] == [r"\- a", r"1\. a", "-1.5", r"\+"]
+    block = markdown_block(["a", "```", "![p](x)"]).split("\n")
+    assert (block[0], block[-1], block[2]) == ("````text", "````", "```")

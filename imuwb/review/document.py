@@ -3,6 +3,7 @@
 import hashlib
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from types import BuiltinFunctionType, FunctionType, GeneratorType
@@ -21,6 +22,8 @@ _NAMELESS = (
     GeneratorType.__repr__,
     type.__repr__,
 )
+#: letters that JSON need not escape: controls, and marks of no width, such as those that turn the direction of a text
+_UNSHOWN = re.compile("[\x7f-\x9f\xad\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb]")
 RUN = 16  #: letters of the name of a run
 
 
@@ -74,7 +77,9 @@ def json_text(value: object) -> str:
 
 
 def _text(value: object) -> str:
-    return json.dumps(value, indent=1, ensure_ascii=False, allow_nan=False)
+    """Return plain values as JSON text; a letter that no terminal shows as it is stands as its number."""
+    text = json.dumps(value, indent=1, ensure_ascii=False, allow_nan=False)
+    return _UNSHOWN.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 
 def document(

@@ -24,6 +24,7 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
         UnreadableLogError: the file is damaged, or has no arrays of a gyro, an accelerometer, or positions.
         UsageError: the columns, units or rate of the arrays are unknown.
     """
+    from imuwb.readers.tables.hdf5_apart import check_apart  # noqa: PLC0415 - as below
     from imuwb.readers.tables.hdf5_arrays import tree_of  # noqa: PLC0415 - a probe needs no h5py
     from imuwb.readers.tables.matlab_variables import FAULTS  # noqa: PLC0415
     from imuwb.readers.tables.named_arrays import streamed  # noqa: PLC0415
@@ -31,6 +32,7 @@ def stream(path: Path, options: ReadOptions) -> Iterator[Batch | Remark]:
 
     refuse_packed(path)
     objects: list[str] = []
+    check_apart(path)
     try:
         tree = tree_of(path, objects)
     except FAULTS as error:

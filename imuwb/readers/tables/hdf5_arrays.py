@@ -1,15 +1,19 @@
 """The arrays of an HDF5 file as a tree; those that MATLAB wrote are turned, because MATLAB stores columns first."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from imuwb.errors import UnreadableLogError
 from imuwb.readers.bytes import budget
-from imuwb.readers.tables.named_arrays import Tree
 from imuwb.texts import printable
+
+if TYPE_CHECKING:  # the tables need pyarrow, which is slow to import
+    from imuwb.readers.tables.named_arrays import Tree
 
 DEEPEST = 16  #: groups within each other
 MOST = 4096  #: groups and arrays that are looked at

@@ -11,6 +11,7 @@ import numpy as np
 from imuwb.errors import UnreadableLogError
 from imuwb.readers.batch import Remark, unused
 from imuwb.readers.bytes import source
+from imuwb.readers.tables.hdf5_apart import check_apart
 from imuwb.readers.tables.hdf5_arrays import tree_of
 from imuwb.readers.tables.matlab_check import check_structure
 from imuwb.readers.tables.named_arrays import Tree
@@ -39,6 +40,8 @@ def variables(path: Path) -> tuple[Tree, list[Remark]]:
     head = source.head(path)
     refuse_packed(path)
     objects: list[str] = []
+    if head.startswith(HDF5):
+        check_apart(path, matlab=True)
     try:
         tree = tree_of(path, objects, matlab=True) if head.startswith(HDF5) else _of_version_5(path, objects)
     except FAULTS as error:

@@ -15,6 +15,7 @@ from imuwb.review.page.pictures import Picture, drawings, picture
 from imuwb.review.page.small import with_classes
 from imuwb.review.page.themes import DARK, GRID_NAME, INK_NAME, LIGHT, PAGE, PRINT, color_of, readable, text_of
 from imuwb.review.report import Report
+from imuwb.texts import printable_lines
 from imuwb.units import UNITS
 
 OVERVIEW = ("Overview", "Streams", "Logs")  #: begin of the names of the tabs that show the logs
@@ -177,11 +178,17 @@ def _states_units(value: Any) -> bool:  # noqa: ANN401 - jinja calls it with any
     return not value[0] and any(cell in UNITS for cell in value)
 
 
+def _shown(value: Any) -> Any:  # noqa: ANN401 - jinja calls it with any value
+    """Return a value as the page shows it: a text printable, markup as it is."""
+    return printable_lines(value) if isinstance(value, str) and not hasattr(value, "__html__") else value
+
+
 @cache
 def _environment() -> Environment:
     environment = Environment(
-        loader=FunctionLoader(_read), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
+        loader=FunctionLoader(_read), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
+        finalize=_shown,
+    )  # fmt: skip
     environment.filters["size"] = _size
     environment.tests["units"] = _states_units
     return environment
