@@ -7,7 +7,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from imuwb.arrays import Floats
-from imuwb.colors import GREY, INK
+from imuwb.colors import BACKGROUND, GREY, INK
 from imuwb.review import drawing
 from imuwb.review.frame import Point
 from imuwb.review.stage import Ground, thinned, within
@@ -16,8 +16,9 @@ from imuwb.review.track import ruler_length
 from imuwb.scene import Scene
 
 WIDTH, HEIGHT = 330.0, 230.0  #: px of the view on an ordinary screen
-LEGEND, AIR = 118.0, 26.0  #: px, of the legend at the right, and round the track
+LEGEND, AIR = 130.0, 26.0  #: px, of the legend at the right, and round the track
 STEP, DROP, LETTER = 19.0, 11.0, 6.6  #: px between two lines of the legend, from a point to its label, of a letter
+SWATCH = 12.0  #: px, of a line of the legend
 MOST_POINTS = 600
 
 
@@ -34,14 +35,17 @@ def plan(scene: Scene, recording: rr.RecordingStream, timelines: Timelines, path
     x, y = left + AIR / 2 * px, top + (HEIGHT - AIR) * px
     strips = [track.tolist(), *(track[within(scene, episode)].tolist() for episode in scene.episodes)]
     strips.append([(x, y), (x + length, y)])
-    colors, widths = [GREY, *(INK for _ in strips[1:])], [0.8, *(2.2 for _ in strips[1:])]
+    legend = _legend(scene, left + (WIDTH - LEGEND) * px, top, px)
+    colors: list[tuple[int, ...]] = [GREY, *(INK for _ in strips[1:]), *(color for *_, color in legend)]
+    widths = [0.8, *(2.2 for _ in strips[1:]), *(3.0 for _ in legend)]
+    strips += [swatch for _, _, swatch, _ in legend]
     drawing.lines(recording, f"{path}/track", strips, colors, widths, 1)
     _points(scene, ground, recording, path)
     ruler = f"{length / 1000:g} km" if length >= 1000 else f"{length:g} m"  # noqa: PLR2004 - m in a km
-    texts = [((float(track[0, 0]), float(track[0, 1])), "start", INK), ((x + length / 2, y - 2 * px), ruler, INK)]
-    texts += _legend(scene, left + (WIDTH - LEGEND) * px, top, px)
+    texts = [((float(track[0, 0]), float(track[0, 1])), "start"), ((x + length / 2, y - 2 * px), ruler)]
+    texts += [(place, text) for place, text, _, _ in legend]
     labels = rr.Points2D(
-        [place for place, _, _ in texts], labels=[text for _, text, _ in texts], colors=[color for _, _, color in texts],
+        [place for place, _ in texts], labels=[text for _, text in texts], colors=[INK] * len(texts),
         radii=rr.Radius.ui_points([2.5, *(0.0 for _ in texts[1:])]), show_labels=True,
     )  # fmt: skip
     recording.log(f"{path}/texts", labels, static=True)
@@ -68,12 +72,15 @@ def _points(scene: Scene, ground: Ground, recording: rr.RecordingStream, path: s
         drawing.points(recording, f"{path}/points", [p for p, _ in places], [c for _, c in places], 1.3, 2)
 
 
-def _legend(scene: Scene, left: float, top: float, px: float) -> list[tuple[Point, str, tuple[int, ...]]]:
-    """Return the names of what is drawn, each in its colour, and where they stand."""
-    entries: list[tuple[str, tuple[int, ...]]] = [("north is up", INK), (scene.body.name, GREY)]
+def _legend(
+    scene: Scene, left: float, top: float, px: float
+) -> list[tuple[Point, str, list[Point], tuple[int, ...]]]:  # fmt: skip
+    """Return what is drawn: place and text of its name, and beside it a line in its colour."""
+    entries: list[tuple[str, tuple[int, ...]]] = [("north is up", BACKGROUND), (scene.body.name, GREY)]
     entries += [(scene.called, INK)] if scene.episodes else []
     entries += [(points.name, points.color) for points in scene.points if points.name]
-    return [
-        ((left + LETTER / 2 * len(text) * px, top + (12 + STEP * number - DROP) * px), text, color)
-        for number, (text, color) in enumerate(entries)
-    ]
+    found: list[tuple[Point, str, list[Point], tuple[int, ...]]] = []
+    for number, (text, color) in enumerate(entries):
+        y, x = top + (16 + STEP * number) * px, left + (SWATCH + 8 + LETTER / 2 * len(text)) * px
+        found.append(((x, y - DROP * px), text, [(left, y), (left + SWATCH * px, y)], color))
+    return found
