@@ -123,9 +123,10 @@ def episode(replay: Replay, names: Sequence[str], own: Shown, faults: Sequence[F
         f for f in faults if f.start is not None and own.start - BEFORE <= f.start <= own.start + own.duration + AFTER
     ]
     seconds = np.concatenate([[0.0], replay.runs[names[0]].outages[own.duration].drift.elapsed])
-    captions = (
-        tuple(_caption(replay, sound, own, k, float(t), inside) for k, t in enumerate(seconds)) if beliefs else ()
-    )
+    captions: tuple[Caption, ...] = ()
+    if beliefs:
+        remarks = _bias(replay.runs[sound[0]], sound[0], own), _faults(inside)
+        captions = tuple(_caption(replay, sound, own, k, float(t), remarks) for k, t in enumerate(seconds))
     return Episode(own.name, begin, end, beliefs, captions, _about(replay, sound, own, inside))
 
 
@@ -160,16 +161,15 @@ def _about(replay: Replay, names: Sequence[str], own: Shown, faults: Sequence[Fa
 
 
 def _caption(
-    replay: Replay, names: Sequence[str], own: Shown, k: int, elapsed: float, faults: Sequence[Fault]
+    replay: Replay, names: Sequence[str], own: Shown, k: int, elapsed: float, remarks: tuple[str, ...]
 ) -> Caption:  # fmt: skip
     """Return what holds at one time of an outage: how far the filters are off, and how the vehicle moves."""
     scores = replay.runs[names[0]].outages[own.duration].scores
     velocity = replay.reference.at(np.array([scores.start[own.row] + elapsed]))[1][0]
     text = f"{_name_of(own)}. {_motion(velocity)}"
-    bias = _bias(replay.runs[names[0]], names[0], own)
     return Caption(
         f"{elapsed:g} s without fixes", (text,), _headings("off by") if k else (), _rows(replay, names, own, k - 1) if k else (),
-        (bias, _faults(faults)),
+        remarks,
     )  # fmt: skip
 
 
