@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from imuwb.cli.completion import completer
-from imuwb.cli.models import model_of
 from imuwb.errors import UsageError
 from imuwb.options import Form
 
@@ -201,6 +200,7 @@ def merge(
     Example: imuwb model merge static.toml cube.toml --take calibration=cube.toml -o sensor.toml
     """
     from imuwb.cli.places import check_places  # noqa: PLC0415 - help must not wait
+    from imuwb.simulation import sensor_model  # noqa: PLC0415 - help must not wait
     from imuwb.stochastic import merge as merged  # noqa: PLC0415
     from imuwb.writers import write_text  # noqa: PLC0415
 
@@ -211,7 +211,7 @@ def merge(
     for text in take:
         parts, _, source = text.partition("=")
         taken |= dict.fromkeys((part.strip() for part in parts.split(",")), _place(source.strip(), models))
-    write_text(output, merged([model_of(model) for model in models], taken).to_toml())
+    write_text(output, merged([sensor_model(model) for model in models], taken).to_toml())
     typer.echo(f"wrote {output}", err=True)
 
 
@@ -260,8 +260,9 @@ def _given(
         Options,
         with_motion,
     )
+    from imuwb.simulation import sensor_model  # noqa: PLC0415 - help must not wait
 
-    read = model_of(model)
+    read = sensor_model(model)
     factors, said = None, ()
     if motion is not None and motion.endswith(".toml"):
         read, sentence = with_motion(read, _road_model(Path(motion)))

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from imuwb.cli import estimator_files
-from imuwb.cli.models import model_of
 from imuwb.cli.options import Force, Full, output_option
 from imuwb.errors import ImuwbError, UsageError
 
@@ -26,7 +25,10 @@ app.command("merge")(estimator_files.merge)
 app.command("list")(estimator_files.list_)
 
 MODEL = "The error model"  #: group of the options in the help
-_Model = Annotated[Path, typer.Argument(help="The error model.", metavar="MODEL.toml", rich_help_panel=MODEL)]
+_Model = Annotated[
+    Path,
+    typer.Argument(help="The error model, or the name of a published sensor.", metavar="MODEL", rich_help_panel=MODEL),
+]
 _Output = Annotated[
     Path | None,
     output_option(
@@ -86,7 +88,7 @@ def check(
     against: Annotated[
         Path,
         typer.Option(
-            help='File of limits, such as [gyro] N = "0.3 deg/√h", or another error model: the upper ends of its intervals are the limits.',
+            help='File of limits, such as [gyro] N = "0.3 deg/√h", or another error model or published sensor: the upper ends of its intervals are the limits.',
             metavar="FILE.toml",
             rich_help_panel=MODEL,
         ),
@@ -108,12 +110,15 @@ def check(
     from imuwb.review.model_answers import check_answer  # noqa: PLC0415
     from imuwb.review.models import verdicts_table  # noqa: PLC0415
     from imuwb.review.panel import Origin  # noqa: PLC0415
+    from imuwb.simulation import preset_names, sensor_model  # noqa: PLC0415
     from imuwb.stochastic.model_check import check as checked  # noqa: PLC0415
-    from imuwb.stochastic.model_check import limits  # noqa: PLC0415
+    from imuwb.stochastic.model_check import limits, limits_of  # noqa: PLC0415
 
     if not 0 < factor < math.inf:
         raise UsageError(f"--factor is {factor}; it must be above 0")
-    verdicts = checked(model_of(model), limits(against, factor))
+    published = not against.exists() and str(against) in preset_names()
+    wanted = limits_of(sensor_model(against), factor) if published else limits(against, factor)
+    verdicts = checked(sensor_model(model), wanted)
     kept = all(v.outcome == "within" for v in verdicts)
     if json:
         import json as json_module  # noqa: PLC0415 - the option has its name
@@ -138,14 +143,15 @@ def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | Non
     from imuwb.review.model_answers import compare_answer, show_answer  # noqa: PLC0415
     from imuwb.review.models import tables_of  # noqa: PLC0415
     from imuwb.review.panel import Origin  # noqa: PLC0415
+    from imuwb.simulation import sensor_model  # noqa: PLC0415
 
     if not (0 < rate < math.inf and 0 < hours < math.inf and hours * 3600 * rate >= FEWEST):
         raise UsageError(f"--rate is {rate}, --hours {hours}; both must be above 0, and give at least {FEWEST} samples")
     if output is not None and output.suffix != ".rrd":
         raise UsageError(f"--output {output}: the suffix must be .rrd")
-    models = {path.name: model_of(path) for path in paths}
+    models = {path.name: sensor_model(path) for path in paths}
     if len(models) < len(paths):
-        models = {str(path): model_of(path) for path in paths}
+        models = {str(path): sensor_model(path) for path in paths}
     if output is not None:  # it is written before the first line is printed
         with reserved([output], paths, force=force):
             _draw(models, rate, hours, output)

@@ -10,6 +10,7 @@ from .plans import planned_outages as planned_outages
 from .plans import planned_route as planned_route
 from .presets import preset as preset
 from .presets import preset_names as preset_names
+from .presets import sensor_model as sensor_model
 from .rate_table import RateTable as RateTable
 from .rate_table import rate_table as rate_table
 from .receiver import Odometer as Odometer

@@ -2,6 +2,7 @@
 
 import tomllib
 from importlib.resources import files
+from pathlib import Path
 
 from imuwb.errors import UsageError
 from imuwb.stochastic import ImuErrorModel, is_data_sheet, read_data_sheet
@@ -25,3 +26,14 @@ def preset(name: str) -> ImuErrorModel:
     if is_data_sheet(tomllib.loads(text)):
         return read_data_sheet(text, f"preset {name}")
     return ImuErrorModel.from_toml(text, f"preset {name}")
+
+
+def sensor_model(given: str | Path) -> ImuErrorModel:
+    """Return the model in a file; or that of a published sensor, where no file has that name.
+
+    Raises:
+        UsageError: neither of them.
+    """
+    if not Path(given).exists() and str(given) in preset_names():
+        return preset(str(given))
+    return ImuErrorModel.read(given)

@@ -71,6 +71,12 @@ def limits(path: str | Path, factor: float = 1.0) -> tuple[Limit, ...]:
     return tuple(made)
 
 
+def limits_of(model: ImuErrorModel, factor: float = 1.0) -> tuple[Limit, ...]:
+    """Return the upper ends of a model's coefficients, times ``factor``, as limits."""
+    uppers = [(axis, x, coefficient(a, x).upper) for axis, a in model.axes.items() for x in LETTERS]
+    return tuple(Limit(axis, x, upper * factor) for axis, x, upper in uppers if math.isfinite(upper))
+
+
 def _si(path: str | Path, axis: str, letter: str, text: object) -> float:
     if letter not in LETTERS:
         raise UsageError(f"{path}: {shown(letter)}; a limit must be one of {', '.join(LETTERS)}")

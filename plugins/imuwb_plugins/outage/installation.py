@@ -17,7 +17,7 @@ from imuwb.replay import (
     prepare,
     usual_in_motion,
 )
-from imuwb.stochastic import ImuErrorModel
+from imuwb.simulation import sensor_model
 from imuwb_plugins.outage.models import named
 from imuwb_plugins.outage.outage_list import given
 from imuwb_plugins.outage.parameters import Parameters
@@ -84,13 +84,13 @@ def base_of(parameters: Parameters) -> FilterModel:
         if base.name in (*parameters.models, "tuned"):
             base = replace(base, name=f"{base.name} of {parameters.filter.name}")
         if parameters.error_model is not None:
-            base = replace(base, error_model=ImuErrorModel.read(parameters.error_model))
+            base = replace(base, error_model=sensor_model(parameters.error_model))
         return base
     if parameters.error_model is None:
         raise UsageError("outage needs --error-model MODEL.toml; imuwb noise writes one from a static record")
     gyro, accel = parameters.scale_factor
     return FilterModel(
-        "base", ImuErrorModel.read(parameters.error_model), scale_factor=(gyro / 100, accel / 100),
+        "base", sensor_model(parameters.error_model), scale_factor=(gyro / 100, accel / 100),
         installation=Installation(
             (0.0, 0.0, 0.0) if parameters.mounting == "auto" else parameters.mounting, parameters.lever_arm,
             0.0 if parameters.gnss_delay == "auto" else parameters.gnss_delay, parameters.velocity_delay,

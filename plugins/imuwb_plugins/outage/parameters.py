@@ -23,7 +23,11 @@ EVERY = Between(5.0)  #: s between the starts of jumps, each of which lasts 5 s
 class Parameters:
     """Options of ``imuwb outage``."""
 
-    error_model: Annotated[Path | None, "Error model of the IMU (TOML), as imuwb noise writes it.", COMPARED] = None
+    error_model: Annotated[
+        Path | None,
+        "Error model of the IMU (TOML), as imuwb noise writes it, or the name of a published sensor.",
+        COMPARED,
+    ] = None
     models: Annotated[
         tuple[str, ...], f"Filters to compare, among {','.join(MODELS)}; motion estimates the noise in motion, paper: Quinchia's filters.",
         Form("NAME,...", "15AV,full,motion", MODELS), COMPARED,
