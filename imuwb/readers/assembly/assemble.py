@@ -124,7 +124,7 @@ def _grouped(
             for piece in _pieces(part):
                 key = piece.stream, piece.kind, tuple(piece.columns)
                 if key not in groups:
-                    groups[key] = GrowingRows(piece, size)
+                    groups[key] = GrowingRows(piece, size, budget.most)
                 groups[key].add(piece)
         elif part.stream:
             repairs[part.stream].append(Repair(part.text, part.count, part.effect))

@@ -1,5 +1,6 @@
 """The rows of one stream as they are read: they stand in memory once, in the arrays that the log gets."""
 
+import sys
 from dataclasses import replace
 from typing import Any
 
@@ -18,8 +19,9 @@ GROWTH = 1.5  #: factor by which the room grows where this is too little
 class Growing:
     """An array that grows at its end. Room that no row fills takes no memory, because the system gives it when it is written."""
 
-    def __init__(self) -> None:
-        """Begin without rows."""
+    def __init__(self, most: int = sys.maxsize) -> None:
+        """Begin without rows; no room is made for more bytes than ``most`` before rows need it."""
+        self._most = most
         self._pieces: list[NDArray[Any]] = []
         self._room: NDArray[Any] | None = None
         self._rows = 0
@@ -54,7 +56,8 @@ class Growing:
     def _move(self, share: float) -> None:
         """Move all pieces into an array with room for more."""
         expected = int(SPARE * self._rows / share) if share else 0
-        size = min(max(expected, int(GROWTH * self._rows)), MOST * self._rows)
+        one = max(self._pieces[0].nbytes // max(len(self._pieces[0]), 1), 1)
+        size = max(min(expected, MOST * self._rows, self._most // one), int(GROWTH * self._rows))
         room = np.empty((size, *self._pieces[0].shape[1:]), np.result_type(*self._pieces))
         at = 0
         for piece in self._pieces:
@@ -66,17 +69,18 @@ class Growing:
 class GrowingRows:
     """The batches of one stream with one set of columns, joined as they come."""
 
-    def __init__(self, first: Batch, size: int) -> None:
+    def __init__(self, first: Batch, size: int, most: int = sys.maxsize) -> None:
         """Begin without rows.
 
         Args:
             first: the first batch, without rows of its own here; its columns and its origin are those of all.
             size: bytes of the file.
+            most: bytes that the rows of all streams may take.
         """
         self.first = replace(first, time=first.time[:0].copy(), columns={})
         self._size = size
-        self._time = Growing()
-        self._columns = {name: Growing() for name in first.columns}
+        self._time = Growing(most)
+        self._columns = {name: Growing(most) for name in first.columns}
 
     def add(self, batch: Batch) -> None:
         """Add the rows of a batch."""

@@ -24,7 +24,8 @@ def positions(latitude: NDArray[Any], longitude: NDArray[Any], height: NDArray[A
 
 def triples(columns: Mapping[str, NDArray[Any]], names: tuple[str, ...] | str) -> Floats:
     """Return three columns as one, (n, 3)."""
-    return np.stack([columns[name].astype(np.float64) for name in names], axis=1)
+    with np.errstate(invalid="ignore"):  # damaged numbers may be signalling nans, for which numpy warns
+        return np.stack([columns[name].astype(np.float64) for name in names], axis=1)
 
 
 def velocities(speed: Floats, course: Floats, down: Floats | float = np.nan) -> Floats:
