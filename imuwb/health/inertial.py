@@ -11,7 +11,6 @@ from imuwb.health.lone import Lone
 from imuwb.health.motion import Segment
 from imuwb.health.tails import FAR as FAR_OFF
 from imuwb.health.tails import tails
-from imuwb.identification import find_lines
 from imuwb.log import ImuStream
 from imuwb.sampling import runs
 
@@ -159,6 +158,8 @@ def _coarse(channel: Channel) -> Iterator[Fault]:
 
 
 def _lines(channel: Channel) -> Iterator[Fault]:
+    from imuwb.identification import find_lines  # noqa: PLC0415 - it imports scipy.ndimage and scipy.fft, and lines are seldom looked for
+
     for line in find_lines(channel.values, channel.clock.interval)[:MOST_LINES]:
         what = f"line at {line.frequency:.4g} Hz, amplitude {value_text(channel.axis, line.amplitude.value)}"
         what += "" if line.in_both_halves else ", not in both halves of the record"

@@ -14,6 +14,7 @@ from imuwb.arrays import Booleans, Floats
 from imuwb.geodesy.earth import ned_scale
 from imuwb.log import GnssStream, Log, Reference
 from imuwb.sampling import runs
+from imuwb.statistics.running import running_median
 
 WINDOW = 5.0  #: s over which the median of a velocity is taken; positions are compared over twice as much
 SLOW, CLIMB = 0.5, 1.0  #: m/s; a slower velocity, or vertical velocity, does not show that the vehicle travels
@@ -101,9 +102,7 @@ def _size(time: Floats) -> int:
 
 def _median(values: Floats, size: int) -> Floats:
     """Return the median of the ``size`` rows around each row."""
-    from scipy import ndimage  # noqa: PLC0415 - slow to import, and a standstill needs none of it
-
-    return ndimage.median_filter(values, min(size, values.size | 1), mode="mirror")
+    return running_median(values, min(size, values.size | 1), "mirror")
 
 
 def _of_rows(time: Floats, moving: Booleans) -> Iterator[tuple[float, float]]:

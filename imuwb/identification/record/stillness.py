@@ -4,11 +4,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy import ndimage
 
 from imuwb.arrays import Booleans, Floats, Integers, blocks_of
 from imuwb.compiled import compiled
 from imuwb.sampling import runs
+from imuwb.statistics.running import closed, running_median
 
 BLOCK = 1.0  #: s
 SCATTER = 3.0  #: ratio of a block's standard deviation to the median, above which the block is disturbed
@@ -92,7 +92,7 @@ def stillness(axes: Mapping[str, tuple[Floats, Floats]], travels: Floats | None 
     scores = {axis: own.score for axis, own in scored.items()}
     moving = any(own.restless for own in scored.values())
     worst = np.max(list(scores.values()), axis=0)
-    bad = ndimage.binary_closing(worst > 1, iterations=JOIN) | (worst > 1)
+    bad = closed(worst > 1, JOIN) | (worst > 1)
     first, length = runs(bad)
     last_end = finish if finish < ends[-1] + JOIN * BLOCK else float(ends[-1])
     until = np.append(ends[:-1], last_end)  # what is left of a second at the end is like the second before it
@@ -191,7 +191,7 @@ def _seconds(rows: Integers, values: Floats, turning: float) -> _Seconds:
     calm = float(np.quantile(deviation, 0.1))
     restless = calm < usual / SCATTER
     usual = calm if restless and calm > 0 else usual
-    drift = np.abs(mean - ndimage.median_filter(mean, min(WINDOW, mean.size | 1), mode="nearest"))
+    drift = np.abs(mean - running_median(mean, min(WINDOW, mean.size | 1), "nearest"))
     wobble = max(float(np.median(drift)) * 1.4826, usual / np.sqrt(float(np.median(sizes[full]))))
     score[full] = np.maximum(deviation / (usual * SCATTER), np.minimum(drift / (wobble * JUMP), drift / usual))
     changes = np.abs(np.diff(values[:LOOKED_AT]))
