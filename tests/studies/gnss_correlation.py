@@ -9,8 +9,8 @@ The error is shown if the log-likelihood rises by more than 5. An estimate is he
 All drives with the error count, whether it is shown or not. A short correlation time looks like white noise, and a long one like a
 constant: 8 minutes have few correlation times of 80 s.
 
-Intervals come from scores in blocks of a minute, or from the curvature, where it gives wider ones. Neither covers 95 % for a correlation
-time that is as long as a block: 8 minutes are then six independent stretches, and a normal interval of the logarithm is too narrow.
+The interval of the sigma comes from scores in blocks of a minute, or from the curvature, where it gives a wider one; that of the
+correlation time from its profile likelihood, which is skew: 8 minutes have six stretches that are as long as a correlation time of 80 s.
 
 Command: ``python tests/studies/gnss_correlation.py`` (240 drives: about ten minutes of a processor).
 Seeds: seed r makes the error, the noise and the route of drive r; drives 3, 7, 11 ... have no correlated error.
