@@ -8,8 +8,8 @@ from imuwb.readers.batch import Batch, CannotSeekError, Limits, Remark
 from imuwb.readers.bytes import source
 from imuwb.readers.containers.chunk_part import Chunk, Indexed, part_of
 from imuwb.readers.containers.messages import Messages
-from imuwb.readers.containers.sqlite_bag import EARLIEST, LATEST, Database, declare, messages_of
 from imuwb.readers.containers.sqlite_file import OddTableError, in_wal_mode, missing_bytes, opened
+from imuwb.readers.containers.sqlite_rows import EARLIEST, LATEST, Database, declare, messages_of
 from imuwb.readers.read_options import ReadOptions
 
 TOGETHER = 1024  #: rows that are read or left out together

@@ -37,9 +37,9 @@ def test_stamps_that_are_never_set_give_way_to_the_time_of_recording(log_of):
 
 
 def test_a_clock_that_starts_late_is_not_mixed_with_the_time_of_recording(log_of, monkeypatch):
-    from imuwb.readers.containers import sqlite_bag
+    from imuwb.readers.containers import sqlite_rows
 
-    monkeypatch.setattr(sqlite_bag, "ROWS", 10)
+    monkeypatch.setattr(sqlite_rows, "ROWS", 10)
     (imu,) = log_of(lambda i, _: 0 if i < 10 else i * STEP).imus
     assert recorded(imu.angular_rate.time)
     assert repairs(imu) == {"no_stamp": COUNT}

@@ -10,7 +10,7 @@ import pytest
 from imuwb.errors import UnreadableLogError, UsageError
 from imuwb.notes import ids
 from imuwb.readers import ReadOptions, read, reader_of
-from imuwb.readers.containers import sqlite_bag
+from imuwb.readers.containers import sqlite_rows
 from imuwb.ros import definition
 
 from .db3_writer import NEW, OLD, write_db3
@@ -167,7 +167,7 @@ def test_the_recorders_time_counts_where_it_is_asked_for(recording, by_hand):
 
 def test_some_thousand_messages_come_in_pieces(recording, by_hand, monkeypatch):
     whole = read(by_hand(recording))
-    monkeypatch.setattr(sqlite_bag, "ROWS", 7)
+    monkeypatch.setattr(sqlite_rows, "ROWS", 7)
     seen = []
     parts = read(by_hand(recording), progress=lambda done, size: seen.append(done / size))
     assert_same(parts, whole)
@@ -259,7 +259,7 @@ def test_cut_anywhere_what_can_be_read_is_read_or_refused(recording, by_hand, fr
 
 def test_a_recording_that_lacks_its_end_gives_its_beginning(recording, by_hand, fresh, monkeypatch):
     data, path = by_hand(recording, page=512).read_bytes(), fresh("cut.db3")
-    monkeypatch.setattr(sqlite_bag, "ROWS", 8)
+    monkeypatch.setattr(sqlite_rows, "ROWS", 8)
     path.write_bytes(data[: len(data) * 9 // 10])
     found = read(path)
     assert 20 < len(found.imu().angular_rate) < 100
