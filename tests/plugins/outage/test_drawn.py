@@ -19,12 +19,13 @@ def test_tables_and_notes(few):
     outage.draw(few, shown)
     tables = {t.title: t for t in shown.tables}
     drift = tables["Drift after 10 s without GNSS"]
-    assert [row[0] for row in drift.rows] == ["none", "15AV", "18AV", "18AVWD", "full"]
-    assert [row[-1] for row in drift.rows] == ["yes", "yes", "yes", "no", "yes"]
-    assert {row[1] for row in drift.rows} == {"7 (7)"}
-    median = few.summary[0].models["full"].median_end
-    assert drift.rows[-1][2].startswith(f"{median:.3g} [")
-    assert drift.rows[-1][2].endswith("] m")
+    medians = {name: own.median_end for name, own in few.summary[0].models.items()}
+    assert [row[0] for row in drift.rows] == sorted(medians, key=medians.get)  # too few outages for a likelihood
+    assert {row[0]: row[-1] for row in drift.rows} == {name: "no" if name == "18AVWD" else "yes" for name in medians}
+    for row in drift.rows:
+        assert row[1] == "7 (7)"
+        assert row[2].startswith(f"{medians[row[0]]:.3g} [")
+        assert row[2].endswith("] m")
     assert {"Consistency in outages of 10 s", "Pairs in the same outages of 10 s", "Filters and their states"} <= set(
         tables
     )
