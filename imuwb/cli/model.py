@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,6 +13,8 @@ from imuwb.cli.options import Force, Full, output_option
 from imuwb.errors import ImuwbError, UsageError
 
 if TYPE_CHECKING:
+    from imuwb.analysis import Answer
+    from imuwb.review.panel import Origin
     from imuwb.stochastic import ImuErrorModel
 
 FEWEST = 100  #: samples for which curves are drawn
@@ -152,28 +155,37 @@ def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | Non
     models = {path.name: sensor_model(path) for path in paths}
     if len(models) < len(paths):
         models = {str(path): sensor_model(path) for path in paths}
+    steps = tuple(model_steps())
+    answer = show_answer(next(iter(models.values())), steps) if len(models) == 1 else compare_answer(models, ())
+    origin = Origin("model" if len(models) == 1 else "models", tuple(map(str, paths)))
     if output is not None:  # it is written before the first line is printed
         with reserved([output], paths, force=force):
-            _draw(models, rate, hours, output)
+            _draw(models, rate, hours, output, answer, origin)
     show = shower(data=True)
     for table in tables_of(models) if full else ():
         show(table)
-    steps = tuple(model_steps())
-    answer = show_answer(next(iter(models.values())), steps) if len(models) == 1 else compare_answer(models, ())
     wrote = () if output is None else (f"{output} (imuwb view)",)
-    print_panel(
-        answer, Origin("model" if len(models) == 1 else "models", tuple(map(str, paths)), wrote=wrote), data=True
-    )
+    print_panel(answer, replace(origin, wrote=wrote), data=True)
 
 
-def _draw(models: "Mapping[str, ImuErrorModel]", rate: float, hours: float, output: Path) -> None:
-    from imuwb.review.models import draw_models  # noqa: PLC0415 - help must not wait
+def _draw(
+    models: "Mapping[str, ImuErrorModel]", rate: float, hours: float, output: Path, answer: "Answer", origin: "Origin"
+) -> None:
+    from imuwb import __version__  # noqa: PLC0415 - it reads the installed metadata
+    from imuwb.review.document import json_text  # noqa: PLC0415 - help must not wait
+    from imuwb.review.models import draw_models  # noqa: PLC0415
+    from imuwb.review.panel import panel  # noqa: PLC0415
+    from imuwb.review.properties import properties, recording_name  # noqa: PLC0415
     from imuwb.review.recording import RecordingReview  # noqa: PLC0415 - the viewer's library is slow to import
 
     review = RecordingReview(output)
     try:
         review.tab("Model" if len(models) == 1 else "Models")
         draw_models(models, rate, hours * 3600, review)
+        review.summary(panel(answer, origin))
+        stated = properties(origin.analysis, __version__, None, (), answer, ())
+        name = f"{recording_name(origin.analysis, (), answer)} · {', '.join(models)}"
+        review.state(name, {**stated, "log": list(models)}, json_text({"analysis": origin.analysis, "models": models}))
         review.close()
     except BaseException:
         review.discard()

@@ -29,6 +29,7 @@ TITLE, TEXT_ROW = 16.0, 18.0  #: height of the y axis's title above the frame; h
 X_TICK, X_TITLE = 14.0, 36.0  #: distances below the frame
 LEAST_FRAME = 120.0  #: width and height
 MARK_ABOVE, MARK_NEAR = 13.0, 14.0  #: distance of a mark's number above its point, and between numbers
+POINT, LARGE_POINT, FEW_POINTS = 2.2, 3.5, 60  #: sizes of points; number up to which they are large
 DASH = 7.0  #: length of a dash of a vertical line
 THICKNESS = {"line": 1.6, "curve": 1.3, "points": 1.6, "fit": 0.9, "faint": 0.5, "band": 0.8}
 ALPHA = {"line": 255, "curve": 255, "points": 255, "fit": 220, "faint": 110, "band": 160}
@@ -142,7 +143,12 @@ def _curve(curve: Curve, frame: Frame, recording: rr.RecordingStream, path: str)
         _intervals(curve, curve.lower, curve.upper, frame, recording, path)
     if curve.style in DOTTED:
         places = [place for part in parts for place in part]
-        drawing.points(recording, f"{path}/points", places, [color] * len(places), 2.2, POINT_ORDER)
+        drawing.points(recording, f"{path}/points", places, [color] * len(places), _size(curve), POINT_ORDER)
+
+
+def _size(curve: Curve) -> float:
+    """Return the size of the points of a curve; the points of a short curve without a line are large."""
+    return LARGE_POINT if curve.style == "points" and curve.x.size <= FEW_POINTS else POINT
 
 
 def _intervals(

@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import TypeAlias
 
 import rerun.blueprint as rrb
 
 from imuwb.analysis import Figure, Table
-from imuwb.review.sizes import AREA, TABS_BAR, TITLE_BAR, notes_height, table_height, table_width, text_width
+from imuwb.review.sizes import (
+    AREA,
+    ROW,
+    TABLE_FRAME,
+    TABS_BAR,
+    TITLE_BAR,
+    notes_height,
+    table_height,
+    table_width,
+    text_width,
+)
 from imuwb.texts import printable
 
 LEAST_FIGURE, LEAST_SERIES = 385.0, 120.0  #: heights
@@ -18,6 +28,8 @@ IN_PAIRS = 3  #: more series than this are in two columns, the first half on the
 MOST_SERIES = 6  #: on a page
 ABREAST, MOST_OF_GROUP = 4, 8  #: figures of a group in a row, and on a page
 MOST_TEXTS = 3  #: tables in a row
+MOST_PARTS = 4  #: pages of a long table
+LINES = 4  #: lines of a row whose cells are broken; a table of few rows is never looked at
 UNLIKE, SHORT = 2.0, 280.0  #: ratio of heights that do not go together, unless both are below this height
 NOTES_WIDTH = 620.0  #: of notes beside a table
 NAME_LETTERS = 34  #: of a page
@@ -68,7 +80,7 @@ def pages(
     if notes:
         own = Notes(tuple(notes))
         texts.insert(1 if tables and not tables[0].wide and _beside(tables[0], own) else len(texts), own)
-    rows = [*_pictures(pictures), *_series(series), *_texts(texts)]
+    rows = [*_pictures(pictures), *_series(series), *_texts([part for item in texts for part in _parted(item)])]
     whole = _broken(rows, AREA[1])
     parts = whole if len(whole) < 2 else _broken(rows, AREA[1] - TABS_BAR)  # noqa: PLR2004 - several need a bar of tabs
     height = AREA[1] - (TABS_BAR if len(parts) > 1 else 0.0)
@@ -119,6 +131,25 @@ def _beside(table: Table, notes: Notes) -> bool:
     """Return whether notes fit beside a table."""
     widths = _natural(table), _natural(notes)
     return sum(widths) <= AREA[0] and _alike(*map(_height, (table, notes), widths))
+
+
+def _parted(item: Table | Notes) -> tuple[Table | Notes, ...]:
+    """Return a table that is higher than a page as several; the last of them may be higher, because a viewer can scroll."""
+    if not isinstance(item, Table):
+        return (item,)
+    rows, parts, most = item.rows, list[Table](), int((AREA[1] - TABS_BAR - TITLE_BAR - TABLE_FRAME) / ROW) - 1
+    while len(rows) > most // LINES and len(parts) < MOST_PARTS - 1:
+        count = next((n for n in range(min(most, len(rows)), 1, -1) if _fits(replace(item, rows=rows[:n]))), 1)
+        if count == len(rows):
+            break
+        parts.append(replace(item, rows=rows[:count], caption=""))
+        rows = rows[count:]
+    return (*parts, replace(item, rows=rows))
+
+
+def _fits(table: Table) -> bool:
+    """Return whether a page has room for a table."""
+    return _height(table, AREA[0]) <= AREA[1] - TABS_BAR
 
 
 def _alike(one: float, other: float) -> bool:

@@ -237,7 +237,10 @@ class RecordingReview:
         self._timelines.send(self.recording)
         layouts = [] if self._summary is None else [self._summary]
         layouts += [layout for tab in self._tabs if (layout := tab.layout(self.recording)) is not None]
-        first, playing = self._timelines.first, SPEED if self._timelines.windows else None
+        timed = (
+            self._timelines.first if any(isinstance(one.item, Series | Scene | Event) for one in self.drawn) else None
+        )
+        first, playing = timed, SPEED if self._timelines.windows else None
         time_panel = rrb.TimePanel(state="collapsed", play_state="paused", timeline=first, playback_speed=playing)
         blueprint = rrb.Blueprint(
             rrb.Tabs(*layouts), rrb.BlueprintPanel(state="collapsed"), rrb.SelectionPanel(state="collapsed"), time_panel

@@ -43,10 +43,19 @@ def test_every_page_fits_a_small_screen_and_fills_it(figures, tables, series, fi
 
 
 def test_a_figure_and_its_small_table_share_a_page_and_long_tables_have_their_own(figure):
-    short, long = table(6), table(28)
+    short, long = table(6), table(26)
     parts = pages([figure(), figure()], [], [short, long], [])
     assert [page.name for page in parts] == ["Figures", "T"]
     assert [type(cell.item).__name__ for row in parts[0].rows for cell in row.cells] == ["Figure", "Figure", "Table"]
+
+
+def test_a_table_that_is_higher_than_a_page_goes_on_on_the_next(figure):
+    parts = pages([], [], [table(70, columns=6)], [])
+    assert [page.name for page in parts] == ["T", "T (2)", "T (3)"]
+    tables = [page.rows[0].cells[0].item for page in parts]
+    assert sum(len(part.rows) for part in tables) == 70
+    assert [part.caption for part in tables] == ["", "", "a caption"]
+    assert len(pages([], [], [table(900, columns=6)], [])) == 4
 
 
 def test_narrow_tables_are_side_by_side_and_notes_follow_the_first(figure):
