@@ -15,7 +15,7 @@ from imuwb.review.tables import streams_of_many, streams_table
 from imuwb.summary import summarize
 
 MANY = 3  #: up to this number of logs, each is shown over time
-SPANS = 1000  #: of an axis, whose chart fills half a screen
+SPANS = 600  #: of an axis, whose chart fills half a screen
 ALPHA = 150  #: opacity of the lines of three axes in one chart
 #: sensor -> quantity, display unit, value of one SI unit in the display unit
 SENSORS = {"gyro": ("angular rate", "deg/s", float(np.degrees(1.0))), "accel": ("specific force", "m/s²", 1.0)}
