@@ -49,6 +49,12 @@ class CheckedFile(caching.IndexDataCacheFile):
             file.write(hashlib.sha256(packed).digest() + packed)
 
 
+def cost() -> str:
+    """Return what it costs that code could not be kept, and what to do."""
+    text = f"compiled code cannot be kept ({lost[0]}), so each run compiles what it needs again, which takes up to half a minute"
+    return f"{text}; {REMEDY}"
+
+
 def _unpacked(path: Path) -> Any:  # noqa: ANN401 - any content
     """Return the content of a file; None if there is none, or if it is damaged or of another program."""
     with suppress(Exception):  # what another version of Python or numba has written may raise anything
@@ -108,8 +114,7 @@ class Kept:
             return
         if self._caches and not lost:
             lost.append(why)
-            text = f"compiled code cannot be kept ({why}), so each run compiles what it needs again, which takes up to half a minute"
-            warnings.warn(f"{text}; {REMEDY}", stacklevel=2)
+            warnings.warn(cost(), stacklevel=2)
 
     def signatures(self) -> set[Any]:
         """Return the signatures whose code is kept."""

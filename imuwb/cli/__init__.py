@@ -9,6 +9,8 @@ from imuwb import own_process
 from imuwb.cli.ending import INTERRUPTED, Signals, prepare_streams
 from imuwb.errors import ImuwbError
 
+_warned: list[str] = []  #: warnings that were printed
+
 
 def main() -> None:
     """Run the command line. Every error is a message on stderr and an exit code, never a traceback."""
@@ -16,7 +18,10 @@ def main() -> None:
     warnings.showwarning = _print_warning
     prepare_streams()
     with Signals() as signals:
-        _run(signals)
+        try:
+            _run(signals)
+        finally:
+            _tell_cost()
 
 
 def _run(signals: Signals) -> None:
@@ -61,9 +66,17 @@ def _text_of(error: Exception) -> str:
     )
 
 
+def _tell_cost() -> None:
+    """State once that compiled code could not be kept; libraries that are at work then may have hidden the warning."""
+    kept_code = sys.modules.get("imuwb.kept_code")  # not imported for this
+    if kept_code is not None and kept_code.lost and kept_code.cost() not in _warned:
+        _print(f"imuwb: warning: {kept_code.cost()}")
+
+
 def _print(text: str) -> None:
     print(text, file=sys.stderr)  # noqa: T201 - this is the command line
 
 
 def _print_warning(message: Warning | str, *_: object, **__: object) -> None:
+    _warned.append(str(message))
     _print(f"imuwb: warning: {message}")
