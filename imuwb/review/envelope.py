@@ -5,7 +5,7 @@ import numpy as np
 from imuwb.arrays import Floats, Integers
 from imuwb.log import SECOND
 
-SPANS = 2000
+SPANS = 700  #: about one a pixel of a chart that has half a screen
 GAP_STEPS = 10  #: a longer step than this many median steps is a gap
 SHORTEST_GAP = SECOND  #: ns
 

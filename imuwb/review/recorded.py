@@ -24,7 +24,9 @@ PROPERTIES = "imuwb"  #: name of the group of properties
 DOCUMENT = "document"  #: name of the text that is the JSON of the result
 _PROPERTIES, _KEPT = f"/__properties/{PROPERTIES}", "/imuwb/"  # entity paths
 _NAME, _TEXT = "RecordingInfo:name", "text_xz"  # components
-DIGITS = 9  #: significant digits of a number in a kept JSON
+DIGITS = 7  #: significant digits of a number in a kept JSON
+LONG = 16  #: a longer list is a curve
+DIGITS_OF_CURVES = 5  #: significant digits of its numbers
 LARGE = 1e6  #: a larger number keeps all digits: it may be a time since 1970
 
 
@@ -60,17 +62,18 @@ def keep(recording: rr.RecordingStream, name: str, text: str) -> None:
 
 
 def compact(text: str) -> str:
-    """Return a JSON text without blanks, whose numbers have nine significant digits; large numbers keep all digits."""
+    """Return a JSON text without blanks: numbers have seven significant digits, those of curves five, large numbers all."""
     return json.dumps(_rounded(json.loads(text)), ensure_ascii=False, separators=(",", ":"))
 
 
-def _rounded(value: object) -> object:
+def _rounded(value: object, digits: int = DIGITS) -> object:
     if isinstance(value, float) and math.isfinite(value) and abs(value) < LARGE:
-        return float(f"{value:.{DIGITS}g}")
+        return float(f"{value:.{digits}g}")
     if isinstance(value, list):
-        return [_rounded(item) for item in cast("list[object]", value)]
+        items = cast("list[object]", value)
+        return [_rounded(item, DIGITS_OF_CURVES if len(items) > LONG else digits) for item in items]
     if isinstance(value, dict):
-        return {key: _rounded(item) for key, item in cast("dict[str, object]", value).items()}
+        return {key: _rounded(item, digits) for key, item in cast("dict[str, object]", value).items()}
     return value
 
 

@@ -33,12 +33,14 @@ def test_what_is_written_is_read(written):
         "sensor": "/imu", "log": ["a.csv", "b.csv"], "N [deg/√h]": 2.4, "interval": [2.3, 2.5], "count": 3
     }  # fmt: skip
     assert not recorded.foreign
-    assert recorded.document() == {**DOCUMENT, "value": 0.123456789}
+    assert recorded.document() == {**DOCUMENT, "value": 0.1234568}
 
 
-def test_a_document_keeps_nine_digits_and_times_since_1970_keep_all():
-    assert json.loads(compact(json.dumps(DOCUMENT))) == {**DOCUMENT, "value": 0.123456789}
+def test_a_document_keeps_seven_digits_and_times_since_1970_keep_all():
+    assert json.loads(compact(json.dumps(DOCUMENT))) == {**DOCUMENT, "value": 0.1234568}
     assert " " not in compact(json.dumps(DOCUMENT, indent=1))
+    assert json.loads(compact(json.dumps([0.123456789] * 17))) == [0.12346] * 17  # a curve
+    assert json.loads(compact(json.dumps([0.123456789] * 16))) == [0.1234568] * 16
 
 
 def test_a_recording_of_another_program_has_no_properties(tmp_path):

@@ -7,9 +7,10 @@ import numpy as np
 from imuwb.arrays import Floats
 from imuwb.colors import BLUE, GREEN, GREY, ORANGE, RED, YELLOW, Color
 from imuwb.health import Fault, check
-from imuwb.log import SECOND
+from imuwb.log import SECOND, Log
 from imuwb.replay import Replay
 from imuwb.scene import Caption, Event, Points, Pose, Scene, Span
+from imuwb.selection import select
 from imuwb_plugins.outage import drive_charts
 from imuwb_plugins.outage.drive_outages import AFTER, BEFORE, Shown, episode, shown_outages, stamps
 from imuwb_plugins.outage.result import Drive, DurationSummary
@@ -39,7 +40,7 @@ def drive(replay: Replay, summaries: Sequence[DurationSummary]) -> Drive:
     names = [name for name in (summaries[-1].ranked if summaries else ()) if name in replay.runs] or list(replay.runs)
     outages, about = shown_outages(replay, names[0])
     body = _body(replay, names[0], outages)
-    faults = [fault for fault in check(log, lines=False).faults if fault.start is not None]
+    faults = list(_faults(log, outages))
     episodes = tuple(episode(replay, names, own, faults) for own in outages)
     scene = Scene(
         f"Drive: the vehicle, and where each filter believes it to be (rings: 1 and 3 sigma, strong: {names[0]})", body,
@@ -53,6 +54,18 @@ def drive(replay: Replay, summaries: Sequence[DurationSummary]) -> Drive:
         scene, tuple(drive_charts.charts(replay, names, outages, body)), tuple(spans),
         tuple(_event(replay, fault) for fault in faults), about,
     )  # fmt: skip
+
+
+def _faults(log: Log, outages: Sequence[Shown]) -> Iterator[Fault]:
+    """Yield the faults at a known time: of clocks and receivers in the whole log, of samples in the outages that are shown."""
+    yield from (fault for fault in check(log, lines=False, samples=False).faults if fault.start is not None)
+    for own in outages:
+        begin, end = max(own.start - BEFORE, 0.0), own.start + own.duration + AFTER
+        part = select(log, None, f"{begin:.6f}", f"{end:.6f}")
+        known = {(fault.stream, fault.what) for fault in check(part, lines=False, samples=False).faults}
+        for fault in check(part, lines=False).faults:
+            if fault.start is not None and (fault.stream, fault.what) not in known:
+                yield fault
 
 
 def _event(replay: Replay, fault: Fault) -> Event:
