@@ -225,25 +225,6 @@ def _place(source: str, models: list[Path]) -> int:
     return found[0]
 
 
-def list_() -> None:
-    """List the published sensors that imuwb knows, and what their sources state.
-
-    A name stands for a model: imuwb simulate static --preset NAME, imuwb model show NAME, imuwb model export NAME --to TOOL.
-    """
-    from imuwb.analysis import Table  # noqa: PLC0415 - help must not wait
-    from imuwb.cli.terminal import shower  # noqa: PLC0415
-    from imuwb.simulation import preset, preset_names  # noqa: PLC0415
-    from imuwb.stochastic.description import process_text  # noqa: PLC0415
-
-    rows: list[tuple[str, ...]] = []
-    for name in preset_names():
-        model = preset(name)
-        terms = ["; ".join(process_text(axis, term) for term in model.axes[axis].processes.terms) if axis in model.axes else "-"
-                 for axis in ("gyro_x", "accel_x")]  # fmt: skip
-        rows.append((name, *terms, model.provenance.get("source", "")))
-    shower(data=True)(Table("Published sensors: the x axes", ("name", "gyro", "accelerometer", "source"), tuple(rows)))
-
-
 def _given(
     model: Path,
     rate: float | None,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from imuwb.cli import estimator_files
+from imuwb.cli import estimator_files, sensor_list
 from imuwb.cli.options import Force, Full, output_option
 from imuwb.errors import ImuwbError, UsageError
 
@@ -25,7 +25,7 @@ app.command("export")(estimator_files.export)
 app.command("import")(estimator_files.import_)
 app.command("explain")(estimator_files.explain)
 app.command("merge")(estimator_files.merge)
-app.command("list")(estimator_files.list_)
+app.command("list")(sensor_list.list_)
 
 MODEL = "The error model"  #: group of the options in the help
 _Model = Annotated[

@@ -4,6 +4,7 @@ A data sheet is a TOML document with tables ``gyro`` and ``accel``, or one for a
 
     name = "ABC-123"
     source = "ABC-123 data sheet, revision C, table 1"
+    grade = "industrial"                  # consumer, industrial, tactical or navigation
     [gyro]
     N = "0.3 deg/√h"                      # angle random walk, or a noise density that is said to be two-sided
     noise_density = "0.01 deg/s/√Hz"      # rms in a bandwidth, one-sided or unsaid: N lies between it over √2 and it
@@ -55,7 +56,7 @@ _STATEMENTS: Mapping[str, _Statement] = {
     "turn_on": _Statement("rate", Constant, "sigma", 1.0, (1.0, 1.0)),
 }
 _PLAIN = {"range": "rate", "lsb": "rate", "bandwidth": "Hz"}
-_HEAD = ("name", "source", "note")
+_HEAD = ("name", "source", "grade", "note")
 
 
 def is_data_sheet(document: Mapping[str, object]) -> bool:
@@ -90,7 +91,7 @@ def read_data_sheet(text: str, where: str) -> ImuErrorModel:
         raise UsageError(
             f'{where}: no table gyro or accel; write what the sheet states, such as [gyro] N = "0.3 deg/√h"'
         )
-    provenance = {"source": head.get("source", where)} | ({"note": head["note"]} if "note" in head else {})
+    provenance = {"source": head.get("source", where)} | {k: head[k] for k in ("grade", "note") if k in head}
     doubts = ("numbers of a data sheet, typical and not of one sensor",)
     return ImuErrorModel(head.get("name", "data sheet"), {a: axes[a] for a in AXES if a in axes}, provenance, doubts)
 

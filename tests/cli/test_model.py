@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from imuwb.simulation import preset
+from imuwb.simulation import preset, preset_names
 from imuwb.stochastic import ImuErrorModel
 
 
@@ -207,3 +207,15 @@ def test_a_limit_without_its_unit_is_wrong_usage_that_names_file_and_key(imuwb, 
 
 def test_a_model_survives_its_file(gm):
     assert ImuErrorModel.read(gm) == preset("3dm-gx3-25-gm")
+
+
+def test_the_published_sensors_are_listed_one_line_each_in_eighty_columns(imuwb):
+    done = imuwb("model", "list")
+    lines = done.out.splitlines()
+    assert done.code == 0, done.err
+    assert all(max(map(len, (line for line in lines if line.startswith(c)))) <= 80 for c in "┏│└")
+    assert sum(line.startswith("│") for line in lines) == len(preset_names())
+    assert next(line for line in lines if "adis16470" in line).split("│")[2:6] == [
+        " industrial ", " 0.34   ", " ≈84.1  ", " ≤12    ",
+    ]  # fmt: skip
+    assert "revision C: features" in imuwb("model", "list", "--full").out

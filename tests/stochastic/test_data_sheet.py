@@ -45,13 +45,13 @@ def test_what_a_sheet_cannot_state_is_named(text, named):
         read(text, "sheet.toml")
 
 
-def test_every_published_sensor_has_white_noise_of_both_sensors_and_a_source():
+def test_every_published_sensor_has_a_source_a_grade_and_white_noise_of_both_sensors_or_says_what_is_not_stated():
+    assert len(preset_names()) >= 22
     for name in preset_names():
         model = preset(name)
         assert model.provenance["source"]
-        kinds = {
-            axis.partition("_")[0]
-            for axis, content in model.axes.items()
-            if any(isinstance(t, WhiteNoise) for t in content.processes.terms)
-        }
-        assert kinds >= {"gyro"}, name
+        assert model.provenance["grade"] in {"consumer", "industrial", "tactical", "navigation"}, name
+        white = {axis.partition("_")[0] for axis, content in model.axes.items()
+                 if any(isinstance(t, WhiteNoise) for t in content.processes.terms)}  # fmt: skip
+        assert "gyro" in white, name
+        assert "accel" in white or "white noise of the accelerometers" in model.provenance["note"], name
