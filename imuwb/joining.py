@@ -27,6 +27,7 @@ def joined(log: Log, other: Log) -> Log:
         references=(*log.references, *other.references),
         speeds=(*log.speeds, *other.speeds),
         truth={**other.truth, **log.truth},
+        settings={**other.settings, **log.settings},
         notes=(*log.notes, *_notes(log, other)),
     )
 

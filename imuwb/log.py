@@ -321,6 +321,8 @@ class Log:
     conditioning: tuple[Conditioning, ...] = ()  #: in the order in which they were applied
     #: parameters that a simulator put in, apart from the sensor's error model: name -> value with its SI unit
     truth: Mapping[str, str] = field(default_factory=dict[str, str])
+    #: parameters by which an autopilot corrected the samples before it logged them; nan: changed while it logged
+    settings: Mapping[str, float] = field(default_factory=dict[str, float])
 
     def __post_init__(self) -> None:
         """Set ``zero`` to the start of the earliest stream unless it is given."""

@@ -54,6 +54,7 @@ class Remark:
     truth: Mapping[str, str] = field(
         default_factory=dict[str, str]
     )  #: parameters that a simulator wrote, as in ``Log``
+    settings: Mapping[str, float] = field(default_factory=dict[str, float])  #: of an autopilot, as in ``Log``
 
 
 #: From the first rows of all streams to the first time of the wanted part and the time after its end, ns, with margins.

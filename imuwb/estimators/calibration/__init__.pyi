@@ -3,6 +3,9 @@ from .files import CalibrationFile as CalibrationFile
 from .files import calibration_lines as calibration_lines
 from .files import calibration_text as calibration_text
 from .files import read_calibration_text as read_calibration_text
+from .logged import as_measured as as_measured
+from .logged import before_logging as before_logging
+from .logged import taken_off as taken_off
 from .matrices import Matrices as Matrices
 from .thermal import THERMAL_FORMS as THERMAL_FORMS
 from .thermal import thermal_text as thermal_text

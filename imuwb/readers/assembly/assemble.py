@@ -84,7 +84,8 @@ def assemble(
         OverBudgetError: the rows take more.
     """
     truth: dict[str, str] = {}
-    groups, repairs, notes = _grouped(_without_truth(parts, truth), provenance.size, budget)
+    settings: dict[str, float] = {}
+    groups, repairs, notes = _grouped(_stated(parts, truth, settings), provenance.size, budget)
     streams: list[Batch] = []
     for (stream, kind, _), group in groups.items():
         rows = _joined(group, repairs.pop(stream, []))
@@ -98,14 +99,19 @@ def assemble(
             notes.append(Note("in_turn", f"{text}; they are read as {', '.join(rows.stream for rows in sensors)}"))
         streams.extend(_timed(sensor, rate, even=even) for sensor in sensors)
     notes.extend(_repair_notes(streams, repairs))
-    return replace(_log(provenance, streams, notes), truth=truth)
+    return replace(_log(provenance, streams, notes), truth=truth, settings=settings)
 
 
-def _without_truth(parts: Iterable[Batch | Remark], truth: dict[str, str]) -> Iterator[Batch | Remark]:
-    """Yield the parts, and collect the parameters that a simulator wrote."""
+def _stated(
+    parts: Iterable[Batch | Remark], truth: dict[str, str], settings: dict[str, float]
+) -> Iterator[Batch | Remark]:
+    """Yield the parts, and collect the parameters that a simulator or an autopilot wrote."""
     for part in parts:
         if isinstance(part, Remark):
             truth.update(part.truth)
+            settings.update(part.settings)
+            if not part.text:
+                continue
         yield part
 
 

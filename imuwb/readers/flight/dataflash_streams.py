@@ -20,6 +20,7 @@ from imuwb.readers.flight.dataflash_tables import Tables
 from imuwb.readers.flight.dataflash_text import TextTables
 from imuwb.readers.flight.dataflash_units import si_factors
 from imuwb.readers.flight.left_out import dataflash_left_out
+from imuwb.readers.flight.settings import settings_of
 from imuwb.readers.gps_time import unix_of_gps
 from imuwb.sampling import nearest
 
@@ -31,7 +32,7 @@ SENSORS = (("ACC", "GYR"), ("ACC1", "GYR1"), ("ACC2", "GYR2"), ("ACC3", "GYR3"))
 SOLUTIONS = ("XKF1", "NKF1", "EKF1")
 WANTED = {
     *IMUS, *RECEIVERS, *ACCURACIES, *SOLUTIONS, *(name for pair in SENSORS for name in pair),
-    "POS", "ATT", "ISBH", "ISBD", "FMTU", "UNIT", "MULT",
+    "POS", "ATT", "ISBH", "ISBD", "FMTU", "UNIT", "MULT", "PARM",
 }  # fmt: skip
 DESCRIPTIONS = ("FMT", "FMTU", "UNIT", "MULT")  #: records about records
 HOTTEST = 300.0  #: °C; a temperature beyond is damage
@@ -139,6 +140,8 @@ class _Streams:
             for stream, columns in self._instances(name):
                 yield from self._receiver(stream, columns, accuracies.get(stream.replace(name, accuracy)))
         yield from self._solution()
+        yield (settings := settings_of(self._tables.stated()))
+        self.used |= {"PARM"} if settings.settings else set()
         if self._offset is None:
             yield Remark(Note("no_date", "times count from power-up: no fix states the date"))
         else:

@@ -1,7 +1,7 @@
 """The records of ArduPilot's binary logs as tables: by name, column by column."""
 
 from collections import defaultdict
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -136,6 +136,14 @@ class Tables:
     def labels(self) -> dict[str, tuple[str, ...]]:
         """Return the fields of the records of each name."""
         return {one.name: tuple(f.name for f in one.fields) for one in self.layouts}
+
+    def stated(self) -> Iterator[tuple[str, float]]:
+        """Yield the autopilot's parameters, name and value, in the order of the file."""
+        table = self.table("PARM") or {}
+        names, values = table.get("Name", np.empty((0, 0))), table.get("Value", np.empty(0))
+        if names.dtype == np.uint8 and names.ndim == 2 and values.ndim == 1:  # noqa: PLR2004 - letters of each name
+            for name, value in zip(names, values.tolist(), strict=True):
+                yield name.tobytes().rstrip(b"\0").decode("ascii", "replace"), float(value)
 
     def labels_of(self, name: str) -> list[tuple[str, ...]]:
         """Return the fields of each layout of the records of a name."""

@@ -1,7 +1,8 @@
 """ArduPilot's logs as text: a line for each record, with scaled fields."""
 
+import contextlib
 from collections import defaultdict
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator
 
 import numpy as np
 
@@ -28,6 +29,7 @@ class TextTables:
         self._labels: dict[str, tuple[str, ...]] = {}  #: of the rows that are not yet packed
         self._rows: dict[str, list[list[float]]] = defaultdict(list)
         self._tables: dict[str, list[Table]] = defaultdict(list)
+        self._parameters: list[tuple[str, float]] = []
 
     def take(self, lines: Iterable[bytes], *, to_first_bad: bool = False) -> None:
         """Keep the records of some lines; on request, stop at the first bad line."""
@@ -38,6 +40,8 @@ class TextTables:
                 cells = [cell.strip() for cell in rest.decode("ascii", "replace").split(",")]
                 if len(cells) >= 5 and tuple(cells[4:]) not in self._described[cells[2]][-1:]:  # noqa: PLR2004 - number, size, name, letters, at least one field
                     self._described[cells[2]].append(tuple(cells[4:]))
+            elif record == "PARM":
+                self._parameter(rest)
             elif record in self._described and record in self._wanted and record not in STATED:
                 self._row(record, rest)
             self.records += bool(record)
@@ -61,6 +65,18 @@ class TextTables:
         del factors
         self._pack(name)
         return stacked(self._tables[name]) if self._tables[name] else None
+
+    def stated(self) -> Iterator[tuple[str, float]]:
+        """Yield the autopilot's parameters, name and value, in the order of the file."""
+        yield from self._parameters
+
+    def _parameter(self, rest: bytes) -> None:
+        labels = self._described["PARM"][-1:] or [("TimeUS", "Name", "Value")]
+        stated = dict(
+            zip(labels[0], (cell.strip() for cell in rest.decode("ascii", "replace").split(",")), strict=False)
+        )
+        with contextlib.suppress(ValueError):
+            self._parameters.append((stated.get("Name", ""), float(stated.get("Value", ""))))
 
     def _row(self, record: str, rest: bytes) -> None:
         cells = rest.split(b",")

@@ -44,6 +44,7 @@ class ULogFile:
     skipped: int = 0  #: bytes that belong to no message
     misfits: int = 0  #: messages that are shorter than their topic's definition
     counts: dict[str, int] = field(default_factory=lambda: defaultdict(int))  #: messages by topic
+    stated: list[tuple[str, float]] = field(default_factory=list[tuple[str, float]])  #: parameters: name, value
     _topics: dict[int, tuple[str, int]] = field(default_factory=dict[int, tuple[str, int]])
     _columns: dict[tuple[str, int], list[dict[str, NDArray[Any]]]] = field(default_factory=lambda: defaultdict(list))
 
@@ -54,7 +55,7 @@ class ULogFile:
             at = at + start
             self.messages += kind.size
             self.skipped += skipped
-            for i in np.flatnonzero(np.isin(kind, list(b"FAO"))):
+            for i in np.flatnonzero(np.isin(kind, list(b"FAOP"))):
                 self._declare(int(kind[i]), bytes(buffer.data[at[i] : at[i] + size[i]]))
             data = np.flatnonzero((kind == ord("D")) & (size >= 2))  # noqa: PLR2004 - the topic's number
             self.data += data.size
@@ -80,6 +81,10 @@ class ULogFile:
             self._topics[number] = content[3:].decode("ascii", "replace"), instance
         elif kind == ord("O") and len(content) >= 2:  # noqa: PLR2004 - u16
             self.dropouts.append(struct.unpack_from("<H", content)[0])
+        elif kind == ord("P") and len(content) == 1 + content[0] + 4:
+            form, _, name = content[1:-4].decode("ascii", "replace").partition(" ")
+            if form in ("int32_t", "float"):
+                self.stated.append((name, float(struct.unpack("<i" if form == "int32_t" else "<f", content[-4:])[0])))
 
     def _gather(self, topic: tuple[str, int], buffer: Bytes, at: Integers, size: Integers) -> None:
         fields, whole = layout(topic[0], self.formats)

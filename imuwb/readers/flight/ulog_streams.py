@@ -17,6 +17,7 @@ from imuwb.readers.bytes import source
 from imuwb.readers.flight import trajectory
 from imuwb.readers.flight.boot_clock import EARLIEST
 from imuwb.readers.flight.left_out import ulog_left_out
+from imuwb.readers.flight.settings import settings_of
 from imuwb.readers.flight.ulog_imus import COMBINED, FIFOS, INCREMENTS, MICRO, SELECTION, SENSORS, PX4Imus
 from imuwb.readers.flight.ulog_records import ULogFile
 
@@ -45,6 +46,7 @@ def streamed(path: Path) -> Iterator[Batch | Remark]:
     streams = _Streams(log, path.stat().st_size)
     yield from streams.all()
     yield from map(Remark, _faults(log))
+    yield settings_of(log.stated)
     yield from ulog_left_out(log.counts, streams.used)
 
 

@@ -15,6 +15,10 @@ Raw: TypeAlias = Annotated[
     str, "Unit of a log in counts or volts, such as count or V; read such a log with --units gyro=rad/s,accel=m/s2."
 ]
 
+AsMeasured: TypeAlias = Annotated[
+    bool, "First add what the autopilot took off before it logged the samples: the parameters PARM of ArduPilot's log."
+]
+
 
 @dataclass(frozen=True)
 class Positions(Options):
@@ -38,6 +42,7 @@ class Positions(Options):
         TILT,
     ] = None
     level: Level = 0.95
+    as_measured: AsMeasured = False
 
 
 @dataclass(frozen=True)
@@ -107,6 +112,7 @@ class RateTable:
     ] = None
     raw: Raw = ""
     level: Level = 0.95
+    as_measured: AsMeasured = False
 
     def __post_init__(self) -> None:
         """Check the values; the rates become magnitudes, rising, each once."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from imuwb.arrays import Floats
 from imuwb.errors import MissingDataError, UsageError
+from imuwb.estimators.calibration import before_logging
 from imuwb.geodesy.earth import gravity as normal_gravity
 from imuwb.identification import calibration
 from imuwb.identification.calibration import AxisCalibration, Means, PositionCalibration, PrintedCalibration
@@ -47,6 +48,7 @@ def run(logs: Sequence[Log], p: SixPosition | MultiPosition) -> PositionResult:
         UsageError: logs of different rates, or attitudes that do not match the positions.
     """
     base = None if p.into is None else ImuErrorModel.read(p.into)
+    logs, before = before_logging(logs, undo=p.as_measured)
     stretches, notes = still_positions(logs, p.shortest)
     gravity = _gravity(p)
     accel = _accelerometer_means(stretches)
@@ -66,7 +68,7 @@ def run(logs: Sequence[Log], p: SixPosition | MultiPosition) -> PositionResult:
     origin = provenance_of(f"{p.METHOD}, gravity {gravity[0]:.6f} m/s² ({gravity[1]})", logs, p.raw)
     model, model_notes = completed_model(name, axes, base, origin, {"accel": full_range}, celsius)
     notes = [
-        *position_notes(p, gravity, fit, full_range), *notes, *gyro_notes, *red_notes("accel", accel), *warm_notes, *model_notes,
+        *before, *position_notes(p, gravity, fit, full_range), *notes, *gyro_notes, *red_notes("accel", accel), *warm_notes, *model_notes,
     ]  # fmt: skip
     printed = calibration.as_printed(accel, faces, gravity[0], p.level) if faces else ()
     return PositionResult(

@@ -7,6 +7,7 @@ import numpy as np
 
 from imuwb.arrays import Floats
 from imuwb.errors import MissingDataError, UsageError
+from imuwb.estimators.calibration import before_logging
 from imuwb.identification import calibration
 from imuwb.identification.calibration import RateRun, TableConditions
 from imuwb.log import AXES, Log
@@ -46,6 +47,7 @@ def run(logs: Sequence[Log], p: RateTable) -> TableResult:
         UsageError: rates that do not match the steps.
     """
     base = None if p.into is None else ImuErrorModel.read(p.into)
+    logs, before = before_logging(logs, undo=p.as_measured)
     turned = [_turned(log, p, base) for log in logs]
     runs = [t.run for t in turned]
     given = None if p.range is None else float(np.radians(p.range))
@@ -65,7 +67,7 @@ def run(logs: Sequence[Log], p: RateTable) -> TableResult:
     name = logs[0].imu().name
     origin = provenance_of(f"rate-table, {', '.join(f'{rate:g}' for rate in p.rates)} deg/s", logs, p.raw)
     model, model_notes = completed_model(name, axes, base, origin, {"gyro": full_range}, celsius)
-    notes = (*table_notes(runs, fit, p, full_range, known=known), *warm_notes, *model_notes)
+    notes = (*before, *table_notes(runs, fit, p, full_range, known=known), *warm_notes, *model_notes)
     return TableResult(
         name, p.level, p.raw, full_range, {axis: parameters_of(axis, c, p.raw) for axis, c in axes.items()},
         tuple(_run(t.run, fitted, p.raw) for t, fitted in zip(turned, fit.runs, strict=True)), celsius, notes, model,

@@ -9,6 +9,7 @@ import numpy as np
 from imuwb import __version__
 from imuwb.axes import THREADS, axes_of, rates
 from imuwb.errors import MissingDataError, UsageError
+from imuwb.estimators.calibration import before_logging
 from imuwb.health import Doubts, model_doubts
 from imuwb.identification.temperature import (
     AxisTemperatures,
@@ -44,7 +45,8 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
         UsageError: logs that do not belong together, or options that do not suit the logs.
     """
     logs = [with_first(log, imu_of(log, parameters)) for log in logs]
-    notes = [*check_together(logs, parameters), *check_thermometers(logs, parameters)]
+    logs, before = before_logging(logs, undo=parameters.as_measured)
+    notes = [*before, *check_together(logs, parameters), *check_thermometers(logs, parameters)]
     logs, thermometer_notes = with_sound_thermometers(logs, parameters)
     notes += thermometer_notes
     cuts, groups, part_notes, doubts = _groups(logs, parameters)

@@ -34,3 +34,7 @@ class Parameters(Options):
         float, "Probability of a false alarm of each test of dependence on temperature.", Between(0.0, 0.5, open_least=True)
     ] = 0.05  # fmt: skip
     level: Level = 0.95
+    as_measured: Annotated[
+        bool,
+        "First add what the autopilot took off before it logged the samples: the parameters PARM of ArduPilot's log.",
+    ] = False
