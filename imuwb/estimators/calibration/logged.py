@@ -40,7 +40,7 @@ def taken_off(log: Log, imu: ImuStream) -> tuple[str, ...]:
     elif place is not None:
         number, thermal = "" if place == 0 else str(place + 1), f"INS_TCAL{place + 1}_"
         form = rf"INS_(ACC{number}(OFFS|SCAL)|GYR{number}OFFS)_[XYZ]|AHRS_ORIENTATION"
-        form += rf"|{thermal}(ACC|GYR).*" if settings.get(f"{thermal}ENABLE") in (1.0, None) else ""
+        form += rf"|{thermal}(ACC|GYR).*" if settings.get(f"{thermal}ENABLE") == 1.0 else ""
     else:
         return ()
     return tuple(n for n, value in settings.items() if re.fullmatch(form, n) and value != (1.0 if "SCAL" in n else 0.0))
