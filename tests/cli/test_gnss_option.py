@@ -53,7 +53,7 @@ def fixes_csv(tmp_path):
 @pytest.mark.parametrize("kind", ["rtklib", "fixes_csv"])
 def test_the_receiver_s_file_is_joined(imuwb, imu_csv, tmp_path, request, kind):
     fixes = request.getfixturevalue(kind)
-    done = imuwb("convert", imu_csv(), "--gnss", fixes, "-o", "both.mcap")
+    done = imuwb("convert", imu_csv(), "--gnss", fixes, "-o", "both.mcap", "--full")
     assert done.code == 0, done.err
     log = read(tmp_path / "both.mcap")
     assert len(log.imus[0].angular_rate) == 6000

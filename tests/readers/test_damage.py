@@ -50,7 +50,7 @@ CORPUS = (
     "zstd.mcap", "lz4.mcap", "unchunked.mcap", "json.mcap", "lz4.bag", "plain.bag", "drive.db3", "flight.tlog", "flight.bin",
     "flight.log", "flight.ulg", "imu.csv", "imu.csv.gz", "fixes.csv", "fixes.pos", *binary_corpus.NAMES,
 )  # fmt: skip
-SAMPLES = tuple(sorted(path.name for path in (ROOT / "samples").iterdir()))
+SAMPLES = tuple(sorted(path.name for path in (ROOT / "samples").iterdir() if path.suffix != ".ipynb"))
 
 
 # The logs

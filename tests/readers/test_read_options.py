@@ -21,7 +21,7 @@ def test_texts_become_values():
 def test_each_option_has_a_help_text_and_a_name_that_scripts_use():
     options = options_of(ReadOptions)
     assert [option.name for option in options] == [
-        "time_source", "rate", "even", "columns", "units", "frame", "epoch", "messages",
+        "time_source", "rate", "even", "columns", "units", "frame", "epoch", "messages", "memory",
     ]  # fmt: skip
     assert all(option.help for option in options)
 

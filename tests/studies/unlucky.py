@@ -215,6 +215,14 @@ def without_code(root: Path) -> Generator[Path]:
         subprocess.run(["/bin/umount", place], check=True)
 
 
+def compile_a_locale(folder: Path) -> None:
+    """Compile a locale whose decimal sign is a comma, and let the next processes find it."""
+    folder.mkdir()
+    words = ["/usr/bin/localedef", "-i", "de_DE", "-f", "UTF-8", folder / "de_DE.UTF-8"]
+    subprocess.run(words, check=False, stderr=subprocess.DEVNULL)
+    os.environ["LOCPATH"] = str(folder)
+
+
 def study(records: int) -> tuple[Table, ...]:
     """Run all commands under all conditions."""
     commands = chosen(records)
@@ -222,14 +230,7 @@ def study(records: int) -> tuple[Table, ...]:
     with tempfile.TemporaryDirectory() as name:
         root = Path(name).resolve()
         root.chmod(0o755)
-        compiled = root / "locales"
-        compiled.mkdir()
-        subprocess.run(
-            ["/usr/bin/localedef", "-i", "de_DE", "-f", "UTF-8", compiled / "de_DE.UTF-8"],
-            check=False,
-            stderr=subprocess.DEVNULL,
-        )
-        os.environ["LOCPATH"] = str(compiled)
+        compile_a_locale(root / "locales")
         ready()
         made, here = inputs(root / "in", 1), root / "here"
         folders = [made, here, root / "full", root]

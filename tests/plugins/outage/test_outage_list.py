@@ -64,7 +64,7 @@ def test_a_log_without_an_outage_is_said(file):
         ("[[outage]]\nstart = 1\n", "o.toml", "duration is None"),
         ("[[outage]]\nbegin = 1\n", "o.toml", "start and duration"),
         ("[outage]\nstart = 1\n", "o.toml", r"\[\[outage\]\]"),
-        ("= 3", "o.toml", "no TOML"),
+        ("= 3", "o.toml", "not TOML"),
     ],
 )
 def test_what_is_no_file_of_outages(file, text, name, words):

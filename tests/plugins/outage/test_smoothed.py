@@ -25,7 +25,7 @@ def result(log, toml):
 def written(result, toml, tmp_path):
     def write(name):
         parameters = Parameters(error_model=toml, models="full", at="150:10", smoothed=tmp_path / name)
-        assert outputs(parameters) == (tmp_path / name,)
+        assert outputs(parameters)[0] == tmp_path / name
         write_outputs(result, parameters)
         return tmp_path / name
 
