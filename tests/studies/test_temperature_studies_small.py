@@ -49,3 +49,12 @@ def test_only_a_model_with_temperature_knows_its_errors_on_a_drive_that_warms_up
     assert stats.chi2.cdf(thermal.nees[:, -1].sum(), thermal.nees.shape[0] * 2) < 1 - RARE
     assert stats.chi2.sf(constant.nees[:, -1].sum(), constant.nees.shape[0] * 2) < RARE
     assert [("corrected" in ids(of.notes)) for of in (thermal, constant)] == [True, False]
+
+
+def test_an_exported_warm_up_leaves_little_of_the_bias(load):
+    goals, records = load("thermal_export").study(records=1, minutes=3.0)
+    assert len(records.rows) == 2
+    for row in records.rows:
+        assert float(row[2].removesuffix(" %")) < 10
+        assert row[-1].of > 200
+    assert [row[0].partition(":")[0] for row in goals.rows] == ["ArduPilot", "ArduPilot", "PX4", "PX4"]

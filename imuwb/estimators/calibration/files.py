@@ -170,9 +170,9 @@ def _imu_tk(matrices: Matrices) -> tuple[list[str], list[str]]:
         for block in (undo @ np.linalg.inv(scale), scale, bias[:, None]):
             lines += [" ".join(f"{v:.12g}" for v in row) for row in block]
             lines.append("")
-    return lines[:-1], _lost(
-        "the gyros' sensitivities to acceleration", float(np.abs(matrices.leak).max()), "rad/s per m/s²"
-    )
+    notes = _lost("the gyros' sensitivities to acceleration", float(np.abs(matrices.leak).max()), "rad/s per m/s²")
+    parts = "imu_tk reads one triad from a file: the first half is the file of the accelerometers, the second that of the gyros"
+    return lines[:-1], [parts, *notes]
 
 
 def _read_imu_tk(text: str) -> Matrices | None:
