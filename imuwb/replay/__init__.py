@@ -13,7 +13,7 @@ from imuwb.replay.noise.unidentified import with_unidentified
 from imuwb.replay.outages import Outage, events_of, own_outages, sweep
 from imuwb.replay.prepared import Prepared, prepare, receiver_of, run
 from imuwb.replay.references.external import Placing, external_reference
-from imuwb.replay.references.reference import ReferenceTrack, own_track, reference_track
+from imuwb.replay.references.reference import ReferenceTrack, check_reference, own_track, reference_track
 from imuwb.replay.references.true_errors import true_errors
 from imuwb.replay.replay import FilterRun, Replay, ScoredDrift, replay
 from imuwb.replay.scoring.budget import Budget, budget
@@ -65,6 +65,7 @@ __all__ = [
     "Summary",
     "Tuned",
     "budget",
+    "check_reference",
     "choose",
     "compare",
     "degraded",

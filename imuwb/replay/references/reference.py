@@ -107,11 +107,16 @@ def reference_track(log: Log, solution: Solution, wanted: str = "best") -> Refer
         "fixed": "no receiver of the log has RTK-fixed positions with velocities; choose another --reference",
         "ekf": "the log has no estimate of the vehicle's own filter; choose another --reference",
     }
-    if wanted in reasons:
-        raise ValueError(reasons[wanted])
+    check_reference(log, wanted)
+    raise ValueError(reasons[wanted])
+
+
+def check_reference(log: Log, wanted: str) -> None:
+    """Raise UsageError unless a name is a kind of reference, or a reference of the log."""
     kinds = ("best", "truth", "fixed", "smoothed", "own", "ekf")
-    names = ", ".join(dict.fromkeys((*kinds, *(r.name for r in log.references))))
-    raise UsageError(f"--reference {wanted}: there is no such reference; choose among {names}")
+    names = tuple(dict.fromkeys((*kinds, *(r.name for r in log.references))))
+    if wanted not in names:
+        raise UsageError(f"--reference {wanted}: there is no such reference; choose among {', '.join(names)}")
 
 
 def own_track(solution: Solution) -> ReferenceTrack:

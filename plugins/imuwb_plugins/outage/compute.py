@@ -28,7 +28,7 @@ from imuwb_plugins.outage.installation import Installed, base_of, installed
 from imuwb_plugins.outage.models import Filters, filters_of
 from imuwb_plugins.outage.parameters import Parameters
 from imuwb_plugins.outage.result import Result
-from imuwb_plugins.outage.truth import with_truth
+from imuwb_plugins.outage.truth import truth_file, with_truth
 
 
 def run_one(whole: Log, parameters: Parameters) -> Result:
@@ -39,9 +39,10 @@ def run_one(whole: Log, parameters: Parameters) -> Result:
         MissingDataError: the log lacks something.
     """
     log, _ = corrected_log(whole, base_of(parameters).error_model)
+    given = truth_file(log, parameters)
     own = installed(log, parameters)
     base = own.base
-    log, of_truth = with_truth(log, base, parameters)
+    log, of_truth = with_truth(log, base, parameters, given)
     worse = Degradation(**parameters.degrade, seed=parameters.seed) if parameters.degrade else None
     prepared = prepare(log, base, parameters.receiver, worse)
     chosen = filters_of(base, prepared, parameters)

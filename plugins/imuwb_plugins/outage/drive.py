@@ -1,6 +1,7 @@
 """The drive in time: the vehicle, its fixes by quality, and what the filters believe in some outages."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -59,9 +60,10 @@ def drive(replay: Replay, summaries: Sequence[DurationSummary]) -> Drive:
 def _faults(log: Log, outages: Sequence[Shown]) -> Iterator[Fault]:
     """Yield the faults at a known time: of clocks and receivers in the whole log, of samples in the outages that are shown."""
     yield from (fault for fault in check(log, lines=False, samples=False).faults if fault.start is not None)
+    sensors = replace(log, references=())  # those of another file may have another clock
     for own in outages:
         begin, end = max(own.start - BEFORE, 0.0), own.start + own.duration + AFTER
-        part = select(log, None, f"{begin:.6f}", f"{end:.6f}")
+        part = select(sensors, None, f"{begin:.6f}", f"{end:.6f}")
         known = {(fault.stream, fault.what) for fault in check(part, lines=False, samples=False).faults}
         for fault in check(part, lines=False).faults:
             if fault.start is not None and (fault.stream, fault.what) not in known:

@@ -4,29 +4,45 @@ from dataclasses import replace
 from pathlib import Path
 
 from imuwb.errors import UsageError
-from imuwb.log import SECOND, Log
+from imuwb.geodesy.local_track import LocalTrack
+from imuwb.log import SECOND, Log, Reference
 from imuwb.navigation import FilterModel
 from imuwb.notes import Note
 from imuwb.readers import read_trajectory
-from imuwb.replay import Placing, external_reference, receiver_of
+from imuwb.replay import Placing, check_reference, external_reference, receiver_of
 from imuwb.replay.references.reference import truth_of
 from imuwb_plugins.outage.given_outages import name_of
 from imuwb_plugins.outage.parameters import Parameters
 
 
-def with_truth(log: Log, base: FilterModel, parameters: Parameters) -> tuple[Log, tuple[Note, ...]]:
+def truth_file(log: Log, parameters: Parameters) -> tuple[Path, Log | LocalTrack | Reference] | None:
+    """Return the file of --truth and what it has, before any work is done; None without --truth.
+
+    Raises:
+        MissingDataError: the file has no trajectory.
+        UsageError: the file needs an option; or without --truth, there is no reference of the wanted name.
+        UnreadableLogError: the file cannot be read.
+    """
+    if parameters.truth is None:
+        check_reference(log, parameters.wanted_reference)
+        return None
+    path = Path(str(parameters.truth).replace("{log}", name_of(log)))
+    return path, read_trajectory(path, parameters.truth_times, log.zero)
+
+
+def with_truth(
+    log: Log, base: FilterModel, parameters: Parameters, given: tuple[Path, Log | LocalTrack | Reference] | None
+) -> tuple[Log, tuple[Note, ...]]:
     """Return the log with the reference of --truth before its own references, and notes; the log itself without --truth.
 
     Raises:
-        MissingDataError: the file has no trajectory, or none within the log's time.
-        UsageError: the file needs an option, or does not fit the log.
-        UnreadableLogError: the file cannot be read.
+        MissingDataError: the file has no trajectory within the log's time.
+        UsageError: the file does not fit the log.
     """
     delay = base.installation.gnss_delay if parameters.truth_delay == "gnss" else parameters.truth_delay
-    if parameters.truth is None:
+    if given is None:
         return _own(log, delay, parameters), ()
-    path = Path(str(parameters.truth).replace("{log}", name_of(log)))
-    found = read_trajectory(path, parameters.truth_times, log.zero)
+    path, found = given
     placing = Placing(delay, parameters.truth_lever, parameters.truth_origin, parameters.truth_axes)
     reference, notes = external_reference(found, log, receiver_of(log, parameters.receiver), placing, "truth")
     reference = replace(
