@@ -7,6 +7,7 @@ import pytest
 
 import imuwb as package
 from imuwb import read
+from imuwb.cli import demo
 
 PLUGIN = '''
 """Spread of an axis."""
@@ -168,10 +169,20 @@ def test_plugins_are_listed(imuwb):
 
 
 @pytest.mark.slow
-def test_demo_runs_in_a_shell_and_leaves_a_recording(process, tmp_path):
-    done = process("demo")
+def test_the_demo_answers_briefly_and_leaves_recordings_and_pages(imuwb, tmp_path, monkeypatch):
+    """The demo runs over a part of each sample log."""
+    (tmp_path / "short").mkdir()
+    for name, end in (("static", "600"), ("drive", "420")):
+        done = imuwb("convert", demo.samples() / f"{name}.mcap", "--end", end, "-o", f"short/{name}.mcap")
+        assert done.code == 0, done.err
+    monkeypatch.setattr(demo, "samples", lambda: tmp_path / "short")
+    done = imuwb("demo")
     assert done.code == 0, done.err
-    assert (tmp_path / "imuwb-demo.rrd").stat().st_size > 50_000
+    assert len((done.out + done.err).splitlines()) <= 40
+    assert any(line.split()[:3] == ["Next", "imuwb", "outage"] for line in (done.out + done.err).splitlines())
+    for name in ("imuwb-demo", "imuwb-demo-drive"):
+        assert (tmp_path / f"{name}.rrd").stat().st_size > 50_000
+        assert (tmp_path / f"{name}.html").stat().st_size > 50_000
 
 
 def test_no_colour_is_honoured(imuwb, static_mcap):

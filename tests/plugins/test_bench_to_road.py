@@ -11,13 +11,14 @@ pytestmark = pytest.mark.slow
 
 
 def test_the_model_of_a_real_bench_record_replays_a_drive(command, shared):
-    code, _, err = command("noise", shared / "static" / "adis16405_imu1.csv.gz", "--rate", "100", "-o", "bench.rrd")
+    bench = shared / "static" / "adis16405_imu1.csv.gz"
+    code, _, err = command("noise", bench, "--rate", "100", "--start", "7", "--end", "3607", "-o", "bench.rrd")
     assert code == 0, err
     model = ImuErrorModel.read("bench.error-model.toml")
     assert len(model.axes) == 6
     lines = {axis: [t for t in own.processes.terms if isinstance(t, Sinusoid)] for axis, own in model.axes.items()}
     assert not lines["gyro_x"]  # only the accelerometers feel the swaying bench in both halves of the record
-    assert len(lines["accel_x"]) > 2
+    assert len(lines["accel_x"]) >= 2
     car = shared / "drive"
     log = (car / "derived_imu_si_gpst.csv.gz", "--gnss", car / "gnss_1934_sf.pos")
     code, _, err = command(

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from imuwb.replay import NAMES
+from imuwb.selection import select
 from imuwb.simulation import Receiver, drive, planned_route
 from imuwb_plugins import outage
 from imuwb_plugins.outage import Parameters
@@ -151,5 +152,5 @@ def test_readmes_example_is_one_of_several():
 def test_readmes_outages_can_be_run_on_readmes_drive(toml):
     (at,) = {m for e in EXAMPLES for m in re.findall(r"--at (\d\S*)", e)}
     log = drive(sensor(), planned_route("turin-1"), 1, rate=20.0, receiver=Receiver())
-    found = outage.run([log], stated(error_model=toml, models="none", at=at))
+    found = outage.run([select(log, end="520")], stated(error_model=toml, models="none", at=at))
     assert len(found.outages) == 2

@@ -87,7 +87,7 @@ def test_damage_ends_in_rows_or_in_an_error(tmp_path):
     with h5py.File(path, "w") as file:
         file["time_s"], file["gyro_rad_s"], file["accel_m_s2"] = TIME[:40], RATE[:40], FORCE[:40]
     data, rng, outcomes = path.read_bytes(), np.random.default_rng(2), set()
-    for number in range(30):
+    for number in range(12):
         changed = bytearray(data)
         if number % 3 == 0:
             changed = changed[: int(rng.integers(10, len(data)))]
