@@ -10,7 +10,8 @@ import tomli_w
 
 from imuwb.documents import document_of, number, numbers, refuse, rows, table, whole, words
 from imuwb.errors import UsageError
-from imuwb.navigation.filter_model import Aids, FilterModel, Installation, Reading, Settings, Vibration
+from imuwb.navigation.filter_model import Aids, FilterModel, Installation, Settings, Vibration
+from imuwb.navigation.shaping import Reading
 from imuwb.stochastic import ImuErrorModel
 
 SCHEMA = 1
