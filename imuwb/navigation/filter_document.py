@@ -11,7 +11,6 @@ import tomli_w
 from imuwb.documents import document_of, number, numbers, refuse, rows, table, whole, words
 from imuwb.errors import UsageError
 from imuwb.navigation.filter_model import Aids, FilterModel, Installation, Settings, Vibration
-from imuwb.navigation.shaping import Reading
 from imuwb.stochastic import ImuErrorModel
 
 SCHEMA = 1
@@ -56,7 +55,7 @@ def read_filter(path: str | Path) -> FilterModel:
     if document:
         raise UsageError(f"{path}: unknown {', '.join(document)}; remove it")
     error_model = ImuErrorModel.of_document(table(model, f"{path}, error_model"), f"{path}, error_model")
-    return FilterModel(name, error_model, cast("Reading", reading), (scale[0], scale[1]), levels, **parts)
+    return FilterModel(name, error_model, reading, (scale[0], scale[1]), levels, **parts)
 
 
 def _levels(content: object, where: str) -> tuple[int, ...]:
