@@ -194,6 +194,32 @@ def unit(name: str) -> Unit:
     return UNITS[known]
 
 
+def quantity(stated: object, si: Unit, where: str, example: str = "") -> float:
+    """Return a value above 0 that is stated as a number and its unit, such as ``"0.3 deg/√h"``, in SI.
+
+    Args:
+        stated: what a document states.
+        si: SI unit of the quantity.
+        where: the place in the document, for messages.
+        example: a unit that the message names; the SI unit by default.
+
+    Raises:
+        UsageError: no number, no unit, one of another quantity, or a value that is not above 0.
+    """
+    number, _, name = (stated if isinstance(stated, str) else "").strip().partition(" ")
+    example = example or si.name
+    try:
+        given = unit(name)
+        value = given.to_si(float(number))
+    except (ValueError, UsageError) as error:
+        raise UsageError(
+            f'{where} = {stated!r:.80}; it must be a number and its unit, such as "0.3 {example}"'
+        ) from error
+    if not name or given.dimension != si.dimension or not 0 < value < math.inf:
+        raise UsageError(f"{where} = {stated!r:.80}; it must be positive, with a unit such as {example}")
+    return value
+
+
 def unix_nanoseconds(when: datetime) -> int:
     """Return an instant as ns since 1970 UTC, exact to the microsecond; a date without a time zone is UTC."""
     since = (when if when.tzinfo else when.replace(tzinfo=UTC)) - UNIX_EPOCH

@@ -32,7 +32,7 @@ from imuwb.stochastic.error_model import ImuErrorModel
 from imuwb.stochastic.flicker import FLICKER_LEVEL, FlickerNoise
 from imuwb.stochastic.processes import Constant, RandomWalk, WhiteNoise
 from imuwb.stochastic.sums import Process, Sum
-from imuwb.units import UNITS, Unit, coefficient_units, unit
+from imuwb.units import UNITS, coefficient_units, quantity
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,10 +103,10 @@ def _axis(axis: str, table: dict[str, object], where: str) -> AxisModel:
     for key, stated in table.items():
         if key in _PLAIN:
             measure = UNITS["Hz"] if _PLAIN[key] == "Hz" else coefficient_units(axis, _PLAIN[key])[0]
-            plain[key] = _si(stated, measure, f"{where}.{key}")
+            plain[key] = quantity(stated, measure, f"{where}.{key}")
         elif key in _STATEMENTS:
             statement = _STATEMENTS[key]
-            value = _si(stated, coefficient_units(axis, statement.like)[0], f"{where}.{key}")
+            value = quantity(stated, coefficient_units(axis, statement.like)[0], f"{where}.{key}")
             low, high = statement.interval
             if low < high:
                 intervals[f"{len(processes)}.{statement.parameter}"] = (low * value, high * value)
@@ -115,17 +115,3 @@ def _axis(axis: str, table: dict[str, object], where: str) -> AxisModel:
             raise UsageError(f"{where}: unknown key {key!r}; a sheet states {', '.join((*_STATEMENTS, *_PLAIN))}")
     model = AxisModel(Sum(tuple(processes)), intervals)
     return replace(model, range=plain.get("range"), lsb=plain.get("lsb"), bandwidth=plain.get("bandwidth"))
-
-
-def _si(stated: object, si: Unit, where: str) -> float:
-    number, _, name = str(stated).strip().partition(" ")
-    try:
-        given = unit(name)
-        value = given.to_si(float(number))
-    except (ValueError, UsageError) as error:
-        raise UsageError(
-            f'{where} is {stated!r}; it must be a number and its unit in quotes, such as "1.5 {si.name}"'
-        ) from error
-    if not name or given.dimension != si.dimension or not 0 < value < math.inf:
-        raise UsageError(f"{where} is {stated!r}; it must be above 0, with a unit such as {si.name}")
-    return value

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import cast
 
 from imuwb.documents import document_of, shown
-from imuwb.errors import ImuwbError, UsageError
+from imuwb.errors import UsageError
 from imuwb.log import AXES
 from imuwb.statistics import UNKNOWN, Coefficient
 from imuwb.stochastic.axis_model import AxisModel, of_either_sign
 from imuwb.stochastic.description import LETTERS
 from imuwb.stochastic.error_model import ImuErrorModel
-from imuwb.units import coefficient_units, unit
+from imuwb.units import coefficient_units, quantity
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,21 +79,9 @@ def limits_of(model: ImuErrorModel, factor: float = 1.0) -> tuple[Limit, ...]:
 
 def _si(path: str | Path, axis: str, letter: str, text: object) -> float:
     if letter not in LETTERS:
-        raise UsageError(f"{path}: {shown(letter)}; a limit must be one of {', '.join(LETTERS)}")
-    number, _, name = (text if isinstance(text, str) else "").strip().partition(" ")
-    si = coefficient_units(axis, letter)[0]
-    try:
-        given = unit(name)
-        value = given.to_si(float(number))
-    except (ValueError, ImuwbError) as error:
-        raise UsageError(
-            f'{path}: {letter} = {shown(text)}; it must be a number and its unit, such as "0.3 deg/√h"'
-        ) from error
-    if not name or given.dimension != si.dimension or not 0 < value < math.inf:
-        raise UsageError(
-            f"{path}: {letter} = {shown(text)}; it must be positive, with a unit such as {coefficient_units(axis, letter)[1].name}"
-        )
-    return value
+        raise UsageError(f"{path}: {letter!r}; a limit must be one of {', '.join(LETTERS)}")
+    si, shown = coefficient_units(axis, letter)
+    return quantity(text, si, f"{path}: {letter}", shown.name)
 
 
 def check(model: ImuErrorModel, wanted: tuple[Limit, ...]) -> tuple[Verdict, ...]:

@@ -35,7 +35,7 @@ def test_each_statement_becomes_its_process_with_the_interval_of_its_definition(
 @pytest.mark.parametrize(
     ("text", "named"),
     [
-        ('[gyro]\nN = "0.3 deg/h"', "with a unit"), ('[gyro]\nN = "0.3"', "with a unit"), ('[gyro]\nN = "-1 deg/√h"', "above 0"),
+        ('[gyro]\nN = "0.3 deg/h"', "with a unit"), ('[gyro]\nN = "0.3"', "with a unit"), ('[gyro]\nN = "-1 deg/√h"', "must be positive"),
         ('[gyro]\nnoise = "1 deg/√h"', "unknown key 'noise'"), ('[wheel]\nN = "1 deg/√h"', "unknown key 'wheel'"), ("", "no table gyro"),
         ("[gyro", "not TOML"), ("gyro = 3", "unknown key 'gyro'"),
     ],
