@@ -80,8 +80,8 @@ def limits_of(model: ImuErrorModel, factor: float = 1.0) -> tuple[Limit, ...]:
 def _si(path: str | Path, axis: str, letter: str, text: object) -> float:
     if letter not in LETTERS:
         raise UsageError(f"{path}: {letter!r}; a limit must be one of {', '.join(LETTERS)}")
-    si, shown = coefficient_units(axis, letter)
-    return quantity(text, si, f"{path}: {letter}", shown.name)
+    si, display = coefficient_units(axis, letter)
+    return quantity(text, si, f"{path}: {letter}", display.name)
 
 
 def check(model: ImuErrorModel, wanted: tuple[Limit, ...]) -> tuple[Verdict, ...]:
