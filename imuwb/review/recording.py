@@ -130,7 +130,8 @@ class RecordingReview:
             time,
             lambda rows: rr.Scalars.columns(scalars=values[rows].ravel()).partition([values.shape[1]] * rows.size),
         )
-        stated = value_range(values)
+        # Beside a scene each timeline shows its own part of the values, so the viewer chooses the range.
+        stated = value_range(values) if self._tab.stage is None else None
         whole = rr.TimeRange(start=rr.TimeRangeBoundary.infinite(), end=rr.TimeRangeBoundary.infinite())
         view = rrb.TimeSeriesView(
             origin=path, name=printable(f"{series.title} [{series.unit}]"), axis_x=rrb.TimeAxis(view_range=whole),

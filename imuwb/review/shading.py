@@ -20,11 +20,11 @@ from imuwb.review.timelines import Columns, Timelines, Window
 from imuwb.scene import Event, Level, Span
 
 WIDTH = 850.0  #: width of a chart beside a scene on a screen of 1920 points
-STROKES = 12  #: lines of a span on the timeline of a window
+STROKES = 30  #: lines of a span on the timeline of a window
 SLIM = 5.0  #: width of the lines of a span on the timeline of the whole log, points of the screen
 MARK = 1.5  #: width of an event's line
 OPACITY = 45
-OVERLAP = 1.1  #: width of a line over the distance between two
+OVERLAP = 1.05  #: width of a line over the distance between two
 COLORS: dict[Level, Color] = {"note": GREY, "warning": ORANGE, "fault": RED}
 LEVELS: dict[Level, str] = {"note": "INFO", "warning": "WARN", "fault": "ERROR"}
 
