@@ -32,6 +32,11 @@ _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 #: what may stand between a name and its first number
 _BETWEEN = r"[\"'\w>]{0,2}\s*[:=,(\s]?\s*(?:(?:np|numpy)\.(?:array|diag)\(|diag\(|\{)?\s*[\[({]*\s*"
 _NUMBERS = rf"{_NUMBER}(?:[ \t]*[,;][ \t\n]*{_NUMBER}|[ \t]+{_NUMBER})*"
+#: a line of QGroundControl: vehicle, component, name, value, type
+_STATION = re.compile(rf"(?m)^[ \t]*\d+[ \t]+\d+[ \t]+(\w+)[ \t]+({_NUMBER})[ \t]+\d+[ \t]*$")
+_UNIT_MATRIX = re.compile(r"[ \t]*\*[ \t]*(?:(?:np|numpy)\.(?:eye|identity)\(3\)|(?:gtsam[.:]+)?I_3x3)")
+#: what after a number makes it another: the rest of a word, an operator, a unit
+_MORE = re.compile(r"[\w.][^\s;,)]*|[ \t\])}]*(?:\.?[*/^]|[^\W\d_])[^\s;,)]*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +63,9 @@ def read_estimator_file(path: Path, tool: str | None = None, setting: Setting | 
         if path.stat().st_size > LARGEST_FILE:
             raise UsageError(f"{path}: the file has more than {LARGEST_FILE} bytes, so it is no file of settings")
         text = path.read_text("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
+        raise UsageError(f"{path}: byte {error.start} is not of UTF-8; if this is a text, save it as UTF-8") from error
+    except OSError as error:
         raise UsageError(f"{path}: cannot be read: {error}") from error
     return read_estimator_text(text, str(path), tool, setting)
 
@@ -72,6 +79,7 @@ def read_estimator_text(text: str, where: str, tool: str | None = None, setting:
     setting = setting or Setting()
     if tool is None and (found := _other_form(text, where, setting)) is not None:
         return found
+    text = _STATION.sub(r"\1 \2", text)
     calibration = read_calibration_text(text, where)
     chosen = _recognized(text) if tool is None else tool_named(tool, "--from")
     if chosen is None and calibration is not None:
@@ -91,9 +99,16 @@ def read_estimator_text(text: str, where: str, tool: str | None = None, setting:
         names = ", ".join(field.key for field in chosen.fields if field.sensor)
         raise UsageError(f"{where}: no value of {chosen.name} is in the file; it has names such as {names}")
     setting = _setting(chosen, stated, setting, where)
-    axes = {axis: found for axis in AXES if (found := _axis(chosen, axis, stated, setting, where)) is not None}
+    try:
+        axes = {axis: found for axis in AXES if (found := _axis(chosen, axis, stated, setting, where)) is not None}
+    except ValueError as error:
+        raise UsageError(f"{where}: read as {chosen.name}: {error}") from error
+    if not axes:
+        raise UsageError(f"{where}: every value of {chosen.name} in the file is 0, so nothing of the sensor is known")
     missing = [field.key for field in chosen.fields if field.sensor and not any(key in stated for key in field.keys)]
+    named = [key for key in missing if chosen.form != "json" and re.search(rf"(?<!\w){re.escape(key)}(?!\w)", plain)]
     notes = (
+        *((f"after {', '.join(named)} stands no number that can be read",) if named else ()),
         *((SLOPES,) if is_allan_variance_ros(text) else ()),
         *((f"the file does not state {', '.join(missing)}; what that says stays unknown, not 0",) if missing else ()),
         "values are as stated in the file, without intervals; if somebody tuned them for motion, they are larger than the sensor's own noise",
@@ -135,15 +150,21 @@ def _without_comments(text: str, tool: Tool) -> str:
     if tool.form == "xml":
         return re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
     mark = re.escape(tool.comment)
-    return re.sub(rf"(?m)(?:^|(?<=\s)){mark}(?!YAML).*$", "", text)
+    return _UNIT_MATRIX.sub("", re.sub(rf"(?m)(?:^|(?<=\s)){mark}(?!YAML).*$", "", text))
 
 
 def _numbers(text: str, key: str, tool: Tool, where: str) -> tuple[float, ...] | None:
     if tool.form == "xml":
         return _element(text, key, where)
-    found = {match[1] for match in re.finditer(rf"(?<!\w){re.escape(key)}{_BETWEEN}({_NUMBERS})", text)}
+    matches = list(re.finditer(rf"(?<!\w){re.escape(key)}{_BETWEEN}({_NUMBERS})", text))
+    found = {match[1] for match in matches}
     if not found:
         return None
+    for match in matches:
+        if more := _MORE.match(text, match.end()):
+            raise UsageError(
+                f"{where}: {key} is {match[1]}, then {more[0].strip()!r}; write plain numbers in the tool's own unit"
+            )
     if len(found) > 1:
         raise UsageError(f"{where}: {key} is stated {len(found)} times, with different values; give a file of one IMU")
     return tuple(float(number) for number in re.findall(_NUMBER, found.pop()))

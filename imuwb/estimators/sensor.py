@@ -9,6 +9,7 @@ from imuwb.estimators.growth import TO_POSITION, slow_part, turn_on
 from imuwb.estimators.matching import Match, as_gauss_markov, as_walk
 from imuwb.stochastic import AxisModel, FlickerNoise, ImuErrorModel, RandomWalk, Sum, WhiteNoise
 
+LARGEST = 1e6  #: factor of noise in motion
 SENSORS = ("gyro", "accel")
 #: limit of a coefficient that a record does not show -> the process that it limits
 _LIMITS: Mapping[str, Callable[[float], WhiteNoise | FlickerNoise | RandomWalk]] = {
@@ -114,16 +115,16 @@ class Factors:
         """Return the factors of ``gyro=23,accel=10``.
 
         Raises:
-            UsageError: another form, or a factor that is not above 0.
+            UsageError: another form, or a factor that is not above 0 and below ``LARGEST``.
         """
         parts = {name: factor for name, _, factor in (part.partition("=") for part in text.replace(" ", "").split(","))}
         try:
             factors = Factors(float(parts.pop("gyro", "1")), float(parts.pop("accel", "1")))
         except ValueError:
             factors = Factors(math.nan, math.nan)
-        if parts or not (0 < factors.gyro < math.inf and 0 < factors.accel < math.inf):
+        if parts or not (0 < factors.gyro < LARGEST and 0 < factors.accel < LARGEST):
             raise UsageError(
-                f"--in-motion {text}: write factors of white noise above 0, such as gyro=23,accel=10, or a file"
+                f"--in-motion {text}: write factors of white noise above 0 and below {LARGEST:g}, such as gyro=23,accel=10, or a file"
             )
         return factors
 

@@ -36,4 +36,8 @@ def sensor_model(given: str | Path) -> ImuErrorModel:
     """
     if not Path(given).exists() and str(given) in preset_names():
         return preset(str(given))
+    if not Path(given).exists() and not Path(given).suffix:
+        raise UsageError(
+            f"{given}: there is no such file, and no published sensor of that name; imuwb model list lists them"
+        )
     return ImuErrorModel.read(given)

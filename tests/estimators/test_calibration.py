@@ -48,6 +48,16 @@ def test_a_file_is_read_back_as_far_as_it_has_places(form, model):
         assert sum("left out" in note for note in notes) == 3
 
 
+def test_a_matrix_of_kalibr_may_be_one_list_over_several_lines():
+    text = "accelerometers:\n  M: [[1.0, 0.0,\n       0.0], [0.001, 1.01, 0.0],\n    [0.0, 0.0, -9.9e-1]]\ngyroscopes:\n  M:\n  - - 1.0\n    - 0.0\n    - 0.0\n  - [0.0, 1.0, 0.0]\n  - [0.0, 0.0, -1.0]\n"
+    found = read_calibration_text(text, "file")
+    assert found is not None
+    m = Matrices.of(found[1])
+    assert np.diag(m.accel) == pytest.approx([1, 1.01, -0.99])
+    assert m.accel[1, 0] == pytest.approx(1e-3)
+    assert np.diag(m.gyro) == pytest.approx([1, 1, -1])
+
+
 def test_imu_tk_undoes_a_measurement_by_its_own_formula(model):
     numbers = np.array(calibration_text(model, "imu-tk")[0].split(), float)[:21]
     force = np.array([1.0, -2.0, 9.0])

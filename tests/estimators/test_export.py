@@ -131,7 +131,7 @@ def test_noise_in_motion_comes_from_factors_or_from_a_drives_model(made):
     model, sentence = with_motion(bench, road)
     assert model.axes == road.axes
     assert "gyro 23.00" in sentence
-    for wrong in ("gyro=0", "wheel=3", "gyro", "gyro=x"):
+    for wrong in ("gyro=0", "wheel=3", "gyro", "gyro=x", "gyro=1e308"):
         with pytest.raises(UsageError, match="--in-motion"):
             Factors.of_text(wrong)
 

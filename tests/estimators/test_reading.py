@@ -101,6 +101,28 @@ def test_what_a_file_does_not_state_stays_unknown_and_is_said():
         ),
         ("<imu><angular_velocity></imu>", "gazebo", "not XML"),
         ("acc_n: 0.1", "nothing", "--from nothing"),
+        *(
+            (f"gyroscope_noise_density: {value}\naccelerometer_noise_density: 1\n", None, named)
+            for value, named in (
+                ("1.0d-3", "'d-3'"),
+                ("1_000e-6", "'_000e-6'"),
+                ("2 / 3", "'/"),
+                ("0.01 deg/s/sqrt(Hz)", "deg/s"),
+                ("[1e-4, 1e-4, 1e-4] .* D2R", r"\.\*"),
+                ("1e400", "below 1e"),
+            )
+        ),
+        ("gyroscope_noise_density: 0\naccelerometer_noise_density: 0.0\n", None, "every value"),
+        (
+            "accelerometers:\n  M: [[1,0,0],[0,1,0],[0,0,0]]\ngyroscopes:\n  M: [[1,0,0],[0,1,0],[0,0,1]]\n",
+            None,
+            "inverted",
+        ),
+        (
+            "accelerometers:\n  M: [[1.0,0,0],[0,1.0,0]]\ngyroscopes:\n  M: [[1,0,0],[0,1,0],[0,0,1]]\n",
+            None,
+            "three rows",
+        ),
     ],
 )
 def test_wrong_files_are_named(text, tool, named):
@@ -149,6 +171,20 @@ def test_allan_variance_ros_gives_a_walk_that_is_a_limit():
     assert any("upper limit" in note for note in read_estimator_text(text, "imu.yaml").notes)
 
 
+def test_a_file_of_qgroundcontrol_has_its_value_in_the_fourth_column():
+    text = "# Vehicle-Id Component-Id Name Value Type\n1\t1\tEKF2_GYR_NOISE\t0.015\t9\n1\t1\tEKF2_ACC_NOISE\t0.35\t9\n1\t1\tCAL_ACC0_XOFF\t0.1\t9\n"
+    axis = read_estimator_text(text, "file").model.axes["accel_x"]
+    assert axis.processes.terms == (WhiteNoise(pytest.approx(0.035)),)
+    assert axis.bias == pytest.approx(0.1)
+
+
+def test_a_covariance_times_the_unit_matrix_is_read_and_a_name_without_a_number_is_said():
+    text = "p.setGyroscopeCovariance(1e-8 * np.eye(3))\np.setAccelerometerCovariance(I)\n"
+    reading = read_estimator_text(text, "file", "gtsam")
+    assert reading.model.axes["gyro_y"].processes == Sum((WhiteNoise(pytest.approx(1e-4)),))
+    assert "setAccelerometerCovariance stands no number" in reading.notes[0]
+
+
 def test_data_sheets_calibrations_and_files_with_both_are_read():
     sheet = read_estimator_text('name = "X"\n[gyro]\nN = "0.3 deg/√h"\n', "x.toml")
     assert (sheet.form, sheet.model.name) == ("data sheet", "X")
@@ -169,5 +205,5 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path):
     with pytest.raises(UsageError, match=r"none\.yaml: cannot be read"):
         read_estimator_file(tmp_path / "none.yaml")
     (tmp_path / "bytes.yaml").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(UsageError, match="cannot be read"):
+    with pytest.raises(UsageError, match="save it as UTF-8"):
         read_estimator_file(tmp_path / "bytes.yaml")

@@ -77,6 +77,8 @@ def read_calibration_text(text: str, where: str) -> tuple[str, ImuErrorModel] | 
     for name, form in FILES.items():
         try:
             found = form.read(plain)
+            if found is not None:
+                found.check()
         except (ValueError, np.linalg.LinAlgError) as error:
             raise UsageError(f"{where}: read as {name}: {error}") from error
         if found is not None:
@@ -125,16 +127,17 @@ def _kalibr(matrices: Matrices) -> tuple[list[str], list[str]]:
 
 
 def _read_kalibr(text: str) -> Matrices | None:
-    accel, gyro = (
-        re.search(rf"{name}:(.*?)(?=\n\s{{0,3}}\w+:|\Z)", text, re.DOTALL) for name in ("accelerometers", "gyroscopes")
+    accel, gyro = (  # with the lines below that are further in
+        re.search(rf"(?m)^([ \t]*){name}:[^\n]*\n((?:\1[ \t]+[^\n]*\n?|\s*\n)*)", text)
+        for name in ("accelerometers", "gyroscopes")
     )
     if accel is None or gyro is None:
         return None
     m_a, m_g, between, leak = (
-        _matrix(accel[1], "M"),
-        _matrix(gyro[1], "M"),
-        _matrix(gyro[1], "C_gyro_i"),
-        _matrix(gyro[1], "A"),
+        _matrix(accel[2], "M"),
+        _matrix(gyro[2], "M"),
+        _matrix(gyro[2], "C_gyro_i"),
+        _matrix(gyro[2], "A"),
     )
     if m_a is None or m_g is None:
         return None
@@ -250,11 +253,18 @@ def _inverse(matrix: Floats) -> Floats:
 
 
 def _matrix(text: str, key: str) -> Floats | None:
-    """Return the 3 × 3 matrix after a key of YAML, in rows with or without dashes."""
-    found = re.search(rf"(?<!\w){key}:((?:\s*-?\s*[\[,\]]?\s*{_NUMBER}[\s,\]]*){{9}})", text)
-    if found is None:
+    """Return the 3 × 3 matrix after a key of YAML, in rows with or without dashes and brackets; None where no list is there.
+
+    Raises:
+        ValueError: a list of another size.
+    """
+    found = re.search(rf"(?<!\w){key}:((?:[\s\[\],]|-\s|{_NUMBER}(?![\d.eE]))*)", text)
+    if found is None or not re.match(r"\s*(?:-\s|\[)", found[1]):
         return None
-    return np.array([float(n) for n in re.findall(_NUMBER, re.sub(r"-\s+", " ", found[1]))]).reshape(3, 3)
+    numbers = re.findall(_NUMBER, re.sub(r"-\s+", " ", found[1]))
+    if len(numbers) != 9:  # noqa: PLR2004 - 3 × 3
+        raise ValueError(f"{key} has {len(numbers)} numbers; it must have three rows of three")
+    return np.array([float(n) for n in numbers]).reshape(3, 3)
 
 
 def _list(text: str, key: str) -> Floats | None:

@@ -8,6 +8,8 @@ from imuwb.arrays import Floats
 from imuwb.log import AXES
 from imuwb.stochastic import AxisModel, ImuErrorModel
 
+SINGULAR = 1e-6  #: determinant; that of a sensor is near 1
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Matrices:
@@ -27,6 +29,16 @@ class Matrices:
         biases = [np.array([axes[first + i].bias for i in range(3)]) for first in (0, 3)]
         leak = np.array([axes[i].g_sensitivity for i in range(3)])
         return Matrices(gains[0], biases[0], leak, gains[1], biases[1])
+
+    def check(self) -> None:
+        """Check that a true value can be had from each measured one.
+
+        Raises:
+            ValueError: a matrix that cannot be inverted.
+        """
+        for sensor, matrix in (("gyros", self.gyro), ("accelerometers", self.accel)):
+            if not abs(np.linalg.det(matrix)) > SINGULAR:
+                raise ValueError(f"the matrix of the {sensor}, {matrix.tolist()}, cannot be inverted")
 
     def model(self, name: str, source: str) -> ImuErrorModel:
         """Return an error model of these matrices alone."""
