@@ -55,11 +55,14 @@ def variables(path: Path) -> tuple[Tree, list[Remark]]:
 def _of_version_5(path: Path, objects: list[str]) -> Tree:
     check_structure(path.read_bytes())
     from scipy.io import loadmat  # noqa: PLC0415 - version 7.3 needs h5py alone
-    from scipy.io.matlab import MatlabFunction, MatlabOpaque  # noqa: PLC0415
+    from scipy.io.matlab import MatlabFunction, MatlabOpaque, MatReadError  # noqa: PLC0415
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of names that are twice in the file, and of objects
-        loaded: dict[Any, Any] = loadmat(path, simplify_cells=True, verify_compressed_data_integrity=True)
+        try:
+            loaded: dict[Any, Any] = loadmat(path, simplify_cells=True, verify_compressed_data_integrity=True)
+        except MatReadError as error:  # its base is Exception itself
+            raise ValueError(str(error)) from error
 
     def plain(name: str, value: object, depth: int = 0) -> object:
         if isinstance(value, (MatlabOpaque, MatlabFunction)):

@@ -202,3 +202,12 @@ def test_absurd_sizes_are_refused(tmp_path):
     path.write_bytes(data[:at] + (2**31 - 1).to_bytes(4, "little") + data[at + 4 :])
     with pytest.raises(UnreadableLogError, match=r"log\.mat"):
         read(path)
+
+
+@pytest.mark.parametrize("length", [19, 60, 125])
+def test_a_file_that_ends_within_its_header_is_refused(tmp_path, length):
+    path = tmp_path / "log.mat"
+    savemat(path, {"imu": IMU})
+    path.write_bytes(path.read_bytes()[:length])
+    with pytest.raises(UnreadableLogError, match="MATLAB"):
+        read(path)
