@@ -22,6 +22,10 @@ def sensor(flicker=False):
     return ImuErrorModel("cheap", axes)
 
 
+#: words of the command line that state the same; estimates take seconds
+KNOWN = ("--mounting", "0,0,0", "--gnss-delay", "0", "--clock-rate", "1")
+
+
 def stated(**options):
     """Return options in which all fixes are used, and the mounting and the clocks are stated: estimates of them take seconds."""
     known = {"mounting": (0.0, 0.0, 0.0), "gnss_delay": 0.0, "clock_rate": 1.0, "spacing": 0.0}

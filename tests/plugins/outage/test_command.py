@@ -12,7 +12,7 @@ from imuwb.stochastic import AxisModel, GaussMarkov, ImuErrorModel, Sinusoid, Su
 from imuwb_plugins import outage
 from imuwb_plugins.outage import Parameters
 
-from .made import Shown, sensor, stated
+from .made import KNOWN, Shown, sensor, stated
 
 pytestmark = pytest.mark.slow
 
@@ -96,7 +96,7 @@ def test_too_short_to_tune(log, toml):
 
 @pytest.mark.slow
 def test_samples_that_know_what_comes_are_not_causal(command, mcap, toml):
-    options = ("--error-model", toml, "--models", "none", "--at", "150:10", "-o", "o.rrd", "--json", "o.json")
+    options = ("--error-model", toml, "--models", "none", "--at", "150:10", "-o", "o.rrd", "--json", "o.json", *KNOWN)
     code, _, err = command("outage", mcap, *options, "--through", "wavelet:levels=6")
     assert code == 0, err
     (one,) = json.loads(Path("o.json").read_text("utf-8"))["result"]["outages"]
@@ -123,7 +123,19 @@ def test_a_recording_and_json_are_written(command, mcap, toml):
 
 def test_json_on_stdout_is_all_there_is(command, mcap, toml):
     code, out, _ = command(
-        "outage", mcap, "--error-model", toml, "--models", "none", "--at", "150:10", "-o", "o.rrd", "--json", "-"
+        "outage",
+        mcap,
+        "--error-model",
+        toml,
+        "--models",
+        "none",
+        "--at",
+        "150:10",
+        "-o",
+        "o.rrd",
+        "--json",
+        "-",
+        *KNOWN,
     )
     assert code == 0
     assert json.loads(out)["result"]["outages"][0]["start"] == pytest.approx(150.0)
@@ -144,7 +156,7 @@ def test_seconds_count_from_the_logs_start_in_a_cut(command, mcap, toml):
         "o.rrd",
         "--json",
     )
-    code, _, err = command("outage", mcap, *options, "cut.json", "--start", "80", "--end", "230")
+    code, _, err = command("outage", mcap, *KNOWN, *options, "cut.json", "--start", "80", "--end", "230")
     assert code == 0, err
     (one,) = json.loads(Path("cut.json").read_text("utf-8"))["result"]["outages"]
     assert one["start"] == pytest.approx(190.0)
@@ -163,8 +175,7 @@ def test_seconds_count_from_the_logs_start_in_a_cut(command, mcap, toml):
 )
 def test_exit_codes(command, mcap, toml, options, code, words):
     model = () if "--error-model" in options else ("--error-model", toml)
-    known = ("--mounting", "0,0,0", "--gnss-delay", "0", "--clock-rate", "1")  # their estimates take seconds
-    found, _, err = command("outage", mcap, *model, *known, *options, "-o", "o.rrd")
+    found, _, err = command("outage", mcap, *model, *KNOWN, *options, "-o", "o.rrd")
     assert (found, words in err) == (code, True), err
     assert "Traceback" not in err
     assert not Path("o.rrd").exists()

@@ -12,15 +12,13 @@ from imuwb.notes import ids
 from imuwb.simulation import drive, mixed_route
 from imuwb.writers import write
 from imuwb_plugins import outage
-from imuwb_plugins.outage import Parameters
 
-from .made import Shown, sensor, stated
+from .made import KNOWN, Shown, sensor, stated
 
 pytestmark = pytest.mark.slow
 
 
 #: what would else be estimated, for seconds
-KNOWN = ("--mounting", "0,0,0", "--gnss-delay", "0", "--clock-rate", "1")
 
 
 def named(log, path):
@@ -70,7 +68,7 @@ def test_what_is_drawn(both):
 
 
 def test_a_drive_that_cannot_be_replayed_does_not_end_the_others(two, options):
-    found = outage.run([two[0], named(replace(two[1], gnss=()), "/a/bare.mcap")], Parameters(**options))
+    found = outage.run([two[0], named(replace(two[1], gnss=()), "/a/bare.mcap")], stated(**options))
     assert list(found.drives) == ["north"]
     assert "no GNSS receiver" in found.failed["bare"]
     assert "drive-left-out" in ids(found.notes)

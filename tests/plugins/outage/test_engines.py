@@ -16,7 +16,7 @@ from imuwb.replay import Outage, fixes_outside
 from imuwb.writers import write
 from imuwb_plugins import outage
 
-from .made import Shown, stated
+from .made import KNOWN, Shown, stated
 
 pytestmark = pytest.mark.slow
 
@@ -224,7 +224,7 @@ def test_the_command_line(command, mcap, toml, log, script):
     save(off(log, 2.0), Path("o.csv"))
     code, out, err = command(
         "outage", mcap, "--error-model", toml, "--models", "full", "--at", "150:10", "--solution", "kf=o.csv,no=none.nav",
-        "--filter-command", script(), "-o", "o.rrd", "--json", "o.json", "--full",
+        "--filter-command", script(), "-o", "o.rrd", "--json", "o.json", "--full", *KNOWN,
     )  # fmt: skip
     assert code == 0, err
     assert "straight" in out

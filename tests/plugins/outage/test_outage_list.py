@@ -11,6 +11,8 @@ from imuwb_plugins.outage import Parameters
 from imuwb_plugins.outage.given_outages import name_of, outages_of
 from imuwb_plugins.outage.outage_list import OutageFile, given
 
+from .made import KNOWN
+
 CSV = "name,start,duration,log\ntunnel,130,10,\nbridge,150.5,10,other\n"
 TOML = '[[outage]]\nname = "tunnel"\nstart = 130\nduration = 10\n\n[[outage]]\nstart = 150.5\nduration = 10\nlog = "other"\n'
 
@@ -101,6 +103,7 @@ def test_the_name_is_in_the_result(command, mcap, toml):
         "--json",
         "o.json",
         "--full",
+        *KNOWN,
     )
     assert code == 0, err
     assert "tunnel" in out

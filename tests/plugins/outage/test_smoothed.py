@@ -13,12 +13,14 @@ from imuwb_plugins import outage
 from imuwb_plugins.outage import Parameters
 from imuwb_plugins.outage.output import outputs, write_outputs
 
+from .made import stated
+
 pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
 def result(log, toml):
-    return outage.run([log], Parameters(error_model=toml, models="full", at="150:10", smoothed="s.csv"))
+    return outage.run([log], stated(error_model=toml, models="full", at="150:10", smoothed="s.csv"))
 
 
 @pytest.fixture
@@ -68,7 +70,7 @@ def test_tum_has_the_smoothed_one(written, result):
 def test_it_can_be_a_solution_and_a_truth(written, log, toml):
     path = written("s.csv")
     found = outage.run(
-        [log], Parameters(error_model=toml, models="full", at="150:10", solution={"smoothed": Path(f"whole:{path}")})
+        [log], stated(error_model=toml, models="full", at="150:10", solution={"smoothed": Path(f"whole:{path}")})
     )
     assert found.whole_run["smoothed"].median_end < found.whole_run["full"].median_end
     assert found.whole_run["smoothed"].nees_per_dof is not None

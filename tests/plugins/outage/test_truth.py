@@ -15,7 +15,7 @@ from imuwb.writers import write
 from imuwb.writers.trajectory import write_trajectory
 from imuwb_plugins import outage
 
-from .made import stated
+from .made import KNOWN, stated
 
 pytestmark = pytest.mark.slow
 
@@ -122,7 +122,7 @@ def test_exit_codes(command, mcap, toml, options, code, words):
     Path("three.txt").write_text("1 2 3\n4 5 6\n", "utf-8")
     Path("early.csv").write_text("time_s,latitude_deg,longitude_deg,height_m\n1,45,7,0\n2,45,7,0\n", "utf-8")
     found, _, err = command(
-        "outage", mcap, "--error-model", toml, "--models", "none", "--at", "150:10", *options, "-o", "o.rrd"
+        "outage", mcap, "--error-model", toml, "--models", "none", "--at", "150:10", *KNOWN, *options, "-o", "o.rrd"
     )
     assert (found, words in err) == (code, True), err
     assert "Traceback" not in err
@@ -132,7 +132,7 @@ def test_exit_codes(command, mcap, toml, options, code, words):
 def test_the_command(command, mcap, toml, log):
     write(Log(Provenance("t", "t", "", 0), references=log.references), "t.csv")
     code, out, err = command(
-        "outage", mcap, "--error-model", toml, "--models", "none", "--at", "150:10", "--truth", "t.csv", "-o", "o.rrd",
+        "outage", mcap, "--error-model", toml, "--models", "none", "--at", "150:10", "--truth", "t.csv", *KNOWN, "-o", "o.rrd",
         "--json", "o.json",
     )  # fmt: skip
     assert code == 0, err
