@@ -83,11 +83,12 @@ def export(
     from imuwb.cli.places import check_place  # noqa: PLC0415 - help must not wait
     from imuwb.estimators import as_json  # noqa: PLC0415
     from imuwb.estimators import export as exported  # noqa: PLC0415
-    from imuwb.estimators.calibration import FILES, THERMAL_FORMS, calibration_text, thermal_text  # noqa: PLC0415
+    from imuwb.estimators.calibration import FILES, THERMAL_FORMS, calibration_text, imu_tk_files, thermal_text  # noqa: PLC0415
     from imuwb.writers import write_text  # noqa: PLC0415
 
-    if output is not None:
-        check_place(output, force=force)
+    files = _files(output, to)
+    for file in files.values():
+        check_place(file, force=force)
     read, options, said = _given(model, rate, step, horizon, in_motion, scale_factor, limits=limits)
     if to == "json":
         text, notes = as_json(read), ()
@@ -101,10 +102,23 @@ def export(
     if output is None:
         typer.echo(text, nl=False)
         return
-    write_text(output, text)
+    parts = imu_tk_files(text) if to == "imu-tk" else {"": text}
+    for part, file in files.items():
+        write_text(file, parts[part])
     for note in notes:
         typer.echo(f"note: {note}", err=True)
-    typer.echo(f"wrote {output}", err=True)
+    typer.echo(f"wrote {', '.join(map(str, files.values()))}", err=True)
+
+
+def _files(output: Path | None, to: str) -> dict[str, Path]:
+    """Return the files to write: one, or one for each triad, which is what imu_tk loads."""
+    if output is None:
+        return {}
+    return (
+        {part: output.with_suffix(f".{part}{output.suffix}") for part in ("acc", "gyro")}
+        if to == "imu-tk"
+        else {"": output}
+    )
 
 
 def import_(

@@ -157,6 +157,15 @@ def test_a_file_goes_out_and_comes_back_in(imuwb, gm, tmp_path):
     assert imuwb("model", "import", "vins.yaml").code == 2  # no rate
 
 
+def test_imu_tk_gets_a_file_for_each_triad(imuwb, tmp_path):
+    (tmp_path / "cube.toml").write_text("[accel_x]\nbias = 0.1\n", "utf-8")
+    done = imuwb("model", "export", "cube.toml", "--to", "imu-tk", "-o", "cube.calib")
+    assert (done.code, "cube.acc.calib, cube.gyro.calib" in done.err) == (0, True), done.err
+    assert len((tmp_path / "cube.gyro.calib").read_text("utf-8").split()) == 21
+    assert not (tmp_path / "cube.calib").exists()
+    assert imuwb("model", "export", "cube.toml", "--to", "imu-tk", "-o", "cube.calib").code == 2
+
+
 def test_an_explanation_and_noise_in_motion(imuwb, gm):
     done = imuwb("model", "explain", gm, "--for", "fast-lio", "--rate", "200")
     assert (done.code, "acc_cov" in done.out, "times 10" in done.out) == (0, True, True)

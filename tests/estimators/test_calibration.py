@@ -2,7 +2,15 @@ import numpy as np
 import pytest
 
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.estimators.calibration import FILES, Matrices, calibration_text, read_calibration_text, thermal_text, undone
+from imuwb.estimators.calibration import (
+    FILES,
+    Matrices,
+    calibration_text,
+    imu_tk_files,
+    read_calibration_text,
+    thermal_text,
+    undone,
+)
 from imuwb.stochastic import AxisModel, ImuErrorModel, shown
 
 RNG = np.random.default_rng(3)
@@ -46,6 +54,20 @@ def test_a_file_is_read_back_as_far_as_it_has_places(form, model):
         assert np.diag(after.accel) == pytest.approx(np.diag(before.accel), abs=1e-8)
         assert after.gyro_bias == pytest.approx(before.gyro_bias, abs=1e-8)
         assert sum("left out" in note for note in notes) == 3
+
+
+def test_imu_tk_has_a_file_for_each_triad_and_each_is_read_alone(model):
+    before = Matrices.of(model)
+    files = imu_tk_files(calibration_text(model, "imu-tk")[0])
+    for name, gain, bias in (("acc", before.accel, before.accel_bias), ("gyro", before.gyro, before.gyro_bias)):
+        numbers = np.array(files[name].split(), float)
+        assert np.linalg.inv(numbers[:9].reshape(3, 3) @ numbers[9:18].reshape(3, 3)) == pytest.approx(gain, abs=1e-9)
+        found = read_calibration_text(files[name], f"gyros/cube.{name}.calib")
+        assert found is not None
+        back = Matrices.of(found[1])
+        assert (back.gyro if name == "gyro" else back.accel) == pytest.approx(gain, abs=1e-9)
+        assert (back.gyro_bias if name == "gyro" else back.accel_bias) == pytest.approx(bias, abs=1e-9)
+        assert set(found[1].axes) == {f"{'gyro' if name == 'gyro' else 'accel'}_{axis}" for axis in "xyz"}
 
 
 def test_a_matrix_of_kalibr_may_be_one_list_over_several_lines():

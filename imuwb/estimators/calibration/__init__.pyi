@@ -2,6 +2,7 @@ from .files import FILES as FILES
 from .files import CalibrationFile as CalibrationFile
 from .files import calibration_lines as calibration_lines
 from .files import calibration_text as calibration_text
+from .files import imu_tk_files as imu_tk_files
 from .files import read_calibration_text as read_calibration_text
 from .logged import as_measured as as_measured
 from .logged import before_logging as before_logging

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,6 +12,8 @@ from imuwb.estimators.calibration.matrices import Matrices, lower_and_turn
 from imuwb.stochastic import ImuErrorModel, is_ideal, is_thermal
 
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+
+_TRIAD = 21  #: numbers of imu_tk for one triad: 9 + 9 + 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,8 +84,18 @@ def read_calibration_text(text: str, where: str) -> tuple[str, ImuErrorModel] | 
         except (ValueError, np.linalg.LinAlgError) as error:
             raise UsageError(f"{where}: read as {name}: {error}") from error
         if found is not None:
-            return name, found.model(name, f"{where}, read as {name}")
+            model = found.model(name, f"{where}, read as {name}")
+            return name, _one_triad(model, where) if name == "imu-tk" and len(plain.split()) == _TRIAD else model
     return None
+
+
+def _one_triad(model: ImuErrorModel, where: str) -> ImuErrorModel:
+    """Return a model that was read as one of accelerometers alone; as one of gyros, where the file's name says so."""
+    gyro = "gyr" in re.split(r"[\\/]", where)[-1].lower()
+    name = "gyro" if gyro else "accel"
+    axes = {f"{name}_{letter}": model.axes[f"accel_{letter}"] for letter in "xyz"}
+    doubt = f"one triad, taken as that of the {'gyros' if gyro else 'accelerometers'} by the name of the file"
+    return replace(model, axes=axes, doubts=(*model.doubts, doubt))
 
 
 def _rows(matrix: Floats) -> list[str]:
@@ -165,7 +177,7 @@ def _read_openvins(text: str) -> Matrices | None:
 
 
 def _imu_tk(matrices: Matrices) -> tuple[list[str], list[str]]:
-    """Return the accelerometers' misalignment, scale and bias, then those of the gyros, a blank line between the two."""
+    """Return the accelerometers' misalignment, scale and bias, then those of the gyros, a blank line after each block."""
     lines: list[str] = []
     for gain, bias in ((matrices.accel, matrices.accel_bias), (matrices.gyro, matrices.gyro_bias)):
         undo = np.linalg.inv(gain)
@@ -174,18 +186,25 @@ def _imu_tk(matrices: Matrices) -> tuple[list[str], list[str]]:
             lines += [" ".join(f"{v:.12g}" for v in row) for row in block]
             lines.append("")
     notes = _lost("the gyros' sensitivities to acceleration", float(np.abs(matrices.leak).max()), "rad/s per m/s²")
-    parts = "imu_tk reads one triad from a file: the first half is the file of the accelerometers, the second that of the gyros"
-    return lines[:-1], [parts, *notes]
+    return lines[:-1], notes
 
 
 def _read_imu_tk(text: str) -> Matrices | None:
+    """Return the matrices of both triads, one after the other; those of one triad alone are of the accelerometers."""
     words = text.split()
-    if len(words) != 42 or not all(re.fullmatch(_NUMBER, word) for word in words):  # noqa: PLR2004 - 2 × (9 + 9 + 3)
+    if len(words) not in (_TRIAD, 2 * _TRIAD) or not all(re.fullmatch(_NUMBER, word) for word in words):
         return None
-    numbers = np.array([float(word) for word in words]).reshape(2, 21)
-    found = [(np.linalg.inv(row[:9].reshape(3, 3) @ row[9:18].reshape(3, 3)), row[18:]) for row in numbers]
-    (accel, accel_bias), (gyro, gyro_bias) = found
+    numbers = np.array([float(word) for word in words]).reshape(-1, _TRIAD)
+    found = [(_inverse(row[:9].reshape(3, 3) @ row[9:18].reshape(3, 3)), row[18:]) for row in numbers]
+    (accel, accel_bias), (gyro, gyro_bias) = [*found, (np.eye(3), np.zeros(3))][:2]
     return Matrices(gyro, gyro_bias, np.zeros((3, 3)), accel, accel_bias)
+
+
+def imu_tk_files(text: str) -> dict[str, str]:
+    """Return the two files that imu_tk loads, one for each triad, by the word that stands in their names."""
+    lines = text.splitlines()
+    half = (len(lines) + 1) // 2  # a blank line between them
+    return {"acc": "\n".join(lines[:half]).rstrip() + "\n", "gyro": "\n".join(lines[half:]) + "\n"}
 
 
 def _imu_calib(matrices: Matrices) -> tuple[list[str], list[str]]:
