@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from imuwb.cli.completion import completer
+from imuwb.cli.options import Full
 from imuwb.errors import UsageError
 from imuwb.options import Form
 
@@ -176,24 +177,43 @@ def explain(
     limits: _Limits = False,
     in_motion: _Motion = None,
     scale_factor: _Scale = None,
+    full: Full = False,
 ) -> None:
     """Say what to write into an estimator's file and why, and how wrong the usual shortcuts are for this sensor.
 
     Example: imuwb model explain static.error-model.toml --for vins
     """
-    from imuwb.analysis import Table  # noqa: PLC0415 - help must not wait
-    from imuwb.cli.terminal import shower  # noqa: PLC0415
+    import shlex  # noqa: PLC0415 - as small as the command
+
+    from imuwb.analysis import Step  # noqa: PLC0415 - help must not wait
+    from imuwb.cli.terminal import print_panel, shower  # noqa: PLC0415
     from imuwb.estimators import explain as explained  # noqa: PLC0415
+    from imuwb.review.explanations import explain_answer, explain_notes, explain_tables  # noqa: PLC0415
+    from imuwb.review.panel import Origin  # noqa: PLC0415
 
     read, options, said = _given(model, rate, step, horizon, in_motion, scale_factor, limits=limits)
     found = explained(read, for_, options, said)
-    show = shower(data=True)
-    show(Table(found.export.tool.title, ("name", "value", "unit", "what it is"), found.rows))
-    for sentence in (*found.sentences, *found.export.notes):
-        typer.echo(sentence[0].upper() + sentence[1:] + ("" if sentence.endswith(".") else "."))
-    rows = [(s.habit, s.sensor, f"{s.ratio:.3g} times") for s in found.shortcuts]
-    caption = f"sigma of position after {horizon:g} s that the estimator then states, over the right one"
-    show(Table("Usual shortcuts, for this sensor", ("habit", "sensor", "sigma"), tuple(rows), caption))
+    if full:
+        values, shortcuts = explain_tables(found, horizon)
+        show = shower(data=True)
+        show(values)
+        for sentence in explain_notes(found):
+            typer.echo(sentence)
+        show(shortcuts)
+        return
+    given = {"--rate": rate, "--step": step, "--scale-factor": scale_factor, "--in-motion": in_motion}
+    given |= {"--horizon": None if horizon == 60.0 else horizon}  # noqa: PLR2004 - the default
+    words = [
+        f" {name} {value:g}" if isinstance(value, float) else f" {name} {shlex.quote(str(value))}"
+        for name, value in given.items()
+        if value
+    ]
+    same = "".join(words) + (" --limits" if limits else "")
+    steps = (
+        Step(f"imuwb model export {{log}} --to {for_}{same}", "the file"),
+        Step(f"imuwb model explain {{log}} --for {for_}{same} --full", "all values and notes"),
+    )
+    print_panel(explain_answer(found, horizon, steps), Origin("explain", (str(model),)), data=True)
 
 
 def merge(

@@ -8,7 +8,7 @@ from imuwb.estimators.export import Export, Options, export, setting_of
 from imuwb.estimators.formula import Setting
 from imuwb.estimators.growth import TO_POSITION, predicted_variance, white_variance
 from imuwb.estimators.sensor import SENSORS, axes_of
-from imuwb.estimators.tool import Field, Tool
+from imuwb.estimators.tool import Field, Tool, tool_named
 from imuwb.stochastic import FLICKER_LEVEL, ImuErrorModel, RandomWalk
 
 
@@ -40,6 +40,7 @@ def explain(
         UsageError, MissingDataError: as ``export``.
     """
     options = options or Options()
+    tool_named(tool, "--for")
     made = export(model, tool, options, remarks)
     setting = setting_of(made.tool, model, options)
     rows = tuple(_row(field, made) for field in made.tool.fields if field.sensor and field.keys[0] in made.values)
@@ -83,7 +84,7 @@ def _sentences(tool: Tool, setting: Setting) -> tuple[str, ...]:
 
 
 def _shortcuts(tool: Tool, model: ImuErrorModel, setting: Setting) -> tuple[Shortcut, ...]:
-    """Return the habits that apply to a tool, each with its effect on the worst axis of the sensor."""
+    """Return the habits that apply to a tool, the most wrong first, each with its effect on the worst axis of the sensor."""
     found: list[Shortcut] = []
     for sensor in SENSORS:
         axis = max(
@@ -112,7 +113,7 @@ def _shortcuts(tool: Tool, model: ImuErrorModel, setting: Setting) -> tuple[Shor
         add("everything times 10, to be safe", 10 * axis.white, 10 * k)
         if k:
             add("no bias process", axis.white, 0.0)
-    return tuple(found)
+    return tuple(sorted(found, key=lambda shortcut: -abs(math.log(shortcut.ratio))))
 
 
 def _as_it_is(tool: Tool, sensor: str, walk: float, setting: Setting) -> float:

@@ -169,6 +169,11 @@ def test_imu_tk_gets_a_file_for_each_triad(imuwb, tmp_path):
 def test_an_explanation_and_noise_in_motion(imuwb, gm):
     done = imuwb("model", "explain", gm, "--for", "fast-lio", "--rate", "200")
     assert (done.code, "acc_cov" in done.out, "times 10" in done.out) == (0, True, True)
+    assert len(done.out.splitlines()) <= 15
+    assert "--for fast-lio --rate 200 --full" in done.out
+    assert "{" not in done.out
+    assert "no bias process" in imuwb("model", "explain", gm, "--for", "fast-lio", "--rate", "200", "--full").out
+    assert "--for json" in imuwb("model", "explain", gm, "--for", "json").err
     louder = imuwb("model", "export", gm, "--to", "kalibr", "--in-motion", gm)
     assert "gyro 1.00" in louder.out
     assert imuwb("model", "export", gm, "--to", "kalibr", "--in-motion", "wheel=2").code == 2

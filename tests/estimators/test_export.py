@@ -173,6 +173,8 @@ def test_an_explanation_names_each_value_and_measures_the_shortcuts(made):
     found = explain(made(GYRO, ACCEL), "vins")
     assert [row[0] for row in found.rows] == ["acc_n", "gyr_n", "acc_w", "gyr_w"]
     assert "200 Hz only" in found.sentences[0]
+    wrong = [abs(math.log(s.ratio)) for s in found.shortcuts]
+    assert wrong == sorted(wrong, reverse=True)
     shortcuts = {(s.habit.split()[0], s.sensor): s.ratio for s in found.shortcuts}
     assert shortcuts["everything", "gyro"] == pytest.approx(10)
     assert shortcuts["the", "gyro"] < 0.2  # the numbers of kalibr as they are
