@@ -40,9 +40,12 @@ class PageFiles:
         """Check before the work begins that the folders can be written to, and that PDF can be made.
 
         Raises:
-            UsageError: a format has no folder, a folder has files and ``force`` is not set, or WeasyPrint is not installed.
+            UsageError: a file has another suffix, a format has no folder, a folder has files and ``force`` is not set, or WeasyPrint is not installed.
             ImuwbError: a folder cannot be written to.
         """
+        for file, suffix, what in ((self.html, ".html", "a page"), (self.pdf, ".pdf", "a PDF")):
+            if file is not None and Path(file).suffix.lower() != suffix:
+                raise UsageError(f"{file}: the name of {what} must end in {suffix}")
         for form, option in ((self.figure_format, "figure"), (self.table_format, "table")):
             if form is not None and (self.figures if option == "figure" else self.tables) is None:
                 raise UsageError(f"--{option}-format {form} needs --{option}s FOLDER, where the {option}s go")

@@ -19,6 +19,8 @@ from imuwb.writers import together
 
 SUFFIXES = (".rrd", ".gz", ".csv", ".txt", ".mcap", ".pos", ".bin", ".tlog", ".ulg", ".log")
 
+KINDS = {".rrd", ".html", ".pdf", ".json", ".toml"}  #: suffixes that programs open as what they name
+
 
 @dataclass(frozen=True, slots=True)
 class Places:
@@ -36,7 +38,7 @@ class Places:
         """Return the places that the user gives, or the default places beside the first log; in the working folder if it is remote.
 
         Raises:
-            UsageError: the name of the recording does not end in .rrd, or an option of the page's files is wrong.
+            UsageError: the name of a file has the suffix of another output, or an option of the page's files is wrong.
         """
         recording = outputs.output or _beside(logs[0])
         if recording.suffix != ".rrd":
@@ -46,6 +48,9 @@ class Places:
             model = recording.with_name(f"{stem(recording)}.{kind if isinstance(kind, str) else 'error-model'}.toml")
         to_stdout = outputs.json == "-"
         document = Path(outputs.json) if outputs.json and not to_stdout else None
+        for file, suffix, option in ((document, ".json", "json"), (model, ".toml", "save-model")):
+            if file is not None and file.suffix in KINDS - {suffix}:
+                raise UsageError(f"--{option} {file}: {file.suffix} is the suffix of another output; write {suffix}")
         own = cast("Any", analysis).outputs(parameters) if offers(analysis, "outputs") else ()
         pages = PageFiles(
             outputs.html, outputs.pdf, outputs.figures, outputs.figure_format, outputs.tables, outputs.table_format
@@ -112,7 +117,7 @@ def check_places(files: Sequence[Path], logs: Sequence[Place], *, force: bool) -
 def check_place(file: Path, *, force: bool) -> None:
     """Check that a file can be written; errors as in ``check_places``."""
     if file.exists() and not force:
-        raise UsageError(f"{file} exists; overwrite it with --force, or choose another name with --output")
+        raise UsageError(f"{file} exists; overwrite it with --force, or choose another name")
     parent = file.parent
     if file.exists() and not file.is_file() and not file.is_dir():
         raise ImuwbError(f"{file}: cannot be written: it is a device or a pipe, not a file")

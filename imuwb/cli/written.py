@@ -48,4 +48,5 @@ def _named(files: Sequence[Path]) -> tuple[str, ...]:
     tables = [file for file in files if not (file.suffix == ".toml" and file.with_name(file.stem) in described)]
     if len(tables) > FILES:
         return (f"{files[0].parent} ({len(files)} files)",)
-    return (*map(str, tables), *(("each with its .toml",) if described else ()))
+    beside = "each with its .toml" if len(tables) > 1 else f"{tables[0].name}.toml beside it"
+    return (*map(str, tables), *((beside,) if described else ()))

@@ -105,6 +105,8 @@ class Outcome:
         }  # fmt: skip
         if path.suffix not in (*kinds, ".toml"):
             raise UsageError(f"save {path}: the suffix must be one of {', '.join((*kinds, '.toml'))}")
+        if path.exists() and not force:
+            raise UsageError(f"{path} exists; overwrite it with force=True, or choose another name")
         text = self._model_text(force=force_model) if path.suffix == ".toml" else ""
         with reserved([path], [], force=force):
             if text:

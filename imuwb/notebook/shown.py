@@ -7,7 +7,7 @@ from imuwb.analysis import Figure, Series, Table
 from imuwb.errors import UsageError
 from imuwb.review.page.canvas import Drawing
 from imuwb.review.page.pictures import title_of
-from imuwb.review.table_columns import columns_of
+from imuwb.review.table_columns import parts_of
 
 
 class TableFrame:
@@ -18,18 +18,17 @@ class TableFrame:
         self.table = table
 
     @property
+    def title(self) -> str:
+        """The title."""
+        return self.table.title
+
+    @property
     def columns(self) -> dict[str, list[Any]]:
-        """The columns as numbers where all cells are numbers; the ends of intervals have columns of their own."""
-        found: dict[str, list[Any]] = {}
-        for column in columns_of(self.table):
-            if column.quantities is None:
-                found[column.heading] = list(column.cells)
-                continue
-            found[column.heading] = [_number(q.value) for q in column.quantities]
-            for end in ("lower", "upper"):
-                if any(getattr(q, end) for q in column.quantities):
-                    found[f"{column.heading}, {end}"] = [_number(getattr(q, end)) for q in column.quantities]
-        return found
+        """The columns of the CSV file: numbers where all cells are numbers; ends of intervals, and units that differ, on their own."""
+        return {
+            part.heading: [_number(cell) for cell in part.cells] if part.numbers else list(part.cells)
+            for part in parts_of(self.table)
+        }
 
     def to_pandas(self) -> Any:  # noqa: ANN401 - pandas is an optional package
         """Return the columns as a pandas.DataFrame.

@@ -10,7 +10,7 @@ from urllib.parse import quote
 
 from jinja2 import Environment, StrictUndefined
 
-from imuwb.errors import ImuwbError, UnreadableLogError
+from imuwb.errors import MissingDataError, UnreadableLogError
 from imuwb.review.recorded import Recorded, Value, read
 from imuwb.texts import printable
 
@@ -42,14 +42,15 @@ def entries(folder: Path, output: Path) -> tuple[Entry, ...]:
         output: the page, to which links are relative.
 
     Raises:
-        ImuwbError: the folder cannot be read, or it has no recording.
+        UnreadableLogError: the folder cannot be read.
+        MissingDataError: it has no recording.
     """
     try:
         files = sorted(path for path in folder.iterdir() if path.suffix == ".rrd" and not path.name.startswith("."))
     except OSError as error:
-        raise ImuwbError(f"{folder}: {error.strerror or error}; give a folder of recordings") from error
+        raise UnreadableLogError(f"{folder}: {error.strerror or error}; give a folder of recordings") from error
     if not files:
-        raise ImuwbError(
+        raise MissingDataError(
             f"{folder}: no recording (*.rrd) is in this folder; imuwb analyses write them, and -o places them"
         )
     return tuple(_entry(file, output.parent) for file in files)

@@ -1,7 +1,7 @@
 """The columns of a table as quantities: numbers, intervals and units instead of texts for people."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from imuwb.analysis import Answer, Table
@@ -36,12 +36,39 @@ class Column:
     unit: str  #: of all cells; empty: none, or several
 
 
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A column as programs read it: one value a cell."""
+
+    heading: str
+    cells: tuple[str, ...]
+    numbers: bool  #: whether all cells are numbers, or empty
+
+
 def columns_of(table: Table) -> tuple[Column, ...]:
     """Return the columns of a table; a unit that all cells of a column share is in its heading alone."""
     return tuple(
         _column(heading, [row[i] if i < len(row) else "" for row in table.rows])
         for i, heading in enumerate(table.headings)
     )
+
+
+def parts_of(table: Table) -> Iterator[Part]:
+    """Yield the columns of a table for a program: a value, each end of its interval, and the unit where a column has several."""
+    for column in columns_of(table):
+        quantities = column.quantities
+        if quantities is None:
+            yield Part(column.heading, column.cells, numbers=False)
+            continue
+        name, bracket, unit = column.heading.partition(" [")
+        yield Part(column.heading, tuple(q.value for q in quantities), numbers=True)
+        for end in ("lower", "upper"):
+            cells = tuple(getattr(q, end) for q in quantities)
+            if any(cells):
+                yield Part(f"{name} {end}{bracket}{unit}", cells, numbers=True)
+        units = tuple(q.unit for q in quantities)
+        if not column.unit and any(units):
+            yield Part(f"{name} unit", units, numbers=False)
 
 
 def quantity(cell: str) -> Quantity | None:

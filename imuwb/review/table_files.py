@@ -4,10 +4,9 @@ import csv
 import io
 import re
 import unicodedata
-from collections.abc import Iterator
 
 from imuwb.analysis import Table
-from imuwb.review.table_columns import Column, columns_of
+from imuwb.review.table_columns import columns_of, parts_of
 
 LATEX = {
     "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_",
@@ -28,9 +27,9 @@ def csv_text(table: Table) -> str:
     """
     file = io.StringIO()
     writer = csv.writer(file, lineterminator="\n")
-    parts = [part for column in columns_of(table) for part in _csv_columns(column)]
-    writer.writerow([heading for heading, _ in parts])
-    writer.writerows(zip(*(cells for _, cells in parts), strict=True))
+    parts = list(parts_of(table))
+    writer.writerow([part.heading for part in parts])
+    writer.writerows(zip(*(part.cells for part in parts), strict=True))
     return file.getvalue()
 
 
@@ -60,23 +59,6 @@ def markdown_text(table: Table) -> str:
 
 #: format -> suffix of its files, and its text of a table
 TABLE_FORMATS = {"csv": (".csv", csv_text), "latex": (".tex", latex_text), "md": (".md", markdown_text)}
-
-
-def _csv_columns(column: Column) -> Iterator[tuple[str, list[str]]]:
-    """Yield headings and cells of the columns that a column of a table becomes."""
-    quantities = column.quantities
-    if quantities is None:
-        yield column.heading, list(column.cells)
-        return
-    name, bracket, unit = column.heading.partition(" [")
-    yield column.heading, [q.value for q in quantities]
-    for end in ("lower", "upper"):
-        cells = [getattr(q, end) for q in quantities]
-        if any(cells):
-            yield f"{name} {end}{bracket}{unit}", cells
-    units = [q.unit for q in quantities]
-    if not column.unit and any(units):
-        yield f"{name} unit", units
 
 
 def _latex_cell(text: str) -> str:

@@ -82,7 +82,7 @@ def test_rows_say_why_they_say_nothing(folder):
 
 @pytest.mark.parametrize(
     ("arguments", "code", "text"),
-    [(["gone"], 1, "gone: No such file"), (["empty"], 1, "no recording"), (["empty/file"], 1, "give a folder"),
+    [(["gone"], 4, "gone: No such file"), (["empty"], 3, "no recording"), (["empty/file"], 4, "give a folder"),
      (["runs", "-o", "page.txt"], 2, ".html"), (["runs", "--serve", "--port", "0"], 2, "--port is 0"),
      (["runs", "--serve", "-o", "x.html"], 2, "writes no page")],
 )  # fmt: skip

@@ -229,3 +229,8 @@ def test_frame_and_epoch_survive_csv(imuwb, csv_log, rows, tmp_path):
     (found,), (truth,) = read(tmp_path / "out.csv").imus, read(path).imus
     assert (found.origin.frame, found.origin.epoch) == ("FRD (stated)", "boot")
     assert found.specific_force.value.tolist() == truth.specific_force.value.tolist()
+
+
+def test_one_table_is_not_called_each(imuwb, static_mcap):
+    wrote = " ".join(imuwb("convert", static_mcap, "-o", "one.csv").err.split()).partition(" Wrote ")[2]
+    assert wrote == "one.csv, one.csv.toml beside it"

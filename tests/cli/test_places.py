@@ -51,6 +51,14 @@ def test_a_recording_must_be_an_rrd_file():
         Places.of(BARE, [Path("a.csv")], Outputs(output=Path("x.mcap")), None)
 
 
+@pytest.mark.parametrize(
+    "wrong", [{"json": "a.html"}, {"json": "a.rrd"}, {"save_model": Path("m.json")}, {"html": Path("a.txt")}, {"pdf": Path("a.html")}]
+)  # fmt: skip
+def test_a_file_has_the_suffix_of_what_it_contains(wrong):
+    with pytest.raises(UsageError, match="suffix of another output|must end in"):
+        Places.of(BARE, [Path("a.csv")], Outputs(**wrong), None)
+
+
 def test_outputs_differ_from_each_other_and_from_the_logs(tmp_path):
     first, second, log = (tmp_path / name for name in ("a.json", "b.json", "log.csv"))
     check_places([first, second], [log], force=False)

@@ -8,10 +8,13 @@ from pathlib import Path
 import pytest
 
 import imuwb
+from imuwb.analysis import Table
 from imuwb.cli import main
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.notebook.run import _command
+from imuwb.notebook.shown import TableFrame
 from imuwb.review.rrd import is_whole
+from imuwb.review.table_files import csv_text
 from imuwb.simulation import preset, static
 from imuwb.writers import write
 
@@ -95,13 +98,21 @@ def test_it_shows_itself_and_gives_what_it_shows(found):
     assert "a note <b>" in found.notes
 
 
+def test_a_table_keeps_the_units_that_differ_in_a_column_and_has_the_columns_of_its_csv():
+    table = TableFrame(Table("N", ("axis", "N"), (("gyro", "2 [1, 3] deg/√h"), ("accel", "< 4 m/s/√h"))))
+    assert table.title == "N"
+    assert table.columns["N unit"] == ["deg/√h", "m/s/√h"]
+    assert table.columns["N upper"] == [3.0, 4.0]
+    assert ",".join(table.columns) == csv_text(table.table).splitlines()[0]
+
+
 def test_it_is_saved_by_suffix(folder, found):
     for name in ("a.rrd", "a.html", "a.json"):
         found.save(name)
     assert is_whole("a.rrd")
     assert (folder / "a.html").read_text("utf-8").startswith("<!doctype html>")
     assert json.loads((folder / "a.json").read_text("utf-8")) == found.document
-    with pytest.raises(UsageError, match=r"a\.json exists"):
+    with pytest.raises(UsageError, match=r"a\.json exists; overwrite it with force=True"):
         found.save("a.json")
     found.save("a.json", force=True)
     with pytest.raises(UsageError, match=r"\.rrd, \.html, \.pdf, \.json, \.toml"):

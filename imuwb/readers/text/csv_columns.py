@@ -36,7 +36,7 @@ def used_columns(path: Path, layout: Layout, options: ReadOptions, shape: Shaped
     if not names:
         raise UsageError(
             f"{path}: there is no header line; name the {len(layout.first)} columns, for example "
-            "--columns gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z (- for a column that is not used"
+            f"--columns {_example(len(layout.first))} (- for a column that is not used"
             + ("; tag for the column that tells its sensors apart)" if layout.tag is not None else ")")
         )
     if len(names) != len(layout.first):
@@ -47,6 +47,13 @@ def used_columns(path: Path, layout: Layout, options: ReadOptions, shape: Shaped
     known = columns(names, units_by_quantity(options.units))
     _refuse_mixed_counts(path, known, layout)
     return _complete(path, known, layout, options)
+
+
+def _example(count: int) -> str:
+    """Return names for so many columns, which can be typed as they are."""
+    axes = [f"{sensor}_{axis}" for sensor in ("gyro", "accel") for axis in "xyz"]
+    names = axes if count in (3, 6) else ["time", *axes]
+    return ",".join([*names, *["-"] * count][:count])
 
 
 def _complete(path: Path, known: tuple[Column, ...], layout: Layout, options: ReadOptions) -> tuple[Column, ...]:

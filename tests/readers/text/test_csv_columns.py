@@ -241,3 +241,13 @@ def test_a_height_above_mean_sea_level_is_known_by_its_name(text_log, name):
     assert fix.origin.above_sea
     (fix,) = read(text_log("time_s,lat_deg,lon_deg,height_m\n0,47,8,400\n1,47,8,401\n")).gnss
     assert not fix.origin.above_sea
+
+
+@pytest.mark.parametrize("count", [3, 4, 6, 7, 11])
+def test_the_columns_of_the_example_are_as_many_as_the_cells(tmp_path, count):
+    path = tmp_path / "a.csv"
+    path.write_text("".join(",".join(f"{i + k}.5" for k in range(count)) + "\n" for i in range(5)), "utf-8")
+    with pytest.raises(UsageError, match="no header line") as found:
+        read(path, ReadOptions(rate=10))
+    example = str(found.value).split("--columns ")[1].split(" ")[0].split(",")
+    assert len(example) == count
