@@ -134,7 +134,7 @@ def test_before_the_start_it_stands_and_behind_the_end_there_is_nothing(town):
 @pytest.mark.slow
 def test_the_truth_is_met_by_an_integration_in_another_frame():
     route = planned_route("turin-2")
-    end = route.duration - 600
+    end = route.duration - 300
     start = route.state(np.array([end]))
     first = (start.position[0], start.velocity[0], start.attitude[0])
     time, position, velocity, attitude = ecef.strapdown(route.inertial, end, route.duration, *first)
