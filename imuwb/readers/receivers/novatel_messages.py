@@ -24,22 +24,29 @@ def streamed(path: source.Source, options: ReadOptions) -> Iterator[Batch | Rema
         UsageError: the scale of an IMU is unknown.
     """
     log, notes = SentenceLog(Path(str(path)), options), list[str]()
-    parser, unknown = _parser(path), 0
+    parser, unknown, absurd = _parser(path), 0, 0
     with source.open_unpacked(path) as file:
         for block, _ in source.blocks(file, notes):
             for begin in range(0, len(block), PIECE):
                 parser.write(block[begin : begin + PIECE])
-                for message in parser:
-                    line = _line(message)
-                    if line is None:
-                        unknown += len(getattr(message, "data", b""))
-                    else:
-                        log.take(line)
+                try:
+                    for message in parser:
+                        line = _line(message)
+                        if line is None:
+                            unknown += len(getattr(message, "data", b""))
+                        else:
+                            log.take(line)
+                except MemoryError:  # of the library, which makes room for what a message states
+                    absurd += 1
+                    parser = _parser(path)
                 yield from log.full(source.position(file))
         yield from log.rest(source.position(file))
     yield from map(Remark, notes)
     yield from log.remarks()
     unknown += parser.flush()
+    if absurd:
+        text = f"{absurd} messages state more values than they have, so each is left out with the {PIECE} bytes around it at most"
+        yield Remark(Note("absurd_message", text))
     if unknown:
         yield Remark(Note("no_frame", f"{unknown} bytes that belong to no message with a correct checksum"))
 

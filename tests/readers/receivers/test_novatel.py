@@ -1,6 +1,7 @@
 """NovAtel's binary logs through novatel-edie, and the sentence where it is not installed."""
 
 import sys
+from itertools import count
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from imuwb.errors import UnreadableLogError
 from imuwb.notes import ids
 from imuwb.readers import read
 from imuwb.readers.gps_time import unix_of_gps
-from imuwb.readers.receivers import novatel
+from imuwb.readers.receivers import novatel, novatel_messages
 from tests.readers.receivers import novatel_writer as nv
 
 START, N = 491_674.0, 250
@@ -63,6 +64,21 @@ def test_damage_costs_only_its_message(needs_edie, log_of):
     log = log_of(b"\r\n[COM1]<OK", *parts, b"\xaa\x44\x12rest")
     assert sum(map(len, (log.imus[0].angular_rate, log.gnss[0], log.references[0]))) >= N + 19
     assert "no_frame" in ids(log.notes)
+
+
+def test_a_message_for_which_the_library_has_no_room_is_left_out_and_counted(needs_edie, log_of, monkeypatch):
+    """A message with a right checksum may state an array that is larger than any memory."""
+    own, calls = novatel_messages._line, count()  # noqa: SLF001 - the step in which the library makes room
+
+    def line(message):
+        if next(calls) == 3:
+            raise MemoryError("std::bad_alloc")
+        return own(message)
+
+    monkeypatch.setattr(novatel_messages, "_line", line)
+    log = log_of(*drive())
+    assert "absurd_message" in ids(log.notes)
+    assert len(log.imus) == 1
 
 
 def test_each_cut_is_read_or_refused(needs_edie, tmp_path):
