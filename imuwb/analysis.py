@@ -228,6 +228,11 @@ class Answer:
     #: the figures of the answer as numbers, in units of data sheets, for a catalog of recordings: name -> estimate
     numbers: Mapping[str, Estimate] = field(default_factory=dict[str, "Estimate"])
 
+    def __post_init__(self) -> None:
+        """Drop headings that no row is below."""
+        if not self.rows:
+            object.__setattr__(self, "headings", ())
+
 
 @dataclass(frozen=True, slots=True)
 class Finding:

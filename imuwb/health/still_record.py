@@ -110,7 +110,7 @@ def _stillness_note(still: identification.Stillness | None) -> tuple[bool, Note 
         f"({number_text(worst.largest)} times the usual scatter, {', '.join(worst.axes)})"
     )
     if still.spoilt:
-        text += f", raise the mean square of an axis by a factor of {number_text(1 + still.excess)}"
+        text += f", raise{'' if count > 1 else 's'} the mean square of an axis by a factor of {number_text(1 + still.excess)}"
     return still.spoilt, Note("disturbances", f"{text}; {quiet}")
 
 

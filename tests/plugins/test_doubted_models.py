@@ -79,6 +79,7 @@ def test_of_several_logs_the_one_that_moved_is_named(command):
     code, _, err = command("noise", "still.csv", "moved.csv", *options)
     assert code == 3
     assert "moved.csv: 1 shock or movement" in err
+    assert "raises the mean square" in " ".join(err.split())
     code, _, err = command("noise", "still.csv", "moved.csv", *options, "--force", "--force-model")
     assert code == 0, err
     doubts = ImuErrorModel.read("both.error-model.toml").doubts

@@ -46,6 +46,11 @@ def test_no_panel_is_larger_than_its_screen(width, rows, words):
         assert sum("word" in line for line in lines) >= 2  # a long table leaves room for what to believe
 
 
+def test_headings_without_a_row_are_not_shown():
+    lines = panel(Answer("none", ("axis", "line", "amplitude"), sentences=("No line.",)), ORIGIN)
+    assert not any("amplitude" in line for line in lines)
+
+
 def test_what_is_left_out_shows_at_the_end_of_the_last_line():
     lines = panel(Answer("many", ("a",), tuple((f"row {i}",) for i in range(40))), ORIGIN)
     assert lines[-2].endswith("…")

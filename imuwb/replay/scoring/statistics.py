@@ -214,9 +214,9 @@ def verdict(summary: Summary) -> Note:
     if not summary.consistency:
         return Note("no-horizon", f"{summary.model}: the outages are too short to judge its sigma")
     if summary.effective_count < FEWEST:
-        text = (
-            f"{summary.effective_count} outages that do not overlap are too few to judge a sigma: {FEWEST} are needed"
-        )
+        count = summary.effective_count
+        some = "1 outage that does not overlap is" if count == 1 else f"{count} outages that do not overlap are"
+        text = f"{some} too few to judge a sigma: {FEWEST} are needed"
         return Note("few-outages", text)
     last = summary.consistency[-1]
     if last.lower <= last.nees_per_dof <= last.upper:

@@ -248,7 +248,7 @@ def test_one_outage_has_no_certain_median():
     assert s.median_end.value == pytest.approx(5.0)
     assert np.isnan([s.median_end.lower, s.median_end.upper]).all()
     assert verdict(s).id == "few-outages"
-    assert verdict(s).startswith("1 outages")
+    assert verdict(s).startswith("1 outage that")
 
 
 @pytest.mark.parametrize(("count", "apart"), [(4, 40.0), (5, 40.0), (200, 0.6), (210, 0.6)])
