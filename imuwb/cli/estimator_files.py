@@ -11,6 +11,8 @@ from imuwb.errors import UsageError
 from imuwb.options import Form
 
 if TYPE_CHECKING:  # help must not wait for numpy
+    from collections.abc import Mapping, Sequence
+
     from imuwb.estimators import Options
     from imuwb.stochastic import ImuErrorModel
 
@@ -46,6 +48,13 @@ _Motion = Annotated[
         metavar="FACTORS|FILE.toml",
     ),
 ]
+_Celsius = Annotated[
+    float | None,
+    typer.Option(
+        help="Temperature (°C) at which a model that depends on it is written. Default: its plain processes.",
+        metavar="T",
+    ),
+]
 _Output = Annotated[
     Path | None, typer.Option("--output", "-o", help="The file to write. Default: stdout.", metavar="FILE")
 ]
@@ -69,6 +78,7 @@ def export(
     limits: _Limits = False,
     in_motion: _Motion = None,
     scale_factor: _Scale = None,
+    celsius: _Celsius = None,
     instance: Annotated[
         int, typer.Option(help="Number of the autopilot's IMU, from 0, for biases by temperature.")
     ] = 0,
@@ -82,33 +92,43 @@ def export(
     Example: imuwb model export static.error-model.toml --to vins --rate 200 -o imu.yaml
     """
     from imuwb.cli.places import check_place  # noqa: PLC0415 - help must not wait
-    from imuwb.estimators import as_json  # noqa: PLC0415
+    from imuwb.estimators import as_json, constant  # noqa: PLC0415
     from imuwb.estimators import export as exported  # noqa: PLC0415
-    from imuwb.estimators.calibration import FILES, THERMAL_FORMS, calibration_text, imu_tk_files, thermal_text  # noqa: PLC0415
-    from imuwb.writers import write_text  # noqa: PLC0415
+    from imuwb.estimators.calibration import FILES, THERMAL_FORMS, calibration_text, thermal_text  # noqa: PLC0415
 
     files = _files(output, to)
     for file in files.values():
         check_place(file, force=force)
-    read, options, said = _given(model, rate, step, horizon, in_motion, scale_factor, limits=limits)
+    read, options, said = _given(model, rate, step, horizon, in_motion, scale_factor, celsius, limits=limits)
+    if celsius is not None and to in ("json", *THERMAL_FORMS):
+        raise UsageError(f"--celsius {celsius:g}: --to {to} keeps all temperatures; leave it out")
     if to == "json":
         text, notes = as_json(read), ()
     elif to in FILES:
-        text, notes = calibration_text(read, to)
+        text, notes = calibration_text(constant(read, celsius)[0], to)
     elif to in THERMAL_FORMS:
         text, notes = thermal_text(read, to, instance)
     else:
         made = exported(read, to, options, said)
         text, notes = made.text, made.notes
-    if output is None:
-        typer.echo(text, nl=False)
-        return
-    parts = imu_tk_files(text) if to == "imu-tk" else {"": text}
+    _write(text, notes, files, to)
+
+
+def _write(text: str, notes: "Sequence[str]", files: "Mapping[str, Path]", to: str) -> None:
+    """Write an export to its files, or to stdout where there is none."""
+    from imuwb.estimators.calibration import imu_tk_files  # noqa: PLC0415 - help must not wait
+    from imuwb.writers import write_text  # noqa: PLC0415
+
+    two = to == "imu-tk"  # its files have no comments
+    parts = imu_tk_files(text) if two else {"": text}
     for part, file in files.items():
         write_text(file, parts[part])
-    for note in notes:
+    if not files:
+        typer.echo(text, nl=False)
+    for note in notes if files or two else ():
         typer.echo(f"note: {note}", err=True)
-    typer.echo(f"wrote {', '.join(map(str, files.values()))}", err=True)
+    if files:
+        typer.echo(f"wrote {', '.join(map(str, files.values()))}", err=True)
 
 
 def _files(output: Path | None, to: str) -> dict[str, Path]:
@@ -177,6 +197,7 @@ def explain(
     limits: _Limits = False,
     in_motion: _Motion = None,
     scale_factor: _Scale = None,
+    celsius: _Celsius = None,
     full: Full = False,
 ) -> None:
     """Say what to write into an estimator's file and why, and how wrong the usual shortcuts are for this sensor.
@@ -191,7 +212,7 @@ def explain(
     from imuwb.review.explanations import explain_answer, explain_notes, explain_tables  # noqa: PLC0415
     from imuwb.review.panel import Origin  # noqa: PLC0415
 
-    read, options, said = _given(model, rate, step, horizon, in_motion, scale_factor, limits=limits)
+    read, options, said = _given(model, rate, step, horizon, in_motion, scale_factor, celsius, limits=limits)
     found = explained(read, for_, options, said)
     if full:
         values, shortcuts = explain_tables(found, horizon)
@@ -201,12 +222,18 @@ def explain(
             typer.echo(sentence)
         show(shortcuts)
         return
-    given = {"--rate": rate, "--step": step, "--scale-factor": scale_factor, "--in-motion": in_motion}
+    given = {
+        "--rate": rate,
+        "--step": step,
+        "--scale-factor": scale_factor,
+        "--in-motion": in_motion,
+        "--celsius": celsius,
+    }
     given |= {"--horizon": None if horizon == 60.0 else horizon}  # noqa: PLR2004 - the default
     words = [
         f" {name} {value:g}" if isinstance(value, float) else f" {name} {shlex.quote(str(value))}"
         for name, value in given.items()
-        if value
+        if value is not None
     ]
     same = "".join(words) + (" --limits" if limits else "")
     steps = (
@@ -266,6 +293,7 @@ def _given(
     horizon: float,
     motion: str | None,
     scale: float | None,
+    celsius: float | None,
     *,
     limits: bool,
 ) -> "tuple[ImuErrorModel, Options, tuple[str, ...]]":
@@ -284,7 +312,7 @@ def _given(
         said = (sentence,)
     elif motion is not None:
         factors = Factors.of_text(motion)
-    return read, Options(rate, step, horizon, limits, None if scale is None else scale * 1e-6, factors), said
+    return read, Options(rate, step, horizon, limits, None if scale is None else scale * 1e-6, factors, celsius), said
 
 
 def _road_model(path: Path) -> "ImuErrorModel":

@@ -11,5 +11,6 @@ from .reading import Reading as Reading
 from .reading import read_estimator_file as read_estimator_file
 from .reading import read_estimator_text as read_estimator_text
 from .sensor import Factors as Factors
+from .temperature import constant as constant
 from .tool import Tool as Tool
 from .tool import tools as tools

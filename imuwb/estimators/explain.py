@@ -8,6 +8,7 @@ from imuwb.estimators.export import Export, Options, export, setting_of
 from imuwb.estimators.formula import Setting
 from imuwb.estimators.growth import TO_POSITION, predicted_variance, white_variance
 from imuwb.estimators.sensor import SENSORS, axes_of
+from imuwb.estimators.temperature import constant
 from imuwb.estimators.tool import Field, Tool, tool_named
 from imuwb.stochastic import FLICKER_LEVEL, ImuErrorModel, RandomWalk
 
@@ -42,6 +43,7 @@ def explain(
     options = options or Options()
     tool_named(tool, "--for")
     made = export(model, tool, options, remarks)
+    model, _ = constant(model, options.celsius)
     setting = setting_of(made.tool, model, options)
     rows = tuple(_row(field, made) for field in made.tool.fields if field.sensor and field.keys[0] in made.values)
     return Explanation(made, rows, _sentences(made.tool, setting), _shortcuts(made.tool, model, setting))

@@ -10,6 +10,7 @@ from imuwb.estimators.formula import Setting
 from imuwb.estimators.layout import filled
 from imuwb.estimators.left_out import cost_texts
 from imuwb.estimators.sensor import SENSORS, Axis, Factors, axes_of, with_limits
+from imuwb.estimators.temperature import constant
 from imuwb.estimators.tool import Field, Tool, tool_named
 from imuwb.stochastic import GaussMarkov, ImuErrorModel
 
@@ -31,6 +32,7 @@ class Options:
     limits: bool = False  #: whether what is not identified is written at its upper limit
     scale_factor: float | None = None  #: 1-sigma of the scale factors, a fraction
     motion: Factors | None = None
+    celsius: float | None = None  #: °C, at which a model that depends on temperature is taken
 
     def __post_init__(self) -> None:
         """Check the ranges."""
@@ -59,7 +61,8 @@ def export(model: ImuErrorModel, tool: str, options: Options | None = None, rema
     """
     options = options or Options()
     chosen = tool_named(tool)
-    notes = list(remarks)
+    model, by_temperature = constant(model, options.celsius)
+    notes = [*remarks, *by_temperature]
     if options.motion is not None:
         model = options.motion.applied(model)
         notes.append(

@@ -158,6 +158,12 @@ def test_a_file_goes_out_and_comes_back_in(imuwb, gm, tmp_path):
 
 
 def test_imu_tk_gets_a_file_for_each_triad(imuwb, tmp_path):
+    curve = 'thermal_bias = [{celsius = 10.0, value = "0.1 m/s²"}, {celsius = 20.0, value = "0.3 m/s²"}]'
+    (tmp_path / "warm.toml").write_text(f"[accel_x]\n{curve}\n", "utf-8")
+    assert "--celsius T" in imuwb("model", "export", "warm.toml", "--to", "imu-tk").err
+    done = imuwb("model", "export", "warm.toml", "--to", "imu-tk", "--celsius", "15")
+    assert (done.out.split()[18], done.err) == ("0.2", "")
+    assert imuwb("model", "export", "warm.toml", "--to", "px4-tc", "--celsius", "15").code == 2
     (tmp_path / "cube.toml").write_text("[accel_x]\nbias = 0.1\n", "utf-8")
     done = imuwb("model", "export", "cube.toml", "--to", "imu-tk", "-o", "cube.calib")
     assert (done.code, "cube.acc.calib, cube.gyro.calib" in done.err) == (0, True), done.err

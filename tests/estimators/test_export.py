@@ -8,6 +8,7 @@ from imuwb.estimators.explain import explain
 from imuwb.estimators.export import Options, export, model_rate, with_motion
 from imuwb.estimators.model_json import as_json
 from imuwb.estimators.sensor import Factors
+from imuwb.estimators.temperature import constant
 from imuwb.estimators.tool import tools
 from imuwb.simulation import preset
 from imuwb.stochastic import (
@@ -134,6 +135,30 @@ def test_noise_in_motion_comes_from_factors_or_from_a_drives_model(made):
     for wrong in ("gyro=0", "wheel=3", "gyro", "gyro=x", "gyro=1e308"):
         with pytest.raises(UsageError, match="--in-motion"):
             Factors.of_text(wrong)
+
+
+def test_a_model_by_temperature_is_written_at_one_with_a_table_in_the_comments():
+    axes = {
+        f"{sensor}_{axis}": AxisModel(
+            Sum((WhiteNoise(2e-3),)),
+            thermal=((10.0, Sum((WhiteNoise(1e-3),))), (50.0, Sum((WhiteNoise(3e-3),)))),
+            thermal_bias=((10.0, 0.1), (50.0, 0.5)),
+        )
+        for sensor in ("gyro", "accel")
+        for axis in "xyz"
+    }
+    model = ImuErrorModel("m", axes)
+    cold = export(model, "kalibr", Options(celsius=20.0))
+    assert cold.values["gyroscope_noise_density"] == pytest.approx((axes["gyro_x"].at(20.0).terms[0].N,))
+    assert "# the tool has no place for temperature: the model at 20 °C is written" in cold.text
+    assert "# at 50 °C: gyro bias 0.5, 0.5, 0.5 rad/s; gyro N 0.003, 0.003, 0.003 rad/s/√Hz; accel bias" in cold.text
+    plain = export(model, "kalibr")
+    assert plain.values["gyroscope_noise_density"] == (2e-3,)
+    assert "--celsius T" in plain.text
+    assert constant(model, 20.0)[0].axes["gyro_x"].bias == pytest.approx(0.2)
+    for wrong, celsius in ((model, 60.0), (ImuErrorModel("m", {"gyro_x": AxisModel()}), 20.0)):
+        with pytest.raises(MissingDataError, match="temperature|10 to 50"):
+            constant(wrong, celsius)
 
 
 def test_a_gauss_markov_process_is_written_as_it_is_where_there_is_room(made):

@@ -46,7 +46,9 @@ def calibration_text(model: ImuErrorModel, name: str) -> tuple[str, tuple[str, .
     except ValueError as error:
         raise UsageError(f"model {model.name}: {error}") from error
     if is_thermal(model):
-        notes.append("terms that depend on temperature have no place here; the constant terms of the model are written")
+        notes.append(
+            "terms that depend on temperature have no place here; the constant terms of the model are written, and --celsius T writes those at T"
+        )
     source = "; ".join(f"{key}: {text}" for key, text in model.provenance.items())
     head = [form.title, f"facts from {form.source}", f"model {model.name}" + (f", {source}" if source else ""), *notes]
     comments = [f"# {' '.join(text.split())}" for text in head]
