@@ -36,6 +36,7 @@ from imuwb.writers.whole import Draft
 SERIES_WIDTH = 1.2  #: width of a line over time
 PANEL = 670.0  #: px, width of the panel on the first tab; 80 columns fit
 VIEWER_PORT = 9876
+PATIENCE = 20.0  #: s in which the file grows, unless nothing more can be written
 VIEWER_PATIENCE = 2.0  #: s; longest wait for a running viewer
 
 with without("pandas"):
@@ -217,8 +218,7 @@ class RecordingReview:
             ImuwbError: the file could not be written as a whole.
         """
         self._send_blueprint()
-        with suppress(RuntimeError):  # the thread that writes has ended; the file shows whether it wrote everything
-            self.recording.flush()
+        self._flush()
         self._disconnect()
         if not is_whole(self._draft.path):
             reason = why_cut(self._draft.path)
@@ -226,6 +226,17 @@ class RecordingReview:
             raise ImuwbError(f"{self._draft.place}: cannot be written: {reason}")
         self._draft.finish()
         return self._draft.place
+
+    def _flush(self) -> None:
+        """Wait until everything is written, or nothing more is: on a full disk the thread that writes may never answer."""
+        grown = -1
+        while (size := self._draft.path.stat().st_size) > grown:
+            grown = size
+            with suppress(
+                RuntimeError
+            ):  # it took too long, or the thread has ended; the file shows whether all was written
+                self.recording.flush(timeout_sec=PATIENCE)
+                return
 
     def discard(self) -> None:
         """Remove the unfinished file."""

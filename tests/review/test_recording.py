@@ -5,6 +5,7 @@ from rerun.chunk import RrdReader
 from imuwb.analysis import Series, Table
 from imuwb.errors import ImuwbError
 from imuwb.log import SECOND
+from imuwb.review import recording as module
 from imuwb.review.clock import Clock
 from imuwb.review.recording import RecordingReview
 from imuwb.review.rrd import is_whole, why_cut
@@ -84,3 +85,20 @@ def test_a_text_of_a_log_is_no_markup_and_no_control_character(drawing):
 
 def test_an_empty_tab_has_no_layout():
     assert Tab.of("empty").layout(None) is None
+
+
+def test_a_writer_that_never_answers_ends_as_a_file_that_is_not_whole(tmp_path, monkeypatch):
+    """As on a full disk: the library then waits without end."""
+    review = RecordingReview(tmp_path / "a.rrd")
+    asked = []
+
+    def flush(*, timeout_sec):
+        asked.append(timeout_sec)
+        raise RuntimeError("timeout")
+
+    monkeypatch.setattr(review.recording, "flush", flush)
+    monkeypatch.setattr(module, "is_whole", lambda _: False)
+    with pytest.raises(ImuwbError, match="cannot be written"):
+        review.close()
+    assert asked in ([module.PATIENCE], [module.PATIENCE] * 2)
+    assert not list(tmp_path.iterdir())
