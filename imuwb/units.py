@@ -116,6 +116,8 @@ _FOLDED = {name.lower(): name for name in UNITS}  # only "K" would differ by cas
 def _canonical(text: str) -> str:
     text = text.strip().replace(" ", "").replace("**", "^")
     text = re.sub(r"sqrt\(?([A-Za-z]+)\)?", r"√\1", text)
+    text = re.sub(r"(?<=/)rt\(?(Hz|hr?)\)?$", r"√\1", text)
+    text = re.sub(r"^(m?)dps(?=/√)", r"\1deg/s", text)
     return text.replace("^2", "²").replace("^3", "³").replace("^(3/2)", "^1.5").replace("·", "")
 
 

@@ -63,6 +63,7 @@ def test_kelvin_has_an_offset():
         ("N/kg", "m/s²"), ("milli-g", "mg"), ("dph", "deg/h"), ('"/s', "arcsec/s"), ("ug", "µg"), ("G", "g"),
         ("µs", "us"), ("degC", "°C"), ("celsius", "°C"), ("k", "K"), ("rad/s/sqrt(s)", "rad/s/√s"),
         ("rad/s^2/sqrt(Hz)", "rad/s²/√Hz"), ("", "1"),
+        ("dps/√Hz", "deg/s/√Hz"), ("mdps/rtHz", "mdeg/s/√Hz"), ("ug/rtHz", "µg/√Hz"),
     ],
 )  # fmt: skip
 def test_spellings(written, meant):
