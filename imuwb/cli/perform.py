@@ -163,7 +163,7 @@ def _drawn(
             answer = replace(shown_first, sentences=(*known, *shown_first.sentences), figure=figure)
         origin = Origin(
             name, tuple(map(str, paths)), "" if objections else str(places.model or ""),
-            command=request.command or typed_again(), options=options_given(request.reading, request.part),
+            command=request.command or typed_again(places.recording), options=options_given(request.reading, request.part),
         )  # fmt: skip
         review.summary(panel(answer, origin), answer.figure)
         with errors_named(name, analysis):

@@ -4,17 +4,40 @@ import shlex
 import sys
 from collections.abc import Iterator
 from dataclasses import fields
+from pathlib import Path
 from typing import Any, cast
 
 from imuwb.cli.parameters import default_of
 from imuwb.options import text_of
 from imuwb.readers.bytes.address import without_secrets
 
+#: options of output files, which a command that is typed again must not overwrite
+_FILES = (
+    "--output",
+    "-o",
+    "--json",
+    "--html",
+    "--pdf",
+    "--figures",
+    "--tables",
+    "--save-model",
+    "--save-filter",
+    "--save-config",
+)
 
-def typed_again() -> str:
-    """Return the command that was typed, so that it can be typed again with more options."""
-    force = [] if "--force" in sys.argv else ["--force"]
-    return shlex.join(["imuwb", *map(without_secrets, sys.argv[1:]), *force])
+
+def typed_again(recording: Path) -> str:
+    """Return the command that was typed, to be typed again with more options: it writes another recording beside the first."""
+    kept: list[str] = []
+    words = iter(sys.argv[1:])
+    for word in words:
+        name, equals, _ = word.partition("=")
+        if name in _FILES:
+            if not equals:
+                next(words, None)
+        elif word != "--force":
+            kept.append(without_secrets(word))
+    return shlex.join(["imuwb", *kept, "-o", str(recording.with_name(f"{recording.stem}-2.rrd"))])
 
 
 def options_given(*groups: object) -> tuple[str, ...]:
