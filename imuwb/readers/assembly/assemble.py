@@ -28,7 +28,7 @@ from imuwb.readers.assembly.interleaved import sensors_in_turn, turns
 from imuwb.readers.assembly.sample_times import Clock, sample_times
 from imuwb.readers.assembly.siblings import sibling, with_fix_rows, with_parts_joined
 from imuwb.readers.assembly.time_order import in_order, taken
-from imuwb.readers.assembly.without_fix import without_unfixed
+from imuwb.readers.assembly.without_fix import fix_types, without_unfixed
 from imuwb.readers.batch import Batch, Remark
 from imuwb.readers.bytes.budget import Budget
 
@@ -289,7 +289,7 @@ def _gnss(rows: Batch) -> GnssStream:
         velocity=known("velocity"),
         position_sigma=known("position_sigma"),
         velocity_sigma=known("velocity_sigma"),
-        fix_type=None if fix is None else np.nan_to_num(fix).astype(np.int64),
+        fix_type=None if fix is None else fix_types(fix),
         origin=rows.origin,
     )
 

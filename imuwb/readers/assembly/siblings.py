@@ -8,6 +8,7 @@ import numpy as np
 from imuwb.arrays import Floats
 from imuwb.log import GnssStream, ImuStream, Nanoseconds
 from imuwb.notes import Note
+from imuwb.readers.assembly.without_fix import fix_types
 from imuwb.sampling import nearest
 from imuwb.selection import joined_name, without_sensor
 
@@ -111,7 +112,7 @@ def with_fix_rows(
         for key, column in columns.items()
     }
     if "fix_type" in values:
-        whole = replace(gnss, fix_type=np.nan_to_num(values["fix_type"]).astype(np.int64))
+        whole = replace(gnss, fix_type=fix_types(values["fix_type"]))
     else:
         whole = replace(gnss, **{key: column for key, column in values.items() if np.isfinite(column).any()})
     missing = int(np.count_nonzero(~near))

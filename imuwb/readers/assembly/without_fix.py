@@ -5,11 +5,18 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from imuwb.arrays import Booleans
+from imuwb.arrays import Booleans, Floats, Integers
 from imuwb.log import GnssStream, Repair
 from imuwb.notes import Note
 
+HIGHEST = 1000  #: fix type; a larger number is damage
 NO_FIX = 1  #: fix type of such a row; 0: the type is not known
+
+
+def fix_types(values: Floats) -> Integers:
+    """Return fix types as whole numbers; 0, not known, for what is no number or far beyond any type."""
+    known = np.isfinite(values) & (np.abs(values) <= HIGHEST)
+    return np.where(known, values, 0.0).astype(np.int64)
 
 
 def without_unfixed(streams: Sequence[GnssStream]) -> tuple[tuple[GnssStream, ...], list[Note]]:

@@ -5,6 +5,7 @@ import pytest
 
 from imuwb.health import check
 from imuwb.readers import read
+from imuwb.readers.assembly.without_fix import fix_types
 from tests.readers.repairs import repairs
 
 
@@ -39,3 +40,7 @@ def test_a_receiver_that_waits_for_its_first_fix_is_no_fault(tmp_path):
     assert [(fault.kind, fault.severity, fault.count) for fault in health.faults if "no fix" in fault.kind] == [
         ("no fix", "note", 10)
     ]
+
+
+def test_a_type_that_no_receiver_has_is_not_known():
+    assert fix_types(np.array([3.0, np.nan, np.inf, 1e300, -1e19, 6.0])).tolist() == [3, 0, 0, 0, 0, 6]
