@@ -105,6 +105,7 @@ def _si(values: Floats, column: Column) -> Floats:
     measure = cast("Unit", column.unit)
     with np.errstate(over="ignore"):
         scale = column.sign * measure.factor
+        with np.errstate(invalid="ignore", over="ignore"):  # a damaged number may be a signalling nan, or beyond all floats
         scaled = values * scale if scale != 1.0 else values
     return scaled + measure.offset if measure.offset else scaled  # adding 0 would turn -0 into +0
 
