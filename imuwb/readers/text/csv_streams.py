@@ -103,9 +103,8 @@ def _si(values: Floats, column: Column) -> Floats:
     if column.quantity == "fix_type":
         return _fix_type(values, column)
     measure = cast("Unit", column.unit)
-    with np.errstate(over="ignore"):
+    with np.errstate(invalid="ignore", over="ignore"):  # a damaged number may be a signalling nan, or beyond all floats
         scale = column.sign * measure.factor
-        with np.errstate(invalid="ignore", over="ignore"):  # a damaged number may be a signalling nan, or beyond all floats
         scaled = values * scale if scale != 1.0 else values
     return scaled + measure.offset if measure.offset else scaled  # adding 0 would turn -0 into +0
 
