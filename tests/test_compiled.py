@@ -138,7 +138,9 @@ def test_every_compiled_function_has_signatures_or_is_called_by_compiled_code_al
             import_module(".".join(("imuwb", *file.relative_to(home).with_suffix("").parts)))
     ours = {name for name in kernels if name.startswith("imuwb")}
     assert listed.keys() <= ours
-    assert ours - listed.keys() <= {"imuwb.readers.flight.ulog_records:_chained"}
+    # Loops over bytes are registered at their first use, over a log that is large enough.
+    late = {"imuwb.readers.containers.mcap_records:_walk", "imuwb.readers.bytes.gather:_copy"}
+    assert ours - listed.keys() - late <= {"imuwb.readers.flight.ulog_records:_chained"}
     for name, found in listed.items():
         for signature in found:
             assert len(signature) == len(inspect.signature(kernels[name].py_func).parameters), name

@@ -82,7 +82,7 @@ def test_a_sweep_lists_the_worst(swept):
 def test_one_outage_is_no_verdict(log, toml):
     found = outage.run([log], stated(error_model=toml, models="full", at="150:30"))
     assert ids(found.verdicts) == ("few-outages",)
-    assert found.verdicts[0].startswith("30 s: 1 outages")
+    assert found.verdicts[0].startswith("30 s: 1 outage ")
     of = plain(found)["summary"][0]["models"]["full"]
     assert of["median_end"] > 0
     assert of["median_end_interval"] == [None, None]
