@@ -37,7 +37,9 @@ pytestmark = pytest.mark.slow
 FULL = os.environ.get("IMUWB_FULL_FUZZ", "0") not in ("", "0")
 ROOT = Path(__file__).resolve().parents[2]
 KINDS = {"cut": 0, "1 bit": 1, "20 bits": 20, "1000 bits": 1000}  #: and how many bits are flipped
-EACH = dict.fromkeys(KINDS, 200) if FULL else {"cut": 25, "1 bit": 12, "20 bits": 10, "1000 bits": 6}
+EACH = (
+    dict.fromkeys(KINDS, 200) if FULL else {"cut": 12, "1 bit": 6, "20 bits": 5, "1000 bits": 3}
+)  # tests/fuzz reads many more
 SAMPLE_EACH = EACH if FULL else dict.fromkeys(KINDS, 3)  #: of a file that takes longer
 LONGEST = 5.0  #: s
 HANG = 60  #: s, after which a reader that does not end is shown and killed
