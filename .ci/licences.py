@@ -1,7 +1,7 @@
 """Write the table of the licences of all dependencies, or check that it still fits what is installed.
 
     python .ci/licences.py              writes LICENCES.md
-    python .ci/licences.py --check      fails if an installed dependency is not in it, or has a licence that is not known to fit
+    python .ci/licences.py --check      fails if what a user of imuwb installs is not in it, or has a licence that is not known to fit
 
 A licence is what the metadata of a package states: its SPDX expression, else its classifier.
 """
@@ -14,8 +14,8 @@ from pathlib import Path
 from packaging.requirements import Requirement
 
 TABLE = Path(__file__).resolve().parents[1] / "LICENCES.md"
-EXTRAS = ("", "mdf", "novatel", "test", "bench", "dev")
-PASSED_ON = ("", "mdf", "novatel")  #: what a user of imuwb installs
+EXTRAS = ("", "mdf", "novatel", "pdf", "test", "bench", "dev")
+PASSED_ON = ("", "mdf", "novatel", "pdf")  #: what a user of imuwb installs
 #: licences under which a program with the licence of imuwb (MIT) may use a library
 FITTING = {
     "0BSD", "Apache-2.0", "Apache-2.0 WITH LLVM-exception", "BSD", "CNRI-Python", "MIT-0", "BSD-2-Clause", "BSD-3-Clause", "CC0-1.0", "ISC", "MIT", "MIT-CMU",
@@ -25,6 +25,8 @@ CLASSIFIERS = {
     "Apache Software License": "Apache-2.0", "BSD License": "BSD", "ISC License (ISCL)": "ISC", "MIT License": "MIT",
     "Mozilla Public License 2.0 (MPL 2.0)": "MPL-2.0", "Python Software Foundation License": "PSF-2.0",
     "The Unlicense (Unlicense)": "Unlicense", "GNU Lesser General Public License v3 or later (LGPLv3+)": "LGPL-3.0-or-later",
+    "GNU General Public License v2 or later (GPLv2+)": "GPL-2.0-or-later", "Mozilla Public License 1.1 (MPL 1.1)": "MPL-1.1",
+    "GNU Lesser General Public License v2 or later (LGPLv2+)": "LGPL-2.0-or-later",
     "GNU Lesser General Public License v3 (LGPLv3)": "LGPL-3.0", "GNU Library or Lesser General Public License (LGPL)": "LGPL",
 }  # fmt: skip
 FREE_TEXT = {
@@ -114,7 +116,8 @@ def main() -> int:
     ]
     if "--check" in sys.argv:
         text = TABLE.read_text("utf-8")
-        absent = [name for name in found if f"| {name} |" not in text]
+        used = {name for name, (_, by) in found.items() if not set(by.split(", ")) <= tools}
+        absent = [name for name in sorted(used) if f"| {name} |" not in text]
         for problem, names in (
             ("not in LICENCES.md; run python .ci/licences.py", absent),
             ("a licence that is not known to fit", doubtful),
@@ -125,7 +128,7 @@ def main() -> int:
     lines = [f"| {name} | {licence} | {by} | {REMARKS.get(name, '')} |" for name, (licence, by) in found.items()]
     head = (
         "# Licences of the dependencies\n\n    python .ci/licences.py\n\nimuwb is under the MIT licence (`LICENSE`). It contains no code of these "
-        f"packages; pip installs them. Users install what imuwb and the extras {' and '.join(PASSED_ON[1:])} need: these licences allow "
+        f"packages; pip installs them. Users install what imuwb and the extras {', '.join(PASSED_ON[1:])} need: these licences allow "
         "a program under the MIT licence to use them; mind the remarks. What only test, bench and dev need are tools of contributors.\n"
     )
     table = "\n".join(("| package | licence | needed by | remark |", "| --- | --- | --- | --- |", *lines))
