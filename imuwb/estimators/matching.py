@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from imuwb.estimators.growth import averaged, predicted_variance, slow_part, true_variance
-from imuwb.stochastic import FlickerNoise, GaussMarkov, RandomWalk, Sum
+from imuwb.stochastic import GaussMarkov, RandomWalk, Sum
 
 LONG = (
     60.0  #: horizons: the correlation time that makes a Gauss-Markov process a random walk (sd of position 0.995 of it)
@@ -101,11 +101,6 @@ def as_gauss_markov(processes: Sum, horizon: float, times: int) -> Match | None:
     process = GaussMarkov(sigma, time)
     ratios = [math.sqrt(_drift(Sum((process,)), horizon, k) / _drift(slow, horizon, k)) for k in INTEGRALS]
     return Match(process, all(isinstance(term, RandomWalk) for term in slow.terms), (ratios[0], ratios[1], ratios[2]))
-
-
-def has_flicker(processes: Sum) -> bool:
-    """Return whether a bias instability is among the processes."""
-    return any(isinstance(term, FlickerNoise) for term in processes.terms)
 
 
 def _drift(slow: Sum, horizon: float, times: int) -> float:

@@ -1,8 +1,8 @@
 """Writes files whole: each is a draft in the same folder, gets on the disk, and is then renamed.
 
-A process holds a lock on each of its drafts. A second process is told of it, and a draft without a lock is what a killed
-process left: the next process that writes the file takes it over. The drafts of one run are renamed together, after the
-last one is finished.
+A process locks each of its drafts. A second process that wants to write the same file gets an error. A process that was killed
+leaves a draft without a lock; the next process that writes the file uses the draft's place again. The drafts of one run are
+renamed together, after the last one is finished.
 """
 
 import errno

@@ -8,8 +8,8 @@ from imuwb.estimators.calibration import (
     calibration_text,
     imu_tk_files,
     read_calibration_text,
+    subtracted,
     thermal_text,
-    undone,
 )
 from imuwb.stochastic import AxisModel, ImuErrorModel, shown
 
@@ -118,7 +118,7 @@ def test_an_autopilot_takes_off_the_bias_at_every_temperature(form, instance):
         parts[0]: float(parts[1]) for line in text.splitlines() if not line.startswith("#") and (parts := line.split())
     }
     at = np.array([-30.0, -10.0, 12.0, 35.0, 50.0, 90.0])
-    gyro, accel = undone(form, values, at, instance)
+    gyro, accel = subtracted(form, values, at, instance)
     held = np.clip(at, -10, 65)
     for k in range(3):
         assert gyro[:, k] == pytest.approx(bias(1e-3 * (1 + k), held), rel=1e-6)

@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 from study_report import GOALS, Share, Table, main, pooled, verdict
 
-from imuwb.estimators.calibration import thermal_text, undone
+from imuwb.estimators.calibration import subtracted, thermal_text
 from imuwb.log import AXES
 from imuwb.simulation import static
 from imuwb.simulation.thermal import Temperature
@@ -75,7 +75,7 @@ def record(seed, minutes, *, flicker=True):
     at = int(np.argmin(np.abs(celsius - REFERENCE)))
     found = {}
     for tool, name in TOOLS.items():
-        gyro, accel = undone(name, parameters(model, name), celsius)
+        gyro, accel = subtracted(name, parameters(model, name), celsius)
         judged = [_judged(axis, truths[axis], (gyro if axis.startswith("gyro") else accel)[:, "xyz".index(axis[-1])],
                           result.axes[axis].over.laws["bias"].function, celsius, at) for axis in AXES]  # fmt: skip
         found[tool] = tuple(map(np.concatenate, zip(*judged, strict=True)))

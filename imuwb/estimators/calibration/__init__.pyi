@@ -9,5 +9,5 @@ from .logged import before_logging as before_logging
 from .logged import taken_off as taken_off
 from .matrices import Matrices as Matrices
 from .thermal import THERMAL_FORMS as THERMAL_FORMS
+from .thermal import subtracted as subtracted
 from .thermal import thermal_text as thermal_text
-from .thermal import undone as undone

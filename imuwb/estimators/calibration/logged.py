@@ -13,7 +13,7 @@ import numpy as np
 
 from imuwb.arrays import Floats
 from imuwb.errors import MissingDataError
-from imuwb.estimators.calibration.thermal import undone
+from imuwb.estimators.calibration.thermal import subtracted
 from imuwb.geodesy import rotation_of_euler
 from imuwb.log import Conditioning, ImuStream, Log, Nanoseconds, Triad
 from imuwb.notes import Note
@@ -117,7 +117,7 @@ def _measured(
     neutral = {f"{prefix}_TMIN": 0.0, f"{prefix}_TMAX": 70.0}
     neutral |= {f"INS_{kind}{place + 1}_CALTEMP": -300.0 for kind in ("ACC", "GYR")}
     values = neutral | {n: v for n, v in settings.items() if warm or not n.startswith("INS_TCAL")}
-    off = undone("ardupilot-tcal", values, _celsius(log, imu, triad.time, needed=warm), place)[int(accel)]
+    off = subtracted("ardupilot-tcal", values, _celsius(log, imu, triad.time, needed=warm), place)[int(accel)]
     scale = [settings.get(f"INS_ACC{number}SCAL_{axis}", 1.0) for axis in "XYZ"] if accel else [1.0] * 3
     return Triad(triad.time, triad.value @ rotation / np.where(np.array(scale) == 0, 1.0, scale) + off)
 

@@ -128,7 +128,7 @@ def _px4(found: tuple[Curve, ...], low: float, high: float, instance: int) -> li
     return rows
 
 
-def undone(name: str, values: dict[str, float], celsius: Floats, instance: int = 0) -> tuple[Floats, Floats]:
+def subtracted(name: str, values: dict[str, float], celsius: Floats, instance: int = 0) -> tuple[Floats, Floats]:
     """Return what an autopilot with these parameters subtracts at temperatures: (n, 3) rad/s and (n, 3) m/s².
 
     These are the formulas of the autopilots, by which a file is proven and a log's own compensation can be added back.
