@@ -32,8 +32,8 @@ def catalog(
     """Write a page of a folder of recordings: what each found, with links, sortable."""
     from imuwb import __version__  # noqa: PLC0415 - help must not wait
     from imuwb.cli.places import check_place  # noqa: PLC0415
-    from imuwb.review.catalog import catalog as page  # noqa: PLC0415
-    from imuwb.review.catalog import entries  # noqa: PLC0415
+    from imuwb.review.page.catalog import catalog as page  # noqa: PLC0415
+    from imuwb.review.page.catalog import entries  # noqa: PLC0415
     from imuwb.writers import write_text  # noqa: PLC0415
 
     if serve and output is not None:

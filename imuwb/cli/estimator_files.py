@@ -209,8 +209,8 @@ def explain(
     from imuwb.analysis import Step  # noqa: PLC0415 - help must not wait
     from imuwb.cli.terminal import print_panel, shower  # noqa: PLC0415
     from imuwb.estimators import explain as explained  # noqa: PLC0415
-    from imuwb.review.explanations import explain_answer, explain_notes, explain_tables  # noqa: PLC0415
-    from imuwb.review.panel import Origin  # noqa: PLC0415
+    from imuwb.review.answers.explanations import explain_answer, explain_notes, explain_tables  # noqa: PLC0415
+    from imuwb.review.answers.panel import Origin  # noqa: PLC0415
 
     read, options, said = _given(model, rate, step, horizon, in_motion, scale_factor, celsius, limits=limits)
     found = explained(read, for_, options, said)

@@ -62,9 +62,9 @@ def _imported(path: Path, application: str | None, recording: str | None) -> int
     """Write the recording of a log to stdout, and return the exit code."""
     from imuwb import readers  # noqa: PLC0415 - declining must not wait for numpy
     from imuwb.errors import ImuwbError  # noqa: PLC0415
-    from imuwb.review.clock import Clock  # noqa: PLC0415
-    from imuwb.review.overview import overview  # noqa: PLC0415
-    from imuwb.review.recording import RecordingReview  # noqa: PLC0415
+    from imuwb.review.recording.overview import overview  # noqa: PLC0415
+    from imuwb.review.recording.review import RecordingReview  # noqa: PLC0415
+    from imuwb.review.scene.clock import Clock  # noqa: PLC0415
 
     try:
         log = readers.read(path)

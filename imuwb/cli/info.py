@@ -53,7 +53,7 @@ def info(
     from imuwb.cli.typed import options_given  # noqa: PLC0415
     from imuwb.readers.bytes import source  # noqa: PLC0415
     from imuwb.readers.reading import indexed  # noqa: PLC0415
-    from imuwb.review.contents import can_be_used  # noqa: PLC0415
+    from imuwb.review.tables.contents import can_be_used  # noqa: PLC0415
     from imuwb.summary import summarize  # noqa: PLC0415
 
     with source.accessed(log) as place:
@@ -67,7 +67,7 @@ def info(
         whole = joined_sensors(whole, reading, join)
     summary = stated or summarize(cast("Log", whole))
     if json:
-        from imuwb.review.document import json_text  # noqa: PLC0415 - only here
+        from imuwb.review.answers.document import json_text  # noqa: PLC0415 - only here
 
         typer.echo(json_text(summary))
     else:
@@ -93,10 +93,10 @@ def _why(summary: LogSummary) -> str:
 def _show(summary: LogSummary, whole: Log | None, read: Sequence[str], *, full: bool) -> None:
     """Print the answer; before it, all tables and notes if they are wanted. ``read``: the log, and how it is read."""
     from imuwb.cli.terminal import print_panel, shower  # noqa: PLC0415 - help must not wait for numpy
-    from imuwb.review.contents import contents_table, usable_table  # noqa: PLC0415
-    from imuwb.review.log_answer import log_answer  # noqa: PLC0415
-    from imuwb.review.panel import Origin  # noqa: PLC0415
-    from imuwb.review.tables import truth_table  # noqa: PLC0415
+    from imuwb.review.answers.log_answer import log_answer  # noqa: PLC0415
+    from imuwb.review.answers.panel import Origin  # noqa: PLC0415
+    from imuwb.review.tables.contents import contents_table, usable_table  # noqa: PLC0415
+    from imuwb.review.tables.streams import truth_table  # noqa: PLC0415
 
     if full:
         show = shower(data=True)
@@ -121,7 +121,7 @@ def faults_of(log: Log) -> tuple[Fault, ...]:
 def _steps(summary: LogSummary, faults: Sequence[Fault]) -> Iterator[Step]:
     """Yield what can be done next: look at the faults, or analyse the log."""
     from imuwb.cli.next_steps import analysis_steps  # noqa: PLC0415 - help must not wait for numpy
-    from imuwb.review.contents import ALONE  # noqa: PLC0415
+    from imuwb.review.tables.contents import ALONE  # noqa: PLC0415
 
     kinds = {stream.kind for stream in summary.streams}
     counts = {severity: sum(fault.severity == severity for fault in faults) for severity in ("fault", "warning")}

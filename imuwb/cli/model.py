@@ -14,7 +14,7 @@ from imuwb.errors import ImuwbError, UsageError
 
 if TYPE_CHECKING:
     from imuwb.analysis import Answer
-    from imuwb.review.panel import Origin
+    from imuwb.review.answers.panel import Origin
     from imuwb.stochastic import ImuErrorModel
 
 FEWEST = 100  #: samples for which curves are drawn
@@ -109,10 +109,10 @@ def check(
     """
     from imuwb.analysis import Step  # noqa: PLC0415 - help must not wait
     from imuwb.cli.terminal import print_panel, shower  # noqa: PLC0415
-    from imuwb.review.document import plain  # noqa: PLC0415
-    from imuwb.review.model_answers import check_answer  # noqa: PLC0415
-    from imuwb.review.models import verdicts_table  # noqa: PLC0415
-    from imuwb.review.panel import Origin  # noqa: PLC0415
+    from imuwb.review.answers.document import plain  # noqa: PLC0415
+    from imuwb.review.answers.model_answers import check_answer  # noqa: PLC0415
+    from imuwb.review.answers.models import verdicts_table  # noqa: PLC0415
+    from imuwb.review.answers.panel import Origin  # noqa: PLC0415
     from imuwb.simulation import preset_names, sensor_model  # noqa: PLC0415
     from imuwb.stochastic.model_check import check as checked  # noqa: PLC0415
     from imuwb.stochastic.model_check import limits, limits_of  # noqa: PLC0415
@@ -143,9 +143,9 @@ def _review(paths: Sequence[Path], rate: float, hours: float, output: Path | Non
     from imuwb.cli.next_steps import model_steps  # noqa: PLC0415
     from imuwb.cli.places import reserved  # noqa: PLC0415 - help must not wait
     from imuwb.cli.terminal import print_panel, shower  # noqa: PLC0415
-    from imuwb.review.model_answers import compare_answer, show_answer  # noqa: PLC0415
-    from imuwb.review.models import tables_of  # noqa: PLC0415
-    from imuwb.review.panel import Origin  # noqa: PLC0415
+    from imuwb.review.answers.model_answers import compare_answer, show_answer  # noqa: PLC0415
+    from imuwb.review.answers.models import tables_of  # noqa: PLC0415
+    from imuwb.review.answers.panel import Origin  # noqa: PLC0415
     from imuwb.simulation import sensor_model  # noqa: PLC0415
 
     if not (0 < rate < math.inf and 0 < hours < math.inf and hours * 3600 * rate >= FEWEST):
@@ -172,11 +172,11 @@ def _draw(
     models: "Mapping[str, ImuErrorModel]", rate: float, hours: float, output: Path, answer: "Answer", origin: "Origin"
 ) -> None:
     from imuwb import __version__  # noqa: PLC0415 - it reads the installed metadata
-    from imuwb.review.document import json_text  # noqa: PLC0415 - help must not wait
-    from imuwb.review.models import draw_models  # noqa: PLC0415
-    from imuwb.review.panel import panel  # noqa: PLC0415
-    from imuwb.review.properties import properties, recording_name  # noqa: PLC0415
-    from imuwb.review.recording import RecordingReview  # noqa: PLC0415 - the viewer's library is slow to import
+    from imuwb.review.answers.document import json_text  # noqa: PLC0415 - help must not wait
+    from imuwb.review.answers.models import draw_models  # noqa: PLC0415
+    from imuwb.review.answers.panel import panel  # noqa: PLC0415
+    from imuwb.review.recording.properties import properties, recording_name  # noqa: PLC0415
+    from imuwb.review.recording.review import RecordingReview  # noqa: PLC0415 - the viewer's library is slow to import
 
     review = RecordingReview(output)
     try:

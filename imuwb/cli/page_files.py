@@ -12,7 +12,7 @@ from imuwb.errors import ImuwbError, UsageError
 from imuwb.writers import together, whole_file, write_text
 
 if TYPE_CHECKING:
-    from imuwb.review.report import Report
+    from imuwb.review.page.report import Report
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +65,7 @@ class PageFiles:
             title: of the page; empty: that of the run.
             remarks: what a reader must know of several runs together.
         """
-        from imuwb.review.report_files import figure_files, table_files  # noqa: PLC0415 - for these files alone
+        from imuwb.review.page.report_files import figure_files, table_files  # noqa: PLC0415 - for these files alone
 
         wrote: list[str] = []
         if self.html is not None:

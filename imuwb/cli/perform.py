@@ -25,21 +25,21 @@ from imuwb.errors import ImuwbError, MissingDataError, UsageError
 from imuwb.log import Log
 from imuwb.progress import watched
 from imuwb.readers.bytes.address import Place, place_of
-from imuwb.review.clock import Clock
-from imuwb.review.default_answer import ALL, default_answer
-from imuwb.review.document import document
-from imuwb.review.drawn import Drawn as Shown
-from imuwb.review.log_state import log_state
-from imuwb.review.overview import overview
-from imuwb.review.panel import Origin, panel
-from imuwb.review.properties import properties, recording_name
-from imuwb.review.report import Report, report_of
-from imuwb.review.report_document import KEPT, report_from, text_of
+from imuwb.review.answers.default_answer import ALL, default_answer
+from imuwb.review.answers.document import document
+from imuwb.review.answers.log_state import log_state
+from imuwb.review.answers.panel import Origin, panel
+from imuwb.review.drawn.calls import Drawn as Shown
+from imuwb.review.page.report import Report, report_of
+from imuwb.review.page.report_document import KEPT, report_from, text_of
+from imuwb.review.recording.overview import overview
+from imuwb.review.recording.properties import properties, recording_name
+from imuwb.review.scene.clock import Clock
 from imuwb.stochastic import ImuErrorModel
 from imuwb.writers import write_text
 
 if TYPE_CHECKING:
-    from imuwb.review.recording import RecordingReview
+    from imuwb.review.recording.review import RecordingReview
 
 VIEWER = "rerun+http://127.0.0.1:9876/proxy"
 
@@ -132,7 +132,7 @@ def _drawn(
     name: str, analysis: Analysis, done: Done, places: Places, request: Request, paths: Sequence[Place]
 ) -> Drawn:
     """Write the recording, and return what else there is to write and to print."""
-    from imuwb.review.recording import RecordingReview  # noqa: PLC0415 - rerun takes a quarter of a second to import
+    from imuwb.review.recording.review import RecordingReview  # noqa: PLC0415 - rerun takes a quarter of a second to import
 
     plugin, shown, logs = cast("Any", analysis), list[Table | str](), done.logs
     live = VIEWER if request.outputs.live else None

@@ -13,8 +13,8 @@ from imuwb.errors import UnreadableLogError, UsageError
 from imuwb.texts import names_text
 
 if TYPE_CHECKING:
-    from imuwb.review.recorded import Recorded
-    from imuwb.review.report import Report
+    from imuwb.review.page.report import Report
+    from imuwb.review.recording.recorded import Recorded
 
 LOST = {".json": "the JSON of a result", ".html": "a page", ".toml": "an error model"}
 
@@ -49,7 +49,7 @@ def report(
     from imuwb.cli.page_files import PageFiles  # noqa: PLC0415
     from imuwb.cli.places import reserved  # noqa: PLC0415
     from imuwb.cli.terminal import print_panel  # noqa: PLC0415
-    from imuwb.review.panel import Origin  # noqa: PLC0415
+    from imuwb.review.answers.panel import Origin  # noqa: PLC0415
 
     files = PageFiles(output, pdf, figures, figure_format, tables, table_format)
     files.check(force=force)
@@ -75,8 +75,8 @@ def _read(path: Path) -> tuple[Recorded, Report]:
         UnreadableLogError: the file is no recording of imuwb, or has no page.
     """
     from imuwb.cli.view import check_recording  # noqa: PLC0415 - as above
-    from imuwb.review.recorded import read  # noqa: PLC0415
-    from imuwb.review.report_document import KEPT, report_from  # noqa: PLC0415
+    from imuwb.review.page.report_document import KEPT, report_from  # noqa: PLC0415
+    from imuwb.review.recording.recorded import read  # noqa: PLC0415
 
     if path.suffix in LOST and path.is_file():
         raise UnreadableLogError(

@@ -11,7 +11,7 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 from rich.table import Table as RichTable
 
 from imuwb.analysis import Answer, Table
-from imuwb.review.panel import WIDTH, Origin, panel
+from imuwb.review.answers.panel import WIDTH, Origin, panel
 from imuwb.texts import printable, printable_lines
 
 NARROWEST, WIDEST = 30, 100  #: columns of a panel on a terminal

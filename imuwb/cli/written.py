@@ -8,8 +8,8 @@ from imuwb.analysis import Step
 from imuwb.cli.next_steps import analysis_steps
 from imuwb.cli.terminal import print_panel
 from imuwb.log import Log
-from imuwb.review.log_answer import log_answer
-from imuwb.review.panel import Origin
+from imuwb.review.answers.log_answer import log_answer
+from imuwb.review.answers.panel import Origin
 from imuwb.summary import summarize
 
 FILES = 6  #: that are named; of more files, only their folder

@@ -16,8 +16,8 @@ from imuwb.cli.places import reserved
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.log import Log
 from imuwb.notebook.shown import Picture, TableFrame
+from imuwb.review.answers.panel import panel
 from imuwb.review.page.pictures import drawings, title_of
-from imuwb.review.panel import panel
 from imuwb.stochastic import ImuErrorModel
 from imuwb.writers import whole_file, write_text
 

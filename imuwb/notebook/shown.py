@@ -7,7 +7,7 @@ from imuwb.analysis import Figure, Series, Table
 from imuwb.errors import UsageError
 from imuwb.review.page.canvas import Drawing
 from imuwb.review.page.pictures import title_of
-from imuwb.review.table_columns import parts_of
+from imuwb.review.tables.columns import parts_of
 
 
 class TableFrame:

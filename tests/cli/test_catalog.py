@@ -10,8 +10,8 @@ from html.parser import HTMLParser
 import pytest
 import rerun as rr
 
-from imuwb.review.catalog import entries
-from imuwb.review.recording import RecordingReview
+from imuwb.review.page.catalog import entries
+from imuwb.review.recording.review import RecordingReview
 
 HOSTILE = '"><script>alert(1)</script><img src=x onerror=alert(2)>\u2028\x1b[2J'
 

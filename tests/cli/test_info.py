@@ -12,9 +12,9 @@ from imuwb import health
 from imuwb.cli import info
 from imuwb.health import Fault
 from imuwb.log import SECOND, GnssStream, ImuStream, Log, Orientation, Provenance, Triad
-from imuwb.review.contents import can_be_used, contents_table, usable_table
-from imuwb.review.log_answer import log_answer
-from imuwb.review.panel import HEIGHT, WIDTH, Origin, panel
+from imuwb.review.answers.log_answer import log_answer
+from imuwb.review.answers.panel import HEIGHT, WIDTH, Origin, panel
+from imuwb.review.tables.contents import can_be_used, contents_table, usable_table
 from imuwb.summary import summarize
 from imuwb.writers import write
 

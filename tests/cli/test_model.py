@@ -56,7 +56,7 @@ def test_nothing_is_written_unless_it_is_asked_for(imuwb, flicker, other, tmp_pa
 def test_the_curves_are_those_of_the_processes():
     import numpy as np
 
-    from imuwb.review.models import draw_models
+    from imuwb.review.answers.models import draw_models
 
     figures = []
 

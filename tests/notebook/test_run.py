@@ -13,8 +13,8 @@ from imuwb.cli import main
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.notebook.run import _command
 from imuwb.notebook.shown import TableFrame
-from imuwb.review.rrd import is_whole
-from imuwb.review.table_files import csv_text
+from imuwb.review.recording.rrd import is_whole
+from imuwb.review.tables.files import csv_text
 from imuwb.simulation import preset, static
 from imuwb.writers import write
 

@@ -5,7 +5,7 @@ import pytest
 
 from imuwb.errors import MissingDataError
 from imuwb.notes import ids
-from imuwb.review.document import plain
+from imuwb.review.answers.document import plain
 from imuwb.stochastic import GaussMarkov, WhiteNoise
 from imuwb_plugins import autocorrelation
 

@@ -7,7 +7,7 @@ from scipy import signal
 
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.log import Conditioning
-from imuwb.review.document import plain
+from imuwb.review.answers.document import plain
 from imuwb_plugins import autoregressive
 
 ALPHA = (-1.2, 0.5)

@@ -9,7 +9,7 @@ import pytest
 
 from imuwb.log import SECOND, GnssStream
 from imuwb.notes import ids
-from imuwb.review.document import plain
+from imuwb.review.answers.document import plain
 from imuwb_plugins import health
 
 SAMPLE = Path(__file__).resolve().parents[2] / "samples" / "static.mcap"

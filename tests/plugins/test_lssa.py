@@ -12,7 +12,7 @@ from imuwb.identification.lssa import Constituents, Noise, adjust, drifting_line
 from imuwb.log import SECOND
 from imuwb.noise_results import line_name
 from imuwb.notes import ids
-from imuwb.review.document import plain
+from imuwb.review.answers.document import plain
 from imuwb_plugins import lssa
 from imuwb_plugins.lssa import Parameters
 

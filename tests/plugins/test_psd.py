@@ -7,7 +7,7 @@ import pytest
 from imuwb.errors import MissingDataError
 from imuwb.identification import fit_spectrum, power_spectrum
 from imuwb.identification.spectral.lines import Line
-from imuwb.review.document import plain
+from imuwb.review.answers.document import plain
 from imuwb.statistics import Estimate
 from imuwb.stochastic import RandomWalk, WhiteNoise
 from imuwb_plugins import bandwidth, kaiser, psd

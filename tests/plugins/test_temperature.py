@@ -9,7 +9,7 @@ from imuwb.errors import MissingDataError, UsageError
 from imuwb.identification.temperature import Record, Stretch
 from imuwb.log import SECOND, Conditioning, ImuStream, Log, Origin, Provenance, Scalars, Triad
 from imuwb.notes import ids
-from imuwb.review.document import document
+from imuwb.review.answers.document import document
 from imuwb.stochastic import ImuErrorModel, RandomWalk, WhiteNoise
 from imuwb_plugins import temperature
 from imuwb_plugins.temperature.compute import _difference_of_logs

@@ -5,8 +5,8 @@ import pytest
 from rerun.chunk import RrdReader
 
 from imuwb.analysis import Curve, Figure
-from imuwb.review import chart
-from imuwb.review.recording import RecordingReview
+from imuwb.review.figures import chart
+from imuwb.review.recording.review import RecordingReview
 
 
 class Drawing(dict):

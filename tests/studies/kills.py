@@ -39,7 +39,7 @@ STATES = ("old", "new", "between", "damaged")
 def run_named(path: str) -> str:
     """Return the run that a whole recording names; empty: it is not whole."""
     from imuwb.errors import UnreadableLogError
-    from imuwb.review import recorded
+    from imuwb.review.recording import recorded
 
     try:
         found = recorded.read(path)

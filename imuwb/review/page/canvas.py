@@ -15,9 +15,9 @@ from imuwb.analysis import Curve, Figure, Mark, Series
 from imuwb.arrays import Floats
 from imuwb.colors import Color, color_at
 from imuwb.log import SECOND
-from imuwb.review.drawn import Track
+from imuwb.review.drawn.calls import Track
+from imuwb.review.figures.track import local_plane
 from imuwb.review.page.ticks import put_ticks
-from imuwb.review.track import local_plane
 
 HEIGHT = {"figure": 0.5, "series": 0.38, "track": 0.7}  #: of the width
 TITLE = 44  #: letters of a line of an axis's title

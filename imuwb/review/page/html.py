@@ -12,9 +12,9 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined
 from imuwb.analysis import Figure, Series, Table
 from imuwb.review.page.canvas import Drawing, Look
 from imuwb.review.page.pictures import Picture, drawings, picture
+from imuwb.review.page.report import Report
 from imuwb.review.page.small import with_classes
 from imuwb.review.page.themes import DARK, GRID_NAME, INK_NAME, LIGHT, PAGE, PRINT, color_of, readable, text_of
-from imuwb.review.report import Report
 from imuwb.texts import printable_lines
 from imuwb.units import UNITS
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from imuwb.analysis import Figure, Series
 from imuwb.log import SECOND
-from imuwb.review.drawn import Drawn, Track
+from imuwb.review.drawn.calls import Drawn, Track
 from imuwb.review.page.canvas import Drawing, Entry, Look, mark_text, render, render_apart
 from imuwb.review.page.small import small
 from imuwb.texts import names_text, seconds_text

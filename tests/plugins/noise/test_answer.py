@@ -1,6 +1,6 @@
 import pytest
 
-from imuwb.review.panel import HEIGHT, Origin, panel
+from imuwb.review.answers.panel import HEIGHT, Origin, panel
 from imuwb.simulation import preset, static
 from imuwb_plugins import noise
 

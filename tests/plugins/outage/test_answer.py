@@ -5,7 +5,7 @@ import pytest
 from imuwb.log import AXES
 from imuwb.notes import Note
 from imuwb.replay import Consistency, MotionNoise
-from imuwb.review.panel import HEIGHT, Origin, panel
+from imuwb.review.answers.panel import HEIGHT, Origin, panel
 from imuwb.statistics import Estimate
 from imuwb_plugins import outage
 from imuwb_plugins.outage.answer import believed, sigma_text

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.review.document import plain
+from imuwb.review.answers.document import plain
 from imuwb.stochastic import AxisModel, GaussMarkov, ImuErrorModel, Sinusoid, Sum
 from imuwb_plugins import outage
 from imuwb_plugins.outage import Parameters

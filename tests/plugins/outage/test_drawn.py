@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from imuwb.notes import ids
-from imuwb.review.document import plain
+from imuwb.review.answers.document import plain
 from imuwb_plugins import outage
 from imuwb_plugins.outage.notes import misfits
 

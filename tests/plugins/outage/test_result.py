@@ -11,7 +11,7 @@ from imuwb.errors import MissingDataError
 from imuwb.navigation import FilterModel
 from imuwb.notes import ids
 from imuwb.replay import Outage, budget, events_of, model_named, prepare, replay
-from imuwb.review.document import document, plain
+from imuwb.review.answers.document import document, plain
 from imuwb_plugins import outage
 from imuwb_plugins.outage import Parameters
 

@@ -7,9 +7,9 @@ import pytest
 
 from imuwb.analysis import Answer, Curve, Figure, Mark, Series, Step, Table, Vertical
 from imuwb.colors import BLUE, INK, RED, YELLOW
-from imuwb.review.drawn import Drawn, Track
-from imuwb.review.panel import Origin
-from imuwb.review.report import report_of
+from imuwb.review.answers.panel import Origin
+from imuwb.review.drawn.calls import Drawn, Track
+from imuwb.review.page.report import report_of
 
 
 def allan(points=500):

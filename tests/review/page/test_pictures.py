@@ -7,7 +7,7 @@ import pytest
 
 from imuwb.analysis import Curve, Figure, Mark, Series, Vertical
 from imuwb.colors import BLUE, INK, PALE, PALETTE, RED
-from imuwb.review.drawn import Track
+from imuwb.review.drawn.calls import Track
 from imuwb.review.page.canvas import render
 from imuwb.review.page.pictures import described, picture
 from imuwb.review.page.small import small, with_classes

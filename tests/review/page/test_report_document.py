@@ -8,11 +8,11 @@ import pytest
 
 from imuwb.analysis import Answer
 from imuwb.errors import UnreadableLogError
-from imuwb.review.drawn import Drawn
+from imuwb.review.answers.panel import Origin
+from imuwb.review.drawn.calls import Drawn
 from imuwb.review.page.html import page
-from imuwb.review.panel import Origin
-from imuwb.review.report import report_of
-from imuwb.review.report_document import _numbers, report_from, text_of
+from imuwb.review.page.report import report_of
+from imuwb.review.page.report_document import _numbers, report_from, text_of
 
 
 def test_what_is_kept_makes_the_same_page(report):

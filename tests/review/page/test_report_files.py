@@ -2,7 +2,7 @@
 
 import re
 
-from imuwb.review.report_files import figure_files, table_files
+from imuwb.review.page.report_files import figure_files, table_files
 
 
 def test_each_figure_and_table_has_a_file_of_its_own_name(report):

@@ -1,0 +1,1 @@
+"""The answer of each command, as the panel of the terminal and as JSON."""

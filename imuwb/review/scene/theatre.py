@@ -1,0 +1,80 @@
+"""The views of a tab with a scene: the scene, the plan, what holds now, and the charts beside them on the same cursor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import rerun as rr
+import rerun.blueprint as rrb
+
+from imuwb.review.scene.frames import Frames
+from imuwb.review.scene.plan import plan
+from imuwb.review.scene.stage import CLEARED, groups, stage
+from imuwb.review.scene.timelines import Timelines, seconds
+from imuwb.review.tables.markdown import caption_text
+from imuwb.scene import Scene
+
+HALVES = (1.2, 1.0)  #: shares of the width: the scene, the charts
+SCENE_SHARES = (1.65, 1.0)  #: shares of the height: the scene, what is below it
+CHART_SHARES = (1.6, 1.0)  #: shares of the height: the first chart, each other one
+BELOW = (1.0, 1.25, 0.75)  #: shares of the width: the plan, what holds now, the events
+MOST_ROWS = 4  #: of charts: a legend needs some height
+PLAN, NOW = "The whole track", "Now"
+
+
+@dataclass(slots=True)
+class Theatre:
+    """The views of a scene."""
+
+    scene: rrb.View
+    below: list[rrb.View] = field(default_factory=list[rrb.View])
+
+    @staticmethod
+    def of(scene: Scene, recording: rr.RecordingStream, timelines: Timelines, path: str) -> Theatre:
+        """Log a scene, its plan and its captions."""
+        view = stage(scene, recording, timelines, path)
+        above = plan(scene, recording, timelines, f"{path}_plan", PLAN)
+        return Theatre(view, [above, _captions(scene, recording, timelines, f"{path}_now")])
+
+    def layout(self, name: str, series: Sequence[rrb.View]) -> rrb.Vertical:
+        """Return the arrangement: the scene at the left, the charts at the right, the first of them the highest."""
+        left = rrb.Vertical(
+            self.scene, rrb.Horizontal(*self.below, column_shares=BELOW[: len(self.below)]), row_shares=SCENE_SHARES
+        )
+        main: rrb.Container = left
+        if series:
+            rows = list(_rows(series))
+            shares = [CHART_SHARES[0], *(CHART_SHARES[1] for _ in rows[1:])]
+            main = rrb.Horizontal(left, rrb.Vertical(*rows, row_shares=shares), column_shares=HALVES, name=name)
+        return rrb.Vertical(main, name=name)
+
+
+def _rows(series: Sequence[rrb.View]) -> Iterator[rrb.View | rrb.Container]:
+    """Yield charts, at most four rows: those after the first are in pairs as far as it must be."""
+    pairs = max(len(series) - MOST_ROWS, 0)
+    yield series[0]
+    for k in range(1, 1 + 2 * pairs, 2):
+        yield rrb.Horizontal(*series[k : k + 2])
+    yield from series[1 + 2 * pairs :]
+
+
+def _captions(scene: Scene, recording: rr.RecordingStream, timelines: Timelines, path: str) -> rrb.View:
+    """Keep the text that changes in time."""
+    recording.log(path, rr.TextDocument.from_fields(media_type=rr.MediaType.MARKDOWN), static=True)
+    outside = Frames(rr.TextDocument)
+    outside.add(int(scene.body.time[0]), {"text": [caption_text(scene.about)]})
+    outside.keep(timelines, path, ("",))
+    for episodes, on in groups(scene):
+        frames = Frames(rr.TextDocument)
+        for episode in episodes:
+            if episode.name:
+                before = Frames(rr.TextDocument)
+                before.add(episode.begin - seconds(scene.before), {"text": [caption_text(episode.about)]})
+                before.keep(timelines, path, (episode.name,))
+            times = episode.beliefs[0].time.tolist() if episode.beliefs else []
+            for time, caption in zip(times, episode.captions, strict=True):
+                frames.add(time, {"text": [caption_text(caption)]})
+            frames.add(episode.end + seconds(CLEARED), {"text": [caption_text(scene.about)]})
+        frames.keep(timelines, path, on)
+    return rrb.TextDocumentView(origin=path, name=NOW)

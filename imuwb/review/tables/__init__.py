@@ -1,0 +1,1 @@
+"""Tables: of the streams of a log, as quantities with units, as files, and as Markdown."""
