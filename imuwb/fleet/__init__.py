@@ -1,0 +1,1 @@
+"""A fleet of logs: the same analysis of many logs, and the tables of what it finds."""
