@@ -21,6 +21,7 @@ TERMS = {
     "kaiser": {"conditioning"},  # a window
     "noise": {"identification", "replay"},  # what is estimated
     "temperature": {
+        "fleet",
         "identification",
         "readers",
         "review",
