@@ -192,7 +192,7 @@ class _Record:
         covariances, densities = zip(*(self._parts[process] for process in processes), strict=True)
         return LikelihoodProblem(
             s.low, s.trend(), np.stack(covariances), s.frequency[inside], s.power[inside],
-            s.count[inside].astype(np.float64), np.stack(densities, axis=1), s.ramp,
+            s.count[inside].astype(np.float64), np.stack(densities, axis=1), s.ramp, np.array([0, s.low.size]),
         )  # fmt: skip
 
     def deviance(self, processes: Sequence[Process], squared: Floats) -> float:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import optimize
 
-from imuwb.arrays import Floats
+from imuwb.arrays import Floats, Integers
 from imuwb.identification.likelihood.cosine_spectrum import CosineSpectrum
 from imuwb.identification.likelihood.score import LEAST_SHARE, add_bins, add_low
 from imuwb.stochastic import Process
@@ -37,16 +37,17 @@ class Solution:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class LikelihoodProblem:
-    """Cosine coefficients, with the covariances and densities of t processes of size 1."""
+    """Cosine coefficients of one record or of several, with the covariances and densities of t processes of size 1."""
 
     low: Floats  #: (l,) lowest coefficients
     trend: Floats  #: (l,) lowest coefficients of a ramp of 1 unit/s
-    parts: Floats  #: (t, l, l) covariances
+    parts: Floats  #: (t, l, w) covariances of each of the lowest coefficients with those of its own record
     frequency: Floats  #: (k,) Hz, of the bins
     power: Floats  #: (k,) mean squares
     count: Floats  #: (k,) coefficients in each bin
     design: Floats  #: (k, t) densities
     ramp: float  #: unit/s, taken off the samples before the transform
+    edges: Integers  #: (r + 1,) first of the lowest coefficients of each of r records, and their number
 
     @staticmethod
     def of(spectrum: CosineSpectrum, processes: Sequence[Process]) -> LikelihoodProblem:
@@ -54,7 +55,7 @@ class LikelihoodProblem:
         return LikelihoodProblem(
             spectrum.low, spectrum.trend(), np.stack([spectrum.covariance(p) for p in processes]), spectrum.frequency,
             spectrum.power, spectrum.count.astype(np.float64), np.stack([spectrum.density(p) for p in processes], axis=1),
-            spectrum.ramp,
+            spectrum.ramp, np.array([0, spectrum.low.size]),
         )  # fmt: skip
 
     def below(self, frequency: float) -> LikelihoodProblem:
@@ -130,7 +131,9 @@ class LikelihoodProblem:
     def _score(self, squared: Floats, *, ramp: bool) -> _Score:
         information, target = np.zeros((squared.size, squared.size)), np.zeros(squared.size)
         bins = add_bins(squared, self.power, self.count, self.design, information, target)
-        low, slope, sigma = add_low(squared, self.low, self.trend, self.parts, self.ramp, ramp, information, target)
+        low, slope, sigma = add_low(
+            squared, self.low, self.trend, self.parts, self.edges, self.ramp, ramp, information, target
+        )
         return _Score(bins + low, information, target, slope, sigma)
 
 

@@ -51,6 +51,7 @@ def add_low(
     low: Floats,
     trend: Floats,
     parts: Floats,
+    edges: Integers,
     removed: float,
     ramp: bool,  # noqa: FBT001 - compiled code takes positional arguments
     information: Floats,
@@ -58,23 +59,26 @@ def add_low(
 ) -> tuple[float, float, float]:  # pragma: no cover - compiled
     """Add the information of the lowest coefficients with all their covariances; return deviance, ramp and its sigma.
 
-    By the symmetry of the record, coefficients of odd and of even half periods are not correlated, and a ramp is in the odd ones
-    only. So there are two matrices of half the size.
+    Records of one sensor are independent: each has its own matrix, so the cost grows as their number. By the symmetry of a
+    record, coefficients of odd and of even half periods are not correlated either, and a ramp is in the odd ones only. So there
+    are two matrices of half the size for each record.
 
     Args:
         squared: (t,) sizes².
         low: (l,) coefficients.
         trend: (l,) lowest coefficients of a ramp of 1 unit/s; 0 at even half periods.
-        parts: (t, l, l) covariances of processes of size 1.
+        parts: (t, l, w) covariances of processes of size 1, of each coefficient with those of its own record.
+        edges: (r + 1,) first coefficients of the records, and their number.
         removed: ramp that was taken off the samples; it is put back if ``ramp`` is false.
         ramp: whether a ramp is estimated (restricted likelihood).
         information: (t, t) to add to.
         target: (t,) to add to.
     """
     deviance, slope, sigma = 0.0, 0.0, 0.0
-    for odd in (True, False):
-        chosen = np.flatnonzero((trend != 0.0) == odd)
-        white, log_determinant = _whitener(squared, parts, chosen)
+    for half in range(2 * (edges.size - 1)):
+        first, last, odd = edges[half // 2], edges[half // 2 + 1], half % 2 == 0
+        chosen = first + np.flatnonzero((trend[first:last] != 0.0) == odd)
+        white, log_determinant = _whitener(squared, parts, chosen, first)
         if log_determinant == np.inf:
             return np.inf, 0.0, 0.0
         data, along = _product(white, low[chosen]), _product(white, trend[chosen])
@@ -88,19 +92,21 @@ def add_low(
             along /= np.sqrt(strength)
             deviance += np.log(strength)
         deviance += log_determinant + np.sum(data * data)
-        _add_shapes(white, parts, chosen, data, along, information, target)
+        _add_shapes(white, parts, chosen, first, data, along, information, target)
     return deviance, slope, sigma
 
 
 @compiled()
-def _whitener(squared: Floats, parts: Floats, chosen: Integers) -> tuple[Floats, float]:  # pragma: no cover - compiled
+def _whitener(
+    squared: Floats, parts: Floats, chosen: Integers, first: int
+) -> tuple[Floats, float]:  # pragma: no cover - compiled
     """Return a lower triangular W with W C W' = 1, and log |C|, which is infinite where C is not positive definite."""
     n = chosen.size
     lower, scale = np.zeros((n, n)), np.empty(n)
     for i in range(n):
         for j in range(i + 1):
             for t in range(squared.size):
-                lower[i, j] += squared[t] * parts[t, chosen[i], chosen[j]]
+                lower[i, j] += squared[t] * parts[t, chosen[i], chosen[j] - first]
         scale[i] = max(np.sqrt(lower[i, i]), 1e-150)
     for i in range(n):
         for j in range(i + 1):
@@ -130,6 +136,7 @@ def _add_shapes(
     white: Floats,
     parts: Floats,
     chosen: Integers,
+    first: int,
     data: Floats,
     along: Floats,
     information: Floats,
@@ -139,7 +146,7 @@ def _add_shapes(
     n, terms = chosen.size, parts.shape[0]
     shapes = np.empty((terms, n, n))
     for t in range(terms):
-        _whitened(white, parts[t], chosen, shapes[t])
+        _whitened(white, parts[t], chosen, first, shapes[t])
         _without(along, shapes[t])
         for i in range(n):
             for j in range(n):
@@ -182,7 +189,9 @@ def _inverse(lower: Floats) -> Floats:  # pragma: no cover - compiled
 
 
 @compiled(reorder=True)
-def _whitened(white: Floats, part: Floats, chosen: Integers, out: Floats) -> None:  # pragma: no cover - compiled
+def _whitened(
+    white: Floats, part: Floats, chosen: Integers, first: int, out: Floats
+) -> None:  # pragma: no cover - compiled
     """Write W part W' of the chosen rows; W is lower triangular."""
     n = chosen.size
     half = np.zeros((n, n))  # part W'
@@ -190,7 +199,7 @@ def _whitened(white: Floats, part: Floats, chosen: Integers, out: Floats) -> Non
         for j in range(n):
             total = 0.0
             for k in range(j + 1):
-                total += part[chosen[i], chosen[k]] * white[j, k]
+                total += part[chosen[i], chosen[k] - first] * white[j, k]
             half[i, j] = total
     for i in range(n):
         for j in range(i + 1):

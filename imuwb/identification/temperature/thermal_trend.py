@@ -76,7 +76,14 @@ def restricted(problem: LikelihoodProblem, spectrum: CosineSpectrum, trend: Floa
     kept = columns[:, own] / size[own].clip(1e-300)
     left = np.asarray(linalg.null_space(kept.T, rcond=SAME), dtype=np.float64)
     parts = left.T @ problem.parts @ left
-    return replace(problem, low=left.T @ problem.low, trend=np.zeros(left.shape[1]), parts=parts, ramp=0.0)
+    return replace(
+        problem,
+        low=left.T @ problem.low,
+        trend=np.zeros(left.shape[1]),
+        parts=parts,
+        ramp=0.0,
+        edges=np.array([0, left.shape[1]]),
+    )
 
 
 def joined(problems: Sequence[LikelihoodProblem]) -> LikelihoodProblem:
@@ -88,9 +95,12 @@ def joined(problems: Sequence[LikelihoodProblem]) -> LikelihoodProblem:
     def together(name: str) -> Floats:
         return np.concatenate([getattr(p, name) for p in problems])
 
-    terms = problems[0].parts.shape[0]
-    parts = np.stack([linalg.block_diag(*(p.parts[t] for p in problems)) for t in range(terms)])
+    widest = max(p.parts.shape[2] for p in problems)
+    parts = np.concatenate(
+        [np.pad(p.parts, ((0, 0), (0, 0), (0, widest - p.parts.shape[2]))) for p in problems], axis=1
+    )
+    edges = np.cumsum([0, *(p.low.size for p in problems)])
     return replace(
-        problems[0], low=together("low"), trend=together("trend"), parts=parts, frequency=together("frequency")[order],
+        problems[0], low=together("low"), trend=together("trend"), parts=parts, edges=edges, frequency=together("frequency")[order],
         power=together("power")[order], count=together("count")[order], design=together("design")[order],
     )  # fmt: skip

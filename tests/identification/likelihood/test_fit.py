@@ -196,5 +196,7 @@ def test_a_long_record_may_miss_a_density_by_two_hundredths(missing, whole):
     power = np.where(f > 36, 1 - missing, 1.0)
     design = np.stack([make(1.0).power_spectral_density(f, DT) for make in TERMS.values()], axis=1)
     none = np.zeros(0)
-    problem = LikelihoodProblem(none, none, np.zeros((4, 0, 0)), f, power, 1e7 * f / f.sum(), design, 0.0)
+    problem = LikelihoodProblem(
+        none, none, np.zeros((4, 0, 0)), f, power, 1e7 * f / f.sum(), design, 0.0, np.zeros(1, np.int64)
+    )
     assert (explained(problem)[0].frequency[-1] == 50.0) == whole

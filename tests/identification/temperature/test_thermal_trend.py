@@ -73,6 +73,7 @@ def test_records_side_by_side_have_the_likelihood_of_their_product(record):
     together = joined(parts)
     assert together.deviance(squared) == pytest.approx(sum(p.deviance(squared) for p in parts), rel=1e-9)
     assert (np.diff(together.frequency) >= 0).all()
+    assert together.parts.size == sum(p.parts.size for p in parts)  # so the cost grows as the number of records
 
 
 @pytest.mark.parametrize(("span", "columns"), [(0.18, 1), (0.22, 3)])
