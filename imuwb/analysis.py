@@ -10,7 +10,8 @@ An analysis is a module, or any object, with these parts:
 
 and these, if it needs them:
 
-* ``LOGS = (fewest, most)``: how many logs the analysis takes. Without ``LOGS`` it takes one; ``most`` = None means any number.
+* ``LOGS = (fewest, most)``: how many logs the analysis takes. Without ``LOGS`` it takes one; ``most`` = None means any number;
+  (0, 0): the analysis makes its own logs, and its command has no options of reading and conditioning.
 * ``error_model(result) -> ImuErrorModel``, for ``--save-model``. With ``LEAVES_MODEL`` the model is always saved, beside the
   recording, as ``NAME.error-model.toml``; if ``LEAVES_MODEL`` is a text, this text replaces "error-model" in the name.
 * ``objections(result) -> tuple of notes``: why no error model should be made of the logs. If there are any, the error model
@@ -256,6 +257,11 @@ class Case:
 def offers(plugin: object, part: str) -> bool:
     """Return whether a plugin has a part, such as "error_model", without importing it."""
     return part in dir(plugin)
+
+
+def takes_no_log(plugin: object) -> bool:
+    """Return whether an analysis makes its own logs."""
+    return getattr(plugin, "LOGS", None) == (0, 0)
 
 
 class Conditioner(Protocol):

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import fields
 from typing import Annotated, Any
 
-from imuwb.analysis import Analysis, offers
+from imuwb.analysis import Analysis, offers, takes_no_log
 from imuwb.cli.options import LOG_ARGUMENT, PANELS, Conditions, Outputs, Part, Request
 from imuwb.cli.parameters import expanded
 from imuwb.errors import UsageError
@@ -37,6 +37,20 @@ def command_function(name: str, analysis: Analysis) -> Callable[..., None]:
         raise UsageError(
             f"plugin {name}: every analysis has the options {', '.join(sorted(clash))}; rename the plugin's parameters"
         )
+    if takes_no_log(analysis):
+        command = _without_logs(name, analysis)
     command.__annotations__["parameters"] = analysis.Parameters
     command.__name__ = name.replace("-", "_").replace(" ", "_")
     return expanded(command, PANELS, left_out)
+
+
+def _without_logs(name: str, analysis: Analysis) -> Callable[..., None]:
+    """Return the command of an analysis that makes its own logs: it has no options of reading and conditioning."""
+
+    def command(*, parameters: Any, outputs: Outputs) -> None:  # noqa: ANN401 - the plugin's
+        from imuwb.cli.perform import perform  # noqa: PLC0415 - as above
+        from imuwb.readers.read_options import ReadOptions  # noqa: PLC0415 - as above
+
+        perform(name, analysis, [], parameters, Request(ReadOptions(), Part(), Conditions(), outputs))
+
+    return command

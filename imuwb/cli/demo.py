@@ -47,9 +47,9 @@ def demo(
         Outputs(output=file, html=file.with_suffix(".html"), force=force) for file in (output, drive_output)
     )
     settings = make(still_analysis.Parameters, {})
-    places = Places.of(still_analysis, [still], still_outputs, settings)
+    places = Places.of(still_name, still_analysis, [still], still_outputs, settings)
     drive_settings = make(drive_analysis.Parameters, {"error_model": places.model})
-    drive_places = Places.of(drive_analysis, [drive], drive_outputs, drive_settings)
+    drive_places = Places.of(drive_name, drive_analysis, [drive], drive_outputs, drive_settings)
     check_places([*places.all(), *drive_places.all()], [still, drive], force=force)
 
     def request(name: str, log: Path, outputs: Outputs, settings: object) -> Request:

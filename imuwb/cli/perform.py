@@ -53,7 +53,7 @@ def perform(name: str, analysis: Analysis, paths: Sequence[Place], parameters: o
     for text in request.conditions.through:
         step(text)
     grid(request.conditions.study)
-    places = Places.of(analysis, paths, request.outputs, parameters)
+    places = Places.of(name, analysis, paths, request.outputs, parameters)
     gnss = [place_of(request.part.gnss)] if request.part.gnss is not None else []
     with reserved(places.all(), [*paths, *gnss], force=request.outputs.force):
         done, drawn = analysed(name, analysis, paths, parameters, request, places, compared=compared)
@@ -86,7 +86,7 @@ class Done:
     parameters: object
     result: object
     study: object  #: None: no study was run
-    conditioned: tuple[Log, list[tuple[Step, Any]]]  #: the first log after the conditioners, and what each did to it
+    conditioned: tuple[Log, list[tuple[Step, Any]]] | None  #: the first log after the conditioners, and what each did to it
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +124,7 @@ def analysed(
     through = [conditioned(log, request.conditions.through) for log in split(whole, compared=compared)]
     logs = [log for log, _ in through]
     study, result = _computed(name, analysis, logs, parameters, request)
-    done = Done(whole if compared else logs, parameters, result, study, through[0])
+    done = Done(whole if compared else logs, parameters, result, study, through[0] if through else None)
     return done, _drawn(name, analysis, done, places, request, paths)
 
 
@@ -140,7 +140,8 @@ def _drawn(
     try:
         overview(logs, review)
         beginning = len(shown)  # what the overview shows is no answer
-        draw_conditioning(*done.conditioned, review)
+        if done.conditioned is not None:
+            draw_conditioning(*done.conditioned, review)
         review.tab(name.capitalize())
         before = len(review.drawn)  # a figure of a conditioner shows no answer
         with errors_named(name, analysis):

@@ -34,13 +34,15 @@ class Places:
     pages: PageFiles = field(default_factory=PageFiles)  #: page, PDF, figures and tables
 
     @staticmethod
-    def of(analysis: Analysis, logs: Sequence[Place], outputs: Outputs, parameters: object) -> Places:
-        """Return the places that the user gives, or the default places beside the first log; in the working folder if it is remote.
+    def of(name: str, analysis: Analysis, logs: Sequence[Place], outputs: Outputs, parameters: object) -> Places:
+        """Return the places that the user gives, or the default places beside the first log.
+
+        The default places of a remote log, or of an analysis that makes its own logs, are in the working folder.
 
         Raises:
             UsageError: the name of a file has the suffix of another output, or an option of the page's files is wrong.
         """
-        recording = outputs.output or _beside(logs[0])
+        recording = outputs.output or (_beside(logs[0]) if logs else Path(f"{name.split()[-1]}.rrd"))
         if recording.suffix != ".rrd":
             raise UsageError(f"--output {recording}: the name of a recording must end in .rrd")
         model = outputs.save_model

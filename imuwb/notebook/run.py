@@ -10,7 +10,7 @@ from tempfile import mkdtemp
 from typing import Any, cast
 
 from imuwb import registry
-from imuwb.analysis import Analysis, offers
+from imuwb.analysis import Analysis, offers, takes_no_log
 from imuwb.cli.imus import compares, comparison
 from imuwb.cli.options import Conditions, Outputs, Part, Request
 from imuwb.cli.perform import analysed, check_count
@@ -54,7 +54,7 @@ def run(analysis: str, *logs: str | Path, force: bool = False, force_model: bool
     outputs = Outputs(force=force, force_model=force_model)
     request = Request(shared[ReadOptions], shared[Part], shared[Conditions], outputs, _command(analysis, logs, options))
     paths = [place_of(str(log)) for log in logs]
-    if not paths:
+    if not paths and not takes_no_log(plugin):
         raise UsageError(f"imuwb.run({analysis!r}): no log is given")
     check_count(analysis, plugin, paths)
     for text in request.conditions.through:

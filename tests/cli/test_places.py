@@ -22,7 +22,7 @@ def test_the_suffixes_of_logs_are_taken_off(name, expected):
 
 
 def test_defaults_are_beside_the_first_log():
-    places = Places.of(BARE, [Path("x/a.csv.gz"), Path("y/b.csv")], Outputs(), None)
+    places = Places.of("noise", BARE, [Path("x/a.csv.gz"), Path("y/b.csv")], Outputs(), None)
     assert places == Places(Path("x/a.rrd"), None, None, to_stdout=False)
     assert places.all() == [Path("x/a.rrd")]
 
@@ -32,23 +32,23 @@ def test_defaults_are_beside_the_first_log():
 )
 def test_an_analysis_that_leaves_a_model_has_a_place_for_it(mark, name):
     outputs = Outputs(output=Path("x/r.rrd"))
-    model = Places.of(SimpleNamespace(LEAVES_MODEL=mark), [Path("a.csv")], outputs, None).model
+    model = Places.of("noise", SimpleNamespace(LEAVES_MODEL=mark), [Path("a.csv")], outputs, None).model
     assert model == (None if name is None else Path("x") / name)
 
 
 def test_json_goes_to_stdout_or_to_a_file():
-    assert Places.of(BARE, [Path("a.csv")], Outputs(json="-"), None).to_stdout
-    assert Places.of(BARE, [Path("a.csv")], Outputs(json="a.json"), None).document == Path("a.json")
+    assert Places.of("noise", BARE, [Path("a.csv")], Outputs(json="-"), None).to_stdout
+    assert Places.of("noise", BARE, [Path("a.csv")], Outputs(json="a.json"), None).document == Path("a.json")
 
 
 def test_files_of_an_analysis_are_among_the_outputs():
     analysis = SimpleNamespace(outputs=lambda parameters: (Path(parameters),))
-    assert Places.of(analysis, [Path("a.csv")], Outputs(), "own.txt").all() == [Path("a.rrd"), Path("own.txt")]
+    assert Places.of("noise", analysis, [Path("a.csv")], Outputs(), "own.txt").all() == [Path("a.rrd"), Path("own.txt")]
 
 
 def test_a_recording_must_be_an_rrd_file():
     with pytest.raises(UsageError, match=r"x\.mcap.*\.rrd"):
-        Places.of(BARE, [Path("a.csv")], Outputs(output=Path("x.mcap")), None)
+        Places.of("noise", BARE, [Path("a.csv")], Outputs(output=Path("x.mcap")), None)
 
 
 @pytest.mark.parametrize(
@@ -56,7 +56,7 @@ def test_a_recording_must_be_an_rrd_file():
 )  # fmt: skip
 def test_a_file_has_the_suffix_of_what_it_contains(wrong):
     with pytest.raises(UsageError, match="suffix of another output|must end in"):
-        Places.of(BARE, [Path("a.csv")], Outputs(**wrong), None)
+        Places.of("noise", BARE, [Path("a.csv")], Outputs(**wrong), None)
 
 
 def test_outputs_differ_from_each_other_and_from_the_logs(tmp_path):

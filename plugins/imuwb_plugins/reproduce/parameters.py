@@ -1,0 +1,42 @@
+"""Options of a paper's reproduction."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from imuwb.options import NOT_NEGATIVE, Between, Options
+
+
+@dataclass(frozen=True)
+class Repeated(Options):
+    """The seeds."""
+
+    seed: Annotated[int, "Seed of the random numbers; the first of several.", NOT_NEGATIVE] = 0
+    seeds: Annotated[
+        int, "Number of simulations: our values are their means, and the intervals those in which one more simulation would lie.",
+        Between(1, 1000),
+    ] = 1  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Quinchia(Repeated):
+    """Quinchia and others (2013): noise of a MEMS IMU, and filters with five error models in GNSS outages.
+
+    Simulates the paper's sensor and drives, runs the analyses, and sets every table and figure of the paper beside ours.
+
+    Example: imuwb reproduce quinchia -o quinchia.rrd --html quinchia.html
+    """
+
+    static: Annotated[Path | None, "A still record of your own, in place of the simulated one."] = None
+    drive: Annotated[tuple[Path, ...], "Drives of your own, one or two, in place of the simulated ones."] = ()
+    hours: Annotated[float, "Length of the simulated still record (h); the paper's is 7.", Between(0.1, 100.0)] = 7.0
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        super().__post_init__()
+        if len(self.drive) > 2:  # noqa: PLR2004 - the paper has two
+            raise ValueError(f"drive has {len(self.drive)} logs; it must have one or two")
+        if self.drive and self.static is None:
+            raise ValueError("drive needs static: the filters take their noise from a still record of the same sensor")
+        if self.seeds > 1 and (self.static is not None or self.drive):
+            raise ValueError("seeds needs simulated logs; leave static and drive out, or give one seed")

@@ -1,0 +1,133 @@
+"""A paper beside ours, shown."""
+
+import math
+
+from imuwb.analysis import Answer, Bars, Figure, Review, Step, Table
+from imuwb.statistics import Estimate
+from imuwb_plugins.reproduce.comparison import (
+    AGREES,
+    DIFFERS,
+    OTHER,
+    FigureComparison,
+    Reproduction,
+    Row,
+    TableComparison,
+)
+
+MOST_ROWS = 7  #: of the answer
+HEADINGS = ("value", "of", "unit", "the paper", "ours [95 % interval]", "ours / the paper's", "verdict")
+
+
+def draw(result: Reproduction, review: Review) -> None:
+    """Show the rule, every table on a tab of its own, every figure, and what makes each of them."""
+    review.note(f"{result.title}. {result.source}.")
+    review.note(f"Ours: {result.data}.")
+    review.note(result.rule)
+    for note in result.notes:
+        review.note(note)
+    review.table(_contents(result))
+    for table in result.tables:
+        if table.rows:
+            review.tab(f"Table {table.number}" if table.number[0].isdigit() else table.number.capitalize())
+            _table(table, review)
+    for figure in result.figures:
+        if figure.drawings:
+            review.tab(f"Figure {figure.number}")
+            _figure(figure, review)
+    review.tab("Equations")
+    rows = tuple((e.number, e.title, e.command) for e in result.equations)
+    review.table(Table("Equations", ("number", "what", "where imuwb has it"), rows, wide=True))
+
+
+def _contents(result: Reproduction) -> Table:
+    tables = tuple((f"table {t.number}" if t.number[0].isdigit() else t.number, t.title, _state(t)) for t in result.tables)
+    figures = tuple(
+        (f"figure {f.number}", f.title, f.reason or (f.command if f.drawings else "these data have none"))
+        for f in result.figures
+    )
+    return Table("Tables and figures of the paper", ("", "what", "agreement, or what makes it"), tables + figures, wide=True)
+
+
+def _state(table: TableComparison) -> str:
+    """Return how many values agree: "24 agree, 3 differ, 2 without a value"."""
+    if not table.rows:
+        return table.reason
+    counted = [(table.count(AGREES), "agree"), (table.count(DIFFERS), "differ"), (table.count(OTHER), "of other data")]
+    rest = len(table.rows) - sum(count for count, _ in counted)
+    return ", ".join(f"{count} {word}" for count, word in (*counted, (rest, "without a value")) if count)
+
+
+def _table(table: TableComparison, review: Review) -> None:
+    rows = tuple(_cells(row) for row in table.rows)
+    caption = f"Made with: {table.command}" if table.command else ""
+    review.table(Table(f"Table {table.number}: {table.title}", HEADINGS, rows, caption, wide=True))
+    for reading in table.readings:
+        review.note(reading)
+
+
+def _cells(row: Row) -> tuple[str, ...]:
+    unit = "" if row.unit == "1" else row.unit
+    ratio = "—" if math.isnan(row.ratio) else f"{row.ratio:.3f}"
+    return (row.quantity, row.item.replace("_", " "), unit, row.published, _text(row), ratio, row.verdict)
+
+
+def _text(row: Row) -> str:
+    """Return our value with its interval, with the digits that the interval leaves."""
+    ours = row.ours
+    if ours is None:
+        return "—"
+    digits = _digits(ours, row.published_half_width)
+    if not math.isfinite(ours.upper - ours.lower) or ours.upper == ours.lower:
+        return f"{ours.value:.{digits}g}"
+    return f"{ours.value:.{digits}g} [{ours.lower:.{digits}g}, {ours.upper:.{digits}g}]"
+
+
+def _digits(ours: Estimate, finest: float) -> int:
+    """Return the number of significant digits that show a tenth of the interval, or of the last printed digit; 3 to 8."""
+    width = ours.upper - ours.lower
+    small = width if 0 < width < math.inf else 2 * finest
+    if not ours.value or not small:
+        return 3
+    return min(max(math.ceil(math.log10(abs(ours.value) / small)) + 2, 3), 8)
+
+
+def _figure(figure: FigureComparison, review: Review) -> None:
+    review.note(f"Figure {figure.number}: {figure.title}. Made with: {figure.command}")
+    for reading in figure.readings:
+        review.note(reading)
+    for drawing in figure.drawings:
+        if isinstance(drawing, Bars):
+            review.bars(drawing)
+        else:
+            review.figure(drawing)
+
+
+def answer(result: Reproduction) -> Answer:
+    """Return the agreement of each table, the least agreement first; what differs most; and how to open a table."""
+    judged = [t for t in result.tables if t.rows]
+    judged.sort(key=lambda t: (-t.count(DIFFERS), -t.count(AGREES)))
+    rows = tuple(
+        (
+            f"table {t.number}" if t.number[0].isdigit() else t.number, str(len(t.rows)), str(t.count(AGREES)), str(t.count(DIFFERS)),
+            str(t.count(OTHER)), _worst(t),
+        )
+        for t in judged[:MOST_ROWS]
+    )  # fmt: skip
+    total, agree, differ = sum(len(t.rows) for t in judged), result.count(AGREES), result.count(DIFFERS)
+    drawn = sum(bool(f.drawings) for f in result.figures)
+    sentences = [f"{agree} of {agree + differ} values that a simulation can give again agree; {total - agree - differ} are of the paper's own data."]
+    sentences.append(f"{drawn} of {len(result.figures)} figures are drawn; the others are photographs and drawings of methods.")
+    figure = next((d for f in result.figures for d in f.drawings if isinstance(d, Figure)), None)
+    return Answer(
+        result.data, ("", "values", "agree", "differ", "other data", "differs most"), rows, tuple(sentences),
+        (Step("{command} --full", "every value beside the paper's"),), figure=figure,
+    )  # fmt: skip
+
+
+def _worst(table: TableComparison) -> str:
+    """Return the value that differs most, by its ratio."""
+    differing = [r for r in table.rows if r.verdict == DIFFERS and r.ours is not None and r.ratio > 0]
+    if not differing:
+        return ""
+    worst = max(differing, key=lambda r: abs(math.log(r.ratio)))
+    return f"{worst.quantity}, {worst.item.replace('_', ' ')}: {worst.ratio:.2f} times"
