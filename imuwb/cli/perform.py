@@ -86,7 +86,9 @@ class Done:
     parameters: object
     result: object
     study: object  #: None: no study was run
-    conditioned: tuple[Log, list[tuple[Step, Any]]] | None  #: the first log after the conditioners, and what each did to it
+    conditioned: (
+        tuple[Log, list[tuple[Step, Any]]] | None
+    )  #: the first log after the conditioners, and what each did to it
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,7 +42,7 @@ class Places:
         Raises:
             UsageError: the name of a file has the suffix of another output, or an option of the page's files is wrong.
         """
-        recording = outputs.output or (_beside(logs[0]) if logs else Path(f"{name.split()[-1]}.rrd"))
+        recording = outputs.output or (_beside(logs[0]) if logs else Path(f"{name.rsplit(maxsplit=1)[-1]}.rrd"))
         if recording.suffix != ".rrd":
             raise UsageError(f"--output {recording}: the name of a recording must end in .rrd")
         model = outputs.save_model

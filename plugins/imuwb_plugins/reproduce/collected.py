@@ -1,8 +1,8 @@
 """The figures that an analysis draws, for a paper's figures."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,6 +10,9 @@ from imuwb.analysis import Bars, Curve, Figure, Review, Series, Table
 from imuwb.arrays import Floats
 from imuwb.colors import Color
 from imuwb.scene import Event, Scene, Span
+
+if TYPE_CHECKING:
+    import rerun as rr
 
 MOST_POINTS = 600  #: of a curve: a figure has no more pixels
 
@@ -56,11 +59,16 @@ class Collector(Review):
     def event(self, event: Event) -> None:
         """Keep no event."""
 
+    @property
+    def recording(self) -> "rr.RecordingStream":
+        """There is none."""
+        raise AttributeError("figures are collected, so there is no recording")
 
-def figures_of(plugin: Any, result: object) -> tuple[Figure | Bars, ...]:  # noqa: ANN401 - an analysis
+
+def figures_of(draw: Callable[[Any, Review], None], result: object) -> tuple[Figure | Bars, ...]:
     """Return the figures that an analysis draws of its result."""
     collector = Collector()
-    plugin.draw(result, collector)
+    draw(result, collector)
     return tuple(collector.figures)
 
 

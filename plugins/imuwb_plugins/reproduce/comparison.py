@@ -93,7 +93,9 @@ class Reproduction:
 
     def __repr__(self) -> str:
         """Return the agreement of each table, a line each."""
-        lines = (f"  table {t.number}: {t.count(AGREES)} agree, {t.count(DIFFERS)} differ" for t in self.tables if t.rows)
+        lines = (
+            f"  table {t.number}: {t.count(AGREES)} agree, {t.count(DIFFERS)} differ" for t in self.tables if t.rows
+        )
         return "\n".join([f"{self.paper}, {self.data}", *lines])
 
 

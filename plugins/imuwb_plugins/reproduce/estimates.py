@@ -26,7 +26,9 @@ def exact(value: float, unit: str) -> Estimate:
     return Estimate(value, value, value, unit=unit)
 
 
-def by_parts(series: Floats, whole: Floats, estimate: Callable[[Floats], Floats]) -> Iterator[tuple[float, float, float]]:
+def by_parts(
+    series: Floats, whole: Floats, estimate: Callable[[Floats], Floats]
+) -> Iterator[tuple[float, float, float]]:
     """Yield values of a whole record with the 95 % intervals that their scatter over ten parts gives.
 
     Args:

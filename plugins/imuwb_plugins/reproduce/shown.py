@@ -40,12 +40,16 @@ def draw(result: Reproduction, review: Review) -> None:
 
 
 def _contents(result: Reproduction) -> Table:
-    tables = tuple((f"table {t.number}" if t.number[0].isdigit() else t.number, t.title, _state(t)) for t in result.tables)
+    tables = tuple(
+        (f"table {t.number}" if t.number[0].isdigit() else t.number, t.title, _state(t)) for t in result.tables
+    )
     figures = tuple(
         (f"figure {f.number}", f.title, f.reason or (f.command if f.drawings else "these data have none"))
         for f in result.figures
     )
-    return Table("Tables and figures of the paper", ("", "what", "agreement, or what makes it"), tables + figures, wide=True)
+    return Table(
+        "Tables and figures of the paper", ("", "what", "agreement, or what makes it"), tables + figures, wide=True
+    )
 
 
 def _state(table: TableComparison) -> str:
@@ -115,8 +119,12 @@ def answer(result: Reproduction) -> Answer:
     )  # fmt: skip
     total, agree, differ = sum(len(t.rows) for t in judged), result.count(AGREES), result.count(DIFFERS)
     drawn = sum(bool(f.drawings) for f in result.figures)
-    sentences = [f"{agree} of {agree + differ} values that a simulation can give again agree; {total - agree - differ} are of the paper's own data."]
-    sentences.append(f"{drawn} of {len(result.figures)} figures are drawn; the others are photographs and drawings of methods.")
+    sentences = [
+        f"{agree} of {agree + differ} values that a simulation can give again agree; {total - agree - differ} are of the paper's own data."
+    ]
+    sentences.append(
+        f"{drawn} of {len(result.figures)} figures are drawn; the others are photographs and drawings of methods."
+    )
     figure = next((d for f in result.figures for d in f.drawings if isinstance(d, Figure)), None)
     return Answer(
         result.data, ("", "values", "agree", "differ", "other data", "differs most"), rows, tuple(sentences),

@@ -12,16 +12,26 @@ from imuwb.identification import fit_autoregressive
 from imuwb.log import Log
 from imuwb.statistics import Estimate
 from imuwb.units import coefficient_units
-from imuwb_plugins import allan, autocorrelation, psd, wavelet
+from imuwb_plugins.allan.compute import run as allan
+from imuwb_plugins.allan.parameters import Parameters as AllanParameters
 from imuwb_plugins.allan.result import Result as AllanResult
+from imuwb_plugins.allan.show import draw as draw_allan
+from imuwb_plugins.autocorrelation.compute import run as autocorrelation
+from imuwb_plugins.autocorrelation.parameters import Parameters as CorrelationParameters
 from imuwb_plugins.autocorrelation.result import Result as CorrelationResult
+from imuwb_plugins.autocorrelation.show import draw as draw_autocorrelation
 from imuwb_plugins.noise import show_denoising
 from imuwb_plugins.noise.denoising import denoising
+from imuwb_plugins.psd.compute import run as psd
+from imuwb_plugins.psd.parameters import Parameters as SpectrumParameters
 from imuwb_plugins.psd.result import Result as SpectrumResult
-from imuwb_plugins.reproduce.collected import Collector, figures_of, titled
+from imuwb_plugins.psd.show import draw as draw_psd
+from imuwb_plugins.reproduce.collected import figures_of, titled
 from imuwb_plugins.reproduce.comparison import Found
 from imuwb_plugins.reproduce.estimates import by_parts, in_unit
 from imuwb_plugins.reproduce.printed import Key
+from imuwb_plugins.wavelet.apply import condition
+from imuwb_plugins.wavelet.parameters import Parameters as WaveletParameters
 
 LEVELS = (7, 7, 7, 7, 6, 6)  #: table 7, in the order of AXES
 DENOISED = 6  #: levels of figures 10 and 11
@@ -37,10 +47,10 @@ def still(log: Log, for_times: Log) -> Found:
         log: the record.
         for_times: the record of table 5: that of a sensor with Gauss-Markov processes, or the same one.
     """
-    curve = allan.run([log], allan.Parameters(estimators=False))
-    times = curve if for_times is log else allan.run([for_times], allan.Parameters(estimators=False))
-    spectrum = psd.run([log], psd.Parameters())
-    correlation = autocorrelation.run([log], autocorrelation.Parameters(denoise=DENOISED))
+    curve = allan([log], AllanParameters(estimators=False))
+    times = curve if for_times is log else allan([for_times], AllanParameters(estimators=False))
+    spectrum = psd([log], SpectrumParameters())
+    correlation = autocorrelation([log], CorrelationParameters(denoise=DENOISED))
     values: dict[Key, Estimate | str] = {}
     for table, result in (("4", curve), ("3", spectrum)):
         for axis, own in result.axes.items():
@@ -69,7 +79,7 @@ def _deviations(log: Log) -> Iterator[tuple[Key, Estimate]]:
 
 def _models(log: Log) -> Iterator[tuple[Key, Estimate]]:
     """Yield table 2: the autoregressive models of orders 1 and 3 after denoising as the paper can have done it."""
-    denoised, _ = wavelet.condition(log, wavelet.Parameters(levels=LEVELS, scale="none"))
+    denoised, _ = condition(log, WaveletParameters(levels=LEVELS, scale="none"))
     for axis in axes_of(denoised.imu()).values():
         unit = coefficient_units(axis.name, "rate")[0].name
         names = [*((p, f"α{k + 1}") for p in ORDERS for k in range(p)), *((p, "β0²") for p in ORDERS)]
@@ -81,22 +91,23 @@ def _models(log: Log) -> Iterator[tuple[Key, Estimate]]:
 
         ends = by_parts(axis.values, fitted(axis.values), fitted)
         for (order, name), (value, low, high) in zip(names, ends, strict=True):
-            yield Key("2", f"AR({order}) {name}", axis.name), Estimate(
-                value, low, high, unit=f"({unit})²" if name == "β0²" else "1"
+            yield (
+                Key("2", f"AR({order}) {name}", axis.name),
+                Estimate(value, low, high, unit=f"({unit})²" if name == "β0²" else "1"),
             )
 
 
 def _figures(
     curve: AllanResult, spectrum: SpectrumResult, correlation: CorrelationResult
 ) -> dict[str, tuple[Figure | Bars, ...]]:
-    deviations, densities = figures_of(allan, curve), figures_of(psd, spectrum)
-    correlations = figures_of(autocorrelation, correlation)
+    deviations, densities = figures_of(draw_allan, curve), figures_of(draw_psd, spectrum)
+    correlations = figures_of(draw_autocorrelation, correlation)
     drawn = {
         "10": titled(correlations, ACCEL), "11": titled(correlations, GYRO), "12": titled(densities, ACCEL),
         "14": titled(densities, GYRO), "15": titled(deviations, ACCEL), "16": titled(deviations, GYRO),
     }  # fmt: skip
     z = {name: replace(result, axes={"accel_z": result.axes["accel_z"]}) for name, result in (("13", spectrum),)}
-    return drawn | {number: titled(figures_of(psd, result), ACCEL) for number, result in z.items()}
+    return drawn | {number: titled(figures_of(draw_psd, result), ACCEL) for number, result in z.items()}
 
 
 def _before_and_after(log: Log) -> tuple[Figure | Bars, ...]:
@@ -104,6 +115,4 @@ def _before_and_after(log: Log) -> tuple[Figure | Bars, ...]:
     shown = denoising(log, MOST)
     if shown is None:
         return ()
-    collector = Collector()
-    show_denoising.draw(shown, collector)
-    return titled(tuple(collector.figures), "Accelerometer z: Allan")
+    return titled(figures_of(show_denoising.draw, shown), "Accelerometer z: Allan")

@@ -9,7 +9,9 @@ from imuwb.log import Log
 from imuwb.progress import tracked
 from imuwb.simulation import drive, planned_route, preset, static
 from imuwb.stochastic import ImuErrorModel
-from imuwb_plugins import noise
+from imuwb_plugins.noise.compute import run as noise
+from imuwb_plugins.noise.model import error_model
+from imuwb_plugins.noise.parameters import Parameters as NoiseParameters
 from imuwb_plugins.reproduce.comparison import Found, Reproduction, compared, of_other_data
 from imuwb_plugins.reproduce.parameters import Quinchia
 from imuwb_plugins.reproduce.printed import paper
@@ -44,7 +46,7 @@ def _run(parameters: Quinchia, seed: int) -> Found:
     else:
         still = read(parameters.static)
         found = bench.still(still, still)
-        model = noise.error_model(noise.run([still], noise.Parameters()))
+        model = error_model(noise([still], NoiseParameters()))
     next(steps)
     logs = [read(path) for path in parameters.drive] or [drive(model, planned_route(r), seed) for r in road.ROUTES]
     plans = road.plans(logs, simulated=not parameters.drive)
@@ -56,7 +58,9 @@ def _run(parameters: Quinchia, seed: int) -> Found:
     }  # fmt: skip
     next(steps)
     return replace(
-        found, values={**missing, **found.values, **road.tables(driven)}, figures={**found.figures, **figures.drawn(driven)}
+        found,
+        values={**missing, **found.values, **road.tables(driven)},
+        figures={**found.figures, **figures.drawn(driven)},
     )
 
 

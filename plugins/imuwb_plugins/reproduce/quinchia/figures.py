@@ -33,7 +33,8 @@ def _trajectory(drive: Driven, outages: Sequence[Outages], mark: str) -> Figure:
     north, east = drive.track.T
     curves = [Curve("trajectory", east, north, RED, style="curve")]
     curves += [
-        Curve("outages" if i == 0 else "", o.track[:, 1], o.track[:, 0], BLUE, style="line") for i, o in enumerate(outages)
+        Curve("outages" if i == 0 else "", o.track[:, 1], o.track[:, 0], BLUE, style="line")
+        for i, o in enumerate(outages)
     ]
     marks = tuple(Mark(float(o.track[0, 1]), float(o.track[0, 0]), f"{o.number}{mark}", BLUE) for o in outages)
     title = f"Trajectory {'1' if drive.plan.table == '9' else '2'} with its outages"
@@ -61,7 +62,9 @@ def _all(outages: Sequence[Outages], kind: str) -> Figure:
     numbers = np.array([o.number for o in outages], dtype=float)
     steps = np.linspace(-WIDTH / 2, WIDTH / 2, len(FILTERS))
     curves = tuple(
-        Curve(name, numbers + step, np.array([float(of(o.error(name))) for o in outages]), color_of(name), style="points")
+        Curve(
+            name, numbers + step, np.array([float(of(o.error(name))) for o in outages]), color_of(name), style="points"
+        )
         for name, step in zip(FILTERS, steps, strict=True)
     )
     title = f"{kind.capitalize()} horizontal error in each outage"

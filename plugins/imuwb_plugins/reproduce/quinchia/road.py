@@ -14,10 +14,10 @@ from imuwb.replay import Outage, Replay, model_named, prepare, replay
 from imuwb.simulation import planned_outages
 from imuwb.statistics import Estimate
 from imuwb.stochastic import ImuErrorModel
-from imuwb_plugins import wavelet
 from imuwb_plugins.reproduce.estimates import exact, mean_of
 from imuwb_plugins.reproduce.printed import Key
-from imuwb_plugins.wavelet.apply import Applied
+from imuwb_plugins.wavelet.apply import Applied, condition
+from imuwb_plugins.wavelet.parameters import Parameters as WaveletParameters
 
 FILTERS = ("15AV", "18AV", "18AVWD", "15AR", "27AR")
 ROUTES = ("turin-1", "turin-2")
@@ -30,6 +30,7 @@ LEVELS: Mapping[str, tuple[int, ...]] = {
 }
 SETTLING = 120.0  #: s before the first outage of a drive of the user's own
 KMH = 3.6
+SIX = 6  #: the table of the levels of denoising
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,19 +88,24 @@ def plans(drives: Sequence[Log], *, simulated: bool) -> tuple[Plan, ...]:
     if simulated:
         return tuple(_of_route(route) for route in ROUTES)
     numbers = np.array_split(np.arange(1, len(DURATIONS) + 1), len(drives))
-    return tuple(_spread(log, [int(n) for n in own], i) for i, (log, own) in enumerate(zip(drives, numbers, strict=True)))
+    return tuple(
+        _spread(log, [int(n) for n in own], i) for i, (log, own) in enumerate(zip(drives, numbers, strict=True))
+    )
 
 
 def _of_route(route: str) -> Plan:
     planned = sorted(planned_outages(route), key=lambda o: o.start)
-    tables = {o.table for o in planned} - {6}
-    chosen = {six: tuple(Planned(o.number, o.start, o.duration) for o in planned if (o.table == 6) == six) for six in (False, True)}  # noqa: PLR2004 - table 6
+    tables = {o.table for o in planned} - {SIX}
+    chosen = {
+        six: tuple(Planned(o.number, o.start, o.duration) for o in planned if (o.table == SIX) == six)
+        for six in (False, True)
+    }
     return Plan(str(*tables), chosen[False], chosen[True])
 
 
 def _spread(log: Log, numbers: Sequence[int], place: int) -> Plan:
     """Return outages of the paper's durations, spread evenly over a drive; those of table 6 lie between the others."""
-    time = log.imu().time
+    time = next(time for time, _ in log.imu().axes().values())
     whole = float(time[-1] - time[0]) * 1e-9
     step = (whole - SETTLING) / len(numbers) / 2
     if step < max(DURATIONS):
@@ -108,7 +114,9 @@ def _spread(log: Log, numbers: Sequence[int], place: int) -> Plan:
             f"need {SETTLING + 2 * len(numbers) * max(DURATIONS):.0f} s"
         )
     starts = SETTLING + step * np.arange(2 * len(numbers))
-    made = [[Planned(n, float(t), DURATIONS[n - 1]) for n, t in zip(numbers, starts[k::2], strict=True)] for k in (0, 1)]
+    made = [
+        [Planned(n, float(t), DURATIONS[n - 1]) for n, t in zip(numbers, starts[k::2], strict=True)] for k in (0, 1)
+    ]
     return Plan("9" if place == 0 else "10", tuple(made[0]), tuple(made[1]))
 
 
@@ -132,7 +140,7 @@ def driven(log: Log, plan: Plan, model: ImuErrorModel, static: Mapping[str, Floa
         for models, planned in ((five, plan.filters), (nine, plan.levels))
     ]
     position = runs[0].runs[FILTERS[0]].solution.position
-    _, applied = wavelet.condition(log, wavelet.Parameters(levels="auto", motion_band="measured"))
+    _, applied = condition(log, WaveletParameters(levels="auto", motion_band="measured"))
     return Driven(
         plan, ned_of(position, position[0])[:, :2], tuple(_outages(runs[0], plan.filters)), tuple(_outages(runs[1], plan.levels)),
         {m.name: len(m.states(interval)) for m in five}, applied,
@@ -158,7 +166,7 @@ def _outages(run: Replay, planned: Sequence[Planned]) -> Iterator[Outages]:
 
 def tables(drives: Sequence[Driven]) -> dict[Key, Estimate | str]:
     """Return tables 6 to 10, and the gains of section 7."""
-    values: dict[Key, Estimate | str] = dict(_levels(drives)) | dict(_states(drives[0]))
+    values: dict[Key, Estimate | str] = {**dict(_levels(drives)), **dict(_states(drives[0]))}
     for drive in drives:
         for outage in drive.filters:
             values |= dict(_errors(drive.plan.table, outage))
