@@ -128,6 +128,7 @@ def fit_spectrum(spectrum: PowerSpectrum, lines: Sequence[Line] = (), highest: f
     problem = LikelihoodProblem(
         none, none, np.zeros((len(TERMS), 0, 0)), f, spectrum.density[kept] / 2, spectrum.degrees_of_freedom[kept],
         np.stack([make(1.0).power_spectral_density(f, spectrum.dt) for make in TERMS.values()], axis=1), 0.0,
+        np.zeros(2, dtype=np.int64),
     )  # fmt: skip
     problem, misfit, freedom = explained(problem)
     probability = float(chi_square_tail(misfit, freedom))
