@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import NoReturn, cast
 
 from imuwb.errors import UsageError
+from imuwb.renames import settle
 
 LARGEST = 16 << 20  #: bytes of a document
 DEEPEST = 32  #: tables and lists within each other
@@ -34,6 +35,7 @@ def document_of(path: str | Path, what: str) -> dict[str, object]:
     Raises:
         UsageError: the file cannot be read, or is not TOML.
     """
+    settle(Path(path))
     try:
         with Path(path).open("rb") as file:
             content = file.read(LARGEST + 1)

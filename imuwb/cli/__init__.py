@@ -78,5 +78,7 @@ def _print(text: str) -> None:
 
 
 def _print_warning(message: Warning | str, *_: object, **__: object) -> None:
+    from imuwb.texts import printable_lines  # noqa: PLC0415 - only for messages
+
     _warned.append(str(message))
-    _print(f"imuwb: warning: {message}")
+    _print(f"imuwb: warning: {printable_lines(str(message))}")

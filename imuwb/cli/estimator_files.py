@@ -117,12 +117,13 @@ def export(
 def _write(text: str, notes: "Sequence[str]", files: "Mapping[str, Path]", to: str) -> None:
     """Write an export to its files, or to stdout where there is none."""
     from imuwb.estimators.calibration import imu_tk_files  # noqa: PLC0415 - help must not wait
-    from imuwb.writers import write_text  # noqa: PLC0415
+    from imuwb.writers import together, write_text  # noqa: PLC0415
 
     two = to == "imu-tk"  # its files have no comments
     parts = imu_tk_files(text) if two else {"": text}
-    for part, file in files.items():
-        write_text(file, parts[part])
+    with together(files.values()):
+        for part, file in files.items():
+            write_text(file, parts[part])
     if not files:
         typer.echo(text, nl=False)
     for note in notes if files or two else ():

@@ -33,8 +33,10 @@ def view(
 def check_recording(path: Path) -> None:
     """Raise UnreadableLogError unless a file is a complete Rerun recording."""
     from imuwb.readers.bytes import source  # noqa: PLC0415 - help must not wait
+    from imuwb.renames import settle  # noqa: PLC0415
     from imuwb.review.recording.rrd import MAGIC, is_whole  # noqa: PLC0415
 
+    settle(path)
     source.check(path)
     with path.open("rb") as file:
         magic = file.read(len(MAGIC))

@@ -13,6 +13,7 @@ from imuwb.estimators.calibration import read_calibration_text
 from imuwb.estimators.formula import Setting
 from imuwb.estimators.tool import SETTINGS, Field, Tool, tool_named, tools
 from imuwb.log import AXES
+from imuwb.renames import settle
 from imuwb.stochastic import (
     AxisModel,
     Constant,
@@ -59,14 +60,17 @@ def read_estimator_file(path: Path, tool: str | None = None, setting: Setting | 
     Raises:
         UsageError: the file cannot be read, is of no known tool, or has values that depend on a rate that is not known.
     """
+    settle(path)
     try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise UsageError(f"{path}: the file has more than {LARGEST_FILE} bytes, so it is no file of settings")
-        text = path.read_text("utf-8")
+        with path.open("rb") as file:
+            content = file.read(LARGEST_FILE + 1)
+        text = content.decode("utf-8")
     except UnicodeDecodeError as error:
         raise UsageError(f"{path}: byte {error.start} is not of UTF-8; if this is a text, save it as UTF-8") from error
     except OSError as error:
-        raise UsageError(f"{path}: cannot be read: {error}") from error
+        raise UsageError(f"{path}: cannot be read: {error.strerror or error}") from error
+    if len(content) > LARGEST_FILE:
+        raise UsageError(f"{path}: the file has more than {LARGEST_FILE} bytes, so it is no file of settings")
     return read_estimator_text(text, str(path), tool, setting)
 
 

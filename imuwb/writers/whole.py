@@ -2,13 +2,11 @@
 
 A process locks each of its drafts. A second process that wants to write the same file gets an error. A process that was killed
 leaves a draft without a lock; the next process that writes the file uses the draft's place again. The drafts of one run are
-renamed together, after the last one is finished.
+renamed together, after the last one is finished, by a journal (``imuwb/renames.py``).
 """
 
-import errno
 import os
 import signal
-import sys
 import threading
 from collections.abc import Generator, Iterable
 from contextlib import contextmanager, suppress
@@ -17,10 +15,8 @@ from pathlib import Path
 from typing import BinaryIO
 
 from imuwb.errors import ImuwbError
-from imuwb.sidecars import draft_of, sidecar_beside, waiting
+from imuwb.renames import begin, draft_of, end, folder_to_disk, locked, settle
 
-FAR = 1 << 40  #: place of the byte that is locked on Windows, where a lock keeps others from the bytes
-BUSY = (errno.EACCES, errno.EAGAIN, errno.EDEADLK)
 SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")  #: wait until all files of a run have their names
 
 
@@ -45,11 +41,15 @@ class Draft:
         if (draft := _together.get(place)) is not None:
             return draft
         path = draft_of(place)
+        settle(place)
         try:
-            _finish_sidecar(place)
-            lock = _locked(place, path)
+            lock = locked(path)
         except OSError as error:
             raise _failure(place, error) from error
+        if lock is None:
+            raise ImuwbError(
+                f"{place}: another process of imuwb writes this file now; wait for its end, or choose another name"
+            )
         return Draft(place, path, lock, together)
 
     def finish(self) -> None:
@@ -85,30 +85,45 @@ class Draft:
         self.lock.close()
 
 
+class _Blocks(threading.local):
+    """The drafts of the blocks of a thread that are not at their end, the outermost block first."""
+
+    def __init__(self) -> None:
+        self.drafts: list[list[Draft]] = []
+
+
 _together: dict[Path, Draft] = {}  #: drafts of this process that are renamed together
+_blocks = _Blocks()
 
 
 @contextmanager
 def together(places: Iterable[str | Path]) -> Generator[None]:
     """Rename the files at ``places`` that are written in the block after its end, in the order in which they were begun.
 
-    After an error, none is renamed. A file at another place is renamed when it is finished. A place that an outer block has
-    is renamed by that one.
+    After an error, none is renamed. A file at another place is renamed when it is finished. The files of a block in another block are
+    renamed with those of the outer one.
 
     Raises:
         ImuwbError: a file cannot be written, or another process writes it.
     """
     own: list[Draft] = []
+    outer = _blocks.drafts[-1] if _blocks.drafts else None
     try:
         with _signals_wait():
+            _blocks.drafts.append(own)
             for place in dict.fromkeys(Path(p).resolve() for p in places):
                 if place not in _together:
                     own.append(Draft.of(place, together=True))
                     _together[place] = own[-1]
         yield
-        _rename([draft for draft in own if draft.finished])
+        if outer is None:
+            _rename([draft for draft in own if draft.finished])
+        else:
+            outer += own
+            own = []
     finally:
         with _signals_wait():
+            _blocks.drafts.pop()
             for draft in own:
                 _together.pop(draft.place, None)
                 draft.discard()
@@ -153,27 +168,23 @@ def _rename(drafts: list[Draft]) -> None:
         except OSError as error:
             raise _failure(draft.place, error) from error
     with _signals_wait():
+        try:
+            journals = begin([draft.place for draft in drafts]) if len(drafts) > 1 else []
+        except OSError as error:
+            raise _failure(drafts[0].place, error) from error
         for draft in drafts:
             try:
                 draft.rename()
             except OSError as error:
+                end(journals)
                 others = (
                     f"; of the same run, {', '.join(done)} {'is' if len(done) == 1 else 'are'} written" if done else ""
                 )
                 raise ImuwbError(f"{_failure(draft.place, error)}{others}") from error
             done.append(draft.place.name)
         for folder in {draft.place.parent for draft in drafts}:
-            _folder_to_disk(folder)
-
-
-def _folder_to_disk(folder: Path) -> None:
-    """Wait until the names in a folder are on the disk, where the system can do so."""
-    with suppress(OSError):
-        number = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(number)
-        finally:
-            os.close(number)
+            folder_to_disk(folder)
+        end(journals)
 
 
 @dataclass(slots=True)
@@ -204,49 +215,3 @@ def _signals_wait() -> Generator[None]:
             signal.signal(number, handler)
         for number in waiting_signals.came:
             signal.raise_signal(number)
-
-
-def _finish_sidecar(place: Path) -> None:
-    """Give the finished sidecar of a table its name, if the process that wrote both was killed before it could."""
-    table = place.with_suffix("")
-    if place.suffix == ".toml" and sidecar_beside(table) == place and (draft := waiting(table)) is not None:
-        with suppress(ImuwbError):  # the process that writes it is about to do the same
-            lock = _locked(place, draft, keep=True)
-            draft.replace(place)
-            lock.close()
-
-
-def _locked(place: Path, path: Path, *, keep: bool = False) -> BinaryIO:
-    """Return the open and locked file of a draft, which is made empty unless it is kept."""
-    while True:
-        file = path.open("ab")
-        if _lock(file):
-            # Between opening and locking, the other process may have renamed or removed it.
-            with suppress(FileNotFoundError):
-                if os.path.samestat(os.fstat(file.fileno()), path.stat()):
-                    if not keep:
-                        file.truncate(0)
-                    return file
-            file.close()
-            continue
-        file.close()
-        raise ImuwbError(
-            f"{place}: another process of imuwb writes this file now; wait for its end, or choose another name"
-        )
-
-
-def _lock(file: BinaryIO) -> bool:
-    """Lock a file for this process, and return whether no other one has the lock; some file systems have no locks."""
-    try:
-        if sys.platform == "win32":
-            import msvcrt  # noqa: PLC0415 - of that system alone
-
-            file.seek(FAR)
-            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-        else:
-            import fcntl  # noqa: PLC0415 - of the other systems
-
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
-        return error.errno not in BUSY
-    return True

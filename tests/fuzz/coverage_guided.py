@@ -16,7 +16,9 @@ import sys
 import tempfile
 import warnings
 from concurrent.futures import Future
+from contextlib import suppress
 from pathlib import Path
+from typing import Self
 
 os.environ["NUMBA_DISABLE_JIT"] = "1"  # compiled loops have no branches that a fuzzer sees
 
@@ -32,7 +34,7 @@ class Here:
     def __init__(self, workers: int) -> None:
         del workers
 
-    def __enter__(self) -> "Here":
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *error: object) -> None:
@@ -78,18 +80,14 @@ def main() -> None:
     def mutated(data: bytes, most: int, seed: int) -> bytes:
         rng = random.Random(seed)  # noqa: S311 - libFuzzer's own seed
         if rng.random() < 0.5:
-            try:
+            with suppress(Exception):  # what is damaged already may have no structure
                 return damaged(name, data, rng)[:most]
-            except Exception:  # noqa: BLE001, S110 - what is damaged already may have no structure
-                pass
         return atheris.Mutate(data, most)
 
     def one(data: bytes) -> None:
         path.write_bytes(data)
-        try:
+        with suppress(ImuwbError):
             readers.read(path, options)
-        except ImuwbError:
-            pass
 
     limits = "-timeout=5", "-rss_limit_mb=2048", f"-max_len={max(2 * len(sound), 4096)}"
     atheris.Setup([sys.argv[0], *limits, *sys.argv[1:], str(folder / "corpus")], one, custom_mutator=mutated)

@@ -14,6 +14,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from imuwb import renames
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
@@ -88,7 +90,6 @@ def ready() -> None:
     from imuwb.writers import csv_text
 
     for name in (
-        "finufft",
         "matplotlib.backends.backend_svg",
         "pandas",
         "scipy.optimize",
@@ -191,7 +192,7 @@ def drafts_in(folder: Path) -> list[str]:
 
 
 def _is_draft(path: Path) -> bool:
-    return path.name.startswith(".") and path.name.endswith(".partial")
+    return path.name.startswith(".") and path.name.endswith((".partial", renames.SUFFIX))
 
 
 def in_child(work: Callable[[str], str], path: Path) -> str:

@@ -1,12 +1,14 @@
 """Kill every command that writes, at random moments and at every rename, and look at what is left.
 
 Each command runs over its own earlier outputs, which were made of other inputs. A child is ended by SIGKILL, SIGTERM or SIGINT
-at a moment drawn evenly from the time that a whole run takes; or by SIGKILL just before its n-th rename, for every n. Each file is
-then compared with the earlier one and with that of a whole run. Where SIGKILL leaves unfinished files, the command runs
+at a moment drawn evenly from the time that a whole run takes; or by SIGKILL just before its n-th rename or removal of a file, for every n.
+Each file is then compared with the earlier one and with that of a whole run: first as other programs see the files, then after imuwb has
+looked for one of them, each in turn, as all its commands do that read or write one. Where SIGKILL leaves unfinished files, the command runs
 again; of the renames, after the first two.
 
 * old, new: all files are the earlier ones, or all are new.
-* between: some are old and some are new, each whole. Their run (a recording, JSON, page or model) or the mark of a sidecar tells.
+* between: some are old and some are new, each whole.
+* between for others: as other programs see the files before imuwb has looked for one. No file system renames several files at once.
 * damaged: a file is neither. The goal is 0.
 * left by a signal: runs after SIGTERM or SIGINT with unfinished files; the goal is 0. left after the next run: likewise.
 * wrong reading: a table with a sidecar reads neither as the old nor as the new one, nor is it refused; the goal is 0.
@@ -28,6 +30,8 @@ from pathlib import Path
 import numpy as np
 from every_command import COMMANDS, Command, Run, drafts_in, files_of, in_child, inputs, ready
 from study_report import Table, main
+
+from imuwb import renames
 
 QUESTION = "Kills of every command that writes"
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
@@ -60,6 +64,12 @@ def reading(path: str) -> str:
     streams = (*log.imus, *log.gnss, *log.references)
     values = [s.specific_force.value[0] if hasattr(s, "specific_force") else s.position[0] for s in streams]
     return repr([(s.origin.epoch, s.origin.frame, list(v)) for s, v in zip(streams, values, strict=True)])
+
+
+def settled(path: str) -> str:
+    """Do what imuwb does before it reads a file."""
+    renames.settle(Path(path))
+    return ""
 
 
 class Trial:
@@ -107,6 +117,12 @@ class Trial:
         kinds.discard("both")
         return "between" if len(kinds) > 1 else kinds.pop() if kinds else "old"
 
+    def settled(self, turn: int) -> str:
+        """Return what the files are together after imuwb has looked for one of them."""
+        asked = sorted({*self.old, *self.new})
+        in_child(settled, self.folder / asked[turn % len(asked)])
+        return self.state()
+
     def _kind(self, name: str, content: bytes | None) -> str:
         old, new = self.old.get(name), self.new.get(name)
         if content in (old, new):
@@ -133,7 +149,8 @@ def random_kills(trial: Trial, count: int, rng: np.random.Generator) -> Counter[
         time.sleep(rng.uniform(0, trial.took))
         os.kill(run.pid, how)  # it may have ended: it is a child whose exit code is not read yet
         run.wait()
-        state = trial.state()
+        seen["between for others"] += trial.state() == "between"
+        state = trial.settled(number)
         seen[state] += 1
         seen["wrong reading"] += trial.wrong_readings() if state == "between" else 0  # else the bytes are known
         if drafts_in(trial.folder):
@@ -147,31 +164,36 @@ def random_kills(trial: Trial, count: int, rng: np.random.Generator) -> Counter[
 
 
 def rename_kills(trial: Trial) -> Counter[str]:
-    """Kill a command before each of its renames."""
+    """Kill a command before each of its renames and removals of files."""
     seen = Counter[str]()
     for place in range(100):
 
         def before(left=place) -> None:
-            rename, done = Path.replace, [0]
+            done = [0]
 
-            def replace(self, target):
-                if done[0] == left and str(target).startswith(str(trial.folder)):
-                    os.kill(os.getpid(), signal.SIGKILL)
-                done[0] += 1
-                return rename(self, target)
+            def killing(work):
+                def killed(self, *arguments, **named):
+                    if str(self).startswith(str(trial.folder)):
+                        if done[0] == left:
+                            os.kill(os.getpid(), signal.SIGKILL)
+                        done[0] += 1
+                    return work(self, *arguments, **named)
 
-            Path.replace = replace
+                return killed
+
+            Path.replace, Path.unlink = killing(Path.replace), killing(Path.unlink)
 
         trial.restore()
         if trial.start(before).wait() != -signal.SIGKILL:
             return seen
-        seen["renames"] += 1
-        seen[trial.state()] += 1
+        seen["kills"] += 1
+        seen["between for others"] += trial.state() == "between"
+        seen[trial.settled(place)] += 1
         seen["wrong reading"] += trial.wrong_readings()
         if place < RERUNS:
             trial.start().wait()
             seen["left after the next run"] += bool(drafts_in(trial.folder)) or trial.state() not in ("new", "old")
-    raise SystemExit(f"{trial.command.name}: more than 100 renames")
+    raise SystemExit(f"{trial.command.name}: more than 100 renames and removals")
 
 
 def study(records: int) -> tuple[Table, ...]:
@@ -188,29 +210,35 @@ def study(records: int) -> tuple[Table, ...]:
         for command, count in zip(writing, counts, strict=True):
             trial = Trial(command, old, new, root)
             seen = random_kills(trial, count, rng)
-            more = ("left by a signal", "runs again", "left after the next run", "wrong reading")
+            more = ("between for others", "left by a signal", "runs again", "left after the next run", "wrong reading")
             kills.append((command.name, count, *(seen[kind] for kind in (*STATES, *more))))
             seen = rename_kills(trial)
             renames.append(
                 (
                     command.name,
-                    seen["renames"],
-                    *(seen[kind] for kind in (*STATES, "left after the next run", "wrong reading")),
+                    seen["kills"],
+                    *(
+                        seen[kind]
+                        for kind in (*STATES, "between for others", "left after the next run", "wrong reading")
+                    ),
                 )
             )
             print(kills[-1], renames[-1], flush=True)
     for rows in (kills, renames):
         rows.append(("all", *(sum(int(row[i]) for row in rows) for i in range(1, len(rows[0])))))
-    after = ("left after the next run", "wrong reading")
-    random, every = "SIGKILL, SIGTERM and SIGINT in turn.", "SIGKILL just before each rename of the command."
+    others, after = "between for others", ("left after the next run", "wrong reading")
+    random, every = (
+        "SIGKILL, SIGTERM and SIGINT in turn.",
+        "SIGKILL just before each rename and each removal of a file.",
+    )
     return (
         Table(
             "Random moments",
-            ("command", "kills", *STATES, "left by a signal", "runs again", *after),
+            ("command", "kills", *STATES, others, "left by a signal", "runs again", *after),
             tuple(kills),
             random,
         ),
-        Table("Every rename", ("command", "renames", *STATES, *after), tuple(renames), every),
+        Table("Every rename and removal", ("command", "kills", *STATES, others, *after), tuple(renames), every),
     )
 
 

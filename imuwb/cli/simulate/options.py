@@ -13,7 +13,7 @@ import typer
 from imuwb.cli.options import output_option
 from imuwb.errors import UsageError
 from imuwb.options import NOT_NEGATIVE, POSITIVE, Form, Options
-from imuwb.sidecars import draft_of
+from imuwb.renames import draft_of, settle
 
 if TYPE_CHECKING:  # help must not wait for numpy
     from imuwb.log import Log
@@ -144,6 +144,7 @@ def check_folder(folder: Path, files: list[Path], *, force: bool) -> None:
     if not folder.is_dir():
         check_place(folder, force=False)
         return
+    settle(folder)
     held = sorted(set(folder.iterdir()) - set(files) - set(map(draft_of, files)))
     if held or any(file.exists() for file in files):
         if not force:

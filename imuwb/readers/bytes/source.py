@@ -16,6 +16,7 @@ from imuwb.notes import Note
 from imuwb.readers.bytes import budget
 from imuwb.readers.bytes.address import Place, place_of
 from imuwb.readers.bytes.remote import RemoteLog, is_web_page
+from imuwb.renames import settle
 from imuwb.sidecars import ends_hash
 
 Source: TypeAlias = Path | RemoteLog  #: what a log is read from
@@ -40,6 +41,7 @@ def accessed(place: str | Place | RemoteLog) -> Generator[Source]:
     if isinstance(place, RemoteLog):
         yield place
     elif isinstance(found := place_of(place), Path):
+        settle(found)
         yield found
     else:
         with RemoteLog(found) as log:

@@ -10,7 +10,7 @@ from imuwb.log import AXES
 from imuwb.notes import Note
 from imuwb.readers.batch import Remark, simulated
 from imuwb.readers.read_options import ReadOptions
-from imuwb.sidecars import MARK, mark_of, waiting
+from imuwb.sidecars import MARK, mark_of
 
 #: key -> the rule for its value
 _KEYS = {
@@ -78,10 +78,8 @@ def sidecar_of(path: Path) -> Path | None:
 
 
 def _candidates(path: Path) -> list[Path]:
-    """Return the files that may be the sidecar of a log; first the one that was finished and did not get its name."""
-    unnamed = waiting(path) if path.is_file() else None
-    named = [place for name in names_of(path.name) if (place := path.parent / name).is_file()]
-    return [unnamed, *named] if unnamed is not None else named
+    """Return the files that may be the sidecar of a log."""
+    return [place for name in names_of(path.name) if (place := path.parent / name).is_file()]
 
 
 def names_of(log: str) -> tuple[str, ...]:

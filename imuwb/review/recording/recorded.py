@@ -16,6 +16,7 @@ import rerun as rr
 from rerun.chunk import Chunk, RrdReader
 
 from imuwb.errors import UnreadableLogError
+from imuwb.renames import settle
 from imuwb.review.recording.rrd import is_whole
 
 Value: TypeAlias = str | int | float | Sequence[str] | Sequence[float]
@@ -84,6 +85,7 @@ def read(path: str | Path) -> Recorded:
         UnreadableLogError: the file is no recording, or it is cut or damaged.
     """
     path = Path(path)
+    settle(path)
     try:
         if not is_whole(path):
             raise UnreadableLogError(f"{path}: no whole recording: the mark at its begin or at its end is missing")
