@@ -14,8 +14,8 @@ from pathlib import Path
 from packaging.requirements import Requirement
 
 TABLE = Path(__file__).resolve().parents[1] / "LICENCES.md"
-EXTRAS = ("", "mdf", "novatel", "pdf", "test", "bench", "dev")
-PASSED_ON = ("", "mdf", "novatel", "pdf")  #: what a user of imuwb installs
+EXTRAS = ("", "fleet", "mdf", "novatel", "pdf", "test", "bench", "dev")
+PASSED_ON = ("", "fleet", "mdf", "novatel", "pdf")  #: what a user of imuwb installs
 #: licences under which a program with the licence of imuwb (MIT) may use a library
 FITTING = {
     "0BSD", "Apache-2.0", "Apache-2.0 WITH LLVM-exception", "BSD", "CNRI-Python", "MIT-0", "BSD-2-Clause", "BSD-3-Clause", "CC0-1.0", "ISC", "MIT", "MIT-CMU",

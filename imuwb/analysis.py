@@ -17,7 +17,9 @@ and these, if it needs them:
 * ``objections(result) -> tuple of notes``: why no error model should be made of the logs. If there are any, the error model
   is written only with --force-model. ``ImuErrorModel.doubts`` states them.
 * ``answer(result) -> Answer``: what a person must know first. Without it, the first table and the first notes take its place.
-* ``findings(result) -> tuple of Finding``: the result of each axis in terms that several analyses share.
+* ``findings(result) -> tuple of Finding``: the result of each axis in terms that several analyses share. Over a fleet of logs each
+  coefficient of each finding becomes a row of a table; without findings, the ``numbers`` of the answer do.
+* ``drifts(result) -> tuple of Drift``: the errors of each filter in each outage; over a fleet they become rows too.
 * ``outputs(parameters) -> tuple of paths`` and ``write_outputs(result, parameters)``: files that the analysis
   itself writes. Existing files are overwritten only with --force.
 * ``study(cases, parameters) -> result`` and ``draw_study(result, review)``, for ``--study``; ``answer_study(result) -> Answer`` for
@@ -235,6 +237,9 @@ class Answer:
             object.__setattr__(self, "headings", ())
 
 
+SUSPICIOUS = "SUSPICIOUS: "  #: begin of a remark that puts the coefficients in doubt
+
+
 @dataclass(frozen=True, slots=True)
 class Finding:
     """The result of an analysis for one axis, in terms that all analyses share."""
@@ -242,8 +247,29 @@ class Finding:
     axis: str
     source: str  #: name of the estimator
     coefficients: Mapping[str, Coefficient]  #: the coefficients among Q, N, B, K, R that the estimator gives
-    remarks: tuple[str, ...] = ()  #: advice to the user, one line each
+    remarks: tuple[str, ...] = ()  #: advice to the user, one line each; ``SUSPICIOUS`` begins a doubt
     headline: bool = False  #: whether the error model takes this estimator's values
+
+
+@dataclass(frozen=True, slots=True)
+class Drift:
+    """The errors of one filter in one outage, horizontal at its end unless the name states otherwise; nan or None: not known."""
+
+    filter: str
+    outage_start: float  #: s from the start of the log
+    outage_duration: float  #: s
+    end: float  #: m
+    mean: float  #: m, over the outage
+    max: float  #: m, the largest
+    vertical: float  #: m
+    velocity: float  #: m/s
+    heading: float | None = None  #: rad
+    share: float | None = None  #: of the distance driven, 1
+    sigma: float | None = None  #: m, of the filter itself
+    nees: float | None = None  #: two degrees of freedom
+    motion: str = ""  #: "stop", "turn", "fast" or "straight"
+    mean_speed: float | None = None  #: m/s
+    name: str = ""  #: of the outage, as the user gives it
 
 
 @dataclass(frozen=True, eq=False, slots=True)

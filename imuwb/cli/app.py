@@ -29,6 +29,7 @@ COMMANDS = {
     "report": (RESULTS, "Make one page of several analyses of a sensor or a drive, from their recordings."),
     "catalog": (RESULTS, "Write a page of a folder of recordings: what each found, with links, sortable."),
     "plugins": (RESULTS, "List the installed analyses, conditioners and readers."),
+    "fleet": (LOGS, "Analyse a fleet of logs, on this machine or a cluster: tables of what each sensor has."),
     "warm": (RESULTS, "Compile everything once, so that no later run has to."),
     "demo": (RESULTS, "Run the two main jobs on the sample logs: identify noise, replay GNSS outages."),
 }
@@ -47,7 +48,7 @@ def build(arguments: list[str]) -> typer.Typer:
     app.callback()(_root)
     name = arguments[0] if arguments else ""
     if name in COMMANDS:
-        _add_core(app, name)
+        _add_core(app, name, arguments[1:])
         return app
     _add_analyses(app, name)
     return app
@@ -73,11 +74,13 @@ def _add_analyses(app: typer.Typer, name: str) -> None:
         app.command(command, help=line, rich_help_panel=panel)(_nothing)
 
 
-def _add_core(app: typer.Typer, name: str) -> None:
-    """Add a command of the core."""
+def _add_core(app: typer.Typer, name: str, arguments: list[str]) -> None:
+    """Add a command of the core; a module of commands that depend on the installed analyses has ``build``."""
     module = import_module(f"imuwb.cli.{name}")
     panel, _ = COMMANDS[name]
-    if hasattr(module, "app"):
+    if hasattr(module, "build"):
+        app.add_typer(module.build(arguments), name=name, cls=HelpfulGroup, rich_help_panel=panel)
+    elif hasattr(module, "app"):
         for command in module.app.registered_commands:
             command.cls = OnceCommand
             command.callback = with_settings(command.callback)

@@ -1,17 +1,14 @@
 """Runs one analysis, from the paths of the logs to the recording."""
 
-import os
-import traceback
-from collections.abc import Generator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import typer
 
 from imuwb import __version__
 from imuwb.analysis import Analysis, Answer, Figure, Table, offers
+from imuwb.cli.analyses import errors_named
 from imuwb.cli.imus import compares, comparison, split, with_choice
 from imuwb.cli.options import Request
 from imuwb.cli.page_files import PageFiles
@@ -21,7 +18,7 @@ from imuwb.cli.studies import cases, grid
 from imuwb.cli.terminal import print_panel, progress, shower
 from imuwb.cli.through import Step, conditioned, step
 from imuwb.cli.typed import options_given, typed_again
-from imuwb.errors import ImuwbError, MissingDataError, UsageError
+from imuwb.errors import MissingDataError, UsageError
 from imuwb.log import Log
 from imuwb.progress import watched
 from imuwb.readers.bytes.address import Place, place_of
@@ -253,22 +250,3 @@ def draw_conditioning(log: Log, steps: list[tuple[Step, Any]], review: "Recordin
     review.note("the samples were conditioned: " + "; then ".join(stated))
     for conditioner, applied in steps:
         conditioner.draw(applied, review)
-
-
-@contextmanager
-def errors_named(name: str, analysis: Analysis) -> Generator[None]:
-    """Raise ImuwbError with the plugin's name and its line in place of an error that imuwb did not raise on purpose."""
-    try:
-        yield
-    except (ImuwbError, MemoryError):
-        raise
-    except Exception as error:
-        if os.environ.get("IMUWB_TRACEBACK"):
-            raise
-        home = str(Path(getattr(analysis, "__file__", "") or "").parent)
-        inside = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename.startswith(home)]
-        where = f"{inside[-1].filename}, line {inside[-1].lineno}" if inside and home else "outside its own code"
-        raise ImuwbError(
-            f"analysis {name} failed: {type(error).__name__}: {error} ({where}); "
-            "set IMUWB_TRACEBACK=1 to see the whole traceback"
-        ) from error

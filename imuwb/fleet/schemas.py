@@ -9,8 +9,8 @@ A folder of results, on a disk or in an object store, has
 * ``outages.parquet``: a row for each filter in each outage;
 * ``quarantine.parquet``: a row for each log, or part of one, that gives no result, with the reason;
 * ``progress.jsonl``: a line for each log that was ready, in the order of time; the last run only;
-* ``parts/RUN/TAG.CONTENT.parquet``: what one task found. RUN is a hash of the analysis, its parameters and the versions, TAG one
-  of the size and time of a file, or of the size and tag of an object, and CONTENT one of the bytes of the log.
+* ``parts/RUN/CC/TAG.CONTENT.parquet``: what one task found. RUN is a hash of the analysis, its parameters and the versions, TAG one
+  of the size and time of a file, or of the size and tag of an object, CONTENT one of the bytes of the log, and CC its first letters.
 
 All values are in SI units (temperatures in °C); ``unit`` names the unit of the three numbers of a row. A text of a log is cleaned
 of controls. The rows of a table are in a fixed order (``ORDER``), so the same logs give the same bytes. The file of a table states
@@ -30,9 +30,10 @@ RUN_JSON, PROGRESS, PARTS = "run.json", "progress.jsonl", "parts"
 
 #: keys of run.json: schema (of the tables), imuwb (version), analysis (name with its method), params (of the analysis), command,
 #: inputs (the patterns), executor ("this process", "4 processes", "tcp://..."), run (name of the folder of parts), state ("running",
-#: "ended"), logs (found), done, quarantined, level (probability of the intervals, or null)
+#: "interrupted", "ended"), logs (found), done, quarantined, level (probability of the intervals, or null), digest (of what the tables
+#: are made of; empty: they are not written)
 RUN_KEYS = (
-    "schema", "imuwb", "analysis", "params", "command", "inputs", "executor", "run", "state", "logs", "done", "quarantined", "level",
+    "schema", "imuwb", "analysis", "params", "command", "inputs", "executor", "run", "state", "logs", "done", "quarantined", "level", "digest",
 )  # fmt: skip
 
 _WHO = (
@@ -46,7 +47,7 @@ _WHEN = (
     (
         "start",
         pa.timestamp("ns", tz="UTC"),
-    ),  # first sample, or the date that the user states; null: the clock counts from the boot
+    ),  # first sample; or the date that the user states, which beats it; null: the clock counts from the boot
 )
 
 

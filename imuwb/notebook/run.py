@@ -9,8 +9,8 @@ from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any, cast
 
-from imuwb import registry
-from imuwb.analysis import Analysis, offers, takes_no_log
+from imuwb.analysis import offers, takes_no_log
+from imuwb.cli.analyses import analysis_named
 from imuwb.cli.imus import compares, comparison
 from imuwb.cli.options import Conditions, Outputs, Part, Request
 from imuwb.cli.perform import analysed, check_count
@@ -42,7 +42,7 @@ def run(analysis: str, *logs: str | Path, force: bool = False, force_model: bool
         UsageError: there is no such analysis or option, or a value is not allowed.
         ImuwbError: as the command.
     """
-    plugin: Any = _loaded(analysis)
+    plugin: Any = analysis_named(analysis)
     own = {option.name: option for option in options_of(plugin.Parameters)}
     kinds = {f.name: kind for kind in SHARED for f in fields(kind)}
     _check_names(analysis, options, {**own, **kinds})
@@ -75,26 +75,6 @@ def run(analysis: str, *logs: str | Path, force: bool = False, force_model: bool
         shutil.rmtree(folder, ignore_errors=True)
         raise
     return Outcome(plugin, done, drawn, folder)
-
-
-def _loaded(name: str) -> Analysis:
-    """Return an analysis by its name on the command line, or from its file."""
-    if name.endswith(".py"):
-        return cast("Analysis", registry.load_file(Path(name)))
-    points = registry.installed(registry.ANALYSES)
-    first, _, method = name.partition(" ")
-    plugin: Any = registry.load(points[first]) if first in points else None
-    if plugin is None:
-        raise UsageError(
-            f"there is no analysis {first!r}; there are {', '.join(points)}, or the path of a plugin's file"
-        )
-    methods = cast("Mapping[str, Analysis] | None", getattr(plugin, "METHODS", None))
-    if methods is None and not method:
-        return cast("Analysis", plugin)
-    if not methods or method not in methods:
-        known = ", ".join(f"{first} {one}" for one in methods or ()) or first
-        raise UsageError(f"there is no analysis {name!r}; write {known}")
-    return methods[method]
 
 
 def _check_names(analysis: str, options: Mapping[str, object], known: Mapping[str, object]) -> None:

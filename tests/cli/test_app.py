@@ -18,7 +18,8 @@ from imuwb.options import POSITIVE, Form
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_line_in_the_list_is_the_first_of_the_commands_own_help(name):
     module = import_module(f"imuwb.cli.{name}")
-    text = module.app.info.help if hasattr(module, "app") else getattr(module, name).__doc__
+    made = module.build([]) if hasattr(module, "build") else getattr(module, "app", None)
+    text = getattr(module, name).__doc__ if made is None else made.info.help
     assert text.splitlines()[0] == COMMANDS[name][1]
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import obstore
 from obstore.exceptions import NotSupportedError, PermissionDeniedError, UnauthenticatedError
 
-from imuwb.errors import UnreadableLogError, UsageError
+from imuwb.errors import TransferError, UnreadableLogError, UsageError
 from imuwb.readers.bytes.address import Address
 from imuwb.readers.bytes.stores import REMEDIES, SILENCE, store_of
 
@@ -152,9 +152,10 @@ class Transfer:
 
     def _ended(self, at: int, attempts: int, fault: Fault) -> UnreadableLogError:
         times = f" after {attempts} attempts" if attempts > 1 else ""
+        kind = TransferError if fault.passing else UnreadableLogError
         if self.size is None:
-            return UnreadableLogError(f"{self.address}: it cannot be read{times}: {fault.text}")
-        return UnreadableLogError(
+            return kind(f"{self.address}: it cannot be read{times}: {fault.text}")
+        return kind(
             f"{self.address}: the transfer ended at byte {at} of {self.size}{times}: {fault.text}; "
             "run the command again, or download the log first"
         )

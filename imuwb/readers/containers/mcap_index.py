@@ -69,6 +69,19 @@ def describe(path: Source, options: ReadOptions) -> LogSummary | None:
     return LogSummary(str(path), "mcap", "", streams, tuple(notes), truth)
 
 
+def stated(path: Source) -> dict[str, str]:
+    """Return the metadata records that the index names, {"NAME.KEY": text}; empty without an index."""
+    with source.opened(path) as file:
+        try:
+            summary = make_reader(file).get_summary()
+            records = [metadata_at(file, index) for index in summary.metadata_indexes] if summary is not None else []
+        except ImuwbError:  # the transfer of a remote log ended
+            raise
+        except Exception:  # noqa: BLE001 - a damaged index may raise anything in the library
+            return {}
+    return {f"{name}.{key}": text for name, entries in records for key, text in entries.items()}
+
+
 def describe_parts(folder: Path, parts: Parts, options: ReadOptions) -> LogSummary | None:
     """Return the summary of a recording's parts from their indexes; None if a part has no index."""
     summaries = [describe(file, options) for file in parts.files]

@@ -40,6 +40,13 @@ def describe(path: Source, options: ReadOptions) -> LogSummary | None:
     return mcap_index.describe(path, options)
 
 
+def stated(path: Source) -> dict[str, str]:
+    """Return the metadata records of a file with an index, {"NAME.KEY": text}."""
+    from imuwb.readers.containers import mcap_index  # noqa: PLC0415 - as above
+
+    return {} if isinstance(path, Path) and path.is_dir() else mcap_index.stated(path)
+
+
 def stream(path: Source, options: ReadOptions) -> Iterator[Batch | Remark]:
     """Return the messages chunk by chunk.
 

@@ -1,9 +1,10 @@
 """What puts the error model of an Allan analysis in doubt."""
 
+from imuwb.analysis import SUSPICIOUS
 from imuwb.health import Doubts, model_doubts
 from imuwb.notes import Note
 from imuwb.stochastic import ImuErrorModel
-from imuwb_plugins.allan.remarks import SUSPICIOUS, findings
+from imuwb_plugins.allan.remarks import findings
 from imuwb_plugins.allan.result import Result
 
 

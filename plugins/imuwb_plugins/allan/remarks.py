@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from imuwb.analysis import Finding
+from imuwb.analysis import SUSPICIOUS, Finding
 from imuwb.notes import Note
 from imuwb.statistics import Coefficient
 from imuwb.stochastic import FlickerNoise, Quantization, RandomWalk, RateRamp, Sinusoid, WhiteNoise
@@ -16,7 +16,6 @@ _NAMES: dict[type, str] = {
     Quantization: "quantization", WhiteNoise: "white noise", FlickerNoise: "bias instability", RandomWalk: "random walk",
     RateRamp: "ramp", Sinusoid: "lines",
 }  # fmt: skip
-SUSPICIOUS = "SUSPICIOUS: "  #: begin of a remark that puts the coefficients in doubt
 MUCH = 0.2  #: change of the Allan deviation's logarithm, about a fifth, that puts the coefficients in doubt
 DECISIVE = 3.0  #: Allan deviation of a random walk that shows, over that of the other terms, at a tenth of the record
 LONGER = 1.5  #: ratio to the length of the record; a longer record is recommended only above this

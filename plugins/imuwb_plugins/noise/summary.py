@@ -2,10 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 
-from imuwb.analysis import Finding, Review, Table
+from imuwb.analysis import SUSPICIOUS, Finding, Review, Table
 from imuwb.texts import coefficient_text
 from imuwb.units import coefficient_units
-from imuwb_plugins.allan.remarks import SUSPICIOUS
 from imuwb_plugins.noise.result import NoiseAxis
 
 LETTERS = "QNBK"

@@ -15,6 +15,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={
         "parameters": ["Parameters"], "drives": ["run", "error_model"], "drives_show": ["draw"], "answer": ["answer"],
+        "drifts": ["drifts"],
         "output": ["outputs", "write_outputs"],
     },
 )  # fmt: skip

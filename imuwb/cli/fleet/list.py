@@ -1,0 +1,85 @@
+"""imuwb fleet list: the logs that patterns name."""
+
+import csv
+import io
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from imuwb.cli.fleet.options import OWNERS, PATTERNS, Owners
+from imuwb.cli.options import Force, output_option
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from imuwb.analysis import Answer
+    from imuwb.fleet.plan import Task
+    from imuwb.fleet.triage import Triage
+
+FORMATS, FAULTS = 6, 2  #: that are shown
+PANELS = {"Owners": OWNERS}
+COLUMNS = ("log", "size", "format", "imus", "rate", "duration", "vehicle", "serial", "family", "fault")
+
+
+def list_logs(
+    *,
+    logs: Annotated[list[str], PATTERNS],
+    owners: Owners,
+    output: Annotated[
+        Path | None,
+        output_option(
+            "--output", "-o", text="Also write a row for each log; a table for --identities.", metavar="FILE.csv"
+        ),
+    ] = None,
+    force: Force = False,
+) -> None:
+    """List the logs that patterns name, and whose they are; nothing is analysed.
+
+    Only the index of a log is read, or its first bytes.
+
+    Example: imuwb fleet list 'logs/**/*.mcap' --group '(?P<vehicle>[^/]+)/(?P<serial>[^/]+)/[^/]+$'
+    """
+    from imuwb.cli.fleet.owners import rule_of  # noqa: PLC0415 - help must not wait
+    from imuwb.cli.places import check_place  # noqa: PLC0415
+    from imuwb.cli.terminal import print_panel  # noqa: PLC0415
+    from imuwb.fleet.listing import found  # noqa: PLC0415
+    from imuwb.fleet.plan import planned  # noqa: PLC0415
+    from imuwb.fleet.triage import triaged  # noqa: PLC0415
+    from imuwb.review.answers.panel import Origin  # noqa: PLC0415
+    from imuwb.writers import write_text  # noqa: PLC0415
+
+    if output is not None:
+        check_place(output, force=force)
+    tasks = planned(found(logs), rule_of(owners), ())
+    known = list(triaged([task.log for task in tasks]))
+    if output is not None:
+        write_text(output, _csv(tasks, known))
+    wrote = () if output is None else (str(output),)
+    print_panel(_answer(tasks, known), Origin("fleet list", tuple(logs), wrote=wrote), data=output is None)
+
+
+def _csv(tasks: "Sequence[Task]", known: "Sequence[Triage]") -> str:
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(COLUMNS)
+    for task, one in zip(tasks, known, strict=True):
+        who, log, imus = task.identity, one.log, " ".join(one.topics)
+        owner = who.vehicle, who.serial, who.family
+        table.writerow((log.place, log.size, one.format, imus, one.rate, one.duration, *owner, one.fault))
+    return text.getvalue()
+
+
+def _answer(tasks: "Sequence[Task]", known: "Sequence[Triage]") -> "Answer":
+    from imuwb.analysis import Answer  # noqa: PLC0415 - as above
+    from imuwb.texts import duration_text  # noqa: PLC0415 - as above
+
+    formats = Counter(one.format or "no log" for one in known)
+    sensors = {(task.identity.vehicle, task.identity.serial) for task in tasks if task.identity.serial is not None}
+    times = [one.duration for one in known if one.duration is not None]
+    size = sum(one.log.size for one in known) / 1e9
+    sentences = (
+        f"{size:.3g} GB; {duration_text(sum(times))} by the indexes of {len(times)} logs.",
+        *[f"{one.log.place}: {one.fault}" for one in known if one.fault][:FAULTS],
+    )
+    rows = tuple((name, str(count)) for name, count in formats.most_common(FORMATS))
+    return Answer(f"{len(known)} logs of {len(sensors) or 'unknown'} sensors", ("format", "logs"), rows, sentences)

@@ -1,0 +1,68 @@
+"""What a run over a fleet states at its end, in at most 15 lines."""
+
+from collections import Counter
+from collections.abc import Sequence
+from io import BytesIO
+from typing import Any
+
+import pyarrow.parquet as pq
+
+from imuwb.analysis import Answer, Step
+from imuwb.cli.terminal import print_panel
+from imuwb.fleet.progress import faults_text
+from imuwb.fleet.run_state import RunState
+from imuwb.fleet.schemas import file_of
+from imuwb.fleet.store import Store
+from imuwb.review.answers.panel import Origin
+
+MOST = 4  #: faults that are named
+
+
+def print_ending(state: RunState, store: Store, patterns: Sequence[str], place: str, worked: int) -> None:
+    """Print how many logs gave a result, the faults by kind with an example, and where the tables are.
+
+    Args:
+        state: of the run that has ended.
+        store: of the results.
+        patterns: that were given.
+        place: of the results.
+        worked: logs that were worked on in this run.
+    """
+    answer = answer_of(state, store, place, worked)
+    wrote = tuple(file_of(name) for name in ("sensors", "outages", "logs", "quarantine"))
+    print_panel(
+        answer,
+        Origin(f"fleet {state.analysis}", tuple(patterns), wrote=(f"{place.rstrip('/')}/: {wrote[0]}", *wrote[1:])),
+        data=False,
+    )
+
+
+def answer_of(state: RunState, store: Store, place: str, worked: int) -> Answer:
+    """Return the answer of a run; arguments as in ``print_ending``."""
+    logs = _columns(store, "logs", ("vehicle", "serial"))
+    faults = _columns(store, "quarantine", ("kind", "message", "path"))
+    kinds = Counter(row["kind"] for row in faults)
+    rows = tuple(
+        (kind, str(count), next(row["message"] for row in faults if row["kind"] == kind))
+        for kind, count in kinds.most_common(MOST)
+    )
+    sensors = {(row["vehicle"], row["serial"]) for row in logs if row["serial"] is not None}
+    named = sum(row["serial"] is not None for row in logs)
+    sentences = [
+        f"{state.done} of {state.logs} logs gave a result, {state.quarantined} are in quarantine: {faults_text(kinds)}."
+    ]
+    if named < len(logs):
+        sentences.append(
+            f"The sensor of {len(logs) - named} logs is not known: --group, --identities or --metadata state it."
+        )
+    again = "" if worked else "; nothing was left to do"
+    about = f"{state.logs} logs of {len(sensors) or 'unknown'} sensors, {state.executor}{again}"
+    return Answer(
+        about, ("quarantine", "logs", "the first") if rows else (), rows, tuple(sentences),
+        (Step(f"imuwb fleet report {place}", "which sensors are out of family, and which drift"),),
+    )  # fmt: skip
+
+
+def _columns(store: Store, table: str, columns: Sequence[str]) -> list[dict[str, Any]]:
+    content = store.read(file_of(table))
+    return [] if content is None else pq.read_table(BytesIO(content), columns=list(columns)).to_pylist()

@@ -1,0 +1,62 @@
+"""A pool of processes on this machine. A process that is killed, hangs or takes too much memory loses its own call only.
+
+Each process belongs to a thread, which sends it one call at a time; nothing is shared that a killed process could hold. The
+pool of the standard library loses all calls that wait when a process dies.
+"""
+
+import os
+import queue
+import threading
+from collections.abc import Iterator
+
+from imuwb.fleet.executor import Call, Completed
+from imuwb.fleet.own_child import OwnChild
+
+_Item = tuple[int, Call] | None
+
+
+class LocalPool:
+    """An executor with processes of this machine."""
+
+    link = ""
+
+    def __init__(self, slots: int = 0) -> None:
+        """Start no process yet; 0: one process for each core that this process may use."""
+        self.slots = slots or cores()
+        self.name = f"{self.slots} process{'es' if self.slots > 1 else ''}"
+        self._calls: queue.SimpleQueue[_Item] = queue.SimpleQueue()
+        self._done: queue.SimpleQueue[Completed] = queue.SimpleQueue()
+        self._children: list[OwnChild] = []
+        self._left = 0
+
+    def submit(self, number: int, call: Call) -> None:
+        """Take a call, and start another process if all have one."""
+        self._left += 1
+        if len(self._children) < min(self.slots, self._left):
+            child = OwnChild()
+            self._children.append(child)
+            threading.Thread(target=self._serve, args=(child,), daemon=True).start()
+        self._calls.put((number, call))
+
+    def as_completed(self) -> Iterator[Completed]:
+        """Yield the calls that are ready."""
+        while self._left:
+            done = self._done.get()
+            self._left -= 1
+            yield done
+
+    def close(self) -> None:
+        """Kill the processes."""
+        for _ in self._children:
+            self._calls.put(None)
+        for child in self._children:
+            child.close()
+
+    def _serve(self, child: OwnChild) -> None:
+        while (item := self._calls.get()) is not None:
+            self._done.put(child.call(*item))
+
+
+def cores() -> int:
+    """Return the cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,0 +1,122 @@
+"""A process of this machine that runs one call at a time, and is started again after it has ended."""
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+from contextlib import suppress
+from typing import Any, cast
+
+from imuwb import own_process
+from imuwb.fleet.bounds import MEMORY_EXIT
+from imuwb.fleet.executor import Call, Completed, Fault, memory_fault, time_fault
+
+GRACE = 10.0  #: s after the bound of time, in which the process may end the call itself
+STARTING = 300.0  #: s until a function is imported
+#: libraries that start threads of their own -> their variable
+THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+#: signals that come from outside; a process that ends by another one has a fault
+OUTSIDE = tuple(getattr(signal, name, None) for name in ("SIGKILL", "SIGTERM", "SIGHUP", "SIGINT"))
+
+
+class OwnChild:
+    """A process that runs calls, each within its bounds; it is started by its first call."""
+
+    def __init__(self) -> None:
+        """Start nothing yet."""
+        self._process: subprocess.Popen[bytes] | None = None
+        self._closed = False
+
+    def call(self, number: int, call: Call) -> Completed:
+        """Return what becomes of a call. A process that exceeds its bounds is killed."""
+        try:
+            packed = pickle.dumps(call)
+        except Exception as error:  # noqa: BLE001 - of many types
+            return Completed(number, fault=Fault("fault", f"the call cannot be sent to a process: {error}"))
+        process = self._started()
+        late = threading.Event()
+        try:
+            self._send(process, packed)
+            self._answer(process, STARTING, late)
+            done = cast("Completed", self._answer(process, call.bounds.seconds + GRACE, late))
+        except (EOFError, OSError, pickle.UnpicklingError):
+            self._process = None
+            code = self._ended(process)
+            return Completed(number, fault=_fault(code, call, late=late.is_set()), worker=str(process.pid))
+        except BaseException:
+            self.close()
+            raise
+        if done.fault is not None and done.fault.kind in ("time", "memory"):  # it ends after such an answer
+            self._process = None
+            self._ended(process)
+        return Completed(number, done.value, done.fault, str(process.pid))
+
+    def close(self) -> None:
+        """End the process."""
+        self._closed, process = True, self._process
+        if process is not None:
+            process.kill()
+
+    def _started(self) -> "subprocess.Popen[bytes]":
+        if self._process is not None and self._process.poll() is None:
+            return self._process
+        environment = {**own_process.environment(), **dict.fromkeys(THREADS, "1")}
+        errors = None if os.environ.get("IMUWB_TRACEBACK") else subprocess.DEVNULL
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "imuwb.fleet.child"],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, env=environment, start_new_session=os.name == "posix",
+        )  # fmt: skip
+        if self._closed:
+            self._process.kill()
+        with suppress(OSError):
+            self._send(self._process, pickle.dumps(sys.path))
+        return self._process
+
+    @staticmethod
+    def _send(process: "subprocess.Popen[bytes]", packed: bytes) -> None:
+        stdin = cast("Any", process.stdin)
+        stdin.write(packed)
+        stdin.flush()
+
+    @staticmethod
+    def _answer(process: "subprocess.Popen[bytes]", seconds: float, late: threading.Event) -> object:
+        """Return the next answer; EOFError, after the process is killed, if it takes longer."""
+
+        def end() -> None:
+            late.set()
+            process.kill()
+
+        timer = threading.Timer(seconds, end)
+        timer.daemon = True
+        timer.start()
+        try:
+            return pickle.load(cast("Any", process.stdout))  # noqa: S301 - from our own process
+        finally:
+            timer.cancel()
+
+    @staticmethod
+    def _ended(process: "subprocess.Popen[bytes]") -> int:
+        """Close the pipes of a process that ends, and return its exit code."""
+        with suppress(OSError):
+            cast("Any", process.stdin).close()
+        cast("Any", process.stdout).close()
+        try:
+            return process.wait(GRACE)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            return process.wait()
+
+
+def _fault(code: int, call: Call, *, late: bool) -> Fault:
+    """Return why a process ended in a call, by its exit code."""
+    if late:
+        return time_fault(call.bounds)
+    if code == MEMORY_EXIT:
+        return memory_fault(call.bounds)
+    if code < 0 and -code in OUTSIDE:
+        return Fault("lost", f"its process was ended from outside (signal {-code})")
+    if code < 0:
+        return Fault("crash", f"its process crashed (signal {-code})")
+    return Fault("lost", f"its process ended (exit code {code})")

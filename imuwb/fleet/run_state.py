@@ -1,0 +1,76 @@
+"""``run.json``: what was run into a folder of results, and whether another run fits it."""
+
+import json
+from dataclasses import asdict, dataclass, fields
+from typing import Any, Literal
+
+from imuwb.errors import UsageError
+from imuwb.fleet.schemas import RUN_JSON, SCHEMA
+from imuwb.fleet.store import Store
+
+
+@dataclass(frozen=True, slots=True)
+class RunState:
+    """What is in run.json; ``imuwb.fleet.schemas`` states the keys."""
+
+    imuwb: str
+    analysis: str
+    params: dict[str, Any]
+    command: str
+    inputs: tuple[str, ...]
+    executor: str
+    run: str
+    level: float | None = None
+    state: Literal["running", "interrupted", "ended"] = "running"
+    logs: int = 0
+    done: int = 0
+    quarantined: int = 0
+    digest: str = ""  #: of all that the tables are made of; empty: they are not written
+    schema: int = SCHEMA
+
+    def write(self, store: Store) -> None:
+        """Write the file."""
+        store.write(RUN_JSON, f"{json.dumps(asdict(self), indent=1, ensure_ascii=False)}\n".encode())
+
+
+def run_state(store: Store, place: str) -> RunState | None:
+    """Return what was run into a folder of results; None: nothing.
+
+    Args:
+        store: of the results.
+        place: for messages.
+
+    Raises:
+        UsageError: the file is damaged, or of another version.
+    """
+    content = store.read(RUN_JSON)
+    if content is None:
+        return None
+    where = f"{place.rstrip('/')}/{RUN_JSON}"
+    try:
+        known = json.loads(content)
+        schema = known["schema"]
+        if schema == SCHEMA:
+            return RunState(**{f.name: known[f.name] for f in fields(RunState)})
+    except (ValueError, KeyError, TypeError):
+        raise UsageError(
+            f"{where}: the file is damaged or of another program; give another folder, or --force to replace it"
+        ) from None
+    raise UsageError(
+        f"{where}: the results have the schema {str(schema)[:20]}, and this version of imuwb writes {SCHEMA}; give another folder, or --force to "
+        "replace the tables; the parts of the other version stay"
+    )
+
+
+def check_fits(own: RunState, known: RunState | None, place: str) -> None:
+    """Raise UsageError if the results of a folder are those of another analysis, version or parameters."""
+    if known is None or known.run == own.run:
+        return
+    differs = {"analysis": (known.analysis, own.analysis), "version of imuwb": (known.imuwb, own.imuwb)}
+    which = next(
+        (f"{name}: {old}, not {new}" for name, (old, new) in differs.items() if old != new), "with other options"
+    )
+    raise UsageError(
+        f"{place}: its results are of another run ({which}); give another folder, or --force to replace the tables; the parts of the other run "
+        "stay, so that it can be made again at once"
+    )

@@ -1,0 +1,146 @@
+"""The tables of a fleet from its parts: the rows of all logs in a fixed order, so that the same logs give the same bytes."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from io import BytesIO
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from imuwb.fleet.parts import Part
+from imuwb.fleet.plan import Task
+from imuwb.fleet.schemas import DONE, ORDER, QUARANTINED, TABLES, check_schema, file_of
+from imuwb.fleet.store import Store
+from imuwb.readers.bytes.address import is_address, place_of, without_secrets
+from imuwb.texts import printable
+
+CHUNK = 1000  #: logs whose rows are in memory as Python's own values
+READERS = 16  #: parts that are read at a time
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A log of a run, and where its result is."""
+
+    task: Task
+    part: str  #: name of its part; empty: there is none
+    fault: Row | None = None  #: stage, kind and message, of a log without a part
+
+
+@dataclass(frozen=True, slots=True)
+class Tables:
+    """The tables of a run."""
+
+    by_name: dict[str, pa.Table]
+
+    def write(self, store: Store) -> None:
+        """Write each table; logs is the last, so it never names results that are not there."""
+        for name in sorted(self.by_name, key=lambda name: name == "logs"):
+            sink = BytesIO()
+            pq.write_table(self.by_name[name], sink, compression="zstd")
+            store.write(file_of(name), sink.getvalue())
+
+
+def tables_of(entries: Iterable[Entry], store: Store) -> Tables:
+    """Return the tables of the logs of a run.
+
+    Args:
+        entries: of all logs.
+        store: of the parts.
+    """
+    pieces: dict[str, list[pa.Table]] = {name: [schema.empty_table()] for name, schema in TABLES.items()}
+    seen: dict[str, str] = {}
+    ordered = sorted(entries, key=lambda entry: entry.task.log.place)
+    with ThreadPoolExecutor(READERS) as pool:
+        for chunk in _chunks(ordered, CHUNK):
+            parts = pool.map(_reading(store), chunk)
+            rows: dict[str, list[Row]] = {name: [] for name in TABLES}
+            for entry, part in zip(chunk, parts, strict=True):
+                _add(rows, entry, part, seen)
+            for name, schema in TABLES.items():
+                pieces[name].append(pa.Table.from_pylist(rows[name], schema))
+    return Tables({name: _sorted(name, pa.concat_tables(own)) for name, own in pieces.items()})
+
+
+def read_table(store: Store, table: str, place: str) -> pa.Table | None:
+    """Return a table of a folder of results; None: there is none.
+
+    Args:
+        store: of the results.
+        table: its name.
+        place: of the results, for messages.
+
+    Raises:
+        UsageError: the file is no such table, or one of another version.
+    """
+    content = store.read(file_of(table))
+    if content is None:
+        return None
+    where = f"{place.rstrip('/')}/{file_of(table)}"
+    try:
+        read = pq.read_table(BytesIO(content))
+    except (pa.ArrowException, OSError):
+        read = pa.table({})
+    check_schema(table, read.schema, where)
+    return read.select(TABLES[table].names)
+
+
+def _reading(store: Store) -> Callable[[Entry], Part | None]:
+    def part_of(entry: Entry) -> Part | None:
+        content = store.read(entry.part) if entry.part else None
+        return None if content is None else Part.unpacked(content)
+
+    return part_of
+
+
+def _add(rows: dict[str, list[Row]], entry: Entry, part: Part | None, seen: dict[str, str]) -> None:
+    """Add the rows of a log; one with the bytes of another log counts once."""
+    task = entry.task
+    path = _path(task.log.place)
+    owner = {"vehicle": task.identity.vehicle, "serial": task.identity.serial, "family": task.identity.family}
+    fault = entry.fault if part is None else None
+    if part is None and fault is None:
+        fault = {"stage": "analyse", "kind": "lost", "message": "its result is missing; run the command again"}
+    part = part or Part()
+    key = part.log.get("log")
+    if not part.quarantine and key and (first := seen.setdefault(f"{key} {task.options}", path)) != path:
+        fault = {"stage": "triage", "kind": "duplicate", "message": f"it has the same bytes as {first}, which counts"}
+        part = Part(part.log)
+    faults = [*part.quarantine, *([] if fault is None else [{"log": key, **fault}])]
+    date = task.identity.date
+    log = {
+        **part.log,
+        "path": path,
+        "size": task.log.size,
+        "tag": task.log.tag,
+        "state": QUARANTINED if faults else DONE,
+        **owner,
+    }
+    rows["logs"].append(_dated(log, date))
+    rows["sensors"] += [_dated({**row, **owner}, date) for row in part.sensors]
+    rows["outages"] += [_dated({**row, **owner}, date) for row in part.outages]
+    rows["quarantine"] += [{**row, **owner, "path": path} for row in faults]
+
+
+def _dated(row: Row, date: int | None) -> Row:
+    """Return a row with the date that the user states, which beats the clock of the log."""
+    return row if date is None else {**row, "start": date}
+
+
+def _path(place: str) -> str:
+    return printable(str(place_of(place)) if is_address(place) else without_secrets(place))
+
+
+def _chunks(entries: Sequence[Entry], size: int) -> Iterator[Sequence[Entry]]:
+    for at in range(0, len(entries), size):
+        yield entries[at : at + size]
+
+
+def _sorted(name: str, table: pa.Table) -> pa.Table:
+    """Return a table in the order of its rows; rows that are alike in the columns of the order are ordered by all others."""
+    rest = [column for column in table.column_names if column not in ORDER[name]]
+    keys = [(column, "ascending", "at_start") for column in (*ORDER[name], *rest)]
+    return table.take(pa.compute.sort_indices(table, sort_keys=keys)).combine_chunks()
