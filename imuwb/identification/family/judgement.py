@@ -1,0 +1,187 @@
+"""The judgement of a fleet: family and spread of each coefficient, sensors outside, changes, and temperature, with one error for all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from imuwb.arrays import Booleans
+from imuwb.identification.family.changes import Change, changes
+from imuwb.identification.family.members import Members, Outside, members, outside
+from imuwb.identification.family.observations import Observations
+from imuwb.identification.family.random_effects import random_effects
+from imuwb.identification.family.spread import between_spread, within_spread
+from imuwb.statistics import Coefficient, Estimate
+from imuwb.statistics.distributions import normal_tails, student_limit, student_score
+
+KINDS = 3  #: of findings, which share the error: sensors outside, changes, dependence on temperature
+ROUNDS = 20  #: of the search for changes
+LEAST_TEMPERATURES, LEAST_RANGE = 10, 1.0  #: degrees of freedom; °C, root mean square from log to log of one sensor
+
+
+@dataclass(frozen=True, slots=True)
+class Slope:
+    """The dependence of all sensors of a family on temperature from log to log."""
+
+    per_degree: Estimate
+    probability: float  #: that chance makes the slopes of any family so steep
+    reference: float  #: °C, at which the observations are compared
+    used: bool  #: whether the dependence is sure, and the observations are reduced to the reference
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Judged:
+    """One family, on the scale of its observations."""
+
+    rows: Observations  #: at one temperature if the dependence on temperature is sure
+    kept: Booleans  #: (n,) rows that count; not those of single logs that differ
+    slope: Slope | None  #: None: too few logs with a temperature, or of too equal ones
+    sensors: Members
+    mean: Estimate
+    between: Coefficient  #: standard deviation between sensors; without several logs of a sensor, of both
+    within: Coefficient  #: from log to log of one sensor, beyond the sampling errors
+    #: mean, and the interval that contains the mean of a further sensor with the level; where the spread has a limit only, with it
+    sensor_range: Estimate
+    log_range: Estimate  #: the same for a further log
+    sensor_limits: tuple[float, float]  #: beyond which a sensor is outside the family at the error of the fleet
+    outside: tuple[Outside, ...]
+    changes: tuple[Change, ...]  #: each with its probability over the whole fleet
+
+    @property
+    def found(self) -> frozenset[int]:
+        """Return the sensors with a finding."""
+        return frozenset([one.sensor for one in self.outside] + [one.sensor for one in self.changes])
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Judgement:
+    """All families of a fleet."""
+
+    error: float  #: largest probability of any false finding
+    level: float  #: of the intervals
+    families: Mapping[str, Judged]
+
+
+@dataclass(slots=True)
+class _State:
+    """One family during the search."""
+
+    rows: Observations
+    kept: Booleans  #: rows without the single logs that were found
+    steady: Booleans  #: rows of sensors that change neither by a trend nor by a step
+    found: list[Change]
+    waiting: list[Change]  #: of sensors without a finding
+
+
+def judge(families: Mapping[str, Observations], error: float = 0.01, level: float = 0.95) -> Judgement:
+    """Return the judgement of a fleet.
+
+    The error is shared by three kinds of findings, and by the families: sensors outside by a maximum statistic in each family, changes
+    by Holm's method over all sensors of all families. After each round the sensors that change no longer count in the variance from log
+    to log. The dependence on temperature is common to the sensors of a family; where it is sure, it is taken off before.
+
+    Args:
+        families: name -> observations of at least one row.
+        error: largest probability that a fleet without any such sensor has any finding.
+        level: of the intervals.
+    """
+    slopes = _slopes(families, error / KINDS, level)
+    states: dict[str, _State] = {}
+    for name, rows in families.items():
+        slope = slopes.get(name)
+        reduced = rows.at(slope.per_degree.value, slope.reference) if slope is not None and slope.used else rows
+        every = np.ones(rows.y.size, dtype=bool)
+        states[name] = _State(reduced, every, every.copy(), [], [])
+    _search(list(states.values()), error / KINDS, level)
+    share = error / KINDS / max(len(families), 1)
+    return Judgement(error, level, {name: _judged(s, slopes.get(name), share, level) for name, s in states.items()})
+
+
+def _slopes(families: Mapping[str, Observations], error: float, level: float) -> dict[str, Slope]:
+    """Return the dependence on temperature of the families that can tell it."""
+    found = {name: slope for name, rows in families.items() if (slope := _slope(rows, level)) is not None}
+    chances = {name: min(1.0, slope.probability * len(found)) for name, slope in found.items()}
+    return {
+        name: replace(slope, probability=chances[name], used=chances[name] <= error) for name, slope in found.items()
+    }
+
+
+def _slope(rows: Observations, level: float) -> Slope | None:
+    known = rows.of(np.isfinite(rows.temperature))
+    count = known.sums(np.ones_like(known.y))
+    mean = known.sums(known.temperature) / np.maximum(count, 1)
+    away = known.temperature - mean[known.sensor]
+    freedom = int(known.y.size - (count > 0).sum()) - 1
+    if freedom < LEAST_TEMPERATURES or float(np.sqrt(away @ away / freedom)) < LEAST_RANGE:
+        return None
+    fit = random_effects(known, away)
+    value, sigma = float(fit.coefficients[1]), float(fit.covariance[1, 1]) ** 0.5
+    reach = student_limit(level, freedom) * sigma
+    tail = float(normal_tails(student_score(value / sigma, freedom)))
+    return Slope(
+        Estimate(value, value - reach, value + reach, sigma), tail, float(known.temperature.mean()), used=False
+    )
+
+
+def _search(states: Sequence[_State], error: float, level: float) -> None:
+    """Find the sensors that change, round by round, until no further one is found."""
+    stale = list(states)
+    for _ in range(ROUNDS):
+        for state in stale:
+            _scan(state, level)
+        waiting = sorted(
+            ((change, state) for state in states for change in state.waiting), key=lambda one: one[0].probability
+        )
+        stale = []
+        for place, (change, state) in enumerate(waiting):
+            chance = min(1.0, change.probability * (len(waiting) - place))
+            if chance > error:
+                break
+            _take(state, replace(change, probability=chance))
+            stale = [*(one for one in stale if one is not state), state]
+        if not stale:
+            break
+
+
+def _scan(state: _State, level: float) -> None:
+    """Look at all sensors of a family that were not found to change."""
+    fit = random_effects(state.rows.of(state.kept & state.steady))
+    tested = state.kept & state.steady if fit.free[1] else np.zeros_like(state.kept)
+    state.waiting = changes(state.rows, fit.within, fit.errors[1], level, tested)
+
+
+def _take(state: _State, change: Change) -> None:
+    """Take a change as found."""
+    state.found.append(change)
+    if change.kind == "log":
+        state.kept[change.rows[0]] = False
+    else:
+        state.steady[state.rows.sensor == change.sensor] = False
+
+
+def _judged(state: _State, slope: Slope | None, error: float, level: float) -> Judged:
+    steady = state.rows.of(state.kept & state.steady)
+    fit = random_effects(steady)
+    sensors = members(state.rows.of(state.kept), fit.within)
+    out, family = outside(sensors, error)
+    inside = sensors.of(~np.isin(sensors.sensor, [one.sensor for one in out]))
+    mean, sigma = float(family.coefficients[0]), float(family.covariance[0, 0]) ** 0.5
+    count = inside.mean.size
+    t = student_limit(level, max(count - 1, 1))
+    typical = float(np.median(inside.variance))
+    own, sampling = family.between + sigma**2, float(np.median(steady.variance))
+    far = student_limit(1 - error / max(count, 1), max(count - 1, 1)) * (own + typical) ** 0.5
+    between = between_spread(inside, family.between, level)
+    within = within_spread(steady, fit.within, level)
+
+    spread = family.between if between.value is not None or not np.isfinite(between.upper) else between.upper**2
+
+    def ranged(variance: float) -> Estimate:
+        return Estimate(mean, mean - t * variance**0.5, mean + t * variance**0.5)
+
+    return Judged(
+        state.rows, state.kept, slope, sensors, Estimate(mean, mean - t * sigma, mean + t * sigma, sigma), between, within,
+        ranged(spread + sigma**2), ranged(own + fit.within + sampling), (mean - far, mean + far), out, tuple(state.found),
+    )  # fmt: skip

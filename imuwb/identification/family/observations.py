@@ -1,0 +1,104 @@
+"""The estimates of one coefficient in many logs, on the scale on which their errors are about normal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from imuwb.arrays import Booleans, Floats, Integers
+from imuwb.statistics.distributions import chi_square_quantile, log_gamma_cumulants, normal_limit
+
+NARROWEST = 1e-9  #: relative width of an interval; a narrower one is of a value that is known, not estimated
+#: degrees of freedom: a square with fewer has no interval above 0; one with more has an error that is as good as normal
+FEWEST_DEGREES, MOST_DEGREES = 1.0, 1e9
+HALVINGS = 60
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Observations:
+    """One coefficient in n logs of several sensors."""
+
+    sensor: Integers  #: (n,) number of the sensor, from 0; each number occurs
+    y: Floats  #: (n,) natural logarithm of the value, without the mean error of a logarithm; or the value, on a linear scale
+    variance: Floats  #: (n,) of the sampling error of y
+    third: Floats  #: (n,) third cumulant of the sampling error of y
+    time: Floats  #: (n,) s; nan: not known
+    temperature: Floats  #: (n,) °C; nan: not known
+    logarithmic: bool
+
+    @property
+    def sensors(self) -> int:
+        """Return the number of sensors."""
+        return int(self.sensor.max()) + 1 if self.sensor.size else 0
+
+    def sums(self, values: Floats) -> Floats:
+        """Return the sum of values of each sensor."""
+        return np.bincount(self.sensor, values, self.sensors)
+
+    def of(self, rows: Booleans) -> Observations:
+        """Return some rows; the sensors keep their numbers."""
+        parts = (getattr(self, name)[rows] for name in ("sensor", "y", "variance", "third", "time", "temperature"))
+        return Observations(*parts, logarithmic=self.logarithmic)
+
+    def at(self, slope: float, reference: float) -> Observations:
+        """Return the observations as they would be at one temperature, °C; rows without a temperature stay."""
+        away = np.where(np.isfinite(self.temperature), self.temperature - reference, 0.0)
+        return replace(self, y=self.y - slope * away)
+
+
+def observations(
+    sensor: Integers, value: Floats, lower: Floats, upper: Floats, *,
+    level: float, time: Floats | None = None, temperature: Floats | None = None, squares: bool = True, logarithmic: bool = True,
+) -> Observations:  # fmt: skip
+    """Return estimates on the scale on which they are compared; rows without an interval must be left out before (``usable``).
+
+    A coefficient whose square is estimated has an error that is about the logarithm of a chi-square variable; its degrees of freedom
+    follow from the ratio of the ends of its interval. Its logarithm then has the variance ψ'(ν/2)/4, the mean error (ψ(ν/2) - ln(ν/2))/2
+    and the third cumulant ψ''(ν/2)/8 (Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions 1, 17.8).
+
+    Args:
+        sensor: (n,) number of the sensor.
+        value: (n,) estimates, above 0 on a logarithmic scale.
+        lower: (n,) lower ends of the intervals.
+        upper: (n,) upper ends.
+        level: probability of the intervals.
+        time: (n,) s; None: not known.
+        temperature: (n,) °C; None: not known.
+        squares: whether the squares of the coefficients are estimated; else the errors are normal on the scale.
+        logarithmic: whether values are compared by their ratios; else by their differences.
+    """
+    unknown = np.full(value.size, np.nan)
+    time, temperature = (unknown if x is None else np.asarray(x, float) for x in (time, temperature))
+    third = np.zeros(value.size)
+    if not logarithmic:
+        variance = ((upper - lower) / (2 * normal_limit(level))) ** 2
+        return Observations(sensor, value.astype(float), variance, third, time, temperature, logarithmic=False)
+    y, width = np.log(value), np.log(upper / lower)
+    variance = (width / (2 * normal_limit(level))) ** 2
+    if squares:
+        half = degrees_of_freedom(width, level) / 2
+        mean, variance, third = log_gamma_cumulants(half)
+        y, variance, third = y - mean / 2, variance / 4, third / 8
+    return Observations(sensor, y, variance, third, time, temperature, logarithmic=True)
+
+
+def usable(value: Floats, lower: Floats, upper: Floats, *, logarithmic: bool = True) -> Booleans:
+    """Return which estimates have an interval of both ends; on a logarithmic scale, above 0."""
+    with np.errstate(invalid="ignore"):
+        sound = np.isfinite(value) & np.isfinite(lower) & np.isfinite(upper) & (lower <= value) & (value <= upper)
+        sound &= upper - lower > NARROWEST * np.abs(value)
+        return sound & (lower > 0) if logarithmic else sound
+
+
+def degrees_of_freedom(width: Floats, level: float) -> Floats:
+    """Return the degrees of freedom of squares from the natural logarithm of the ratio of the ends of the coefficients' intervals."""
+    low, high = np.full(width.shape, np.log(FEWEST_DEGREES)), np.full(width.shape, np.log(MOST_DEGREES))
+    for _ in range(HALVINGS):  # the width falls with the degrees of freedom
+        middle = (low + high) / 2
+        freedom = np.exp(middle)
+        ends = (chi_square_quantile(p, freedom) for p in ((1 + level) / 2, (1 - level) / 2))
+        upper, lower = ends
+        wide = np.log(upper / lower) / 2 > width
+        low, high = np.where(wide, middle, low), np.where(wide, high, middle)
+    return np.exp((low + high) / 2)

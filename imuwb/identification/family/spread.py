@@ -1,0 +1,65 @@
+"""Intervals of the spread of a family, from the distribution of weighted sums of squares (Viechtbauer, Statist. Med. 26, 2007)."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from imuwb.arrays import Floats
+from imuwb.identification.family.members import Members
+from imuwb.identification.family.observations import Observations
+from imuwb.statistics import Coefficient
+from imuwb.statistics.distributions import chi_square_quantile
+
+DOUBLINGS, HALVINGS = 60, 60
+
+
+def between_spread(sensors: Members, value: float, level: float) -> Coefficient:
+    """Return the standard deviation between sensors; ``value`` is the estimated variance."""
+
+    def statistic(variance: float) -> float:
+        weight = 1 / (sensors.variance + variance)
+        return float(weight @ (sensors.mean - np.average(sensors.mean, weights=weight)) ** 2)
+
+    return _spread(statistic, sensors.mean.size - 1, value, level, float(np.var(sensors.mean)))
+
+
+def within_spread(rows: Observations, value: float, level: float) -> Coefficient:
+    """Return the standard deviation from log to log of one sensor, beyond the sampling errors."""
+    repeated = rows.of(rows.sums(np.ones_like(rows.y))[rows.sensor] > 1)
+    count = np.unique(repeated.sensor).size
+
+    def statistic(variance: float) -> float:
+        weight = 1 / (repeated.variance + variance)
+        total = repeated.sums(weight)
+        mean: Floats = repeated.sums(weight * repeated.y) / np.where(total > 0, total, 1.0)
+        return float(weight @ (repeated.y - mean[repeated.sensor]) ** 2)
+
+    return _spread(statistic, repeated.y.size - count, value, level, float(np.var(rows.y)))
+
+
+def _spread(statistic: Callable[[float], float], freedom: int, value: float, level: float, scale: float) -> Coefficient:
+    """Return a standard deviation with its interval; or its limit, where the sampling errors explain the scatter."""
+    if freedom < 1:
+        return Coefficient(None, None, np.inf)
+    tail = (1 - level) / 2
+    lower = _at(statistic, float(chi_square_quantile(1 - tail, freedom)), scale)
+    if lower > 0 and value > 0:
+        upper = _at(statistic, float(chi_square_quantile(tail, freedom)), scale)
+        return Coefficient(value**0.5, min(lower, value) ** 0.5, max(upper, value) ** 0.5)
+    limit = _at(statistic, float(chi_square_quantile(1 - level, freedom)), scale)
+    return Coefficient(None, None, max(limit, value) ** 0.5)
+
+
+def _at(statistic: Callable[[float], float], wanted: float, scale: float) -> float:
+    """Return the variance at which a falling statistic has a value; 0 if it is smaller everywhere."""
+    if statistic(0.0) <= wanted:
+        return 0.0
+    low, high = 0.0, max(scale, 1e-12)
+    for _ in range(DOUBLINGS):
+        if statistic(high) < wanted:
+            break
+        low, high = high, 2 * high
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if statistic(middle) > wanted else (low, middle)
+    return (low + high) / 2
