@@ -4,17 +4,19 @@ import math
 import tomllib
 from dataclasses import asdict, fields
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, cast, get_args
 
 import tomli_w
 
 from imuwb.documents import document_of, number, numbers, refuse, rows, table, whole, words
 from imuwb.errors import UsageError
 from imuwb.navigation.filter_model import Aids, FilterModel, Installation, Settings, Vibration
+from imuwb.navigation.shaping import Reading
 from imuwb.stochastic import ImuErrorModel
 
 SCHEMA = 1
-READINGS = ("corrected", "as printed")
+READINGS = get_args(Reading)
+SCALES = ("level", "first", "none")  #: of denoising
 PARTS: dict[str, type[Any]] = {
     "vibration": Vibration, "installation": Installation, "settings": Settings, "aids": Aids,
 }  # fmt: skip
@@ -26,7 +28,7 @@ def filter_text(model: FilterModel) -> str:
     """Return a filter as a TOML document."""
     document: dict[str, object] = {
         "schema": SCHEMA, "filter": model.name, "reading": model.reading, "scale_factor": list(model.scale_factor),
-        "wavelet_levels": list(model.wavelet_levels),
+        "wavelet_levels": list(model.wavelet_levels), "wavelet_scale": model.wavelet_scale,
     }  # fmt: skip
     parts = {part: asdict(getattr(model, part)) for part in PARTS}
     del parts["settings"]["known_start"]  # it holds for one log only
@@ -51,11 +53,14 @@ def read_filter(path: str | Path) -> FilterModel:
         refuse(f"{path}, reading", reading, f"one of {', '.join(READINGS)}")
     scale = numbers(document.pop("scale_factor", [0.0, 0.0]), 2, f"{path}, scale_factor")
     levels = _levels(document.pop("wavelet_levels", []), f"{path}, wavelet_levels")
+    sigma = document.pop("wavelet_scale", SCALES[0])
+    if sigma not in SCALES:
+        refuse(f"{path}, wavelet_scale", sigma, f"one of {', '.join(SCALES)}")
     name = words(document.pop("filter"), f"{path}, filter")
     if document:
         raise UsageError(f"{path}: unknown {', '.join(document)}; remove it")
     error_model = ImuErrorModel.of_document(table(model, f"{path}, error_model"), f"{path}, error_model")
-    return FilterModel(name, error_model, reading, (scale[0], scale[1]), levels, **parts)
+    return FilterModel(name, error_model, reading, (scale[0], scale[1]), levels, sigma, **parts)
 
 
 def _levels(content: object, where: str) -> tuple[int, ...]:

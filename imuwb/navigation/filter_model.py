@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 
@@ -97,6 +98,8 @@ class FilterModel:
     scale_factor: tuple[float, float] = (0.0, 0.0)  #: sigmas, of gyros and accelerometers; 0: no state
     #: levels of denoising before the mechanization, ``gyro_x`` ... ``accel_z``; empty: no denoising
     wavelet_levels: tuple[int, ...] = ()
+    #: sigma of the noise in the thresholds: of each level, of the finest level, or none (1 in SI units, as the paper's 18AVWD)
+    wavelet_scale: Literal["level", "first", "none"] = "level"
     vibration: Vibration = field(default_factory=Vibration)
     installation: Installation = field(default_factory=Installation)
     settings: Settings = field(default_factory=Settings)
@@ -111,7 +114,7 @@ class FilterModel:
             if (value := getattr(part, name)) != getattr(type(part)(), name)
         ]
         if any(self.wavelet_levels):
-            changed.append(f"wavelet_levels = {self.wavelet_levels}")
+            changed.append(f"wavelet_levels = {self.wavelet_levels}, wavelet_scale = {self.wavelet_scale}")
         if any(self.scale_factor):
             changed.append(f"scale_factor = {self.scale_factor}")
         first = f"FilterModel {self.name}: error model {self.error_model.name}, formulas {self.reading}"

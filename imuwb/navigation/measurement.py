@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Literal
 
 import numpy as np
 
@@ -115,12 +116,15 @@ def with_rate(measurement: Measurement, ratio: float) -> Measurement:
     )  # fmt: skip
 
 
-def denoised(measurement: Measurement, levels: tuple[int, ...]) -> Measurement:
+def denoised(
+    measurement: Measurement, levels: tuple[int, ...], scale: Literal["level", "first", "none"] = "level"
+) -> Measurement:
     """Return a measurement after wavelet denoising of the whole record (db4, SURE, soft: Quinchia, 4.5); not causal.
 
     Args:
         measurement: in the vehicle's axes.
         levels: number of levels of decomposition of each axis, ``gyro_x`` ... ``accel_z``.
+        scale: sigma of the noise, as in ``imuwb.conditioning.denoise``.
     """
     from imuwb.conditioning import denoise  # noqa: PLC0415 - pywt is slow to import, and seldom needed
 
@@ -128,7 +132,7 @@ def denoised(measurement: Measurement, levels: tuple[int, ...]) -> Measurement:
     angle, velocity = samples.angle.copy(), samples.velocity.copy()
     for axis, level in enumerate(levels):
         increments = (angle, velocity)[axis // 3]
-        rate = denoise(np.ascontiguousarray(increments[:, axis % 3] / samples.interval), level).values
+        rate = denoise(np.ascontiguousarray(increments[:, axis % 3] / samples.interval), level, scale=scale).values
         increments[:, axis % 3] = rate * samples.interval
     return replace(measurement, samples=samples._replace(angle=angle, velocity=velocity))
 

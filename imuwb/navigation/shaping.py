@@ -1,7 +1,7 @@
 """Shaping filters: the states that represent the sum of processes on one sensor axis."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -18,9 +18,16 @@ from imuwb.stochastic import (
     Sum,
     WhiteNoise,
 )
+from imuwb.stochastic.state_space import summed, with_sum
 
-#: How Quinchia's formulas are read. "corrected": white noise of density N², and exp(-dt/Tc); "as printed": word for word.
-Reading = Literal["corrected", "as printed"]
+#: How Quinchia's formulas are read (equations 2, 21 and 27 to 36). All readings but "corrected" have 1 - dt/Tc of eq. 21.
+#: "corrected": white noise of density N², and exp(-dt/Tc).
+#: "printed variances": the quantities of eqs. 27 to 36 are variances of a sample or step. N²/dt enters times dt².
+#: "printed densities": they are densities, as the text calls them: all enter times dt. White noise is 1/dt times too strong, and
+#: the noise of all biases dt times too weak, dt as a number of seconds.
+Reading = Literal["corrected", "printed variances", "printed densities"]
+
+DENSITIES: Reading = "printed densities"
 
 #: Hz, band in which Gauss-Markov states represent flicker noise; it covers the lengths of outages and of the drive before them.
 FLICKER_BAND = (2e-4, 0.2)
@@ -53,12 +60,7 @@ class Shaping:
 
     def with_sum(self) -> tuple[Floats, Floats]:
         """Return A and Q with one more state: the sum of the errors so far, S(k) = S(k-1) + c x(k)."""
-        p = self.order
-        a, q = np.zeros((2, p + 1, p + 1))
-        a[:p, :p], a[p, :p], a[p, p] = self.A, self.c @ self.A, 1.0
-        q[:p, :p], q[p, :p], q[:p, p] = self.Q, self.c @ self.Q, self.Q @ self.c
-        q[p, p] = self.c @ self.Q @ self.c
-        return a, q
+        return with_sum(self.A, self.Q, self.c)
 
 
 def over(a: Floats, q: Floats, samples: int) -> tuple[Floats, Floats]:
@@ -93,12 +95,14 @@ def shaping(processes: Sum, dt: float, reading: Reading = "corrected") -> Shapin
     white = 0.0
     for term in processes.terms:
         if isinstance(term, WhiteNoise):
-            # Eq. 27 states a variance per sample; taken as a density, it is too large by the factor 1/dt.
-            white += term.N**2 / (dt if reading == "as printed" else 1.0)
+            # Eq. 27 states the variance of a sample; taken as a density, it is too large by the factor 1/dt.
+            white += term.N**2 / (dt if reading == DENSITIES else 1.0)
         elif isinstance(term, Quantization):
             left_out.append("quantization")
         else:
             for name, space in _spaces(term, dt, reading):
+                if reading == DENSITIES:
+                    space = replace(space, Q=space.Q * dt)  # noqa: PLW2901 - the same process, read differently
                 spaces.append(space)
                 names.extend(f"{name} {i + 1}" if space.order > 1 else name for i in range(space.order))
                 white += space.R * dt
@@ -118,19 +122,27 @@ def _spaces(term: Process, dt: float, reading: Reading) -> Iterator[tuple[str, S
                 yield from _spaces(part, dt, reading)
     elif isinstance(term, GaussMarkov):
         space = term.discretize(dt)
-        if reading == "as printed":  # eq. 2 and 21: 1 - dt/Tc, with the noise of eq. 28
+        if reading != "corrected":  # eq. 2 and 21: 1 - dt/Tc, with the noise of eq. 28
             space = StateSpace(np.full((1, 1), 1 - dt / term.Tc), space.Q, space.c, space.R, space.P0)
         yield f"Gauss-Markov, {term.Tc:.4g} s", space
     elif isinstance(term, Autoregressive):
         if term.alpha:
             term.discretize(dt)  # raises if the process has another sampling interval
-            yield f"AR({len(term.alpha)})", lattice(term)
+            yield f"AR({len(term.alpha)})", _autoregressive(term)
         else:
             yield "", term.discretize(dt)
     elif isinstance(term, FiniteOrder):
         yield str(getattr(term, "name", type(term).__name__)).replace("_", " "), term.discretize(dt)
     else:
         raise TypeError(f"{term} has no states; a filter can represent only processes of finite order")
+
+
+def _autoregressive(process: Autoregressive) -> StateSpace:
+    """Return an autoregressive process; one with a pole at 1 as the sum of a stable one, and of order 1 as a random walk."""
+    steps = process.steps
+    if steps is None:
+        return lattice(process)
+    return summed(lattice(steps)) if steps.alpha else process.discretize(process.dt)
 
 
 def lattice(process: Autoregressive) -> StateSpace:

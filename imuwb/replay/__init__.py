@@ -3,8 +3,9 @@
 from imuwb.replay.clocks import Clocks, estimate_clocks
 from imuwb.replay.fixes.degraded import Degradation, degraded
 from imuwb.replay.fixes.refusals import Refusals, refusal_note, refusals
-from imuwb.replay.models import NAMES, TURN_ON, model_named
+from imuwb.replay.models import AR_ORDERS, NAMES, TURN_ON, kept, model_named
 from imuwb.replay.mounting import Mounting, estimate_mounting
+from imuwb.replay.noise.denoised_ar import of_static, with_autoregressive
 from imuwb.replay.noise.gnss_correlation import GnssCorrelation, estimate_gnss_correlation
 from imuwb.replay.noise.motion_noise import MotionNoise, estimate_motion_noise, in_motion, usual_in_motion
 from imuwb.replay.noise.scaled import scaled
@@ -37,6 +38,7 @@ from imuwb.replay.scoring.statistics import (
 from imuwb.replay.starts.start import Start, find_start, given_start
 
 __all__ = [
+    "AR_ORDERS",
     "ENOUGH",
     "HORIZONS",
     "NAMES",
@@ -81,8 +83,10 @@ __all__ = [
     "fixes_outside",
     "given_start",
     "in_motion",
+    "kept",
     "model_named",
     "motion_classes",
+    "of_static",
     "overlapping",
     "own_outages",
     "own_track",
@@ -104,6 +108,7 @@ __all__ = [
     "usual_in_motion",
     "verdict",
     "whole_run_scores",
+    "with_autoregressive",
     "with_unidentified",
     "without_overlap",
 ]  # fmt: skip

@@ -3,26 +3,24 @@
 ``none``     white noise only: 9 states
 ``15AV``     white noise, and a Gauss-Markov bias on every axis, from its bias instability
 ``18AV``     15AV, and a random walk on the accelerometers
-``18AVWD``   18AV, on samples after wavelet denoising
-``15AR``     white noise, and an autoregressive process of order 1 on every axis, by Burg's method from denoised static samples
+``18AVWD``   18AV, on samples after wavelet denoising with the levels of table 7 and thresholds without a scale, as for table 2
+``15AR``     white noise, and an autoregressive process of order 1 on every axis, of denoised static samples: the one that the error
+             model keeps, or else the one that follows from its processes (``imuwb.replay.noise.denoised_ar``)
 ``27AR``     white noise, and an autoregressive process of order 3 on every axis, by the same method
 ``full``     all processes of the error model, flicker noise as several Gauss-Markov states; and turn-on biases
 
 Where the error model has a turn-on bias (``Constant``), all filters but ``none`` have six more states for it.
 """
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from imuwb.arrays import Floats
-from imuwb.conditioning import denoise
 from imuwb.errors import UsageError
-from imuwb.identification.correlation.burg import burg
 from imuwb.log import AXES
 from imuwb.navigation.filter_model import FilterModel
 from imuwb.navigation.shaping import Reading
+from imuwb.replay.noise.denoised_ar import LEVELS, ORDERS, at_interval, expected, levels
 from imuwb.stochastic import (
     FLICKER_LEVEL,
     Autoregressive,
@@ -42,10 +40,8 @@ NAMES = ("none", "15AV", "18AV", "18AVWD", "15AR", "27AR", "full")
 PEAK, PEAK_AT = 0.6174, 1.892
 LONGEST, SHORTEST = 2000.0, 1.0  #: s, range of averaging times in which the flat part of an Allan curve is searched
 FLAT = 1.05  #: the flat part is below this multiple of the smallest Allan deviation
-STATIC = 1800.0  #: s of simulated static samples to which an AR process is fitted if there is no static log
+AR_ORDERS = {"15AR": 1, "27AR": 3}
 TURN_ON = (float(np.radians(0.2)), 0.1)  #: rad/s, m/s²: usual for MEMS that were calibrated once
-WAVELET, SEED = "db4", 0
-LEVELS = {"gyro_x": 7, "gyro_y": 7, "gyro_z": 7, "accel_x": 7, "accel_y": 6, "accel_z": 6}  #: Quinchia, table 7
 
 
 def model_named(
@@ -55,7 +51,6 @@ def model_named(
     reading: Reading = "corrected",
     interval: float,
     turn_on: tuple[float, float] | None = None,
-    static: Mapping[str, Floats] | None = None,
 ) -> FilterModel:
     """Return one of the filters.
 
@@ -66,7 +61,6 @@ def model_named(
         interval: s, sampling interval of the log.
         turn_on: sigmas of turn-on biases of gyros (rad/s) and accelerometers (m/s²), for an error model without them;
             None: ``TURN_ON`` for ``full``, none for the others.
-        static: axis -> static samples at that interval, to which AR processes are fitted; None: simulated from the error model.
 
     Raises:
         UsageError: no such name, or an axis that the error model lacks.
@@ -80,35 +74,35 @@ def model_named(
         raise UsageError(f"the error model {source.name!r} has no axis {', '.join(missing)}; add it")
     if turn_on is None and name == "full":
         turn_on = TURN_ON
-    axes = {axis: _axis(name, axis, source.axes[axis], reading, interval, static) for axis in AXES}
+    axes = {axis: _axis(name, axis, source.axes[axis], reading, interval) for axis in AXES}
     if name != "none":
         axes = {
             axis: _with_turn_on(axes[axis], source.axes[axis], None if turn_on is None else turn_on[axis[0] == "a"])
             for axis in AXES
         }
     error_model = ImuErrorModel(f"{source.name} as {name}", axes, source.provenance, source.doubts)
-    levels = tuple(LEVELS[axis] for axis in AXES) if name == "18AVWD" else base.wavelet_levels
-    return replace(base, name=name, error_model=error_model, reading=reading, wavelet_levels=levels)
+    if name == "18AVWD":
+        base = replace(base, wavelet_levels=levels(), wavelet_scale="none")
+    return replace(base, name=name, error_model=error_model, reading=reading)
 
 
-def _axis(
-    name: str, axis: str, model: AxisModel, reading: Reading, interval: float, static: Mapping[str, Floats] | None
-) -> AxisModel:
+def _axis(name: str, axis: str, model: AxisModel, reading: Reading, interval: float) -> AxisModel:
     """Return an axis's model with the processes of a filter, at all temperatures."""
     if name == "full":
         return model
-    points = tuple((t, _of(name, axis, s, reading, interval, static)) for t, s in model.thermal)
-    return model.with_processes(_of(name, axis, model.processes, reading, interval, static), points)
+    points = tuple((t, _of(name, axis, model, s, reading, interval)) for t, s in model.thermal)
+    return model.with_processes(_of(name, axis, model, model.processes, reading, interval), points)
 
 
-def _of(
-    name: str, axis: str, processes: Sum, reading: Reading, interval: float, static: Mapping[str, Floats] | None
-) -> Sum:
+def _of(name: str, axis: str, model: AxisModel, processes: Sum, reading: Reading, interval: float) -> Sum:
     white = tuple(term for term in processes.terms if isinstance(term, WhiteNoise))
     if name == "none":
         return Sum(white)
     if name.endswith("AR"):
-        return Sum((*white, _autoregressive(1 if name == "15AR" else 3, axis, processes, interval, static)))
+        order = AR_ORDERS[name]
+        return Sum(
+            (*white, kept(model, order, interval) or expected(processes, LEVELS[axis], interval)[ORDERS.index(order)])
+        )
     walk: tuple[Process, ...] = ()
     if name.startswith("18") and axis.startswith("accel"):
         walk = tuple(term for term in processes.terms if isinstance(term, RandomWalk))
@@ -118,7 +112,7 @@ def _of(
 def gauss_markov(processes: Sum, reading: Reading) -> tuple[GaussMarkov, ...]:
     """Return the Gauss-Markov processes that represent bias instability: the model's own, or one made from its flicker noise.
 
-    "as printed" (eq. 29, table 5): sigma is the flat Allan deviation 0.664 B, and Tc is the averaging time in the middle of the
+    As printed (eq. 29, table 5): sigma is the flat Allan deviation 0.664 B, and Tc is the averaging time in the middle of the
     flat part. "corrected": the largest Allan deviation of the process has this value and this averaging time.
     """
     own = tuple(term for term in processes.terms if isinstance(term, GaussMarkov))
@@ -126,7 +120,7 @@ def gauss_markov(processes: Sum, reading: Reading) -> tuple[GaussMarkov, ...]:
     if own or not flicker:
         return own
     level, middle = FLICKER_LEVEL * flicker[0].B, flat_middle(processes)
-    if reading == "as printed":
+    if reading != "corrected":
         return (GaussMarkov(level, middle),)
     return (GaussMarkov(level / PEAK, middle / PEAK_AT),)
 
@@ -140,20 +134,10 @@ def flat_middle(processes: Sum) -> float:
     return float(np.sqrt(flat[0] * flat[-1]))
 
 
-def _autoregressive(
-    order: int, axis: str, processes: Sum, interval: float, static: Mapping[str, Floats] | None
-) -> Autoregressive:
-    for term in processes.terms:
-        if isinstance(term, Autoregressive) and len(term.alpha) == order:
-            return term
-    if static is not None and axis in static:
-        samples = static[axis]
-    else:
-        drawn = Sum(tuple(term for term in processes.terms if not isinstance(term, Constant)))
-        rng = np.random.default_rng([SEED, AXES.index(axis)])
-        samples = drawn.sample(round(STATIC / interval), interval, rng)
-    fit = burg(denoise(samples, LEVELS[axis], WAVELET).values, order)
-    return Autoregressive(tuple(fit.alpha[order]), float(np.sqrt(fit.variance[order])), interval)
+def kept(model: AxisModel, order: int, interval: float) -> Autoregressive | None:
+    """Return the AR process of an order that an error model keeps for the filters, or has in its sum; None: it has none."""
+    own = (*model.autoregressive, *(term for term in model.processes.terms if isinstance(term, Autoregressive)))
+    return next((at_interval(process, interval) for process in own if len(process.alpha) == order), None)
 
 
 def _with_turn_on(model: AxisModel, source: AxisModel, sigma: float | None) -> AxisModel:

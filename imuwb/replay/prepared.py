@@ -123,7 +123,7 @@ def run(model: FilterModel, prepared: Prepared, *, smooth: bool = False) -> Solu
     """Return a filter's run over a whole log; with ``smooth``, it has what a smoother needs."""
     measurement, corrections, alignment = prepared.measurement, prepared.corrections, prepared.alignment
     if any(model.wavelet_levels):
-        measurement = denoised(measurement, model.wavelet_levels)
+        measurement = denoised(measurement, model.wavelet_levels, model.wavelet_scale)
     if any(model.vibration.white):
         measurement = with_classes(measurement, model.vibration)
     if correlated := model.settings.gnss_correlation[0]:

@@ -10,6 +10,7 @@ from typing import Any, TypeAlias, cast
 
 import numpy as np
 
+from imuwb.stochastic.autoregressive import Autoregressive
 from imuwb.stochastic.elementary import LARGEST
 from imuwb.stochastic.sums import Sum, short_text
 
@@ -45,6 +46,8 @@ class AxisModel:
     group_delay: float | None = None  #: s
     lsb: float | None = None  #: smallest step of the output
     range: float | None = None  #: largest output
+    #: of denoised samples, one of each order: the biases of the filters 15AR and 27AR, and no part of the sum
+    autoregressive: tuple[Autoregressive, ...] = ()
 
     def __post_init__(self) -> None:
         """Check the ranges, the intervals and the set-points."""
@@ -54,6 +57,11 @@ class AxisModel:
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and value > 0):
                 raise ValueError(f"{name} is {value}; it must be positive")
+        orders = [len(process.alpha) for process in self.autoregressive]
+        if len(set(orders)) < len(orders):
+            raise ValueError(
+                f"the autoregressive processes of denoised samples have the orders {orders}; keep one of each"
+            )
         shapes = {tuple((type(t), len(getattr(t, "alpha", ()))) for t in s.terms) for _, s in self.thermal}
         for points in (self.thermal, self.thermal_bias, self.thermal_scale_factor):
             celsius = [t for t, _ in points]
@@ -123,7 +131,8 @@ class AxisModel:
 
     def __str__(self) -> str:
         """Return the processes, and the other terms that are stated, in SI."""
-        other = [f.name for f in fields(self) if f.name not in ("processes", "intervals", "limits", "thermal")]
+        apart = ("processes", "intervals", "limits", "thermal", "autoregressive")
+        other = [f.name for f in fields(self) if f.name not in apart]
         stated = [f"{name}={short_text(value)}" for name in other if np.any(value := getattr(self, name) or 0.0)]
         return "; ".join([str(self.processes), *stated])
 

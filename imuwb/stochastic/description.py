@@ -15,7 +15,15 @@ LETTERS = ("Q", "N", "B", "K", "R")
 def axis_text(axis: str, model: AxisModel) -> str:
     """Return all terms of an axis such as ``gyro_x`` in one line."""
     terms = [process_text(axis, term) for term in model.processes.terms]
-    return "; ".join([*terms, *deterministic_texts(axis, model)]) or "no term"
+    return "; ".join([*terms, *deterministic_texts(axis, model), *_apart(model)]) or "no term"
+
+
+def _apart(model: AxisModel) -> tuple[str, ...]:
+    if not model.autoregressive:
+        return ()
+    return (
+        f"{' and '.join(f'AR({len(p.alpha)})' for p in model.autoregressive)} of denoised samples, for 15AR and 27AR",
+    )
 
 
 def process_text(axis: str, process: Process) -> str:

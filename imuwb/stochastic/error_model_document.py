@@ -3,7 +3,7 @@
 A parameter is a number in SI, a text with its unit (``"2.42 deg/√h"``), or a table with its interval.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import fields
 from typing import Any, cast
 
@@ -79,6 +79,8 @@ def _axis_table(axis: str, model: AxisModel) -> dict[str, object]:
         stated["not_identified"] = {
             name: {"upper": limit, "unit": _unit_of(axis, name).name} for name, limit in model.limits.items()
         }
+    if model.autoregressive:
+        stated["autoregressive"] = _process_rows(axis, Sum(model.autoregressive), {})
     if model.thermal:
         stated["thermal"] = [{"celsius": t, "processes": _process_rows(axis, s, {})} for t, s in model.thermal]
     return stated
@@ -153,11 +155,10 @@ def _axis(axis: str, stated: dict[str, object], where: str) -> AxisModel:
             processes = _sum(axis, content, place, intervals)
         elif key == "not_identified":
             limits = _limits(axis, content, place)
+        elif key == "autoregressive":
+            terms[key] = _sum(axis, content, place, {}, (Autoregressive.name,)).terms
         elif key == "thermal":
-            for row in rows(content, place):
-                point = table(row, place)
-                celsius = _number(point.get("celsius"), f"{place}.celsius")
-                thermal.append((celsius, _sum(axis, point.get("processes", []), f"{place} at {celsius} °C", {})))
+            thermal = [_set_point(axis, row, place) for row in rows(content, place)]
         elif key in _CURVES:
             terms[key] = tuple(_point(axis, _CURVES[key], row, place) for row in rows(content, place))
         elif key in _TERMS:
@@ -168,11 +169,19 @@ def _axis(axis: str, stated: dict[str, object], where: str) -> AxisModel:
                 refuse(place, content, f"{_VECTORS[key]} numbers")
             terms[key] = numbers
         else:
-            known = ", ".join((*_TERMS, *_VECTORS, *_CURVES, "processes", "not_identified", "thermal"))
+            known = ", ".join(
+                (*_TERMS, *_VECTORS, *_CURVES, "processes", "not_identified", "autoregressive", "thermal")
+            )
             refuse(where, key, f"one of {known}")
     return _made(
         AxisModel, where, processes=processes, intervals=intervals, limits=limits, thermal=tuple(thermal), **terms
     )
+
+
+def _set_point(axis: str, row: object, where: str) -> tuple[float, Sum]:
+    point = table(row, where)
+    celsius = _number(point.get("celsius"), f"{where}.celsius")
+    return celsius, _sum(axis, point.get("processes", []), f"{where} at {celsius} °C", {})
 
 
 def _point(axis: str, term: str, row: object, where: str) -> tuple[float, float]:
@@ -193,13 +202,19 @@ def _limits(axis: str, content: object, where: str) -> dict[str, float]:
     return limits
 
 
-def _sum(axis: str, content: object, where: str, intervals: dict[str, tuple[float, float]]) -> Sum:
+def _sum(
+    axis: str,
+    content: object,
+    where: str,
+    intervals: dict[str, tuple[float, float]],
+    allowed: Collection[str] = PROCESSES,
+) -> Sum:
     terms: list[Any] = []
     for i, entry in enumerate(rows(content, where)):
         row = table(entry, f"{where}[{i}]")
         name = row.pop("process", None)
-        if not isinstance(name, str) or name not in PROCESSES:
-            refuse(f"{where}[{i}].process", name, f"one of {', '.join(PROCESSES)}")
+        if not isinstance(name, str) or name not in allowed:
+            refuse(f"{where}[{i}].process", name, f"one of {', '.join(allowed)}")
         kind = PROCESSES[name]
         wanted = [f.name for f in fields(kind)]
         if set(row) != set(wanted):

@@ -29,11 +29,15 @@ CALIBRATION = (
     "thermal_scale_factor",
 )
 SENSOR = ("bandwidth", "group_delay", "lsb", "range")
+AR = "AR"
 PARTS = (*KINDS, "calibration", "sensor")
 
 
 def merge(models: Sequence[ImuErrorModel], taken: Mapping[str, int]) -> ImuErrorModel:
     """Return a model with each kind of term from the model that is named for it; other kinds are those of the first.
+
+    AR processes that are taken from another model become those of the filters 15AR and 27AR: the sum of the first describes the
+    noise already, and a second description in the sum would count it twice.
 
     Args:
         models: two or more.
@@ -45,7 +49,7 @@ def merge(models: Sequence[ImuErrorModel], taken: Mapping[str, int]) -> ImuError
     for part, place in taken.items():
         if part not in PARTS:
             raise UsageError(f"--take {part}: it must be one of {', '.join(PARTS)}")
-        if part in KINDS and not any(_own(models[place], axis, part) for axis in AXES):
+        if part in KINDS and not any(_has(models[place], axis, part) for axis in AXES):
             raise UsageError(f"--take {part}: model {models[place].name} has none")
     axes: dict[str, AxisModel] = {}
     for axis in AXES:
@@ -63,7 +67,7 @@ def _axis(models: Sequence[AxisModel], taken: Mapping[str, int]) -> AxisModel:
     intervals: dict[str, tuple[float, float]] = {}
     limits: dict[str, float] = {}
     for part, kind in KINDS.items():
-        source = models[taken.get(part, 0)]
+        source = models[0 if part == AR else taken.get(part, 0)]
         for i, term in enumerate(source.processes.terms):
             if isinstance(term, kind):
                 kept = {
@@ -77,8 +81,22 @@ def _axis(models: Sequence[AxisModel], taken: Mapping[str, int]) -> AxisModel:
             limits[part] = source.limits[part]
     calibration, sensor = models[taken.get("calibration", 0)], models[taken.get("sensor", 0)]
     rest = {name: getattr(calibration, name) for name in CALIBRATION} | {name: getattr(sensor, name) for name in SENSOR}
-    return replace(AxisModel(), processes=Sum(tuple(terms)), intervals=intervals, limits=limits, **rest)
+    apart = _autoregressive(models, taken.get(AR, 0))
+    sums = Sum(tuple(terms))
+    return replace(AxisModel(), processes=sums, intervals=intervals, limits=limits, autoregressive=apart, **rest)
 
 
-def _own(model: ImuErrorModel, axis: str, part: str) -> bool:
+def _autoregressive(models: Sequence[AxisModel], place: int) -> tuple[Autoregressive, ...]:
+    """Return the processes of 15AR and 27AR: those of the first model, replaced by those of the model that gives them."""
+    found = {len(process.alpha): process for process in models[0].autoregressive}
+    given = models[place]
+    if place:
+        found |= {len(term.alpha): term for term in given.processes.terms if isinstance(term, Autoregressive)}
+    found |= {len(process.alpha): process for process in given.autoregressive}
+    return tuple(found[order] for order in sorted(found))
+
+
+def _has(model: ImuErrorModel, axis: str, part: str) -> bool:
+    if part == AR and axis in model.axes and model.axes[axis].autoregressive:
+        return True
     return axis in model.axes and any(isinstance(term, KINDS[part]) for term in model.axes[axis].processes.terms)

@@ -38,6 +38,24 @@ def single(a: float, q: float, p0: float) -> StateSpace:
     return StateSpace(a * one, q * one, np.ones(1), 0.0, p0 * one)
 
 
+def summed(space: StateSpace) -> StateSpace:
+    """Return a process with one more state, which is its output: the sum of the outputs so far, S(k) = S(k-1) + c x(k), from 0 on."""
+    a, q = with_sum(space.A, space.Q, space.c)
+    p = np.zeros_like(q)
+    p[:-1, :-1] = space.P0
+    return StateSpace(a, q, np.eye(space.order + 1)[-1], 0.0, p)
+
+
+def with_sum(a: Floats, q: Floats, c: Floats) -> tuple[Floats, Floats]:
+    """Return A and Q, (p + 1, p + 1), with one more state: the sum of the outputs so far, S(k) = S(k-1) + c x(k)."""
+    p = a.shape[0]
+    more, noise = np.zeros((2, p + 1, p + 1))
+    more[:p, :p], more[p, :p], more[p, p] = a, c @ a, 1.0
+    noise[:p, :p], noise[p, :p], noise[:p, p] = q, c @ q, q @ c
+    noise[p, p] = c @ q @ c
+    return more, noise
+
+
 def joined(parts: tuple[StateSpace, ...]) -> StateSpace:
     """Return the sum of independent processes: block-diagonal A, Q and P0, the parts of c one after another."""
     order = sum(part.order for part in parts)

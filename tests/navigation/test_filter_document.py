@@ -14,7 +14,7 @@ BASE = FilterModel("base", preset("3dm-gx3-25-gm"))
 
 def test_a_filter_is_read_as_it_is_written(tmp_path):
     model = replace(
-        model_named("18AVWD", BASE, interval=0.01, turn_on=(1e-3, 0.05)), reading="as printed", scale_factor=(0.01, 0.02),
+        model_named("18AVWD", BASE, interval=0.01, turn_on=(1e-3, 0.05)), reading="printed variances", scale_factor=(0.01, 0.02),
         installation=Installation((180.0, -6.79, 185.35), (0.0, -0.05, 0.0), -0.12, 0.13, 1.000275, 0.001),
         settings=Settings(every=5, gate=30.0, settling=20.0, gnss_correlation=(1.5, 60.0)), aids=Aids(0.2, 0.05, 0.1),
     )  # fmt: skip
@@ -39,7 +39,7 @@ def test_a_filter_is_read_as_it_is_written(tmp_path):
         (lambda t: t.replace("gate = 40.0", "gates = 40.0"), "settings: unknown gates; .* every, gate"),
         (
             lambda t: t.replace('reading = "corrected"', 'reading = "roughly"'),
-            "reading is 'roughly'.* corrected, as printed",
+            "reading is 'roughly'.* corrected, printed variances, printed densities",
         ),
         (lambda t: t.replace("wavelet_levels = []", "wavelet_levels = [3]"), "six whole numbers"),
         (lambda t: t.replace("wavelet_levels = []", "wavelet_levels = 5"), "wavelet_levels is 5; it must be a list"),

@@ -140,7 +140,7 @@ def test_a_lattice_is_the_autoregressive_process(poles):
 
 
 @pytest.mark.parametrize(
-    ("alpha", "pole"), [((-1.044,), "1.044"), ((-1.0,), "1 "), ((-2.0, 0.99), r"1\.1"), ((0.0, 1.21), r"1\.1")]
+    ("alpha", "pole"), [((-1.044,), "1.044"), ((1.0,), "1 "), ((-2.0, 0.99), r"1\.1"), ((0.0, 1.21), r"1\.1")]
 )
 def test_an_unstable_set_is_refused_by_its_pole(alpha, pole):
     with pytest.raises(ValueError, match=rf"pole of magnitude {pole.strip()}(?![\d.])"):
@@ -156,14 +156,37 @@ def test_a_set_of_another_step_is_refused():
 # Readings
 
 
-def test_as_printed_differs_as_the_papers_do():
+def test_printed_differs_as_the_papers_do():
     processes = Sum((WhiteNoise(2e-4), GaussMarkov(0.01, 4.56)))
-    right, printed = shaping(processes, DT), shaping(processes, DT, "as printed")
-    assert printed.white == pytest.approx(right.white / DT)
+    right, *printed = (shaping(processes, DT, r) for r in ("corrected", "printed variances", "printed densities"))
     assert right.A[0, 0] == pytest.approx(np.exp(-DT / 4.56), rel=1e-15)
-    assert printed.A[0, 0] == pytest.approx(1 - DT / 4.56, rel=1e-15)
-    assert np.array_equal(printed.Q, right.Q)
-    assert np.array_equal(printed.P0, right.P0)
+    for own, factor in zip(printed, (1.0, DT), strict=True):
+        assert own.white == pytest.approx(right.white / factor)
+        assert own.A[0, 0] == pytest.approx(1 - DT / 4.56, rel=1e-15)
+        np.testing.assert_allclose(own.Q, right.Q * factor)
+        assert np.array_equal(own.P0, right.P0)
+
+
+@pytest.mark.parametrize("alpha", [(-1.0,), (-2.564, 2.131, -0.567)])
+def test_a_pole_at_1_is_the_sum_of_a_stable_process(alpha):
+    """The variance after k steps is that of the sum, from the impulse response; of order 1 it is a random walk."""
+    own = of(Autoregressive(alpha, 0.3, DT))
+    if alpha == (-1.0,):
+        walk = of(RandomWalk(0.3 / DT**0.5))
+        for part in ("A", "Q", "c", "P0"):
+            np.testing.assert_allclose(getattr(own, part), getattr(walk, part))
+        return
+    x, q = np.zeros((own.order, own.order)), np.zeros(6)
+    for k in range(6):
+        x = own.A @ x @ own.A.T + own.Q
+        q[k] = own.c @ x @ own.c
+    response = np.zeros(6)
+    for k in range(6):
+        response[k] = (k == 0) * 0.3 - sum(a * response[k - j] for j, a in enumerate(alpha, 1) if j <= k)
+    start = own.c @ own.A @ own.P0 @ own.A.T @ own.c  # of the stable part: its steps begin stationary
+    assert start > 0
+    noise = np.cumsum(response**2)
+    np.testing.assert_allclose(q, noise, rtol=1e-6)
 
 
 # Tables

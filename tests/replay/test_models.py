@@ -4,6 +4,7 @@ import math
 import tomllib
 from dataclasses import fields, replace
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -12,9 +13,10 @@ from imuwb.conditioning import denoise
 from imuwb.errors import UsageError
 from imuwb.log import AXES
 from imuwb.navigation import FilterModel
-from imuwb.navigation.shaping import shaping
+from imuwb.navigation.shaping import Reading, shaping
 from imuwb.replay import NAMES, model_named, scaled
-from imuwb.replay.models import STATIC, TURN_ON, flat_middle
+from imuwb.replay.models import TURN_ON, flat_middle
+from imuwb.replay.noise.denoised_ar import LEVELS, ORDERS, expected, fitted
 from imuwb.simulation import preset
 from imuwb.stochastic import (
     Autoregressive,
@@ -32,6 +34,7 @@ from imuwb.stochastic import (
 )
 
 TABLES = Path(__file__).resolve().parents[3] / "shared" / "papers" / "tables.toml"
+READINGS = get_args(Reading)
 STATES = {"none": 9, "15AV": 15, "18AV": 18, "18AVWD": 18, "15AR": 15, "27AR": 27}
 N, B, K, DT = (3e-4, 2e-3), (1e-4, 1e-3), (1e-6, 3e-5), 0.01
 FLAT = math.sqrt(2 * math.log(2) / math.pi)  # 0.664
@@ -42,15 +45,12 @@ def terms(axis, *more):
     return Sum((WhiteNoise(N[k]), FlickerNoise(B[k]), RandomWalk(K[k]), *more))
 
 
-@pytest.fixture(scope="module")
-def short():
-    """Return static samples of all axes: what an AR process is fitted to need not be half an hour."""
-    rng = np.random.default_rng(4)
-    return {axis: terms(axis).sample(20_000, DT, rng) for axis in AXES}
+AR = tuple(Autoregressive(alpha, 3e-6, DT) for alpha in ((-0.99,), (-2.5, 2.1, -0.59)))
 
 
-def base(*more):
-    return FilterModel("b", ImuErrorModel("sensor", {a: AxisModel(terms(a, *more)) for a in AXES}))
+def base(*more, apart=AR):
+    axes = {a: AxisModel(terms(a, *more), autoregressive=apart) for a in AXES}
+    return FilterModel("b", ImuErrorModel("sensor", axes))
 
 
 def only(model, kind, axis="accel_x"):
@@ -63,10 +63,10 @@ def kinds(model, axis):
     return [type(t) for t in model.error_model.axes[axis].processes.terms]
 
 
-@pytest.mark.parametrize("reading", ["corrected", "as printed"])
+@pytest.mark.parametrize("reading", READINGS)
 @pytest.mark.parametrize("name", list(STATES))
-def test_states_are_as_many_as_the_name_says(name, reading, short):
-    model = model_named(name, base(), reading=reading, interval=DT, static=short)
+def test_states_are_as_many_as_the_name_says(name, reading):
+    model = model_named(name, base(), reading=reading, interval=DT)
     states = model.states(DT)
     assert len(states) == STATES[name]
     assert len(set(states)) == len(states)
@@ -90,8 +90,8 @@ def test_full_on_the_published_sensor_has_a_gauss_markov_state_an_axis():
     assert len(model_named("full", of, interval=DT).states(DT)) == 9 + 6 + 3 + 6
 
 
-def test_terms_of_each_filter(short):
-    of = {n: model_named(n, base(), interval=DT, static=short) for n in NAMES}
+def test_terms_of_each_filter():
+    of = {n: model_named(n, base(), interval=DT) for n in NAMES}
     for axis in AXES:
         walk = [RandomWalk] if axis[0] == "a" else []
         assert kinds(of["none"], axis) == [WhiteNoise]
@@ -104,13 +104,15 @@ def test_terms_of_each_filter(short):
             len(only(of["27AR"], Autoregressive, axis).alpha),
         ) == (1, 3)
     assert [n for n in NAMES if not of[n].causal] == ["18AVWD"]
+    assert of["18AVWD"].wavelet_scale == "none"
     assert of["18AVWD"].wavelet_levels == (7, 7, 7, 7, 6, 6)  # gyros first; table 7 has accelerometers first: 7, 6, 6
 
 
+@pytest.mark.parametrize("reading", READINGS[1:])
 @pytest.mark.parametrize("axis", ["gyro_y", "accel_z"])
-def test_a_gauss_markov_process_as_printed_is_the_flat_level(axis):
+def test_a_gauss_markov_process_as_printed_is_the_flat_level(axis, reading):
     """Eq. 29 and table 5."""
-    found = only(model_named("18AV", base(), reading="as printed", interval=DT), GaussMarkov, axis)
+    found = only(model_named("18AV", base(), reading=reading, interval=DT), GaussMarkov, axis)
     k = int(axis[0] == "a")
     assert found.sigma == pytest.approx(FLAT * B[k])
     assert found.Tc == pytest.approx(flat_middle(terms(axis)))
@@ -136,28 +138,36 @@ def test_the_flat_part_is_where_the_curve_is_low():
 
 
 def test_white_noise_of_eq_27():
-    """Corrected, N² is the density; as printed it is N²/dt, a sample's variance."""
-    of = terms("gyro_x")
-    assert shaping(Sum(of.terms[:1]), DT).white == pytest.approx(N[0] ** 2)
-    assert shaping(Sum(of.terms[:1]), DT, "as printed").white == pytest.approx(N[0] ** 2 / DT)
+    """A sample's variance N²/dt enters times dt², so N² is the density; read as a density, it enters times dt."""
+    of = Sum(terms("gyro_x").terms[:1])
+    density = {reading: shaping(of, DT, reading).white for reading in READINGS}
+    assert density["corrected"] == density["printed variances"] == pytest.approx(N[0] ** 2)
+    assert density["printed densities"] == pytest.approx(N[0] ** 2 / DT)
 
 
 def test_gauss_markov_and_walk_of_eq_28_to_30():
     process = GaussMarkov(0.01, 20.0)
-    for reading, decay in (("corrected", math.exp(-DT / 20)), ("as printed", 1 - DT / 20)):
+    readings = (
+        ("corrected", math.exp(-DT / 20), 1.0),
+        ("printed variances", 1 - DT / 20, 1.0),
+        ("printed densities", 1 - DT / 20, DT),
+    )
+    for reading, decay, factor in readings:
         one = shaping(Sum((process,)), DT, reading)
         assert one.A[0, 0] == pytest.approx(decay, rel=1e-12)
-        assert one.Q[0, 0] == pytest.approx(0.01**2 * (1 - math.exp(-2 * DT / 20)), rel=1e-9)  # eq. 28
+        assert one.Q[0, 0] == pytest.approx(factor * 0.01**2 * (1 - math.exp(-2 * DT / 20)), rel=1e-9)  # eq. 28
         assert one.c[0] ** 2 * one.P0[0, 0] == pytest.approx(0.01**2)
-    walk = shaping(Sum((RandomWalk(3e-5),)), DT)
-    assert walk.A[0, 0] == 1
-    assert walk.Q[0, 0] == pytest.approx(3e-5**2 * DT)  # eq. 30
+        walk = shaping(Sum((RandomWalk(3e-5),)), DT, reading)
+        assert walk.A[0, 0] == 1
+        assert walk.Q[0, 0] == pytest.approx(factor * 3e-5**2 * DT)  # eq. 30
+        ar = shaping(Sum((Autoregressive((-0.9,), 2e-4, DT),)), DT, reading)
+        assert ar.c[0] ** 2 * ar.Q[0, 0] == pytest.approx(factor * 2e-4**2)  # eq. 36
 
 
 def test_a_models_own_gauss_markov_process_is_taken():
     own = GaussMarkov(7e-4, 77.0)
     model = replace(base(), error_model=ImuErrorModel("s", {a: AxisModel(terms(a, own)) for a in AXES}))
-    for reading in ("corrected", "as printed"):
+    for reading in READINGS:
         assert only(model_named("15AV", model, reading=reading, interval=DT), GaussMarkov) == own
 
 
@@ -189,47 +199,64 @@ def test_stated_turn_on_biases_are_carried_by_all_but_none():
     assert kinds(model_named("full", stated, interval=DT), "gyro_x").count(Constant) == 1
 
 
-def test_an_ar_process_of_the_model_is_taken(short):
+def test_an_ar_process_of_the_model_is_taken():
     own = Autoregressive((-1.5, 0.51, 0.05), 3e-6, DT)
-    model = base(own)
-    assert only(model_named("27AR", model, interval=DT, static=short), Autoregressive) == own
-    assert only(model_named("15AR", model, interval=DT, static=short), Autoregressive) != own  # of another order
+    model = base(own, apart=())
+    assert only(model_named("27AR", model, interval=DT), Autoregressive) == own
+    assert only(model_named("15AR", model, interval=DT), Autoregressive) != own  # of another order
+    assert (
+        only(model_named("27AR", base(own), interval=DT), Autoregressive) == AR[1]
+    )  # what is kept for the filters comes first
+    assert kinds(model_named("full", base(), interval=DT), "gyro_x") == [WhiteNoise, FlickerNoise, RandomWalk, Constant]
 
 
-def test_an_ar_process_of_static_samples_is_burgs(short):
-    """Of order one Burg's coefficient has a closed form: sums of products of neighbours."""
-    clean = denoise(short["gyro_z"], 7, "db4").values
-    found = only(model_named("15AR", base(), interval=DT, static=short), Autoregressive, "gyro_z")
-    for series in (clean - clean.mean(), clean):
-        k = -2 * (series[1:] @ series[:-1]) / (series[1:] @ series[1:] + series[:-1] @ series[:-1])
-        if found.alpha[0] == pytest.approx(k, abs=1e-9):
-            return
-    pytest.fail(f"{found.alpha} is not {k}")
+def test_a_clock_that_is_slightly_off_keeps_the_process():
+    found = only(model_named("27AR", base(), interval=DT * 1.003), Autoregressive)
+    assert found == replace(AR[1], dt=DT * 1.003)
+    with pytest.raises(UsageError, match=r"27AR, gyro_x: .* 0\.01 s.* 0\.02 s"):
+        model_named("27AR", base(), interval=0.02).states(0.02)
 
 
-def test_without_static_samples_the_model_is_simulated_the_same_each_time():
-    assert STATIC == 1800
-    one, other = (model_named("15AR", base(), interval=0.1) for _ in range(2))
-    assert one.error_model.axes == other.error_model.axes
+@pytest.mark.parametrize("axis", ["gyro_z", "accel_y"])
+def test_an_ar_process_of_static_samples_is_burgs_of_a_low_pass(axis):
+    """No detail is kept. Of order one Burg's coefficient has a closed form: sums of products of neighbours."""
+    samples = terms(axis).sample(20_000, DT, np.random.default_rng(4))
+    clean = denoise(samples, LEVELS[axis], "db4", "all").values
+    clean = clean - clean.mean()
+    k = -2 * (clean[1:] @ clean[:-1]) / (clean[1:] @ clean[1:] + clean[:-1] @ clean[:-1])
+    found = fitted(samples, axis, DT)
+    assert tuple(len(process.alpha) for process in found) == ORDERS
+    assert found[0].alpha[0] == pytest.approx(k, abs=1e-9)
+    assert found[0].beta0 ** 2 == pytest.approx(clean.var() * (1 - k * k), rel=1e-6)
+
+
+def test_the_expected_processes_are_those_of_drawn_records():
+    """Four records of 1.5 h scatter by 2 % each."""
+    drawn = [fitted(terms("accel_y").sample(1 << 19, DT, np.random.default_rng(k)), "accel_y", DT) for k in range(4)]
+    for place, mean in enumerate(expected(terms("accel_y"), 6, DT)):
+        powers = [own[place].beta0 ** 2 for own in drawn]
+        assert mean.beta0**2 == pytest.approx(np.mean(powers), rel=0.03)
+        alphas = np.mean([own[place].alpha for own in drawn], axis=0)
+        assert mean.alpha == pytest.approx(alphas, rel=0.005)
+
+
+def test_without_kept_processes_they_follow_from_the_model():
+    found = only(model_named("15AR", base(apart=()), interval=DT), Autoregressive, "gyro_x")
+    assert found == expected(terms("gyro_x"), 7, DT)[0]
 
 
 @pytest.mark.parametrize("column", range(6))
-def test_table_2_as_printed_is_refused_by_its_pole(column):
+def test_table_2_as_printed_has_a_pole_at_1_or_is_refused(column):
     if not TABLES.is_file():
         pytest.skip(f"{TABLES} is not there: the papers' figures are not part of the repository")
     with TABLES.open("rb") as file:
         printed = tomllib.load(file)["quinchia2013"]["table2_ar_after_wavelet_lod6"]
     alpha, driving = printed["ar3_alpha"][column], math.sqrt(printed["ar3_beta0_sq"][column])
-    if column:  # 1 is a root: the sum of the polynomial's coefficients is 0
-        assert 1 + sum(alpha) == pytest.approx(0, abs=1e-12)
-    with pytest.raises(ValueError, match="not stable: it has a pole of magnitude 1.04" if column == 0 else "a pole of"):
-        Autoregressive(tuple(alpha), driving, DT)
-
-
-def test_an_ar_model_of_another_rate_is_refused(short):
-    model = model_named("15AR", base(Autoregressive((-0.9,), 1e-4, DT)), interval=0.02, static=short)
-    with pytest.raises(UsageError, match=r"15AR, gyro_x: .* 0\.01 s.* 0\.02 s"):
-        model.states(0.02)
+    if column == 0:
+        with pytest.raises(ValueError, match="not stable: it has a pole of magnitude 1.04"):
+            Autoregressive(tuple(alpha), driving, DT)
+        return
+    assert Autoregressive(tuple(alpha), driving, DT).steps is not None  # 1 is a root: the coefficients add up to 0
 
 
 def test_thermal_points_become_the_filters_own():

@@ -30,13 +30,24 @@ def test_each_term_comes_from_the_model_that_is_named_and_others_from_the_first(
         WhiteNoise(3e-3),
         RandomWalk(2e-6),
         FlickerNoise(1e-5),
-        C.axes["gyro_x"].processes.terms[0],
     }
+    assert axis.autoregressive == C.axes["gyro_x"].processes.terms  # for 15AR and 27AR, and not twice in the sum
     place = axis.processes.terms.index(WhiteNoise(3e-3))
     assert axis.intervals == {f"{place}.N": (2e-3, 4e-3)}
     assert (axis.bias, axis.scale_factor, axis.limits) == (0.2, 0.01, {"Q": 1e-9})
     assert merged.doubts == ("a is in doubt", "b is in doubt", "c is in doubt")
     assert "N from b" in merged.provenance["merged"]
+    assert ImuErrorModel.from_toml(merged.to_toml()).axes == merged.axes
+
+
+def test_processes_of_the_ar_filters_are_replaced_order_by_order():
+    one, other, three = (Autoregressive(a, 1e-4, 0.01) for a in ((-0.5,), (-0.6,), (-0.5, 0.1, 0.1)))
+    kept = model("kept", WhiteNoise(1e-3), autoregressive=(one, three))
+    axis = merge((kept, model("ar", other)), {"AR": 1}).axes["gyro_x"]
+    assert axis.autoregressive == (other, three)
+    assert merge((kept, A), {"K": 1}).axes["gyro_x"].autoregressive == (one, three)
+    merged = merge((A, kept), {"AR": 1})
+    assert merged.axes["gyro_x"].autoregressive == (one, three)
     assert ImuErrorModel.from_toml(merged.to_toml()).axes == merged.axes
 
 

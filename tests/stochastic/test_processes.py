@@ -177,8 +177,28 @@ def test_unstable_ar_sets_are_refused_with_their_pole():
     # Quinchia, table 2, accelerometer x as printed.
     with pytest.raises(ValueError, match=r"pole of magnitude 1\.04"):
         Autoregressive((-2.582, 2.166, -0.585), 1.0, DT)
-    with pytest.raises(ValueError, match="pole of magnitude 1"):
-        Autoregressive((-1.0,), 1.0, DT)
+    for two in ((-2.0, 1.0), (0.0, -1.0, 0.0, 0.0)):  # 1 twice; 1 and -1
+        with pytest.raises(ValueError, match="pole of magnitude 1"):
+            Autoregressive(two, 1.0, DT)
+
+
+def test_a_pole_at_1_sums_a_stable_process():
+    rng = np.random.default_rng(0)
+    walk, tau = Autoregressive((-1.0,), 0.2, DT), np.array([1.0, 7.0, 40.0]) * DT
+    same = walk.beta0**2 * (2 * tau / DT + DT / tau) / 6  # of a walk's samples at instants: K² tau/3 for long averages
+    np.testing.assert_allclose(walk.allan_variance(tau, DT), same)
+    np.testing.assert_allclose(
+        walk.sample(100, DT, np.random.default_rng(3)), 0.2 * np.cumsum(np.random.default_rng(3).standard_normal(100))
+    )
+    assert walk.resampled(4) == Autoregressive((-1.0,), 0.4, 4 * DT)
+    slow = Autoregressive((-2.564, 2.131, -0.567), 1.0, DT)
+    x = slow.sample(200_000, DT, rng)
+    for m in (1, 5, 50):
+        means = x[: x.size // m * m].reshape(-1, m).mean(axis=1)
+        found = 0.5 * np.mean(np.diff(means) ** 2)
+        assert slow.allan_variance(np.array([m * DT]), DT)[0] == pytest.approx(found, rel=0.15)
+    with pytest.raises(ValueError, match="not stationary"):
+        slow.autocovariance(np.zeros(1))
 
 
 def test_an_ar_model_is_valid_at_its_own_step_only():

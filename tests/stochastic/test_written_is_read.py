@@ -66,6 +66,7 @@ def axis_models(draw):
         tuple((t, Sum(tuple(terms))) for t in celsius) if draw(st.booleans()) else (),
         draw(signed), draw(signed), curve(), curve(), draw(signed), (draw(signed), draw(signed)),
         (draw(signed), draw(signed), draw(signed)), *(draw(st.none() | positive) for _ in range(4)),
+        draw(st.lists(st.builds(Autoregressive, alpha, size, positive), max_size=2, unique_by=lambda p: len(p.alpha)).map(tuple)),
     )  # fmt: skip
 
 
