@@ -11,6 +11,7 @@ from imuwb.identification import Line, Region
 from imuwb.log import Log
 from imuwb.notes import Note
 from imuwb.statistics import Estimate
+from imuwb.stochastic import Autoregressive
 from imuwb.texts import converted_text, number_text
 from imuwb.units import coefficient_units
 
@@ -125,3 +126,17 @@ def with_models(axes: Iterable[tuple[Curve, ModelCurves | None]], factor: float)
             label = "its terms" if labelled and i == 0 else ""
             curves.append(Curve(label, model.x, term / factor, own.color, style="faint"))
     return tuple(curves)
+
+
+def autoregressive_table(axes: Mapping[str, Sequence[Autoregressive]], caption: str = "") -> Table:
+    """Return autoregressive processes of denoised samples, a row for each axis and order, in SI (as Quinchia's table 2)."""
+    rows = tuple(
+        (
+            axis, str(len(p.alpha)), *(f"{p.alpha[k]:.6f}" if k < len(p.alpha) else "" for k in range(3)),
+            f"{p.beta0**2:.4g} ({coefficient_units(axis, 'rate')[0].name})²",
+        )
+        for axis, processes in axes.items()
+        for p in processes
+    )  # fmt: skip
+    headings = ("axis", "order", "alpha 1 [1]", "alpha 2 [1]", "alpha 3 [1]", "beta0²")
+    return Table("Autoregressive processes of denoised samples (Quinchia, table 2)", headings, rows, caption)

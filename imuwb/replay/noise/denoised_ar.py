@@ -13,8 +13,8 @@ from functools import lru_cache
 import numpy as np
 import pywt
 
-from imuwb.arrays import Floats
-from imuwb.axes import axes_of
+from imuwb.arrays import Floats, alone
+from imuwb.axes import Axis, axes_of, for_each
 from imuwb.conditioning import denoise
 from imuwb.identification import burg
 from imuwb.log import AXES, ImuStream
@@ -23,7 +23,9 @@ from imuwb.stochastic import Autoregressive, ImuErrorModel, RateRamp, Sum
 ORDERS = (1, 3)  #: of 15AR and 27AR
 WAVELET = "db4"
 LEVELS = {"gyro_x": 7, "gyro_y": 7, "gyro_z": 7, "accel_x": 7, "accel_y": 6, "accel_z": 6}  #: Quinchia, table 7
-SAMPLES = 1 << 18  #: of the record whose expectation is taken: 44 min at 100 Hz; beta0² of a longer one differs by 0.2 %
+SAMPLES = (
+    1 << 18
+)  #: of the record whose expectation is taken: 44 min at 100 Hz; beta0² of a longer one differs by 0.2 %
 OWN_STEP = 0.01  #: two clocks of one rate differ by less than this share
 
 
@@ -44,14 +46,18 @@ def fitted(samples: Floats, axis: str, interval: float) -> tuple[Autoregressive,
 
 def of_static(imu: ImuStream) -> tuple[dict[str, tuple[Autoregressive, ...]], dict[str, str]]:
     """Return the processes of each axis of a static record, and the axes that allow none with the reason."""
-    found: dict[str, tuple[Autoregressive, ...]] = {}
-    why: dict[str, str] = {}
-    for name, axis in axes_of(imu).items():
+
+    def one(axis: Axis) -> tuple[Autoregressive, ...] | str:
         try:
-            found[name] = fitted(axis.longest, name, axis.clock.interval)
+            with alone(axis.values.size):
+                return fitted(axis.longest, axis.name, axis.clock.interval)
         except ValueError as error:
-            why[name] = str(error)
-    return found, why
+            return str(error)
+
+    own = for_each(axes_of(imu), one)
+    return {a: p for a, p in own.items() if not isinstance(p, str)}, {
+        a: p for a, p in own.items() if isinstance(p, str)
+    }
 
 
 def with_autoregressive(model: ImuErrorModel, found: Mapping[str, tuple[Autoregressive, ...]]) -> ImuErrorModel:

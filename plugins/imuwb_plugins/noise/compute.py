@@ -8,6 +8,7 @@ from imuwb.errors import MissingDataError
 from imuwb.log import Log
 from imuwb.notes import Note
 from imuwb.progress import tracked
+from imuwb.replay import of_static
 from imuwb_plugins import allan, autocorrelation, autoregressive, psd
 from imuwb_plugins.allan import imus as allan_imus
 from imuwb_plugins.noise import summary
@@ -38,7 +39,8 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
         findings.append(tuple(f for name, result in results.items() for f in ANALYSES[name].findings(result)))
     repeatability = compare(logs, findings, parameters.level) if len(logs) > 1 else None
     denoised = denoising(logs[0], parameters.denoise) if len(logs) == 1 and parameters.denoise else None
-    return Result(summary.axes(findings[0]), tuple(parts), denoised, repeatability, tuple(notes))
+    processes = of_static(logs[0].imu())[0] if len(logs) == 1 else {}
+    return Result(summary.axes(findings[0]), tuple(parts), denoised, processes, repeatability, tuple(notes))
 
 
 def compare_imus(logs: Sequence[Log], parameters: Parameters) -> allan_imus.ImuComparison:

@@ -7,6 +7,7 @@ from typing import Any
 
 from imuwb.health import model_doubts
 from imuwb.notes import Note
+from imuwb.replay import with_autoregressive
 from imuwb.stochastic import (
     AxisModel,
     Constant,
@@ -31,7 +32,7 @@ def error_model(result: Result) -> ImuErrorModel:
     models = [_ALLAN.error_model(part["allan"]) for part in result.parts]
     model = combined(models, result.repeatability)
     if result.repeatability is None:
-        return model
+        return with_autoregressive(model, result.autoregressive)
     doubts = (
         f"{log}: {doubt}" for log, m in zip(result.repeatability.names, models, strict=True) for doubt in m.doubts
     )

@@ -6,6 +6,7 @@ from typing import Any
 
 from imuwb.notes import Note
 from imuwb.statistics import Coefficient
+from imuwb.stochastic import Autoregressive
 from imuwb.texts import coefficients_text
 from imuwb_plugins.noise.denoising import Denoising
 from imuwb_plugins.noise.repeatability import Repeatability
@@ -39,6 +40,8 @@ class Result:
     axes: dict[str, NoiseAxis]  #: of the first log
     parts: tuple[dict[str, Any], ...]  #: for each log: analysis -> its own result
     denoising: Denoising | None
+    #: of one log, by axis: AR(1) and AR(3) of samples without the details of table 7's levels, for 15AR and 27AR (Quinchia, table 2)
+    autoregressive: dict[str, tuple[Autoregressive, ...]]
     repeatability: Repeatability | None  #: comparison of several logs; None: one log
     notes: tuple[Note, ...] = ()
 

@@ -1,10 +1,17 @@
 """Tabs of the noise analysis."""
 
 from imuwb.analysis import Review
+from imuwb.noise_results import autoregressive_table
 from imuwb_plugins.allan import imus as allan_imus
 from imuwb_plugins.noise import show_denoising, show_repeatability, summary
 from imuwb_plugins.noise.compute import ANALYSES
 from imuwb_plugins.noise.result import TITLES, Result
+
+AUTOREGRESSIVE = (
+    "x(n) = -sum alpha_k x(n-k) + beta0 w(n), by Burg's method from samples without any detail of 7 levels (accelerometers y and z: 6). The "
+    "error model keeps them beside its sum, for the filters 15AR and 27AR of imuwb outage. They show the low-pass of the denoising at this "
+    "rate, and the size of the noise that passes it; how the sensor's bias decays they do not show."
+)
 
 
 def draw(result: Result, review: Review) -> None:
@@ -24,6 +31,9 @@ def draw(result: Result, review: Review) -> None:
     if result.denoising is not None:
         review.tab("Denoising")
         show_denoising.draw(result.denoising, review)
+    if result.autoregressive:
+        review.tab("Denoising")
+        review.table(autoregressive_table(result.autoregressive, AUTOREGRESSIVE))
 
 
 def draw_imus(result: allan_imus.ImuComparison, review: Review) -> None:

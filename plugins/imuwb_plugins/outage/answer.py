@@ -143,6 +143,10 @@ def _sentences(result: Result | Drives, durations: Sequence[DurationSummary], na
     for name, reasons in _failed(result).items():
         yield from _why(name, reasons)
     yield from _causes(result, own)
+    first = next(iter(result.drives.values())) if isinstance(result, Drives) else result
+    yield from (f"{note}." for note in first.notes if getattr(note, "id", "") == "no-white-noise")
+    if first.autoregressive_origin is not None:
+        yield f"AR processes: {first.autoregressive_origin}."
     if isinstance(result, Result):
         counts = " and ".join(_outages(next(iter(d.models.values())).effective_count) for d in durations)
         yield f"Measured against {result.reference}; without overlap: {counts}."

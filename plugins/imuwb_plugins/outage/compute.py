@@ -79,7 +79,7 @@ def _result(replayed: Replay, parameters: Parameters, own: Installed, chosen: Fi
         notes.notes(replayed, durations, infos, own, chosen), own.clocks, own.mounting, chosen.motion,
         own.correlation, chosen.tuned, chosen.error_model,
         replayed.reference.position, drive(replayed, durations), parameters.map,
-        tracks.navigation(replayed), replayed.failed, replayed,
+        tracks.navigation(replayed), replayed.failed, replayed, autoregressive_origin=chosen.autoregressive,
     )  # fmt: skip
 
 

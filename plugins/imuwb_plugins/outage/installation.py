@@ -22,6 +22,7 @@ from imuwb_plugins.outage.models import named
 from imuwb_plugins.outage.outage_list import given
 from imuwb_plugins.outage.parameters import Parameters
 from imuwb_plugins.outage.starts import started
+from imuwb_plugins.outage.static import with_static
 
 ALIGNED = 1.5  #: deg; roll and pitch below which axes that agree in heading count as those of the vehicle
 #: options that are settings of a given filter
@@ -85,12 +86,12 @@ def base_of(parameters: Parameters) -> FilterModel:
             base = replace(base, name=f"{base.name} of {parameters.filter.name}")
         if parameters.error_model is not None:
             base = replace(base, error_model=sensor_model(parameters.error_model))
-        return base
+        return replace(base, error_model=with_static(base.error_model, parameters))
     if parameters.error_model is None:
         raise UsageError("outage needs --error-model MODEL.toml; imuwb noise writes one from a static record")
     gyro, accel = parameters.scale_factor
     return FilterModel(
-        "base", sensor_model(parameters.error_model), scale_factor=(gyro / 100, accel / 100),
+        "base", with_static(sensor_model(parameters.error_model), parameters), scale_factor=(gyro / 100, accel / 100),
         installation=Installation(
             (0.0, 0.0, 0.0) if parameters.mounting == "auto" else parameters.mounting, parameters.lever_arm,
             0.0 if parameters.gnss_delay == "auto" else parameters.gnss_delay, parameters.velocity_delay,

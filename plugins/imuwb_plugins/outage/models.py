@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.log import AXES
 from imuwb.navigation import FilterModel
+from imuwb.navigation.shaping import Reading
 from imuwb.notes import Note
 from imuwb.replay import (
     TURN_ON,
@@ -20,6 +21,11 @@ from imuwb.replay import (
 )
 from imuwb.stochastic import ImuErrorModel
 from imuwb_plugins.outage.parameters import PAPER, Parameters
+from imuwb_plugins.outage.static import origin_notes, origin_of, without_white
+
+READINGS: dict[str, Reading] = {
+    "corrected": "corrected", "printed-variances": "printed variances", "printed-densities": "printed densities",
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +38,7 @@ class Filters:
     motion: MotionNoise | None
     tuned: Tuned | None
     notes: tuple[Note, ...]
+    autoregressive: str | None  #: where the AR processes come from; None: no filter has one
 
     @property
     def error_model(self) -> ImuErrorModel | None:
@@ -62,9 +69,8 @@ def named(name: str, base: FilterModel, interval: float, parameters: Parameters)
     turn_on = None if paper else TURN_ON
     if parameters.turn_on != "auto":
         turn_on = math.radians(parameters.turn_on[0]), parameters.turn_on[1]
-    reading = "as printed" if parameters.reading == "as-printed" else "corrected"
     try:
-        model = model_named(name, base, reading=reading, interval=interval, turn_on=turn_on)
+        model = model_named(name, base, reading=READINGS[parameters.reading], interval=interval, turn_on=turn_on)
     except ValueError as error:
         raise UsageError(str(error)) from error
     if paper or name == "none":
@@ -107,13 +113,15 @@ def filters_of(base: FilterModel, prepared: Prepared, parameters: Parameters) ->
         except ValueError as error:
             raise MissingDataError(str(error)) from error
         models.append(replace(better, name="tuned"))
+    origin = origin_of(base, tuple(model.name for model in models), interval, parameters)
     return Filters(
         f"{prepared.log.provenance.path} {prepared.log.provenance.hash}",
         tuple(models),
         failed,
         motion,
         tuned,
-        _carried(carried),
+        (*without_white(tuple(models)), *origin_notes(origin), *_carried(carried)),
+        origin,
     )
 
 

@@ -32,6 +32,11 @@ class Parameters:
         tuple[str, ...], f"Filters to compare, among {','.join(MODELS)}; motion estimates the noise in motion, paper: Quinchia's filters.",
         Form("NAME,...", "15AV,full,motion", MODELS), COMPARED,
     ] = USUAL  # fmt: skip
+    static: Annotated[
+        Path | None,
+        "Static record of the IMU, to which the AR processes of 15AR and 27AR are fitted; default: those that the error model keeps, or "
+        "those that follow from it.", Form("LOG"), COMPARED,
+    ] = None  # fmt: skip
     wavelet: Annotated[
         tuple[int, ...],
         "Levels of denoising to compare, such as 3..8 or 4,6; each level adds one 18AVWD filter; default: the paper's levels only.",
@@ -111,7 +116,9 @@ class Parameters:
         NOT_NEGATIVE, Form("noise=M,jump=M,every=S", "noise=2,jump=10,every=60"), FIXES,
     ] = field(default_factory=dict[str, float])  # fmt: skip
     reading: Annotated[
-        Literal["corrected", "as-printed"], "Reading of Quinchia's formulas: corrected, or word for word.", COMPARED
+        Literal["corrected", "printed-variances", "printed-densities"],
+        "Reading of Quinchia's formulas: corrected, or word for word with the quantities of eqs. 27 to 36 as variances of a sample or as densities.",
+        COMPARED,
     ] = "corrected"
     receiver: Annotated[
         str | None,

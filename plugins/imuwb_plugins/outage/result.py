@@ -213,6 +213,7 @@ class Result:
     failed: dict[str, str] = field(default_factory=dict[str, str])  #: filter that cannot run -> reason
     replay: Replay | None = field(default=None, metadata=HELD)  #: None: not kept
     engines: tuple[EngineInfo, ...] = ()  #: other engines, of --solution and --filter-command
+    autoregressive_origin: str | None = None  #: where the AR processes of 15AR and 27AR come from
     smoothed: SmoothedRun | None = field(default=None, metadata=HELD)  #: None: not wanted
     whole_run: dict[str, FilterSummary] = field(default_factory=dict[str, FilterSummary])
     #: ^ filter or engine -> its errors over the whole run with all fixes; empty unless an engine is scored so
