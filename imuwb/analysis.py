@@ -103,7 +103,7 @@ class Curve:
     color: Color
     lower: Floats | None = None  #: ends of the interval at each point
     upper: Floats | None = None
-    #: "line" (with points), "curve" (without), "points", "fit" (thin), "faint", or "band" (from ``lower`` to ``upper``)
+    #: "line" (with points), "curve" (without), "points", "fit" (thin), "faint", "band" (from ``lower`` to ``upper``), or "bar" (from 0 to ``y``)
     style: str = "line"
 
 

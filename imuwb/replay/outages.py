@@ -26,6 +26,7 @@ class Outage:
     start: float  #: s from the log's start
     duration: float  #: s
     name: str = ""
+    table: str = ""  #: of the table that shows it; outages with the same text are shown together
 
 
 def sweep(prepared: Prepared, model: FilterModel, duration: float) -> tuple[Outage, ...]:

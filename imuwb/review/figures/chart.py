@@ -31,13 +31,13 @@ LEAST_FRAME = 120.0  #: width and height
 MARK_ABOVE, MARK_NEAR = 13.0, 14.0  #: distance of a mark's number above its point, and between numbers
 POINT, LARGE_POINT, FEW_POINTS = 2.2, 3.5, 60  #: sizes of points; number up to which they are large
 DASH = 7.0  #: length of a dash of a vertical line
-THICKNESS = {"line": 1.6, "curve": 1.3, "points": 1.6, "fit": 0.9, "faint": 0.5, "band": 0.8}
-ALPHA = {"line": 255, "curve": 255, "points": 255, "fit": 220, "faint": 110, "band": 160}
+THICKNESS = {"line": 1.6, "curve": 1.3, "points": 1.6, "fit": 0.9, "faint": 0.5, "band": 0.8, "bar": 4.5}
+ALPHA = {"line": 255, "curve": 255, "points": 255, "fit": 220, "faint": 110, "band": 160, "bar": 255}
 INTERVAL_ALPHA = 130
 DOTTED = ("line", "points")  #: styles that show each point
 GRID_ORDER, INTERVAL_ORDER, VERTICAL_ORDER, POINT_ORDER, LEGEND_ORDER, MARK_ORDER = 0, 10, 15, 25, 30, 40
 #: what is drawn over what: a sigma is over the errors that it is compared with
-CURVE_ORDER = {"band": 5, "faint": 12, "fit": 21, "line": 20, "curve": 22, "points": 20}
+CURVE_ORDER = {"band": 5, "faint": 12, "fit": 21, "line": 20, "curve": 22, "points": 20, "bar": 20}
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,6 +133,11 @@ def _curve(curve: Curve, frame: Frame, recording: rr.RecordingStream, path: str)
     color = (*curve.color, ALPHA[curve.style])
     if curve.style == "band":
         band(curve, frame, recording, path, CURVE_ORDER["band"])
+        return
+    if curve.style == "bar":
+        ends = zip(curve.x, curve.y.clip(max=0.0), curve.y.clip(min=0.0), strict=True)
+        bars = [bar for x, low, high in ends if (bar := frame.bar(x, low, high)) is not None]
+        drawing.lines(recording, path, bars, [color] * len(bars), THICKNESS["bar"], CURVE_ORDER["bar"])
         return
     parts = frame.strips(curve.x, curve.y)
     strips = [part for part in parts if len(part) > 1]

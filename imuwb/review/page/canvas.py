@@ -25,6 +25,7 @@ LEGEND = 40  #: letters of a line of the legend
 BACKGROUND_STYLES = ("fit", "faint")  #: that curves of several colours share
 FAINT = 0.25  #: share of the length of an axis by which a faint curve may make it longer at each end
 HIDDEN = "\N{ZERO WIDTH SPACE}"  #: before a label that matplotlib would leave out
+BAR = 5.0  #: width of a bar
 BAND = 8.0  #: width of a band in a legend
 MARKED = 40  #: points, up to which each has a marker
 Drawing: TypeAlias = Figure | Series | Sequence[Track]
@@ -222,6 +223,12 @@ def _draw(axes: Any, curve: Curve, look: Look, legend: str) -> None:  # noqa: AN
     color, label = look.color(curve.color), _label(curve.label)
     if curve.style == "band" and curve.lower is not None and curve.upper is not None:
         axes.fill_between(curve.x, curve.lower, curve.upper, color=color, alpha=0.18, lw=0, label=label)
+        return
+    if curve.style == "bar":
+        known = np.isfinite(curve.y)
+        axes.vlines(curve.x[known], 0.0, curve.y[known], color=color, lw=BAR)
+        if label:
+            axes.plot([], [], color=legend, label=label, lw=BAR)
         return
     few = curve.x.size <= MARKED
     shape: dict[str, Any] = {

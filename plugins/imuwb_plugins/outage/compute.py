@@ -27,6 +27,7 @@ from imuwb_plugins.outage.given_outages import outages_of
 from imuwb_plugins.outage.installation import Installed, base_of, installed
 from imuwb_plugins.outage.models import Filters, filters_of
 from imuwb_plugins.outage.parameters import Parameters
+from imuwb_plugins.outage.pictures import pictures
 from imuwb_plugins.outage.result import Result
 from imuwb_plugins.outage.truth import truth_file, with_truth
 
@@ -80,6 +81,7 @@ def _result(replayed: Replay, parameters: Parameters, own: Installed, chosen: Fi
         own.correlation, chosen.tuned, chosen.error_model,
         replayed.reference.position, drive(replayed, durations), parameters.map,
         tracks.navigation(replayed), replayed.failed, replayed, autoregressive_origin=chosen.autoregressive,
+        pictures=pictures(replayed) if parameters.at and parameters.at != "own" else (),
     )  # fmt: skip
 
 

@@ -50,7 +50,7 @@ def shown_outages(replay: Replay, best: str) -> tuple[tuple[Shown, ...], str]:
 
     The error of the best filter at the end decides, among the longest outages: the typical one is nearest to the median.
     """
-    every = [own for duration in replay.scored for own in _of_duration(replay, duration)]
+    every = every_outage(replay)
     longest = max((own.duration for own in every), default=0.0)
     ends = {own: _end(replay.runs[best], own) for own in every if own.duration == longest}
     known = [own for own in ends if np.isfinite(ends[own])]
@@ -96,6 +96,11 @@ def _named(ranked: dict[str, list[Shown]], order: Sequence[str]) -> dict[str, Sh
     return {name: found[name] for name in ranked if name in found}
 
 
+def every_outage(replay: Replay) -> list[Shown]:
+    """Return all outages that are scored, by duration."""
+    return [own for duration in replay.scored for own in _of_duration(replay, duration)]
+
+
 def _of_duration(replay: Replay, duration: float) -> list[Shown]:
     start = next(iter(replay.runs.values())).outages[duration].scores.start
     names = [outage.name for outage in replay.outages[duration]]
@@ -117,7 +122,7 @@ def episode(replay: Replay, names: Sequence[str], own: Shown, faults: Sequence[F
         faults: of the log, at known times.
     """
     sound = [name for name in names if replay.runs[name].outages[own.duration].drift.sound[own.row]]
-    beliefs = tuple(_belief(replay, name, own) for name in sound)
+    beliefs = tuple(belief(replay, name, own) for name in sound)
     begin, end = stamps(replay, own.start + np.array([0.0, own.duration])).tolist()
     inside = [
         f for f in faults if f.start is not None and own.start - BEFORE <= f.start <= own.start + own.duration + AFTER
@@ -130,7 +135,7 @@ def episode(replay: Replay, names: Sequence[str], own: Shown, faults: Sequence[F
     return Episode(own.name, begin, end, beliefs, captions, _about(replay, sound, own, inside))
 
 
-def _belief(replay: Replay, name: str, own: Shown) -> Belief:
+def belief(replay: Replay, name: str, own: Shown) -> Belief:
     """Return what a filter believes from the last fix before an outage to its end."""
     run = replay.runs[name]
     drift, solution = run.outages[own.duration].drift, run.solution

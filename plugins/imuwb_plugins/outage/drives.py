@@ -19,7 +19,7 @@ from imuwb_plugins.outage.filters import nis_per_dof
 from imuwb_plugins.outage.given_outages import name_of
 from imuwb_plugins.outage.outage_list import given
 from imuwb_plugins.outage.parameters import Parameters
-from imuwb_plugins.outage.result import DurationSummary, Result
+from imuwb_plugins.outage.result import DurationSummary, PublishedGain, Result
 from imuwb_plugins.outage.smoothed import with_smoothed
 
 ONE_LOG = ("navigation", "smoothed", "save_filter")  #: outputs that belong to one log
@@ -34,6 +34,7 @@ class Drives:
     verdicts: tuple[Note, ...]  #: on the pooled outages
     notes: tuple[str, ...]
     failed: dict[str, str]  #: name of a log that cannot be replayed -> reason
+    published: dict[str, PublishedGain]  #: by filter, over the outages of all drives; empty without 18AVWD
 
     def __repr__(self) -> str:
         """Return the drives and the verdicts, a line each."""
@@ -108,6 +109,7 @@ def _pooled(results: dict[str, Result], failed: dict[str, str], level: float) ->
     return Drives(
         tuple(own for own, _ in pooled_summaries), results, tuple(dict.fromkeys(verdicts)),
         (pooled_note, *(Note("drive-left-out", text) for text in texts)), failed,
+        summary.published(tuple(own for result in results.values() for own in result.outages)),
     )  # fmt: skip
 
 

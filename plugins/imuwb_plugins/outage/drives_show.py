@@ -6,7 +6,7 @@ from imuwb.analysis import Review, Table
 from imuwb.colors import INK
 from imuwb.names import distinct
 from imuwb.texts import interval_text, number_text
-from imuwb_plugins.outage import figures, show, tables
+from imuwb_plugins.outage import figures, paper, show, tables
 from imuwb_plugins.outage.drives import Drives
 from imuwb_plugins.outage.result import DurationSummary, Result
 
@@ -27,6 +27,16 @@ def draw(result: Result | Drives, review: Review) -> None:
         review.figure(figures.drift(own))
     for note in (*result.verdicts, *result.notes):
         review.note(note)
+    outages = [own for one in result.drives.values() for own in sorted(one.outages, key=paper.begin)]
+    if len(outages) <= show.FEW:
+        review.tab("Outages")
+        paper.draw(outages, result.published, review)
+    _consistency(result, review)
+    for name, one in zip(distinct(tuple(result.drives), NAME), result.drives.values(), strict=True):
+        _draw_drive(name, one, review)
+
+
+def _consistency(result: Drives, review: Review) -> None:
     review.tab("Consistency")
     for own in result.pooled:
         review.figure(figures.consistency(own))
@@ -36,8 +46,6 @@ def draw(result: Result | Drives, review: Review) -> None:
             review.table(tables.choice(own.choice))
         if own.paired:
             review.table(tables.paired(own))
-    for name, one in zip(distinct(tuple(result.drives), NAME), result.drives.values(), strict=True):
-        _draw_drive(name, one, review)
 
 
 def _by_drive(own: DurationSummary, result: Drives) -> Table:
@@ -61,6 +69,7 @@ def _by_drive(own: DurationSummary, result: Drives) -> Table:
 
 
 def _draw_drive(name: str, one: Result, review: Review) -> None:
+    paper.pictures(one.pictures, review, name)
     review.tab(name)
     for own in one.summary:
         review.figure(figures.drift(own))

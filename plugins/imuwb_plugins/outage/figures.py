@@ -101,17 +101,3 @@ def budget(b: ErrorBudget) -> Figure:
         f"Sources of the sigma of {b.filter}", TIME, "horizontal sigma [m]", tuple(curves),
         y_limits=(1e-2, 1.3 * float(b.total[-1])),
     )  # fmt: skip
-
-
-def each_outage(result: Result) -> Figure:
-    """Return the largest error of each filter and engine in each outage (Quinchia, figure 26)."""
-    x = np.arange(1.0, len(result.outages) + 1)
-    colors = colors_of(dict.fromkeys(name for o in result.outages for name in o.models))
-    curves = tuple(
-        Curve(name, x, np.array([o.models[name].max if name in o.models else np.nan for o in result.outages]), color)
-        for name, color in colors.items()
-    )
-    return Figure(
-        "Largest horizontal error in each outage (Quinchia, figure 26)", "number of the outage in the table [1]", ERROR,
-        curves, x_scale="linear", x_limits=(0.5, len(result.outages) + 0.5),
-    )  # fmt: skip

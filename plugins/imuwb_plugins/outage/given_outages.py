@@ -26,4 +26,4 @@ def outages_of(log: Log, at: object) -> list[Outage]:
             f"at {at}: no outage belongs to {log.provenance.path}; the column log must have {name_of(log)!r}"
         )
     first = {(outage.start, outage.duration): outage for outage in reversed(own)}
-    return [Outage(start, duration, first[start, duration].name) for start, duration in sorted(first)]
+    return [Outage(start, duration, one.name, one.table) for (start, duration), one in sorted(first.items())]

@@ -28,6 +28,11 @@ READINGS: dict[str, Reading] = {
 }  # fmt: skip
 
 
+GROUPED: dict[tuple[str, ...], tuple[str, ...]] = {("paper",): PAPER, ("table6",): ()}
+#: levels of table 6, gyros first: three levels are one fewer on the axes y and z (5.6), seven are those of table 7
+NINE_STATES = {"0": (), "3": (3, 2, 2, 3, 2, 2), "7": (7, 7, 7, 7, 6, 6)}
+
+
 @dataclass(frozen=True, slots=True)
 class Filters:
     """The filters of a replay; None: not wanted, or not possible."""
@@ -91,7 +96,7 @@ def filters_of(base: FilterModel, prepared: Prepared, parameters: Parameters) ->
     failed: dict[str, str] = {}
     motion: MotionNoise | None = None
     carried: dict[str, tuple[str, ...]] = {}
-    for name in PAPER if parameters.models == ("paper",) else parameters.models:
+    for name in GROUPED.get(parameters.models, parameters.models):
         try:
             model, axes = named("full" if name == "motion" else name, base, interval, parameters)
             if name == "motion":
@@ -102,6 +107,8 @@ def filters_of(base: FilterModel, prepared: Prepared, parameters: Parameters) ->
         models.append(model)
         carried[name] = axes
     models.extend(_denoised(base, interval, parameters))
+    if parameters.models == ("table6",):
+        models.extend(_without_biases(base, interval, parameters))
     if parameters.filter is not None:
         models.append(base)
     if not models:
@@ -132,6 +139,15 @@ def _denoised(base: FilterModel, interval: float, parameters: Parameters) -> lis
     return [
         replace(model, name=f"18AVWD at {level}", wavelet_levels=(level,) * len(AXES))
         for level in dict.fromkeys(parameters.wavelet)
+    ]
+
+
+def _without_biases(base: FilterModel, interval: float, parameters: Parameters) -> list[FilterModel]:
+    """Return the filters of table 6: nine states, after levels of denoising with the paper's thresholds."""
+    bare, _ = named("none", base, interval, parameters)
+    return [
+        replace(bare, name=f"{word} levels", wavelet_levels=levels, wavelet_scale="none")
+        for word, levels in NINE_STATES.items()
     ]
 
 

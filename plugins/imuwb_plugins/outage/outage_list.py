@@ -13,7 +13,7 @@ from imuwb.errors import UsageError
 SUFFIXES = (".csv", ".toml")
 MOST = 10_000  #: outages in a file
 LARGEST = 10_000_000  #: bytes of a file
-KEYS = ("name", "start", "duration", "log")
+KEYS = ("name", "start", "duration", "log", "table")
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,11 +24,12 @@ class NamedOutage:
     duration: float  #: s
     name: str = ""
     log: str = ""  #: name of the log that it belongs to; empty: every log
+    table: str = ""  #: of the table that shows it: one for each text
 
 
 @dataclass(frozen=True, slots=True)
 class OutageFile:
-    """A file of outages: CSV with the columns name, start, duration (s) and log, or TOML with ``[[outage]]`` of the same keys."""
+    """A file of outages: CSV with the columns name, start, duration (s), log and table, or TOML with ``[[outage]]`` of the same keys."""
 
     FORMS: ClassVar[str] = "a .csv or .toml file of outages"
     path: Path
@@ -82,7 +83,7 @@ def _csv_rows(path: Path, content: str) -> Iterator[tuple[str, Mapping[str, obje
     unknown = [name for name in names if name not in KEYS]
     if unknown or not {"start", "duration"} <= set(names):
         raise UsageError(
-            f"at {path}: its columns are {', '.join(names) or 'none'}; they must be start and duration (s), and may be name and log"
+            f"at {path}: its columns are {', '.join(names) or 'none'}; they must be start and duration (s), and may be name, log and table"
         )
     table.fieldnames = names
     try:
@@ -100,7 +101,9 @@ def _toml_rows(path: Path, content: str) -> Iterator[tuple[str, Mapping[str, obj
     for number, row in enumerate(cast("list[object]", rows), 1):
         where = f"at {path}, outage {number}"
         if not isinstance(row, dict) or not set(cast("dict[str, object]", row)) <= set(KEYS):
-            raise UsageError(f"{where}: it must be a table with start and duration (s), and perhaps name and log")
+            raise UsageError(
+                f"{where}: it must be a table with start and duration (s), and perhaps name, log and table"
+            )
         yield where, cast("dict[str, object]", row)
 
 
@@ -113,6 +116,6 @@ def _outage(where: str, row: Mapping[str, Any]) -> NamedOutage:
             raise UsageError(f"{where}: {key} is {shown(row.get(key))}; it must be a number of seconds") from None
         if not math.isfinite(numbers[-1]):
             raise UsageError(f"{where}: {key} is {shown(row[key])}; it must be finite")
-    texts = (str(row.get(key) or "").strip() for key in ("name", "log"))
-    name, log = ("".join(c for c in text if c.isprintable()) for text in texts)
-    return NamedOutage(numbers[0], numbers[1], name, log)
+    texts = (str(row.get(key) or "").strip() for key in ("name", "log", "table"))
+    name, log, group = ("".join(c for c in text if c.isprintable()) for text in texts)
+    return NamedOutage(numbers[0], numbers[1], name, log, group)

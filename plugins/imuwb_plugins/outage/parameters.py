@@ -8,7 +8,9 @@ from imuwb.options import NOT_NEGATIVE, Between, Form, Group, Level, check, text
 from imuwb_plugins.outage.outage_list import OutageFile, given
 
 PAPER = ("none", "15AV", "18AV", "18AVWD", "15AR", "27AR", "full")  #: filters of Quinchia, and one with all processes
-MODELS = (*PAPER, "motion", "paper")
+MODELS = (*PAPER, "motion", "paper", "table6")
+#: words for several filters
+GROUPS = {"paper": ",".join(PAPER), "table6": "filters without biases after 0, 3 and 7 levels of denoising"}
 REFERENCES = ("best", "truth", "fixed", "smoothed", "own", "ekf")
 USUAL = ("15AV", "full", "motion")
 DURATION = Between(2.0, 600.0)  #: s, of an outage
@@ -29,7 +31,9 @@ class Parameters:
         COMPARED,
     ] = None
     models: Annotated[
-        tuple[str, ...], f"Filters to compare, among {','.join(MODELS)}; motion estimates the noise in motion, paper: Quinchia's filters.",
+        tuple[str, ...],
+        f"Filters to compare, among {','.join(MODELS)}; motion estimates the noise in motion, paper: Quinchia's filters, table6: filters "
+        "without biases after 0, 3 and 7 levels of denoising.",
         Form("NAME,...", "15AV,full,motion", MODELS), COMPARED,
     ] = USUAL  # fmt: skip
     static: Annotated[
@@ -48,7 +52,7 @@ class Parameters:
     at: Annotated[
         Literal["own"] | tuple[tuple[float, float], ...] | OutageFile,
         "Start, from the log's start, and duration of each outage (s); or a file of named outages (CSV or TOML: name, start, duration, "
-        "log); or own: the outages of the log itself; by default a sweep.",
+        "log, table); or own: the outages of the log itself; by default a sweep.",
         Between(), Form("START:DURATION,...|FILE|own", "200:30,430:60"), OUTAGES,
     ] = ()  # fmt: skip
     random: Annotated[
@@ -236,8 +240,9 @@ class Parameters:
             raise ValueError(
                 f"models is {text_of(self.models)!r}; it must have one or more of {','.join(MODELS)}, each once"
             )
-        if "paper" in self.models and len(self.models) > 1:
-            raise ValueError(f"models is {text_of(self.models)!r}; paper stands for {','.join(PAPER)}; give it alone")
+        word = next((name for name in GROUPS if name in self.models and len(self.models) > 1), None)
+        if word is not None:
+            raise ValueError(f"models is {text_of(self.models)!r}; {word} stands for {GROUPS[word]}; give it alone")
         self._check_truth()
         self._check_correlation()
         if not self.durations:

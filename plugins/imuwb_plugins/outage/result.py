@@ -53,6 +53,7 @@ class OutageResult:
     motion: str  #: "stop", "turn", "fast" or "straight"
     models: dict[str, FilterErrors]
     name: str = ""  #: as the user gives it
+    table: str = ""  #: of the table that shows it, as the user gives it
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,6 +155,17 @@ class PublishedGain:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class OutagePicture:
+    """One outage from near: where the filters go in the plane, and how far each is from its own run (Quinchia, figures 21 to 25)."""
+
+    name: str
+    reference: Floats  #: (n, 3) latitude rad, longitude rad, height m, some seconds longer than the outage
+    tracks: dict[str, Floats]  #: filter -> (L + 1, 3)
+    elapsed: Floats  #: (L,) s
+    errors: dict[str, Floats]  #: filter -> (L,) m, horizontal
+
+
+@dataclass(frozen=True, eq=False, slots=True)
 class Drive:
     """The drive in time: the vehicle, what the filters believe in some outages, and charts of the same times."""
 
@@ -214,6 +226,7 @@ class Result:
     replay: Replay | None = field(default=None, metadata=HELD)  #: None: not kept
     engines: tuple[EngineInfo, ...] = ()  #: other engines, of --solution and --filter-command
     autoregressive_origin: str | None = None  #: where the AR processes of 15AR and 27AR come from
+    pictures: tuple[OutagePicture, ...] = field(default=(), metadata=HELD)  #: of given outages, if they are few
     smoothed: SmoothedRun | None = field(default=None, metadata=HELD)  #: None: not wanted
     whole_run: dict[str, FilterSummary] = field(default_factory=dict[str, FilterSummary])
     #: ^ filter or engine -> its errors over the whole run with all fixes; empty unless an engine is scored so

@@ -5,7 +5,7 @@ import rerun as rr
 from imuwb.analysis import Review
 from imuwb.colors import SUBGRID
 from imuwb.notes import Note
-from imuwb_plugins.outage import figures, tables
+from imuwb_plugins.outage import figures, paper, tables
 from imuwb_plugins.outage.result import Result
 
 FEW = 20  #: outages, up to which each is compared as in the paper
@@ -41,8 +41,8 @@ def draw(result: Result, review: Review) -> None:
     review.tab("Outages")
     review.table(tables.outages(result))
     if len(result.outages) <= FEW:
-        review.figure(figures.each_outage(result))
-        review.table(tables.published(result))
+        paper.draw(sorted(result.outages, key=paper.begin), result.published, review)
+        paper.pictures(result.pictures, review)
     _comparison(result, review)
     _filters(result, review)
 

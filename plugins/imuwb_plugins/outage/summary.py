@@ -1,5 +1,6 @@
 """The outages of a replay one by one, and their statistics."""
 
+import math
 from itertools import permutations
 
 import numpy as np
@@ -117,7 +118,7 @@ def _of_duration(replay: Replay, duration: float) -> list[OutageResult]:
         OutageResult(
             float(first.start[i]), duration, float(first.distance[i, -1] / duration), str(motion[i]),
             {name: _errors(own, duration, int(i), causal=causal) for name, own in replay.runs.items()},
-            replay.outages[duration][i].name,
+            replay.outages[duration][i].name, replay.outages[duration][i].table,
         )
         for i in np.flatnonzero(replay.scored[duration])
     ]  # fmt: skip
@@ -157,7 +158,8 @@ def samples(replay: Replay) -> ErrorSamples:
 
 def published(outages: tuple[OutageResult, ...]) -> dict[str, PublishedGain]:
     """Return the improvement by 18AVWD over each filter as the paper states it."""
-    names = list(outages[0].models) if outages else []
+    first = outages[0].models if outages else {}
+    names = [n for n in first if all(n in o.models and math.isfinite(o.models[n].own_max) for o in outages)]
     if TESTED not in names:
         return {}
 

@@ -10,7 +10,6 @@ from imuwb.statistics import Estimate
 from imuwb.texts import converted_text, interval_text, number_text, quantity_text
 from imuwb.units import coefficient_units
 from imuwb_plugins.outage.result import DurationSummary, ErrorBudget, OutageResult, Result
-from imuwb_plugins.outage.summary import TESTED
 
 
 def _yes(value: bool) -> str:  # noqa: FBT001 - a cell of a table
@@ -128,7 +127,7 @@ def outages(result: Result) -> Table:
     """Return the errors of each filter in each listed outage."""
     names = [*(f.name for f in result.filters), *(e.name for e in result.engines if e.scored == "outages")]
     rows = tuple(
-        (*_outage(own), own.motion, *(
+        (*outage_cells(own), own.motion, *(
             "—" if m is None else f"{number_text(m.mean)} / {number_text(m.max)} / {number_text(m.end)} m"
             for m in map(own.models.get, names)
         ))
@@ -162,26 +161,9 @@ def whole_run(result: Result) -> Table:
     return Table("Errors over the whole run", headings, rows, caption)
 
 
-def _outage(own: OutageResult, decimals: int = 1) -> tuple[str, str, str]:
+def outage_cells(own: OutageResult, decimals: int = 1) -> tuple[str, str, str]:
+    """Return name and start, duration, and mean speed of an outage."""
     return f"{own.name} {own.start:.1f} s".strip(), f"{own.duration:g} s", f"{own.mean_speed * 3.6:.{decimals}f} km/h"
-
-
-def published(result: Result) -> Table:
-    """Return the errors of each filter against its own run without outages (Quinchia, tables 9 and 10)."""
-    names = [f.name for f in result.filters]
-    rows = [
-        (*_outage(o, 2), *(f"{o.models[n].own_mean:.2f} / {o.models[n].own_max:.2f} m" for n in names))
-        for o in result.outages
-    ]
-    caption = ""
-    if result.published:
-        caption = f"Last row: mean over the outages of 1 - {TESTED}/filter, as in the paper."
-        gains = [result.published[n] for n in names]
-        rows.append(
-            (f"improvement by {TESTED}", "", "", *(f"{g.own_mean * 100:.1f} / {g.own_max * 100:.1f} %" for g in gains))
-        )
-    title = "Mean / largest error against each filter's own run without outages (Quinchia, tables 9 and 10)"
-    return Table(title, ("start", "duration", "mean speed", *names), tuple(rows), caption)
 
 
 def _left_out(processes: tuple[str, ...]) -> str:

@@ -42,6 +42,11 @@ def test_a_file_of_outages(file, text, name):
     assert [o.start for o in outages_of(named("other.mcap"), at)] == [130.0, 150.5]
 
 
+def test_outages_keep_their_table(file):
+    at = Parameters(at=file("name,start,duration,table\na,130,10,9\nb,150,10,\n")).at
+    assert [o.table for o in outages_of(named("x.mcap"), at)] == ["9", ""]
+
+
 def test_pairs_of_the_command_line_have_no_name():
     (one,) = outages_of(named("x.mcap"), Parameters(at="130:10,130:10").at)
     assert (one.start, one.duration, one.name) == (130.0, 10.0, "")

@@ -118,7 +118,7 @@ def test_texts_become_values():
 
 
 def test_the_models_are_those_of_the_replay():
-    assert (*NAMES, "motion", "paper") == MODELS
+    assert (*NAMES, "motion", "paper", "table6") == MODELS
     assert NAMES == PAPER
     assert set(Parameters().models) <= set(MODELS)
 

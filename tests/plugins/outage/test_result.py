@@ -43,7 +43,7 @@ def test_json_is_the_contract(few, log):
     assert result["reference"] == "truth"
     assert set(result) == {
         "outages", "listed", "summary", "samples", "published", "filters", "budget", "reference", "verdicts", "notes", "clocks",
-        "mounting", "motion", "gnss_correlation", "tuned", "failed", "engines", "whole_run",
+        "mounting", "motion", "gnss_correlation", "tuned", "failed", "engines", "whole_run", "autoregressive_origin",
     }  # fmt: skip
     assert "document" not in result["filters"][0]
     assert (result["clocks"], result["gnss_correlation"], result["tuned"]) == (None, None, None)

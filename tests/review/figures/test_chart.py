@@ -58,11 +58,22 @@ def test_a_value_that_cannot_be_shown_parts_a_curve(line):
     assert [len(strip) for strip in strips] == [2, 1]
 
 
-@pytest.mark.parametrize("style", ["line", "curve", "points", "fit", "faint"])
+@pytest.mark.parametrize("style", ["line", "curve", "points", "fit", "faint", "bar"])
 def test_styles_have_lines_points_or_both(style, line, drawn):
     paths = drawn(line([1.0, 10.0], [1.0, 2.0], style=style))
     assert ("f/curves/00_c" in paths) == (style != "points")
     assert ("f/curves/00_c/points" in paths) == (style in ("line", "points"))
+
+
+def test_a_bar_goes_from_zero_to_its_value(line, drawn):
+    figure = line([1.0, 2.0], [3.0, 1.0], kind="linear", limits=(0.0, 4.0), style="bar")
+    paths = drawn(figure)
+    width, height = paths.strips("f/grid")[-1][2]
+    place = WholeFrame((figure,), width, height).place
+    bars = paths.strips("f/curves/00_c")
+    for bar, (x, y) in zip(bars, ((1.0, 3.0), (2.0, 1.0)), strict=True):
+        assert bar[0] == pytest.approx(place(x, 0.0), abs=1e-3)
+        assert bar[1] == pytest.approx(place(x, y), abs=1e-3)
 
 
 def test_fits_and_faint_curves_are_thinner_and_paler(line, drawn):
