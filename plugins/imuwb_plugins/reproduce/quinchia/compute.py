@@ -1,12 +1,12 @@
 """From the options to the paper beside ours."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from imuwb import read
-from imuwb.arrays import Floats
 from imuwb.log import Log
 from imuwb.progress import tracked
+from imuwb.replay import of_static, with_autoregressive
 from imuwb.simulation import drive, planned_route, preset, static
 from imuwb.stochastic import ImuErrorModel
 from imuwb_plugins.noise.compute import run as noise
@@ -51,7 +51,7 @@ def _run(parameters: Quinchia, seed: int) -> Found:
     logs = [read(path) for path in parameters.drive] or [drive(model, planned_route(r), seed) for r in road.ROUTES]
     plans = road.plans(logs, simulated=not parameters.drive)
     next(steps)
-    driven = list(_driven(logs, plans, model, {axis: values for axis, (_, values) in still.imu().axes().items()}))
+    driven = list(_driven(logs, plans, with_autoregressive(model, of_static(still.imu())[0])))
     missing = {
         value.key: "the drive has no such outage" for table in paper(NAME).tables for value in table.values
         if value.key.table in ("6", "7", "8", "9", "10", "section 7")
@@ -64,11 +64,9 @@ def _run(parameters: Quinchia, seed: int) -> Found:
     )
 
 
-def _driven(
-    logs: Sequence[Log], plans: Sequence[road.Plan], model: ImuErrorModel, still: Mapping[str, Floats]
-) -> Iterator[road.Driven]:
+def _driven(logs: Sequence[Log], plans: Sequence[road.Plan], model: ImuErrorModel) -> Iterator[road.Driven]:
     for log, plan in tracked(list(zip(logs, plans, strict=True)), len(logs)):
-        yield road.driven(log, plan, model, still)
+        yield road.driven(log, plan, model)
 
 
 def _data(parameters: Quinchia) -> str:

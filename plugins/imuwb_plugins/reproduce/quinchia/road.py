@@ -120,21 +120,20 @@ def _spread(log: Log, numbers: Sequence[int], place: int) -> Plan:
     return Plan("9" if place == 0 else "10", tuple(made[0]), tuple(made[1]))
 
 
-def driven(log: Log, plan: Plan, model: ImuErrorModel, static: Mapping[str, Floats]) -> Driven:
+def driven(log: Log, plan: Plan, model: ImuErrorModel) -> Driven:
     """Return the errors of all filters on one drive.
 
     Args:
         log: the drive.
         plan: its outages.
-        model: of the sensor.
-        static: still samples of each axis, for the autoregressive processes.
+        model: of the sensor, with the autoregressive processes of 15AR and 27AR.
     """
     base = FilterModel("base", model)
     prepared = prepare(log, base)
     interval = prepared.measurement.interval
-    five = [model_named(name, base, interval=interval, static=static) for name in FILTERS]
+    five = [model_named(name, base, interval=interval) for name in FILTERS]
     bare = model_named("none", base, interval=interval)
-    nine = [replace(bare, name=name, wavelet_levels=levels) for name, levels in LEVELS.items()]
+    nine = [replace(bare, name=name, wavelet_levels=levels, wavelet_scale="none") for name, levels in LEVELS.items()]
     runs = [
         replay(prepared, models, [Outage(o.start, o.duration) for o in planned], reference="own")
         for models, planned in ((five, plan.filters), (nine, plan.levels))
