@@ -74,7 +74,7 @@ def _first_line(answer: Answer, origin: Origin, width: int) -> str:
     aside = f"  {answer.aside}" if answer.aside else ""
     head = f"{origin.analysis.upper()}  "
     room = max(NAMED, width - len(head) - len(f"{more}: {answer.about}{aside}"))
-    text = f"{head}{shortened(name, room)}{more}: {answer.about}"
+    text = f"{head}{shortened(name, room)}{more}: {answer.about}" if name else f"{head}{answer.about}"
     if len(text) + len(aside) > width:
         return text if len(text) <= width else f"{text[: width - 1]}{CUT}"
     return f"{text}{aside.rjust(width - len(text))}" if aside else text

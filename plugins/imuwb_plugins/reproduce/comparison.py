@@ -81,6 +81,8 @@ class Reproduction:
     source: str
     data: str  #: what ours is of
     seeds: int
+    simulated: bool  #: whether more seeds would make more of it
+    command: str  #: "reproduce quinchia"
     rule: str
     tables: tuple[TableComparison, ...]
     figures: tuple[FigureComparison, ...]
@@ -99,7 +101,7 @@ class Reproduction:
         return "\n".join([f"{self.paper}, {self.data}", *lines])
 
 
-def compared(paper: Paper, runs: Sequence[Found], data: str) -> Reproduction:
+def compared(paper: Paper, runs: Sequence[Found], data: str, *, simulated: bool) -> Reproduction:
     """Return a paper beside the runs, one for each seed.
 
     Raises:
@@ -119,7 +121,7 @@ def compared(paper: Paper, runs: Sequence[Found], data: str) -> Reproduction:
     )
     notes = tuple(dict.fromkeys(note for run in runs for note in run.notes))
     return Reproduction(
-        paper.name, paper.title, paper.source, data, len(runs), RULE, tables, figures, paper.equations, notes
+        paper.name, paper.title, paper.source, data, len(runs), simulated and len(runs) == 1, f"reproduce {paper.name}", RULE, tables, figures, paper.equations, notes
     )  # fmt: skip
 
 

@@ -1,8 +1,14 @@
 """A paper beside ours, shown."""
 
 import math
+from collections.abc import Iterator, Sequence
+from itertools import cycle
+from typing import TypeVar
 
-from imuwb.analysis import Answer, Bars, Figure, Review, Step, Table
+import numpy as np
+
+from imuwb.analysis import Answer, Bars, Curve, Figure, Review, Step, Table
+from imuwb.colors import BLUE, BROWN, GREEN, ORANGE, PALE, PINK, PURPLE, RED, TEAL, YELLOW
 from imuwb.statistics import Estimate
 from imuwb_plugins.reproduce.comparison import (
     AGREES,
@@ -15,34 +21,58 @@ from imuwb_plugins.reproduce.comparison import (
 )
 
 MOST_ROWS = 7  #: of the answer
+COLORS = (RED, BLUE, GREEN, ORANGE, PURPLE, TEAL, YELLOW, BROWN, PINK)
+ROWS, DRAWINGS = 45, 4  #: on a tab
+Item = TypeVar("Item", TableComparison, FigureComparison)
 HEADINGS = ("value", "of", "unit", "the paper", "ours [95 % interval]", "ours / the paper's", "verdict")
 
 
 def draw(result: Reproduction, review: Review) -> None:
-    """Show the rule, every table on a tab of its own, every figure, and what makes each of them."""
+    """Show the rule, every table and figure with what makes it, and the equations."""
     review.note(f"{result.title}. {result.source}.")
     review.note(f"Ours: {result.data}.")
     review.note(result.rule)
     for note in result.notes:
         review.note(note)
     review.table(_contents(result))
-    for table in result.tables:
-        if table.rows:
-            review.tab(f"Table {table.number}" if table.number[0].isdigit() else table.number.capitalize())
+    for tables in _grouped([t for t in result.tables if t.rows], [len(t.rows) for t in result.tables if t.rows], ROWS):
+        review.tab(_named("Table", tables))
+        for table in tables:
             _table(table, review)
-    for figure in result.figures:
-        if figure.drawings:
-            review.tab(f"Figure {figure.number}")
+    drawn = [f for f in result.figures if f.drawings]
+    for figures in _grouped(drawn, [len(f.drawings) for f in drawn], DRAWINGS):
+        review.tab(_named("Figure", figures))
+        for figure in figures:
             _figure(figure, review)
     review.tab("Equations")
     rows = tuple((e.number, e.title, e.command) for e in result.equations)
     review.table(Table("Equations", ("number", "what", "where imuwb has it"), rows, wide=True))
 
 
+def _grouped(items: Sequence[Item], sizes: Sequence[int], most: int) -> Iterator[list[Item]]:
+    """Yield items in their order, as many on a tab as it has room for."""
+    group, taken = list[Item](), 0
+    for item, size in zip(items, sizes, strict=True):
+        if group and taken + size > most:
+            yield group
+            group, taken = [], 0
+        group.append(item)
+        taken += size
+    if group:
+        yield group
+
+
+def _named(kind: str, items: Sequence[TableComparison] | Sequence[FigureComparison]) -> str:
+    """Return the name of a tab: "Table 2", "Tables 3-5", or "Section 7"."""
+    numbers = [item.number for item in items]
+    if not numbers[0][0].isdigit():
+        return numbers[0].capitalize()
+    numbered = [n for n in numbers if n[0].isdigit()]
+    return f"{kind} {numbers[0]}" if len(numbered) == 1 else f"{kind}s {numbered[0]}-{numbered[-1]}"
+
+
 def _contents(result: Reproduction) -> Table:
-    tables = tuple(
-        (f"table {t.number}" if t.number[0].isdigit() else t.number, t.title, _state(t)) for t in result.tables
-    )
+    tables = tuple((_short(t), t.title, _state(t)) for t in result.tables)
     figures = tuple(
         (f"figure {f.number}", f.title, f.reason or (f.command if f.drawings else "these data have none"))
         for f in result.figures
@@ -64,7 +94,8 @@ def _state(table: TableComparison) -> str:
 def _table(table: TableComparison, review: Review) -> None:
     rows = tuple(_cells(row) for row in table.rows)
     caption = f"Made with: {table.command}" if table.command else ""
-    review.table(Table(f"Table {table.number}: {table.title}", HEADINGS, rows, caption, wide=True))
+    name = f"Table {table.number}" if table.number[0].isdigit() else table.number.capitalize()
+    review.table(Table(f"{name}: {table.title}", HEADINGS, rows, caption, wide=True))
     for reading in table.readings:
         review.note(reading)
 
@@ -112,7 +143,7 @@ def answer(result: Reproduction) -> Answer:
     judged.sort(key=lambda t: (-t.count(DIFFERS), -t.count(AGREES)))
     rows = tuple(
         (
-            f"table {t.number}" if t.number[0].isdigit() else t.number, str(len(t.rows)), str(t.count(AGREES)), str(t.count(DIFFERS)),
+            _short(t), str(len(t.rows)), str(t.count(AGREES)), str(t.count(DIFFERS)),
             str(t.count(OTHER)), _worst(t),
         )
         for t in judged[:MOST_ROWS]
@@ -125,11 +156,40 @@ def answer(result: Reproduction) -> Answer:
     sentences.append(
         f"{drawn} of {len(result.figures)} figures are drawn; the others are photographs and drawings of methods."
     )
-    figure = next((d for f in result.figures for d in f.drawings if isinstance(d, Figure)), None)
+    again = (Step(f"imuwb {result.command} --seeds 10", "intervals from ten simulations"),) if result.simulated else ()
     return Answer(
-        result.data, ("", "values", "agree", "differ", "other data", "differs most"), rows, tuple(sentences),
-        (Step("{command} --full", "every value beside the paper's"),), figure=figure,
+        result.data, ("", "values", "agree", "differ", "other data", "differs most"), rows, tuple(sentences), again,
+        figure=_ratios([t for t in result.tables if t.rows]),
     )  # fmt: skip
+
+
+def _ratios(tables: Sequence[TableComparison]) -> Figure:
+    """Return the figure of the answer: our value over the paper's, of every value of every table."""
+    curves, begin = list[Curve](), 1
+    for table, color in zip(tables, cycle(COLORS), strict=False):
+        known = [(i, r) for i, r in enumerate(table.rows, begin) if r.ours and r.ratio > 0 and r.verdict != OTHER]
+        begin += len(table.rows)
+        if not known:
+            continue
+        x = np.array([float(i) for i, _ in known])
+        y, low, high = (
+            np.array([getattr(row.ours, end) / row.published_value for _, row in known])
+            for end in ("value", "lower", "upper")
+        )
+        low, high = np.minimum(low, high), np.maximum(low, high)
+        shown = np.isfinite(low) & np.isfinite(high) & (low > 0)
+        curves.append(
+            Curve(_short(table), x, y, color, np.where(shown, low, y), np.where(shown, high, y), style="points")
+        )
+    line = np.array([1.0, float(max(begin - 1, 2))])
+    curves.append(Curve("as printed", line, np.ones(2), PALE, style="fit"))
+    return Figure(
+        "Ours over the paper's, every value that a simulation can give again", "number of the value, table by table [1]", "ratio [1]", tuple(curves), x_scale="linear"
+    )  # fmt: skip
+
+
+def _short(table: TableComparison) -> str:
+    return f"table {table.number}" if table.number[0].isdigit() else table.number
 
 
 def _worst(table: TableComparison) -> str:

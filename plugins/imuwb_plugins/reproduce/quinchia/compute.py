@@ -32,7 +32,7 @@ def run(logs: Sequence[Log], parameters: Quinchia) -> Reproduction:
     del logs
     seeds = range(parameters.seed, parameters.seed + parameters.seeds)
     runs = [_run(parameters, seed) for seed in tracked(seeds, len(seeds))]
-    reproduction = compared(paper(NAME), runs, _data(parameters))
+    reproduction = compared(paper(NAME), runs, _data(parameters), simulated=parameters.static is None)
     return of_other_data(reproduction, _others(parameters)) if parameters.static is not None else reproduction
 
 

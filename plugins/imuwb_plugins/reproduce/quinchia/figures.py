@@ -36,7 +36,7 @@ def _trajectory(drive: Driven, outages: Sequence[Outages], mark: str) -> Figure:
         Curve("outages" if i == 0 else "", o.track[:, 1], o.track[:, 0], BLUE, style="line")
         for i, o in enumerate(outages)
     ]
-    marks = tuple(Mark(float(o.track[0, 1]), float(o.track[0, 0]), f"{o.number}{mark}", BLUE) for o in outages)
+    marks = tuple(Mark(float(o.track[0, 1]), float(o.track[0, 0]), f"outage {o.number}{mark}", BLUE) for o in outages)
     title = f"Trajectory {'1' if drive.plan.table == '9' else '2'} with its outages"
     return Figure(title, EAST, NORTH, tuple(curves), marks, x_scale="linear", y_scale="linear")
 
