@@ -46,10 +46,11 @@ def condition(log: Log, parameters: Parameters) -> tuple[Log, Applied]:
     note = f"taps: {taps}; samples near the ends of each part, which the whole filter does not cover, are left out"
     delay = max(kaiser.delay for kaiser in filters.values()) if parameters.causal else 0.0
     step = Conditioning("kaiser", text.lower(), parameters.causal, delay, note, low)
-    return replace(changed, conditioning=(*log.conditioning, step)), _applied(filters)
+    return replace(changed, conditioning=(*log.conditioning, step)), response_of(filters)
 
 
-def _applied(filters: Mapping[str, KaiserFilter]) -> Applied:
+def response_of(filters: Mapping[str, KaiserFilter]) -> Applied:
+    """Return filters with the response of the first one."""
     kaiser = next(iter(filters.values()))
     frequency = np.linspace(0, kaiser.rate / 2, POINTS)
     response = kaiser.response(frequency)

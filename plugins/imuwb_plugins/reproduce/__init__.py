@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from imuwb_plugins.reproduce.parameters import Quinchia
+from imuwb_plugins.reproduce.parameters import ElDiasty, Quinchia
 
 if TYPE_CHECKING:  # help must not wait for numpy
     from imuwb.analysis import Answer, Review
@@ -43,4 +43,7 @@ class Paper:
 
 
 #: name of the command -> the analysis
-METHODS = {"quinchia": Paper(Quinchia, "quinchia.compute")}
+METHODS = {
+    "quinchia": Paper(Quinchia, "quinchia.compute"),
+    "el-diasty": Paper(ElDiasty, "el_diasty.compute"),
+}

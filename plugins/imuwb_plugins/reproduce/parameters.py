@@ -40,3 +40,26 @@ class Quinchia(Repeated):
             raise ValueError("drive needs static: the filters take their noise from a still record of the same sensor")
         if self.seeds > 1 and (self.static is not None or self.drive):
             raise ValueError("seeds needs simulated logs; leave static and drive out, or give one seed")
+
+
+@dataclass(frozen=True)
+class ElDiasty(Repeated):
+    """El-Diasty and others: noise of two MEMS IMUs at chamber temperatures, before and after a Kaiser low-pass.
+
+    Simulates the y axes of the paper's sensors, runs the analyses, and sets every table and figure of the paper beside ours.
+
+    Example: imuwb reproduce el-diasty -o el-diasty.rrd --html el-diasty.html
+    """
+
+    chamber: Annotated[
+        tuple[Path, ...], "Four still logs of your own, at -30, 0, 30 and 60 °C in this order, in place of the simulated ones."
+    ] = ()  # fmt: skip
+    hours: Annotated[float, "Length of each simulated record (h); the paper's is 3.", Between(0.05, 100.0)] = 3.0
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        super().__post_init__()
+        if len(self.chamber) not in (0, 4):
+            raise ValueError(f"chamber has {len(self.chamber)} logs; it must have four, at -30, 0, 30 and 60 °C")
+        if self.seeds > 1 and self.chamber:
+            raise ValueError("seeds needs simulated logs; leave chamber out, or give one seed")
