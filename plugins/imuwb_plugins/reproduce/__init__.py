@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from imuwb_plugins.reproduce.parameters import ElDiasty, Quinchia
+from imuwb_plugins.reproduce.parameters import ElDiasty, Hassaballa, Quinchia
 
 if TYPE_CHECKING:  # help must not wait for numpy
     from imuwb.analysis import Answer, Review
@@ -46,4 +46,5 @@ class Paper:
 METHODS = {
     "quinchia": Paper(Quinchia, "quinchia.compute"),
     "el-diasty": Paper(ElDiasty, "el_diasty.compute"),
+    "hassaballa": Paper(Hassaballa, "hassaballa.compute"),
 }

@@ -63,3 +63,24 @@ class ElDiasty(Repeated):
             raise ValueError(f"chamber has {len(self.chamber)} logs; it must have four, at -30, 0, 30 and 60 °C")
         if self.seeds > 1 and self.chamber:
             raise ValueError("seeds needs simulated logs; leave chamber out, or give one seed")
+
+
+@dataclass(frozen=True)
+class Hassaballa(Repeated):
+    """Hassaballa and others: Allan variance of an MPU-6050 at several rates and bandwidths, and its calibration.
+
+    Simulates the paper's sensor, runs the analyses, and sets every table and figure of the paper beside ours.
+
+    Example: imuwb reproduce hassaballa -o hassaballa.rrd --html hassaballa.html
+    """
+
+    static: Annotated[
+        Path | None, "A still record of your own, of 200 Hz or a multiple, without a narrow low-pass, in place of the simulated one."
+    ] = None  # fmt: skip
+    hours: Annotated[float, "Length of the simulated record (h); the paper's is 2.", Between(0.05, 20.0)] = 2.0
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        super().__post_init__()
+        if self.seeds > 1 and self.static is not None:
+            raise ValueError("seeds needs simulated logs; leave static out, or give one seed")

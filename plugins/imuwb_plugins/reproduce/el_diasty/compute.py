@@ -20,7 +20,7 @@ from imuwb_plugins.reproduce.printed import Key, paper
 
 CUTOFFS: dict[str, float | None] = {"2": None, "3": 8.0, "4": 16.0, "5": 24.0}  #: table -> Hz
 WIDTH = 4.0  #: Hz, of the transition
-SHORTEST = 16  #: samples; at shorter averaging times the curve of noise of order 1 is not that of a random walk
+SHORTEST = 128  #: samples; at shorter averaging times the curve of noise of order 1 is not that of a random walk
 SHOWN = 30  #: °C, of figures 8, 9 and 13 to 15
 NAME = "el-diasty"
 MISSING = "no log of a second IMU is given"
