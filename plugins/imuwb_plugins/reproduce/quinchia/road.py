@@ -165,7 +165,11 @@ def _outages(run: Replay, planned: Sequence[Planned]) -> Iterator[Outages]:
 
 def tables(drives: Sequence[Driven]) -> dict[Key, Estimate | str]:
     """Return tables 6 to 10, and the gains of section 7."""
-    values: dict[Key, Estimate | str] = {**dict(_levels(drives)), **dict(_states(drives[0]))}
+    values: dict[Key, Estimate | str] = {
+        **dict(_levels(drives)),
+        **dict(_states(drives[0])),
+        **dict(_motion(drives[0])),
+    }
     for drive in drives:
         for outage in drive.filters:
             values |= dict(_errors(drive.plan.table, outage))
@@ -198,6 +202,9 @@ def _levels(drives: Sequence[Driven]) -> Iterator[tuple[Key, Estimate]]:
 def _states(drive: Driven) -> Iterator[tuple[Key, Estimate]]:
     for name, count in drive.states.items():
         yield Key("8", "states", name), exact(count, "1")
+
+
+def _motion(drive: Driven) -> Iterator[tuple[Key, Estimate]]:
     for axis, choice in drive.denoised.axes.items():
         yield Key("7", "levels", axis), exact(choice.level, "1")
         yield Key("7", "highest frequency", axis), exact(choice.band, "Hz")
