@@ -37,7 +37,7 @@ FREE_TEXT = {
 }
 #: what the metadata do not say
 REMARKS = {
-    "finufft": "its wheels contain FFTW, which is under GPL-2.0-or-later: who passes on an image with this wheel passes on FFTW too",
+    "finufft": "its wheels contain FFTW, which is under GPL-2.0-or-later; a benchmark alone uses it",
     "numpy": "its wheels contain libgfortran and libquadmath, under the GPL with the exception for run-time libraries",
     "scipy": "its wheels contain libgfortran and libquadmath, under the GPL with the exception for run-time libraries",
     "asammdf": "an extra that the user chooses; imuwb works without it",

@@ -89,7 +89,7 @@ def main() -> None:
         with suppress(ImuwbError):
             readers.read(path, options)
 
-    limits = "-timeout=5", "-rss_limit_mb=2048", f"-max_len={max(2 * len(sound), 4096)}"
+    limits = "-timeout=5", "-rss_limit_mb=2048", f"-max_len={max(2 * len(sound), 1024)}"
     atheris.Setup([sys.argv[0], *limits, *sys.argv[1:], str(folder / "corpus")], one, custom_mutator=mutated)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

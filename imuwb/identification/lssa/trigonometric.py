@@ -1,7 +1,7 @@
 """Sums of many strengths times exp(i omega t), at many frequencies at once.
 
-If the time stamps lie on a lattice, with or without gaps, a fast Fourier transform gives the sums; else a transform for uneven
-points does (Barnett, Magland, af Klinteberg 2019).
+If the time stamps lie on a lattice, with or without gaps, a fast Fourier transform gives the sums; else one for uneven points does
+(``uneven.py``).
 """
 
 from dataclasses import dataclass
@@ -10,8 +10,8 @@ import numpy as np
 from scipy import fft
 
 from imuwb.arrays import Complexes, Floats, Integers
+from imuwb.identification.lssa.uneven import uneven_sums
 
-ACCURACY = 1e-11  #: accuracy of the uneven transform, relative to the sum of all strengths
 STRAY = 6e-6  #: intervals, by which a time stamp may miss the lattice: rounding to nanoseconds at 5 kHz
 ROUNDED = 0.05  #: intervals, by which a time stamp may miss the lattice if the structure of the noise needs a lattice
 PADDED = 8.0  #: largest number of lattice points for each sample
@@ -94,7 +94,7 @@ def sums(time: Floats, lattice: Lattice | None, strengths: Floats, grid: Grid, m
         multiple: 1, or 2 for twice the frequencies.
     """
     if lattice is None or not grid.length:
-        return _uneven(2 * np.pi * multiple * grid.step * time, strengths, grid.count)
+        return uneven_sums(multiple * grid.step * time, strengths, grid.count)
     result = np.empty((len(strengths), grid.count), np.complex128)
     where = multiple * np.arange(1, grid.count + 1) % grid.length
     mirrored = where > grid.length // 2
@@ -114,21 +114,3 @@ def summit(values: Floats, k: int) -> float:
     before, here, after = values[k - 1 : k + 2]
     bend = before - 2 * here + after
     return float(np.clip(0.5 * (before - after) / bend, -0.5, 0.5)) if bend < 0 else 0.0
-
-
-def _uneven(phase: Floats, strengths: Floats, count: int) -> Complexes:
-    """Return sum_j strength_j exp(i k phase_j), k = 1 ... count; two real series are transformed as one complex series."""
-    from finufft import nufft1d1  # noqa: PLC0415 - slow to import, and even time stamps do not need it
-
-    pairs = -(-len(strengths) // 2)
-    packed = np.zeros((pairs, phase.size), np.complex128)
-    packed.real = strengths[0::2]
-    packed.imag[: len(strengths) // 2] = strengths[1::2]
-    wrapped = np.remainder(phase + np.pi, 2 * np.pi) - np.pi
-    modes = nufft1d1(wrapped, packed, 2 * count + 1, eps=ACCURACY, isign=1, nthreads=1)
-    modes = np.reshape(modes, (pairs, 2 * count + 1))
-    above, below = modes[:, count + 1 :], modes[:, count - 1 :: -1].conj()
-    result = np.empty((2 * pairs, count), np.complex128)
-    result[0::2] = 0.5 * (above + below)
-    result[1::2] = -0.5j * (above - below)
-    return result[: len(strengths)]
