@@ -17,7 +17,7 @@ from typing import Any, cast
 from numba.core import types
 from numba.core.errors import NumbaError
 
-from imuwb.compiled import kernels
+from imuwb.compiled import compiled, kernels
 
 NAME = "signatures.json"
 
@@ -35,8 +35,11 @@ def compile_all() -> tuple[int, int, tuple[str, ...]]:
     """
     count, failed, found = 0, list[str](), listed()
     for name, signatures in found.items():
+        module, _, function = name.partition(":")
         try:
-            import_module(name.partition(":")[0])
+            loaded = import_module(module)
+            if name not in kernels:  # its module compiles it late
+                compiled()(getattr(loaded, function))
             for signature in signatures:
                 kernels[name].compile(tuple(map(type_of, signature)))
                 count += 1

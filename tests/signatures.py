@@ -11,6 +11,7 @@ from pathlib import Path
 
 import imuwb
 from imuwb.compiled import kernels
+from imuwb.readers.bytes.loops import compiled_loop, late
 from imuwb.signatures import NAME, listed, text_of
 
 
@@ -19,6 +20,8 @@ def found() -> dict[str, list]:
     for module in pkgutil.walk_packages(imuwb.__path__, "imuwb."):
         if not module.name.endswith("__main__"):
             import_module(module.name)
+    for function in late.values():
+        compiled_loop(function)
     before, every = listed(), dict[str, list]()
     for name, kernel in sorted(kernels.items()):
         kept = [list(map(text_of, one)) for one in sorted(kernel._cache.signatures(), key=str)]  # noqa: SLF001

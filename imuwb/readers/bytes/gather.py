@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from imuwb.arrays import Bytes, Integers
-from imuwb.readers.bytes.loops import compiled_loop, worth_compiling
+from imuwb.readers.bytes.loops import compiled_late, compiled_loop, worth_compiling
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +56,7 @@ def gather(buffer: Bytes, at: Integers, kind: str, count: int = 0) -> NDArray[An
     return numbers if count else numbers[:, 0]
 
 
+@compiled_late
 def _copy(view: NDArray[Any], at: Integers, size: int, numbers: NDArray[Any]) -> None:  # pragma: no cover - compiled
     """Copy, for each row, the numbers that are ``size`` bytes from each other from its offset on."""
     for i in range(at.size):

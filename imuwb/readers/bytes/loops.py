@@ -15,6 +15,15 @@ def worth_compiling(size: int) -> bool:
     return size > SMALL or "numba" in sys.modules
 
 
+late: dict[str, Callable[..., object]] = {}  #: functions that are compiled at the first need, by ``module:name``
+
+
+def compiled_late(function: Function) -> Function:
+    """Note that ``compiled_loop`` compiles a function, so that ``imuwb warm`` can do so before."""
+    late[f"{function.__module__}:{function.__qualname__}"] = function
+    return function
+
+
 def compiled_loop(function: Function) -> Function:
     """Return the compiled form of a loop; the first call imports the compiler."""
     return cast("Function", _compiled(function))

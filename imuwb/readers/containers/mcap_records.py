@@ -19,7 +19,7 @@ from imuwb.arrays import Bytes, Integers
 from imuwb.notes import Note
 from imuwb.readers.bytes import source
 from imuwb.readers.bytes.gather import gather
-from imuwb.readers.bytes.loops import compiled_loop, worth_compiling
+from imuwb.readers.bytes.loops import compiled_late, compiled_loop, worth_compiling
 from imuwb.readers.bytes.source import Source, extended
 from imuwb.readers.bytes.unpack import unpack, unpack_front
 from imuwb.readers.containers.mcap_extras import (
@@ -60,6 +60,7 @@ _DECLARING, _LEAST = (
 CHUNK_HEADER = 40  #: bytes of a chunk before its records, at least
 
 
+@compiled_late
 def _walk(
     buffer: Bytes,
     start: int,
