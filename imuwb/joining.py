@@ -28,6 +28,7 @@ def joined(log: Log, other: Log) -> Log:
         speeds=(*log.speeds, *other.speeds),
         truth={**other.truth, **log.truth},
         settings={**other.settings, **log.settings},
+        devices={**other.devices, **log.devices},
         notes=(*log.notes, *_notes(log, other)),
     )
 

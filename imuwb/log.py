@@ -323,6 +323,8 @@ class Log:
     truth: Mapping[str, str] = field(default_factory=dict[str, str])
     #: parameters by which an autopilot corrected the samples before it logged them; nan: changed while it logged
     settings: Mapping[str, float] = field(default_factory=dict[str, float])
+    #: numbers of the devices that IMUs' samples come from, as an autopilot states them: IMU -> "gyro" or "accel" -> number
+    devices: Mapping[str, Mapping[str, int]] = field(default_factory=dict[str, Mapping[str, int]])
 
     def __post_init__(self) -> None:
         """Set ``zero`` to the start of the earliest stream unless it is given."""

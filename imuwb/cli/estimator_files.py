@@ -80,8 +80,11 @@ def export(
     scale_factor: _Scale = None,
     celsius: _Celsius = None,
     instance: Annotated[
-        int, typer.Option(help="Number of the autopilot's IMU, from 0, for biases by temperature.")
-    ] = 0,
+        int | None,
+        typer.Option(
+            help="Number of the autopilot's IMU, from 0, for parameters of its own. Default: that of the model's log, else 0."
+        ),
+    ] = None,
     output: _Output = None,
     force: _Force = False,
 ) -> None:
@@ -92,7 +95,7 @@ def export(
     Example: imuwb model export static.error-model.toml --to vins --rate 200 -o imu.yaml
     """
     from imuwb.cli.places import check_place  # noqa: PLC0415 - help must not wait
-    from imuwb.estimators import as_json, constant  # noqa: PLC0415
+    from imuwb.estimators import as_json  # noqa: PLC0415
     from imuwb.estimators import export as exported  # noqa: PLC0415
     from imuwb.estimators.calibration import FILES, THERMAL_FORMS, calibration_text, thermal_text  # noqa: PLC0415
 
@@ -105,7 +108,7 @@ def export(
     if to == "json":
         text, notes = as_json(read), ()
     elif to in FILES:
-        text, notes = calibration_text(constant(read, celsius)[0], to)
+        text, notes = calibration_text(read, to, instance, celsius)
     elif to in THERMAL_FORMS:
         text, notes = thermal_text(read, to, instance)
     else:

@@ -11,6 +11,7 @@ from imuwb.errors import UsageError
 from imuwb.estimators.analysis_results import SLOPES, is_allan_variance_ros, is_imu_utils, read_imu_utils
 from imuwb.estimators.calibration import read_calibration_text
 from imuwb.estimators.formula import Setting
+from imuwb.estimators.matlab_text import is_matlab, matlab_lines
 from imuwb.estimators.tool import SETTINGS, Field, Tool, tool_named, tools
 from imuwb.log import AXES
 from imuwb.renames import settle
@@ -83,6 +84,9 @@ def read_estimator_text(text: str, where: str, tool: str | None = None, setting:
     setting = setting or Setting()
     if tool is None and (found := _other_form(text, where, setting)) is not None:
         return found
+    converted: tuple[str, ...] = ()
+    if tool in (None, "matlab") and is_matlab(text):
+        tool, (text, converted) = "matlab", matlab_lines(text)
     text = _STATION.sub(r"\1 \2", text)
     calibration = read_calibration_text(text, where)
     chosen = _recognized(text) if tool is None else tool_named(tool, "--from")
@@ -112,6 +116,7 @@ def read_estimator_text(text: str, where: str, tool: str | None = None, setting:
     missing = [field.key for field in chosen.fields if field.sensor and not any(key in stated for key in field.keys)]
     named = [key for key in missing if chosen.form != "json" and re.search(rf"(?<!\w){re.escape(key)}(?!\w)", plain)]
     notes = (
+        *converted,
         *((f"after {', '.join(named)} stands no number that can be read",) if named else ()),
         *((SLOPES,) if is_allan_variance_ros(text) else ()),
         *((f"the file does not state {', '.join(missing)}; what that says stays unknown, not 0",) if missing else ()),

@@ -37,7 +37,7 @@ def constant(model: ImuErrorModel, celsius: float | None) -> tuple[ImuErrorModel
     rows = points if len(points) <= MOST_ROWS else np.linspace(points[0], points[-1], MOST_ROWS).tolist()
     table = tuple(_row(model, t) for t in rows)
     if celsius is None:
-        plain = "the tool has no place for temperature: the model's plain processes are written; --celsius T takes those at T"
+        plain = "the tool has no place for temperature: the terms that the model states without it are written; --celsius T takes those at T"
         return model, (plain, *table)
     axes = {name: _at(axis, celsius) for name, axis in model.axes.items()}
     taken = f"the tool has no place for temperature: the model at {celsius:g} °C is written"
@@ -75,11 +75,13 @@ def _row(model: ImuErrorModel, celsius: float) -> str:
     for sensor, units in _UNITS.items():
         own = [_at(axis, celsius) for name, axis in model.axes.items() if name.startswith(sensor)]
         curved = any(axis.thermal_bias for name, axis in model.axes.items() if name.startswith(sensor))
+        scaled = any(axis.thermal_scale_factor for name, axis in model.axes.items() if name.startswith(sensor))
         noisy = any(axis.thermal for name, axis in model.axes.items() if name.startswith(sensor))
         white = [term.N for axis in own for term in axis.processes.terms if isinstance(term, WhiteNoise)]
         parts += [f"{sensor} bias {_texts([axis.bias for axis in own])} {units[0]}"] if curved else []
+        parts += [f"{sensor} scale factor {_texts([axis.scale_factor for axis in own])}"] if scaled else []
         parts += [f"{sensor} N {_texts(white)} {units[1]}"] if noisy and white else []
-    return f"at {celsius:g} °C: {'; '.join(parts) or 'scale factors only'}"
+    return f"at {celsius:g} °C: {'; '.join(parts)}"
 
 
 def _texts(values: list[float]) -> str:

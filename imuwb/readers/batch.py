@@ -55,6 +55,9 @@ class Remark:
         default_factory=dict[str, str]
     )  #: parameters that a simulator wrote, as in ``Log``
     settings: Mapping[str, float] = field(default_factory=dict[str, float])  #: of an autopilot, as in ``Log``
+    devices: Mapping[str, Mapping[str, int]] = field(
+        default_factory=dict[str, Mapping[str, int]]
+    )  #: of an autopilot's IMUs, as in ``Log``
 
 
 #: From the first rows of all streams to the first time of the wanted part and the time after its end, ns, with margins.

@@ -1,13 +1,13 @@
 from .autoregressive import Autoregressive as Autoregressive
 from .axis_model import AxisModel as AxisModel
 from .axis_model import of_either_sign as of_either_sign
-from .data_sheet import is_data_sheet as is_data_sheet
 from .data_sheet import read_data_sheet as read_data_sheet
 from .deterministic import corrected as corrected
 from .deterministic import is_ideal as is_ideal
 from .deterministic import is_thermal as is_thermal
 from .deterministic import shown as shown
 from .error_model import ImuErrorModel as ImuErrorModel
+from .error_model_document import is_data_sheet as is_data_sheet
 from .flicker import FLICKER_LEVEL as FLICKER_LEVEL
 from .flicker import FlickerApproximation as FlickerApproximation
 from .flicker import FlickerNoise as FlickerNoise

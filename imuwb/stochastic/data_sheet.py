@@ -59,14 +59,6 @@ _PLAIN = {"range": "rate", "lsb": "rate", "bandwidth": "Hz"}
 _HEAD = ("name", "source", "grade", "note")
 
 
-def is_data_sheet(document: Mapping[str, object]) -> bool:
-    """Return whether a TOML document has the form of a data sheet, not that of an error model."""
-    tables = [content for key, content in document.items() if key in ("gyro", "accel", *AXES)]
-    return (
-        bool(tables) and "schema" not in document and all(isinstance(t, dict) and "processes" not in t for t in tables)
-    )
-
-
 def read_data_sheet(text: str, where: str) -> ImuErrorModel:
     """Return the error model of a data sheet.
 

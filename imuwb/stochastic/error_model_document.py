@@ -115,10 +115,24 @@ def parsed(text: str, where: str) -> tuple[str, dict[str, AxisModel], dict[str, 
     return model_of(documents.parsed(text, where), where)
 
 
+def is_data_sheet(document: Mapping[str, object]) -> bool:
+    """Return whether a TOML document has the form of a data sheet, not that of an error model."""
+    tables = [content for key, content in document.items() if key in ("gyro", "accel", *AXES)]
+    return (
+        bool(tables) and "schema" not in document and all(isinstance(t, dict) and "processes" not in t for t in tables)
+    )
+
+
 def model_of(
     document: dict[str, object], where: str
 ) -> tuple[str, dict[str, AxisModel], dict[str, str], tuple[str, ...]]:
     """Return what ``parsed`` returns, of a document that is read already; its keys are taken out."""
+    if {"gyro", "accel"} & document.keys() and is_data_sheet(document):
+        raise UsageError(
+            f"{where}: the numbers of a data sheet, not an error model; imuwb model import {where} -o MODEL.toml makes one of them"
+        )
+    if "filter" in document and "error_model" in document:
+        raise UsageError(f"{where}: a filter that a replay saved, not an error model; imuwb outage --filter reads it")
     schema = document.pop("schema", SCHEMA)
     if schema != SCHEMA:
         raise UsageError(

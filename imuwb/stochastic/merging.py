@@ -30,7 +30,9 @@ CALIBRATION = (
 )
 SENSOR = ("bandwidth", "group_delay", "lsb", "range")
 AR = "AR"
-PARTS = (*KINDS, "calibration", "sensor")
+_TOGETHER: Mapping[str, Sequence[str]] = {"calibration": CALIBRATION, "sensor": SENSOR}
+PARTS = (*KINDS, *_TOGETHER)
+_NEUTRAL = AxisModel()
 
 
 def merge(models: Sequence[ImuErrorModel], taken: Mapping[str, int]) -> ImuErrorModel:
@@ -38,6 +40,8 @@ def merge(models: Sequence[ImuErrorModel], taken: Mapping[str, int]) -> ImuError
 
     AR processes that are taken from another model become those of the filters 15AR and 27AR: the sum of the first describes the
     noise already, and a second description in the sum would count it twice.
+
+    Where that model lacks an axis, as one of a single triad does, the first of the others that has it gives the terms.
 
     Args:
         models: two or more.
@@ -54,7 +58,7 @@ def merge(models: Sequence[ImuErrorModel], taken: Mapping[str, int]) -> ImuError
     axes: dict[str, AxisModel] = {}
     for axis in AXES:
         if any(axis in model.axes for model in models):
-            axes[axis] = _axis([model.axes.get(axis, AxisModel()) for model in models], taken)
+            axes[axis] = _axis([model.axes.get(axis) for model in models], taken)
     provenance = {f"{key} of {model.name}": text for model in models for key, text in model.provenance.items()} | {
         "merged": "; ".join(f"{part} from {models[place].name}" for part, place in taken.items())
     }
@@ -62,12 +66,12 @@ def merge(models: Sequence[ImuErrorModel], taken: Mapping[str, int]) -> ImuError
     return ImuErrorModel(models[0].name, axes, provenance, doubts)
 
 
-def _axis(models: Sequence[AxisModel], taken: Mapping[str, int]) -> AxisModel:
+def _axis(models: Sequence[AxisModel | None], taken: Mapping[str, int]) -> AxisModel:
     terms: list[Process] = []
     intervals: dict[str, tuple[float, float]] = {}
     limits: dict[str, float] = {}
     for part, kind in KINDS.items():
-        source = models[0 if part == AR else taken.get(part, 0)]
+        source = _giver(models, 0 if part == AR else taken.get(part, 0))
         for i, term in enumerate(source.processes.terms):
             if isinstance(term, kind):
                 kept = {
@@ -79,17 +83,26 @@ def _axis(models: Sequence[AxisModel], taken: Mapping[str, int]) -> AxisModel:
                 terms.append(term)
         if part in source.limits and not any(isinstance(term, kind) for term in terms):
             limits[part] = source.limits[part]
-    calibration, sensor = models[taken.get("calibration", 0)], models[taken.get("sensor", 0)]
+    calibration, sensor = (_giver(models, taken.get(part, 0), names) for part, names in _TOGETHER.items())
     rest = {name: getattr(calibration, name) for name in CALIBRATION} | {name: getattr(sensor, name) for name in SENSOR}
     apart = _autoregressive(models, taken.get(AR, 0))
     sums = Sum(tuple(terms))
     return replace(AxisModel(), processes=sums, intervals=intervals, limits=limits, autoregressive=apart, **rest)
 
 
-def _autoregressive(models: Sequence[AxisModel], place: int) -> tuple[Autoregressive, ...]:
+def _giver(models: Sequence[AxisModel | None], place: int, names: Sequence[str] = ()) -> AxisModel:
+    """Return the model of an axis that gives a part: the named one, or the first that has the axis, and the terms, if any has."""
+    named = models[place]
+    if named is not None:
+        return named
+    others = [model for model in models if model is not None]
+    return next((m for m in others if any(getattr(m, name) != getattr(_NEUTRAL, name) for name in names)), others[0])
+
+
+def _autoregressive(models: Sequence[AxisModel | None], place: int) -> tuple[Autoregressive, ...]:
     """Return the processes of 15AR and 27AR: those of the first model, replaced by those of the model that gives them."""
-    found = {len(process.alpha): process for process in models[0].autoregressive}
-    given = models[place]
+    first, given = (_giver(models, number) for number in (0, place))
+    found = {len(process.alpha): process for process in first.autoregressive}
     if place:
         found |= {len(term.alpha): term for term in given.processes.terms if isinstance(term, Autoregressive)}
     found |= {len(process.alpha): process for process in given.autoregressive}

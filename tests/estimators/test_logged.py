@@ -7,7 +7,6 @@ from imuwb.errors import MissingDataError
 from imuwb.estimators.calibration.logged import as_measured, before_logging, taken_off
 from imuwb.readers import read
 from tests.readers.flight import dataflash_writer as log
-from tests.readers.flight import ulog_writer as ulog
 
 PARM = log.Format(143, "PARM", "QNf", "TimeUS,Name,Value")
 GYRO = np.array([[0.01 * i, -0.02 + 0.001 * i, 0.03] for i in range(60)])
@@ -79,28 +78,3 @@ def test_parameters_that_changed_or_are_not_stated_are_refused(tmp_path):
     with pytest.raises(MissingDataError, match="with its parameters"):
         as_measured(read(path))
     assert before_logging([read(path)], undo=False)[1] == ()
-
-
-def test_a_log_of_px4_names_its_corrections_and_is_not_brought_back(tmp_path):
-    import struct
-
-    def parameter(name, value):
-        key = f"{'int32_t' if isinstance(value, int) else 'float'} {name}".encode()
-        return ulog.message("P", bytes([len(key)]) + key + struct.pack("<i" if isinstance(value, int) else "<f", value))
-
-    stated = {
-        "CAL_ACC0_XOFF": 0.5,
-        "CAL_ACC0_YSCALE": 1.0,
-        "TC_G_ENABLE": 1,
-        "TC_G0_X1_2": 1e-4,
-        "TC_A_ENABLE": 0,
-        "TC_A0_X1_2": 1e-4,
-    }
-    path = tmp_path / "flight.ulg"
-    whole = ulog.HEADER + b"".join(parameter(*one) for one in stated.items()) + ulog.combined(50)
-    path.write_bytes(whole)
-    flight = read(path)
-    assert flight.settings["TC_G0_X1_2"] == pytest.approx(1e-4)
-    assert taken_off(flight, flight.imu()) == ("CAL_ACC0_XOFF", "TC_G0_X1_2")
-    with pytest.raises(MissingDataError, match="sensor_accel and sensor_gyro are as the sensor measured"):
-        as_measured(flight)

@@ -6,6 +6,7 @@ from .files import imu_tk_files as imu_tk_files
 from .files import read_calibration_text as read_calibration_text
 from .logged import as_measured as as_measured
 from .logged import before_logging as before_logging
+from .logged import sensor_identity as sensor_identity
 from .logged import taken_off as taken_off
 from .matrices import Matrices as Matrices
 from .thermal import THERMAL_FORMS as THERMAL_FORMS

@@ -9,8 +9,11 @@ import numpy as np
 from imuwb.arrays import Floats
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.estimators.calibration.matrices import Matrices, lower_and_turn
-from imuwb.stochastic import ImuErrorModel, is_ideal, is_thermal
+from imuwb.estimators.calibration.thermal import device_row, instance_of
+from imuwb.estimators.temperature import constant
+from imuwb.stochastic import ImuErrorModel, is_ideal
 
+INSTANCES = {"px4-cal": 3, "ardupilot-ins": 2}  #: form -> largest number of an IMU
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
 _TRIAD = 21  #: numbers of imu_tk for one triad: 9 + 9 + 3
@@ -27,11 +30,19 @@ class CalibrationFile:
     suffix: str
 
 
-def calibration_text(model: ImuErrorModel, name: str) -> tuple[str, tuple[str, ...]]:
+def calibration_text(
+    model: ImuErrorModel, name: str, instance: int | None = None, celsius: float | None = None
+) -> tuple[str, tuple[str, ...]]:
     """Return the calibration of a model in a form, and what has no place there.
 
+    Args:
+        model: with deterministic terms.
+        name: one of ``FILES``.
+        instance: number of the autopilot's IMU, from 0, for its parameters; by default that of the model's log, else 0.
+        celsius: °C at which terms that depend on temperature are taken; by default the model's constant terms.
+
     Raises:
-        UsageError: no such form.
+        UsageError: no such form or instance, or a temperature outside of the model's.
         MissingDataError: the model has no deterministic term.
     """
     if name not in FILES:
@@ -41,14 +52,14 @@ def calibration_text(model: ImuErrorModel, name: str) -> tuple[str, tuple[str, .
             f"model {model.name} has no bias, scale factor or cross-coupling; a calibration gives such a model"
         )
     form = FILES[name]
+    model, by_temperature = constant(model, celsius)
     try:
         lines, notes = form.write(Matrices.of(model))
     except ValueError as error:
         raise UsageError(f"model {model.name}: {error}") from error
-    if is_thermal(model):
-        notes.append(
-            "terms that depend on temperature have no place here; the constant terms of the model are written, and --celsius T writes those at T"
-        )
+    if name in INSTANCES:
+        lines = _of_instance(lines, model, name, instance_of(model, instance, INSTANCES[name]))
+    notes += by_temperature
     source = "; ".join(f"{key}: {text}" for key, text in model.provenance.items())
     head = [form.title, f"facts from {form.source}", f"model {model.name}" + (f", {source}" if source else ""), *notes]
     comments = [f"# {' '.join(text.split())}" for text in head]
@@ -56,6 +67,16 @@ def calibration_text(model: ImuErrorModel, name: str) -> tuple[str, tuple[str, .
     if name == "imu-tk":  # its reader takes numbers only
         return "\n".join(lines) + "\n", tuple(notes)
     return "\n".join([*lines[:first], *comments, *lines[first:]]) + "\n", tuple(notes)
+
+
+def _of_instance(lines: list[str], model: ImuErrorModel, name: str, place: int) -> list[str]:
+    """Return the parameters of an autopilot's first IMU as those of another, with the numbers of the devices where PX4 has them."""
+    if name == "ardupilot-ins":
+        number = "" if place == 0 else str(place + 1)
+        return [re.sub(r"^INS_(ACC|GYR)", rf"INS_\g<1>{number}", line) for line in lines]
+    lines = [re.sub(r"^CAL_(ACC|GYRO)0", rf"CAL_\g<1>{place}", line) for line in lines]
+    devices = [(sensor, f"CAL_{short}{place}_ID") for sensor, short in (("accel", "ACC"), ("gyro", "GYRO"))]
+    return [*lines, *(device_row(model, sensor, parameter) for sensor, parameter in devices)]
 
 
 def calibration_lines(model: ImuErrorModel, name: str) -> tuple[list[str], list[str]]:
@@ -312,7 +333,7 @@ FILES: Mapping[str, CalibrationFile] = {
         "dpkoch/imu_calib: src/accel_calib.cpp", _imu_calib, _read_imu_calib, ".yaml",
     ),
     "px4-cal": CalibrationFile(
-        "PX4 calibration parameters: true = (raw - OFF) SCALE; set CAL_ACC0_ID and CAL_GYRO0_ID to those of your sensors",
+        "PX4 calibration parameters: true = (raw - OFF) SCALE",
         "PX4/PX4-Autopilot: src/lib/sensor_calibration/Accelerometer.hpp, Gyroscope.hpp",
         lambda m: _parameters(m, _px4_name, "{}\t{}"), _read_parameters(_px4_name), ".params",
     ),

@@ -5,6 +5,7 @@ subtracts p at the clamped temperature less p at the temperature of calibration,
 PX4 (src/modules/sensors/temperature_compensation): offset = X0 + X1 d + X2 d² + X3 d³ with d = clamped T - TREF.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,25 +64,24 @@ def curves(model: ImuErrorModel, reference: float) -> tuple[tuple[Curve, ...], f
     return tuple(found), low, high
 
 
-def thermal_text(model: ImuErrorModel, name: str, instance: int = 0) -> tuple[str, tuple[str, ...]]:
+def thermal_text(model: ImuErrorModel, name: str, instance: int | None = None) -> tuple[str, tuple[str, ...]]:
     """Return the parameters of an autopilot for one of its IMUs, and notes.
 
     Args:
         model: with biases by temperature.
         name: ``"ardupilot-tcal"`` or ``"px4-tc"``.
-        instance: number of the IMU, from 0.
+        instance: number of the IMU, from 0; by default that of the model's log, else 0.
 
     Raises:
         UsageError, MissingDataError: no such form, or no curve.
     """
     if name not in THERMAL_FORMS:
         raise UsageError(f"--to {name}: it must be one of {', '.join(THERMAL_FORMS)}")
-    most = 2 if name == "ardupilot-tcal" else 3
-    if not 0 <= instance <= most:
-        raise UsageError(f"--instance {instance}: it must be 0 to {most}")
+    instance = instance_of(model, instance, 2 if name == "ardupilot-tcal" else 3)
     reference = REFERENCE if name == "ardupilot-tcal" else 25.0
     found, low, high = curves(model, reference)
-    rows = (_ardupilot if name == "ardupilot-tcal" else _px4)(found, low, high, instance)
+    ardupilot = name == "ardupilot-tcal"
+    rows = _ardupilot(found, low, high, instance) if ardupilot else _px4(model, found, low, high, instance)
     worst = [max((c.misfit for c in found if c.axis.startswith(sensor)), default=0.0) for sensor in ("gyro", "accel")]
     notes = (
         f"a polynomial of third order; it misses the model's set-points by up to {worst[0]:.2g} rad/s and {worst[1]:.2g} m/s²",
@@ -109,7 +109,32 @@ def _ardupilot(found: tuple[Curve, ...], low: float, high: float, instance: int)
     return rows
 
 
-def _px4(found: tuple[Curve, ...], low: float, high: float, instance: int) -> list[str]:
+def instance_of(model: ImuErrorModel, stated: int | None, most: int) -> int:
+    """Return the number of an autopilot's IMU: as the user states it, else that of the model's log, else 0.
+
+    Raises:
+        UsageError: the autopilot has no such IMU.
+    """
+    own = stated_in(model, "imu instance")
+    instance = stated if stated is not None else int(own) if own.isdecimal() else 0
+    if not 0 <= instance <= most:
+        raise UsageError(f"--instance {instance}: it must be 0 to {most}")
+    return instance
+
+
+def stated_in(model: ImuErrorModel, key: str) -> str:
+    """Return what a model's provenance states, of a merged model that of any of its parts that states it; empty without."""
+    texts = (text for name, text in model.provenance.items() if name == key or name.startswith(f"{key} of "))
+    return next(texts, "")
+
+
+def device_row(model: ImuErrorModel, sensor: str, name: str) -> str:
+    """Return the parameter of PX4 with the number of the device that a model was made from, or what is to be done."""
+    number = stated_in(model, f"{sensor} device")
+    return f"{name}\t{number}" if number.isdecimal() else f"# set {name} to the device id of this sensor"
+
+
+def _px4(model: ImuErrorModel, found: tuple[Curve, ...], low: float, high: float, instance: int) -> list[str]:
     rows: list[str] = []
     for sensor, short in (("accel", "A"), ("gyro", "G")):
         own = [curve for curve in found if curve.axis.startswith(sensor)]
@@ -124,18 +149,20 @@ def _px4(found: tuple[Curve, ...], low: float, high: float, instance: int) -> li
         for curve in own:
             place = "xyz".index(curve.axis[-1])
             rows += [f"TC_{short}{instance}_X{k}_{place}\t{curve.coefficients[k]:.9g}" for k in range(ORDER + 1)]
-        rows.append(f"# set TC_{short}{instance}_ID to the device id of this sensor")
+        rows.append(device_row(model, sensor, f"TC_{short}{instance}_ID"))
     return rows
 
 
-def subtracted(name: str, values: dict[str, float], celsius: Floats, instance: int = 0) -> tuple[Floats, Floats]:
+def subtracted(
+    name: str, values: dict[str, float], celsius: Floats, instance: int = 0, sensors: Sequence[str] = ("gyro", "accel")
+) -> tuple[Floats, Floats]:
     """Return what an autopilot with these parameters subtracts at temperatures: (n, 3) rad/s and (n, 3) m/s².
 
-    These are the formulas of the autopilots, by which a file is proven and a log's own compensation can be added back.
+    ``sensors`` names those that are wanted; the other is 0. These are the formulas of the autopilots, by which a file is proven and a log's own compensation can be added back.
     """
     gyro, accel = np.zeros((len(celsius), 3)), np.zeros((len(celsius), 3))
     for sensor, out in (("gyro", gyro), ("accel", accel)):
-        for place, axis in enumerate("XYZ"):
+        for place, axis in enumerate("XYZ" if sensor in sensors else ""):
             if name == "px4-tc":
                 prefix = f"TC_{sensor[0].upper()}{instance}"
                 d = np.clip(celsius, values[f"{prefix}_TMIN"], values[f"{prefix}_TMAX"]) - values[f"{prefix}_TREF"]

@@ -85,7 +85,8 @@ def assemble(
     """
     truth: dict[str, str] = {}
     settings: dict[str, float] = {}
-    groups, repairs, notes = _grouped(_stated(parts, truth, settings), provenance.size, budget)
+    devices: dict[str, Mapping[str, int]] = {}
+    groups, repairs, notes = _grouped(_stated(parts, truth, settings, devices), provenance.size, budget)
     streams: list[Batch] = []
     for (stream, kind, _), group in groups.items():
         rows = _joined(group, repairs.pop(stream, []))
@@ -99,17 +100,21 @@ def assemble(
             notes.append(Note("in_turn", f"{text}; they are read as {', '.join(rows.stream for rows in sensors)}"))
         streams.extend(_timed(sensor, rate, even=even) for sensor in sensors)
     notes.extend(_repair_notes(streams, repairs))
-    return replace(_log(provenance, streams, notes), truth=truth, settings=settings)
+    return replace(_log(provenance, streams, notes), truth=truth, settings=settings, devices=devices)
 
 
 def _stated(
-    parts: Iterable[Batch | Remark], truth: dict[str, str], settings: dict[str, float]
+    parts: Iterable[Batch | Remark],
+    truth: dict[str, str],
+    settings: dict[str, float],
+    devices: dict[str, Mapping[str, int]],
 ) -> Iterator[Batch | Remark]:
-    """Yield the parts, and collect the parameters that a simulator or an autopilot wrote."""
+    """Yield the parts, and collect the parameters and devices that a simulator or an autopilot stated."""
     for part in parts:
         if isinstance(part, Remark):
             truth.update(part.truth)
             settings.update(part.settings)
+            devices.update(part.devices)
             if not part.text:
                 continue
         yield part

@@ -9,7 +9,7 @@ from imuwb.readers.batch import Remark
 #: ArduPilot: libraries/AP_InertialSensor; PX4: src/modules/sensors and src/lib/sensor_calibration
 RELEVANT = re.compile(
     r"INS_TCAL\d_(ENABLE|TMIN|TMAX|(ACC|GYR)[123]_[XYZ])|INS_(ACC|GYR)\d?(OFFS|SCAL)_[XYZ]|INS_(ACC|GYR)\d_CALTEMP|AHRS_ORIENTATION"
-    r"|CAL_(ACC|GYRO)\d_([XYZ](OFF|SCALE)|ID|ROT)|TC_[AG](_ENABLE|\d_(ID|TREF|TMIN|TMAX|X[0-3]_[012]))|SENS_BOARD_ROT"
+    r"|CAL_(ACC|GYRO)\d_([XYZ](OFF|SCALE)|ID|ROT)|TC_[AG](_ENABLE|\d_(ID|TREF|TMIN|TMAX|X[0-3]_[012]))|SENS_BOARD_(ROT|[XYZ]_OFF)"
 )
 
 

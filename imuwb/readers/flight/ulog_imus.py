@@ -21,6 +21,7 @@ Topics = Sequence[tuple[str, Columns]]
 
 COMBINED, INCREMENTS, SELECTION = "sensor_combined", "vehicle_imu", "sensor_selection"
 SENSORS = {"angular_rate": "sensor_gyro", "specific_force": "sensor_accel"}
+SHORT = {"angular_rate": "gyro", "specific_force": "accel"}
 FIFOS = tuple(f"{name}_fifo" for name in SENSORS.values())
 LONGEST_STEP = 1e6  #: µs between the samples in a sensor's own buffer; a larger one is damage
 INVALID = 2**31 - 1  #: relative stamp of a sample that is not valid
@@ -48,6 +49,20 @@ class PX4Imus:
         yield from self._sensors()
         yield from self._combined()
         yield from self._increments()
+        yield Remark("", devices={name: stated for name, stated in self._numbers().items() if stated})
+
+    def _numbers(self) -> dict[str, dict[str, int]]:
+        """Return the numbers of the devices of each IMU whose topics state one, the same in all rows."""
+        found: dict[str, dict[str, int]] = {}
+        for suffix in ("_fifo", ""):
+            topics = {quantity: dict(self.topics(name + suffix)) for quantity, name in SENSORS.items()}
+            for parts in _devices(topics):
+                numbers = {SHORT[quantity]: _device(topics[quantity][name]) for quantity, name in parts.items()}
+                found["+".join(sorted(parts.values()))] = numbers
+        chosen = [_chosen(columns) for _, columns in self.topics(SELECTION)]
+        found |= {name: _chosen(columns) for name, columns in self.topics(INCREMENTS)}
+        found |= {name: chosen[0] for name, _ in self.topics(COMBINED) if len(chosen) == 1}
+        return {name: {sensor: number for sensor, number in own.items() if number} for name, own in found.items()}
 
     def _batch(self, name: str, boot: Nanoseconds, quantity: str, values: Floats, units: str = IMU_UNITS) -> Batch:
         origin = Origin(units, "FRD", self.epoch)
@@ -145,9 +160,14 @@ def _devices(topics: Mapping[str, Mapping[str, Columns]]) -> Iterator[dict[str, 
     yield from sorted(found, key=lambda parts: min(map(_instance, parts.values())))
 
 
-def _device(columns: Columns) -> int:
+def _chosen(columns: Columns) -> dict[str, int]:
+    """Return the numbers of the gyro and the accelerometer that a topic of both states."""
+    return {sensor: _device(columns, f"{sensor}_device_id") for sensor in SHORT.values()}
+
+
+def _device(columns: Columns, key: str = "device_id") -> int:
     """Return the number of the device that a topic's rows are from; 0 if there is none, or several."""
-    numbers = np.unique(columns.get("device_id", np.zeros(1, int)))
+    numbers = np.unique(columns.get(key, np.zeros(1, int)))
     return int(numbers[0]) if numbers.size == 1 else 0
 
 

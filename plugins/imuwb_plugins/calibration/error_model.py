@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from imuwb.errors import UsageError
+from imuwb.estimators.calibration import sensor_identity
 from imuwb.identification.calibration import AxisCalibration
 from imuwb.log import Log, source_of
 from imuwb.statistics import Estimate
@@ -123,7 +124,7 @@ def provenance_of(method: str, logs: Sequence[Log], raw: str) -> dict[str, str]:
     return {
         "calibration": method + (f", {raw} to SI" if raw else ""),
         "calibration_logs": "; ".join(source_of(log) for log in logs),
-    }
+    } | sensor_identity(logs[0])
 
 
 def full_range_of(sensor: str, base: ImuErrorModel | None, usual: Sequence[float], least: float) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 from imuwb import __version__
 from imuwb.axes import THREADS, axes_of, rates
 from imuwb.errors import MissingDataError, UsageError
-from imuwb.estimators.calibration import before_logging
+from imuwb.estimators.calibration import before_logging, sensor_identity
 from imuwb.health import Doubts, model_doubts
 from imuwb.identification.temperature import (
     AxisTemperatures,
@@ -75,7 +75,7 @@ def run(logs: Sequence[Log], parameters: Parameters) -> Result:
     return Result(
         logs[0].imu().name, "; ".join(source_of(log) for log in logs), parameters.level, parameters.size, reference, CONVENTION,
         cuts, rates(axes_of(logs[0].imu())), {axis: axis_result(axis, over, reference) for axis, over in axes.items()},
-        tuple(dict.fromkeys(notes)), doubts,
+        tuple(dict.fromkeys(notes)), doubts, sensor_identity(logs[0]),
     )  # fmt: skip
 
 
@@ -205,7 +205,7 @@ def error_model(result: Result) -> ImuErrorModel:
             "rate"
         ),
     }
-    model = ImuErrorModel(result.imu, axes, provenance)
+    model = ImuErrorModel(result.imu, axes, provenance | result.identity)
     return replace(model, doubts=(result.doubts + model_doubts(model)).all)
 
 

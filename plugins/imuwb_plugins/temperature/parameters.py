@@ -36,5 +36,5 @@ class Parameters(Options):
     level: Level = 0.95
     as_measured: Annotated[
         bool,
-        "First add what the autopilot took off before it logged the samples: the parameters PARM of ArduPilot's log.",
+        "First add what the autopilot took off before it logged the samples, by the parameters in a log of ArduPilot or PX4.",
     ] = False

@@ -88,6 +88,8 @@ class Result:
     axes: dict[str, TemperatureAxis]
     notes: tuple[str, ...]
     doubts: Doubts  #: what the records themselves show against their noise
+    #: which sensor of an autopilot it is, as the provenance of a model states it
+    identity: dict[str, str] = field(default_factory=dict[str, str])
 
     def __repr__(self) -> str:
         """Return the verdicts on N, one line for each axis."""
