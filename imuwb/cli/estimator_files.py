@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from imuwb.cli.completion import completer
+from imuwb.cli.estimator_options import Chosen
 from imuwb.cli.options import Full
 from imuwb.errors import UsageError
 from imuwb.options import Form
@@ -13,11 +14,9 @@ from imuwb.options import Form
 if TYPE_CHECKING:  # help must not wait for numpy
     from collections.abc import Mapping, Sequence
 
-    from imuwb.estimators import Options
-    from imuwb.stochastic import ImuErrorModel
 
 _Model = Annotated[Path, typer.Argument(help="The error model, or the name of a published sensor.", metavar="MODEL")]
-_Tool = "kalibr, openvins, vins, orb-slam3, lio-sam, fast-lio, gtsam, kimera, ros, kf-gins, ob-gins, navego, psins, pyins, px4, ardupilot, matlab, gnss-ins-sim, gazebo, airsim, pegasus, rotors"
+_Tool = "kalibr, openvins, vins, orb-slam3, lio-sam, fast-lio, gtsam, kimera, ros, kf-gins, ob-gins, navego, psins, pyins, inertial-explorer, px4, ardupilot, matlab, gnss-ins-sim, gazebo, airsim, pegasus, rotors"
 _Calibration = "kalibr-imu, openvins-imu, imu-tk, imu-calib, px4-cal, ardupilot-ins"
 _Thermal = "ardupilot-tcal, px4-tc"
 _tools = completer(Form("TOOL", words=(*f"{_Tool}, {_Calibration}, {_Thermal}".split(", "), "json")))
@@ -28,32 +27,6 @@ _Rate = Annotated[
 _Step = Annotated[
     float | None,
     typer.Option(help="Step of the estimator's filter (s), for px4 and ardupilot. Default: 0.01 and 0.0125."),
-]
-_Horizon = Annotated[
-    float,
-    typer.Option(
-        help="Time without aids (s) after which the estimator's drift is to be right, where a process must stand for another."
-    ),
-]
-_Limits = Annotated[
-    bool, typer.Option("--limits", help="Write what the record does not show at its upper limit. Default: left out.")
-]
-_Scale = Annotated[
-    float | None, typer.Option(help="1-sigma of the scale factors (ppm), for tools that have a place for it.")
-]
-_Motion = Annotated[
-    str | None,
-    typer.Option(
-        help="Noise in motion: factors of N, such as gyro=23,accel=10, or the model or filter that a replay of a drive has saved.",
-        metavar="FACTORS|FILE.toml",
-    ),
-]
-_Celsius = Annotated[
-    float | None,
-    typer.Option(
-        help="Temperature (°C) at which a model that depends on it is written. Default: its plain processes.",
-        metavar="T",
-    ),
 ]
 _Output = Annotated[
     Path | None, typer.Option("--output", "-o", help="The file to write. Default: stdout.", metavar="FILE")
@@ -72,13 +45,7 @@ def export(
             autocompletion=_tools,
         ),
     ],
-    rate: _Rate = None,
-    step: _Step = None,
-    horizon: _Horizon = 60.0,
-    limits: _Limits = False,
-    in_motion: _Motion = None,
-    scale_factor: _Scale = None,
-    celsius: _Celsius = None,
+    chosen: Chosen,
     instance: Annotated[
         int | None,
         typer.Option(
@@ -102,7 +69,8 @@ def export(
     files = _files(output, to)
     for file in files.values():
         check_place(file, force=force)
-    read, options, said = _given(model, rate, step, horizon, in_motion, scale_factor, celsius, limits=limits)
+    read, options, said = chosen.of(model)
+    celsius = chosen.celsius
     if celsius is not None and to in ("json", *THERMAL_FORMS):
         raise UsageError(f"--celsius {celsius:g}: --to {to} keeps all temperatures; leave it out")
     if to == "json":
@@ -195,56 +163,35 @@ def explain(
     model: _Model,
     *,
     for_: Annotated[str, typer.Option("--for", help=f"The tool: {_Tool}.", metavar="TOOL", autocompletion=_tools)],
-    rate: _Rate = None,
-    step: _Step = None,
-    horizon: _Horizon = 60.0,
-    limits: _Limits = False,
-    in_motion: _Motion = None,
-    scale_factor: _Scale = None,
-    celsius: _Celsius = None,
+    chosen: Chosen,
     full: Full = False,
 ) -> None:
     """Say what to write into an estimator's file and why, and how wrong the usual shortcuts are for this sensor.
 
     Example: imuwb model explain static.error-model.toml --for vins
     """
-    import shlex  # noqa: PLC0415 - as small as the command
-
     from imuwb.analysis import Step  # noqa: PLC0415 - help must not wait
     from imuwb.cli.terminal import print_panel, shower  # noqa: PLC0415
     from imuwb.estimators import explain as explained  # noqa: PLC0415
     from imuwb.review.answers.explanations import explain_answer, explain_notes, explain_tables  # noqa: PLC0415
     from imuwb.review.answers.panel import Origin  # noqa: PLC0415
 
-    read, options, said = _given(model, rate, step, horizon, in_motion, scale_factor, celsius, limits=limits)
+    read, options, said = chosen.of(model)
     found = explained(read, for_, options, said)
     if full:
-        values, shortcuts = explain_tables(found, horizon)
+        values, shortcuts = explain_tables(found, chosen.horizon)
         show = shower(data=True)
         show(values)
         for sentence in explain_notes(found):
             typer.echo(sentence)
         show(shortcuts)
         return
-    given = {
-        "--rate": rate,
-        "--step": step,
-        "--scale-factor": scale_factor,
-        "--in-motion": in_motion,
-        "--celsius": celsius,
-    }
-    given |= {"--horizon": None if horizon == 60.0 else horizon}  # noqa: PLR2004 - the default
-    words = [
-        f" {name} {value:g}" if isinstance(value, float) else f" {name} {shlex.quote(str(value))}"
-        for name, value in given.items()
-        if value is not None
-    ]
-    same = "".join(words) + (" --limits" if limits else "")
+    same = chosen.words()
     steps = (
         Step(f"imuwb model export {{log}} --to {for_}{same}", "the file"),
         Step(f"imuwb model explain {{log}} --for {for_}{same} --full", "all values and notes"),
     )
-    print_panel(explain_answer(found, horizon, steps), Origin("explain", (str(model),)), data=True)
+    print_panel(explain_answer(found, chosen.horizon, steps), Origin("explain", (str(model),)), data=True)
 
 
 def merge(
@@ -288,46 +235,3 @@ def _place(source: str, models: list[Path]) -> int:
     if len(found) != 1:
         raise UsageError(f"--take ...={source}: it must be 1 to {len(models)}, or the name of one of the models")
     return found[0]
-
-
-def _given(
-    model: Path,
-    rate: float | None,
-    step: float | None,
-    horizon: float,
-    motion: str | None,
-    scale: float | None,
-    celsius: float | None,
-    *,
-    limits: bool,
-) -> "tuple[ImuErrorModel, Options, tuple[str, ...]]":
-    """Return the model, in motion where that is asked for, the options, and what the factors of a file are."""
-    from imuwb.estimators import (  # noqa: PLC0415 - help must not wait
-        Factors,
-        Options,
-        with_motion,
-    )
-    from imuwb.simulation import sensor_model  # noqa: PLC0415 - help must not wait
-
-    read = sensor_model(model)
-    factors, said = None, ()
-    if motion is not None and motion.endswith(".toml"):
-        read, sentence = with_motion(read, _road_model(Path(motion)))
-        said = (sentence,)
-    elif motion is not None:
-        factors = Factors.of_text(motion)
-    return read, Options(rate, step, horizon, limits, None if scale is None else scale * 1e-6, factors, celsius), said
-
-
-def _road_model(path: Path) -> "ImuErrorModel":
-    """Return the error model of a file that a replay saved: a model, or a filter, which has one inside."""
-    from imuwb.navigation.filter_document import read_filter  # noqa: PLC0415 - help must not wait
-    from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
-
-    try:
-        return ImuErrorModel.read(path)
-    except UsageError as no_model:
-        try:
-            return read_filter(path).error_model
-        except UsageError:
-            raise no_model from None

@@ -10,6 +10,7 @@ import typer
 
 from imuwb.cli import estimator_files, sensor_list
 from imuwb.cli.options import Force, Full, output_option
+from imuwb.cli.parameters import expanded
 from imuwb.errors import ImuwbError, UsageError
 
 if TYPE_CHECKING:
@@ -19,11 +20,13 @@ if TYPE_CHECKING:
 
 FEWEST = 100  #: samples for which curves are drawn
 
+PANELS = {"Chosen": "The numbers"}
+
 app = typer.Typer(no_args_is_help=True, help="Show, compare, check, export, import and explain error models.")
 
-app.command("export")(estimator_files.export)
+app.command("export")(expanded(estimator_files.export, PANELS))
 app.command("import")(estimator_files.import_)
-app.command("explain")(estimator_files.explain)
+app.command("explain")(expanded(estimator_files.explain, PANELS))
 app.command("merge")(estimator_files.merge)
 app.command("list")(sensor_list.list_)
 

@@ -52,9 +52,8 @@ def explain(
 def _row(field: Field, made: Export) -> tuple[str, str, str, str]:
     values = [value for key in field.keys for value in made.values[key] if value or field.shape != "diagonal"]
     text = ", ".join(f"{value:.4g}" for value in values)
-    what = field.written.replace("c", _SYMBOLS.get(field.term, field.term)) + f" of the {field.sensor}".replace(
-        " of the both", ""
-    )
+    what = field.written.replace("c", _SYMBOLS.get(field.term, field.term))
+    what += "" if field.sensor == "both" else f", {field.sensor}"
     return field.key, text, field.unit, what
 
 

@@ -162,7 +162,7 @@ def test_imu_tk_gets_a_file_for_each_triad(imuwb, tmp_path):
     (tmp_path / "warm.toml").write_text(f"[accel_x]\n{curve}\n", "utf-8")
     assert "--celsius T" in imuwb("model", "export", "warm.toml", "--to", "imu-tk").err
     done = imuwb("model", "export", "warm.toml", "--to", "imu-tk", "--celsius", "15")
-    assert (done.out.split()[18], done.err) == ("0.2", "")
+    assert (done.out.split()[18], "at 15 °C" in done.err) == ("0.2", True)
     assert imuwb("model", "export", "warm.toml", "--to", "px4-tc", "--celsius", "15").code == 2
     (tmp_path / "cube.toml").write_text("[accel_x]\nbias = 0.1\n", "utf-8")
     done = imuwb("model", "export", "cube.toml", "--to", "imu-tk", "-o", "cube.calib")
@@ -235,7 +235,6 @@ def test_the_published_sensors_are_listed_one_line_each_in_eighty_columns(imuwb)
     assert done.code == 0, done.err
     assert all(max(map(len, (line for line in lines if line.startswith(c)))) <= 80 for c in "┏│└")
     assert sum(line.startswith("│") for line in lines) == len(preset_names())
-    assert next(line for line in lines if "adis16470" in line).split("│")[2:6] == [
-        " industrial ", " 0.34   ", " ≈84.1  ", " ≤12    ",
-    ]  # fmt: skip
+    cells = next(line for line in lines if "adis16470" in line).split("│")[2:6]
+    assert [cell.strip() for cell in cells] == ["industrial", "0.34", "≈84.1", "≤12"]
     assert "revision C: features" in imuwb("model", "list", "--full").out

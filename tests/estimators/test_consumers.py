@@ -110,6 +110,11 @@ CONSUMERS = {
     ),
     # pyins/kalman.py: Van Loan of continuous densities
     "pyins": lambda v: (per_sample(v["gyro_noise"], v["gyro_bias_walk"]), per_sample(v["accel_noise"], v["accel_bias_walk"])),
+    # no public code: root densities of rates, in degrees
+    "inertial-explorer": lambda v: (
+        per_sample(v["misalignment_spectral_density"] * DEGREE, v["gyro_drift_spectral_density"] * DEGREE),
+        per_sample(v["velocity_spectral_density"], v["accel_bias_spectral_density"]),
+    ),
     # EKF/covariance.cpp: (dt p)² for the angle or velocity and for the bias, a step
     "px4": lambda v: tuple(
         ((STEP * v[f"EKF2_{s}_NOISE"]) ** 2, (STEP * v[f"EKF2_{s}_B_NOISE"]) ** 2, 1.0, STEP) for s in ("GYR", "ACC")
