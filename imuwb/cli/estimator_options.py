@@ -84,12 +84,14 @@ class Chosen:
 def _road_model(path: Path) -> ImuErrorModel:
     """Return the error model of a file that a replay saved: a model, or a filter, which has one inside."""
     from imuwb.navigation.filter_document import read_filter  # noqa: PLC0415 - help must not wait
+    from imuwb.replay.noise.added_noise import with_added  # noqa: PLC0415
     from imuwb.stochastic import ImuErrorModel  # noqa: PLC0415
 
     try:
         return ImuErrorModel.read(path)
     except UsageError as no_model:
         try:
-            return read_filter(path).error_model
+            saved = read_filter(path)
         except UsageError:
             raise no_model from None
+    return with_added(saved.error_model, saved.vibration.white, (0.0, 0.0))  # at the drive's mean vibration

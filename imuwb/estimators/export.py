@@ -12,8 +12,9 @@ from imuwb.estimators.left_out import cost_texts
 from imuwb.estimators.sensor import SENSORS, Axis, Factors, axes_of, with_limits
 from imuwb.estimators.temperature import constant
 from imuwb.estimators.tool import Field, Tool, tool_named
-from imuwb.stochastic import GaussMarkov, ImuErrorModel
+from imuwb.stochastic import AxisModel, Constant, GaussMarkov, ImuErrorModel, Sum
 
+SAME = 1e-6  #: relative difference below which white noise is the same
 UNEVEN = 1.5  #: ratio of the largest axis to the smallest, above which a comment states it
 _WORDS = {
     "N": "N (white noise)", "K": "K (random walk)", "own_K": "K (random walk)", "B": "B (bias instability)", "sigma": "sigma of the bias",
@@ -246,15 +247,34 @@ def _head(tool: Tool, model: ImuErrorModel, setting: Setting) -> tuple[str, ...]
 def with_motion(bench: ImuErrorModel, road: ImuErrorModel) -> tuple[ImuErrorModel, str]:
     """Return a model in motion under the name of the bench's, and a sentence with the factors between the two.
 
+    Biases at turn-on are those of the bench: a replay assumes usual ones.
+
     Raises:
-        MissingDataError: the two have no axis with white noise in common.
+        MissingDataError: the two have no axis with white noise in common, or all of it is the same.
     """
     parts: list[str] = []
+    same = True
     for name in SENSORS:
         pairs = [(a.white, b.white) for a, b in zip(axes_of(bench, name), axes_of(road, name), strict=True) if a and b]
         ratios = [after / before for before, after in pairs if before and after]
         if ratios:
             parts.append(f"{name} {_range(ratios)}")
+            same = same and all(math.isclose(ratio, 1.0, rel_tol=SAME) for ratio in ratios)
     if not parts:
         raise MissingDataError(f"models {bench.name} and {road.name} have no axis with white noise in common")
-    return replace(road, name=bench.name), f"in motion: N over that of the bench: {', '.join(parts)}"
+    if same:
+        raise MissingDataError(
+            f"--in-motion: {road.name} has the white noise of {bench.name}, so it is not that of a drive; write it with "
+            "imuwb outage DRIVE --error-model MODEL.toml --save-model ROAD.toml, or the filter with --models motion --save-filter"
+        )
+    axes = {name: _turned_on_as(axis, bench.axes.get(name)) for name, axis in road.axes.items()}
+    kept = {key: text for key, text in bench.provenance.items() if key == "rate"} | dict(road.provenance)
+    moved = replace(road, name=bench.name, axes=axes, provenance=kept)
+    return moved, f"in motion: N over that of the bench: {', '.join(parts)}"
+
+
+def _turned_on_as(axis: AxisModel, bench: AxisModel | None) -> AxisModel:
+    """Return an axis in motion with the biases at turn-on of the bench."""
+    own = tuple(term for term in bench.processes.terms if isinstance(term, Constant)) if bench else ()
+    rest = tuple(term for term in axis.processes.terms if not isinstance(term, Constant))
+    return axis.with_processes(Sum((*rest, *own)))

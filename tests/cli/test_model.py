@@ -1,9 +1,11 @@
 import json
 
+import numpy as np
 import pytest
 
+from imuwb.navigation import FilterModel, Vibration, filter_text
 from imuwb.simulation import preset, preset_names
-from imuwb.stochastic import ImuErrorModel
+from imuwb.stochastic import ImuErrorModel, WhiteNoise
 
 
 @pytest.fixture
@@ -180,9 +182,18 @@ def test_an_explanation_and_noise_in_motion(imuwb, gm):
     assert "{" not in done.out
     assert "no bias process" in imuwb("model", "explain", gm, "--for", "fast-lio", "--rate", "200", "--full").out
     assert "--for json" in imuwb("model", "explain", gm, "--for", "json").err
-    louder = imuwb("model", "export", gm, "--to", "kalibr", "--in-motion", gm)
-    assert "gyro 1.00" in louder.out
+    assert imuwb("model", "export", gm, "--to", "kalibr", "--in-motion", gm).code == 3  # not of a drive
     assert imuwb("model", "export", gm, "--to", "kalibr", "--in-motion", "wheel=2").code == 2
+
+
+def test_noise_that_grows_with_vibration_counts_in_a_saved_filter(imuwb, gm, tmp_path):
+    bench = preset("3dm-gx3-25-gm")
+    white = max(t.N for t in bench.axes["gyro_x"].processes.terms if isinstance(t, WhiteNoise))
+    road = FilterModel("motion", bench, vibration=Vibration((np.sqrt(24.0) * white, 0.0), 1.0))
+    (tmp_path / "road.toml").write_text(filter_text(road), "utf-8")
+    done = imuwb("model", "export", gm, "--to", "kalibr", "--in-motion", "road.toml")
+    assert "gyro 5.00" in done.out
+    assert "accel 1.00" in done.out
 
 
 @pytest.mark.parametrize(

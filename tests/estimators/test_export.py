@@ -132,6 +132,13 @@ def test_noise_in_motion_comes_from_factors_or_from_a_drives_model(made):
     model, sentence = with_motion(bench, road)
     assert model.axes == road.axes
     assert "gyro 23.00" in sentence
+    assumed = made((lambda s: WhiteNoise(2.3e-2 * s), GYRO[1], lambda _: Constant(9.0)), ACCEL)
+    known = made((*GYRO, lambda _: Constant(0.1)), ACCEL)
+    for own, sigma in ((bench, None), (known, 0.1)):  # a replay assumes biases at turn-on that the bench does not know
+        terms = with_motion(own, assumed)[0].axes["gyro_x"].processes.terms
+        assert next((t.sigma for t in terms if isinstance(t, Constant)), None) == sigma
+    with pytest.raises(MissingDataError, match="--save-model"):
+        with_motion(bench, bench)
     for wrong in ("gyro=0", "wheel=3", "gyro", "gyro=x", "gyro=1e308"):
         with pytest.raises(UsageError, match="--in-motion"):
             Factors.of_text(wrong)

@@ -16,7 +16,8 @@ Raw: TypeAlias = Annotated[
 ]
 
 AsMeasured: TypeAlias = Annotated[
-    bool, "First add what the autopilot took off before it logged the samples, by the parameters in a log of ArduPilot or PX4."
+    bool,
+    "First add what the autopilot took off before it logged the samples, by the parameters in a log of ArduPilot or PX4.",
 ]
 
 

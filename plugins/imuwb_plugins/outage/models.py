@@ -38,6 +38,7 @@ class Filters:
     """The filters of a replay; None: not wanted, or not possible."""
 
     log: str
+    rate: float  #: Hz, of the log's IMU
     models: tuple[FilterModel, ...]
     failed: dict[str, str]  #: filter that cannot be made from the error model -> reason
     motion: MotionNoise | None
@@ -59,7 +60,7 @@ class Filters:
         else:
             return None
         before = {f"bench {key}": text for key, text in own.provenance.items()}
-        return replace(own, provenance={"log": self.log, "analysis": analysis, **before})
+        return replace(own, provenance={"log": self.log, "analysis": analysis, "rate": f"{self.rate:.6g} Hz", **before})
 
 
 def named(name: str, base: FilterModel, interval: float, parameters: Parameters) -> tuple[FilterModel, tuple[str, ...]]:
@@ -123,6 +124,7 @@ def filters_of(base: FilterModel, prepared: Prepared, parameters: Parameters) ->
     origin = origin_of(base, tuple(model.name for model in models), interval, parameters)
     return Filters(
         f"{prepared.log.provenance.path} {prepared.log.provenance.hash}",
+        1.0 / interval,
         tuple(models),
         failed,
         motion,
