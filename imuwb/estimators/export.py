@@ -264,8 +264,8 @@ def with_motion(bench: ImuErrorModel, road: ImuErrorModel) -> tuple[ImuErrorMode
         raise MissingDataError(f"models {bench.name} and {road.name} have no axis with white noise in common")
     if same:
         raise MissingDataError(
-            f"--in-motion: {road.name} has the white noise of {bench.name}, so it is not that of a drive; write it with "
-            "imuwb outage DRIVE --error-model MODEL.toml --save-model ROAD.toml, or the filter with --models motion --save-filter"
+            f"--in-motion: {road.name} has the white noise of {bench.name}, so it is not that of a drive; "
+            "a replay of a drive writes it with --save-model ROAD.toml, or its filter with --models motion --save-filter"
         )
     axes = {name: _turned_on_as(axis, bench.axes.get(name)) for name, axis in road.axes.items()}
     kept = {key: text for key, text in bench.provenance.items() if key == "rate"} | dict(road.provenance)

@@ -132,7 +132,7 @@ def model_of(
             f"{where}: the numbers of a data sheet, not an error model; imuwb model import {where} -o MODEL.toml makes one of them"
         )
     if "filter" in document and "error_model" in document:
-        raise UsageError(f"{where}: a filter that a replay saved, not an error model; imuwb outage --filter reads it")
+        raise UsageError(f"{where}: a filter that a replay saved, not an error model; a replay reads it with --filter")
     schema = document.pop("schema", SCHEMA)
     if schema != SCHEMA:
         raise UsageError(
