@@ -42,7 +42,7 @@ def test_a_model_is_shown(imuwb, flicker, tmp_path):
     assert "deg/√h" in done.out
     found = entities(tmp_path / "flicker.rrd")
     for i in range(4):
-        assert f"/model/figure_{i}/grid" in found
+        assert f"/model/figure_{i}" in found
 
 
 def test_nothing_is_written_unless_it_is_asked_for(imuwb, flicker, other, tmp_path):
@@ -97,7 +97,7 @@ def test_models_are_compared(imuwb, flicker, other, tmp_path):
     assert done.code == 0, done.err
     assert "flicker.toml" in done.out
     assert "other.toml" in done.out
-    assert "/models/figure_0/grid" in entities(tmp_path / "both.rrd")
+    assert "/models/figure_0" in entities(tmp_path / "both.rrd")
 
 
 @pytest.mark.parametrize(

@@ -9,44 +9,52 @@ from imuwb.review.figures import chart
 from imuwb.review.recording.review import RecordingReview
 
 
-class Drawing(dict):
+class Logged(dict):
     """Stand for a recording: keep what is logged, {entity path: what is logged}."""
 
-    def log(self, path, archetype, *, static):
+    def log(self, path, *archetypes, static):
         assert static
-        self[path] = archetype
-
-    def strips(self, path):
-        return self[path].strips.as_arrow_array().to_pylist()
-
-    def places(self, path):
-        return self[path].positions.as_arrow_array().to_pylist()
-
-    def labels(self, path):
-        return self[path].labels.as_arrow_array().to_pylist()
-
-    def colors(self, path):
-        return [(c >> 24, c >> 16 & 255, c >> 8 & 255, c & 255) for c in self[path].colors.as_arrow_array().to_pylist()]
-
-    def radii(self, path):
-        return [-r for r in self[path].radii.as_arrow_array().to_pylist()]  # negative: in points of the screen
+        assert path not in self
+        self[path] = archetypes
 
 
 @pytest.fixture
-def drawing():
-    return Drawing()
+def logged():
+    return Logged()
+
+
+class Drawn:
+    """What a figure draws: its parts by their names."""
+
+    def __init__(self, drawing, view) -> None:
+        self.view = view
+        self.lines, self.points, self.texts = (
+            {part.name: part for part in parts} for parts in (drawing.lines, drawing.points, drawing.texts)
+        )
+        self.order = [part.name for part in sorted(drawing.lines, key=lambda part: part.order)]
+
+    def strips(self, name):
+        return [list(strip) for strip in self.lines[name].places]
+
+    def labels(self):
+        return list(self.texts["texts"].texts)
+
+    def places(self):
+        return [place for (place,) in self.texts["texts"].places]
+
+    def colors(self, name):
+        return list(self.lines[name].colors)
+
+    def radii(self, name):
+        return [-radius for radius in self.lines[name].radii]  # negative: in points of the screen
 
 
 @pytest.fixture
 def drawn():
-    """Return what a figure logs."""
+    """Return what a figure draws."""
 
     def draw(figure, size=(720, 385), group=()):
-        drawing = Drawing()
-        view = chart.draw(figure, drawing, "f", size, group)
-        bounds = view.properties["VisualBounds2D"].range.as_arrow_array().to_pylist()[0]
-        drawing.view = (bounds["x_range"], bounds["y_range"])
-        return drawing
+        return Drawn(*chart.drawn(figure, size, group))
 
     return draw
 

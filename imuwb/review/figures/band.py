@@ -1,19 +1,18 @@
 """The band of a curve, between its lower and its upper ends: the viewer fills no area in two dimensions, so columns fill it."""
 
 import numpy as np
-import rerun as rr
 
 from imuwb.analysis import Curve
 from imuwb.colors import BACKGROUND, between
-from imuwb.review.figures import drawing
+from imuwb.review.figures.drawing import Drawing
 from imuwb.review.figures.frame import Frame, Point
 
 COLUMN = 4.0  #: width of a column, in the view's units
 SHARE = 0.16  #: of the curve's colour in the band; the rest is the background's
 
 
-def band(curve: Curve, frame: Frame, recording: rr.RecordingStream, path: str, order: float) -> None:
-    """Log a band below an entity path; between two points its ends are straight lines in the frame."""
+def band(curve: Curve, frame: Frame, sheet: Drawing, name: str, order: float) -> None:
+    """Draw a band; between two points its ends are straight lines in the frame."""
     if curve.lower is None or curve.upper is None:
         return
     known = np.isfinite(curve.lower) & np.isfinite(curve.upper)
@@ -30,4 +29,4 @@ def band(curve: Curve, frame: Frame, recording: rr.RecordingStream, path: str, o
     ]
     if columns:
         color = between(BACKGROUND, curve.color, SHARE)
-        drawing.areas(recording, path, columns, color, COLUMN / 2, order)
+        sheet.area(name, columns, [color] * len(columns), COLUMN / 2, order)

@@ -23,23 +23,25 @@ def draw(bars: Bars, recording: rr.RecordingStream, path: str) -> rrb.View:
     strips = [[(0.0, y), (max(bar.value, 0.0) * px, y)] for bar, y in zip(bars.bars, heights, strict=True)]
     colors = [bar.color for bar in bars.bars]
     fields = [[(0.0, y), (WIDTH, y)] for y in heights]
-    drawing.lines(recording, f"{path}/fields", fields, [(*GRID, 90)] * len(fields), 0.5, 0)
-    recording.log(f"{path}/bars", rr.LineStrips2D(strips, colors=colors, radii=HALF, draw_order=1), static=True)
+    sheet = drawing.Drawing()
+    sheet.line("fields", fields, [(*GRID, 90)] * len(fields), 0.5, 0)
+    sheet.area("bars", strips, colors, HALF, 1)
     intervals = [
         [(max(bar.lower, 0.0) * px, y), (bar.upper * px, y)]
         for bar, y in zip(bars.bars, heights, strict=True)
         if bar.lower is not None and bar.upper is not None
     ]
-    drawing.lines(recording, f"{path}/intervals", intervals, [INK] * len(intervals), 1.5, 2)
+    sheet.line("intervals", intervals, [INK] * len(intervals), 1.5, 2)
     left = right = 0.0
-    for number, (bar, y) in enumerate(zip(bars.bars, heights, strict=True)):
+    for bar, y in zip(bars.bars, heights, strict=True):
         text, half = bar.text(bars.unit), NAME / 2 * len(bar.label)
         left, right = max(left, 2 * half), max(right, VALUE * len(text))
         places = [
             ((-AIR / 2 - half, y - DROP), bar.label),
             ((WIDTH + AIR / 2 + VALUE / 2 * len(text), y - DROP), text),
         ]
-        drawing.labels(recording, f"{path}/texts/{number}", places, bar.color)
+        sheet.text(bar.label, places, bar.color)
+    sheet.log(recording, path)
     x_range = (-left - AIR, WIDTH + right + AIR)
     return drawing.plane_view(
         path, f"{bars.title} [{bars.unit}]", x_range, (-STEP, heights[-1] + STEP if heights else STEP)

@@ -15,6 +15,7 @@ from imuwb.analysis import Curve, Figure, Vertical
 from imuwb.colors import FRAME, GRID, INK, SUBGRID
 from imuwb.review.figures import drawing, legend
 from imuwb.review.figures.band import band
+from imuwb.review.figures.drawing import Drawing
 from imuwb.review.figures.frame import Frame, Point
 from imuwb.review.figures.sizes import text_width
 
@@ -66,21 +67,29 @@ def draw(
         size: width and height of the view, px.
         group: figures that share their axes with this one; the first has the legend.
     """
+    sheet, bounds = drawn(figure, size, group)
+    sheet.log(recording, path)
+    return drawing.plane_view(path, figure.title, *bounds)
+
+
+def drawn(figure: Figure, size: Point, group: Sequence[Figure] = ()) -> tuple[Drawing, tuple[Point, Point]]:
+    """Return a figure as a drawing, and the ranges of x and y that its view shows."""
     group = group or (figure,)
     rows = legend.entries(figure) if figure is group[0] else ()
     margins = _margins(figure, rows, size, Frame(group, *size), above=len(group) > 1)
     width, height = size[0] - margins.left - margins.right, size[1] - margins.top - margins.bottom
     frame = Frame(group, max(width, LEAST_FRAME), max(height, LEAST_FRAME))
-    _grid(frame, recording, path)
+    sheet = Drawing()
+    _grid(frame, sheet)
     texts = _axis_texts(figure, frame, margins)
     for i, curve in enumerate(figure.curves):
-        _curve(curve, frame, recording, f"{path}/curves/{i:02d}_{drawing.entity_name(curve.label) or 'curve'}")
-    texts += _verticals(figure.verticals, frame, recording, f"{path}/verticals")
-    texts += _marks(figure, frame, recording, f"{path}/marks")
-    texts += _legend(rows, frame, margins, recording, f"{path}/legend", above=len(group) > 1)
-    drawing.labels(recording, f"{path}/texts", [((x, y - LABEL_DROP), text) for (x, y), text in texts], INK)
+        _curve(curve, frame, sheet, f"curves/{i:02d}_{drawing.entity_name(curve.label) or 'curve'}")
+    texts += _verticals(figure.verticals, frame, sheet)
+    texts += _marks(figure, frame, sheet)
+    texts += _legend(rows, frame, margins, sheet, above=len(group) > 1)
+    sheet.text("texts", [((x, y - LABEL_DROP), text) for (x, y), text in texts], INK)
     x_range, y_range = (-margins.left, frame.width + margins.right), (-margins.top, frame.height + margins.bottom)
-    return drawing.plane_view(path, figure.title, x_range, y_range)
+    return sheet, (x_range, y_range)
 
 
 def _margins(figure: Figure, rows: Sequence[legend.Entry], size: Point, frame: Frame, *, above: bool) -> Margins:
@@ -91,15 +100,15 @@ def _margins(figure: Figure, rows: Sequence[legend.Entry], size: Point, frame: F
     return Margins(ticks + LEFT, max(right, RIGHT), 2 * TITLE + TEXT_ROW * texts_above, BOTTOM)
 
 
-def _grid(frame: Frame, recording: rr.RecordingStream, path: str) -> None:
-    """Log the frame and its grid."""
+def _grid(frame: Frame, sheet: Drawing) -> None:
+    """Draw the frame and its grid."""
     across = [(frame.width * tick.at, tick.label) for tick in frame.x.ticks()]
     up = [(frame.height * (1 - tick.at), tick.label) for tick in frame.y.ticks()]
     w, h = frame.width, frame.height
     strips = [[(x, 0.0), (x, h)] for x, _ in across] + [[(0.0, y), (w, y)] for y, _ in up]
     colors = [GRID if label else SUBGRID for _, label in (*across, *up)]
     strips.append([(0.0, 0.0), (w, 0.0), (w, h), (0.0, h), (0.0, 0.0)])
-    drawing.lines(recording, f"{path}/grid", strips, [*colors, FRAME], 0.5, GRID_ORDER)
+    sheet.line("grid", strips, [*colors, FRAME], 0.5, GRID_ORDER)
 
 
 def _axis_texts(figure: Figure, frame: Frame, margins: Margins) -> list[tuple[Point, str]]:
@@ -128,11 +137,11 @@ def _apart(texts: list[tuple[Point, str]]) -> list[tuple[Point, str]]:
     return texts[::step]
 
 
-def _curve(curve: Curve, frame: Frame, recording: rr.RecordingStream, path: str) -> None:
-    """Log a curve: its line, its intervals and its points, as far as its style has these."""
+def _curve(curve: Curve, frame: Frame, sheet: Drawing, name: str) -> None:
+    """Draw a curve: its line, its intervals and its points, as far as its style has these."""
     color = (*curve.color, ALPHA[curve.style])
     if curve.style == "band":
-        band(curve, frame, recording, path, CURVE_ORDER["band"])
+        band(curve, frame, sheet, name, CURVE_ORDER["band"])
         return
     if curve.style == "bar":
         ends = zip(curve.x, curve.y.clip(max=0.0), curve.y.clip(min=0.0), strict=True)
@@ -143,12 +152,12 @@ def _curve(curve: Curve, frame: Frame, recording: rr.RecordingStream, path: str)
     strips = [part for part in parts if len(part) > 1]
     if strips and curve.style != "points":
         order = CURVE_ORDER[curve.style]
-        drawing.lines(recording, path, strips, [color] * len(strips), THICKNESS[curve.style], order)
+        sheet.line(name, strips, [color] * len(strips), THICKNESS[curve.style], order)
     if curve.lower is not None and curve.upper is not None:
-        _intervals(curve, curve.lower, curve.upper, frame, recording, path)
+        _intervals(curve, curve.lower, curve.upper, frame, sheet, name)
     if curve.style in DOTTED:
         places = [place for part in parts for place in part]
-        drawing.points(recording, f"{path}/points", places, [color] * len(places), _size(curve), POINT_ORDER)
+        sheet.point(name, places, [color] * len(places), _size(curve), POINT_ORDER)
 
 
 def _size(curve: Curve) -> float:
@@ -156,14 +165,12 @@ def _size(curve: Curve) -> float:
     return LARGE_POINT if curve.style == "points" and curve.x.size <= FEW_POINTS else POINT
 
 
-def _intervals(
-    curve: Curve, lower: np.ndarray, upper: np.ndarray, frame: Frame, recording: rr.RecordingStream, path: str
-) -> None:
+def _intervals(curve: Curve, lower: np.ndarray, upper: np.ndarray, frame: Frame, sheet: Drawing, name: str) -> None:
     intervals = zip(curve.x, lower, upper, strict=True)
     bars = [bar for x, low, high in intervals if (bar := frame.bar(x, low, high)) is not None]
     if bars:
         colors = [(*curve.color, INTERVAL_ALPHA)] * len(bars)
-        drawing.lines(recording, f"{path}/intervals", bars, colors, 0.8, INTERVAL_ORDER)
+        sheet.line(f"{name}/intervals", bars, colors, 0.8, INTERVAL_ORDER)
 
 
 def _rows_above(verticals: Sequence[Vertical], frame: Frame) -> list[list[tuple[float, Vertical]]]:
@@ -182,10 +189,8 @@ def _rows_above(verticals: Sequence[Vertical], frame: Frame) -> list[list[tuple[
     return rows
 
 
-def _verticals(
-    verticals: Sequence[Vertical], frame: Frame, recording: rr.RecordingStream, path: str
-) -> list[tuple[Point, str]]:
-    """Log the dashed vertical lines, and return their texts, which are above the frame."""
+def _verticals(verticals: Sequence[Vertical], frame: Frame, sheet: Drawing) -> list[tuple[Point, str]]:
+    """Draw the dashed vertical lines, and return their texts, which are above the frame."""
     rows = _rows_above(verticals, frame)
     shown = [vertical for row in rows for _, vertical in row]
     if not shown:
@@ -194,19 +199,19 @@ def _verticals(
     steps = [2 * DASH * i for i in range(math.ceil(frame.height / (2 * DASH)))]
     dashes = [[(x, y), (x, min(y + DASH, frame.height))] for x in at for y in steps]
     colors = [vertical.color for vertical in shown for _ in steps]
-    drawing.lines(recording, f"{path}/lines", dashes, colors, 0.8, VERTICAL_ORDER)
+    sheet.line("verticals", dashes, colors, 0.8, VERTICAL_ORDER)
     top = -2 * TITLE - TEXT_ROW * (len(rows) - 0.5)
     return [((x, top + TEXT_ROW * i), v.text) for i, row in enumerate(reversed(rows)) for x, v in row]
 
 
-def _marks(figure: Figure, frame: Frame, recording: rr.RecordingStream, path: str) -> list[tuple[Point, str]]:
-    """Log the marks, and return their numbers; a number that another would hide stands higher."""
+def _marks(figure: Figure, frame: Frame, sheet: Drawing) -> list[tuple[Point, str]]:
+    """Draw the marks, and return their numbers; a number that another would hide stands higher."""
     numbers = legend.numbered(figure.marks)
     inside = [(m, n) for m, n in zip(figure.marks, numbers, strict=True) if frame.contains(m.x, m.y)]
     if not inside:
         return []
     places = [frame.place(mark.x, mark.y) for mark, _ in inside]
-    drawing.points(recording, f"{path}/points", places, [mark.color for mark, _ in inside], 4.5, MARK_ORDER)
+    sheet.point("marks", places, [mark.color for mark, _ in inside], 4.5, MARK_ORDER)
     texts: list[tuple[Point, str]] = []
     for (x, y), (_, number) in zip(places, inside, strict=True):
         height = y - MARK_ABOVE
@@ -221,12 +226,11 @@ def _legend(
     rows: Sequence[legend.Entry],
     frame: Frame,
     margins: Margins,
-    recording: rr.RecordingStream,
-    path: str,
+    sheet: Drawing,
     *,
     above: bool,
 ) -> list[tuple[Point, str]]:
-    """Log the samples of the legend, and return its texts: right of the frame, or above the frame in one row."""
+    """Draw the samples of the legend, and return its texts: right of the frame, or above the frame in one row."""
     places: list[tuple[Point, legend.Entry]] = []
     if above:
         at, height = 0.0, -2 * TITLE - TEXT_ROW / 2
@@ -241,8 +245,8 @@ def _legend(
     if lines:
         strips = [[(x, y), (x + legend.SAMPLE, y)] for (x, y), _ in lines]
         thickness = [THICKNESS[row.style] for _, row in lines]
-        drawing.lines(recording, f"{path}/lines", strips, [row.color for _, row in lines], thickness, LEGEND_ORDER)
+        sheet.line("legend", strips, [row.color for _, row in lines], thickness, LEGEND_ORDER)
     if dots:
         middles = [(x + legend.SAMPLE / 2, y) for (x, y), _ in dots]
-        drawing.points(recording, f"{path}/points", middles, [row.color for _, row in dots], 4.5, MARK_ORDER)
+        sheet.point("legend", middles, [row.color for _, row in dots], 4.5, MARK_ORDER)
     return [((x + legend.SAMPLE + legend.GAP + text_width(row.text) / 2, y), row.text) for (x, y), row in places]

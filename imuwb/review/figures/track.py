@@ -26,14 +26,16 @@ class Tracks:
         self.path = path
         self._origin: Floats | None = None
         self._count = 0
+        self.drawing = drawing.Drawing()
 
-    def add(
-        self, recording: rr.RecordingStream, name: str, position: Floats, color: Color, label: str
-    ) -> rrb.View | None:
-        """Log a track, with a label at its end; return the picture's view with the first track.
+    def log(self, recording: rr.RecordingStream) -> None:
+        """Log all tracks."""
+        self.drawing.log(recording, self.path)
+
+    def add(self, name: str, position: Floats, color: Color, label: str) -> rrb.View | None:
+        """Add a track, with a label at its end; return the picture's view with the first track.
 
         Args:
-            recording: where the track is logged.
             name: name of the track.
             position: (n, 3) latitude rad, longitude rad, height m.
             color: colour of the track.
@@ -42,23 +44,23 @@ class Tracks:
         origin = self._origin = position[0] if self._origin is None else self._origin
         points = thinned(local_plane(position, origin))
         number, self._count = self._count, self._count + 1
-        drawing.lines(recording, f"{self.path}/{number}_{drawing.entity_name(name)}", [points.tolist()], [color], 1.5)
+        self.drawing.line(name, [points.tolist()], [color], 1.5)
         if label:
-            drawing.labels(recording, f"{self.path}/labels/{number}", [(_point(points[-1]), label)], color, 3.0)
-        return None if number else self._framed(recording, name, points)
+            self.drawing.text(name, [(_point(points[-1]), label)], color, 3.0)
+        return None if number else self._framed(name, points)
 
-    def _framed(self, recording: rr.RecordingStream, name: str, points: Floats) -> rrb.View:
-        """Log the start and a ruler of the first track, and return a view that is as large as that track."""
+    def _framed(self, name: str, points: Floats) -> rrb.View:
+        """Draw the start and a ruler of the first track, and return a view that is as large as that track."""
         low, high = points.min(axis=0), points.max(axis=0)
         span = max(float((high - low).max()), 1.0)
         length = ruler_length(span)
         left, bottom = float(low[0]), float(high[1]) + BELOW * span
-        drawing.lines(recording, f"{self.path}/scale", [[(left, bottom), (left + length, bottom)]], [INK], 1.5)
+        self.drawing.line("scale", [[(left, bottom), (left + length, bottom)]], [INK], 1.5)
         texts = [
             ((left + length / 2, bottom + RULER_LABEL * span), f"{length:g} m"),
             (_point(points[0]), "start"),
         ]
-        drawing.labels(recording, f"{self.path}/texts", texts, INK, 2.0)
+        self.drawing.text("texts", texts, INK, 2.0)
         air = AIR * span
         x_range, y_range = (left - air, float(high[0]) + air), (float(low[1]) - air, bottom + air)
         return drawing.plane_view(self.path, f"Track of {name}: east to the right, north up", x_range, y_range)

@@ -17,24 +17,20 @@ from imuwb.errors import ImuwbError
 from imuwb.own_process import without
 from imuwb.review.drawn.calls import Drawn, Item, Track
 from imuwb.review.drawn.checked import check
-from imuwb.review.drawn.envelope import envelope
 from imuwb.review.figures import bars as bar_chart
 from imuwb.review.figures import chart
 from imuwb.review.figures.sizes import AREA, TITLE_BAR
-from imuwb.review.figures.value_axis import value_range
 from imuwb.review.recording import recorded
 from imuwb.review.recording.recorded import Value
 from imuwb.review.recording.rrd import is_whole, why_cut
 from imuwb.review.recording.tab import Tab
 from imuwb.review.scene.clock import Clock
-from imuwb.review.scene.shading import Chart
 from imuwb.review.scene.stage import SPEED, windows_of
 from imuwb.review.scene.timelines import Timelines
 from imuwb.scene import Event, Scene, Span
-from imuwb.texts import markdown_block, printable
+from imuwb.texts import markdown_block
 from imuwb.writers.whole import Draft
 
-SERIES_WIDTH = 1.2  #: width of a line over time
 PANEL = 670.0  #: px, width of the panel on the first tab; 80 columns fit
 VIEWER_PORT = 9876
 PATIENCE = 20.0  #: s in which the file grows, unless nothing more can be written
@@ -118,30 +114,7 @@ class RecordingReview:
         """
         series = self._clock.on(series)
         self._keep(series)
-        path = f"{self._tab.path}/series_{len(self._tab.series)}"
-        time, values = envelope(series.time, series.values)
-        unit = f" [{series.unit}]" if self._tab.stage is None else ""  # beside a scene there is little room
-        names = [f"{name}{unit}" for name in series.names]
-        style = rr.SeriesLines(
-            names=names, colors=list(series.colors) or None, aggregation_policy=rr.components.AggregationPolicy.MinMax,
-            widths=[SERIES_WIDTH] * len(names),
-        )  # fmt: skip
-        self.recording.log(path, style, static=True)
-        self._timelines.rows(
-            path,
-            time,
-            lambda rows: rr.Scalars.columns(scalars=values[rows].ravel()).partition([values.shape[1]] * rows.size),
-        )
-        # Beside a scene each timeline shows its own part of the values, so the viewer chooses the range.
-        stated = value_range(values) if self._tab.stage is None else None
-        whole = rr.TimeRange(start=rr.TimeRangeBoundary.infinite(), end=rr.TimeRangeBoundary.infinite())
-        view = rrb.TimeSeriesView(
-            origin=path, name=printable(f"{series.title} [{series.unit}]"), axis_x=rrb.TimeAxis(view_range=whole),
-            axis_y=None if stated is None else rrb.ScalarAxis(range=stated),
-            plot_legend=rrb.PlotLegend(corner="RightTop" if self._tab.stage is None else "LeftTop", visible=len(names) > 1),
-        )  # fmt: skip
-        self._tab.series.append(view)
-        self._tab.charts.append(Chart(path, time, values, series.spans))
+        self._tab.quantities.append(series)
 
     def table(self, table: Table) -> None:
         """Show a table."""
@@ -159,7 +132,7 @@ class RecordingReview:
     def track(self, name: str, position: Floats, color: Color, label: str = "") -> None:
         """Show a trajectory in local east and north, with a label at its end."""
         self._keep(Track(name, position, color, label))
-        if view := self._tab.tracks.add(self.recording, name, position, color, label):
+        if view := self._tab.tracks.add(name, position, color, label):
             self._tab.pictures.append(view)
 
     def map_track(self, name: str, position: Floats, color: Color) -> None:

@@ -7,13 +7,14 @@ from dataclasses import dataclass, field
 import rerun as rr
 import rerun.blueprint as rrb
 
-from imuwb.analysis import Figure, Table
+from imuwb.analysis import Figure, Series, Table
 from imuwb.review.figures import chart
 from imuwb.review.figures.drawing import entity_name
 from imuwb.review.figures.sizes import fitted
 from imuwb.review.figures.track import Maps, Tracks
+from imuwb.review.recording.charts import charts
 from imuwb.review.recording.pages import Cell, Item, Notes, Page, pages
-from imuwb.review.scene.shading import Chart, event_list, shade
+from imuwb.review.scene.shading import event_list, shade
 from imuwb.review.scene.theatre import Theatre
 from imuwb.review.scene.timelines import Timelines
 from imuwb.review.tables.markdown import markdown
@@ -30,10 +31,10 @@ class Tab:
     tracks: Tracks
     maps: Maps
     pictures: list[rrb.View | Figure] = field(default_factory=list[rrb.View | Figure])  #: figures, tracks and maps
-    series: list[rrb.View] = field(default_factory=list[rrb.View])
+    quantities: list[Series] = field(default_factory=list[Series])  #: over time
+    series: list[rrb.View] = field(default_factory=list[rrb.View])  #: the charts of ``quantities``, and the events
     tables: list[Table] = field(default_factory=list[Table])
     notes: list[str] = field(default_factory=list[str])
-    charts: list[Chart] = field(default_factory=list[Chart])  #: the values of ``series``
     spans: list[Span] = field(default_factory=list[Span])
     events: list[Event] = field(default_factory=list[Event])
     stage: Theatre | None = None  #: the views of the scene
@@ -58,11 +59,17 @@ class Tab:
         self.stage = Theatre.of(scene, recording, timelines, f"{self.path}/scene")
 
     def finish(self, recording: rr.RecordingStream, timelines: Timelines) -> None:
-        """Log the spans and the events, whose places in the charts follow from all that the tab shows."""
+        """Log the tracks, and the spans and the events, whose places in the charts follow from all that the tab shows."""
+        self.tracks.log(recording)
+        drawn = list(charts(
+            self.quantities, recording, timelines, self.path, beside=self.stage is not None,
+            plain=not (self.spans or self.events),
+        ))  # fmt: skip
+        self.series += [view for view, _ in drawn]
         if self.series and self.stage is None and timelines.windows:
             first, whole = timelines.windows[0].name, timelines.clock.timeline
             self.notes.insert(0, f"The charts show the {first}: for the whole log, choose {whole} at the lower left.")
-        for shown in self.charts:
+        for _, shown in drawn:
             shade(shown, [*shown.spans, *self.spans], self.events, recording, timelines)
         if self.events:
             view = event_list(self.events, timelines, f"{self.path}/events")

@@ -39,16 +39,15 @@ def plan(scene: Scene, recording: rr.RecordingStream, timelines: Timelines, path
     colors: list[tuple[int, ...]] = [GREY, *(INK for _ in strips[1:]), *(color for *_, color in legend)]
     widths = [0.8, *(2.2 for _ in strips[1:]), *(3.0 for _ in legend)]
     strips += [swatch for _, _, swatch, _ in legend]
-    drawing.lines(recording, f"{path}/track", strips, colors, widths, 1)
-    _points(scene, ground, recording, path)
+    sheet = drawing.Drawing()
+    sheet.line("track", strips, colors, widths)
+    _points(scene, ground, sheet)
     ruler = f"{length / 1000:g} km" if length >= 1000 else f"{length:g} m"  # noqa: PLR2004 - m in a km
     texts = [((float(track[0, 0]), float(track[0, 1])), "start"), ((x + length / 2, y - 2 * px), ruler)]
     texts += [(place, text) for place, text, _, _ in legend]
-    labels = rr.Points2D(
-        [place for place, _ in texts], labels=[text for _, text in texts], colors=[INK] * len(texts),
-        radii=rr.Radius.ui_points([2.5, *(0.0 for _ in texts[1:])]), show_labels=True,
-    )  # fmt: skip
-    recording.log(f"{path}/texts", labels, static=True)
+    sheet.text("start", texts[:1], INK, 2.5)
+    sheet.text("texts", texts[1:], INK)
+    sheet.log(recording, path)
     timelines.rows(
         f"{path}/body", scene.body.time,
         lambda rows: rr.Points2D.columns(positions=track[rows]).partition([1] * rows.size),
@@ -62,14 +61,14 @@ def _plane(enu: Floats) -> Floats:
     return np.stack([enu[:, 0], -enu[:, 1]], axis=1)
 
 
-def _points(scene: Scene, ground: Ground, recording: rr.RecordingStream, path: str) -> None:
+def _points(scene: Scene, ground: Ground, sheet: drawing.Drawing) -> None:
     places = [
         (place, points.color)
         for points in scene.points
         for place in _plane(ground.enu(thinned(points.position, scene, MOST_POINTS))).tolist()
     ]
     if places:
-        drawing.points(recording, f"{path}/points", [p for p, _ in places], [c for _, c in places], 1.3, 2)
+        sheet.point("points", [p for p, _ in places], [c for _, c in places], 1.3)
 
 
 def _legend(

@@ -87,12 +87,17 @@ def stage(scene: Scene, recording: rr.RecordingStream, timelines: Timelines, pat
 
 
 def groups(scene: Scene) -> Iterator[tuple[tuple[Episode, ...], tuple[str, ...]]]:
-    """Yield episodes that are on the same timelines, and the names of these; "" is that of the whole log."""
+    """Yield episodes that are on the same timelines, and the names of these; "" is that of the whole log, and the last."""
     for episode in scene.episodes:
         if episode.name:
             yield (episode,), (episode.name, "")
-    if others := tuple(episode for episode in scene.episodes if not episode.name):
-        yield others, ("",)
+    yield tuple(episode for episode in scene.episodes if not episode.name), ("",)
+
+
+def announced(scene: Scene, episode: Episode) -> int:
+    """Return when an episode is announced, ns: some time before it begins, but not while the one before it is shown."""
+    ends = [other.end + seconds(CLEARED) + 1 for other in scene.episodes if other.end <= episode.begin]
+    return max([episode.begin - seconds(scene.before), *ends]) if episode.name else episode.begin
 
 
 def within(scene: Scene, episode: Episode) -> slice:
@@ -150,10 +155,13 @@ def _looks(scene: Scene, recording: rr.RecordingStream, path: str) -> None:
     ringed = [color for own in ([(*c, STRONG) for c in colors[:1]] + faint[1:]) for color in (own,) * len(RINGS)]
     widths = [-(1.0 if i < len(RINGS) else 0.5) for i in range(len(ringed))]
     recording.log(f"{path}/ahead", rr.LineStrips3D.from_fields(colors=faint, radii=-THIN), static=True)
-    recording.log(f"{path}/grown", rr.LineStrips3D.from_fields(colors=colors, radii=-WIDE), static=True)
-    rings = rr.Ellipsoids3D.from_fields(colors=ringed, line_radii=widths, fill_mode="MajorWireframe")
-    recording.log(f"{path}/rings", rings, static=True)
-    recording.log(f"{path}/labels", rr.Points3D.from_fields(radii=-DOT, show_labels=True), static=True)
+    recording.log(
+        f"{path}/now",
+        rr.LineStrips3D.from_fields(colors=colors, radii=-WIDE),
+        rr.Ellipsoids3D.from_fields(colors=ringed, line_radii=widths, fill_mode="MajorWireframe"),
+        rr.Points3D.from_fields(radii=-DOT, show_labels=True),
+        static=True,
+    )
 
 
 def _estimators(scene: Scene) -> dict[str, Color]:
@@ -165,29 +173,26 @@ def _beliefs(
     scene: Scene, episodes: Sequence[Episode], on: tuple[str, ...], ground: Ground, timelines: Timelines, path: str
 ) -> None:
     """Keep the tracks, ellipses and labels of estimators in some episodes that are on the same timelines."""
-    ahead, grown, rings, labels = map(Frames, (rr.LineStrips3D, rr.LineStrips3D, rr.Ellipsoids3D, rr.Points3D))
+    # What changes at the same times is one entity: each entity takes some kilobytes of the file on each timeline.
+    ahead, now = Frames((rr.LineStrips3D,)), Frames((rr.LineStrips3D, rr.Ellipsoids3D, rr.Points3D))
     for episode in episodes:
         if not episode.beliefs:
             continue
         known = {belief.name: belief for belief in episode.beliefs}
         beliefs = [known.get(name) for name in _estimators(scene)]
         places = [NOWHERE if belief is None else ground.level(belief) for belief in beliefs]
-        if episode.name:
-            early = Frames(rr.LineStrips3D)
-            early.add(episode.begin - seconds(scene.before), {"strips": places})
-            early.keep(timelines, f"{path}/ahead", (episode.name,))
-        ahead.add(episode.begin, {"strips": places})
+        ahead.add(announced(scene, episode), {"strips": places})
         ringed = len(places) if episode.name else 1  # elsewhere the first one is enough: rings take most room
         for k, time in enumerate(episode.beliefs[0].time.tolist()):
             kept = np.append(np.arange(0, k, COARSE), k)
-            grown.add(time, {"strips": [place[kept] if len(place) else place for place in places]})
-            rings.add(time, _rings(beliefs[:ringed], places[:ringed], k))
+            grown: Parts = {"strips": [place[kept] if len(place) else place for place in places]}
             here = [place[k] for place in places if len(place)]
-            labels.add(time, _labels([own for own in beliefs if own], here, _body_at(scene, ground, time)))
-        for frames in (ahead, grown, rings, labels):
+            labels = _labels([own for own in beliefs if own], here, _body_at(scene, ground, time))
+            now.add(time, grown, _rings(beliefs[:ringed], places[:ringed], k), labels)
+        for frames in (ahead, now):
             frames.clear(episode.end + seconds(CLEARED))
-    for name, frames in {"ahead": ahead, "grown": grown, "rings": rings, "labels": labels}.items():
-        frames.keep(timelines, f"{path}/{name}", on)
+    ahead.keep(timelines, f"{path}/ahead", on)
+    now.keep(timelines, f"{path}/now", on)
 
 
 def _rings(beliefs: Sequence[Belief | None], places: Sequence[Floats], k: int) -> Parts:

@@ -10,7 +10,7 @@ import rerun.blueprint as rrb
 
 from imuwb.review.scene.frames import Frames
 from imuwb.review.scene.plan import plan
-from imuwb.review.scene.stage import CLEARED, groups, stage
+from imuwb.review.scene.stage import CLEARED, announced, groups, stage
 from imuwb.review.scene.timelines import Timelines, seconds
 from imuwb.review.tables.markdown import caption_text
 from imuwb.scene import Scene
@@ -62,16 +62,13 @@ def _rows(series: Sequence[rrb.View]) -> Iterator[rrb.View | rrb.Container]:
 def _captions(scene: Scene, recording: rr.RecordingStream, timelines: Timelines, path: str) -> rrb.View:
     """Keep the text that changes in time."""
     recording.log(path, rr.TextDocument.from_fields(media_type=rr.MediaType.MARKDOWN), static=True)
-    outside = Frames(rr.TextDocument)
-    outside.add(int(scene.body.time[0]), {"text": [caption_text(scene.about)]})
-    outside.keep(timelines, path, ("",))
     for episodes, on in groups(scene):
-        frames = Frames(rr.TextDocument)
+        frames = Frames((rr.TextDocument,))
+        if on == ("",):  # the text of the whole log is there from its begin
+            frames.add(int(scene.body.time[0]), {"text": [caption_text(scene.about)]})
         for episode in episodes:
             if episode.name:
-                before = Frames(rr.TextDocument)
-                before.add(episode.begin - seconds(scene.before), {"text": [caption_text(episode.about)]})
-                before.keep(timelines, path, (episode.name,))
+                frames.add(announced(scene, episode), {"text": [caption_text(episode.about)]})
             times = episode.beliefs[0].time.tolist() if episode.beliefs else []
             for time, caption in zip(times, episode.captions, strict=True):
                 frames.add(time, {"text": [caption_text(caption)]})

@@ -27,28 +27,29 @@ def test_a_ruler_is_round_and_shorter_than_half_the_extent(span, length):
     assert ruler_length(span) == pytest.approx(length)
 
 
-def test_tracks_share_a_picture_whose_view_is_returned_once(drawing):
+def test_tracks_share_a_picture_whose_view_is_returned_once():
     tracks = Tracks("t")
     metre = 1 / 6_371_000.0
     first = np.array([[0.0, 0.0, 0.0], [0.0, 100 * metre, 0.0]])
-    view = tracks.add(drawing, "/gnss/fix", first, (1, 2, 3), "")
+    view = tracks.add("/gnss/fix", first, (1, 2, 3), "")
     bounds = view.properties["VisualBounds2D"].range.as_arrow_array().to_pylist()[0]
     assert (bounds["x_range"], bounds["y_range"]) == (pytest.approx([-15, 115]), pytest.approx([-15, 23]))
-    assert tracks.add(drawing, "other", first + np.array([10 * metre, 0.0, 0.0]), (1, 2, 3), "end") is None
-    assert drawing.strips("t/0__gnss_fix") == [[[0, 0], [pytest.approx(100, rel=1e-6), 0]]]
-    assert drawing.strips("t/1_other")[0][0] == [0, pytest.approx(-10, rel=1e-6)]
-    assert drawing.strips("t/scale") == [[[0, 8], [50, 8]]]
-    assert drawing.labels("t/texts") == ["50 m", "start"]
-    assert drawing.places("t/texts") == [[25, 12], [0, 0]]
-    assert drawing.places("t/labels/1")[0] == pytest.approx([100, -10])
-    assert "t/labels/0" not in drawing
+    assert tracks.add("other", first + np.array([10 * metre, 0.0, 0.0]), (1, 2, 3), "end") is None
+    strips = {part.name: part.places for part in tracks.drawing.lines}
+    assert strips["/gnss/fix"] == [[[0, 0], [pytest.approx(100, rel=1e-6), 0]]]
+    assert strips["other"][0][0] == [0, pytest.approx(-10, rel=1e-6)]
+    assert strips["scale"] == [[(0, 8), (50, 8)]]
+    texts = {part.name: list(zip(part.texts, part.places, strict=True)) for part in tracks.drawing.texts}
+    assert texts["texts"] == [("50 m", [(25, 12)]), ("start", [(0, 0)])]
+    assert texts["other"] == [("end", [pytest.approx((100, -10))])]
+    assert "/gnss/fix" not in texts
 
 
-def test_tracks_on_a_map_share_a_view(drawing):
+def test_tracks_on_a_map_share_a_view(logged):
     maps = Maps("m")
     position = np.radians([[47.0, 8.0, 0.0], [48.0, 9.0, 0.0]])
-    assert maps.add(drawing, "a", position, (1, 2, 3)) is not None
-    assert maps.add(drawing, "b", position, (1, 2, 3)) is None
-    assert drawing["m/1_b"].line_strings.as_arrow_array().to_pylist() == [
+    assert maps.add(logged, "a", position, (1, 2, 3)) is not None
+    assert maps.add(logged, "b", position, (1, 2, 3)) is None
+    assert logged["m/1_b"][0].line_strings.as_arrow_array().to_pylist() == [
         [pytest.approx([47, 8]), pytest.approx([48, 9])]
     ]

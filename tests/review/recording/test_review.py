@@ -25,7 +25,7 @@ def test_a_recording_contains_all_that_was_shown(review, line, entities, tmp_pat
     review.note("look here")
     assert not (tmp_path / "r.rrd").exists()
     paths = entities(review.close())
-    for end in ("figure_0/grid", "series_0", "text_1", "text_2", "track/0_gnss", "map/0_gnss"):
+    for end in ("figure_0/texts", "series_0", "text_1", "text_2", "track/texts", "map/0_gnss"):
         assert f"/mine/{end}" in paths
     assert [type(item).__name__ for item in shown] == ["Table", "str"]
     assert [p.name for p in tmp_path.iterdir()] == ["r.rrd"]
@@ -72,11 +72,11 @@ def test_a_series_takes_the_clock_of_the_log_and_another_clock_is_an_error(tmp_p
     assert timelines == {"time"}
 
 
-def test_a_text_of_a_log_is_no_markup_and_no_control_character(drawing):
+def test_a_text_of_a_log_is_no_markup_and_no_control_character(logged):
     tab = Tab.of("My tab")
     tab.tables.append(Table("T", ("a|b",), (("<b>*x* [y](http://z)\u2028\x1b[2J",),), "_c_"))
-    tab.layout(drawing)
-    (text,) = drawing["/my_tab/text_0"].text.as_arrow_array().to_pylist()
+    tab.layout(logged)
+    (text,) = logged["/my_tab/text_0"][0].text.as_arrow_array().to_pylist()
     assert text.splitlines()[0] == "| a\\|b |"
     assert "\\<b\\>\\*x\\* \\[y\\](http://z)" in text
     assert "\\_c\\_" in text

@@ -96,13 +96,13 @@ def test_the_camera_follows_the_body(shown):
 
 
 def test_tracks_appear_with_their_episode_and_vanish(shown):
-    grown = {seconds(r, "time_since_start"): r for r in shown["/drive/scene/grown"]}
+    grown = {seconds(r, "time_since_start"): r for r in shown["/drive/scene/now"]}
     (first, second) = grown[25.0]["LineStrips3D:strips"]
     assert first[-1][:2] == pytest.approx([5.0, 250.0], abs=0.1)
     assert second[-1][:2] == pytest.approx([15.0, 250.0], abs=0.1)
     assert grown[30.5]["LineStrips3D:strips"] == []
-    assert {seconds(r, "worst outage") for r in shown["/drive/scene/grown"]} == {None, *map(float, range(11)), 10.5}
-    labels = {seconds(r, "time_since_start"): r.get("Points3D:labels") for r in shown["/drive/scene/labels"]}
+    assert {seconds(r, "worst outage") for r in shown["/drive/scene/now"]} == {None, *map(float, range(11)), 10.5}
+    labels = {seconds(r, "time_since_start"): r.get("Points3D:labels") for r in shown["/drive/scene/now"]}
     assert labels[25.0] == ["full: 5.0 m off", "none: 15 m off"]
 
 
@@ -218,9 +218,10 @@ def test_bars_are_as_long_as_their_values(review):
     review.review.bars(Bars("Drift", "m", (Bar("full", 2.0, RED, 1.0, 3.0), Bar("none", 4.0, BLUE))))
     assert [type(item) for item in review.shown] == [Table]
     found = rows(review.review.close())
-    ends = [strip[1][0] - strip[0][0] for strip in found["/result/bars_0/bars"][0]["LineStrips2D:strips"]]
+    *_, full, none, interval = found["/result/bars_0"][0]["LineStrips2D:strips"]
+    ends = [strip[1][0] - strip[0][0] for strip in (full, none)]
     assert ends[1] == pytest.approx(2 * ends[0])
-    ((low, high),) = ([x for x, _ in s] for s in found["/result/bars_0/intervals"][0]["LineStrips2D:strips"])
+    low, high = (x for x, _ in interval)
     assert (low, high) == pytest.approx((ends[0] / 2, 1.5 * ends[0]))
 
 
@@ -265,7 +266,7 @@ def test_an_estimator_that_is_missing_in_an_episode_keeps_its_colour(review):
     review.review.tab("Drive")
     review.review.scene(alone)
     found = rows(review.review.close())
-    grown = {seconds(r, "time_since_start"): r for r in found["/drive/scene/grown"]}
+    grown = {seconds(r, "time_since_start"): r for r in found["/drive/scene/now"]}
     assert [len(strip) > 0 for strip in grown[25.0]["LineStrips3D:strips"]] == [True, True]
     assert [len(strip) > 0 for strip in grown[55.0]["LineStrips3D:strips"]] == [False, True]
     static = grown[None]["LineStrips3D:colors"]

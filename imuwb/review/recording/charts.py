@@ -1,0 +1,103 @@
+"""The charts of a tab: quantities over time. Long series are drawn as the envelopes of their extremes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from imuwb.analysis import Series
+from imuwb.arrays import Floats, Integers
+from imuwb.review.drawn.envelope import envelope
+from imuwb.review.figures.value_axis import value_range
+from imuwb.review.scene.shading import Chart
+from imuwb.review.scene.timelines import Timelines
+from imuwb.texts import printable
+
+WIDTH = 1.2  #: width of a line
+WHOLE = rr.TimeRange(start=rr.TimeRangeBoundary.infinite(), end=rr.TimeRangeBoundary.infinite())
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Drawn:
+    """A series with the rows that are drawn."""
+
+    series: Series
+    time: Integers  #: (n,) ns
+    values: Floats  #: (n, k)
+
+
+def charts(
+    all_series: Sequence[Series], recording: rr.RecordingStream, timelines: Timelines, path: str, *, beside: bool,
+    plain: bool,
+) -> Iterator[tuple[rrb.View, Chart]]:  # fmt: skip
+    """Log series below an entity path, and yield the view of each and what it shows.
+
+    Args:
+        all_series: of the tab.
+        recording: where they are logged.
+        timelines: of the recording.
+        path: of the tab.
+        beside: whether the charts are beside a scene, where there is little room.
+        plain: whether nothing is shaded in all charts.
+    """
+    drawn = [_Drawn(series, *envelope(series.time, series.values)) for series in all_series]
+    for first, group in _groups(drawn, plain=plain):
+        own = f"{path}/series_{first}"
+        _log(group, recording, timelines, own, beside=beside)
+        for number, one in enumerate(group):
+            shown = [number == k for k in range(len(group))] if len(group) > 1 else []
+            yield _view(one, own, shown, beside=beside), Chart(own, one.time, one.values, one.series.spans)
+
+
+def _groups(drawn: Sequence[_Drawn], *, plain: bool) -> Iterator[tuple[int, list[_Drawn]]]:
+    """Yield series that are logged as one entity, which saves room: those of one quantity each at the same times.
+
+    Each has a chart of its own, in which the others are hidden. A legend would name the hidden ones too, and what is shaded belongs
+    to one chart, so only a chart that has neither is in a group.
+    """
+    group: list[_Drawn] = []
+    for number, one in enumerate(drawn):
+        alone = not plain or bool(one.series.spans) or one.values.shape[1] != 1
+        if group and (alone or not np.array_equal(one.time, group[0].time)):
+            yield number - len(group), group
+            group = []
+        group = [*group, one]
+        if alone:
+            yield number, group
+            group = []
+    if group:
+        yield len(drawn) - len(group), group
+
+
+def _log(
+    group: Sequence[_Drawn], recording: rr.RecordingStream, timelines: Timelines, path: str, *, beside: bool
+) -> None:
+    names = [f"{name}{'' if beside else f' [{one.series.unit}]'}" for one in group for name in one.series.names]
+    colors = [color for one in group for color in one.series.colors]
+    style = rr.SeriesLines(
+        names=names, colors=colors if len(colors) == len(names) else None, widths=[WIDTH] * len(names),
+        aggregation_policy=rr.components.AggregationPolicy.MinMax,
+    )  # fmt: skip
+    recording.log(path, style, static=True)
+    values = np.concatenate([one.values for one in group], axis=1)
+    timelines.rows(
+        path,
+        group[0].time,
+        lambda rows: rr.Scalars.columns(scalars=values[rows].ravel()).partition([values.shape[1]] * rows.size),
+    )
+
+
+def _view(one: _Drawn, path: str, shown: Sequence[bool], *, beside: bool) -> rrb.View:
+    """Return the view of a chart; ``shown`` tells which lines of its entity it shows, if not all."""
+    # Beside a scene each timeline shows its own part of the values, so the viewer chooses the range.
+    stated = None if beside else value_range(one.values)
+    legend = rrb.PlotLegend(corner="LeftTop" if beside else "RightTop", visible=len(one.series.names) > 1)
+    return rrb.TimeSeriesView(
+        origin=path, name=printable(f"{one.series.title} [{one.series.unit}]"), axis_x=rrb.TimeAxis(view_range=WHOLE),
+        axis_y=None if stated is None else rrb.ScalarAxis(range=stated), plot_legend=legend,
+        overrides={path: [rr.SeriesLines.from_fields(visible_series=list(shown))]} if shown else None,
+    )  # fmt: skip
