@@ -146,7 +146,7 @@ def _curve(curve: Curve, frame: Frame, sheet: Drawing, name: str) -> None:
     if curve.style == "bar":
         ends = zip(curve.x, curve.y.clip(max=0.0), curve.y.clip(min=0.0), strict=True)
         bars = [bar for x, low, high in ends if (bar := frame.bar(x, low, high)) is not None]
-        drawing.lines(recording, path, bars, [color] * len(bars), THICKNESS["bar"], CURVE_ORDER["bar"])
+        sheet.line(name, bars, [color] * len(bars), THICKNESS["bar"], CURVE_ORDER["bar"])
         return
     parts = frame.strips(curve.x, curve.y)
     strips = [part for part in parts if len(part) > 1]

@@ -1,14 +1,15 @@
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from rerun.chunk import RrdReader
 
 from imuwb.analysis import Series
 from imuwb.log import SECOND
+from imuwb.review.recording.charts import charts
+from imuwb.review.scene.clock import Clock
+from imuwb.review.scene.timelines import Timelines
 from imuwb.scene import Span
 
 TIME = np.arange(5, dtype=np.int64) * SECOND
+SPAN = Span(int(TIME[1]), int(TIME[2]), "span")
 
 
 def series(title, *, columns=1, step=1, spans=()):
@@ -17,49 +18,27 @@ def series(title, *, columns=1, step=1, spans=()):
     return Series(title, "m", TIME * step, values, names, ((1, 2, 3),) * columns, spans=spans)
 
 
-def entities(review):
-    """Return {entity: number of lines} of the charts."""
-    found = {}
-    for chunk in RrdReader(str(review.close())).stream():
-        for row in chunk.to_record_batch().to_pylist():
-            if row.get("SeriesLines:names"):
-                found[str(chunk.entity_path)] = len(row["SeriesLines:names"])
-    return found
+def views(logged, given, *, plain=True):
+    return [view for view, _ in charts(given, logged, Timelines(Clock()), "/t", beside=False, plain=plain)]
 
 
-def test_single_quantities_at_the_same_times_are_one_entity(review):
+def test_single_quantities_at_the_same_times_are_one_entity(logged):
     given = [series("a"), series("b"), series("c", step=2), series("d", columns=2), series("e"), series("f")]
-    for one in given:
-        review.review.series(one)
-    views = review.review._tabs[-1]
-    found = entities(review.review)
-    assert found == {"/result/series_0": 2, "/result/series_2": 1, "/result/series_3": 2, "/result/series_4": 2}
-    assert len(views.series) == len(given)
-    origins = [view.origin for view in views.series]
-    assert origins == [f"/result/series_{k}" for k in (0, 0, 2, 3, 4, 4)]
+    found = views(logged, given)
+    assert [view.origin for view in found] == [f"/t/series_{k}" for k in (0, 0, 2, 3, 4, 4)]
+    lines = {path: len(style.names.as_arrow_array()) for path, (style,) in logged.items()}
+    assert lines == {"/t/series_0": 2, "/t/series_2": 1, "/t/series_3": 2, "/t/series_4": 2}
 
 
-def test_each_chart_of_an_entity_hides_the_lines_of_the_others(review):
-    for name in "abc":
-        review.review.series(series(name))
-    tab = review.review._tabs[-1]
-    review.review.close()
+def test_each_chart_of_an_entity_hides_the_lines_of_the_others(logged):
     shown = [
-        [flag for batch in overrides for part in batch.as_component_batches() for flag in part.as_arrow_array().to_pylist()]
-        for overrides in (view.visualizer_overrides["/result/series_0"] for view in tab.series)
-    ]  # fmt: skip
+        view.visualizer_overrides["/t/series_0"][0].visible_series.as_arrow_array().to_pylist()
+        for view in views(logged, [series(name) for name in "abc"])
+    ]
     assert np.array(shown).tolist() == np.eye(3, dtype=bool).tolist()
 
 
-@pytest.mark.parametrize("where", ["tab", "series"])
-def test_charts_with_shading_have_entities_of_their_own(where, review):
-    span = Span(int(TIME[1]), int(TIME[2]), "span")
-    given = [series("a"), series("b")]
-    if where == "tab":
-        review.review.span(span)
-    else:
-        given = [replace(one, spans=(span,)) for one in given]
-    for one in given:
-        review.review.series(one)
-    found = entities(review.review)
-    assert {path for path in found if not path.endswith("spans")} == {"/result/series_0", "/result/series_1"}
+@pytest.mark.parametrize(("spans", "plain"), [((SPAN,), True), ((), False)])
+def test_charts_with_shading_have_entities_of_their_own(spans, plain, logged):
+    found = views(logged, [series("a", spans=spans), series("b")], plain=plain)
+    assert [view.origin for view in found] == ["/t/series_0", "/t/series_1"]
