@@ -68,9 +68,9 @@ def test_styles_have_lines_points_or_both(style, line, drawn):
 def test_a_bar_goes_from_zero_to_its_value(line, drawn):
     figure = line([1.0, 2.0], [3.0, 1.0], kind="linear", limits=(0.0, 4.0), style="bar")
     paths = drawn(figure)
-    width, height = paths.strips("f/grid")[-1][2]
+    width, height = paths.strips("grid")[-1][2]
     place = WholeFrame((figure,), width, height).place
-    bars = paths.strips("f/curves/00_c")
+    bars = paths.strips("curves/00_c")
     for bar, (x, y) in zip(bars, ((1.0, 3.0), (2.0, 1.0)), strict=True):
         assert bar[0] == pytest.approx(place(x, 0.0), abs=1e-3)
         assert bar[1] == pytest.approx(place(x, y), abs=1e-3)
