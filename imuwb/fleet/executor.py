@@ -31,6 +31,7 @@ class Call:
     function: Callable[[Any], Any]
     argument: Any
     bounds: Bounds
+    prepare: Callable[[Any], None] | None = None  #: is called with the argument first, outside the bounds: imports
 
 
 @dataclass(frozen=True, slots=True)

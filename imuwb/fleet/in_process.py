@@ -7,8 +7,18 @@ from imuwb.fleet.bounds import OutOfTimeError, bounded
 from imuwb.fleet.executor import Call, Completed, Fault, TransportError, memory_fault, time_fault
 
 
+def prepared(number: int, call: Call) -> Completed | None:
+    """Do what must be done before a call; return its fault if that fails."""
+    try:
+        if call.prepare is not None:
+            call.prepare(call.argument)
+    except Exception as error:  # noqa: BLE001 - a plugin may raise anything
+        return Completed(number, fault=Fault("fault", f"{type(error).__name__}: {error}"))
+    return None
+
+
 def outcome(number: int, call: Call) -> Completed:
-    """Return what becomes of a call in this process. The bounds hold where the system has them."""
+    """Return what becomes of a prepared call in this process. The bounds hold where the system has them."""
     try:
         with bounded(call.bounds):
             return Completed(number, call.function(call.argument))
@@ -39,7 +49,8 @@ class InProcess:
     def as_completed(self) -> Iterator[Completed]:
         """Run the calls in their order."""
         while self._calls:
-            yield outcome(*self._calls.popleft())
+            number, call = self._calls.popleft()
+            yield prepared(number, call) or outcome(number, call)
 
     def close(self) -> None:
         """Drop the calls."""

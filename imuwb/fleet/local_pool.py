@@ -8,10 +8,12 @@ import os
 import queue
 import threading
 from collections.abc import Iterator
+from contextlib import suppress
 
 from imuwb.fleet.executor import Call, Completed
 from imuwb.fleet.own_child import OwnChild
 
+ENDING = 10.0  #: s until a killed process must have ended
 _Item = tuple[int, Call] | None
 
 
@@ -27,6 +29,7 @@ class LocalPool:
         self._calls: queue.SimpleQueue[_Item] = queue.SimpleQueue()
         self._done: queue.SimpleQueue[Completed] = queue.SimpleQueue()
         self._children: list[OwnChild] = []
+        self._threads: list[threading.Thread] = []
         self._left = 0
 
     def submit(self, number: int, call: Call) -> None:
@@ -35,7 +38,8 @@ class LocalPool:
         if len(self._children) < min(self.slots, self._left):
             child = OwnChild()
             self._children.append(child)
-            threading.Thread(target=self._serve, args=(child,), daemon=True).start()
+            self._threads.append(threading.Thread(target=self._serve, args=(child,), daemon=True))
+            self._threads[-1].start()
         self._calls.put((number, call))
 
     def as_completed(self) -> Iterator[Completed]:
@@ -46,15 +50,20 @@ class LocalPool:
             yield done
 
     def close(self) -> None:
-        """Kill the processes."""
-        for _ in self._children:
-            self._calls.put(None)
+        """Drop the calls that wait, and kill the processes."""
+        with suppress(queue.Empty):
+            while True:
+                self._calls.get_nowait()
         for child in self._children:
-            child.close()
+            self._calls.put(None)
+            child.kill()
+        for thread in self._threads:
+            thread.join(ENDING)
 
     def _serve(self, child: OwnChild) -> None:
         while (item := self._calls.get()) is not None:
             self._done.put(child.call(*item))
+        child.close()
 
 
 def cores() -> int:

@@ -14,7 +14,7 @@ from imuwb.fleet.bounds import MEMORY_EXIT
 from imuwb.fleet.executor import Call, Completed, Fault, memory_fault, time_fault
 
 GRACE = 10.0  #: s after the bound of time, in which the process may end the call itself
-STARTING = 300.0  #: s until a function is imported
+STARTING = 300.0  #: s until a call is prepared
 #: libraries that start threads of their own -> their variable
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 #: signals that come from outside; a process that ends by another one has a fault
@@ -32,7 +32,7 @@ class OwnChild:
     def call(self, number: int, call: Call) -> Completed:
         """Return what becomes of a call. A process that exceeds its bounds is killed."""
         try:
-            packed = pickle.dumps(call)
+            packed = pickle.dumps(pickle.dumps(call))
         except Exception as error:  # noqa: BLE001 - of many types
             return Completed(number, fault=Fault("fault", f"the call cannot be sent to a process: {error}"))
         process = self._started()
@@ -53,11 +53,18 @@ class OwnChild:
             self._ended(process)
         return Completed(number, done.value, done.fault, str(process.pid))
 
-    def close(self) -> None:
-        """End the process."""
+    def kill(self) -> None:
+        """End the process and start none again; any thread may do so, and a call under way has a fault."""
         self._closed, process = True, self._process
         if process is not None:
             process.kill()
+
+    def close(self) -> None:
+        """End the process, from the thread that calls it."""
+        self.kill()
+        process, self._process = self._process, None
+        if process is not None:
+            self._ended(process)
 
     def _started(self) -> "subprocess.Popen[bytes]":
         if self._process is not None and self._process.poll() is None:

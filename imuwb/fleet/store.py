@@ -123,7 +123,7 @@ class BucketStore:
 
     def names(self, folder: str) -> Iterator[str]:
         """Yield the names of all objects below a folder."""
-        for meta in listed(self._store, self._address, f"{self._folder}{folder}/"):
+        for meta in listed(self._store, self._address, f"{self._folder}{folder}/" if folder else self._folder):
             yield meta["path"].removeprefix(self._folder)
 
     def read(self, name: str) -> bytes | None:

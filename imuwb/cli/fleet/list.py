@@ -79,7 +79,7 @@ def _answer(tasks: "Sequence[Task]", known: "Sequence[Triage]") -> "Answer":
     size = sum(one.log.size for one in known) / 1e9
     sentences = (
         f"{size:.3g} GB; {duration_text(sum(times))} by the indexes of {len(times)} logs.",
-        *[f"{one.log.place}: {one.fault}" for one in known if one.fault][:FAULTS],
+        *[one.fault for one in known if one.fault][:FAULTS],
     )
     rows = tuple((name, str(count)) for name, count in formats.most_common(FORMATS))
     return Answer(f"{len(known)} logs of {len(sensors) or 'unknown'} sensors", ("format", "logs"), rows, sentences)

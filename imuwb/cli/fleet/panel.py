@@ -55,8 +55,9 @@ def answer_of(state: RunState, store: Store, place: str, worked: int) -> Answer:
         sentences.append(
             f"The sensor of {len(logs) - named} logs is not known: --group, --identities or --metadata state it."
         )
-    again = "" if worked else "; nothing was left to do"
-    about = f"{state.logs} logs of {len(sensors) or 'unknown'} sensors, {state.executor}{again}"
+    if not worked:
+        sentences.append("All of it was there: nothing was left to do.")
+    about = f"{state.logs} logs of {len(sensors) or 'unknown'} sensors, {state.executor}"
     return Answer(
         about, ("quarantine", "logs", "the first") if rows else (), rows, tuple(sentences),
         (Step(f"imuwb fleet report {place}", "which sensors are out of family, and which drift"),),

@@ -16,7 +16,7 @@ from imuwb.cli.fleet.display import watching
 from imuwb.cli.fleet.options import Owners, Results, Work
 from imuwb.cli.fleet.owners import rule_of
 from imuwb.cli.fleet.panel import print_ending
-from imuwb.cli.fleet.work import Job, Reply, Settings, work
+from imuwb.cli.fleet.work import Job, Reply, Settings, prepare, work
 from imuwb.cli.options import Conditions, Part
 from imuwb.cli.through import step
 from imuwb.errors import UsageError
@@ -129,7 +129,7 @@ def perform(patterns: Sequence[str], asked: Asked) -> None:
 
 def _work(run: _Run, todo: Sequence[Task], executor: Executor, *, look: bool) -> None:
     """Analyse logs, and note the part or the fault of each."""
-    calls = (Call(work, Job(run.settings, task, look), run.bounds) for task in todo)
+    calls = (Call(work, Job(run.settings, task, look), run.bounds, prepare) for task in todo)
     file, progress = ProgressFile(run.store), Progress(len(todo))
     try:
         with watching(progress, executor.link) as update:
@@ -196,12 +196,14 @@ def _check(asked: Asked) -> None:
 
 
 def _executor(asked: Work, todo: Sequence[Task]) -> Executor:
+    if not todo:
+        return InProcess()
     if asked.scheduler is not None:
         from imuwb.fleet.dask_cluster import DaskCluster, local_cluster  # noqa: PLC0415 - an extra
 
         own = local_cluster(asked.workers or 0) if asked.scheduler == "local" else None
         return DaskCluster(asked.scheduler, __version__, own)
-    return InProcess() if asked.workers == 0 or not todo else LocalPool(asked.workers or 0)
+    return InProcess() if asked.workers == 0 else LocalPool(asked.workers or 0)
 
 
 def _values(asked: Asked) -> Iterator[tuple[str, object]]:

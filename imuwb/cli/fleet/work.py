@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any, cast
 
@@ -68,6 +69,14 @@ class _Stage:
 
     name: str = "read"
     log: dict[str, Any] = field(default_factory=dict[str, Any])
+
+
+def prepare(job: Job) -> None:
+    """Import the analysis, and the compiled code that all logs need."""
+    plugin = loaded(job.settings.source, job.settings.method)
+    for part in ("run", "findings", "answer", "drifts"):
+        getattr(plugin, part, None)
+    import_module("imuwb.sampling")
 
 
 def work(job: Job) -> Reply:

@@ -1,0 +1,283 @@
+"""A fleet of logs on the command line: a plugin's analysis over good, damaged, hanging and greedy logs, in files and in a store."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+HEADER = "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2"
+#: A plugin that hangs, takes memory or fails by the number of rows of the log.
+PLUGIN = '''
+"""Mean square of the gyros.
+
+Example: imuwb mean.py LOG
+"""
+import time
+from dataclasses import dataclass
+from pathlib import Path
+import numpy as np
+from imuwb.analysis import Finding
+from imuwb.options import Options
+from imuwb.statistics import Coefficient
+
+@dataclass(frozen=True)
+class Parameters(Options):
+    scale: float = 1.0
+    file: Path | None = None
+
+def run(logs, parameters):
+    rate = logs[0].imu().angular_rate
+    rows = len(rate)
+    if rows == 61:
+        time.sleep(1000)
+    if rows == 62:
+        return [np.ones(10**7) for _ in range(10**6)]
+    if rows == 63:
+        return 1 / 0
+    if rows > 100:
+        time.sleep(0.2)
+    more = float(parameters.file.read_text()) if parameters.file else 0.0
+    return {axis: parameters.scale * float(np.std(rate.value[:, i])) + more for i, axis in enumerate("xyz")}
+
+def draw(result, review):
+    pass
+
+def findings(result):
+    return tuple(Finding(f"gyro_{a}", "mean", {"N": Coefficient(v, v / 2, 2 * v)}) for a, v in result.items())
+'''
+GROUP = r"logs/(?P<vehicle>[^/]+)/(?P<serial>[^/]+)/[^/]*$"
+BOUNDS = ("--task-time", "3", "--task-memory", "0.3")
+TABLES = ("sensors", "outages", "logs", "quarantine")
+KINDS = ["fault", "memory", "time", "unreadable"]
+
+
+def text(rows, seed):
+    values = np.random.default_rng(seed).normal(0, 0.01, (rows, 6)) - np.array([0, 0, 0, 0, 0, 9.8])
+    return "\n".join([HEADER, *(",".join(map(repr, [i / 100, *row])) for i, row in enumerate(values.tolist()))]) + "\n"
+
+
+def made(folder, logs=9, rows=60):
+    """Write sound logs of three sensors, and four that are not."""
+    (folder / "mean.py").write_text(PLUGIN)
+    for i in range(logs):
+        path = folder / f"logs/v{i % 3}/s{i % 3}/{i}.csv"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text(rows, i))
+    for name, content in (("hangs", text(61, 1)), ("greedy", text(62, 2)), ("fails", text(63, 3)), ("words", "no log")):
+        (folder / f"logs/v0/s0/{name}.csv").write_text(content)
+
+
+def tables(folder):
+    return {name: (Path(folder) / f"{name}.parquet").read_bytes() for name in TABLES}
+
+
+def rows(folder, table):
+    return pq.read_table(Path(folder) / f"{table}.parquet").to_pylist()
+
+
+def worked(folder):
+    """Return the logs on which the last run worked."""
+    return [json.loads(line)["path"] for line in (Path(folder) / "progress.jsonl").read_text().splitlines()]
+
+
+@pytest.fixture(scope="module")
+def loop(tmp_path_factory):
+    """Return a folder with a fleet, and its tables by a plain loop."""
+    folder = tmp_path_factory.mktemp("fleet")
+    made(folder)
+    done = ran(folder, "mean.py", "logs", "-o", "loop", "--group", GROUP, "--workers", "0", *BOUNDS)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def ran(folder, *arguments, **environment):
+    command = [sys.executable, "-m", "imuwb", "fleet", *map(str, arguments)]
+    environment = {**os.environ, **environment}
+    return subprocess.run(
+        command, capture_output=True, text=True, cwd=folder, env=environment, check=False, encoding="utf-8"
+    )
+
+
+def test_a_plain_loop(loop):
+    assert sorted(row["kind"] for row in rows(loop / "loop", "quarantine")) == KINDS
+    assert len(rows(loop / "loop", "sensors")) == 27
+    assert {row["serial"] for row in rows(loop / "loop", "logs")} == {"s0", "s1", "s2"}
+
+
+def test_a_run_does_what_is_missing_and_nothing_else(imuwb, loop, monkeypatch):
+    monkeypatch.chdir(loop)
+    before = tables("loop")
+    given = ("fleet", "mean.py", "logs", "-o", "loop", "--group", GROUP, "--workers", "0", *BOUNDS)
+    done = imuwb(*given)
+    assert (done.code, "nothing was left" in done.err, len(done.err.splitlines()) <= 15) == (0, True, True)
+    part = next(p for p in Path("loop/parts").rglob("*.parquet") if pq.read_table(p).column("sensors")[0].as_py())
+    part.unlink()
+    Path("loop/sensors.parquet").unlink()
+    assert imuwb(*given).code == 0
+    assert (len(worked("loop")), tables("loop")) == (1, before)
+
+
+def test_a_pool_with_a_client_that_is_killed_gives_the_tables_of_the_loop(loop):
+    folder = loop / "pool"
+    command = [
+        sys.executable,
+        "-m",
+        "imuwb",
+        "fleet",
+        "mean.py",
+        "logs",
+        "-o",
+        "pool",
+        "--group",
+        GROUP,
+        "--workers",
+        "2",
+        *BOUNDS,
+    ]
+    client = subprocess.Popen(command, cwd=loop, stderr=subprocess.DEVNULL)
+    end = time.monotonic() + 60
+    while len(list(folder.glob("parts/*/*/*.parquet"))) < 3 and time.monotonic() < end:
+        time.sleep(0.02)
+    client.send_signal(signal.SIGKILL)
+    client.wait()
+    done = ran(loop, *command[4:])
+    assert done.returncode == 0, done.stderr
+    assert tables(folder) == tables(loop / "loop")
+    assert len(worked(folder)) <= 10
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (("logs/*.bag",), 2, ["no log matches", "logs/*.bag"]),
+        (("logs", "--group", "(?P<serial>x+y)"), 2, ["matches no log", "logs/v0/s0"]),
+        (("logs", "--group", "s"), 2, ["named groups", "serial"]),
+        (("logs", "--identities", "none.csv"), 2, ["none.csv"]),
+        (("logs", "--group", "(?P<serial>s)", "--metadata", "serial=a"), 2, ["--group", "--metadata"]),
+        (("logs", "--scheduler", "nowhere"), 2, ["tcp://"]),
+        (("logs", "--task-time", "0"), 2, ["--task-time"]),
+        (("logs", "--imu", "all"), 2, ["--imu all"]),
+        (("http://127.0.0.1:9/*.bin",), 2, ["does not list"]),
+        (("logs", "--through", "nothing"), 2, ["nothing"]),
+    ],
+)
+def test_bad_input(imuwb, loop, monkeypatch, arguments, code, words):
+    if "--scheduler" in arguments:
+        pytest.importorskip("distributed", reason="distributed is not installed")
+    monkeypatch.chdir(loop)
+    done = imuwb("fleet", "mean.py", *arguments, "-o", "bad")
+    assert done.code == code, done.err
+    assert all(word in done.err for word in words), done.err
+    assert not Path("bad").exists()
+
+
+def test_results_of_another_run_are_kept(imuwb, loop, monkeypatch):
+    monkeypatch.chdir(loop)
+    before = tables("loop")
+    for arguments, word in ((("--scale", "2"), "options"), ((), "version")):
+        if word == "version":
+            state = json.loads(Path("loop/run.json").read_text())
+            Path("loop/run.json").write_text(json.dumps({**state, "schema": 99}))
+        done = imuwb("fleet", "mean.py", "logs", "-o", "loop", "--workers", "0", *arguments)
+        assert (done.code, "--force" in done.err) == (2, True)
+        assert tables("loop") == before
+    Path("loop/run.json").write_text(json.dumps(state))
+
+
+def test_an_option_of_each_sensor(imuwb, loop, monkeypatch):
+    monkeypatch.chdir(loop)
+    Path("s0.txt").write_text("5")
+    Path("s1.txt").write_text("7")
+    done = imuwb(
+        "fleet",
+        "mean.py",
+        "logs/**/[0-2].csv",
+        "-o",
+        "own",
+        "--group",
+        GROUP,
+        "--workers",
+        "0",
+        "--file",
+        "{serial}.txt",
+    )
+    assert done.code == 0, done.err
+    assert {row["serial"]: round(row["value"]) for row in rows("own", "sensors")} == {"s0": 5, "s1": 7}
+    assert [(row["serial"], row["kind"]) for row in rows("own", "quarantine")] == [("s2", "fault")]
+
+
+def test_a_list_of_the_logs(imuwb, loop, monkeypatch):
+    monkeypatch.chdir(loop)
+    done = imuwb("fleet", "list", "logs", "--group", GROUP, "-o", "logs.csv", "--force")
+    assert (done.code, "13 logs of 3 sensors" in done.err) == (0, True), done.err
+    assert Path("logs.csv").read_text().count("\n") == 14
+    again = imuwb("fleet", "list", "logs", "--identities", "logs.csv")
+    assert "13 logs of 3 sensors" in again.out
+
+
+def test_a_store_and_a_cluster_give_the_tables_of_the_loop(loop, bucket, imuwb, monkeypatch):
+    distributed = pytest.importorskip("distributed", reason="distributed is not installed")
+    assert distributed
+    monkeypatch.chdir(loop)
+    for path in Path("logs").rglob("*.csv"):
+        bucket.put(path.as_posix(), path.read_bytes())
+    given = (
+        "fleet",
+        "mean.py",
+        "s3://logs/logs/**/*.csv",
+        "--group",
+        r"logs/logs/(?P<vehicle>[^/]+)/(?P<serial>[^/]+)/[^/]*$",
+        *BOUNDS,
+    )
+    assert imuwb(*given, "-o", "store", "--workers", "0").code == 0
+    with cluster(loop) as address:
+        done = imuwb(*given, "-o", "s3://logs/results/", "--scheduler", address)
+        assert (done.code, address in done.err) == (0, True), done.err
+        assert "nothing was left" in imuwb(*given, "-o", "s3://logs/results/", "--scheduler", address).err
+    import obstore
+    from obstore.store import S3Store
+
+    store = S3Store("logs", client_options={"allow_http": True})
+    kept = {name: bytes(obstore.get(store, f"results/{name}.parquet").bytes()) for name in TABLES}
+    assert kept == tables("store")
+    for name in ("sensors", "outages"):
+        assert kept[name] == tables("loop")[name]
+
+
+@contextmanager
+def cluster(folder):
+    """Run a scheduler of Dask and two workers in processes of their own, and yield its address."""
+    file, running = folder / "scheduler.json", []
+
+    def start(module, *arguments):
+        command = [
+            sys.executable,
+            "-m",
+            f"distributed.cli.{module}",
+            "--no-dashboard",
+            "--scheduler-file",
+            str(file),
+            *arguments,
+        ]
+        running.append(subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=folder))
+
+    start("dask_scheduler", "--port", "0", "--host", "127.0.0.1")
+    for _ in range(2):
+        start("dask_worker", "--nthreads", "1", "--no-nanny", "--memory-limit", "0")
+    try:
+        end = time.monotonic() + 60
+        while not file.exists() and time.monotonic() < end:
+            time.sleep(0.05)
+        yield json.loads(file.read_text())["address"]
+    finally:
+        for process in running:
+            process.kill()
+            process.wait(20)

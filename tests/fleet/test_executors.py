@@ -1,0 +1,95 @@
+"""Executors: a call that hangs, takes too much memory, crashes or is killed gives its own fault, and the others give their values."""
+
+import builtins
+import math
+import signal
+import sys
+import time
+
+import pytest
+
+from imuwb.errors import ImuwbError
+from imuwb.fleet.executor import Bounds, Call, Completed, Fault
+from imuwb.fleet.in_process import InProcess
+from imuwb.fleet.local_pool import LocalPool
+from imuwb.fleet.running import ATTEMPTS, completed
+
+BOUNDS = Bounds(1.0, 3e8)
+CALLS = [(math.sqrt, 4.0), (time.sleep, 60.0), (bytearray, 10**10), (math.sqrt, -1.0), (math.sqrt, 9.0)]
+DEADLY = [(signal.raise_signal, signal.SIGKILL), (signal.raise_signal, signal.SIGSEGV), (math.sqrt, 16.0)]
+LOADED = "__import__('imuwb.cli.fleet.work') and [m in __import__('sys').modules for m in ('rerun', 'matplotlib')]"
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the bound of memory is that of Linux")
+
+
+def became(executor, calls, bounds=BOUNDS):
+    for number, (function, argument) in enumerate(calls):
+        executor.submit(number, Call(function, argument, bounds))
+    done = {one.number: one for one in executor.as_completed()}
+    executor.close()
+    return [done[i].value if done[i].fault is None else done[i].fault.kind for i in range(len(calls))]
+
+
+def test_a_loop_in_this_process_keeps_the_bounds():
+    assert became(InProcess(), CALLS) == [2.0, "time", "memory", "fault", 3.0]
+
+
+def test_a_pool_loses_only_the_call_whose_process_ends():
+    began = time.monotonic()
+    assert became(LocalPool(2), [*CALLS, *DEADLY]) == [2.0, "time", "memory", "fault", 3.0, "lost", "crash", 4.0]
+    assert time.monotonic() - began < 30
+
+
+def test_workers_do_not_import_what_shows_results():
+    assert became(LocalPool(1), [(builtins.eval, LOADED)], Bounds(60, 1e9)) == [[False, False]]
+
+
+class Failing:
+    """Gives faults of a kind before the values."""
+
+    name, link, slots = "failing", "", 1
+
+    def __init__(self, kind, times) -> None:
+        self.left, self.fault, self.calls, self.most = times, Fault(kind, "as told"), [], 0
+
+    def submit(self, number, call):
+        self.calls.append((number, call))
+        self.most = max(self.most, len(self.calls))
+
+    def as_completed(self):
+        while self.calls:
+            number, call = self.calls.pop(0)
+            self.left -= 1
+            yield Completed(number, call.argument, self.fault if self.left >= 0 else None)
+
+    def close(self):
+        self.calls.clear()
+
+
+@pytest.mark.parametrize(
+    ("kind", "times", "fails"),
+    [
+        ("transport", 1, False),
+        ("transport", 2, True),
+        ("lost", 5, False),
+        ("lost", 6, True),
+        ("time", 1, True),
+        ("fault", 1, True),
+    ],
+)
+def test_only_faults_of_workers_and_transport_are_tried_again(kind, times, fails):
+    (done,) = completed([Call(abs, 1, BOUNDS)], Failing(kind, times))
+    assert (done.fault is not None) is fails
+    assert times <= ATTEMPTS.get(kind, 1)
+
+
+def test_calls_are_made_when_their_turn_comes():
+    executor = Failing("fault", 0)
+    done = list(completed((Call(abs, i, BOUNDS) for i in range(1000)), executor))
+    assert [one.value for one in done] == list(range(1000))
+    assert executor.most < 20
+
+
+def test_a_run_ends_where_no_call_succeeds():
+    with pytest.raises(ImuwbError, match="as told"):
+        list(completed((Call(abs, i, BOUNDS) for i in range(1000)), Failing("lost", 10**6)))
