@@ -3,6 +3,8 @@ from .chamber import chamber as chamber
 from .chamber import set_points as set_points
 from .drive import drive as drive
 from .gnss_errors import GnssErrors as GnssErrors
+from .hand_held import HandHeld as HandHeld
+from .hand_held import hand_held as hand_held
 from .motion_noise import MotionNoise as MotionNoise
 from .plans import PlannedOutage as PlannedOutage
 from .plans import mixed_route as mixed_route

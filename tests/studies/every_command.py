@@ -50,6 +50,8 @@ COMMANDS = (
             "simulate chamber --preset motionpakii --hours 0.01 --from 0 --to 20 --step 10 --rate 20 --seed {in}/seed -o o --force", ("o/*",)),
     Command("simulate six-position",
             "simulate six-position --preset mpu-6050 --minutes 0.1 --rate 50 --format csv --seed {in}/seed -o o --force", ("o/*",)),
+    Command("simulate hand-held",
+            "simulate hand-held --preset mpu-6050 --positions 9 --rate 50 --seed {in}/seed -o o --force", ("o/*",)),
     Command("simulate rate-table",
             "simulate rate-table --preset mpu-6050 --rates 50 --seconds 5 --rate 50 --seed {in}/seed -o o --force", ("o/*",)),
     Command("noise", "noise {in}/static.mcap" + _ALL + _MODEL, (*_FILES, "o.toml")),

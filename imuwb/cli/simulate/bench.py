@@ -1,4 +1,4 @@
-"""imuwb simulate six-position and rate-table: what a calibration bench would record, and the truth."""
+"""imuwb simulate six-position, hand-held and rate-table: what a calibration bench would record, and the truth."""
 
 from __future__ import annotations
 
@@ -53,10 +53,9 @@ class BenchSamples(Samples):
 
 
 @dataclass(frozen=True)
-class Bench(Options):
-    """The place of the bench, and how exactly the IMU is mounted on it."""
+class Place(Options):
+    """The place of the bench."""
 
-    misplacement: Annotated[float, "rms of each of two tilts of the IMU on the bench (deg)", Form("DEG")] = 0.05
     latitude: Annotated[
         float | None,
         "latitude of the bench, for the gravity of the ellipsoid and the earth's rotation; without it, standard gravity and no rotation (deg)",
@@ -79,12 +78,29 @@ class Bench(Options):
 
 
 @dataclass(frozen=True)
+class Bench(Place):
+    """The place of the bench, and how exactly the IMU is mounted on it."""
+
+    misplacement: Annotated[float, "rms of each of two tilts of the IMU on the bench (deg)", Form("DEG")] = 0.05
+
+
+@dataclass(frozen=True)
 class Positions(Options):
     """The positions."""
 
     positions: Annotated[int, "number of positions; 6: a cube's faces, 9 to 100: spread over all directions"] = 6
     minutes: Annotated[float, "duration in each position (min)", POSITIVE] = 10.0
     one_log: Annotated[bool, "record all positions in one log, with the turns between them"] = False
+
+
+@dataclass(frozen=True)
+class Held(Options):
+    """The positions in which a hand holds the sensor."""
+
+    positions: Annotated[int, "number of positions, spread over all directions (9 to 100)"] = 24
+    seconds: Annotated[float, "mean duration of a hold (s)", POSITIVE] = 4.0
+    table: Annotated[float, "duration on a table before the first motion (s)", POSITIVE] = 30.0
+    tremor: Annotated[float, "rms angle by which the hand sways about each axis; 0: a support (deg)", Form("DEG")] = 0.1
 
 
 @dataclass(frozen=True)
@@ -123,6 +139,29 @@ def six_position(
     texts = {output / TRUTH: made.truth.to_toml(), output / ATTITUDES: f"roll_deg,pitch_deg\n{angles}"}
     output.mkdir(exist_ok=True)
     save({output / f"{name}.{kind}": log for name, log in made.logs.items()}, texts, force=force)
+
+
+def hand_held(
+    *, output: _Output, sensor: BenchSensor, held: Held, place: Place, samples: BenchSamples,
+    kind: _Format = "mcap", force: Force = False,
+) -> None:  # fmt: skip
+    """Simulate an IMU that is turned by hand and held still in many attitudes, and the truth, for imuwb calibration multi-position.
+
+    Example: imuwb simulate hand-held --preset mpu-6050 -o hand
+    """
+    from imuwb import simulation  # noqa: PLC0415 - help must not wait for numpy
+    from imuwb.cli.terminal import progress  # noqa: PLC0415
+
+    model = sensor.specimen(samples.seed)
+    check_folder(output, [], force=force)
+    with progress("simulating") as report:
+        made = simulation.hand_held(
+            model, samples.seed, positions=held.positions, seconds=held.seconds, table=held.table, rate=samples.rate,
+            tremor=math.radians(held.tremor), site=place.site(), celsius=samples.temperature,
+            quantize=samples.quantize, progress=report,
+        )  # fmt: skip
+    output.mkdir(exist_ok=True)
+    save({output / f"hand_held.{kind}": made.log}, {output / TRUTH: made.truth.to_toml()}, force=force)
 
 
 def rate_table(

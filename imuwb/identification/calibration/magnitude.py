@@ -8,12 +8,14 @@ triangular A: three scale factors and three cross-couplings (x into y, x and y i
 |A⁻¹ (measured - b)| = g.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from imuwb.arrays import Floats
 from imuwb.identification.calibration.axis_calibration import AxisCalibration
 from imuwb.identification.calibration.least_squares import LinearFit, RowNoise, fit_linear, is_determined
-from imuwb.identification.calibration.means import Means
+from imuwb.identification.calibration.means import Means, along
 from imuwb.identification.calibration.positions import PositionCalibration
 from imuwb.statistics import Estimate
 
@@ -25,7 +27,9 @@ WEAKEST = 0.02
 _LOWER = np.tril_indices(3)
 
 
-def without_attitudes(means: Means, gravity: float, level: float, *, raw: bool = False) -> PositionCalibration:
+def without_attitudes(
+    means: Means, gravity: float, level: float, *, raw: bool = False, samples: Sequence[Floats] = ()
+) -> PositionCalibration:
     """Return bias, scale factors and the three observable cross-couplings.
 
     Args:
@@ -33,6 +37,7 @@ def without_attitudes(means: Means, gravity: float, level: float, *, raw: bool =
         gravity: m/s².
         level: confidence level of the intervals.
         raw: whether the means are in counts or volts.
+        samples: the samples of each position, (n, 3), from which a hand's sway is told from noise; empty: noise as in ``means``.
 
     Raises:
         ValueError: too few positions, or positions that do not determine the parameters.
@@ -42,7 +47,16 @@ def without_attitudes(means: Means, gravity: float, level: float, *, raw: bool =
             f"{len(means.value)} positions; without known attitudes there are nine parameters, which need {FEWEST} positions or more"
         )
     matrix, bias = _start(means.value, gravity, raw=raw)
-    design, y, fit = np.empty(0), np.empty(0), None
+    matrix, bias, fit = _fitted(means, matrix, bias, gravity)
+    if samples:
+        means = along(samples, _linearised(means, matrix, bias, gravity)[0][:, :3], means)
+        matrix, bias, fit = _fitted(means, matrix, bias, gravity)
+    force: Floats = np.asarray(np.linalg.solve(matrix, (means.value - bias).T).T, dtype=np.float64)
+    return _result(means, fit, matrix, bias, force, gravity, level)
+
+
+def _fitted(means: Means, matrix: Floats, bias: Floats, gravity: float) -> tuple[Floats, Floats, LinearFit]:
+    """Return gains and bias that make the magnitude that of gravity, and the fit of their last change."""
     for _ in range(MOST_TURNS):
         design, y, variance = _linearised(means, matrix, bias, gravity)
         if not _spread(design):
@@ -55,13 +69,10 @@ def without_attitudes(means: Means, gravity: float, level: float, *, raw: bool =
         fit = fit_linear(design, y, noise, np.ones(len(y)), always=False)
         matrix, bias, change = _moved(matrix, bias, fit.value, gravity)
         if change < CLOSE:
-            break
-    else:
-        raise ValueError(
-            "no parameters give the magnitude of gravity in every position; check that the sensor is still in each and that the unit is right"
-        )
-    force: Floats = np.asarray(np.linalg.solve(matrix, (means.value - bias).T).T, dtype=np.float64)
-    return _result(means, fit, matrix, bias, force, gravity, level)
+            return matrix, bias, fit
+    raise ValueError(
+        "no parameters give the magnitude of gravity in every position; check that the sensor is still in each and that the unit is right"
+    )
 
 
 def _start(value: Floats, gravity: float, *, raw: bool) -> tuple[Floats, Floats]:
@@ -119,4 +130,8 @@ def _result(
     size = np.linalg.norm(force, axis=1, keepdims=True)
     true = force / size * gravity
     residual = means.value - bias - true @ matrix.T
-    return PositionCalibration(axes, true, residual, np.sqrt(means.variance), None, fit.extra_freedom, fit.probability)  # type: ignore[arg-type]
+    free = np.array([0, 1, 2, *(3 + 3 * _LOWER[0] + _LOWER[1])])
+    covariance = np.zeros((12, 12))
+    covariance[np.ix_(free, free)] = fit.covariance
+    sigma = np.sqrt(means.variance)
+    return PositionCalibration(axes, true, residual, sigma, None, fit.extra_freedom, fit.probability, covariance)  # type: ignore[arg-type]

@@ -33,6 +33,8 @@ class PositionCalibration:
     misplacement: float | None  #: rad, rms of each of a position's two tilts; None: not estimated
     freedom: float  #: number of rows minus number of parameters
     probability: float  #: probability that noise alone makes residuals as large as these
+    #: (12, 12) covariance of the three biases and of the gains by rows, in the unit of the samples; None: attitudes are given
+    covariance: Floats | None = None
 
     def __repr__(self) -> str:
         """Return one line for each axis."""

@@ -33,8 +33,24 @@ def static_gyros(
     Raises:
         ValueError: fewer than four different attitudes.
     """
-    up = force / gravity
-    positions = len(force)
+    fit = static_fit(means, force / gravity, latitude)
+    unknown = (EARTH_RATE * MIDDLE / gravity) ** 2 if latitude is None else 0.0
+    x, y, z = (_axis(fit, axis, gravity, level, unknown) for axis in range(3))
+    return (x, y, z), fit.residual.reshape(3, len(force)).T
+
+
+def static_fit(means: Means, up: Floats, latitude: float | None) -> LinearFit:
+    """Return the fit of bias and sensitivity to up, (x, y, z), of each gyro in turn: 12 parameters.
+
+    Args:
+        means: means of the gyros in P positions.
+        up: (P, 3) direction of up in the frame of the result.
+        latitude: rad; None: not known.
+
+    Raises:
+        ValueError: fewer than four different attitudes.
+    """
+    positions = len(up)
     design = np.concatenate([np.ones((positions, 1)), up], axis=1)
     if not is_determined(design):
         raise ValueError(
@@ -47,10 +63,7 @@ def static_gyros(
     for axis in range(3):
         whole[axis * positions : (axis + 1) * positions, 4 * axis : 4 * axis + 4] = design
     y = (means.value - vertical * up).T.ravel()
-    fit = fit_linear(whole, y, noise_of(means, headings.T.ravel()), np.ones(3 * positions), always=False)
-    unknown = (EARTH_RATE * MIDDLE / gravity) ** 2 if latitude is None else 0.0
-    x, y, z = (_axis(fit, axis, gravity, level, unknown) for axis in range(3))
-    return (x, y, z), fit.residual.reshape(3, positions).T
+    return fit_linear(whole, y, noise_of(means, headings.T.ravel()), np.ones(3 * positions), always=False)
 
 
 def _axis(fit: LinearFit, axis: int, gravity: float, level: float, unknown: float) -> AxisCalibration:

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from imuwb.identification.calibration import Means, PositionCalibration, RateRun, RateTableCalibration
+from imuwb.identification.calibration import Means, MovedGyros, PositionCalibration, RateRun, RateTableCalibration
 from imuwb.notes import Note
 from imuwb.units import STANDARD_GRAVITY
 from imuwb_plugins.calibration.parameters import Positions, RateTable, SixPosition
@@ -90,12 +90,24 @@ def _residuals(p: Positions, fit: PositionCalibration) -> Iterator[Note]:
         )
 
 
-def gyro_note(p: Positions) -> Note:
-    """Return a note on the gyros of still positions."""
-    text = "gyros: still positions give bias and g-sensitivity; scale factors and cross-couplings need a rate table"
+def gyro_note(p: Positions, moved: MovedGyros | None) -> Note:
+    """Return a note on what the gyros' calibration is made from.
+
+    Args:
+        p: the options.
+        moved: calibration from the motions between positions; None: from still positions only.
+    """
+    if moved is None:
+        text = "gyros: still positions give bias and g-sensitivity; scale factors and cross-couplings need a rate table"
+    else:
+        apart = np.degrees(float(np.sqrt((moved.apart**2).mean())))
+        text = (
+            f"gyros: over {len(moved.apart)} motions between positions, their integral and the accelerometers differ by {apart:.2g}° rms, "
+            f"{moved.excess:.2g} times the known noise; there is no non-linear part: the scale factor includes some of it"
+        )
     if p.latitude is None:
         text += "; without --latitude the earth's rate (0.0042 deg/s) is not subtracted, and the intervals include it"
-    return Note("gyros", text)
+    return Note("gyros" if moved is None else "gyros-moved", text)
 
 
 def red_notes(sensor: str, means: Means) -> Iterator[Note]:

@@ -26,13 +26,18 @@ class Positions(Options):
     """Options of both methods with still positions."""
 
     METHOD: ClassVar[str]
+    FEWEST: ClassVar[int]  #: positions
 
     latitude: Annotated[Latitude, "Latitude, for gravity and the earth's rate (deg)."] = None
     height: Annotated[float, "Height above the ellipsoid, for gravity (m).", Between(-1e5, 1e5)] = 0.0
     gravity: Annotated[float | None, "Gravity; without gravity and latitude: 9.80665 (m/s²).", Between(9.0, 10.5)] = (
         None
     )
-    shortest: Annotated[Duration, "Shortest duration of a still position (s)."] = 10.0
+    shortest: Annotated[
+        float | None,
+        "Shortest duration of a still position; default: a third of the median one in the log, 1 to 10 s (s).",
+        Between(1.0),
+    ] = None
     into: Annotated[
         Path | None, "Error model to complete: the saved model has its processes and the calibrated terms."
     ] = None
@@ -57,6 +62,7 @@ class SixPosition(Positions):
     """
 
     METHOD: ClassVar[str] = "six-position"
+    FEWEST: ClassVar[int] = 6
 
 
 @dataclass(frozen=True)
@@ -64,12 +70,14 @@ class MultiPosition(Positions):
     """Bias, scale factors and cross-couplings from nine or more still positions, of known or unknown attitudes.
 
     Without --attitudes, the calibration uses only that gravity is the same in each position; the x axis of the result is then
-    the axis of the x accelerometer.
+    the axis of the x accelerometer. If one log has the motions between the positions, as when the sensor is turned by hand, the
+    gyros get scale factors and couplings too: integrated over a motion, they must turn up before it into up after it.
 
     Example: imuwb calibration multi-position turns.mcap --latitude 45
     """
 
     METHOD: ClassVar[str] = "multi-position"
+    FEWEST: ClassVar[int] = 9
 
     attitudes: Annotated[
         Path | None, "CSV file with roll_deg and pitch_deg of each position, in order; default: unknown attitudes."

@@ -3,11 +3,11 @@
 import numpy as np
 
 from imuwb.analysis import Curve, Figure, Review, Table
-from imuwb.colors import AXIS_COLORS, INK
+from imuwb.colors import AXIS_COLORS, BLUE, INK
 from imuwb.texts import decimals, seconds_text
 from imuwb_plugins.calibration.notes import probability_text
 from imuwb_plugins.calibration.parameter_table import SENSORS, display, parameter_table, parameter_text, trace_figure
-from imuwb_plugins.calibration.result import PositionResult
+from imuwb_plugins.calibration.result import Motions, PositionResult
 
 APART = 0.12  #: distance, in positions, by which the points of the three axes are shifted sideways
 
@@ -19,6 +19,8 @@ def draw(result: PositionResult, review: Review) -> None:
     sensors = [s for s in SENSORS if f"{s}_x" in result.parameters]
     for sensor in sensors:
         review.figure(_residuals(result, sensor))
+    if result.motions is not None:
+        review.figure(_motions(result.motions))
     for sensor in sensors:
         review.table(parameter_table(result.parameters, sensor, result.imu, result.level))
     if result.printed:
@@ -47,6 +49,23 @@ def _residuals(result: PositionResult, sensor: str) -> Figure:
     return Figure(
         f"{name}: residuals by position, with one standard deviation of the means' noise", "position", f"mean minus fit [{unit}]",
         (*curves, zero), x_scale="linear", y_scale="linear", x_limits=(0.5, len(number) + 0.5),
+    )  # fmt: skip
+
+
+def _motions(motions: Motions) -> Figure:
+    """Return the angle that the gyros miss over each motion."""
+    number = np.array(motions.before, dtype=np.float64)
+    ends = np.array([0.5, number[-1] + 0.5])
+    size = np.degrees(np.array(motions.apart))
+    mean = np.full(2, float(np.sqrt((size**2).mean())))
+    curves = (
+        Curve("motion", number, size, BLUE, style="points"),
+        Curve("root mean square", ends, mean, INK, style="fit"),
+    )
+    return Figure(
+        "Gyros over a motion: angle between the integrated direction of up and the accelerometers'", "position in which the motion begins",
+        "angle [deg]", curves, x_scale="linear", y_scale="linear", x_limits=(0.5, float(ends[1])),
+        y_limits=(0.0, 1.2 * float(size.max()) or 1.0),
     )  # fmt: skip
 
 

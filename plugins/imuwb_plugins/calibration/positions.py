@@ -11,9 +11,8 @@ from imuwb.errors import MissingDataError, UsageError
 from imuwb.estimators.calibration import before_logging
 from imuwb.geodesy.earth import gravity as normal_gravity
 from imuwb.identification import calibration
-from imuwb.identification.calibration import AxisCalibration, Means, PositionCalibration, PrintedCalibration
+from imuwb.identification.calibration import Means, PositionCalibration, PrintedCalibration
 from imuwb.log import Log
-from imuwb.notes import Note
 from imuwb.stochastic import ImuErrorModel
 from imuwb.units import STANDARD_GRAVITY
 from imuwb_plugins.calibration.corrected_samples import position_traces
@@ -24,7 +23,8 @@ from imuwb_plugins.calibration.error_model import (
     parameters_of,
     provenance_of,
 )
-from imuwb_plugins.calibration.notes import gyro_note, position_notes, red_notes
+from imuwb_plugins.calibration.gyros import calibrated_gyros
+from imuwb_plugins.calibration.notes import position_notes, red_notes
 from imuwb_plugins.calibration.parameters import MultiPosition, SixPosition
 from imuwb_plugins.calibration.result import Position, PositionResult
 from imuwb_plugins.calibration.stretches import (
@@ -49,9 +49,13 @@ def run(logs: Sequence[Log], p: SixPosition | MultiPosition) -> PositionResult:
     """
     base = None if p.into is None else ImuErrorModel.read(p.into)
     logs, before = before_logging(logs, undo=p.as_measured)
-    stretches, notes = still_positions(logs, p.shortest)
+    stretches, notes = still_positions(logs, p.shortest, p.FEWEST, p.raw)
     gravity = _gravity(p)
-    accel = _accelerometer_means(stretches)
+    check_clipping(stretches, "accel")
+    accel = calibration.means([s.accel for s in stretches if s.accel is not None])
+    free = isinstance(p, MultiPosition) and p.attitudes is None
+    if not free:
+        check_still(stretches, accel.value, accel.variance)
     full_range = None
     if isinstance(p, MultiPosition) and p.attitudes:
         given = None if p.range is None else p.range * STANDARD_GRAVITY
@@ -60,22 +64,25 @@ def run(logs: Sequence[Log], p: SixPosition | MultiPosition) -> PositionResult:
         fit, faces = _fit(p, stretches, accel, gravity[0], full_range)
     except ValueError as error:
         raise MissingDataError(f"{p.METHOD}: {error}") from error
+    if free:  # a sway moves gravity across the mean direction, which does not matter here
+        check_still(stretches, accel.value, fit.sigma**2)
     axes = {f"accel_{k}": axis for k, axis in zip("xyz", fit.axes, strict=True)}
     check_gain(axes, p.raw)
-    gyro, gyro_residual, gyro_notes = _gyros(stretches, fit, gravity[0], p, axes)
+    gyros = calibrated_gyros(logs, stretches, fit, gravity[0], p)
+    axes |= gyros.axes
     celsius, warm_notes = temperature_of(stretches)
     name = logs[0].imu().name
     origin = provenance_of(f"{p.METHOD}, gravity {gravity[0]:.6f} m/s² ({gravity[1]})", logs, p.raw)
     model, model_notes = completed_model(name, axes, base, origin, {"accel": full_range}, celsius)
     notes = [
-        *before, *position_notes(p, gravity, fit, full_range), *notes, *gyro_notes, *red_notes("accel", accel), *warm_notes, *model_notes,
+        *before, *position_notes(p, gravity, fit, full_range), *notes, *gyros.notes, *red_notes("accel", accel), *warm_notes, *model_notes,
     ]  # fmt: skip
     printed = calibration.as_printed(accel, faces, gravity[0], p.level) if faces else ()
     return PositionResult(
         name, p.level, *gravity, p.raw, {axis: parameters_of(axis, c, p.raw) for axis, c in axes.items()},
         {f"accel_{k}": _with_units(x, p.raw) for k, x in zip("xyz", printed, strict=False)}, fit.misplacement, fit.probability,
-        _positions(stretches, faces, fit, accel, gyro, gyro_residual), celsius, tuple(notes), model,
-        tuple(position_traces(stretches, fit.force, model, with_gyro=gyro is not None)),
+        _positions(stretches, faces, fit, accel, gyros.means, gyros.residual), celsius, tuple(notes), model,
+        tuple(position_traces(stretches, fit.force, model, with_gyro=gyros.means is not None)), gyros.moved,
     )  # fmt: skip
 
 
@@ -87,13 +94,6 @@ def _gravity(p: SixPosition | MultiPosition) -> tuple[float, str]:
         g = float(normal_gravity(np.array([np.radians(p.latitude)]), np.array([p.height]))[0])
         return g, f"of the ellipsoid at {p.latitude:g}° and {p.height:g} m"
     return STANDARD_GRAVITY, "standard gravity, because neither --latitude nor --gravity is given"
-
-
-def _accelerometer_means(stretches: Sequence[SteadyStretch]) -> Means:
-    check_clipping(stretches, "accel")
-    means = calibration.means([s.accel for s in stretches if s.accel is not None])
-    check_still(stretches, means.value, means.variance)
-    return means
 
 
 def _fit(
@@ -109,7 +109,8 @@ def _fit(
         names = [s.name for s in stretches]
         return calibration.six_position(accel, names, gravity, p.level, raw=bool(p.raw), misplacement=tilt)
     if p.attitudes is None:
-        return calibration.without_attitudes(accel, gravity, p.level, raw=bool(p.raw)), ()
+        samples = [s.accel for s in stretches if s.accel is not None]
+        return calibration.without_attitudes(accel, gravity, p.level, raw=bool(p.raw), samples=samples), ()
     force = gravity * _directions_of_up(p.attitudes, len(stretches))
     fit = calibration.known_attitudes(accel, force, p.level, full_range=full_range, misplacement=tilt)
     _check_attitudes(p.attitudes, accel, fit)
@@ -151,29 +152,6 @@ def _check_attitudes(path: Path, accel: Means, fit: PositionCalibration) -> None
             f"--attitudes {path}: the positions do not have these attitudes ({why}); the file must have one row for each "
             "position, in order, with roll and pitch of the forward-right-down frame: 0, 0 is level, z down"
         )
-
-
-def _gyros(
-    stretches: Sequence[SteadyStretch],
-    fit: PositionCalibration,
-    gravity: float,
-    p: SixPosition | MultiPosition,
-    axes: dict[str, AxisCalibration],
-) -> tuple[Means | None, Floats | None, list[Note]]:
-    """Add the calibration of the gyros to ``axes``; return their means, residuals and notes."""
-    samples = [s.gyro for s in stretches if s.gyro is not None]
-    if not samples:
-        return None, None, []
-    check_clipping(stretches, "gyro")
-    stuck = np.ptp(np.concatenate(samples), axis=0) == 0
-    if stuck.any():
-        names = ", ".join(k for k, s in zip("xyz", stuck, strict=True) if s)
-        return None, None, [Note("gyro-constant", f"gyro {names} is constant: gyros are left out")]
-    means = calibration.means(samples)
-    latitude = None if p.latitude is None else float(np.radians(p.latitude))
-    gyros, residual = calibration.static_gyros(means, fit.force, gravity, p.level, latitude)
-    axes |= {f"gyro_{k}": c for k, c in zip("xyz", gyros, strict=True)}
-    return means, residual, [gyro_note(p), *red_notes("gyro", means)]
 
 
 def _positions(

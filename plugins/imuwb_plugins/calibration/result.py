@@ -34,6 +34,16 @@ class Position:
     sigma: dict[str, float]  #: standard deviation of the mean's noise
 
 
+@dataclass(frozen=True, slots=True)
+class Motions:
+    """The motions between positions, which give the gyros' scale factors and couplings."""
+
+    before: tuple[int, ...]  #: number of the position, from 1, in which each motion begins
+    apart: tuple[float, ...]  #: rad, between up after the motion and up before it as the gyros have turned it
+    window: float  #: s, longest part of a position that is used beside a motion
+    excess: float  #: rms of these angles over what the known noise makes
+
+
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
 class PositionResult:
     """The calibration of accelerometers, and of gyros if the logs have them, from still positions."""
@@ -52,6 +62,7 @@ class PositionResult:
     notes: tuple[str, ...]
     model: ImuErrorModel = field(metadata={"document": False})
     traces: tuple[Trace, ...] = field(metadata={"document": False})
+    motions: Motions | None = None  #: None: the gyros have no scale factors
 
     def __repr__(self) -> str:
         """Return the parameters, one line for each axis."""

@@ -16,6 +16,9 @@ from imuwb.notes import Note
 from imuwb.sampling import sampling
 
 FEWEST = 64  #: fewest samples of a stretch, for the scatter of its parts
+LEAST, USUAL = 1.0, 10.0  #: s, limits of the shortest duration of a position that is found from a log
+LOOSENED = (1.0, 2.0, 4.0)  #: times the limits of stillness that are tried
+MOST = 0.9  #: share of the positions that the loosest limit finds
 LEANS = 0.005  #: share of gravity by which a position held by hand may vary in half a second
 CREEPS = 0.01  #: share of the gyros' span in the log by which their means may vary in half a second
 SAME_RATE = 0.02  #: largest relative difference of sampling rates between logs
@@ -23,6 +26,15 @@ LOOSE = 1e3  #: standard deviations, by which a still gyro may drift
 STILL = 3.0  #: deg/s; a log whose means span less does not turn
 MOVES = 0.005  #: share of the span of all means; a more uncertain mean shows that the sensor was not still
 WARMED = 2.0  #: °C; bias and scale factor of cheap sensors change by as much as their intervals
+
+
+@dataclass(frozen=True, slots=True)
+class _Stillness:
+    """What makes a stretch a position."""
+
+    shortest: float | None  #: s; None: a third of the median duration
+    gravity: float  #: in the unit of the samples
+    loosened: float  #: times the usual limits
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -34,10 +46,23 @@ class SteadyStretch:
     accel: Floats | None  #: (n, 3)
     gyro: Floats | None  #: (m, 3)
     celsius: float | None
+    log: int = 0  #: number of the log
+    span: tuple[float, float] = (0.0, 0.0)  #: s from the log's start, begin and end
 
 
-def still_positions(logs: Sequence[Log], shortest: float) -> tuple[list[SteadyStretch], list[Note]]:
+def still_positions(
+    logs: Sequence[Log], shortest: float | None, wanted: int, raw: str
+) -> tuple[list[SteadyStretch], list[Note]]:
     """Return every still position of the logs, and notes.
+
+    A sensor that is held by hand sways. The strictest limit of stillness is used with which there are as many
+    positions as wanted, and nine tenths of those with the loosest one.
+
+    Args:
+        logs: logs of one sensor.
+        shortest: s, shortest duration of a position; None: a third of the median duration in a log, from 1 to 10 s.
+        wanted: positions that the method needs.
+        raw: unit of the samples; "" for SI.
 
     Raises:
         MissingDataError: a log without accelerometer, or without a still position.
@@ -57,17 +82,52 @@ def still_positions(logs: Sequence[Log], shortest: float) -> tuple[list[SteadySt
     _same_rate(logs, [imu.specific_force for imu in imus if imu.specific_force is not None], "accelerometer")
     if with_gyro:
         _same_rate(logs, [imu.angular_rate for imu in imus if imu.angular_rate is not None], "gyro")
-    stretches: list[SteadyStretch] = []
-    for log, imu in zip(logs, imus, strict=True):
-        spans = _still_spans(log, imu, shortest, with_gyro=with_gyro)
-        here = [s for span in spans if (s := _stretch(log, imu, span, len(spans), with_gyro=with_gyro)) is not None]
-        if not here:
+    size = _size([imu.specific_force.value for imu in imus if imu.specific_force is not None], raw)
+    found = [_positions(logs, imus, _Stillness(shortest, size, loosened), with_gyro=with_gyro) for loosened in LOOSENED]
+    counts = np.array([len(f) for f in found])
+    best = int(np.argmax(counts >= max(min(wanted, counts.max()), MOST * counts.max())))
+    stretches = found[best]
+    for number, log in enumerate(logs):
+        if all(s.log != number for s in stretches):
+            least = f"for {shortest:g} s" if shortest is not None else f"for {LEAST:g} s"
             raise MissingDataError(
-                f"{log.provenance.path}: the sensor is never still for {shortest:g} s; in a position neither accelerometer nor "
+                f"{log.provenance.path}: the sensor is never still {least}; in a position neither accelerometer nor "
                 "gyro moves; use --shortest for shorter positions"
             )
-        stretches.extend(here)
-    return stretches, notes
+    return stretches, [*notes, *_stillness_notes(stretches, shortest, LOOSENED[best])]
+
+
+def _stillness_notes(stretches: Sequence[SteadyStretch], shortest: float | None, loosened: float) -> list[Note]:
+    notes: list[Note] = []
+    if shortest is None and len({s.log for s in stretches}) < len(stretches):
+        seconds = [s.seconds for s in stretches]
+        text = f"still positions last {min(seconds):.1f} to {max(seconds):.1f} s, median {np.median(seconds):.1f} s; --shortest sets a limit"
+        notes.append(Note("holds", text))
+    if loosened > 1:
+        notes.append(
+            Note("sways", f"positions may sway by {loosened:g} times the usual limit, since fewer are still within it")
+        )
+    return notes
+
+
+def _size(values: Sequence[Floats], raw: str) -> float:
+    """Return the reading that gravity makes: the norm in SI; in counts or volts, half the range of the axis with the largest."""
+    if not raw:
+        return float(np.median(np.concatenate([np.linalg.norm(v, axis=1) for v in values])))
+    low, high = np.quantile(np.concatenate(values), [0.005, 0.995], axis=0)
+    return float((high - low).max()) / 2
+
+
+def _positions(
+    logs: Sequence[Log], imus: Sequence[ImuStream], stillness: "_Stillness", *, with_gyro: bool
+) -> list[SteadyStretch]:
+    return [
+        s
+        for number, (log, imu) in enumerate(zip(logs, imus, strict=True))
+        for spans in [_still_spans(log, imu, stillness, with_gyro=with_gyro)]
+        for span in spans
+        if (s := _stretch(log, imu, span, len(spans), with_gyro=with_gyro, number=number)) is not None
+    ]
 
 
 def steps_of(log: Log, shortest: float, raw: str) -> list[SteadyStretch]:
@@ -161,15 +221,20 @@ def _same_rate(logs: Sequence[Log], triads: Sequence[Triad], sensor: str) -> Non
         )
 
 
-def _still_spans(log: Log, imu: ImuStream, shortest: float, *, with_gyro: bool) -> list[tuple[float, float]]:
+def _still_spans(log: Log, imu: ImuStream, stillness: _Stillness, *, with_gyro: bool) -> list[tuple[float, float]]:
     """Return the times, s from the log's start, in which neither accelerometer nor gyro moves."""
-    force, gyro = imu.specific_force, imu.angular_rate
+    force, gyro, loosened = imu.specific_force, imu.angular_rate, stillness.loosened
     assert force is not None  # noqa: S101 - still_positions has checked
-    size = np.full(3, float(np.median(np.linalg.norm(force.value, axis=1))))
-    spans = _spans(log, force, shortest, size, LEANS * size)
+    shortest = LEAST if stillness.shortest is None else stillness.shortest
+    size = np.full(3, stillness.gravity)
+    spans = _spans(log, force, shortest, loosened * size, loosened * LEANS * size)
     if with_gyro and gyro is not None:
         loose = LOOSE * gyro.value.std(axis=0)
-        spans = shared(spans, _spans(log, gyro, shortest, loose, CREEPS * np.ptp(gyro.value, axis=0)))
+        creeps = loosened * CREEPS * np.ptp(gyro.value, axis=0)
+        spans = shared(spans, _spans(log, gyro, shortest, loose, creeps))
+    if stillness.shortest is None:
+        longer = [b - a for a, b in spans if b - a >= LEAST]
+        shortest = float(np.clip(np.median(longer) / 3, LEAST, USUAL)) if longer else LEAST
     return [(a, b) for a, b in spans if b - a >= shortest]
 
 
@@ -186,7 +251,14 @@ def _spans(
 
 
 def _stretch(
-    log: Log, imu: ImuStream, span: tuple[float, float], count: int, *, with_gyro: bool, with_accel: bool = True
+    log: Log,
+    imu: ImuStream,
+    span: tuple[float, float],
+    count: int,
+    *,
+    with_gyro: bool,
+    with_accel: bool = True,
+    number: int = 0,
 ) -> SteadyStretch | None:
     """Return the samples of one of ``count`` stretches of a log; None if there are too few."""
     begin, end = span
@@ -204,7 +276,7 @@ def _stretch(
     gyro = inside(imu.angular_rate) if with_gyro else None
     if any(part is not None and len(part) < FEWEST for part in (accel, gyro)):
         return None
-    return SteadyStretch(name, end - begin, accel, gyro, _celsius(log, imu, begin, end))
+    return SteadyStretch(name, end - begin, accel, gyro, _celsius(log, imu, begin, end), number, span)
 
 
 def _celsius(log: Log, imu: ImuStream, begin: float, end: float) -> float | None:
