@@ -85,18 +85,21 @@ def _si(path: str | Path, axis: str, letter: str, text: object) -> float:
 
 
 def check(model: ImuErrorModel, wanted: tuple[Limit, ...]) -> tuple[Verdict, ...]:
-    """Return a verdict for each limit: within where the interval is below it, beyond where the interval is above it."""
-    verdicts: list[Verdict] = []
-    for limit in wanted:
-        axis = model.axes.get(limit.axis)
-        stated = UNKNOWN if axis is None else coefficient(axis, limit.letter)
-        if not math.isfinite(stated.upper):
-            outcome = "not known"
-        elif stated.upper <= limit.at_most:
-            outcome = "within"
-        elif stated.lower is not None and stated.lower > limit.at_most:
-            outcome = "beyond"
-        else:
-            outcome = "not sure"
-        verdicts.append(Verdict(limit, stated, outcome))
-    return tuple(verdicts)
+    """Return a verdict for each limit."""
+    return tuple(
+        verdict(limit, UNKNOWN if (axis := model.axes.get(limit.axis)) is None else coefficient(axis, limit.letter))
+        for limit in wanted
+    )
+
+
+def verdict(limit: Limit, stated: Coefficient) -> Verdict:
+    """Return the verdict on a coefficient: within where the interval is below the limit, beyond where the interval is above it."""
+    if not math.isfinite(stated.upper):
+        outcome = "not known"
+    elif stated.upper <= limit.at_most:
+        outcome = "within"
+    elif stated.lower is not None and stated.lower > limit.at_most:
+        outcome = "beyond"
+    else:
+        outcome = "not sure"
+    return Verdict(limit, stated, outcome)

@@ -20,7 +20,10 @@ from imuwb.cli.parameters import expanded
 from imuwb.cli.settings import with_settings
 
 #: command that is no analysis -> its line in the list; each is a function in the module of its name, with the panels ``PANELS``
-COMMANDS = {"list": "List the logs that patterns name, and whose they are; nothing is analysed."}
+COMMANDS = {
+    "list": "List the logs that patterns name, and whose they are; nothing is analysed.",
+    "report": "Say which sensors are out of family, which change, and which logs are worthless.",
+}
 ANALYSES, OTHERS = "Analyses", "Before and after"
 
 

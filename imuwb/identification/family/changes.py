@@ -90,7 +90,9 @@ def changes(rows: Observations, within: float, error: float, level: float, teste
 def _largest(logs: _Logs, sensors: Integers, error: float, level: float) -> list[Change]:
     """Return the largest change of each sensor."""
     parts: dict[Kind, _Contrasts] = {"step": _splits(logs), "trend": _trend(logs), "log": _single(logs)}
-    kinds = [(kind, place) for kind, part in parts.items() for place in range(part.size.shape[1])]
+    kinds: list[tuple[Kind, int]] = [
+        (kind, place) for kind, part in parts.items() for place in range(part.size.shape[1])
+    ]
     whole = _Contrasts(*(
         np.concatenate([getattr(part, name) for part in parts.values()], axis=1)
         for name in ("size", "variance", "third", "shared", "there")

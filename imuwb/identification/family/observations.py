@@ -34,7 +34,7 @@ class Observations:
 
     def sums(self, values: Floats) -> Floats:
         """Return the sum of values of each sensor."""
-        return np.bincount(self.sensor, values, self.sensors)
+        return np.bincount(self.sensor, values, self.sensors).astype(np.float64)
 
     def of(self, rows: Booleans) -> Observations:
         """Return some rows; the sensors keep their numbers."""

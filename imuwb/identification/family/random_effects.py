@@ -47,7 +47,7 @@ class _Covariance:
         self.shrunk: Floats = 1 / (1 + between * self.s)
         self.c: Floats = between * self.shrunk
         self.w = self.inverse(design)
-        self.inner: Floats = np.linalg.inv(design.T @ self.w)
+        self.inner: Floats = np.asarray(np.linalg.inv(design.T @ self.w), dtype=np.float64)
         self.logdet = -float(np.log(self.a).sum() + np.log(self.shrunk).sum() + np.linalg.slogdet(self.inner)[1])
 
     def inverse(self, columns: Floats) -> Floats:

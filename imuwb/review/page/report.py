@@ -51,6 +51,8 @@ class Report:
     def title(self) -> str:
         """Return analysis and logs: "Noise: static.mcap"."""
         names = list(dict.fromkeys(source.name for source in self.sources))
+        if not names:
+            return self.analysis.capitalize()
         more = f" and {len(names) - 2} more" if len(names) > 3 else ""  # noqa: PLR2004 - three names fit a line
         return f"{self.analysis.capitalize()}: {', '.join(names[:2] if more else names)}{more}"
 

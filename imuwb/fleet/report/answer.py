@@ -1,0 +1,151 @@
+"""The answer of the report of a fleet: findings, the worst first, the family, and the logs that are worthless."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+
+from imuwb.analysis import Answer, Step
+from imuwb.fleet.report.outages import DRIFT, RATIO
+from imuwb.fleet.report.result import KINDS, OUTSIDE, Finding, FleetReport, in_si
+from imuwb.fleet.report.sheet import FAMILY, SheetVerdict, outcomes
+from imuwb.fleet.report.words import cell, named, rows_of, size_text, spread_text, what, when_text
+from imuwb.names import distinct
+from imuwb.statistics import Coefficient, Estimate
+
+MOST = 6  #: findings in the answer
+NAME = 14  #: columns of the name of a sensor
+
+
+def answer(report: FleetReport, verdicts: Sequence[SheetVerdict] = ()) -> Answer:
+    """Return the answer; ``verdicts`` are those of a data sheet, if one is given."""
+    shown = rows_of(report)[:MOST]
+    names = distinct([row.worst.sensor for row in shown], NAME) if shown else ()
+    rows = tuple(
+        (name, row.worst.kind, named(report, row.findings), by_text(report, row.worst))
+        for name, row in zip(names, shown, strict=True)
+    )
+    steps = tuple(Step(report.see(row.worst.logs[-1]), f"{row.worst.sensor}: its log") for row in shown[:1])
+    about = f"{report.count} logs of {report.sensors} sensor{'s' if report.sensors > 1 else ''}, {report.analysis}"
+    return Answer(
+        about, ("sensor", "finding", "of", "by"), rows, tuple(_sentences(report, verdicts)), steps,
+        f"{100 * report.level:g} % intervals", numbers=_numbers(report),
+    )  # fmt: skip
+
+
+def by_text(report: FleetReport, finding: Finding) -> str:
+    """Return how large a finding is, and when: "+8.1 % [7.2, 9.0] in 4 months"."""
+    size = size_text(report.groups[finding.group], finding.size)
+    return " ".join(filter(None, (size, when_text(report, finding))))
+
+
+def _sentences(report: FleetReport, verdicts: Sequence[SheetVerdict]) -> Iterator[str]:
+    yield _counted(report)
+    yield from _checked(verdicts)
+    yield from _worthless(report)
+    yield from _family(report)
+    yield from _outages(report)
+    warm = [what(g) for g, j in zip(report.groups, report.judged, strict=True) if j.slope is not None and j.slope.used]
+    if warm:
+        yield f"Temperature changes {', '.join(warm[:4])}{' and more' if len(warm) > 4 else ''}: values are compared at one temperature."  # noqa: PLR2004
+    left = Counter[str]()
+    for group in report.groups:
+        left.update(group.left_out)
+    if left:
+        yield f"Not counted: {'; '.join(f'{count} values, {reason}' for reason, count in left.most_common())}."
+
+
+def _counted(report: FleetReport) -> str:
+    """Return how many sensors have findings, and how sure this is."""
+    out = {one.sensor for one in report.findings if one.kind == OUTSIDE}
+    changed = {one.sensor for one in report.findings if one.kind in KINDS.values()}
+    sure = f"any false finding: at most {100 * report.error:g} %"
+    if not out | changed:
+        return f"No sensor is out of family, and none changes ({sure})."
+    more = len(rows_of(report)) - MOST
+    rest = f" {more} more rows: --full." if more > 0 else ""
+    return f"Out of family: {len(out)} of {report.sensors} sensors; changing from log to log: {len(changed)} ({sure}).{rest}"
+
+
+def _checked(verdicts: Sequence[SheetVerdict]) -> Iterator[str]:
+    if not verdicts:
+        return
+    counts = outcomes(verdicts)
+    family = [one for one in verdicts if one.sensor == FAMILY]
+    bad = {one.sensor for one in verdicts if one.sensor != FAMILY and one.verdict.outcome == "beyond"}
+    listed = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
+    kept = sum(one.verdict.outcome == "within" for one in family)
+    yield f"Data sheet: {listed}; the family keeps {kept} of {len(family)} limits, {len(bad)} sensors are beyond one."
+
+
+def _worthless(report: FleetReport) -> Iterator[str]:
+    if report.worthless:
+        count = len({one.path for one in report.worthless})
+        kinds = ", ".join(f"{n} {kind}" for kind, n in report.kinds.most_common())
+        yield f"Worthless: {count} of {report.count} logs ({100 * count / max(report.count, 1):.2g} %): {kinds}."
+
+
+def _family(report: FleetReport) -> Iterator[str]:
+    """Yield the family of the coefficient with the most sensors."""
+    places = [i for i, group in enumerate(report.groups) if group.coefficient not in (DRIFT, RATIO)]
+    if not places:
+        return
+    place = max(places, key=lambda i: (len(report.groups[i].sensors), -i))
+    group, own = report.groups[place], report.judged[place]
+    within = spread_text(group, own.within)
+    yield (
+        f"Family of {len(own.sensors.sensor)} sensors, {what(group)}: {cell(group, own.mean)}; sensors differ by {spread_text(group, own.between)}"
+        + (
+            f", logs of one sensor by {within}."
+            if within != "—"
+            else ". Each has one log, so this includes changes from log to log."
+        )
+    )
+
+
+def _outages(report: FleetReport) -> Iterator[str]:
+    """Yield how far the first filter drifts, and whether its sigma is believed over the fleet."""
+    pairs = list(zip(report.groups, report.judged, strict=True))
+    drift = next(((group, own) for group, own in pairs if group.coefficient == DRIFT), None)
+    if drift is None:
+        return
+    group, own = drift
+    ratio = next(
+        (
+            in_si(g, j.mean)
+            for g, j in pairs
+            if g.coefficient == RATIO and (g.type, g.source) == (group.type, group.source)
+        ),
+        None,
+    )
+    sure = "" if ratio is None else f"; its sigma is {believed(ratio)}"
+    yield f"Outages, {group.source}: {cell(group, own.mean)}, vehicles differ by {spread_text(group, own.between)}{sure}."
+
+
+def believed(ratio: Coefficient) -> str:
+    """Return whether a sigma is believed, from the ratio of the errors to it."""
+    value, lower = ratio.value or 0.0, ratio.lower or 0.0
+    interval = f"errors over sigma {value:.3g} [{lower:.3g}, {ratio.upper:.3g}]"
+    if lower <= 1 <= ratio.upper:
+        return f"right ({interval})"
+    return f"{value:.2g} times too small ({interval})" if value > 1 else f"{1 / value:.2g} times too large ({interval})"
+
+
+def _numbers(report: FleetReport) -> dict[str, Estimate]:
+    """Return the figures by which a catalog sorts reports."""
+    nan = float("nan")
+    out = len({one.sensor for one in report.findings if one.kind == OUTSIDE})
+    changed = len({one.sensor for one in report.findings if one.kind in KINDS.values()})
+    counts = {
+        "sensors": report.sensors,
+        "out of family": out,
+        "changing": changed,
+        "quarantined logs": report.quarantined,
+    }
+    numbers = {name: Estimate(float(count), nan, nan) for name, count in counts.items()}
+    for group, own in zip(report.groups, report.judged, strict=True):
+        coefficient, unit = in_si(group, own.mean), group.display
+        if group.axis and coefficient.value is not None:
+            ends = (unit.from_si(x) for x in (coefficient.value, coefficient.lower or 0.0, coefficient.upper))
+            numbers[f"{group.type} {group.name}".strip()] = Estimate(*ends, unit=unit.name)
+    return numbers

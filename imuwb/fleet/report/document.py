@@ -1,0 +1,49 @@
+"""The report of a fleet as a document, in SI."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from imuwb.fleet.report.groups import Group
+from imuwb.fleet.report.result import Finding, FleetReport, in_si
+from imuwb.fleet.report.sheet import SheetVerdict
+from imuwb.identification.family import Judged
+from imuwb.statistics import Estimate
+
+
+def content_of(report: FleetReport, verdicts: Sequence[SheetVerdict]) -> dict[str, object]:
+    """Return families, findings, verdicts and worthless logs; a relative size is a natural logarithm of a ratio."""
+    return {
+        "analysis": report.analysis, "command": report.command, "logs": report.count, "sensors": report.sensors,
+        "error": report.error, "level": report.level,
+        "findings": [_finding(report, one) for one in report.findings],
+        "families": [_family(group, judged) for group, judged in zip(report.groups, report.judged, strict=True)],
+        "verdicts": [
+            {"sensor": one.sensor, "type": one.type, "axis": one.verdict.limit.axis, "coefficient": one.verdict.limit.letter,
+             "limit": one.verdict.limit.at_most, "stated": one.verdict.coefficient, "outcome": one.verdict.outcome}
+            for one in verdicts
+        ],
+        "worthless": report.worthless,
+    }  # fmt: skip
+
+
+def _finding(report: FleetReport, one: Finding) -> dict[str, object]:
+    group = report.groups[one.group]
+    return {
+        "sensor": one.sensor, "finding": one.kind, **_key(group), "probability": one.probability, "score": one.score, "size": one.size,
+        "relative": group.observations.logarithmic, "logs": [{"log": key, "see": report.see(key)} for key in one.logs],
+    }  # fmt: skip
+
+
+def _key(group: Group) -> dict[str, object]:
+    return {"type": group.type, "source": group.source, "axis": group.axis, "coefficient": group.coefficient}
+
+
+def _family(group: Group, judged: Judged) -> dict[str, object]:
+    limits = [in_si(group, Estimate(end, end, end)).value for end in judged.sensor_limits]
+    return {
+        **_key(group), "unit": group.unit, "sensors": int(judged.sensors.sensor.size), "values": int(judged.kept.sum()),
+        "mean": in_si(group, judged.mean), "range_of_sensors": in_si(group, judged.sensor_range), "limits": limits,
+        "relative": group.observations.logarithmic, "between_sensors": judged.between, "from_log_to_log": judged.within,
+        "per_degree": None if judged.slope is None else judged.slope, "not_counted": dict(group.left_out),
+    }  # fmt: skip

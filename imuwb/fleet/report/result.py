@@ -1,0 +1,218 @@
+"""The result of the judgement of a fleet: findings, the worst first, families, and logs that gave nothing."""
+
+from __future__ import annotations
+
+import math
+import shlex
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+from imuwb.errors import MissingDataError
+from imuwb.fleet.report.groups import Group, sensor_groups
+from imuwb.fleet.report.outages import outage_groups
+from imuwb.fleet.run_state import RunState
+from imuwb.fleet.schemas import QUARANTINED, SUSPICIOUS
+from imuwb.identification.family import Judged, Judgement, judge
+from imuwb.statistics import Coefficient, Estimate
+from imuwb.statistics.distributions import student_limit
+
+OUTSIDE = "out of family"
+KINDS = {"trend": "drifts", "step": "steps", "log": "one log differs"}  #: of changes, in words
+MANY = 1e6  #: degrees of freedom of a normal variable
+FEWEST = 2  #: rows of a group that is judged
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One sensor and one coefficient."""
+
+    sensor: str
+    kind: str  #: ``OUTSIDE``, or one of ``KINDS``
+    group: int  #: place of the group in the result
+    number: int  #: of the sensor in the group
+    score: float  #: standard normal value that is as improbable
+    probability: float  #: that chance makes any finding of this kind: over the family, or over the fleet
+    size: Estimate  #: on the scale of the group: a logarithm, or SI
+    logs: tuple[str, ...]  #: keys: of a trend the first and the last, of a step those around it; else one
+
+
+@dataclass(frozen=True, slots=True)
+class LogRow:
+    """A log, as a person finds it again."""
+
+    key: str
+    path: str
+    start: int | None  #: ns since 1970
+    temperature: float | None  #: °C
+
+
+@dataclass(frozen=True, slots=True)
+class Worthless:
+    """A log that gave no result, or none that is trusted."""
+
+    path: str
+    sensor: str
+    kind: str
+    message: str
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class FleetReport:
+    """What the tables of a fleet say."""
+
+    analysis: str
+    command: str  #: that made the tables
+    error: float  #: largest probability of any false finding
+    level: float  #: of the intervals
+    logs: Mapping[str, LogRow]  #: key -> log
+    count: int  #: logs that were found
+    sensors: int  #: that have a value
+    groups: tuple[Group, ...]
+    judged: tuple[Judged, ...]
+    silent: tuple[Group, ...]  #: groups that are not judged: their logs give limits, or one value
+    findings: tuple[Finding, ...]  #: the worst first
+    worthless: tuple[Worthless, ...]
+
+    @property
+    def quarantined(self) -> int:
+        """Return the number of logs in quarantine."""
+        return len({one.path for one in self.worthless if one.kind != SUSPICIOUS})
+
+    @property
+    def kinds(self) -> Counter[str]:
+        """Return how many logs there are of each kind of fault."""
+        return Counter(kind for _, kind in sorted({(one.path, one.kind) for one in self.worthless}))
+
+    def see(self, key: str, options: str = "") -> str:
+        """Return the command that makes the recording of a log."""
+        log = self.logs.get(key)
+        path = log.path if log else key
+        return f"imuwb {self.analysis} {shlex.quote(path)}{options}"
+
+
+def fleet_report(
+    state: RunState, tables: Mapping[str, pa.Table], *, error: float = 0.01, level: float = 0.95, doubtful: bool = False
+) -> FleetReport:
+    """Return what the tables of a fleet say.
+
+    Args:
+        state: of the run.
+        tables: name -> table, as ``imuwb.fleet.schemas`` states them.
+        error: largest probability that a fleet without any such sensor has any finding.
+        level: of the intervals.
+        doubtful: whether values count that a remark puts in doubt.
+
+    Raises:
+        MissingDataError: no sensor has a value.
+    """
+    every = (*sensor_groups(tables["sensors"], doubtful=doubtful), *outage_groups(tables["outages"]))
+    groups = tuple(group for group in every if group.observations.y.size >= FEWEST)
+    if not groups:
+        raise MissingDataError(_nothing(every, state, tables))
+    judgement = judge({str(i): group.observations for i, group in enumerate(groups)}, error, level)
+    judged = tuple(judgement.families[str(i)] for i in range(len(groups)))
+    logs = _logs(tables["logs"])
+    findings = sorted(_findings(groups, judgement), key=lambda one: -abs(one.score))
+    names = {name for group in groups if group.axis for name in group.sensors} or {
+        name for group in groups for name in group.sensors
+    }
+    worthless = (*_quarantine(tables["quarantine"]), *(() if doubtful else _doubtful(tables["sensors"], logs)))
+    return FleetReport(
+        state.analysis, state.command, error, level, logs, tables["logs"].num_rows, len(names), groups, judged, tuple(group for group in every if group.observations.y.size < FEWEST), tuple(findings),
+        worthless,
+    )  # fmt: skip
+
+
+def _nothing(groups: Sequence[Group], state: RunState, tables: Mapping[str, pa.Table]) -> str:
+    """Return why there is nothing to judge."""
+    counts: Counter[str] = sum((Counter(group.left_out) for group in groups), Counter())
+    if not counts:
+        rows = sum(group.observations.y.size for group in groups)
+        if rows:
+            return (
+                f"each coefficient has one value only ({rows} in all); a fleet needs several logs, of several sensors"
+            )
+        return (
+            f"none of the {tables['logs'].num_rows} logs has a value with an interval ({tables['quarantine'].num_rows} rows of quarantine.parquet "
+            f"say why); imuwb fleet noise, for example, gives coefficients with intervals, {state.analysis} gave none"
+        )
+    reasons = "; ".join(f"{reason}: {count} rows" for reason, count in counts.most_common())
+    remedy = (
+        "imuwb fleet takes --group, --identities or --metadata to know the sensors"
+        if "the sensor is not known" in counts
+        else "--with-doubtful counts values that a remark puts in doubt"
+    )
+    return f"no value can be judged ({reasons}); {remedy}"
+
+
+def _logs(table: pa.Table) -> dict[str, LogRow]:
+    columns = table.select(["log", "path", "start", "temperature"]).to_pydict()
+    starts = table["start"].cast(pa.int64()).to_pylist()
+    rows = zip(columns["log"], columns["path"], starts, columns["temperature"], strict=True)
+    return {key: LogRow(key, path, start, warm) for key, path, start, warm in rows if key is not None}
+
+
+def _quarantine(table: pa.Table) -> Iterator[Worthless]:
+    for row in table.to_pylist():
+        who = row["serial"] or row["vehicle"] or ""
+        yield Worthless(row["path"], who, row["kind"], f"{row['stage']}: {row['message']}")
+
+
+def _doubtful(table: pa.Table, logs: Mapping[str, LogRow]) -> Iterator[Worthless]:
+    """Yield the logs of which no value is trusted."""
+    seen: dict[str, list[dict[str, Any]]] = {}
+    for row in table.select(["log", "serial", "vehicle", "verdict", "remarks", "headline"]).to_pylist():
+        if row["headline"] is not False:
+            seen.setdefault(row["log"], []).append(row)
+    for key, rows in seen.items():
+        if all(row["verdict"] == SUSPICIOUS for row in rows):
+            first = rows[0]
+            path = logs[key].path if key in logs else str(key)
+            yield Worthless(path, first["serial"] or first["vehicle"] or "", SUSPICIOUS, first["remarks"] or "")
+
+
+def _findings(groups: Sequence[Group], judgement: Judgement) -> Iterator[Finding]:
+    for place, group in enumerate(groups):
+        own = judgement.families[str(place)]
+        for one in own.outside:
+            at = int(np.flatnonzero(own.sensors.sensor == one.sensor)[0])
+            away = member_mean(own, at, judgement.level).shifted(-own.mean.value)
+            rows = np.flatnonzero((own.rows.sensor == one.sensor) & own.kept)
+            typical = rows[int(np.abs(own.rows.y[rows] - own.sensors.mean[at]).argmin())]
+            yield Finding(
+                group.sensors[one.sensor], OUTSIDE, place, one.sensor, one.score, one.probability, away, (group.logs[typical],)
+            )  # fmt: skip
+        for one in own.changes:
+            logs = tuple(dict.fromkeys(group.logs[row] for row in one.rows))
+            yield Finding(
+                group.sensors[one.sensor], KINDS[one.kind], place, one.sensor, one.score, one.probability, one.size, logs
+            )  # fmt: skip
+
+
+def member_mean(judged: Judged, place: int, level: float) -> Estimate:
+    """Return the mean of one sensor over its logs, on the scale of its group."""
+    mean, sigma = float(judged.sensors.mean[place]), float(judged.sensors.variance[place]) ** 0.5
+    reach = student_limit(level, MANY) * sigma
+    return Estimate(mean, mean - reach, mean + reach, sigma)
+
+
+def in_si(group: Group, estimate: Estimate) -> Coefficient:
+    """Return an estimate on the scale of a group in SI."""
+    ends = (estimate.value, estimate.lower, estimate.upper)
+    value, lower, upper = (math.exp(x) for x in ends) if group.observations.logarithmic else ends
+    return Coefficient(value, lower, upper, group.unit)
+
+
+def quarantined_share(state: RunState) -> float:
+    """Return the share of the logs that are in quarantine."""
+    return state.quarantined / state.logs if state.logs else 0.0
+
+
+def quarantined_rows(table: pa.Table) -> int:
+    """Return how many logs are in quarantine."""
+    return sum(state == QUARANTINED for state in table["state"].to_pylist())

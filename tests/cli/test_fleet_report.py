@@ -1,0 +1,191 @@
+"""imuwb fleet report: planted sensors are found and no other, in the panel, the recording, the page and JSON; bad input in plain sentences."""
+
+import json
+import math
+import re
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from imuwb.fleet.report.groups import sensor_groups
+from imuwb.fleet.report.outages import DRIFT, RATIO
+from imuwb.fleet.report.result import fleet_report
+from imuwb.fleet.run_state import run_state
+from imuwb.fleet.store import store_at
+from imuwb.review.page.catalog import entries
+from tests.fleet_results import DRIFTING, OUT, TRUTH, rows_of, tables_of, write
+
+FEW = {"sensors": 6, "logs": 3, "planted": False, "outages": False, "damaged": 0}
+SHEET = '[gyro]\nN = "0.3 deg/√h"\nK = "10 deg/h^1.5"\n[accel_z]\nK = "10 m/s/h^1.5"\n'
+
+
+@pytest.fixture(scope="module")
+def planted(tmp_path_factory):
+    return write(tmp_path_factory.mktemp("fleet") / "results", rows_of(nu=(20000.0, 10.0)))
+
+
+def report_of(folder_or_rows, **options):
+    rows = folder_or_rows
+    state = run_state(store_at(str(rows)), "") if not isinstance(rows, dict) else None
+    if state is None:
+        state = type("State", (), {"analysis": "noise", "command": "", "logs": 1, "quarantined": 0})()
+        return fleet_report(state, tables_of(rows), **options)
+    tables = {name: pq.read_table(rows / f"{name}.parquet") for name in ("logs", "sensors", "outages", "quarantine")}
+    return fleet_report(state, tables, **options)
+
+
+def test_the_planted_sensors_are_found_and_no_other(planted):
+    found = report_of(planted)
+    noise = [one for one in found.findings if found.groups[one.group].axis]
+    assert {one.sensor for one in noise if one.kind == "out of family"} == set(OUT)
+    assert {(one.sensor, one.kind) for one in noise if one.kind != "out of family"} == {(DRIFTING, "drifts")}
+    assert all(found.groups[one.group].name in ("gyro x N", "gyro y N") for one in noise)
+    for group, own in zip(found.groups, found.judged, strict=True):
+        if group.axis:
+            truth = group.display.to_si(TRUTH[group.axis.partition("_")[0], group.coefficient])
+            assert own.mean.value == pytest.approx(math.log(truth), abs=0.05), group.name
+    drift = next(j for g, j in zip(found.groups, found.judged, strict=True) if g.coefficient == DRIFT)
+    ratios = {g.source: j.mean.value for g, j in zip(found.groups, found.judged, strict=True) if g.coefficient == RATIO}
+    assert drift.sensors.sensor.size == 20
+    assert ratios["full, 60 s"] == pytest.approx(0, abs=0.05)
+    assert ratios["15AV, 60 s"] == pytest.approx(0.693, abs=0.05)
+
+
+def test_panel_recording_page_json_and_exit_code(imuwb, planted, tmp_path):
+    (tmp_path / "sheet.toml").write_text(SHEET, "utf-8")
+    done = imuwb(
+        "fleet", "report", planted, "-o", "fleet.rrd", "--html", "fleet.html", "--json", "fleet.json", "--check", "sheet.toml",
+        "--max-quarantine", "1%",
+    )  # fmt: skip
+    lines = done.out.splitlines()
+    assert len(lines) <= 15
+    assert all(len(line) <= 80 for line in lines)
+    assert {line.split()[0] for line in lines if "out of family" in line[:30]} == set(OUT)
+    assert re.search(rf"{DRIFTING} +drifts +gyro .*in 4 months", done.out)
+    assert "18 of 218 logs (8.3 %)" in done.out
+    assert "imuwb noise 'logs/SN" in done.out
+    assert done.code == 1
+    assert "beyond" in done.err
+    assert "--max-quarantine allows 1 %" in done.err
+    content = json.loads((tmp_path / "fleet.json").read_text("utf-8"))["result"]
+    assert {one["sensor"] for one in content["findings"] if one["finding"] == "out of family"} == set(OUT)
+    assert content["findings"][0]["logs"][0]["see"].startswith("imuwb noise ")
+    outcomes = {
+        (one["axis"], one["coefficient"], one["outcome"]) for one in content["verdicts"] if one["sensor"] == "SN039"
+    }
+    assert ("gyro_x", "N", "beyond") in outcomes
+    assert ("accel_z", "K", "within") in outcomes
+    assert {one["outcome"] for one in content["verdicts"] if (one["axis"], one["coefficient"]) == ("gyro_x", "K")} == {
+        "not known"
+    }
+    page = (tmp_path / "fleet.html").read_text("utf-8")
+    assert all(f"{name} out of family" in page for name in OUT)
+    assert "damaged 3.mcap" in page
+    (row,) = entries(tmp_path, tmp_path / "index.html")
+    figures = dict(row.figures)
+    assert (figures["out of family"], figures["changing"], figures["quarantined logs"]) == ("3", "1", "18")
+    assert "ICM-20948 gyro x N [deg/√h]" in figures
+
+
+def test_a_fleet_without_any_has_no_finding_and_keeps_its_limits(imuwb, tmp_path):
+    folder = write(tmp_path / "results", rows_of(**FEW))
+    (tmp_path / "sheet.toml").write_text('[gyro_x]\nN = "0.4 deg/√h"\n', "utf-8")
+    done = imuwb("fleet", "report", folder, "--check", "sheet.toml", "--max-quarantine", "0%", "--json", "-")
+    assert done.code == 0, done.err
+    assert json.loads(done.out)["result"]["findings"] == []
+    assert "No sensor is out of family" in done.err
+    assert (folder / "report.rrd").is_file()
+
+
+def test_what_is_not_counted_is_said():
+    rows = rows_of(**FEW)
+    for row in rows["sensors"]:
+        if row["log"] == "sha256:00000000":
+            row["verdict"], row["remarks"] = "suspicious", "suspicious: moving"
+        if row["log"] == "sha256:00010000":
+            row["serial"] = row["vehicle"] = None
+        if row["log"] == "sha256:00020000":
+            row["lower"] = 0.0
+    found = report_of(rows)
+    group = next(group for group in found.groups if group.name == "gyro x N")
+    assert sorted(group.left_out.values()) == [1, 1, 1]
+    assert [one.kind for one in found.worthless] == ["suspicious"]
+    kept = sensor_groups(tables_of(rows)["sensors"], doubtful=True)
+    assert sum(next(g for g in kept if g.name == "gyro x N").left_out.values()) == 2
+
+
+@pytest.mark.parametrize(
+    ("rows", "options", "said"),
+    [
+        (FEW | {"sensors": 1, "logs": 4}, {}, " 1 sensor,"),
+        (FEW | {"sensors": 8, "logs": 1}, {}, "Each has one log"),
+    ],
+)
+def test_one_sensor_and_one_log_a_sensor_are_judged_as_far_as_they_go(rows, options, said):
+    from imuwb.fleet.report.answer import answer
+    from imuwb.fleet.report.show import family_table
+
+    found = report_of(rows_of(**rows), **options)
+    assert not found.findings
+    text = f"{answer(found).about} {' '.join(answer(found).sentences)}"
+    assert said in text
+    assert "nan" not in text
+    assert "inf" not in text
+    assert not any("nan" in cell or "inf" in cell for row in family_table(found).rows for cell in row)
+
+
+def spoiled(folder, how):
+    if how == "empty":
+        for path in folder.iterdir():
+            path.unlink()
+    elif how == "running":
+        (folder / "sensors.parquet").unlink()
+    elif how == "version":
+        table = pq.read_table(folder / "sensors.parquet")
+        pq.write_table(
+            table.replace_schema_metadata({b"imuwb.table": b"sensors", b"imuwb.schema": b"99"}),
+            folder / "sensors.parquet",
+        )
+    elif how == "columns":
+        table = pq.read_table(folder / "sensors.parquet")
+        pq.write_table(table.drop_columns(["upper"]), folder / "sensors.parquet")
+    elif how == "damaged":
+        (folder / "sensors.parquet").write_bytes(b"PAR1")
+    elif how == "no rows":
+        table = pq.read_table(folder / "sensors.parquet")
+        pq.write_table(table.slice(0, 0), folder / "sensors.parquet")
+    elif how == "unknown sensors":
+        table = pq.read_table(folder / "sensors.parquet")
+        for name in ("vehicle", "serial"):
+            place = table.schema.get_field_index(name)
+            table = table.set_column(place, table.schema.field(name), pa.nulls(table.num_rows, pa.string()))
+        pq.write_table(table, folder / "sensors.parquet")
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("how", "code", "said"),
+    [
+        ("empty", 2, "no run.json"), ("running", 3, "sensors.parquet: not there"), ("version", 2, "schema 99"), ("columns", 2, "upper"),
+        ("damaged", 2, "no table 'sensors'"), ("no rows", 3, "none of the 18 logs"), ("unknown sensors", 3, "--group"),
+    ],
+)  # fmt: skip
+def test_bad_results_are_refused_in_a_sentence(imuwb, tmp_path, how, code, said):
+    folder = spoiled(write(tmp_path / "results", rows_of(**FEW)), how)
+    done = imuwb("fleet", "report", folder)
+    assert (done.code, said in done.err) == (code, True), done.err
+    assert not (folder / "report.rrd").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--max-quarantine", "1"), "such as 1%"), (("--error", "0"), "--error is 0"), (("--level", "95"), "--level is 95"),
+        (("-o", "fleet.html"), "must end in .rrd"), (("--check", "none.toml"), "none.toml"),
+    ],
+)  # fmt: skip
+def test_wrong_options_are_refused(imuwb, tmp_path, options, said):
+    done = imuwb("fleet", "report", write(tmp_path / "results", rows_of(**FEW)), *options)
+    assert done.code in (2, 4)
+    assert said in done.err
