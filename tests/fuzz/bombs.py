@@ -199,6 +199,34 @@ def arrays_of_nothing(folder: Path) -> Path:
     return folder / "zeros.npz"
 
 
+def columns_of_nothing(folder: Path) -> Path:
+    """A file of Apache Arrow whose packed columns unpack to a gigabyte."""
+    import pyarrow as pa
+    from pyarrow import feather
+
+    zeros = pa.array(np.zeros(1 << 24))
+    names = (
+        "time_s",
+        *(f"{kind}_{axis}_{unit}" for kind, unit in (("gyro", "rad_s"), ("accel", "m_s2")) for axis in "xyz"),
+    )
+    feather.write_feather(
+        pa.table(dict.fromkeys(names, zeros)), folder / "zeros.feather", compression="zstd", chunksize=1 << 24
+    )
+    return folder / "zeros.feather"
+
+
+def a_text_again_and_again(folder: Path) -> Path:
+    """A file of Apache Arrow that names a text of a megabyte in each row."""
+    import pyarrow as pa
+    from pyarrow import feather
+
+    rows = 20_000
+    text = pa.DictionaryArray.from_arrays(np.zeros(rows, np.int32), pa.array(["x" * (1 << 20)], pa.large_string()))
+    columns = {name: np.arange(rows) / 100 for name in ("time_s", "gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s")}
+    feather.write_feather(pa.table({**columns, "name": text}), folder / "texts.feather", compression="zstd")
+    return folder / "texts.feather"
+
+
 def groups_in_themselves(folder: Path) -> Path:
     """An HDF5 file whose group holds itself ten times, and a link to another file."""
     import h5py
@@ -215,6 +243,7 @@ BOMBS: dict[str, Callable[[Path], Path]] = {
     for make in (
         nested_types, many_strings, itself, comments_without_end, nested_formats, endless_view, computed_column, long_defaults, large_chunks,
         packed_messages, many_topics, line_without_end, records_in_a_line, arrays_of_nothing, groups_in_themselves,
+        columns_of_nothing, a_text_again_and_again,
     )
 }  # fmt: skip
 #: that take some seconds

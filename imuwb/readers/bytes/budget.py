@@ -41,11 +41,15 @@ class Budget:
     def check(self, need: int, what: str) -> None:
         """Raise OverBudgetError if a part of the log takes more bytes than it may."""
         if need > self.most:
-            named = f"{self.name}: " if self.name else ""
-            raise OverBudgetError(
-                f"{named}{what} would take about {_gigabytes(need)} of memory, and reading a log of {self.size / 1e6:.3g} MB may take "
-                f"{_gigabytes(self.most)}; if you trust the log and have the memory, allow more: --memory {SHARES * need / 1e9 * 1.2:.2g} (GB)"
-            )
+            raise self.over(f"{what} would take about {_gigabytes(need)} of memory", need)
+
+    def over(self, fault: str, need: int = 0) -> OverBudgetError:
+        """Return the error of a log that needs more memory than it may take; 0 bytes: nobody knows how much more."""
+        named = f"{self.name}: " if self.name else ""
+        return OverBudgetError(
+            f"{named}{fault}, and reading a log of {self.size / 1e6:.3g} MB may take {_gigabytes(self.most)}; if you trust the log and "
+            f"have the memory, allow more: --memory {SHARES * (need or 2 * self.most) / 1e9 * 1.2:.2g} (GB)"
+        )
 
 
 _CURRENT: ContextVar[Budget] = ContextVar("budget", default=Budget())  # noqa: B039 - frozen

@@ -7,8 +7,8 @@ A column's unit is in its name, or in its metadata under ``unit`` or ``units``. 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Generator, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from pyarrow import compute, parquet
 from imuwb.errors import UnreadableLogError
 from imuwb.notes import Note
 from imuwb.readers.batch import Batch, Remark, unused
+from imuwb.readers.bytes.memory_limit import limited
 from imuwb.readers.read_options import ReadOptions
 from imuwb.readers.text.cells import converted
 from imuwb.readers.text.column_names import with_units
@@ -97,12 +98,14 @@ def streamed(
         UsageError: the columns, units or rate of the file are unknown.
     """
     try:
-        found = opened(path)
-        names = list(found.schema.names)
-        # Names may be equal; columns are asked for by name, so of equal ones none is read.
-        tops = [name for name in names if names.count(name) == 1]
-        first, _ = next(found.pieces(tops), (None, 0))
-        leaves = [] if first is None else _leaves(found.schema, first, tops)
+        with _limited():
+            found = opened(path)
+            names = list(found.schema.names)
+            # Names may be equal; columns are asked for by name, so of equal ones none is read.
+            count = Counter(names)
+            tops = [name for name in names if count[name] == 1]
+            first, _ = next(found.pieces(tops), (None, 0))
+            leaves = [] if first is None else _leaves(found.schema, first, tops)
     except FAULTS as error:
         raise UnreadableLogError(
             f"{path}: the table cannot be read ({_shortly(error)}); it is cut or damaged: copy it again"
@@ -119,9 +122,10 @@ def streamed(
         if not wanted:  # the rows are counted, even where no column of theirs is used
             wanted = [leaves[0].top]
         try:
-            for piece, bytes_read in opened(path).pieces(wanted):
-                columns = _columns(piece, wanted, own, tag)
-                arrays = [_as(columns[leaves[index].name], kind, faults) for index, kind in kinds.items()]
+            for piece, bytes_read in _pieces(path, opened, wanted):
+                with _limited():
+                    columns = _columns(piece, wanted, own, tag)
+                    arrays = [_as(columns[leaves[index].name], kind, faults) for index, kind in kinds.items()]
                 yield pa.RecordBatch.from_arrays(arrays, names=[str(index) for index in kinds]), bytes_read
         except FAULTS as error:
             faults[Note("table_cut", f"end of the table that cannot be read ({_shortly(error)})")] = 1
@@ -136,6 +140,30 @@ def streamed(
     yield from remarks
     yield from of_layouts(path, parted, options, blocks)
     yield from other_rows(_tag_counts(path, opened, parted[0], leaves), parted)
+
+
+@contextmanager
+def _limited() -> Generator[None]:
+    """Let the library take no more memory than the log may. Its own allocator reserves a gigabyte, so that of the system is used."""
+    before = pa.default_memory_pool()
+    pa.set_memory_pool(pa.system_memory_pool())
+    try:
+        with limited():
+            yield
+    finally:
+        pa.set_memory_pool(before)
+
+
+def _pieces(path: Path, opened: Callable[[Path], Table], names: list[str]) -> Pieces:
+    """Yield the pieces of some columns, each prepared within the limit."""
+    with _limited():
+        pieces = opened(path).pieces(names)
+    while True:
+        with _limited():
+            piece = next(pieces, None)
+        if piece is None:
+            return
+        yield piece
 
 
 def _columns(piece: pa.RecordBatch, tops: list[str], own: Layout, tag: _Leaf | None) -> dict[str, pa.Array[Any]]:
@@ -153,7 +181,7 @@ def _tag_counts(path: Path, opened: Callable[[Path], Table], table_of: Layout, l
     if table_of.tag is not None:
         tag = leaves[table_of.tag.column]
         with suppress(*FAULTS):  # of a cut file, the tables themselves say so
-            for piece, _ in opened(path).pieces([tag.top]):
+            for piece, _ in _pieces(path, opened, [tag.top]):
                 counts.update(_texts(dict(_flat(tag.top, piece.column(tag.top)))[tag.name]))
     return counts
 

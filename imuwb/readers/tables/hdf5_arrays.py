@@ -10,6 +10,7 @@ import numpy as np
 
 from imuwb.errors import UnreadableLogError
 from imuwb.readers.bytes import budget
+from imuwb.readers.bytes.memory_limit import limited
 from imuwb.texts import printable
 
 if TYPE_CHECKING:  # the tables need pyarrow, which is slow to import
@@ -56,7 +57,7 @@ def tree_of(path: Path, objects: list[str], *, matlab: bool = False) -> Tree:
                 array = np.asarray(item[()])
                 yield printable(_named(name, item)), array.T if matlab else array
 
-    with h5py.File(path, "r") as file:
+    with limited(), h5py.File(path, "r") as file:
         return dict(walked(file, "", 0))
 
 

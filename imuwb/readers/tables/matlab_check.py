@@ -22,15 +22,17 @@ DEEPEST = 16  #: matrices within each other
 def check_structure(content: bytes) -> None:
     """Raise ValueError for a file whose matrices do not fit their elements, and OverBudgetError for one that unpacks to too much."""
     order = "big" if content[126:128] == b"MI" else "little"
-    file = _Elements(content, order)
+    file, held = _Elements(content, order), 0
     for kind, start, end in file.elements(HEADER, len(content)):
         if kind == COMPRESSED:
-            _check_packed(content[start:end], order)
+            held += _check_packed(content[start:end], order)
+            budget.check(held, "its unpacked content")
         elif kind == MATRIX:
             file.check_matrix(start, end, 0)
 
 
-def _check_packed(packed: bytes, order: str) -> None:
+def _check_packed(packed: bytes, order: str) -> int:
+    """Check the matrices in a packed element, and return the bytes that it unpacks to."""
     most = budget.current().most
     inner = zlib.decompressobj().decompress(packed, most + 1)
     budget.check(len(inner), "its unpacked content")
@@ -38,6 +40,7 @@ def _check_packed(packed: bytes, order: str) -> None:
     for kind, start, end in file.elements(0, len(inner)):
         if kind == MATRIX:
             file.check_matrix(start, end, 0)
+    return len(inner)
 
 
 class _Elements:

@@ -11,6 +11,7 @@ import numpy as np
 from imuwb.errors import UnreadableLogError
 from imuwb.readers.batch import Remark, unused
 from imuwb.readers.bytes import source
+from imuwb.readers.bytes.memory_limit import limited
 from imuwb.readers.tables.hdf5_apart import check_apart
 from imuwb.readers.tables.hdf5_arrays import tree_of
 from imuwb.readers.tables.matlab_check import check_structure
@@ -60,7 +61,8 @@ def _of_version_5(path: Path, objects: list[str]) -> Tree:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of names that are twice in the file, and of objects
         try:
-            loaded: dict[Any, Any] = loadmat(path, simplify_cells=True, verify_compressed_data_integrity=True)
+            with limited():
+                loaded: dict[Any, Any] = loadmat(path, simplify_cells=True, verify_compressed_data_integrity=True)
         except MatReadError as error:  # its base is Exception itself
             raise ValueError(str(error)) from error
 

@@ -38,8 +38,9 @@ def channels(path: Path) -> tuple[Tree, list[Remark]]:
             f'{path}: an MDF file needs asammdf, which is not installed: pip install "imuwb[mdf]"; or save the channels as CSV or Parquet'
         )
     refuse_packed(path)
+    memory = budget.current().most * budget.SHARES / 1e9
     with TemporaryDirectory() as folder:
-        command = [sys.executable, "-P", "-m", "imuwb.readers.tables.mdf_export", str(path), folder]
+        command = [sys.executable, "-P", "-m", "imuwb.readers.tables.mdf_export", str(path), folder, f"{memory:g}"]
         longest = LONGEST + path.stat().st_size / SLOWEST
         try:
             environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}

@@ -1,4 +1,4 @@
-"""Writes the channels of an MDF file that have a known name into a folder: ``python -m imuwb.readers.tables.mdf_export LOG FOLDER``.
+"""Writes the channels of an MDF file that have a known name into a folder: ``python -m imuwb.readers.tables.mdf_export LOG FOLDER GB``.
 
 The folder then has an array for each channel, 0.npy and so on, and index.json: ``start`` (ns since 1970, or null), ``groups``
 ({group: {name with unit: number of the array}}), ``others`` (names of channels that are not read), or ``error``.
@@ -14,22 +14,28 @@ from typing import Any
 import numpy as np
 
 from imuwb.errors import UsageError
+from imuwb.readers.bytes.budget import Budget, under
+from imuwb.readers.bytes.memory_limit import limited
 from imuwb.readers.text.column_names import columns as known_columns
 from imuwb.readers.text.column_names import with_units
 from imuwb.units import unix_nanoseconds
 
 
-def main(log: str, folder: Path) -> None:
-    """Write the channels, or the error."""
+def main(log: str, folder: Path, memory: float) -> None:
+    """Write the channels, or the error; ``memory``: GB that the process may take."""
     import asammdf  # noqa: PLC0415 - an extra, which takes three seconds
 
     logging.disable(logging.CRITICAL)  # what is wrong with a file comes as an exception, too
     try:
-        with asammdf.MDF(log) as file:
-            told = _exported(file, folder)
+        told = under(Budget(memory=memory), lambda: _opened(asammdf, log, folder))
     except Exception as error:  # noqa: BLE001 - asammdf raises whatever its own parts do at damaged bytes
         told = {"error": (str(error).splitlines() or [type(error).__name__])[0][:120]}
     (folder / "index.json").write_text(json.dumps(told), "utf-8")
+
+
+def _opened(asammdf: Any, log: str, folder: Path) -> dict[str, Any]:  # noqa: ANN401 - of a library without types
+    with limited(), asammdf.MDF(log) as file:
+        return _exported(file, folder)
 
 
 def _exported(file: Any, folder: Path) -> dict[str, Any]:  # noqa: ANN401 - of a library without types
@@ -80,4 +86,4 @@ def _known(names: list[str]) -> set[int]:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], Path(sys.argv[2]))
+    main(sys.argv[1], Path(sys.argv[2]), float(sys.argv[3]))

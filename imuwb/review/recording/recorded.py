@@ -13,11 +13,13 @@ from typing import Any, TypeAlias, cast
 
 import numpy as np
 import rerun as rr
-from rerun.chunk import Chunk, RrdReader
 
 from imuwb.errors import UnreadableLogError
+from imuwb.readers.bytes import budget
+from imuwb.readers.bytes.budget import Budget, under
 from imuwb.renames import settle
 from imuwb.review.recording.rrd import is_whole
+from imuwb.review.recording.rrd_chunks import FAULTS, chunks
 
 Value: TypeAlias = str | int | float | Sequence[str] | Sequence[float]
 
@@ -28,6 +30,7 @@ _NAME, _TEXT = "RecordingInfo:name", "text_xz"  # components
 DIGITS = 7  #: significant digits of a number in a kept JSON
 LONG = 16  #: a longer list is a curve
 DIGITS_OF_CURVES = 5  #: significant digits of its numbers
+DICTIONARY = 128 << 20  #: bytes that the unpacking of a text may always take
 LARGE = 1e6  #: a larger number keeps all digits: it may be a time since 1970
 
 
@@ -46,8 +49,16 @@ class Recorded:
         return not self.properties
 
     def document(self) -> dict[str, Any] | None:
-        """Return the JSON of the result; None if the recording has none."""
-        return json.loads(self.texts[DOCUMENT]) if DOCUMENT in self.texts else None
+        """Return the JSON of the result; None if the recording has none; UnreadableLogError if it is damaged."""
+        if DOCUMENT not in self.texts:
+            return None
+        try:
+            found: object = json.loads(self.texts[DOCUMENT])
+        except (ValueError, RecursionError) as error:
+            raise UnreadableLogError(f"{self.path}: the JSON of its result is damaged: {error}") from error
+        if not isinstance(found, dict):
+            raise UnreadableLogError(f"{self.path}: the JSON of its result is no object")
+        return cast("dict[str, Any]", found)
 
 
 def state(recording: rr.RecordingStream, name: str, properties: Mapping[str, Value]) -> None:
@@ -89,35 +100,47 @@ def read(path: str | Path) -> Recorded:
     try:
         if not is_whole(path):
             raise UnreadableLogError(f"{path}: no whole recording: the mark at its begin or at its end is missing")
-        chunks = RrdReader(path).store().stream().filter(content=["+ /__properties/**", f"+ {_KEPT}**"]).to_chunks()
-        parts = [(str(chunk.entity_path), name, value) for chunk in chunks for name, value in _cells(chunk)]
-    except OSError as error:
-        raise UnreadableLogError(f"{path}: cannot be read: {error.strerror or error}") from error
-    except (RuntimeError, ValueError) as error:  # those of the viewer's library
-        why = str(error).partition(f"{path}: ")[2] or str(error)
-        raise UnreadableLogError(f"{path}: the recording is damaged: {why}") from error
+        parts = under(Budget(str(path), path.stat().st_size), lambda: list(_parts(path)))
+    except FAULTS as error:
+        why = (getattr(error, "strerror", None) or str(error) or type(error).__name__).splitlines()[0][:160]
+        raise UnreadableLogError(f"{path}: the recording cannot be read, or is damaged: {why}") from error
     names = [value for _, component, value in parts if component == _NAME and isinstance(value, str)]
     properties = {component: value for entity, component, value in parts if entity == _PROPERTIES}
     texts = {
-        entity.removeprefix(_KEPT): _unpacked(path, value)
+        entity.removeprefix(_KEPT): str(value)
         for entity, component, value in parts
         if entity.startswith(_KEPT) and component == _TEXT
     }
     return Recorded(path, names[0] if names else "", properties, texts)
 
 
-def _cells(chunk: Chunk) -> Iterator[tuple[str, Any]]:
-    """Yield the components of the first row of a chunk, a single value without its list."""
-    batch = chunk.to_record_batch()
-    for name in batch.schema.names:
-        value = batch.column(name)[0].as_py() if batch.num_rows else None
-        if isinstance(value, list) and value:
-            items = cast("list[Any]", value)
-            yield name, items[0] if len(items) == 1 else items
+def _parts(path: Path) -> Iterator[tuple[str, str, Any]]:
+    """Yield entity, component and value of each property and each kept text."""
+    held = 0
+    for entity, batch in chunks(path, ("/__properties", _KEPT)):
+        for name, cells in zip(batch.schema.names, batch.columns, strict=True):
+            if entity.startswith(_KEPT) and name == _TEXT and batch.num_rows:
+                text = _unpacked(cells)
+                held += len(text)
+                budget.check(held, "its texts")
+                yield entity, name, text
+                continue
+            value = cells[0].as_py() if batch.num_rows else None
+            if isinstance(value, list) and value:
+                items = cast("list[Any]", value)
+                yield entity, name, items[0] if len(items) == 1 else items
 
 
-def _unpacked(path: Path, packed: object) -> str:
+def _unpacked(cells: Any) -> str:  # noqa: ANN401 - of a library without types
+    """Return the text that the first row of a column keeps."""
+    most = budget.current().most
+    packed = cells[0].values.to_numpy(zero_copy_only=False).astype(np.uint8).tobytes()
+    unpacker = lzma.LZMADecompressor(memlimit=max(most, DICTIONARY))
     try:
-        return lzma.decompress(bytes(cast("list[int]", packed))).decode()
-    except (lzma.LZMAError, TypeError, ValueError) as error:
-        raise UnreadableLogError(f"{path}: the recording is damaged: a text in it cannot be unpacked") from error
+        text = unpacker.decompress(packed, most + 1)
+    except lzma.LZMAError as error:
+        raise ValueError(f"a text in it cannot be unpacked: {error}") from error
+    budget.check(len(text), "a text in it")
+    if not unpacker.eof:
+        raise ValueError("a text in it is cut")
+    return text.decode()

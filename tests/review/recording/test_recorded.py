@@ -2,11 +2,13 @@
 
 import json
 import os
+import random
 
 import pytest
 import rerun as rr
 
 from imuwb.errors import UnreadableLogError
+from imuwb.readers.bytes import budget
 from imuwb.review.recording.recorded import compact, read
 
 DOCUMENT = {
@@ -53,11 +55,43 @@ def test_a_recording_of_another_program_has_no_properties(tmp_path):
     assert (recorded.name, recorded.foreign, recorded.document()) == ("theirs", True, None)
 
 
-@pytest.mark.parametrize("damage", [lambda d: d[:0], lambda d: d[4:], lambda d: d[:-9], lambda d: d[:4] + os.urandom(200) + d[204:], lambda d: d[:-900] + os.urandom(800) + d[-100:]])  # fmt: skip
+@pytest.mark.parametrize("damage", [lambda d: d[:0], lambda d: d[4:], lambda d: d[:-9], lambda d: d[:4] + os.urandom(200) + d[204:], lambda d: d[:700] + os.urandom(800) + d[1500:]])  # fmt: skip
 def test_a_damaged_recording_is_refused_with_its_name(damage, written):
     written.write_bytes(damage(written.read_bytes()))
     with pytest.raises(UnreadableLogError, match=r"r\.rrd: .*(damaged|no whole recording)"):
         read(written)
+
+
+def test_a_recording_that_unpacks_to_much_is_refused(review, tmp_path, monkeypatch):
+    review.review.keep("page", "x" * (4 << 20))
+    place = review.review.close()
+    assert len(read(place).texts["page"]) == 4 << 20
+    monkeypatch.setattr(budget, "CONSTANT", 1 << 16)
+    with pytest.raises(UnreadableLogError, match="text in it would take"):
+        read(place)
+
+
+def test_damage_anywhere_ends_in_an_error_of_ours(written):
+    """The viewer's own library ends the process at some of these recordings."""
+    sound, rng = written.read_bytes(), random.Random(1)  # noqa: S311 - the same damage each time
+    refused = 0
+    for _ in range(150):
+        data = bytearray(sound)
+        at = rng.randrange(4, len(data) - 12)
+        data[at : at + 8] = rng.choice((bytes(8), b"\xff" * 8, (1 << 40).to_bytes(8, "little"), rng.randbytes(8)))
+        written.write_bytes(data)
+        try:
+            read(written).document()
+        except UnreadableLogError:
+            refused += 1
+    assert 20 < refused < 140
+
+
+@pytest.mark.parametrize("text", ["[" * 100_000, "[1]", "{"])
+def test_a_document_that_is_no_json_is_refused(review, text):
+    review.review.keep("document", text)
+    with pytest.raises(UnreadableLogError, match="JSON of its result"):
+        read(review.review.close()).document()
 
 
 def test_a_file_that_is_absent_or_a_folder_is_refused(tmp_path):
