@@ -14,6 +14,7 @@ from imuwb.statistics.distributions import normal_tails
 
 FEWEST = 5  #: sensors, for a family
 SHARE, MOST = 0.1, 50  #: sensors that may be outside: a tenth, and never more than this
+NEAR = 2.5  #: score of the most distant sensor that is left, below which none is outside: a tenth of sensors far out would have 3
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -30,13 +31,13 @@ class Members:
         """Return some of the sensors."""
         return Members(self.sensor[rows], self.logs[rows], self.mean[rows], self.variance[rows], self.third[rows])
 
-    def family(self) -> RandomEffects:
-        """Return mean and spread of the sensors."""
+    def family(self, start: RandomEffects | None = None) -> RandomEffects:
+        """Return mean and spread of the sensors; ``start``: those of nearly the same sensors."""
         unknown = np.full(self.mean.size, np.nan)
         rows = Observations(
             np.arange(self.mean.size), self.mean, self.variance, self.third, unknown, unknown, logarithmic=True
         )
-        return random_effects(rows)
+        return random_effects(rows, start=start)
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,9 +77,12 @@ def outside(sensors: Members, error: float) -> tuple[tuple[Outside, ...], Random
     current = family
     for _ in range(most):
         places = np.flatnonzero(left)
-        worst = places[int(np.abs(_scores(sensors.of(left), current)).argmax())]
+        distance = np.abs(_scores(sensors.of(left), current))
+        if distance.max() < NEAR:
+            break
+        worst = places[int(distance.argmax())]
         left[worst] = False
-        current = sensors.of(left).family()
+        current = sensors.of(left).family(current)
         value = float(_scores(sensors.of(np.arange(left.size) == worst), current, new=True)[0])
         found.append(
             (Outside(int(sensors.sensor[worst]), value, min(1.0, places.size * float(normal_tails(value)))), current)

@@ -57,6 +57,8 @@ class _Covariance:
 
     def grouped(self, columns: Floats) -> Floats:
         """Return the sums of columns of each sensor."""
+        if columns.shape[1] == 1:
+            return self.rows.sums(columns[:, 0])[:, None]
         return np.stack([self.rows.sums(column) for column in columns.T], axis=1)
 
     def projected(self, column: Floats) -> Floats:
@@ -84,18 +86,21 @@ class _Covariance:
         return first, double - 2 * middle + both
 
 
-def random_effects(rows: Observations, covariate: Floats | None = None) -> RandomEffects:
+def random_effects(
+    rows: Observations, covariate: Floats | None = None, start: RandomEffects | None = None
+) -> RandomEffects:
     """Return the family that maximises the restricted likelihood.
 
     Args:
         rows: at least two.
         covariate: (n,) on which y depends linearly besides its mean, such as a temperature; None: none.
+        start: a family of nearly the same rows, from which the search begins; None: none is known.
     """
     design = np.ones((rows.y.size, 1)) if covariate is None else np.stack([np.ones_like(rows.y), covariate], axis=1)
     count = rows.sums(np.ones_like(rows.y))
     free = np.array([(count > 0).sum() > 1, count.max(initial=0) > 1])
     scale = float(np.var(rows.y)) + float(rows.variance.mean())
-    theta = np.where(free, 0.3 * scale, 0.0)
+    theta = np.where(free, 0.3 * scale if start is None else [start.between, start.within], 0.0)
     loss, point = _loss(rows, design, theta)
     information = np.eye(2)
     for _ in range(ROUNDS):
