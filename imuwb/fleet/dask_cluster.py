@@ -14,7 +14,7 @@ from typing import Any
 
 from imuwb.errors import ImuwbError, UsageError
 from imuwb.fleet.executor import Call, Completed, Fault
-from imuwb.fleet.own_child import OwnChild
+from imuwb.fleet.own_child import OwnChild, warm
 
 CONNECTING = 10.0  #: s until a scheduler must have answered
 PATIENCE = 60.0  #: s that a cluster may be without any worker
@@ -69,6 +69,11 @@ class DaskCluster:
     def link(self) -> str:
         """Dask's dashboard."""
         return self._client.dashboard_link or ""
+
+    def warm(self) -> None:
+        """Compile what the workers need, by one worker of each machine."""
+        first = {own["host"]: worker for worker, own in sorted(self._workers().items(), reverse=True)}
+        self._client.run(warm, workers=list(first.values()), on_error="ignore")
 
     def submit(self, number: int, call: Call) -> None:
         """Take a call."""

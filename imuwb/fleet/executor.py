@@ -74,6 +74,10 @@ class Executor(Protocol):
         """Address of a page that shows its work; empty: it has none."""
         ...
 
+    def warm(self) -> None:
+        """Compile what the workers need, once on each machine, so that they do not do it at the same time."""
+        ...
+
     def submit(self, number: int, call: Call) -> None:
         """Take a call; the number names it."""
         ...

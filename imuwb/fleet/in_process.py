@@ -42,6 +42,9 @@ class InProcess:
         """Have no calls."""
         self._calls: deque[tuple[int, Call]] = deque()
 
+    def warm(self) -> None:
+        """Do nothing: one process compiles what it needs."""
+
     def submit(self, number: int, call: Call) -> None:
         """Take a call."""
         self._calls.append((number, call))

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 
 from imuwb.fleet.executor import Call, Completed
-from imuwb.fleet.own_child import OwnChild
+from imuwb.fleet.own_child import OwnChild, warm
 
 ENDING = 10.0  #: s until a killed process must have ended
 _Item = tuple[int, Call] | None
@@ -31,6 +31,10 @@ class LocalPool:
         self._children: list[OwnChild] = []
         self._threads: list[threading.Thread] = []
         self._left = 0
+
+    def warm(self) -> None:
+        """Compile what the processes need."""
+        warm()
 
     def submit(self, number: int, call: Call) -> None:
         """Take a call, and start another process if all have one."""

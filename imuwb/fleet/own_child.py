@@ -21,6 +21,17 @@ THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_
 OUTSIDE = tuple(getattr(signal, name, None) for name in ("SIGKILL", "SIGTERM", "SIGHUP", "SIGINT"))
 
 
+def warm() -> None:
+    """Compile what workers on this machine need (``imuwb warm``), in a process of its own; where that fails, each worker does it."""
+    subprocess.run(
+        [sys.executable, "-m", "imuwb", "warm"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=_environment(), check=False,
+    )  # fmt: skip
+
+
+def _environment() -> dict[str, str]:
+    return {**own_process.environment(), **dict.fromkeys(THREADS, "1")}
+
+
 class OwnChild:
     """A process that runs calls, each within its bounds; it is started by its first call."""
 
@@ -69,11 +80,10 @@ class OwnChild:
     def _started(self) -> "subprocess.Popen[bytes]":
         if self._process is not None and self._process.poll() is None:
             return self._process
-        environment = {**own_process.environment(), **dict.fromkeys(THREADS, "1")}
         errors = None if os.environ.get("IMUWB_TRACEBACK") else subprocess.DEVNULL
         self._process = subprocess.Popen(
             [sys.executable, "-m", "imuwb.fleet.child"],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, env=environment, start_new_session=os.name == "posix",
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, env=_environment(), start_new_session=os.name == "posix",
         )  # fmt: skip
         if self._closed:
             self._process.kill()

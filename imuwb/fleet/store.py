@@ -161,12 +161,10 @@ def listed(store: Any, address: Address, prefix: str) -> Iterator[Any]:  # noqa:
     """Yield the metadata of all objects below a prefix; errors as in ``attempted``."""
     import obstore  # noqa: PLC0415 - as above
 
-    pages = iter(obstore.list(store, prefix=prefix or None))
-    while True:
-        page = attempted(lambda: next(pages, None), address)
-        if page is None:
-            return
-        yield from page
+    # A list that failed does not go on: all of it is asked for again.
+    yield from attempted(
+        lambda: [meta for page in obstore.list(store, prefix=prefix or None) for meta in page], address
+    )
 
 
 def attempted(request: Callable[[], Item], address: Address) -> Item:

@@ -46,7 +46,7 @@ KILL = 10.0  #: s between two kills of a worker
 BOUNDS = ("--task-time", "60", "--task-memory", "1")
 TABLES = ("sensors", "outages", "logs", "quarantine")
 BUCKET, PORT = "fleet", 5127
-LENGTHS = (6, 24)  #: logs of the two runs that show the overhead
+LENGTHS = (4, 12)  #: logs of the two runs that show the overhead
 STORE = {
     "AWS_ACCESS_KEY_ID": "k", "AWS_SECRET_ACCESS_KEY": "s", "AWS_REGION": "us-east-1", "AWS_ENDPOINT_URL": f"http://127.0.0.1:{PORT}",
 }  # fmt: skip
@@ -184,7 +184,7 @@ def stored(store, name):
 
 def overhead(folder):
     """Return the rows on the CPU of a pool over that of a loop, for logs of 2 s each."""
-    fleet(folder / "more", 10, 180, 100, seed=2)
+    fleet(folder / "more", 4, 180, 100, seed=2)
     spent = {}
     for count in LENGTHS:
         chosen = folder / f"few{count}"

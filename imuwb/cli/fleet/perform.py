@@ -4,8 +4,10 @@ import hashlib
 import json
 import shlex
 import sys
+import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, cast
@@ -19,7 +21,7 @@ from imuwb.cli.fleet.panel import print_ending
 from imuwb.cli.fleet.work import Job, Reply, Settings, prepare, work
 from imuwb.cli.options import Conditions, Part
 from imuwb.cli.through import step
-from imuwb.errors import UsageError
+from imuwb.errors import ImuwbError, UsageError
 from imuwb.fleet import parts
 from imuwb.fleet.executor import Bounds, Call, Completed, Executor
 from imuwb.fleet.in_process import InProcess
@@ -38,6 +40,8 @@ from imuwb.review.answers.document import plain
 from imuwb.selection import ALL
 
 GB = 1e9
+WARM = 20  #: logs; with fewer, each worker compiles what it needs itself
+FIRST_LOOK, LOOKS = 60.0, 100  #: s after which the tables are written early, and later times the time that this takes
 STOPPED = ("time", "memory", "crash")  #: faults that are those of the log, and are not tried again with the same bounds
 
 
@@ -118,19 +122,23 @@ def perform(patterns: Sequence[str], asked: Asked) -> None:
     try:
         if todo:
             state.write(store)
-            _work(run, todo, executor, look=bool(known))
-    except KeyboardInterrupt:
-        _finish(run, replace(state, state="interrupted"), before)
+            _work(run, todo, executor, state, look=bool(known))
+    except (KeyboardInterrupt, ImuwbError):
+        with suppress(ImuwbError):  # the store may be what has failed
+            _finish(run, replace(state, state="interrupted"), None)
         raise
     finally:
         executor.close()
     print_ending(_finish(run, replace(state, state="ended"), before), run.store, patterns, place, len(todo))
 
 
-def _work(run: _Run, todo: Sequence[Task], executor: Executor, *, look: bool) -> None:
-    """Analyse logs, and note the part or the fault of each."""
+def _work(run: _Run, todo: Sequence[Task], executor: Executor, state: RunState, *, look: bool) -> None:
+    """Analyse logs, and note the part or the fault of each; from time to time, write the tables of what is ready."""
     calls = (Call(work, Job(run.settings, task, look), run.bounds, prepare) for task in todo)
+    if len(todo) >= WARM:
+        executor.warm()
     file, progress = ProgressFile(run.store), Progress(len(todo))
+    written, wait = time.monotonic(), FIRST_LOOK
     try:
         with watching(progress, executor.link) as update:
             for done in completed(calls, executor):
@@ -138,6 +146,11 @@ def _work(run: _Run, todo: Sequence[Task], executor: Executor, *, look: bool) ->
                 kind, message = _note(run, task, done)
                 file.add(progress.add(without_secrets(task.log.place), kind, message, done.worker))
                 update()
+                if time.monotonic() - written > wait:
+                    began = time.monotonic()
+                    _finish(run, state, None)
+                    written = time.monotonic()
+                    wait = max(FIRST_LOOK, LOOKS * (written - began))
     finally:
         file.close()
 
