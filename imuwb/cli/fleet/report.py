@@ -95,7 +95,7 @@ def report(
     state, read = _read(results)
     files = [recording, *pages.files, *([document] if document else [])]
     with reserved(files, [], force=force):
-        found = fleet_report(state, read, error=error, level=level, doubtful=with_doubtful)
+        found = fleet_report(state, read, error=error, level=level, doubtful=with_doubtful, options=_options(state))
         verdicts = against(found, wanted)
         text, said, origin, shown = _written(found, verdicts, results, recording, pages, document)
     # All files are written before the first line is printed: the program that reads the output may end at any time.
@@ -113,6 +113,18 @@ def _default(results: str) -> Path:
     from imuwb.readers.bytes.address import is_address  # noqa: PLC0415 - help must not wait
 
     return Path("report.rrd") if is_address(results) else Path(results) / "report.rrd"
+
+
+def _options(state: RunState) -> str:
+    """Return the options of the analysis that differ from their defaults, as words of a command; empty if it is not installed here."""
+    from imuwb.cli.analyses import analysis_named  # noqa: PLC0415 - help must not wait
+    from imuwb.cli.typed import options_given  # noqa: PLC0415
+
+    known = {name: value for name, value in state.params.items() if name != "method"}
+    try:
+        return " ".join(options_given(analysis_named(state.analysis).Parameters(**known)))
+    except (ImuwbError, TypeError, ValueError):
+        return ""
 
 
 def _share(text: str | None) -> float:

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from imuwb.analysis import Answer, Step
+from imuwb.fleet.report.groups import LIMIT_ONLY
 from imuwb.fleet.report.outages import DRIFT, RATIO
 from imuwb.fleet.report.result import KINDS, OUTSIDE, Finding, FleetReport, in_si
 from imuwb.fleet.report.sheet import FAMILY, SheetVerdict, outcomes
@@ -48,6 +49,10 @@ def _sentences(report: FleetReport, verdicts: Sequence[SheetVerdict]) -> Iterato
     warm = [what(g) for g, j in zip(report.groups, report.judged, strict=True) if j.slope is not None and j.slope.used]
     if warm:
         yield f"Temperature changes {', '.join(warm[:4])}{' and more' if len(warm) > 4 else ''}: values are compared at one temperature."  # noqa: PLR2004
+    silent = [group.coefficient for group in report.silent if group.left_out.get(LIMIT_ONLY)]
+    if silent:
+        names = ", ".join(f"{name} of {count} axes" if count > 1 else name for name, count in Counter(silent).items())
+        yield f"Not judged, because most logs give a limit only: {names}."
     left = Counter[str]()
     for group in report.groups:
         left.update(group.left_out)

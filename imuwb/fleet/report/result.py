@@ -13,11 +13,12 @@ import numpy as np
 import pyarrow as pa
 
 from imuwb.errors import MissingDataError
-from imuwb.fleet.report.groups import Group, sensor_groups
+from imuwb.fleet.report.groups import LIMIT_ONLY, Group, sensor_groups
 from imuwb.fleet.report.outages import outage_groups
 from imuwb.fleet.run_state import RunState
 from imuwb.fleet.schemas import QUARANTINED, SUSPICIOUS
 from imuwb.identification.family import Judged, Judgement, judge
+from imuwb.log import AXES
 from imuwb.statistics import Coefficient, Estimate
 from imuwb.statistics.distributions import student_limit
 
@@ -25,6 +26,7 @@ OUTSIDE = "out of family"
 KINDS = {"trend": "drifts", "step": "steps", "log": "one log differs"}  #: of changes, in words
 MANY = 1e6  #: degrees of freedom of a normal variable
 FEWEST = 2  #: rows of a group that is judged
+ORDER = "NBKQR"  #: of coefficients
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +69,7 @@ class FleetReport:
 
     analysis: str
     command: str  #: that made the tables
+    options: str  #: of the analysis, where they differ from the defaults
     error: float  #: largest probability of any false finding
     level: float  #: of the intervals
     logs: Mapping[str, LogRow]  #: key -> log
@@ -88,15 +91,21 @@ class FleetReport:
         """Return how many logs there are of each kind of fault."""
         return Counter(kind for _, kind in sorted({(one.path, one.kind) for one in self.worthless}))
 
-    def see(self, key: str, options: str = "") -> str:
+    def see(self, key: str) -> str:
         """Return the command that makes the recording of a log."""
         log = self.logs.get(key)
         path = log.path if log else key
-        return f"imuwb {self.analysis} {shlex.quote(path)}{options}"
+        return f"imuwb {self.analysis} {shlex.quote(path)} {self.options}".rstrip()
 
 
 def fleet_report(
-    state: RunState, tables: Mapping[str, pa.Table], *, error: float = 0.01, level: float = 0.95, doubtful: bool = False
+    state: RunState,
+    tables: Mapping[str, pa.Table],
+    *,
+    error: float = 0.01,
+    level: float = 0.95,
+    doubtful: bool = False,
+    options: str = "",
 ) -> FleetReport:
     """Return what the tables of a fleet say.
 
@@ -106,12 +115,14 @@ def fleet_report(
         error: largest probability that a fleet without any such sensor has any finding.
         level: of the intervals.
         doubtful: whether values count that a remark puts in doubt.
+        options: of the analysis, where they differ from the defaults, as words of a command.
 
     Raises:
         MissingDataError: no sensor has a value.
     """
     every = (*sensor_groups(tables["sensors"], doubtful=doubtful), *outage_groups(tables["outages"]))
-    groups = tuple(group for group in every if group.observations.y.size >= FEWEST)
+    every = sorted(every, key=_place)
+    groups = tuple(group for group in every if _is_judged(group))
     if not groups:
         raise MissingDataError(_nothing(every, state, tables))
     judgement = judge({str(i): group.observations for i, group in enumerate(groups)}, error, level)
@@ -123,9 +134,21 @@ def fleet_report(
     }
     worthless = (*_quarantine(tables["quarantine"]), *(() if doubtful else _doubtful(tables["sensors"], logs)))
     return FleetReport(
-        state.analysis, state.command, error, level, logs, tables["logs"].num_rows, len(names), groups, judged, tuple(group for group in every if group.observations.y.size < FEWEST), tuple(findings),
+        state.analysis, state.command, options, error, level, logs, tables["logs"].num_rows, len(names), groups, judged, tuple(group for group in every if not _is_judged(group)), tuple(findings),
         worthless,
     )  # fmt: skip
+
+
+def _place(group: Group) -> tuple[object, ...]:
+    """Return the place of a group: gyros before accelerometers, the random walk first."""
+    axis = AXES.index(group.axis) if group.axis in AXES else len(AXES)
+    letter = ORDER.find(group.coefficient) if len(group.coefficient) == 1 else len(ORDER)
+    return group.type, group.source, letter, axis, group.coefficient
+
+
+def _is_judged(group: Group) -> bool:
+    """Return whether a group has a family: of a coefficient that most logs do not show, those that do are a selection."""
+    return group.observations.y.size >= max(FEWEST, group.left_out.get(LIMIT_ONLY, 0))
 
 
 def _nothing(groups: Sequence[Group], state: RunState, tables: Mapping[str, pa.Table]) -> str:

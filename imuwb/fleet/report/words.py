@@ -104,8 +104,14 @@ def spread_text(group: Group, spread: Coefficient) -> str:
         return "—"
     factor, unit = (0.01, "%") if group.observations.logarithmic else (group.display.factor, group.display.name)
     if spread.value is None:
-        return f"< {spread.upper / factor:.2g} {unit}"
-    return f"{spread.value / factor:.2g} {unit} [{(spread.lower or 0.0) / factor:.2g}, {spread.upper / factor:.2g}]"
+        return f"< {_short(spread.upper / factor)} {unit}"
+    value, lower, upper = (_short((end or 0.0) / factor) for end in (spread.value, spread.lower, spread.upper))
+    return f"{value} {unit} [{lower}, {upper}]"
+
+
+def _short(value: float) -> str:
+    """Return a number with two significant digits, a large one as a whole number."""
+    return f"{value:.0f}" if value >= 10 else f"{value:.2g}"  # noqa: PLR2004 - two digits before the point
 
 
 def slope_text(group: Group, judged: Judged) -> str:

@@ -173,8 +173,8 @@ def _judged(state: _State, slope: Slope | None, error: float, level: float) -> J
     typical = float(np.median(inside.variance))
     own, sampling = family.between + sigma**2, float(np.median(steady.variance))
     far = student_limit(1 - error / max(count, 1), max(count - 1, 1)) * (own + typical) ** 0.5
-    between = between_spread(inside, family.between, level)
-    within = within_spread(steady, fit.within, level)
+    between = between_spread(inside, family.between, family.errors[0], level)
+    within = within_spread(steady, fit.within, fit.errors[1], level)
 
     spread = family.between if between.value is not None or not np.isfinite(between.upper) else between.upper**2
 

@@ -8,23 +8,30 @@ from imuwb.arrays import Floats
 from imuwb.identification.family.members import Members
 from imuwb.identification.family.observations import Observations
 from imuwb.statistics import Coefficient
-from imuwb.statistics.distributions import chi_square_quantile
+from imuwb.statistics.distributions import chi_square_quantile, normal_quantile
 
 DOUBLINGS, HALVINGS = 60, 60
 
 
-def between_spread(sensors: Members, value: float, level: float) -> Coefficient:
-    """Return the standard deviation between sensors; ``value`` is the estimated variance."""
+def between_spread(sensors: Members, value: float, error: float, level: float) -> Coefficient:
+    """Return the standard deviation between sensors.
+
+    Args:
+        sensors: of the family.
+        value: estimated variance.
+        error: sampling variance of ``value``.
+        level: of the interval.
+    """
 
     def statistic(variance: float) -> float:
         weight = 1 / (sensors.variance + variance)
         return float(weight @ (sensors.mean - np.average(sensors.mean, weights=weight)) ** 2)
 
-    return _spread(statistic, sensors.mean.size - 1, value, level, float(np.var(sensors.mean)))
+    return _spread(statistic, sensors.mean.size - 1, value, error, level, float(np.var(sensors.mean)))
 
 
-def within_spread(rows: Observations, value: float, level: float) -> Coefficient:
-    """Return the standard deviation from log to log of one sensor, beyond the sampling errors."""
+def within_spread(rows: Observations, value: float, error: float, level: float) -> Coefficient:
+    """Return the standard deviation from log to log of one sensor, beyond the sampling errors; arguments as above."""
     repeated = rows.of(rows.sums(np.ones_like(rows.y))[rows.sensor] > 1)
     count = np.unique(repeated.sensor).size
 
@@ -34,11 +41,16 @@ def within_spread(rows: Observations, value: float, level: float) -> Coefficient
         mean: Floats = repeated.sums(weight * repeated.y) / np.where(total > 0, total, 1.0)
         return float(weight @ (repeated.y - mean[repeated.sensor]) ** 2)
 
-    return _spread(statistic, repeated.y.size - count, value, level, float(np.var(rows.y)))
+    return _spread(statistic, repeated.y.size - count, value, error, level, float(np.var(rows.y)))
 
 
-def _spread(statistic: Callable[[float], float], freedom: int, value: float, level: float, scale: float) -> Coefficient:
-    """Return a standard deviation with its interval; or its limit, where the sampling errors explain the scatter."""
+def _spread(
+    statistic: Callable[[float], float], freedom: int, value: float, error: float, level: float, scale: float
+) -> Coefficient:
+    """Return a standard deviation with its interval; or its limit, where the sampling errors explain the scatter.
+
+    Where the scatter is smaller than the sampling errors alone make likely, the limit comes from the error of the estimate.
+    """
     if freedom < 1:
         return Coefficient(None, None, np.inf)
     tail = (1 - level) / 2
@@ -47,7 +59,7 @@ def _spread(statistic: Callable[[float], float], freedom: int, value: float, lev
         upper = _at(statistic, float(chi_square_quantile(tail, freedom)), scale)
         return Coefficient(value**0.5, min(lower, value) ** 0.5, max(upper, value) ** 0.5)
     limit = _at(statistic, float(chi_square_quantile(1 - level, freedom)), scale)
-    return Coefficient(None, None, max(limit, value) ** 0.5)
+    return Coefficient(None, None, (max(limit, value) or normal_quantile(level) * error**0.5) ** 0.5)
 
 
 def _at(statistic: Callable[[float], float], wanted: float, scale: float) -> float:

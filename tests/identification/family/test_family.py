@@ -192,14 +192,19 @@ def test_intervals_of_the_spread_have_the_stated_tails():
     rows = fleet(np.random.default_rng(12), between=0.1, within=0.03)
     fit = random_effects(rows)
     sensors = members(rows, fit.within)
-    between, within = between_spread(sensors, fit.between, 0.95), within_spread(rows, fit.within, 0.95)
+    between, within = (
+        between_spread(sensors, fit.between, fit.errors[0], 0.95),
+        within_spread(rows, fit.within, fit.errors[1], 0.95),
+    )
     assert between.lower < 0.1 < between.upper
     assert within.lower < 0.03 < within.upper
     weight = 1 / (sensors.variance + between.upper**2)
     square = weight @ (sensors.mean - np.average(sensors.mean, weights=weight)) ** 2
     assert stats.chi2.cdf(square, sensors.mean.size - 1) == pytest.approx(0.025, rel=1e-4)
     none = fleet(np.random.default_rng(13), between=0.0, within=0.0)
-    assert within_spread(none, 0.0, 0.95).value is None
+    assert within_spread(none, 0.0, 1e-6, 0.95).value is None
+    calm = rows_of(np.repeat(np.arange(4), 2), np.zeros(8), 0.01)
+    assert within_spread(calm, 0.0, 1e-6, 0.95).upper == pytest.approx((1.645e-3) ** 0.5, rel=1e-3)
 
 
 def test_logs_of_one_time_have_no_change():
