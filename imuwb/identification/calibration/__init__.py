@@ -9,11 +9,10 @@ from imuwb.identification.calibration.motions import Motion
 from imuwb.identification.calibration.moved_gyros import MovedGyros, moved_gyros
 from imuwb.identification.calibration.positions import (
     PositionCalibration,
-    PrintedCalibration,
-    as_printed,
     known_attitudes,
     six_position,
 )
+from imuwb.identification.calibration.printed import PrintedCalibration, as_printed
 from imuwb.identification.calibration.rate_table import (
     RateRun,
     RateTableCalibration,

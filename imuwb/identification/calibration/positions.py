@@ -10,11 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from imuwb.arrays import Floats
-from imuwb.identification.calibration.axis_calibration import AxisCalibration, student_estimate
+from imuwb.identification.calibration.axis_calibration import AxisCalibration
 from imuwb.identification.calibration.faces import faces
 from imuwb.identification.calibration.least_squares import LinearFit, RowNoise, fit_linear, is_determined
 from imuwb.identification.calibration.means import Means
-from imuwb.statistics import Estimate
 
 BENT = 0.05  #: least share of the non-linear column's length that remains when the other columns are projected out
 #: variance of the vertical part's shortening, over the fourth power of the tilt. The factor is 2 for a known tilt and a
@@ -39,36 +38,6 @@ class PositionCalibration:
     def __repr__(self) -> str:
         """Return one line for each axis."""
         return "\n".join(f"accel {k}: {axis}" for k, axis in zip("xyz", self.axes, strict=True))
-
-
-@dataclass(frozen=True, slots=True)
-class PrintedCalibration:
-    """The calibration of one axis by Hassaballa's eq. 3 to 6, from two means only."""
-
-    up: float  #: mean with the axis up
-    down: float  #: mean with the axis down
-    bias: Estimate  #: eq. 5
-    scale_factor: Estimate  #: eq. 6
-
-
-def as_printed(
-    means: Means, standing: Sequence[tuple[int, int]], gravity: float, level: float
-) -> tuple[PrintedCalibration, ...]:
-    """Return bias and scale factor of each axis from its up and down positions only (Hassaballa, eq. 3 to 6)."""
-    calibrations: list[PrintedCalibration] = []
-    for axis in range(3):
-        ends: list[tuple[float, float]] = []
-        for sign in (1, -1):
-            rows = [p for p, face in enumerate(standing) if face == (axis, sign)]
-            ends.append(
-                (float(means.value[rows, axis].mean()), float(means.variance[rows, axis].sum()) / len(rows) ** 2)
-            )
-        (up, up_variance), (down, down_variance) = ends
-        variance, freedom = (up_variance + down_variance) / 4, float(means.freedom[axis])
-        bias = student_estimate((up + down) / 2, variance, freedom, level)
-        scale = student_estimate((up - down - 2 * gravity) / (2 * gravity), variance / gravity**2, freedom, level)
-        calibrations.append(PrintedCalibration(up, down, bias, scale))
-    return tuple(calibrations)
 
 
 def six_position(

@@ -4,7 +4,7 @@ import numpy as np
 
 from imuwb.analysis import Curve, Figure, Review, Table
 from imuwb.colors import AXIS_COLORS, BLUE, INK
-from imuwb.texts import decimals, seconds_text
+from imuwb.texts import decimals, number_text, seconds_text
 from imuwb_plugins.calibration.notes import probability_text
 from imuwb_plugins.calibration.parameter_table import SENSORS, display, parameter_table, parameter_text, trace_figure
 from imuwb_plugins.calibration.result import Motions, PositionResult
@@ -79,6 +79,9 @@ def _printed(result: PositionResult) -> Table:
         for axis, x in result.printed.items()
     )  # fmt: skip
     caption = "From two means only: b = (up + down)/2, s = (up - down - 2 g)/(2 g)."
+    if result.misplacement:
+        tilt = number_text(np.degrees(result.misplacement))
+        caption += f" The intervals contain a tilt of the faces of {tilt}° rms, which the equations leave out."
     headings = ("axis", "mean up", "mean down", "bias, eq. 5", "scale factor, eq. 6")
     return Table("As printed: Hassaballa, equations 3 to 6", headings, rows, caption)
 

@@ -77,7 +77,7 @@ def run(logs: Sequence[Log], p: SixPosition | MultiPosition) -> PositionResult:
     notes = [
         *before, *position_notes(p, gravity, fit, full_range), *notes, *gyros.notes, *red_notes("accel", accel), *warm_notes, *model_notes,
     ]  # fmt: skip
-    printed = calibration.as_printed(accel, faces, gravity[0], p.level) if faces else ()
+    printed = calibration.as_printed(accel, faces, gravity[0], p.level, fit) if faces else ()
     return PositionResult(
         name, p.level, *gravity, p.raw, {axis: parameters_of(axis, c, p.raw) for axis, c in axes.items()},
         {f"accel_{k}": _with_units(x, p.raw) for k, x in zip("xyz", printed, strict=False)}, fit.misplacement, fit.probability,

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from imuwb.identification.calibration import (
     Means,
@@ -72,14 +73,30 @@ def test_a_cube_in_any_order_gives_all_twelve_parameters(model):
 
 def test_as_printed_is_hassaballas_equations_five_and_six(model):
     means = exact(measured(model, CUBE)[1])
-    standing = faces(means.value, list("abcdef"), raw=False)
-    for k, x in enumerate(as_printed(means, standing, G, 0.95)):
+    fit, standing = six_position(means, list("abcdef"), G, 0.95, misplacement=0.0)
+    for k, x in enumerate(as_printed(means, standing, G, 0.95, fit)):
         up, down = means.value[k, k], means.value[3 + k, k]
         assert (x.up, x.down) == (up, down)
         assert x.bias.value == pytest.approx((up + down) / 2)
         assert x.scale_factor.value == pytest.approx((up - down - 2 * G) / (2 * G))
         assert x.bias.sigma == pytest.approx(SIGMA / 2**0.5)
         assert x.scale_factor.sigma == pytest.approx(SIGMA / 2**0.5 / G)
+
+
+def test_the_printed_intervals_contain_a_tilt_of_the_faces(model):
+    rng = np.random.default_rng(2)
+    inside = []
+    for _ in range(80):
+        tilts = rng.normal(0, np.radians(2.4), (6, 3))
+        ups = np.stack([Rotation.from_rotvec(t - u * (t @ u)).apply(u) for t, u in zip(tilts, CUBE, strict=True)])
+        means = exact(measured(model, ups)[1] + SIGMA * rng.standard_normal((6, 3)))
+        fit, standing = six_position(means, list("abcdef"), G, 0.95)
+        for k, x in zip("xyz", as_printed(means, standing, G, 0.95, fit), strict=True):
+            true = model.axes[f"accel_{k}"]
+            inside.append(x.bias.lower < true.bias < x.bias.upper)
+            inside.append(x.scale_factor.lower < true.scale_factor < x.scale_factor.upper)
+            assert x.bias.sigma > 10 * SIGMA
+    assert np.mean(inside) > 0.92
 
 
 def test_a_wrong_gravity_goes_into_all_scale_factors_alike(model):
