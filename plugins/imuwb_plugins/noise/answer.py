@@ -7,7 +7,7 @@ from imuwb.analysis import Answer, Finding, Step
 from imuwb.log import AXES
 from imuwb.noise_results import by_sensor
 from imuwb.statistics import UNKNOWN, Coefficient
-from imuwb.texts import coefficient_cell, coefficient_text, number_text
+from imuwb.texts import coefficient_cell, coefficient_text, estimate_text, number_text
 from imuwb.units import UNITS, Unit, coefficient_units
 from imuwb_plugins.allan import imus_answer
 from imuwb_plugins.allan.answer import about_record
@@ -74,17 +74,37 @@ def answer_study(result: Study) -> Answer:
     )  # fmt: skip
     units = ("", *(_unit(axis, "N").name for axis in axes))
     more = len(result.cases) - SETTINGS
-    rules = [r.axis for r in result.rule if not r.holds]
     sentences = [f"{more} more settings: --full."] if more > 0 else []
     if result.rule:
-        kept = "on all axes" if not rules else f"but not on {', '.join(rules)}".replace("_", " ")
-        sentences.append(f"N stays the same where the rate is at least twice the bandwidth, {kept}.")
+        sentences.append(_rule_text(result))
     return Answer(
         f"{len(result.cases)} settings",
         ("N", *(axis.replace("_", " ") for axis in axes)),
         (*rows, units),
         tuple(sentences),
     )
+
+
+def _rule_text(result: Study) -> str:
+    axes = {
+        verdict: ", ".join(r.axis.replace("_", " ") for r in result.rule if r.holds == verdict)
+        for verdict in ("yes", "no", "open")
+    }
+    if not axes["no"] and not axes["open"]:
+        where = "on all axes"
+    else:
+        parts = ((axes["yes"], "on"), (axes["no"], "not on"), (axes["open"], "undecided on"))
+        where = "; ".join(f"{word} {names}" for names, word in parts if names)
+    sizes = {
+        "there at most": [r.kept for r in result.rule if r.kept is not None],
+        "at lower rates up to": [r.broken for r in result.rule if r.broken is not None],
+    }
+    largest = (
+        f"{words} {estimate_text(max(found, key=lambda e: e.value), '')} times the best"
+        for words, found in sizes.items()
+        if found
+    )
+    return f"N stays the same where the rate is at least twice the bandwidth: {where} ({', '.join(largest)})."
 
 
 def _short(coefficient: Coefficient, unit: Unit) -> str:

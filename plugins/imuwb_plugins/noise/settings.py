@@ -1,7 +1,11 @@
 """A study: the same noise after conditioners of many settings, such as rates and bandwidths (Hassaballa, 5.1 and table 2)."""
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
 
 from imuwb.analysis import Case
 from imuwb.arrays import Floats
@@ -9,11 +13,12 @@ from imuwb.axes import Axis, axes_of, for_each, rates
 from imuwb.errors import MissingDataError
 from imuwb.identification import allan, fit_likelihood
 from imuwb.identification.record.suitable import unsuitable
-from imuwb.statistics import Coefficient
+from imuwb.statistics import Coefficient, Estimate
 from imuwb_plugins.noise.parameters import Parameters
 
 FEWEST = 256  #: samples
 TOLERANCE = 0.1  #: excess of N over the best, up to which a setting keeps the sensor's full capacity
+ALIASES = 200  #: multiples of the rate whose noise is added
 GRID = 4  #: fewest settings of rate and bandwidth for a test of the rule
 
 
@@ -44,10 +49,11 @@ class Rule:
     """Test of the rule that N stays the same if the rate is at least twice the bandwidth."""
 
     axis: str
-    best: float  #: smallest N
-    kept: float  #: largest N over the best, at rates of at least twice the bandwidth
-    broken: float | None  #: largest N over the best, at lower rates; None: no such setting
-    holds: bool
+    best: Estimate  #: smallest N
+    #: largest N over the best, at rates of at least twice the bandwidth; None: only one setting has such a rate
+    kept: Estimate | None
+    broken: Estimate | None  #: largest N over the best, at lower rates; None: no such setting
+    holds: Literal["yes", "no", "open"]  #: open: the intervals do not decide
 
 
 @dataclass(frozen=True, eq=False, slots=True, repr=False)
@@ -60,7 +66,7 @@ class Study:
 
     def __repr__(self) -> str:
         """Return the number of settings, and where the rule holds."""
-        held = ", ".join(f"{r.axis} {'yes' if r.holds else 'no'}" for r in self.rule) or "not tested"
+        held = ", ".join(f"{r.axis} {r.holds}" for r in self.rule) or "not tested"
         return f"noise in {len(self.cases)} settings; rate = 2 × bandwidth is enough: {held}"
 
 
@@ -117,14 +123,52 @@ def rule(cases: tuple[CaseResult, ...]) -> tuple[Rule, ...]:
     rules: list[Rule] = []
     for axis in both[0].axes:
         sized = [
-            (c.ratio[axis.partition("_")[0]], n)
+            (c.ratio[axis.partition("_")[0]], found)
             for c in both
-            if axis in c.axes and (n := c.axes[axis].coefficients["N"].value) is not None
+            if axis in c.axes and (found := _estimate(c.axes[axis].coefficients["N"])) is not None
         ]
         kept, broken = [n for r, n in sized if r >= 1], [n for r, n in sized if r < 1]
         if kept:
-            best = min(kept)
-            worst = max(broken) / best if broken else None
-            holds = max(kept) / best < 1 + TOLERANCE and (worst is None or worst > 1 + TOLERANCE)
-            rules.append(Rule(axis, best, max(kept) / best, worst, holds))
+            best = min(kept, key=_value)
+            most = _over(max(kept, key=_value), best) if len(kept) > 1 else None
+            worst = _over(max(broken, key=_value), best) if broken else None
+            rules.append(Rule(axis, best, most, worst, _verdict(most, worst)))
     return tuple(rules)
+
+
+def _value(n: Estimate) -> float:
+    return n.value
+
+
+def _estimate(n: Coefficient) -> Estimate | None:
+    """Return a coefficient as an estimate; None if the record does not show it."""
+    return None if n.value is None or not n.lower else Estimate(n.value, n.lower, n.upper)
+
+
+def _over(n: Estimate, best: Estimate) -> Estimate:
+    """Return the ratio of two coefficients, with its interval: the settings share a record, and are taken as independent."""
+    ratio = n.value / best.value
+    down = math.hypot(math.log(n.value / n.lower), math.log(best.upper / best.value))
+    up = math.hypot(math.log(n.upper / n.value), math.log(best.value / best.lower))
+    return Estimate(ratio, ratio * math.exp(-down), ratio * math.exp(up), unit="1")
+
+
+def _verdict(kept: Estimate | None, broken: Estimate | None) -> Literal["yes", "no", "open"]:
+    """Return whether N stays within the tolerance at high rates, and exceeds it at low ones."""
+    limit = 1 + TOLERANCE
+    if (kept is not None and kept.lower > limit) or (broken is not None and broken.upper < limit):
+        return "no"
+    inside = (kept is None or kept.upper < limit) and (broken is None or broken.lower > limit)
+    return "yes" if inside and not (kept is None and broken is None) else "open"
+
+
+def aliased(ratio: Floats) -> Floats:
+    """Return N of white noise after a Butterworth low-pass of second order, over N before it, by rate / (2 bandwidth).
+
+    At low frequencies, the spectrum of the samples is the sum of the spectrum before at all multiples of the rate.
+
+    Args:
+        ratio: (n,) rate over twice the bandwidth.
+    """
+    multiples = np.arange(1, ALIASES + 1)
+    return np.sqrt(1 + 2 * (1 / (1 + (2 * ratio[:, None] * multiples) ** 4)).sum(axis=1))

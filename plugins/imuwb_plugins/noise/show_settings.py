@@ -3,11 +3,14 @@
 import numpy as np
 
 from imuwb.analysis import Curve, Figure, Review, Table, Vertical
-from imuwb.colors import BLUE, color_at
-from imuwb.texts import coefficient_text, quantity_text
+from imuwb.colors import BLUE, INK, color_at
+from imuwb.texts import coefficient_text, estimate_text
 from imuwb.units import UNITS, coefficient_units
-from imuwb_plugins.noise.settings import TOLERANCE, CaseResult, Rule, Study
+from imuwb_plugins.noise.settings import TOLERANCE, CaseResult, Rule, Study, aliased
 
+WIDEST = 8  #: settings of a table with a column for each
+POINTS = 200
+LETTERS = {"N": "random walk N", "B": "bias instability B", "Q": "quantization Q", "K": "rate random walk K"}
 _SENSORS = {"gyro": ("Gyroscope", "deg/h"), "accel": ("Accelerometer", "m/s²")}
 
 
@@ -19,6 +22,8 @@ def draw_study(result: Study, review: Review) -> None:
     for rule in result.rule:
         if rule.axis.endswith("_z"):
             review.figure(_against_ratio(result, rule))
+    if len(result.cases) <= WIDEST:
+        review.table(_as_printed(result))
     review.table(_coefficients(result))
     if result.rule:
         review.table(_rules(result))
@@ -48,11 +53,33 @@ def _against_ratio(result: Study, rule: Rule) -> Figure:
         if axis in c.axes and c.ratio and (n := c.axes[axis].coefficients["N"]).value is not None
     )
     x, value, lower, upper = np.array(points).T
-    curve = Curve(name, x, value, BLUE, lower, upper, style="points")
+    line = np.geomspace(x.min() / 1.5, x.max() * 1.5, POINTS)
+    curves = (
+        Curve(name, x, value, BLUE, lower, upper, style="points"),
+        Curve("white noise, aliased", line, unit.from_si(rule.best.value) * aliased(line), INK, style="fit"),
+    )
     return Figure(
-        f"{name}: random walk against rate / (2 bandwidth)", "rate / (2 bandwidth) [1]", f"N [{unit.name}]", (curve,),
+        f"{name}: random walk against rate / (2 bandwidth)", "rate / (2 bandwidth) [1]", f"N [{unit.name}], with its interval", curves,
         verticals=(Vertical(1.0, "rate = 2 bandwidth"),),
     )  # fmt: skip
+
+
+def _as_printed(result: Study) -> Table:
+    """Return the coefficients of the gyro z, or of the first axis, with a column for each setting (Hassaballa, table 2)."""
+    axes = list(result.cases[0].axes)
+    axis = "gyro_z" if "gyro_z" in axes else axes[0]
+    cases = [c for c in result.cases if axis in c.axes]
+    rows = tuple(
+        (title, *(coefficient_text(c.axes[axis].coefficients[letter], unit) if letter in c.axes[axis].coefficients else "—" for c in cases))
+        for letter, title in LETTERS.items()
+        for unit in [coefficient_units(axis, letter)[1]]
+    )  # fmt: skip
+    caption = (
+        f"{100 * result.level:g} % intervals; below a limit: the record does not show it (N/A in Hassaballa's table 2)."
+    )
+    return Table(
+        f"{axis.replace('_', ' ')}: coefficients by setting", ("coefficient", *map(_text, cases)), rows, caption
+    )
 
 
 def _text(case: CaseResult) -> str:
@@ -82,14 +109,14 @@ def _coefficients(result: Study) -> Table:
 def _rules(result: Study) -> Table:
     rows = tuple(
         (
-            r.axis, quantity_text((unit := coefficient_units(r.axis, "N")[1]).from_si(r.best), unit.name), f"{r.kept:.3f}",
-            "—" if r.broken is None else f"{r.broken:.3f}", "yes" if r.holds else "no",
+            r.axis, estimate_text(r.best, (unit := coefficient_units(r.axis, "N")[1]).name, unit.factor), "—" if r.kept is None else estimate_text(r.kept, "", 1.0),
+            "—" if r.broken is None else estimate_text(r.broken, "", 1.0), r.holds,
         )
         for r in result.rule
     )  # fmt: skip
     caption = (
-        f"The rule: if the rate is at least twice the bandwidth, N is within {100 * TOLERANCE:g} % of its best value. At lower rates, "
-        "noise is aliased and N grows."
+        f"The rule (Hassaballa, 5.1): if the rate is at least twice the bandwidth, N is within {100 * TOLERANCE:g} % of its best value; at lower "
+        f"rates, noise is aliased and N grows. {100 * result.level:g} % intervals; open: they do not decide; a dash: there are not two such settings."
     )
     headings = (
         "axis", "best N", "largest N over the best, rate ≥ 2 bandwidth [1]", "largest N over the best, lower rates [1]", "rule holds"

@@ -9,7 +9,7 @@ from imuwb.stochastic import WhiteNoise
 from imuwb_plugins.noise import show_settings
 from imuwb_plugins.noise.answer import answer_study
 from imuwb_plugins.noise.parameters import Parameters
-from imuwb_plugins.noise.settings import AxisCase, CaseResult, rule, study
+from imuwb_plugins.noise.settings import AxisCase, CaseResult, aliased, rule, study
 
 N = 1e-3
 
@@ -50,10 +50,11 @@ def test_n_is_kept_where_the_rate_is_twice_the_bandwidth_and_grows_where_it_is_n
 def test_the_rule_is_found(grid):
     assert [tested.axis for tested in grid.rule] == ["gyro_x", "gyro_y", "gyro_z"]
     for tested in grid.rule:
-        assert tested.best == pytest.approx(N, rel=0.05)
-        assert tested.broken > 1.3
-        assert tested.kept < 1.1
-        assert tested.holds
+        assert tested.best.value == pytest.approx(N, rel=0.05)
+        assert tested.broken.lower > 1.3
+        assert tested.kept.value < 1.1
+        assert tested.kept.lower < tested.kept.value < tested.kept.upper
+        assert tested.holds in ("yes", "open")
 
 
 def test_what_a_filter_takes_for_q_is_n_squared_of_white_samples():
@@ -64,26 +65,42 @@ def test_what_a_filter_takes_for_q_is_n_squared_of_white_samples():
     assert found.rate_hz == {"gyro": pytest.approx(100)}
 
 
-def result(bandwidth, rate, n):
+def result(bandwidth, rate, n, wide=1e-9):
     from imuwb.statistics import Coefficient
 
     none = np.empty(0)
-    axis = AxisCase(none, none, {"N": Coefficient(n, n, n or 1.0, at=1.0)}, 1.0, 1.0)
+    low, high = (None, 1.0) if n is None else (n * (1 - wide), n * (1 + wide))
+    axis = AxisCase(none, none, {"N": Coefficient(n, low, high, at=1.0)}, 1.0, 1.0)
     return CaseResult(
         {"bandwidth": str(bandwidth)}, {"gyro": rate}, {"gyro_x": axis}, {"gyro": rate / (2 * bandwidth)}, {}
     )
 
 
 @pytest.mark.parametrize(
-    ("sizes", "holds"),
-    [((1.0, 1.05, 1.0, 1.5), True), ((1.0, 1.2, 1.0, 1.5), False), ((1.0, 1.0, 1.0, 1.05), False), ((1.0, None, 1.0, 1.5), True)],
+    ("sizes", "wide", "holds"),
+    [
+        ((1.0, 1.05, 1.0, 1.5), 1e-9, "yes"), ((1.0, 1.2, 1.0, 1.5), 1e-9, "no"), ((1.0, 1.0, 1.0, 1.05), 1e-9, "no"),
+        ((1.0, None, 1.0, 1.5), 1e-9, "yes"), ((1.0, None, 1.0, 1.05), 1e-9, "no"), ((1.0, 1.05, 1.0, 1.5), 0.05, "open"), ((1.0, 1.0, 1.0, 1.2), 0.1, "open"),
+        ((1.0, 1.3, 1.0, 1.5), 0.05, "no"),
+    ],
 )  # fmt: skip
-def test_the_rule_holds_where_n_is_kept_above_and_grows_below(sizes, holds):
-    found = tuple(result(b, r, n) for (b, r), n in zip(((20, 100), (40, 100), (20, 50), (40, 50)), sizes, strict=True))
-    (tested,) = rule(found)
+def test_the_rule_holds_where_n_is_kept_above_and_grows_below(sizes, wide, holds):
+    grid = zip(((20, 100), (40, 100), (20, 50), (40, 50)), sizes, strict=True)
+    (tested,) = rule(tuple(result(b, r, n, wide) for (b, r), n in grid))
     assert tested.holds == holds
-    assert tested.best == 1.0
-    assert tested.broken == pytest.approx(sizes[3])
+    assert tested.best.value == 1.0
+    assert tested.broken.value == pytest.approx(sizes[3])
+
+
+def test_the_ratio_of_two_coefficients_has_the_width_of_both():
+    grid = ((10, 100, 1.0), (20, 100, 1.2), (25, 100, 1.1), (10, 50, 1.0))
+    (tested,) = rule(tuple(result(b, r, n, 0.1) for b, r, n in grid))
+    assert tested.kept.upper / tested.kept.value == pytest.approx(np.exp(np.hypot(np.log(1.1), np.log(1 / 0.9))))
+
+
+def test_white_noise_folds_as_the_filter_lets_it():
+    assert aliased(np.array([100.0])) == pytest.approx([1.0], abs=1e-6)
+    assert aliased(np.array([0.5])) == pytest.approx([(1 + 2 * sum(1 / (1 + k**4) for k in range(1, 201))) ** 0.5])
 
 
 def test_without_a_grid_there_is_no_rule():
@@ -108,7 +125,8 @@ def test_settings_are_drawn_over_each_other(grid):
     assert len(figures[0].curves) == 9
     assert figures[0].curves[0].label == "bandwidth 98, rate 200"
     assert [v.text for v in figures[1].verticals] == ["rate = 2 bandwidth"]
-    table, rules = tables
+    assert [c.label for c in figures[1].curves] == ["gyro z", "white noise, aliased"]
+    table, rules = tables  # nine settings are too many for a column each
     assert len(table.rows) == 27
     assert [row[0] for row in rules.rows] == ["gyro_x", "gyro_y", "gyro_z"]
 
