@@ -17,6 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from imuwb.errors import UsageError
+from imuwb.identification.allan_variance.flat import FlatPart, flat_part
 from imuwb.log import AXES
 from imuwb.navigation.filter_model import FilterModel
 from imuwb.navigation.shaping import Reading
@@ -39,7 +40,6 @@ NAMES = ("none", "15AV", "18AV", "18AVWD", "15AR", "27AR", "full")
 #: For a Gauss-Markov process: ratio of the largest Allan deviation to sigma, and of its averaging time to Tc.
 PEAK, PEAK_AT = 0.6174, 1.892
 LONGEST, SHORTEST = 2000.0, 1.0  #: s, range of averaging times in which the flat part of an Allan curve is searched
-FLAT = 1.05  #: the flat part is below this multiple of the smallest Allan deviation
 AR_ORDERS = {"15AR": 1, "27AR": 3}
 TURN_ON = (float(np.radians(0.2)), 0.1)  #: rad/s, m/s²: usual for MEMS that were calibrated once
 
@@ -112,26 +112,23 @@ def _of(name: str, axis: str, model: AxisModel, processes: Sum, reading: Reading
 def gauss_markov(processes: Sum, reading: Reading) -> tuple[GaussMarkov, ...]:
     """Return the Gauss-Markov processes that represent bias instability: the model's own, or one made from its flicker noise.
 
-    As printed (eq. 29, table 5): sigma is the flat Allan deviation 0.664 B, and Tc is the averaging time in the middle of the
-    flat part. "corrected": the largest Allan deviation of the process has this value and this averaging time.
+    As printed (eq. 29, table 5): sigma is the flat Allan deviation 0.664 B, and Tc is the arithmetic middle of the flat part. "corrected": the largest Allan deviation of the process has this value, in the middle of the flat part on a logarithmic axis.
     """
     own = tuple(term for term in processes.terms if isinstance(term, GaussMarkov))
     flicker = [term for term in processes.terms if isinstance(term, FlickerNoise) and term.B > 0]
     if own or not flicker:
         return own
-    level, middle = FLICKER_LEVEL * flicker[0].B, flat_middle(processes)
+    level, flat = FLICKER_LEVEL * flicker[0].B, flat_of(processes)
     if reading != "corrected":
-        return (GaussMarkov(level, middle),)
-    return (GaussMarkov(level / PEAK, middle / PEAK_AT),)
+        return (GaussMarkov(level, flat.centre),)
+    return (GaussMarkov(level / PEAK, (flat.begin * flat.end) ** 0.5 / PEAK_AT),)
 
 
-def flat_middle(processes: Sum) -> float:
-    """Return the averaging time, s, in the middle of the flat part of a model's Allan deviation: within 5 % of the smallest."""
+def flat_of(processes: Sum) -> FlatPart:
+    """Return the averaging times at which a model's Allan deviation is within 5 % of its smallest."""
     tau = np.geomspace(SHORTEST, LONGEST, 400)
     kept = Sum(tuple(t for t in processes.terms if isinstance(t, WhiteNoise | FlickerNoise | RandomWalk)))
-    deviation = np.sqrt(kept.allan_variance(tau, 1e-3))
-    flat = tau[deviation <= FLAT * deviation.min()]
-    return float(np.sqrt(flat[0] * flat[-1]))
+    return flat_part(tau, np.sqrt(kept.allan_variance(tau, 1e-3)))
 
 
 def kept(model: AxisModel, order: int, interval: float) -> Autoregressive | None:

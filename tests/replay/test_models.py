@@ -15,7 +15,7 @@ from imuwb.log import AXES
 from imuwb.navigation import FilterModel
 from imuwb.navigation.shaping import Reading, shaping
 from imuwb.replay import NAMES, model_named, scaled
-from imuwb.replay.models import TURN_ON, flat_middle
+from imuwb.replay.models import TURN_ON, flat_of
 from imuwb.replay.noise.denoised_ar import LEVELS, ORDERS, expected, fitted
 from imuwb.simulation import preset
 from imuwb.stochastic import (
@@ -115,7 +115,7 @@ def test_a_gauss_markov_process_as_printed_is_the_flat_level(axis, reading):
     found = only(model_named("18AV", base(), reading=reading, interval=DT), GaussMarkov, axis)
     k = int(axis[0] == "a")
     assert found.sigma == pytest.approx(FLAT * B[k])
-    assert found.Tc == pytest.approx(flat_middle(terms(axis)))
+    assert found.Tc == pytest.approx(flat_of(terms(axis)).centre)
 
 
 @pytest.mark.parametrize("axis", ["gyro_y", "accel_z"])
@@ -125,7 +125,8 @@ def test_a_corrected_gauss_markov_process_peaks_at_the_flat_level(axis):
     deviation = np.sqrt(2 / x * (1 - (3 - 4 * np.exp(-x) + np.exp(-2 * x)) / (2 * x)))
     top = int(np.argmax(deviation))
     assert found.sigma * deviation[top] == pytest.approx(FLAT * B[int(axis[0] == "a")], rel=1e-3)
-    assert found.Tc * x[top] == pytest.approx(flat_middle(terms(axis)), rel=2e-3)
+    flat = flat_of(terms(axis))
+    assert found.Tc * x[top] == pytest.approx(math.sqrt(flat.begin * flat.end), rel=2e-3)
 
 
 def test_the_flat_part_is_where_the_curve_is_low():
@@ -134,7 +135,8 @@ def test_the_flat_part_is_where_the_curve_is_low():
         k = int(axis[0] == "a")
         adev = np.sqrt(N[k] ** 2 / tau + FLAT**2 * B[k] ** 2 + K[k] ** 2 * tau / 3)
         flat = tau[adev <= 1.05 * adev.min()]
-        assert flat_middle(terms(axis)) == pytest.approx(math.sqrt(flat[0] * flat[-1]), rel=0.02)
+        found = flat_of(terms(axis))
+        assert (found.begin, found.end) == pytest.approx((flat[0], flat[-1]), rel=0.03)
 
 
 def test_white_noise_of_eq_27():
@@ -231,13 +233,13 @@ def test_an_ar_process_of_static_samples_is_burgs_of_a_low_pass(axis):
 
 
 def test_the_expected_processes_are_those_of_drawn_records():
-    """Four records of 1.5 h scatter by 2 % each."""
+    """Four records of 1.5 h scatter by 2 % each; the expectation is that of 7 h, which changes the coefficients a little."""
     drawn = [fitted(terms("accel_y").sample(1 << 19, DT, np.random.default_rng(k)), "accel_y", DT) for k in range(4)]
     for place, mean in enumerate(expected(terms("accel_y"), 6, DT)):
         powers = [own[place].beta0 ** 2 for own in drawn]
         assert mean.beta0**2 == pytest.approx(np.mean(powers), rel=0.03)
         alphas = np.mean([own[place].alpha for own in drawn], axis=0)
-        assert mean.alpha == pytest.approx(alphas, rel=0.005)
+        assert mean.alpha == pytest.approx(alphas, rel=0.02)
 
 
 def test_without_kept_processes_they_follow_from_the_model():

@@ -3,7 +3,7 @@
 Drives take four hours (mixed routes, 100 Hz, fixes each second). Four truths simulate the sensor, and the filter uses the same
 processes: white noise and a Gauss-Markov bias; these and a random walk of the accelerometers; white noise and AR(1); white noise
 and a stable AR(3), both by Burg's method from denoised static samples. Outages of 60 s every 90 s do not overlap. The first drive
-of each truth also goes through the formulas "as printed", and through wavelet denoising before a filter that does not model it.
+of each truth also goes through the formulas as printed (densities), and through wavelet denoising before a filter that does not model it.
 
 The bands are explained in ``filter_consistency.py``.
 
@@ -29,7 +29,7 @@ HOURS, EVERY, DURATION, SETTLING = 4.0, 90.0, 60.0, 300.0
 HORIZONS = (5, 10, 30, 60)  #: s
 TRUTHS = {"WN + GM": "15AV", "WN + GM + RW": "18AV", "WN + AR(1)": "15AR", "WN + AR(3)": "27AR"}
 VARIANTS = {
-    "": {}, ", as printed": {"reading": "as printed"}, ", denoised first": {"wavelet_levels": (7, 7, 7, 7, 6, 6)},
+    "": {}, ", as printed": {"reading": "printed densities"}, ", denoised first": {"wavelet_levels": (7, 7, 7, 7, 6, 6)},
 }  # fmt: skip
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from scipy import optimize
 
 from imuwb.arrays import Booleans, Floats, Integers
+from imuwb.identification.allan_variance.flat import measured_flat_part
 from imuwb.identification.allan_variance.overlapping import AllanDeviation
 from imuwb.identification.allan_variance.problem import LETTERS, PROCESSES, Problem
 from imuwb.identification.allan_variance.regions import regions
@@ -45,14 +46,14 @@ class AllanFit(SumFit):
 
     lines: tuple[Sinusoid, ...]
     regions: tuple[Region, ...]
-    #: s, correlation time of the bias instability: centre of the flat region on the log axis (Quinchia, table 5); its
-    #: interval is the region
+    #: s, correlation time of the bias instability as the papers read it: middle of the flat part (Quinchia, table 5), which is its
+    #: interval; without an upper end where the flat part lasts to the end of the curve; None: the sum has no B
     correlation_time: Estimate | None
     shortest: float  #: s; the sum explains the curve from this averaging time up
 
     @property
     def gauss_markov_time(self) -> float | None:
-        """Return Tc (s) of the Gauss-Markov process whose peak, at 1.893 Tc, is the centre of the flat region."""
+        """Return Tc (s) of the Gauss-Markov process whose peak, at 1.893 Tc, is the middle of the flat part."""
         return None if self.correlation_time is None else self.correlation_time.value / GAUSS_MARKOV_PEAK
 
     def allan_deviation(self, averaging_time: Floats, dt: float) -> Floats:
@@ -92,19 +93,20 @@ def fit_allan(curve: AllanDeviation, lines: Sequence[Line] = (), shortest: float
         coefficients["B"] = replace(coefficients["B"], at=flat.centre)
     return AllanFit(
         curve.level, coefficients, Sum((*terms, *sinusoids)), chi2 / freedom, probability, sinusoids, dominated,
-        _correlation_time(flat, float(problem.tau[-1])), float(problem.tau[0]),
+        _correlation_time(curve, Sum(tuple(terms)), coefficients["B"].value), float(problem.tau[0]),
     )  # fmt: skip
 
 
-def _correlation_time(flat: Region | None, longest: float) -> Estimate | None:
-    """Return the centre of a flat region that ends before the curve does.
+def _correlation_time(curve: AllanDeviation, processes: Sum, flat: float | None) -> Estimate | None:
+    """Return the middle of the flat part; None for a sum without bias instability.
 
-    A flat part that lasts to the end of the record has no centre: flicker has no correlation time, and a slow
-    Gauss-Markov process shows its own only in a longer record.
+    Flicker has no correlation time: where the flat part lasts to the end of the curve, the middle is a lower bound.
     """
-    if flat is None or flat.end >= longest:
+    if flat is None:
         return None
-    return Estimate(flat.centre, flat.start, flat.end, unit="s")
+    smooth = np.sqrt(processes.allan_variance(curve.averaging_time, curve.dt))
+    part = measured_flat_part(curve.averaging_time, curve.deviation, smooth, curve.n * curve.dt)
+    return part.correlation_time
 
 
 def _octaves(factor: Integers, usable: Booleans, shortest: float) -> Integers:

@@ -72,8 +72,8 @@ class AllanAxis:
     fitted: Floats | None
     coefficients: Mapping[str, Coefficient]
     regions: tuple[Region, ...] = ()
-    correlation_time: Estimate | None = None  #: s, centre of the flat region, between its begin and end
-    gauss_markov_time: float | None = None  #: s, Tc of the Gauss-Markov process whose peak is that centre
+    correlation_time: Estimate | None = None  #: s, middle of the flat part, between its begin and end
+    gauss_markov_time: float | None = None  #: s, Tc of the Gauss-Markov process whose peak is that middle
     lines: tuple[LineResult, ...] = ()
     fit: FitQuality | None = None
     processes: Sum | None = None

@@ -1,5 +1,6 @@
 """Tables of the Allan analysis."""
 
+import math
 from collections.abc import Iterator, Mapping
 
 from imuwb.analysis import Table
@@ -53,19 +54,25 @@ def _cells(axis: str, coefficients: Mapping[str, Coefficient]) -> tuple[str, ...
 
 
 def _coefficients(result: Result) -> Table:
-    rows = tuple((axis, *_cells(axis, r.coefficients), _correlation(r)) for axis, r in result.axes.items())
+    rows = tuple((axis, *_cells(axis, r.coefficients), *_correlation(r)) for axis, r in result.axes.items())
     level = f"{100 * result.level:g} %"
     caption = (
         f"Value [{level} interval]; < is the {level} upper limit of a term that is not identified. Each coefficient is read on its "
-        "own line: Q at √3 s, N at 1 s, K at 3 s, R at √2 s; B is the flat level / 0.664. Tc is the centre [begin, end] of the flat "
-        "region, if it ends within the record; a Gauss-Markov process with its peak there has Tc / 1.89."
+        "own line: Q at √3 s, N at 1 s, K at 3 s, R at √2 s; B is the flat level / 0.664. Tc is the middle [begin, end] of the flat part, "
+        "as Quinchia reads table 5; > is a bound, where it may last beyond the curve. Matched: Tc of the Gauss-Markov process that peaks there."
     )
     moving = " (the IMU moves: see the notes)" if result.moving else ""
-    return Table(f"Noise coefficients of {result.imu}{moving}", ("axis", *_HEADINGS, "Tc of B"), rows, caption)
+    return Table(
+        f"Noise coefficients of {result.imu}{moving}", ("axis", *_HEADINGS, "Tc of B", "Tc, matched"), rows, caption
+    )
 
 
-def _correlation(r: AllanAxis) -> str:
-    return "—" if r.correlation_time is None else interval_text(r.correlation_time)
+def _correlation(r: AllanAxis) -> tuple[str, str]:
+    """Return the correlation time as the paper reads it, and that of the Gauss-Markov process that peaks there."""
+    if r.correlation_time is None or r.gauss_markov_time is None:
+        return "—", "—"
+    bound = "> " if math.isinf(r.correlation_time.upper) else ""
+    return f"{bound}{interval_text(r.correlation_time)}", f"{bound}{number_text(r.gauss_markov_time)} s"
 
 
 def _estimators(estimates: Mapping[str, EstimatorComparison]) -> Table:
