@@ -5,6 +5,7 @@ from .allan_variance.moments import equivalent_degrees_of_freedom as equivalent_
 from .allan_variance.overlapping import AllanDeviation as AllanDeviation
 from .allan_variance.overlapping import allan as allan
 from .allan_variance.overlapping import allan_of_axes as allan_of_axes
+from .allan_variance.printed import printed_intervals as printed_intervals
 from .allan_variance.relatives import deviation as deviation
 from .correlation.autocorrelation import Autocorrelation as Autocorrelation
 from .correlation.autocorrelation import GaussMarkovFit as GaussMarkovFit

@@ -33,6 +33,21 @@ def result(log):
     return psd.run([log], psd.Parameters())
 
 
+def test_the_spectrum_before_averaging_is_drawn_if_wanted(log, result):
+    assert all(r.raw is None for r in result.axes.values())
+    raw = psd.run([log], psd.Parameters(raw=True)).axes["gyro_x"].raw
+    spectrum = power_spectrum(log.imu().axes()["gyro_x"][1], 0.01)
+    whole = dict(zip(spectrum.raw_frequency.tolist(), spectrum.raw.tolist(), strict=True))
+    assert raw.shape[1] > 1000
+    assert all(whole[f] == d for f, d in raw.T.tolist())
+    assert raw[1].max() == spectrum.raw[3:].max()
+    for k in (5, 40):  # a band is the mean of its densities
+        inside = (spectrum.raw_frequency > spectrum.frequency[k] * 0.99) & (
+            spectrum.raw_frequency < spectrum.frequency[k] * 1.01
+        )
+        assert spectrum.raw[inside].mean() == pytest.approx(spectrum.density[k], rel=1.5)
+
+
 def test_the_density_of_white_noise_is_twice_n_squared(result):
     found = result.axes["gyro_x"]
     assert found.sides == 1

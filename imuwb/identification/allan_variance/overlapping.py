@@ -15,7 +15,8 @@ from imuwb.identification.allan_variance import noise_type
 from imuwb.identification.allan_variance.averaging import averaging_factors
 from imuwb.identification.allan_variance.gapped import bridged
 from imuwb.identification.allan_variance.moments import equivalent_degrees_of_freedom
-from imuwb.statistics.distributions import chi_square_limits, normal_limit
+from imuwb.identification.coefficient import printed_half_width
+from imuwb.statistics.distributions import chi_square_limits
 from imuwb.texts import number_text
 
 Uncertainty = Literal["edf", "printed"]
@@ -171,7 +172,7 @@ def _interval(
     if uncertainty == "edf":
         low, high = chi_square_limits(level, edf)
         return deviation * np.sqrt(low), deviation * np.sqrt(high)
-    half = normal_limit(level) / np.sqrt(2 * np.maximum(clusters - 1, 0.5))
+    half = printed_half_width(clusters, level)
     return np.maximum(deviation * (1 - half), 0.0), deviation * (1 + half)
 
 

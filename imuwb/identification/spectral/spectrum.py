@@ -43,7 +43,13 @@ class PowerSpectrum:
     lower: Floats  #: (k,)
     upper: Floats  #: (k,)
     degrees_of_freedom: Floats  #: (k,)
+    raw: Floats  #: (segment // 2 + 1,) density at i/(segment dt), averaged over segments only (Quinchia, figures 12a and 14a)
     sides: int = 1
+
+    @property
+    def raw_frequency(self) -> Floats:
+        """Return the frequencies of the density before frequency averaging, Hz."""
+        return np.arange(self.raw.size) / (self.segment * self.dt)
 
     def __repr__(self) -> str:
         """Return the range of frequencies and the segments."""
@@ -97,7 +103,7 @@ def power_spectrum(values: Floats, dt: float, segment: int = LONGEST, *, level: 
     frequency = np.add.reduceat(np.arange(edges[-1], dtype=np.float64), edges[:-1]) / width / (size * dt)
     freedom = 2 * np.array([independent(count, w) for w in width])
     lower, upper = (density * factor for factor in chi_square_limits(level, freedom))
-    return PowerSpectrum(n, dt, size, level, frequency, density, lower, upper, freedom)
+    return PowerSpectrum(n, dt, size, level, frequency, density, lower, upper, freedom, total)
 
 
 def fit_spectrum(spectrum: PowerSpectrum, lines: Sequence[Line] = (), highest: float = float("inf")) -> SpectralFit:

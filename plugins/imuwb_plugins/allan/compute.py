@@ -11,7 +11,7 @@ from imuwb.arrays import Floats
 from imuwb.axes import Axis, axes_of, for_each, rates
 from imuwb.errors import MissingDataError, UsageError
 from imuwb.health import record_doubts, stillness_of
-from imuwb.identification import NoiseIdentification, deviation, identify
+from imuwb.identification import NoiseIdentification, deviation, identify, printed_intervals
 from imuwb.identification.record.suitable import unsuitable
 from imuwb.log import Log, source_of
 from imuwb.noise_results import ModelCurves, line_result
@@ -85,7 +85,10 @@ def _axis(axis: Axis, parameters: Parameters, band: float) -> AllanAxis:
     except ValueError as error:
         raise UsageError(f"{axis.name}: {error}") from error
     gapped = any(note.id == "gaps" for note in noise.notes)
-    result = replace(_fitted(axis.name, noise), other=None if gapped else _other(axis, parameters))
+    result = replace(
+        _fitted(axis.name, noise, printed=parameters.uncertainty == "printed"),
+        other=None if gapped else _other(axis, parameters),
+    )
     if not parameters.estimators or gapped:
         return result
     return replace(result, estimates=_comparison(axis.name, noise))
@@ -100,7 +103,7 @@ def _other(axis: Axis, parameters: Parameters) -> OtherDeviation | None:
     return OtherDeviation(parameters.deviation, curve.averaging_time, curve.deviation, curve.lower, curve.upper)
 
 
-def _fitted(axis: str, noise: NoiseIdentification) -> AllanAxis:
+def _fitted(axis: str, noise: NoiseIdentification, *, printed: bool) -> AllanAxis:
     curve, fit = noise.curve, noise.allan
     arrays = (
         curve.averaging_time, curve.deviation, curve.lower, curve.upper, curve.degrees_of_freedom, curve.noise_type
@@ -108,7 +111,8 @@ def _fitted(axis: str, noise: NoiseIdentification) -> AllanAxis:
     if fit is None:
         why = next(note for note in noise.notes if note.id == "no-fit")
         return AllanAxis(*arrays, None, _unknown(axis), why_no_fit=str(why))
-    coefficients = _with_units(axis, fit.coefficients)
+    own = printed_intervals(fit, curve.n * curve.dt) if printed else fit.coefficients
+    coefficients = _with_units(axis, own)
     lines = tuple(line_result(axis, line) for line in noise.lines)
     return AllanAxis(
         *arrays, fit.allan_deviation(curve.averaging_time, curve.dt), coefficients, fit.regions, fit.correlation_time,

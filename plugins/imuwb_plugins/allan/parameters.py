@@ -20,7 +20,8 @@ class Parameters:
     ] = "octave"
     uncertainty: Annotated[
         Literal["edf", "printed"],
-        "Intervals of the curve: edf (chi-square, degrees of freedom by noise type), or printed (the papers' 1/√(2(N/n-1))).",
+        "Intervals of the curve and of the Allan fit's coefficients: edf (chi-square, degrees of freedom by noise type), or printed (the "
+        "papers' 1/√(2(N/n-1)); with --level 0.683 as in Quinchia's table 4).",
     ] = "edf"
     lines: Annotated[bool, "Search for periodic lines, and include them in the fits."] = True
     fast: Annotated[

@@ -2,10 +2,12 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
 from imuwb.analysis import Finding
+from imuwb.arrays import Floats
 from imuwb.axes import Axis, axes_of, for_each, gap_notes, rates
 from imuwb.identification import Line, PowerSpectrum, SpectralFit, find_lines, fit_spectrum, power_spectrum
 from imuwb.identification.record.suitable import unsuitable
@@ -22,6 +24,8 @@ PEAK = 2.0  #: ratio to the fitted density, above which a broad peak is called a
 APART = 0.1  #: difference of natural logarithms; a spectrum that differs by more leaves its white level
 BEYOND_CHANCE = 4.0  #: standard errors by which it must differ as well
 POINTS = 200  #: frequencies of the model's densities in the figure
+FIRST = 3  #: lowest bins, in which the window spreads the drift
+COLUMNS = 1500  #: of the figure before frequency averaging
 NAMED = 3  #: lines that a remark names, the strongest
 
 
@@ -55,6 +59,7 @@ def _axis(axis: Axis, parameters: Parameters, band: float) -> SpectrumAxis:
     result = SpectrumAxis(
         spectrum.frequency, spectrum.density, spectrum.lower, spectrum.upper, spectrum.sides, unknown,
         lines=tuple(line_result(name, x, _line_name(x, lasting)) for x in lasting),
+        raw=_extremes(spectrum) if parameters.raw else None,
     )  # fmt: skip
     try:
         fit = fit_spectrum(spectrum, lines, band)
@@ -69,6 +74,20 @@ def _axis(axis: Axis, parameters: Parameters, band: float) -> SpectrumAxis:
         probability=fit.probability, resonances=_resonances(spectrum, fit, lines),
         model_densities=_model_densities(fit, float(spectrum.frequency[0]), dt),
     )  # fmt: skip
+
+
+def _extremes(spectrum: PowerSpectrum) -> Floats:
+    """Return the smallest and the largest density in narrow columns of frequency: on a screen they look like all of them."""
+    f, density = spectrum.raw_frequency[FIRST:], spectrum.raw[FIRST:]
+    edges = np.unique(np.searchsorted(f, np.geomspace(f[0], f[-1], COLUMNS)))
+    ends = [
+        begin + int(which(density[begin:end]))
+        for begin, end in pairwise((*edges.tolist(), density.size))
+        if end > begin
+        for which in (np.argmin, np.argmax)
+    ]
+    rows = np.unique(ends)
+    return np.stack([f[rows], density[rows]])
 
 
 def _line_name(line: Line, lines: Sequence[Line]) -> str:

@@ -12,4 +12,5 @@ class Parameters(Options):
 
     segment: Annotated[int, "Longest segment (samples).", Between(64, 1 << 24)] = 1 << 20
     lines: Annotated[bool, "Search for periodic lines, and leave them out of the fit."] = True
+    raw: Annotated[bool, "Draw the spectrum before frequency averaging too."] = False
     level: Level = 0.95

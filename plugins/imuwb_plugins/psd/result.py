@@ -32,6 +32,8 @@ class SpectrumAxis:
     probability: float | None = None  #: probability that chance makes a misfit as large
     why_none: str | None = None
     resonances: tuple[float, ...] = ()  #: Hz, broad peaks above the fitted band
+    #: before frequency averaging: extremes of the densities in narrow columns of frequency, (2, r) Hz and SI; None: not wanted
+    raw: Floats | None = field(default=None, metadata={"document": False})
     model_densities: ModelCurves | None = field(default=None, metadata={"document": False})
 
     def __repr__(self) -> str:

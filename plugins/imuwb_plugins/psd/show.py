@@ -20,6 +20,8 @@ def draw(result: Result, review: Review) -> None:
         review.note(note)
     for sensor, axes in by_sensor({axis: r for axis, r in result.axes.items() if r.frequency.size}).items():
         review.figure(_figure(sensor, axes, result))
+        if any(r.raw is not None for r in axes.values()):
+            review.figure(_raw(sensor, axes, result))
     review.table(_coefficients(result))
     level = f"{100 * result.level:g} % interval"
     caption = f"The slope of a free line over the frequencies where one term makes more than 60 % of the density, with its {level}."
@@ -46,6 +48,19 @@ def _figure(sensor: str, axes: dict[str, SpectrumAxis], result: Result) -> Figur
     return Figure(
         f"{SENSORS[sensor]}: power spectral density", "frequency [Hz]",
         f"one-sided density [{unit}], segments of {result.segment[sensor]} samples", curves, verticals=verticals,
+    )  # fmt: skip
+
+
+def _raw(sensor: str, axes: dict[str, SpectrumAxis], result: Result) -> Figure:
+    unit, factor = _UNITS[sensor]
+    curves = tuple(
+        Curve(axis.replace("_", " "), r.raw[0], r.raw[1] / factor, AXIS_COLORS[axis[-1]], style="curve")
+        for axis, r in axes.items()
+        if r.raw is not None
+    )
+    return Figure(
+        f"{SENSORS[sensor]}: power spectral density before frequency averaging", "frequency [Hz]",
+        f"one-sided density [{unit}], segments of {result.segment[sensor]} samples", curves,
     )  # fmt: skip
 
 
