@@ -71,8 +71,10 @@ def _correlation(r: AllanAxis) -> tuple[str, str]:
     """Return the correlation time as the paper reads it, and that of the Gauss-Markov process that peaks there."""
     if r.correlation_time is None or r.gauss_markov_time is None:
         return "—", "—"
-    bound = "> " if math.isinf(r.correlation_time.upper) else ""
-    return f"{bound}{interval_text(r.correlation_time)}", f"{bound}{number_text(r.gauss_markov_time)} s"
+    read, matched = r.correlation_time, f"{number_text(r.gauss_markov_time)} s"
+    if math.isinf(read.upper):
+        return f"> {number_text(read.value)} s, flat from {number_text(read.lower)} s on", f"> {matched}"
+    return interval_text(read), matched
 
 
 def _estimators(estimates: Mapping[str, EstimatorComparison]) -> Table:
