@@ -12,7 +12,7 @@ Readings: "corrected" has filters from table 4's N, B and K, and AR processes th
 "printed densities" have exactly the parameters of tables 2, 4 and 5 (preset 3dm-gx3-25-paper), with eqs. 21 and 27 to 36 read as
 variances of a sample or as densities. Denoising has the levels of table 7 and thresholds without a scale, as table 2.
 
-Command: ``python tests/studies/turin.py`` (20 seeds: about 8 minutes in one process).
+Command: ``python tests/studies/turin.py`` (10 seeds: about 4 minutes in one process).
 Seeds: seed r makes the noise of record r, which is both drives.
 """
 
@@ -86,7 +86,7 @@ def record(reading, seed):
     return {table: first[table] | second[table] for table in filters}
 
 
-def study(records=20, workers=1):
+def study(records=10, workers=1):
     """Return three tables of each reading of the formulas."""
     tables = []
     for reading in READINGS:
@@ -166,4 +166,4 @@ def _levels(seeds, reading):
 
 
 if __name__ == "__main__":
-    main(__file__, QUESTION, study, 20, lambda n: f"seeds 0..{n - 1}; n = {n} records of two drives")
+    main(__file__, QUESTION, study, 10, lambda n: f"seeds 0..{n - 1}; n = {n} records of two drives")
