@@ -31,7 +31,8 @@ class Parameters:
     ] = "sure"
     scale: Annotated[
         Literal["level", "first", "none"],
-        "sigma of the noise: of each level, of the finest level for all, or none: 1 in SI units, which removes every detail of usual records, as in Quinchia's table 2",
+        "sigma of the noise: of each level, of the finest level for all, or none: 1 in SI units, which removes every detail of a still record; then "
+        "an AR process of the samples shows the low-pass and not the sensor, as in Quinchia's table 2",
     ] = "level"
     shrinkage: Annotated[Literal["soft", "hard"], "soft: details above the threshold shrink; hard: they stay"] = "soft"
     causal: Annotated[bool, "denoise in a sliding window of past samples, in place of the whole record"] = False
